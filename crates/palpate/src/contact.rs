@@ -1,0 +1,243 @@
+//! The contact and the loop it is rendered in: what a user states, checked once.
+
+use crate::Scalar;
+use crate::parameter::{ParameterError, positive};
+
+/// Mass of the virtual object.
+///
+/// As a serde value it is a number in kilograms, or the string `"inf"` (or an infinite number
+/// where the format has one) for a wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Mass<S> {
+    /// An object that moves, with this mass `[kg]`.
+    Finite(S),
+    /// A wall: it moves for no force, and no virtual force moves it.
+    Infinite,
+}
+
+/// On which side of the device the object lies.
+///
+/// All positions, velocities and forces are stated along one axis. The side says which way along
+/// it the device presses into the object; it changes nothing else, so a mirrored scene gives the
+/// mirrored forces.
+///
+/// ```text
+///  Side::Positive                              Side::Negative
+///   device --> | object        + axis -->       object | <-- device
+///   penetration = device - object               penetration = object - device
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum Side {
+    /// The object lies in the direction of increasing device position.
+    #[default]
+    Positive,
+    /// The object lies in the direction of decreasing device position.
+    Negative,
+}
+
+impl Side {
+    /// +1 for [`Side::Positive`], -1 for [`Side::Negative`].
+    #[inline]
+    pub fn sign<S: Scalar>(self) -> S {
+        match self {
+            Self::Positive => S::ONE,
+            Self::Negative => -S::ONE,
+        }
+    }
+}
+
+/// One contact between the device's end-point and a virtual object.
+///
+/// The interaction force is an undamped spring of the given stiffness, active while the
+/// penetration is positive (paper, Eq. 6b).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: Scalar + serde::Serialize",
+        deserialize = "S: Scalar + serde::Deserialize<'de>"
+    ))
+)]
+pub struct Contact<S> {
+    /// Contact stiffness K `[N/m]`, greater than 0.
+    pub stiffness: S,
+    /// Mass M of the object `[kg]`, greater than 0.
+    pub object_mass: Mass<S>,
+    /// Side of the device on which the object lies.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub side: Side,
+    /// Whether the contact may only push. The paper's methods can pull for part of an interval;
+    /// with this the held force is clamped so that it never does. Default `false`, as in the paper.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub unilateral: bool,
+}
+
+impl<S: Scalar> Contact<S> {
+    /// A contact of `stiffness` `[N/m]` with an object of `mass` `[kg]` on the positive side. An
+    /// infinite mass is a wall.
+    pub fn object(stiffness: S, mass: S) -> Self {
+        let object_mass = if mass == S::INFINITY {
+            Mass::Infinite
+        } else {
+            Mass::Finite(mass)
+        };
+        Self {
+            stiffness,
+            object_mass,
+            side: Side::Positive,
+            unilateral: false,
+        }
+    }
+
+    /// A contact of `stiffness` `[N/m]` with a wall on the positive side.
+    pub fn wall(stiffness: S) -> Self {
+        Self::object(stiffness, S::INFINITY)
+    }
+
+    /// The same contact on another side.
+    pub fn on(self, side: Side) -> Self {
+        Self { side, ..self }
+    }
+
+    /// The same contact, never pulling.
+    pub fn pushing_only(self) -> Self {
+        Self {
+            unilateral: true,
+            ..self
+        }
+    }
+
+    pub(crate) fn check(&self) -> Result<(), ParameterError> {
+        positive("stiffness", "N/m", self.stiffness)?;
+        if let Mass::Finite(mass) = self.object_mass {
+            positive("object_mass", "kg", mass)?;
+        }
+        Ok(())
+    }
+}
+
+/// The sampled loop the contact is rendered in, and what it must never exceed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+pub struct LoopParams<S> {
+    /// Nominal period T between samples `[s]`, greater than 0.
+    pub period: S,
+    /// Longest time between two samples that is bridged `[s]`, at least one period. A longer gap
+    /// is a fault. `None`: 20 periods.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub largest_gap: Option<S>,
+    /// Fastest device motion that is believed `[m/s]`; a faster jump is a fault. `None` believes
+    /// any. [`LoopParams::new`] sets 100 m/s, ten times what a hand can do.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub speed_limit: Option<S>,
+    /// Largest force that is held `[N]`. `None`: no limit.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub force_limit: Option<S>,
+    /// Fastest change of the held force `[N/s]`, up and down; a fault still drops it to 0 at
+    /// once. `None`: no limit.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub slew_limit: Option<S>,
+}
+
+impl<S: Scalar> LoopParams<S> {
+    /// A loop of nominal `period` `[s]` that believes device speeds up to 100 m/s and limits no
+    /// force.
+    pub fn new(period: S) -> Self {
+        Self {
+            period,
+            largest_gap: None,
+            speed_limit: Some(S::from_f64(100.0)),
+            force_limit: None,
+            slew_limit: None,
+        }
+    }
+
+    /// The longest gap that is bridged `[s]`: as set, or 20 periods.
+    pub fn bridged_gap(&self) -> S {
+        self.largest_gap.unwrap_or(self.period * S::from_f64(20.0))
+    }
+
+    pub(crate) fn check(&self) -> Result<(), ParameterError> {
+        positive("period", "s", self.period)?;
+        if let Some(gap) = self.largest_gap {
+            crate::parameter::check(
+                gap.is_finite() && gap >= self.period,
+                "largest_gap",
+                "s",
+                gap,
+                "finite and at least one period",
+            )?;
+        }
+        for (parameter, unit, limit) in [
+            ("speed_limit", "m/s", self.speed_limit),
+            ("force_limit", "N", self.force_limit),
+            ("slew_limit", "N/s", self.slew_limit),
+        ] {
+            if let Some(limit) = limit {
+                positive(parameter, unit, limit)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(feature = "serde")]
+mod mass_as_number {
+    //! A mass is a number, or "inf": JSON has no infinity, and a tagged enum would be noise.
+    use core::fmt;
+    use core::marker::PhantomData;
+
+    use serde::de::{Error, Unexpected, Visitor};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    use super::{Mass, Scalar};
+
+    impl<S: Scalar> Serialize for Mass<S> {
+        fn serialize<Z: Serializer>(&self, serializer: Z) -> Result<Z::Ok, Z::Error> {
+            match self {
+                Mass::Finite(mass) => serializer.serialize_f64(mass.to_f64()),
+                Mass::Infinite => serializer.serialize_str("inf"),
+            }
+        }
+    }
+
+    struct MassVisitor<S>(PhantomData<S>);
+
+    impl<S: Scalar> Visitor<'_> for MassVisitor<S> {
+        type Value = Mass<S>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a mass in kilograms or \"inf\"")
+        }
+        fn visit_f64<E: Error>(self, value: f64) -> Result<Mass<S>, E> {
+            Ok(if value == f64::INFINITY {
+                Mass::Infinite
+            } else {
+                Mass::Finite(S::from_f64(value))
+            })
+        }
+        fn visit_i64<E: Error>(self, value: i64) -> Result<Mass<S>, E> {
+            self.visit_f64(value as f64)
+        }
+        fn visit_u64<E: Error>(self, value: u64) -> Result<Mass<S>, E> {
+            self.visit_f64(value as f64)
+        }
+        fn visit_str<E: Error>(self, value: &str) -> Result<Mass<S>, E> {
+            match value {
+                "inf" => Ok(Mass::Infinite),
+                other => Err(E::invalid_value(Unexpected::Str(other), &self)),
+            }
+        }
+    }
+
+    impl<'de, S: Scalar> Deserialize<'de> for Mass<S> {
+        fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+            deserializer.deserialize_any(MassVisitor(PhantomData))
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! The two numbers that say how hard a contact is to render at a loop rate.
+
+use crate::Scalar;
+use crate::parameter::{ParameterError, positive};
+
+/// The nondimensional pair (kappa, Kc): contact stiffness against the inertia that one period
+/// leaves to device and object.
+///
+/// Scenes with the same pair behave alike at any loop rate. An undamped device of kappa above
+/// 0.69 cannot be kept stable on a wall by any virtual damper; the paper's experiments have
+/// (0.16, 0.4) and (0.64, 1.6).
+///
+/// ```
+/// use palpate::Difficulty;
+///
+/// let second_experiment = Difficulty::of(400.0, 0.25, 0.1, 0.02)?;
+/// assert!((second_experiment.kappa - 0.64_f64).abs() < 1e-12);
+/// assert!((second_experiment.object_kappa - 1.6_f64).abs() < 1e-12);
+/// assert!((second_experiment.stiffness(0.25, 0.02)? - 400.0).abs() < 1e-9);
+/// assert!((second_experiment.object_mass(0.25)? - 0.1).abs() < 1e-12);
+/// # Ok::<(), palpate::ParameterError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Difficulty<S> {
+    /// `K T^2 / m`, of the device's effective mass m `[1]`.
+    pub kappa: S,
+    /// `K T^2 / M`, of the object's mass M `[1]`; the paper's calligraphic K; 0 for a wall.
+    pub object_kappa: S,
+}
+
+impl<S: Scalar> Difficulty<S> {
+    /// The pair of a contact of `stiffness` `[N/m]` between a device of effective mass
+    /// `device_mass` `[kg]` and an object of `object_mass` `[kg]` (infinite: a wall), at the loop
+    /// `period` `[s]`. A device that cannot be moved has an infinite mass and kappa = 0.
+    ///
+    /// # Errors
+    /// A stiffness or period that is not finite and positive; a mass that is not positive.
+    pub fn of(
+        stiffness: S,
+        device_mass: S,
+        object_mass: S,
+        period: S,
+    ) -> Result<Self, ParameterError> {
+        positive("stiffness", "N/m", stiffness)?;
+        positive("period", "s", period)?;
+        let force_per_acceleration = stiffness * period * period;
+        Ok(Self {
+            kappa: force_per_acceleration / mass("device_mass", device_mass)?,
+            object_kappa: force_per_acceleration / mass("object_mass", object_mass)?,
+        })
+    }
+
+    /// Contact stiffness K `[N/m]` that has this kappa with a device of effective mass
+    /// `device_mass` `[kg]` at the loop `period` `[s]`.
+    ///
+    /// # Errors
+    /// A mass, a period or a kappa that is not finite and positive.
+    pub fn stiffness(&self, device_mass: S, period: S) -> Result<S, ParameterError> {
+        positive("kappa", "", self.kappa)?;
+        positive("device_mass", "kg", device_mass)?;
+        positive("period", "s", period)?;
+        Ok(self.kappa * device_mass / (period * period))
+    }
+
+    /// Object mass M `[kg]` that has this pair with a device of effective mass `device_mass`
+    /// `[kg]`; infinite for an object kappa of 0.
+    ///
+    /// # Errors
+    /// A mass or a kappa that is not finite and positive; a negative object kappa.
+    pub fn object_mass(&self, device_mass: S) -> Result<S, ParameterError> {
+        positive("kappa", "", self.kappa)?;
+        crate::parameter::not_negative("object_kappa", "", self.object_kappa)?;
+        positive("device_mass", "kg", device_mass)?;
+        Ok(if self.object_kappa == S::ZERO {
+            S::INFINITY
+        } else {
+            device_mass * self.kappa / self.object_kappa
+        })
+    }
+}
+
+fn mass<S: Scalar>(parameter: &'static str, mass: S) -> Result<S, ParameterError> {
+    crate::parameter::check(mass > S::ZERO, parameter, "kg", mass, "greater than 0")
+}

@@ -1,0 +1,108 @@
+//! The energy ledger: what the object stores, what came through the port, and what leaked.
+
+use crate::Scalar;
+
+/// Energy that a held force created (positive) or destroyed (negative), Eq. (10) with the work of
+/// the virtual force in the balance. The leak of an interval is known one sample later, when it is
+/// known where the device went.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Leak<S> {
+    /// Leak of the last closed interval `[J]`.
+    pub last: S,
+    /// Sum over all closed intervals `[J]`. Leaks of opposite sign cancel in it.
+    pub accumulated: S,
+    /// Sum of the absolute leaks of all closed intervals `[J]`.
+    pub absolute: S,
+}
+
+impl<S: Scalar> Leak<S> {
+    fn book(&mut self, leak: S) {
+        self.last = leak;
+        self.accumulated += leak;
+        self.absolute += leak.abs();
+    }
+}
+
+/// Books of the object's energy, kept by every renderer.
+///
+/// They balance at every sample:
+///
+/// ```text
+/// stored - stored at start = port_work + virtual_force_work + outside_work + held leak
+/// ```
+///
+/// Energy is positive into the object. The device's own energy is not in these books; what it
+/// gave the object is `port_work`, counted with the force that was really held.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ledger<S> {
+    /// Kinetic energy of the object and elastic energy of the contact at the last sample `[J]`.
+    pub stored: S,
+    /// Work of the held force on the object's side of the port, `sum f_i (xi_{i+1} - xi_i)` `[J]`.
+    pub port_work: S,
+    /// Work of the virtual force on the object, `sum f_V (eta_{i+1} - eta_i)` `[J]`.
+    pub virtual_force_work: S,
+    /// What changed the object from outside: placing it anew, other parameters, and what passed
+    /// while no sample could be trusted `[J]`.
+    pub outside_work: S,
+    /// Leak of the spring force K p_i over the same motion, the paper's original leak.
+    pub original_leak: Leak<S>,
+    /// Leak of the force that was held, the paper's remaining leak.
+    pub held_leak: Leak<S>,
+}
+
+/// One interval, closed by the sample at its end.
+pub(crate) struct Closing<S> {
+    /// Stored energy at the interval's end `[J]`.
+    pub stored: S,
+    /// Displacement of the device `[m]`.
+    pub device_moved: S,
+    /// Displacement of the object `[m]`.
+    pub object_moved: S,
+    /// f_V over the interval `[N]`.
+    pub virtual_force: S,
+    /// Spring force at the interval's start, K p_i or 0 `[N]`.
+    pub original_force: S,
+    /// Force that was held on the object `[N]`.
+    pub held_force: S,
+}
+
+impl<S: Scalar> Ledger<S> {
+    pub(crate) fn open(stored: S) -> Self {
+        Self {
+            stored,
+            ..Self::default()
+        }
+    }
+
+    /// Books one interval; false, and nothing booked, if its energies overflow.
+    #[must_use]
+    pub(crate) fn close(&mut self, interval: &Closing<S>) -> bool {
+        let virtual_work = interval.virtual_force * interval.object_moved;
+        let port_work = interval.held_force * interval.device_moved;
+        let unpaid = interval.stored - self.stored - virtual_work;
+        let original = unpaid - interval.original_force * interval.device_moved;
+        let held = unpaid - port_work;
+        if !(original.is_finite() && held.is_finite()) {
+            return false;
+        }
+        self.stored = interval.stored;
+        self.port_work += port_work;
+        self.virtual_force_work += virtual_work;
+        self.original_leak.book(original);
+        self.held_leak.book(held);
+        true
+    }
+
+    /// The stored energy is now `stored` `[J]`, by no doing of the contact.
+    pub(crate) fn change_from_outside(&mut self, stored: S) {
+        self.outside_work += stored - self.stored;
+        self.stored = stored;
+    }
+
+    /// The force held when trust in the samples was lost still did `work` `[J]` on the object's
+    /// side of the port; the object did not receive it.
+    pub(crate) fn book_untracked_port_work(&mut self, work: S) {
+        self.port_work += work;
+        self.outside_work -= work;
+    }
+}

@@ -1,0 +1,74 @@
+#![cfg_attr(not(feature = "std"), no_std)]
+#![forbid(unsafe_code)]
+//! Energy-consistent haptic contact rendering.
+//!
+//! A haptic device samples its position and holds a force between samples. Rendering a stiff or
+//! light virtual object that way creates energy from nothing. This crate gives, for each sample,
+//! the force of a contact with a virtual object of finite mass or a wall, by the methods of
+//! *Energy-Consistent Haptic Rendering of Contact Forces* (IROS 2013,
+//! DOI 10.1109/IROS.2013.6697005; "the paper", whose equation numbers are used), and keeps books
+//! of the energy each of them leaks.
+//!
+//! ```
+//! use palpate::{Contact, HfcrParams, LoopParams, ObjectState, Renderer, Sample};
+//!
+//! let contact = Contact::object(400.0, 0.1); // [N/m], [kg]
+//! let renderer = Renderer::new(contact, LoopParams::new(0.001), HfcrParams::default())?;
+//! let mut state = renderer.start(ObjectState::at_rest(0.05))?;
+//! for tick in 0..1000 {
+//!     let device_position = 1e-4 * f64::from(tick); // read the device here [m]
+//!     let output = renderer.step(&mut state, Sample::at(device_position));
+//!     let _command_this = output.force_on_device; // [N]
+//! }
+//! println!("energy created: {} J", state.ledger().held_leak.accumulated);
+//! # Ok::<(), palpate::ParameterError>(())
+//! ```
+//!
+//! # Signs
+//!
+//! Everything is along one axis, in SI units. The object lies on the positive side of the device
+//! unless [`Side::Negative`] says otherwise.
+//!
+//! ```text
+//!            device xi            object eta
+//!  ------------>|                    |==========>    + axis
+//!               penetration p = xi - eta, contact while p > 0
+//!               f > 0 pushes the object to the right; the device receives -f
+//! ```
+//!
+//! # Parameters and state
+//!
+//! A [`Renderer`] is made once from checked parameters and never changes. A [`State`] is small
+//! and `Copy`. [`Renderer::step`] is total: it does not panic, allocate, block, or loop without
+//! bound, and its output is finite for any input.
+//!
+//! # Features
+//!
+//! `std` (default) is not needed by anything here. `serde` makes every parameter type
+//! serialisable.
+
+mod contact;
+mod difficulty;
+mod energy;
+mod motion;
+mod parameter;
+mod placement;
+mod render;
+mod sample;
+mod scalar;
+mod transition;
+
+pub use contact::{Contact, LoopParams, Mass, Side};
+pub use difficulty::Difficulty;
+pub use energy::{Leak, Ledger};
+pub use motion::{Displacement, ObjectMotion, ObjectState, Rule, Start};
+pub use parameter::ParameterError;
+pub use placement::Placement;
+pub use render::{
+    AnyMemory, AnyMethod, AnyParams, AnyRenderer, Basic, BasicParams, Hfcr, HfcrParams,
+    LeakDissipation, Method, MethodParams, Plan, Popc, PopcParams, PopcRef, PopcRefParams,
+    Renderer, Seh, SehEstimate, SehMemory, SehParams, Situation, State, VirtualDamper,
+    VirtualDamperParams,
+};
+pub use sample::{Fault, Limited, Output, Phase, Sample};
+pub use scalar::Scalar;

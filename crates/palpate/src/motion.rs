@@ -1,0 +1,308 @@
+//! Closed-form motion of the virtual object over one interval of the loop.
+//!
+//! Everything is relative to the interval's start: the object's displacement and its final
+//! velocity follow from the penetration, so large offsets of the origin cost no precision. Device
+//! and object are on the canonical side ([`Side::Positive`](crate::Side)).
+
+use crate::Scalar;
+use crate::contact::{Contact, Mass};
+use crate::transition::{entry_instant, release_instant};
+
+/// Position and velocity of the virtual object.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ObjectState<S> {
+    /// Position of the object's surface eta `[m]`.
+    pub position: S,
+    /// Velocity eta' `[m/s]`; a wall has none.
+    pub velocity: S,
+}
+
+impl<S: Scalar> ObjectState<S> {
+    /// An object at rest at `position` `[m]`.
+    pub fn at_rest(position: S) -> Self {
+        Self {
+            position,
+            velocity: S::ZERO,
+        }
+    }
+}
+
+/// What happens to the object within an interval. The device is held where it was sampled, but
+/// for an entry, which holds it where it is predicted to be when contact begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rule<S> {
+    /// Free flight throughout, Eq. (4).
+    Free,
+    /// Contact throughout, Eq. (6a).
+    Contact,
+    /// Free flight, and contact from this instant on `[s]`.
+    Enters(S),
+    /// Contact, and free flight from this instant on `[s]`.
+    Leaves(S),
+}
+
+/// How an interval begins, as far as the object's motion depends on it.
+#[derive(Clone, Copy, Debug)]
+pub struct Start<S> {
+    /// Penetration p `[m]`.
+    pub penetration: S,
+    /// Velocity of the object eta' `[m/s]`.
+    pub object_velocity: S,
+    /// Device velocity v, the backward difference of its samples `[m/s]`.
+    pub device_velocity: S,
+    /// Virtual force on the object f_V `[N]`.
+    pub virtual_force: S,
+}
+
+/// What an interval did to the object.
+#[derive(Clone, Copy, Debug)]
+pub struct Displacement<S> {
+    /// Displacement since the interval's start `[m]`.
+    pub by: S,
+    /// Velocity at its end `[m/s]`.
+    pub velocity: S,
+}
+
+/// Response of the object on the contact spring over a fixed duration: the paper's A(T) and b(T)
+/// of Eq. (6a), as factors of the distance to equilibrium and of the velocity.
+#[derive(Clone, Copy, Debug)]
+struct Spring<S> {
+    /// Displacement per distance to equilibrium: `1 - cos(Omega h)` undamped.
+    versine: S,
+    /// Displacement per velocity `[s]`: `sin(Omega h) / Omega` undamped.
+    sine_over_omega: S,
+    /// Velocity per distance to equilibrium `[1/s]`: `Omega sin(Omega h)` undamped.
+    omega_sine: S,
+    /// Velocity per velocity: `cos(Omega h)` undamped.
+    cosine: S,
+}
+
+impl<S: Scalar> Spring<S> {
+    /// Response after `h` `[s]` at the natural frequency `omega` `[rad/s]` and the decay rate
+    /// `gamma` = B/(2M) `[1/s]`; a wall has both 0.
+    fn after(h: S, omega: S, gamma: S) -> Self {
+        if gamma == S::ZERO {
+            return Self::undamped(h, omega);
+        }
+        // y'' + 2 gamma y' + omega^2 y = 0. `c` and `s` are the even and the odd solution, each
+        // with the decay already in it: an over-damped cosh alone would overflow.
+        let split = (omega - gamma) * (omega + gamma);
+        let (c, s) = if split > S::ZERO {
+            let damped = split.sqrt();
+            let (sin, cos) = (damped * h).sin_cos();
+            let decay = (-gamma * h).exp();
+            (decay * cos, decay * sin / damped)
+        } else if split < S::ZERO {
+            let sigma = (-split).sqrt();
+            let slow = (-(omega * omega / (gamma + sigma)) * h).exp();
+            let fast = (-(S::TWO * sigma * h)).exp_m1();
+            (
+                slow * (S::ONE + S::HALF * fast),
+                -slow * fast / (S::TWO * sigma),
+            )
+        } else {
+            let decay = (-gamma * h).exp();
+            (decay, decay * h)
+        };
+        Self {
+            versine: S::ONE - (c + gamma * s),
+            sine_over_omega: s,
+            omega_sine: omega * omega * s,
+            cosine: c - gamma * s,
+        }
+    }
+
+    #[inline]
+    fn undamped(h: S, omega: S) -> Self {
+        if omega == S::ZERO {
+            return Self {
+                versine: S::ZERO,
+                sine_over_omega: h,
+                omega_sine: S::ZERO,
+                cosine: S::ONE,
+            };
+        }
+        // Half the angle, so that 1 - cos keeps its digits when the object hardly moves.
+        let (sin, cos) = (S::HALF * omega * h).sin_cos();
+        let versine = S::TWO * sin * sin;
+        let sine = S::TWO * sin * cos;
+        Self {
+            versine,
+            sine_over_omega: sine / omega,
+            omega_sine: omega * sine,
+            cosine: S::ONE - versine,
+        }
+    }
+
+    #[inline]
+    fn displace(&self, to_equilibrium: S, velocity: S) -> Displacement<S> {
+        Displacement {
+            by: to_equilibrium * self.versine + velocity * self.sine_over_omega,
+            velocity: to_equilibrium * self.omega_sine + velocity * self.cosine,
+        }
+    }
+}
+
+/// The object's motion for one contact and one period: A(T) and b(T) are computed once, and only
+/// transitions and measured periods need fresh ones.
+#[derive(Clone, Copy, Debug)]
+pub struct ObjectMotion<S> {
+    stiffness: S,
+    /// M `[kg]`, 0 for a wall: a wall's kinetic energy does not take part in any balance.
+    inertia: S,
+    /// 1/M `[1/kg]`, 0 for a wall.
+    mobility: S,
+    /// sqrt(K/M) `[rad/s]`.
+    omega: S,
+    /// Damping B in the contact's motion `[N s/m]`; only the virtual damper has any.
+    damping: S,
+    period: S,
+    nominal: Spring<S>,
+}
+
+impl<S: Scalar> ObjectMotion<S> {
+    pub(crate) fn new(contact: &Contact<S>, damping: S, period: S) -> Self {
+        let (inertia, mobility) = match contact.object_mass {
+            Mass::Finite(mass) => (mass, S::ONE / mass),
+            Mass::Infinite => (S::ZERO, S::ZERO),
+        };
+        let omega = (contact.stiffness * mobility).sqrt();
+        Self {
+            stiffness: contact.stiffness,
+            inertia,
+            mobility,
+            omega,
+            damping,
+            period,
+            nominal: Spring::after(period, omega, S::HALF * damping * mobility),
+        }
+    }
+
+    /// Contact stiffness K `[N/m]`.
+    #[inline]
+    pub fn stiffness(&self) -> S {
+        self.stiffness
+    }
+
+    /// Nominal period T `[s]`.
+    #[inline]
+    pub fn period(&self) -> S {
+        self.period
+    }
+
+    /// Whether the object is a wall, which never moves.
+    #[inline]
+    pub fn is_wall(&self) -> bool {
+        self.mobility == S::ZERO
+    }
+
+    /// Kinetic energy of the object and elastic energy of the contact `[J]`.
+    #[inline]
+    pub fn stored_energy(&self, penetration: S, object_velocity: S) -> S {
+        let pressed = penetration.max(S::ZERO);
+        S::HALF
+            * (self.inertia * object_velocity * object_velocity
+                + self.stiffness * pressed * pressed)
+    }
+
+    /// Free flight over `h` `[s]`, Eq. (4).
+    #[inline]
+    pub fn fly(&self, start: &Start<S>, h: S) -> Displacement<S> {
+        let acceleration = start.virtual_force * self.mobility;
+        Displacement {
+            by: (start.object_velocity + S::HALF * acceleration * h) * h,
+            velocity: start.object_velocity + acceleration * h,
+        }
+    }
+
+    /// Distance from the object to where the held spring would let it rest, zeta - eta `[m]`.
+    #[inline]
+    fn distance_to_rest(&self, start: &Start<S>) -> S {
+        start.penetration
+            + (start.virtual_force + self.damping * start.device_velocity) / self.stiffness
+    }
+
+    /// Contact over one nominal period with the device held, Eq. (6a).
+    #[inline]
+    pub fn press(&self, start: &Start<S>) -> Displacement<S> {
+        self.nominal
+            .displace(self.distance_to_rest(start), start.object_velocity)
+    }
+
+    fn press_for(&self, start: &Start<S>, h: S) -> Displacement<S> {
+        Spring::after(h, self.omega, S::HALF * self.damping * self.mobility)
+            .displace(self.distance_to_rest(start), start.object_velocity)
+    }
+
+    /// The object's motion over `h` `[s]` when `rule` was chosen at the interval's start. The
+    /// device is taken to move at its backward-difference velocity until contact is entered.
+    ///
+    /// A rule is a statement about instants, not about the period, so it serves any `h`: a sample
+    /// that comes before the transition finds it not yet made.
+    pub fn advance(&self, rule: Rule<S>, start: &Start<S>, h: S) -> Displacement<S> {
+        match rule {
+            Rule::Free => self.fly(start, h),
+            Rule::Contact => self.press_for(start, h),
+            Rule::Enters(after) if after >= h => self.fly(start, h),
+            Rule::Leaves(after) if after >= h => self.press_for(start, h),
+            Rule::Enters(after) => {
+                let first = self.fly(start, after);
+                let touch = Start {
+                    penetration: start.penetration + start.device_velocity * after - first.by,
+                    object_velocity: first.velocity,
+                    ..*start
+                };
+                let second = self.press_for(&touch, h - after);
+                Displacement {
+                    by: first.by + second.by,
+                    velocity: second.velocity,
+                }
+            }
+            Rule::Leaves(after) => {
+                let first = self.press_for(start, after);
+                let apart = Start {
+                    object_velocity: first.velocity,
+                    ..*start
+                };
+                let second = self.fly(&apart, h - after);
+                Displacement {
+                    by: first.by + second.by,
+                    velocity: second.velocity,
+                }
+            }
+        }
+    }
+
+    /// Instant within the period `[s]` at which a free object, with the device at constant
+    /// velocity, is met: none if the penetration predicted for the period's end is not positive.
+    #[inline]
+    pub fn entry(&self, start: &Start<S>) -> Option<S> {
+        let flown = self.fly(start, self.period);
+        let predicted = start.penetration + start.device_velocity * self.period - flown.by;
+        if predicted > S::ZERO {
+            Some(entry_instant(
+                start.penetration,
+                start.device_velocity - start.object_velocity,
+                -S::HALF * start.virtual_force * self.mobility,
+                self.period,
+            ))
+        } else {
+            None
+        }
+    }
+
+    /// Instant within the period `[s]` at which an object on the held spring first loses the
+    /// device, moving on at constant velocity. Call it when the penetration predicted for the
+    /// period's end is not positive.
+    pub fn release(&self, start: &Start<S>) -> S {
+        release_instant(
+            start.penetration,
+            start.device_velocity,
+            self.distance_to_rest(start),
+            start.object_velocity,
+            self.omega,
+            self.period,
+        )
+    }
+}

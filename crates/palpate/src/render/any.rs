@@ -1,0 +1,96 @@
+//! All methods behind one type, for programs that choose one by name.
+
+use super::basic::{Basic, BasicParams};
+use super::hfcr::{Hfcr, HfcrParams};
+use super::method::{Method, MethodParams, Plan, Situation};
+use super::popc::{Popc, PopcParams};
+use super::popc_ref::{PopcRef, PopcRefParams};
+use super::seh::{Seh, SehMemory, SehParams};
+use super::virtual_damper::{VirtualDamper, VirtualDamperParams};
+use crate::Scalar;
+use crate::contact::{Contact, LoopParams};
+use crate::motion::ObjectMotion;
+use crate::parameter::ParameterError;
+
+/// Parameters of any method. As a serde value, they stand under the method's name in kebab case.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(deserialize = "S: Scalar + serde::Deserialize<'de>"))
+)]
+pub enum AnyParams<S> {
+    /// See [`Basic`].
+    Basic,
+    /// See [`VirtualDamper`].
+    VirtualDamper(VirtualDamperParams<S>),
+    /// See [`Seh`].
+    Seh(SehParams),
+    /// See [`Popc`].
+    Popc(PopcParams<S>),
+    /// See [`PopcRef`].
+    PopcRef(PopcRefParams<S>),
+    /// See [`Hfcr`].
+    Hfcr(HfcrParams<S>),
+}
+
+/// Any method, with checked parameters.
+#[derive(Clone, Copy, Debug)]
+#[allow(missing_docs)] // each variant is the type of the same name
+pub enum AnyMethod<S> {
+    Basic(Basic),
+    VirtualDamper(VirtualDamper<S>),
+    Seh(Seh),
+    Popc(Popc<S>),
+    PopcRef(PopcRef<S>),
+    Hfcr(Hfcr<S>),
+}
+
+/// Memory of any method; only sample-estimate-hold has one.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct AnyMemory<S>(SehMemory<S>);
+
+impl<S: Scalar> MethodParams<S> for AnyParams<S> {
+    type Method = AnyMethod<S>;
+
+    fn check(self, c: &Contact<S>, l: &LoopParams<S>) -> Result<AnyMethod<S>, ParameterError> {
+        Ok(match self {
+            Self::Basic => AnyMethod::Basic(BasicParams.check(c, l)?),
+            Self::VirtualDamper(params) => AnyMethod::VirtualDamper(params.check(c, l)?),
+            Self::Seh(params) => AnyMethod::Seh(params.check(c, l)?),
+            Self::Popc(params) => AnyMethod::Popc(params.check(c, l)?),
+            Self::PopcRef(params) => AnyMethod::PopcRef(params.check(c, l)?),
+            Self::Hfcr(params) => AnyMethod::Hfcr(params.check(c, l)?),
+        })
+    }
+}
+
+impl<S: Scalar> Method<S> for AnyMethod<S> {
+    type Memory = AnyMemory<S>;
+
+    #[inline]
+    fn plan(
+        &self,
+        motion: &ObjectMotion<S>,
+        now: &Situation<S>,
+        memory: &mut AnyMemory<S>,
+    ) -> Plan<S> {
+        match self {
+            Self::Basic(method) => method.plan(motion, now, &mut ()),
+            Self::VirtualDamper(method) => method.plan(motion, now, &mut ()),
+            Self::Seh(method) => method.plan(motion, now, &mut memory.0),
+            Self::Popc(method) => method.plan(motion, now, &mut ()),
+            Self::PopcRef(method) => method.plan(motion, now, &mut ()),
+            Self::Hfcr(method) => method.plan(motion, now, &mut ()),
+        }
+    }
+
+    #[inline]
+    fn contact_damping(&self) -> S {
+        match self {
+            Self::VirtualDamper(method) => method.contact_damping(),
+            _ => S::ZERO,
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! What a rendering method is: from the situation at a sample to a plan for the interval.
+
+use core::fmt::Debug;
+
+use crate::Scalar;
+use crate::contact::{Contact, LoopParams};
+use crate::motion::{Displacement, ObjectMotion, Rule, Start};
+use crate::parameter::ParameterError;
+
+/// Parameters of a method, still unchecked.
+pub trait MethodParams<S: Scalar> {
+    /// The method they describe.
+    type Method: Method<S>;
+
+    /// Checks the parameters against each other, the contact and the loop.
+    ///
+    /// # Errors
+    /// The first parameter outside its range.
+    fn check(
+        self,
+        contact: &Contact<S>,
+        loop_params: &LoopParams<S>,
+    ) -> Result<Self::Method, ParameterError>;
+}
+
+/// A rendering method: a force law and the object motion that goes with it, with checked
+/// parameters. Total, like the tick it runs in.
+pub trait Method<S: Scalar>: Copy + Debug {
+    /// What it remembers between samples besides the ledger; the default begins anew.
+    type Memory: Copy + Debug + Default;
+
+    /// Plans the interval that begins with this situation.
+    fn plan(
+        &self,
+        motion: &ObjectMotion<S>,
+        situation: &Situation<S>,
+        memory: &mut Self::Memory,
+    ) -> Plan<S>;
+
+    /// Damping B with which the object moves in contact `[N s/m]`.
+    fn contact_damping(&self) -> S {
+        S::ZERO
+    }
+}
+
+/// What is known at a sample, on the canonical side.
+#[derive(Clone, Copy, Debug)]
+pub struct Situation<S> {
+    /// Penetration, velocities and virtual force.
+    pub start: Start<S>,
+    /// Penetration at the previous sample, as measured: it may be negative `[m]`. Equal to the
+    /// present one where contact begins to be followed.
+    pub previous_penetration: S,
+    /// Time since the previous sample `[s]`.
+    pub elapsed: S,
+    /// Energy that has gone into the object through the port, E_i of the passivity observers
+    /// `[J]`.
+    pub port_work: S,
+    /// Accumulated leak of the held force `[J]`: what is stored beyond what was put in.
+    pub held_leak: S,
+}
+
+impl<S: Scalar> Situation<S> {
+    /// Whether the device presses the object; touching counts as free.
+    #[inline]
+    pub fn in_contact(&self) -> bool {
+        self.start.penetration > S::ZERO
+    }
+
+    /// Force of the undamped contact spring, Eq. (6b) `[N]`: 0 when free.
+    #[inline]
+    pub fn spring_force(&self, motion: &ObjectMotion<S>) -> S {
+        motion.stiffness() * self.start.penetration.max(S::ZERO)
+    }
+
+    /// The paper's two-mode object with the mode chosen at the sample: free or in contact
+    /// throughout, with the force `in_contact` `[N]` if in contact.
+    #[inline]
+    pub fn unswitched(&self, motion: &ObjectMotion<S>, in_contact: impl FnOnce() -> S) -> Plan<S> {
+        if self.in_contact() {
+            Plan {
+                force: in_contact(),
+                rule: Rule::Contact,
+                moved: motion.press(&self.start),
+            }
+        } else {
+            Plan {
+                force: S::ZERO,
+                rule: Rule::Free,
+                moved: motion.fly(&self.start, motion.period()),
+            }
+        }
+    }
+}
+
+/// What to do until the next sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan<S> {
+    /// Force on the object to hold `[N]`, before limits.
+    pub force: S,
+    /// How the object moves.
+    pub rule: Rule<S>,
+    /// Where that brings it over one nominal period.
+    pub moved: Displacement<S>,
+}

@@ -1,0 +1,369 @@
+//! The renderer: one tick from sample to force, the same for every method.
+//!
+//! Data flows one way through a tick: the sample closes the books of the interval it ends, the
+//! method plans the next one, the limits act on the planned force, and what is held is remembered.
+//! A method is a file of this folder; it sees a [`Situation`] and answers with a [`Plan`].
+
+mod any;
+mod basic;
+mod hfcr;
+mod method;
+mod popc;
+mod popc_ref;
+mod seh;
+mod state;
+mod virtual_damper;
+
+pub use any::{AnyMemory, AnyMethod, AnyParams};
+pub use basic::{Basic, BasicParams};
+pub use hfcr::{Hfcr, HfcrParams, LeakDissipation};
+pub use method::{Method, MethodParams, Plan, Situation};
+pub use popc::{Popc, PopcParams};
+pub use popc_ref::{PopcRef, PopcRefParams};
+pub use seh::{Seh, SehEstimate, SehMemory, SehParams};
+pub use state::State;
+pub use virtual_damper::{VirtualDamper, VirtualDamperParams};
+
+use crate::Scalar;
+use crate::contact::{Contact, LoopParams};
+use crate::energy::Closing;
+use crate::motion::{ObjectMotion, ObjectState, Rule, Start};
+use crate::parameter::{ParameterError, finite};
+use crate::sample::{Fault, Limited, Output, Phase, Sample};
+use state::{Device, Interval};
+
+/// A measured period this close to the nominal one, relatively, is the nominal one: differences
+/// of decimal time stamps are never exactly T.
+const NOMINAL_WITHIN: f64 = 1e-6;
+
+/// A contact, rendered by one method at one nominal period. Immutable: one renderer serves any
+/// number of [`State`]s, and a tick cannot change a parameter.
+#[derive(Clone, Copy, Debug)]
+pub struct Renderer<S, M> {
+    contact: Contact<S>,
+    loop_params: LoopParams<S>,
+    method: M,
+    motion: ObjectMotion<S>,
+    sign: S,
+    per_period: S,
+    largest_gap: S,
+    speed_limit: S,
+    force_limit: S,
+    slew_limit: S,
+}
+
+/// A renderer whose method is chosen by a value, for instance from a file.
+pub type AnyRenderer<S> = Renderer<S, AnyMethod<S>>;
+
+impl<S: Scalar, M: Method<S>> Renderer<S, M> {
+    /// Checks every parameter once and computes what depends on them only.
+    ///
+    /// # Errors
+    /// The first parameter outside its range, by name, with its value and what is allowed.
+    pub fn new<P: MethodParams<S, Method = M>>(
+        contact: Contact<S>,
+        loop_params: LoopParams<S>,
+        method: P,
+    ) -> Result<Self, ParameterError> {
+        contact.check()?;
+        loop_params.check()?;
+        let method = method.check(&contact, &loop_params)?;
+        let unlimited = S::INFINITY;
+        Ok(Self {
+            contact,
+            loop_params,
+            method,
+            motion: ObjectMotion::new(&contact, method.contact_damping(), loop_params.period),
+            sign: contact.side.sign(),
+            per_period: S::ONE / loop_params.period,
+            largest_gap: loop_params.bridged_gap(),
+            speed_limit: loop_params.speed_limit.unwrap_or(unlimited),
+            force_limit: loop_params.force_limit.unwrap_or(unlimited),
+            slew_limit: loop_params.slew_limit.unwrap_or(unlimited),
+        })
+    }
+
+    /// The contact that is rendered.
+    pub fn contact(&self) -> &Contact<S> {
+        &self.contact
+    }
+
+    /// The loop it is rendered in.
+    pub fn loop_params(&self) -> &LoopParams<S> {
+        &self.loop_params
+    }
+
+    /// The method, with its checked parameters.
+    pub fn method(&self) -> &M {
+        &self.method
+    }
+
+    /// A new state: the object is at `object`, nothing has been sampled yet, the books are open.
+    /// The first sample finds the device at rest; a wall's velocity is taken as 0.
+    ///
+    /// # Errors
+    /// A position or velocity that is not finite.
+    pub fn start(&self, object: ObjectState<S>) -> Result<State<S, M::Memory>, ParameterError> {
+        Ok(State::new(self.canonical(object)?))
+    }
+
+    /// Puts the object at `object` with the next sample. The energy this adds or takes is booked
+    /// as outside work; methods with a memory of past forces begin anew.
+    ///
+    /// # Errors
+    /// A position or velocity that is not finite; the state is then unchanged.
+    pub fn teleport(
+        &self,
+        state: &mut State<S, M::Memory>,
+        object: ObjectState<S>,
+    ) -> Result<(), ParameterError> {
+        state.teleport = Some(self.canonical(object)?);
+        Ok(())
+    }
+
+    /// Goes on with a state that another renderer, with other parameters, has left. The stored
+    /// energy that the new stiffness and mass give the last sample is booked as outside work; the
+    /// interval in progress ends under the new parameters.
+    pub fn adopt(&self, state: &mut State<S, M::Memory>) {
+        if self.motion.is_wall() {
+            state.object.velocity = S::ZERO;
+        }
+        if let Device::Tracked(interval) = &mut state.device {
+            let start = Start {
+                object_velocity: state.object.velocity,
+                ..interval.start
+            };
+            let stored = self
+                .motion
+                .stored_energy(start.penetration, start.object_velocity);
+            let moved = self
+                .motion
+                .advance(interval.rule, &start, self.motion.period());
+            if stored.is_finite() && moved.by.is_finite() && moved.velocity.is_finite() {
+                interval.start = start;
+                interval.planned = moved;
+                state.ledger.change_from_outside(stored);
+            } else {
+                state.lose_track(None);
+            }
+        }
+    }
+
+    fn canonical(&self, object: ObjectState<S>) -> Result<ObjectState<S>, ParameterError> {
+        Ok(ObjectState {
+            position: self.sign * finite("object position", "m", object.position)?,
+            velocity: if self.motion.is_wall() {
+                S::ZERO
+            } else {
+                self.sign * finite("object velocity", "m/s", object.velocity)?
+            },
+        })
+    }
+
+    /// One tick: takes a sample, gives the force to hold until the next. Total: it never panics,
+    /// allocates, blocks or loops without bound, and its output is finite for any input.
+    #[inline]
+    pub fn step(&self, state: &mut State<S, M::Memory>, sample: Sample<S>) -> Output<S> {
+        match self.try_step(state, &sample) {
+            Ok(output) => output,
+            Err(fault) => self.wait(state, &sample, fault),
+        }
+    }
+
+    #[inline]
+    fn try_step(
+        &self,
+        state: &mut State<S, M::Memory>,
+        sample: &Sample<S>,
+    ) -> Result<Output<S>, Fault> {
+        let device = self.sign * sample.device_position;
+        let virtual_force = self.sign * sample.virtual_force;
+        if !device.is_finite() {
+            return Err(Fault::PositionNotFinite);
+        }
+        if !virtual_force.is_finite() {
+            return Err(Fault::VirtualForceNotFinite);
+        }
+        let (elapsed, nominal) = self.elapsed(sample)?;
+
+        // Where the interval that ends here has brought the object.
+        let mut object = state.object;
+        let mut device_velocity = S::ZERO;
+        let mut previous_penetration = None;
+        match &state.device {
+            Device::Unknown => {}
+            Device::Lost { position } => {
+                let moved = position.map_or(S::ZERO, |last| device - last);
+                if moved.abs() > self.speed_limit * elapsed {
+                    return Err(Fault::JumpTooFast);
+                }
+            }
+            Device::Tracked(interval) => {
+                let device_moved = device - interval.device;
+                if device_moved.abs() > self.speed_limit * elapsed {
+                    return Err(Fault::JumpTooFast);
+                }
+                let moved = if nominal {
+                    interval.planned
+                } else {
+                    self.motion.advance(interval.rule, &interval.start, elapsed)
+                };
+                device_velocity = if nominal {
+                    device_moved * self.per_period
+                } else {
+                    device_moved / elapsed
+                };
+                object = ObjectState {
+                    position: object.position + moved.by,
+                    velocity: moved.velocity,
+                };
+                let closed = state.ledger.close(&Closing {
+                    stored: self
+                        .motion
+                        .stored_energy(device - object.position, object.velocity),
+                    device_moved,
+                    object_moved: moved.by,
+                    virtual_force: interval.start.virtual_force,
+                    original_force: interval.original_force,
+                    held_force: interval.held_force,
+                });
+                if !closed {
+                    return Err(Fault::Overflow);
+                }
+                previous_penetration = Some(interval.start.penetration);
+            }
+        }
+
+        // The interval is closed. Should anything go wrong from here on, the object is where the
+        // interval has brought it, and the next one is lost.
+        state.object = object;
+        state.device = Device::Lost {
+            position: Some(device),
+        };
+
+        // A fresh start, or a change from outside.
+        let teleported = state.teleport.is_some();
+        object = state.teleport.take().unwrap_or(object);
+        state.object = object;
+        let penetration = device - object.position;
+        let previous_penetration = match previous_penetration {
+            Some(previous) if !teleported => previous,
+            _ => {
+                let stored = self.motion.stored_energy(penetration, object.velocity);
+                if !stored.is_finite() {
+                    return Err(Fault::Overflow);
+                }
+                state.account_for(stored);
+                penetration
+            }
+        };
+
+        let situation = Situation {
+            start: Start {
+                penetration,
+                object_velocity: object.velocity,
+                device_velocity,
+                virtual_force,
+            },
+            previous_penetration,
+            elapsed,
+            port_work: state.ledger.port_work,
+            held_leak: state.ledger.held_leak.accumulated,
+        };
+        let plan = self
+            .method
+            .plan(&self.motion, &situation, &mut state.memory);
+        let finite =
+            plan.force.is_finite() && plan.moved.by.is_finite() && plan.moved.velocity.is_finite();
+        if !finite {
+            return Err(Fault::Overflow);
+        }
+        let (held_force, limited) = self.limit(plan.force, state.held_force);
+
+        state.held_force = held_force;
+        state.device = Device::Tracked(Interval {
+            start: situation.start,
+            device,
+            rule: plan.rule,
+            planned: plan.moved,
+            original_force: situation.spring_force(&self.motion),
+            held_force,
+        });
+        let (phase, transition_after) = match plan.rule {
+            Rule::Free => (Phase::Free, S::ZERO),
+            Rule::Contact => (Phase::Contact, S::ZERO),
+            Rule::Enters(after) => (Phase::Enters, after),
+            Rule::Leaves(after) => (Phase::Leaves, after),
+        };
+        let force = self.sign * held_force;
+        Ok(Output {
+            force_on_device: -force,
+            force_on_object: force,
+            object_position: self.sign * object.position,
+            object_velocity: self.sign * object.velocity,
+            penetration,
+            phase,
+            transition_after,
+            limited,
+            fault: None,
+        })
+    }
+
+    /// Time since the previous sample `[s]`, and whether it counts as the nominal period.
+    #[inline]
+    fn elapsed(&self, sample: &Sample<S>) -> Result<(S, bool), Fault> {
+        let period = self.motion.period();
+        let Some(elapsed) = sample.elapsed else {
+            return Ok((period, true));
+        };
+        if !(elapsed.is_finite() && elapsed > S::ZERO) {
+            return Err(Fault::ElapsedNotPositive);
+        }
+        if elapsed > self.largest_gap {
+            return Err(Fault::GapTooLong);
+        }
+        if (elapsed * self.per_period - S::ONE).abs() < S::from_f64(NOMINAL_WITHIN) {
+            Ok((period, true))
+        } else {
+            Ok((elapsed, false))
+        }
+    }
+
+    #[inline]
+    fn limit(&self, planned: S, previous: S) -> (S, Limited) {
+        let mut limited = Limited::default();
+        let mut force = planned;
+        if self.contact.unilateral && force < S::ZERO {
+            force = S::ZERO;
+            limited.pull = true;
+        }
+        if force.abs() > self.force_limit {
+            force = force.within(self.force_limit);
+            limited.force = true;
+        }
+        let largest_change = self.slew_limit * self.motion.period();
+        if (force - previous).abs() > largest_change {
+            force = previous + (force - previous).within(largest_change);
+            limited.slew = true;
+        }
+        (force, limited)
+    }
+
+    /// A sample that cannot be used: no force, and the object waits where it is.
+    #[cold]
+    fn wait(&self, state: &mut State<S, M::Memory>, sample: &Sample<S>, fault: Fault) -> Output<S> {
+        let device = self.sign * sample.device_position;
+        state.lose_track(device.is_finite().then_some(device));
+        Output {
+            force_on_device: S::ZERO,
+            force_on_object: S::ZERO,
+            object_position: self.sign * state.object.position,
+            object_velocity: self.sign * state.object.velocity,
+            penetration: S::ZERO,
+            phase: Phase::Waiting,
+            transition_after: S::ZERO,
+            limited: Limited::default(),
+            fault: Some(fault),
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! What a renderer remembers from one tick to the next.
+
+use crate::Scalar;
+use crate::energy::Ledger;
+use crate::motion::{Displacement, ObjectState, Rule, Start};
+
+/// The state of one rendered contact: small and `Copy`, so it can be saved, restored, and moved
+/// between threads at will. It is made by [`Renderer::start`](super::Renderer::start) and changed
+/// by that renderer only.
+#[derive(Clone, Copy, Debug)]
+pub struct State<S, Memory> {
+    /// The object at the last sample, on the canonical side.
+    pub(super) object: ObjectState<S>,
+    pub(super) device: Device<S>,
+    /// Where the object is to be put with the next sample.
+    pub(super) teleport: Option<ObjectState<S>>,
+    /// Force held since the last sample `[N]`.
+    pub(super) held_force: S,
+    pub(super) memory: Memory,
+    pub(super) ledger: Ledger<S>,
+    /// Whether the books have been opened by a first sample.
+    opened: bool,
+}
+
+/// What is known of the device.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Device<S> {
+    /// Nothing yet.
+    Unknown,
+    /// Its last sample began this interval.
+    Tracked(Interval<S>),
+    /// A sample was refused; its position `[m]`, if it was a number.
+    Lost { position: Option<S> },
+}
+
+/// The interval in progress, as planned at its first sample.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Interval<S> {
+    pub start: Start<S>,
+    /// Device position xi_i `[m]`.
+    pub device: S,
+    pub rule: Rule<S>,
+    /// What the rule does over a nominal period.
+    pub planned: Displacement<S>,
+    /// K p_i, or 0 `[N]`.
+    pub original_force: S,
+    /// Force really held `[N]`.
+    pub held_force: S,
+}
+
+impl<S: Scalar, Memory: Default> State<S, Memory> {
+    pub(super) fn new(object: ObjectState<S>) -> Self {
+        Self {
+            object,
+            device: Device::Unknown,
+            teleport: None,
+            held_force: S::ZERO,
+            memory: Memory::default(),
+            ledger: Ledger::default(),
+            opened: false,
+        }
+    }
+
+    /// Books of the object's energy, up to the last sample.
+    pub fn ledger(&self) -> &Ledger<S> {
+        &self.ledger
+    }
+
+    /// Takes the stored energy of a contact that begins anew: opens the books, or books what
+    /// changed while the contact was not followed.
+    pub(super) fn account_for(&mut self, stored: S) {
+        if self.opened {
+            self.ledger.change_from_outside(stored);
+        } else {
+            self.ledger = Ledger::open(stored);
+            self.opened = true;
+        }
+        self.memory = Memory::default();
+    }
+
+    /// The device was found at `position` `[m]`, or nowhere, by a sample that is not to be used.
+    /// The object finishes the interval it is in as planned, then waits.
+    pub(super) fn lose_track(&mut self, position: Option<S>) {
+        if let Device::Tracked(interval) = &self.device {
+            self.object = ObjectState {
+                position: self.object.position + interval.planned.by,
+                velocity: interval.planned.velocity,
+            };
+            let work = position.map_or(S::ZERO, |at| interval.held_force * (at - interval.device));
+            if work.is_finite() {
+                self.ledger.book_untracked_port_work(work);
+            }
+        }
+        self.device = Device::Lost { position };
+        self.held_force = S::ZERO;
+    }
+}

@@ -1,0 +1,172 @@
+//! What goes into a tick and what comes out of it.
+
+use core::fmt;
+
+use crate::Scalar;
+
+/// One sample of the device.
+///
+/// ```
+/// use palpate::Sample;
+///
+/// let sample = Sample::at(0.012).with_virtual_force(-0.981).after(0.0011);
+/// assert_eq!(sample.elapsed, Some(0.0011));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample<S> {
+    /// Measured position xi of the device's end-point along the contact's axis `[m]`.
+    pub device_position: S,
+    /// Time since the previous sample `[s]`, if it was measured; `None`: one nominal period.
+    pub elapsed: Option<S>,
+    /// Virtual force f_V on the object over the coming interval `[N]`, for instance its weight;
+    /// positive along the axis.
+    pub virtual_force: S,
+}
+
+impl<S: Scalar> Sample<S> {
+    /// A sample at `device_position` `[m]`, one nominal period after the previous one and with no
+    /// virtual force.
+    #[inline]
+    pub fn at(device_position: S) -> Self {
+        Self {
+            device_position,
+            elapsed: None,
+            virtual_force: S::ZERO,
+        }
+    }
+
+    /// The same sample with a virtual force on the object `[N]`.
+    #[inline]
+    pub fn with_virtual_force(self, virtual_force: S) -> Self {
+        Self {
+            virtual_force,
+            ..self
+        }
+    }
+
+    /// The same sample, taken a measured time after the previous one `[s]`.
+    #[inline]
+    pub fn after(self, elapsed: S) -> Self {
+        Self {
+            elapsed: Some(elapsed),
+            ..self
+        }
+    }
+}
+
+/// Why a sample was refused. The force is then 0 and the object waits where it is; the next
+/// trustworthy sample takes up rendering from there, as if the device had come to rest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// The device position is NaN or infinite.
+    PositionNotFinite,
+    /// The virtual force is NaN or infinite.
+    VirtualForceNotFinite,
+    /// The elapsed time is NaN, infinite, zero or negative.
+    ElapsedNotPositive,
+    /// The elapsed time exceeds [`LoopParams::largest_gap`](crate::LoopParams::largest_gap).
+    GapTooLong,
+    /// The device moved faster than [`LoopParams::speed_limit`](crate::LoopParams::speed_limit).
+    JumpTooFast,
+    /// The force or the object's motion would not be a finite number.
+    Overflow,
+}
+
+impl Fault {
+    /// Short name in kebab case, as run files spell it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PositionNotFinite => "position-not-finite",
+            Self::VirtualForceNotFinite => "virtual-force-not-finite",
+            Self::ElapsedNotPositive => "elapsed-not-positive",
+            Self::GapTooLong => "gap-too-long",
+            Self::JumpTooFast => "jump-too-fast",
+            Self::Overflow => "overflow",
+        }
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::PositionNotFinite => "the device position is not a finite number",
+            Self::VirtualForceNotFinite => "the virtual force is not a finite number",
+            Self::ElapsedNotPositive => "the time since the previous sample is not positive",
+            Self::GapTooLong => "the time since the previous sample exceeds the largest gap",
+            Self::JumpTooFast => "the device position jumped faster than the speed limit",
+            Self::Overflow => "the force would not be a finite number",
+        })
+    }
+}
+
+/// What the object is predicted to do in the coming interval.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// No contact.
+    Free,
+    /// In contact throughout.
+    Contact,
+    /// Contact begins within the interval.
+    Enters,
+    /// Contact ends within the interval.
+    Leaves,
+    /// A fault: the object waits.
+    Waiting,
+}
+
+impl Phase {
+    /// Short name, as run files spell it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Free => "free",
+            Self::Contact => "contact",
+            Self::Enters => "enters",
+            Self::Leaves => "leaves",
+            Self::Waiting => "waiting",
+        }
+    }
+}
+
+/// Which limits changed the method's force.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Limited {
+    /// It would have pulled, and [`Contact::unilateral`](crate::Contact::unilateral) is set.
+    pub pull: bool,
+    /// It exceeded the force limit.
+    pub force: bool,
+    /// It changed faster than the slew limit.
+    pub slew: bool,
+}
+
+impl Limited {
+    /// Whether any limit acted.
+    #[inline]
+    pub fn any(self) -> bool {
+        self.pull || self.force || self.slew
+    }
+}
+
+/// The answer to one sample. Positions, velocities and forces are along the contact's axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Output<S> {
+    /// Force on the device `[N]`: what the motor is to be commanded, and to hold until the next
+    /// sample.
+    pub force_on_device: S,
+    /// The same force on the object `[N]`, opposite in sign: f of the paper.
+    pub force_on_object: S,
+    /// Position of the object at this sample `[m]`.
+    pub object_position: S,
+    /// Velocity of the object at this sample `[m/s]`.
+    pub object_velocity: S,
+    /// Penetration p of the device into the object at this sample `[m]`; positive in contact,
+    /// whichever side the object lies on. 0 after a fault.
+    pub penetration: S,
+    /// What the coming interval is predicted to hold.
+    pub phase: Phase,
+    /// Instant of the predicted transition, after this sample `[s]`; 0 where there is none.
+    pub transition_after: S,
+    /// Limits that changed the force.
+    pub limited: Limited,
+    /// Why the sample was refused, if it was.
+    pub fault: Option<Fault>,
+}
