@@ -121,6 +121,18 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         Ok(())
     }
 
+    /// Says which force on the object is really held since the last sample `[N]`, where it is not
+    /// the one of the tick's output: a driver clamped it, or a delay still holds an earlier one.
+    /// The ledger, and the methods that watch energy, then use this force. A force that is not
+    /// finite, or a state that waits, is left as it is.
+    pub fn report_held(&self, state: &mut State<S, M::Memory>, force_on_object: S) {
+        if let Device::Tracked(interval) = &mut state.device
+            && force_on_object.is_finite()
+        {
+            interval.held_force = self.sign * force_on_object;
+        }
+    }
+
     /// Goes on with a state that another renderer, with other parameters, has left. The stored
     /// energy that the new stiffness and mass give the last sample is booked as outside work; the
     /// interval in progress ends under the new parameters.

@@ -1,0 +1,75 @@
+//! The bench on which contact renderings are judged: virtual devices, the exact ideal contact and
+//! the metrics.
+//!
+//! **This crate does not depend on the renderers' crate, on purpose.** What judges shares no code
+//! with what is judged, so an error in one cannot hide in the other. Where both need the same
+//! closed form, it is written twice; see [`relative_motion`].
+//!
+//! # Frame and signs
+//!
+//! One contact direction, SI units, `f64`. The object lies on the device's positive side:
+//!
+//! | quantity | symbol | unit |
+//! |---|---|---|
+//! | device position | ξ | m |
+//! | object position | η | m |
+//! | penetration | p = ξ − η, contact while p > 0 | m |
+//! | contact force **on the object** | f = K p in contact, otherwise 0 | N |
+//!
+//! The device receives −f. With the user's force `f_u` and the virtual force `f_V` (gravity, for
+//! example):
+//!
+//! ```text
+//! device   m ξ″ = f_u − f
+//! object   M η″ = f_V + f        (a wall is M = ∞ and never moves)
+//! ```
+//!
+//! A scene whose object lies on the other side is mirrored by the caller, who negates positions,
+//! velocities and forces on the way in and out.
+//!
+//! # From scene to judgement
+//!
+//! ```
+//! use palpate_testbed::ideal::{Ideal, PointMassScene};
+//! use palpate_testbed::metrics::ForceJudgement;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! // A 0.1 kg block falls by 0.1 m onto a device of the same mass that is held against gravity.
+//! let ideal = Ideal::new(PointMassScene {
+//!     stiffness: 100.0,
+//!     device_mass: 0.1,
+//!     object_mass: 0.1,
+//!     user_force: 0.981,
+//!     virtual_force: -0.981,
+//!     device_position: 0.0,
+//!     device_velocity: 0.0,
+//!     object_position: 0.1,
+//!     object_velocity: 0.0,
+//! })?;
+//! let period = 0.01;
+//! let intervals = ideal.window(3, period).ok_or("fewer than three collisions")?;
+//! let profile = ideal.profile(period, intervals)?;
+//!
+//! // The best any loop can hold at this period: the mean of the ideal force, interval by interval.
+//! let held: Vec<f64> = profile.mean_forces().collect();
+//! let judgement = ForceJudgement::of(&held, &profile)?;
+//! let fidelity = judgement.fidelity.ok_or("no contact")?;
+//! assert_eq!(fidelity.mean_force_error, 0.0);
+//! assert!((fidelity.force_rendering_error - fidelity.hold_floor).abs() < 1e-6);
+//! # Ok(())
+//! # }
+//! ```
+
+mod arc;
+pub mod device;
+pub mod driven;
+mod error;
+pub mod hold;
+pub mod ideal;
+pub mod measure;
+pub mod metrics;
+pub mod profile;
+pub mod recorded_path;
+pub mod relative_motion;
+
+pub use error::InvalidParameter;

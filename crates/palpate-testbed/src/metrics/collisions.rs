@@ -1,0 +1,90 @@
+//! Errors of single collisions.
+
+use std::ops::Range;
+
+use crate::profile::{Collision, ForceProfile};
+
+/// An ideal collision and the rendered collision of the same number.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CollisionJudgement {
+    /// The ideal collision.
+    pub ideal: Collision,
+    /// The rendered collision, `None` if there were fewer.
+    pub rendered: Option<RenderedCollision>,
+}
+
+/// A rendered collision: a longest run of intervals whose held force is not 0.
+///
+/// Two collisions without a whole idle interval between them count as one, and a run is cut at the
+/// end of the window.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RenderedCollision {
+    /// The intervals of the run.
+    pub intervals: Range<usize>,
+    /// Impulse on the object \[N s\].
+    pub impulse: f64,
+    /// Largest force that pushes the object away \[N\].
+    pub peak_force: f64,
+    /// (rendered − ideal)/ideal of the impulse; `None` if that is not a finite number.
+    pub impulse_error: Option<f64>,
+    /// (rendered − ideal)/ideal of the peak force; `None` if that is not a finite number.
+    pub peak_force_error: Option<f64>,
+}
+
+/// The rendered collisions of `held`, as ranges of intervals.
+pub(super) fn rendered_runs(held: &[f64]) -> Vec<Range<usize>> {
+    let mut runs: Vec<Range<usize>> = Vec::new();
+    for (interval, force) in held.iter().enumerate() {
+        if *force == 0.0 {
+            continue;
+        }
+        match runs.last_mut() {
+            Some(run) if run.end == interval => run.end += 1,
+            _ => runs.push(interval..interval + 1),
+        }
+    }
+    runs
+}
+
+/// Pairs the ideal collisions that end within the window with `runs`, in order.
+pub(super) fn judged(
+    held: &[f64],
+    runs: &[Range<usize>],
+    profile: &ForceProfile,
+) -> Vec<CollisionJudgement> {
+    profile
+        .collisions()
+        .iter()
+        .filter(|collision| collision.end.is_some())
+        .enumerate()
+        .map(|(number, &ideal)| CollisionJudgement {
+            ideal,
+            rendered: runs
+                .get(number)
+                .map(|run| rendered(held, run.clone(), &ideal, profile.period())),
+        })
+        .collect()
+}
+
+fn rendered(
+    held: &[f64],
+    intervals: Range<usize>,
+    ideal: &Collision,
+    period: f64,
+) -> RenderedCollision {
+    let forces = &held[intervals.clone()];
+    let impulse = period * forces.iter().sum::<f64>();
+    let peak_force = forces.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    RenderedCollision {
+        intervals,
+        impulse,
+        peak_force,
+        impulse_error: relative_error(impulse, ideal.impulse),
+        peak_force_error: relative_error(peak_force, ideal.peak_force),
+    }
+}
+
+fn relative_error(rendered: f64, ideal: f64) -> Option<f64> {
+    let error = (rendered - ideal) / ideal;
+    error.is_finite().then_some(error)
+}

@@ -1,0 +1,77 @@
+//! What a rendering is judged by: the force held over each period against the ideal force.
+//!
+//! [`ForceJudgement`] needs the held forces alone and applies to closed loops and open-loop
+//! replays. [`EnergyJudgement`] needs the motion that these forces made, so it applies to closed
+//! loops only. All of it looks at one window, that of the [`ForceProfile`].
+//!
+//! Errors of the force are in percent, after the literature; errors of single collisions and of
+//! energy are plain ratios.
+
+mod collisions;
+mod energy;
+mod fidelity;
+
+pub use collisions::{CollisionJudgement, RenderedCollision};
+pub use energy::{EnergyJudgement, Rebound};
+pub use fidelity::Fidelity;
+
+use thiserror::Error;
+
+use crate::profile::ForceProfile;
+
+/// A record that does not have the length its window asks for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[error("the record has {given} entries, its window asks for {expected}")]
+pub struct WindowMismatch {
+    /// Entries given.
+    pub given: usize,
+    /// Entries expected.
+    pub expected: usize,
+}
+
+impl WindowMismatch {
+    fn unless_equal(given: usize, expected: usize) -> Result<(), Self> {
+        if given == expected {
+            Ok(())
+        } else {
+            Err(Self { given, expected })
+        }
+    }
+}
+
+/// How well held forces render an ideal force, in a closed loop or a replay.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ForceJudgement {
+    /// Errors of the force over the window; `None` if the ideal has no contact in it.
+    pub fidelity: Option<Fidelity>,
+    /// Each ideal collision that ends within the window, with the rendered one of the same number.
+    pub collisions: Vec<CollisionJudgement>,
+    /// Number of rendered collisions in the window.
+    pub rendered_collisions: usize,
+    /// Largest held force, pushing or pulling \[N\]; infinite if one is not finite.
+    pub peak_force: f64,
+}
+
+impl ForceJudgement {
+    /// Judges the force on the object `held` over each interval of the window \[N\].
+    ///
+    /// # Errors
+    ///
+    /// `held` does not have one force for each interval of `profile`.
+    pub fn of(held: &[f64], profile: &ForceProfile) -> Result<Self, WindowMismatch> {
+        WindowMismatch::unless_equal(held.len(), profile.intervals())?;
+        let runs = collisions::rendered_runs(held);
+        Ok(Self {
+            fidelity: Fidelity::of(held, profile),
+            collisions: collisions::judged(held, &runs, profile),
+            rendered_collisions: runs.len(),
+            peak_force: held.iter().fold(0.0, |peak, force| {
+                if force.is_finite() {
+                    force.abs().max(peak)
+                } else {
+                    f64::INFINITY
+                }
+            }),
+        })
+    }
+}

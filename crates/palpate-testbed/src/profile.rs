@@ -1,0 +1,184 @@
+//! The ideal contact force over a window, cut into the intervals of a sampled loop.
+//!
+//! Every ideal, coupled or driven, ends in this one type, so the same metrics apply to all.
+
+use crate::arc::Arc;
+
+/// One collision of an ideal contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Collision {
+    /// Instant at which contact begins \[s\]; the start of the window if contact was there before.
+    pub start: f64,
+    /// Instant at which contact ends \[s\], `None` if it lasts beyond the window.
+    pub end: Option<f64>,
+    /// Impulse ∫ f dt on the object \[N s\], up to the window's end.
+    pub impulse: f64,
+    /// Largest force \[N\], up to the window's end.
+    pub peak_force: f64,
+    /// Relative speed at impact \[m/s\].
+    ///
+    /// A contact that is already there when the window begins may be deep and at rest; it gets the
+    /// speed at which the energy of its motion and of its spring together would arrive.
+    pub impact_speed: f64,
+}
+
+/// State of device and object at one instant, and the force between them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Snapshot {
+    /// \[s\]
+    pub time: f64,
+    /// ξ \[m\]
+    pub device_position: f64,
+    /// ξ′ \[m/s\]
+    pub device_velocity: f64,
+    /// η \[m\]
+    pub object_position: f64,
+    /// η′ \[m/s\]
+    pub object_velocity: f64,
+    /// Force on the object \[N\]; in the record of a loop, the force held from this instant on.
+    pub force_on_object: f64,
+}
+
+impl Snapshot {
+    /// Penetration p = ξ − η \[m\].
+    #[must_use]
+    pub fn penetration(&self) -> f64 {
+        self.device_position - self.object_position
+    }
+
+    /// Whether every number in it is finite.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        [
+            self.time,
+            self.device_position,
+            self.device_velocity,
+            self.object_position,
+            self.object_velocity,
+            self.force_on_object,
+        ]
+        .iter()
+        .all(|number| number.is_finite())
+    }
+}
+
+/// The ideal contact force over a window of whole periods.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ForceProfile {
+    start: f64,
+    period: f64,
+    impulses: Vec<f64>,
+    squared_forces: Vec<f64>,
+    collisions: Vec<Collision>,
+}
+
+impl ForceProfile {
+    /// Gathers `arcs`, which follow each other and cover the window.
+    pub(crate) fn from_arcs(arcs: &[Arc], start: f64, period: f64, intervals: usize) -> Self {
+        let mut impulses = Vec::with_capacity(intervals);
+        let mut squared_forces = Vec::with_capacity(intervals);
+        let mut first = 0;
+        for interval in 0..intervals {
+            let begin = start + interval as f64 * period;
+            let end = start + (interval + 1) as f64 * period;
+            while arcs.get(first).is_some_and(|arc| arc.end <= begin) {
+                first += 1;
+            }
+            let (mut impulse, mut squared_force) = (0.0, 0.0);
+            for arc in arcs[first..].iter().take_while(|arc| arc.start < end) {
+                let (j, q) = arc.impulse_and_square(arc.start.max(begin), arc.end.min(end));
+                impulse += j;
+                squared_force += q;
+            }
+            impulses.push(impulse);
+            squared_forces.push(squared_force);
+        }
+        Self {
+            start,
+            period,
+            impulses,
+            squared_forces,
+            collisions: collisions(arcs, start + intervals as f64 * period),
+        }
+    }
+
+    /// Start of the window \[s\].
+    #[must_use]
+    pub fn start(&self) -> f64 {
+        self.start
+    }
+
+    /// Period of the grid \[s\].
+    #[must_use]
+    pub fn period(&self) -> f64 {
+        self.period
+    }
+
+    /// Number of intervals in the window.
+    #[must_use]
+    pub fn intervals(&self) -> usize {
+        self.impulses.len()
+    }
+
+    /// Impulse J = ∫ f dt of each interval \[N s\].
+    #[must_use]
+    pub fn impulses(&self) -> &[f64] {
+        &self.impulses
+    }
+
+    /// Q = ∫ f² dt of each interval \[N² s\].
+    #[must_use]
+    pub fn squared_forces(&self) -> &[f64] {
+        &self.squared_forces
+    }
+
+    /// Mean force J/T of each interval \[N\]: the best that can be held over it.
+    pub fn mean_forces(&self) -> impl Iterator<Item = f64> + '_ {
+        self.impulses.iter().map(|impulse| impulse / self.period)
+    }
+
+    /// The collisions that begin before the window ends, in order.
+    #[must_use]
+    pub fn collisions(&self) -> &[Collision] {
+        &self.collisions
+    }
+}
+
+/// The collisions among `arcs` up to `until`. Neighbouring arcs in contact are one collision.
+fn collisions(arcs: &[Arc], until: f64) -> Vec<Collision> {
+    let mut collisions: Vec<Collision> = Vec::new();
+    let mut open = false;
+    for (index, arc) in arcs.iter().enumerate() {
+        if !arc.in_contact {
+            open = false;
+            continue;
+        }
+        if arc.start >= until {
+            break;
+        }
+        let end = arc.end.min(until);
+        let (impulse, _) = arc.impulse_and_square(arc.start, end);
+        let peak_force = arc.peak_force(arc.start, end);
+        let released = arc.end <= until && arcs.get(index + 1).is_some_and(|next| !next.in_contact);
+        let end = released.then_some(arc.end);
+        match collisions.last_mut() {
+            Some(collision) if open => {
+                collision.end = end;
+                collision.impulse += impulse;
+                collision.peak_force = collision.peak_force.max(peak_force);
+            }
+            _ => collisions.push(Collision {
+                start: arc.start,
+                end,
+                impulse,
+                peak_force,
+                impact_speed: arc
+                    .at_start
+                    .velocity
+                    .hypot(arc.motion.rate * arc.at_start.penetration),
+            }),
+        }
+        open = true;
+    }
+    collisions
+}
