@@ -1,1 +1,11 @@
-//! Scene files, the sampled-data loop and replay of recorded motion for palpate
+//! Scene files, the sampled-data loop, and replay of recorded motion.
+//!
+//! This crate puts the renderers of [`palpate`] on the bench of [`palpate_testbed`]: it reads what
+//! a scene is ([`scene`]), runs it closed loop ([`closed_loop`]) or on recorded motion
+//! ([`replay`]) by any method ([`method`]), and hands the bench's judgement back with the run.
+
+pub mod closed_loop;
+pub mod method;
+pub mod replay;
+pub mod run;
+pub mod scene;

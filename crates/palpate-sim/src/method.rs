@@ -1,0 +1,317 @@
+//! Methods by name, and the settings each of them takes.
+
+use std::fmt;
+use std::str::FromStr;
+
+use palpate::{
+    AnyParams, HfcrParams, LeakDissipation, PopcParams, PopcRefParams, SehEstimate, SehParams,
+    VirtualDamperParams,
+};
+use serde::Deserialize;
+
+/// A rendering method of the program, by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum MethodName {
+    /// Spring force of the sampled penetration.
+    Basic,
+    /// Spring and damper.
+    VirtualDamper,
+    /// Sample-estimate-hold.
+    Seh,
+    /// Passivity observer and controller.
+    Popc,
+    /// Reference energy following.
+    PopcRef,
+    /// HFCR's modified force alone.
+    HfcrMod,
+    /// HFCR's modified force with smooth transitions.
+    HfcrModSt,
+    /// HFCR with leak dissipation.
+    Hfcr,
+}
+
+impl MethodName {
+    /// Every method, in the order of tables and figures.
+    pub const ALL: [Self; 8] = [
+        Self::Basic,
+        Self::Seh,
+        Self::VirtualDamper,
+        Self::Popc,
+        Self::PopcRef,
+        Self::HfcrMod,
+        Self::HfcrModSt,
+        Self::Hfcr,
+    ];
+
+    /// The name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Basic => "basic",
+            Self::VirtualDamper => "virtual-damper",
+            Self::Seh => "seh",
+            Self::Popc => "popc",
+            Self::PopcRef => "popc-ref",
+            Self::HfcrMod => "hfcr-mod",
+            Self::HfcrModSt => "hfcr-mod-st",
+            Self::Hfcr => "hfcr",
+        }
+    }
+
+    /// What it is, in a few words.
+    pub fn summary(self) -> &'static str {
+        match self {
+            Self::Basic => "spring force of the sampled penetration",
+            Self::VirtualDamper => "spring and damper, the classic virtual coupling",
+            Self::Seh => "sample-estimate-hold: extrapolated mean force",
+            Self::Popc => "passivity observer and controller",
+            Self::PopcRef => "passivity controller that follows a reference energy",
+            Self::HfcrMod => "energy-consistent force",
+            Self::HfcrModSt => "energy-consistent force, smooth transitions",
+            Self::Hfcr => "the same with leak dissipation",
+        }
+    }
+
+    /// Settings this method can use.
+    pub fn uses(self, setting: Setting) -> bool {
+        match setting {
+            Setting::Damping => matches!(self, Self::VirtualDamper | Self::Hfcr),
+            Setting::DampingCap | Setting::SpeedThreshold => {
+                matches!(self, Self::Popc | Self::PopcRef)
+            }
+            Setting::InitialEnergy => self == Self::Popc,
+            Setting::Estimate => self == Self::Seh,
+        }
+    }
+}
+
+impl fmt::Display for MethodName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// A name that no method has.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("no method is called \"{name}\"; {}", suggestion(.name))]
+pub struct UnknownMethod {
+    /// The name that was given.
+    pub name: String,
+}
+
+fn suggestion(name: &str) -> String {
+    let all = MethodName::ALL.map(MethodName::name);
+    match nearest(name, &all) {
+        Some(near) => format!("did you mean \"{near}\"?"),
+        None => format!("the methods are {}", all.join(", ")),
+    }
+}
+
+/// The candidate that `name` most likely meant, if any is near.
+pub fn nearest<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
+    candidates
+        .iter()
+        .map(|candidate| (strsim::jaro_winkler(name, candidate), *candidate))
+        .filter(|(similarity, _)| *similarity > 0.8)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate)
+}
+
+impl FromStr for MethodName {
+    type Err = UnknownMethod;
+
+    fn from_str(name: &str) -> Result<Self, UnknownMethod> {
+        Self::ALL
+            .into_iter()
+            .find(|method| method.name() == name)
+            .ok_or_else(|| UnknownMethod { name: name.into() })
+    }
+}
+
+/// A setting that some methods take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Setting {
+    /// B of the virtual damper, b of HFCR.
+    Damping,
+    /// alpha_max of the passivity controllers.
+    DampingCap,
+    /// v_eps of the passivity controllers.
+    SpeedThreshold,
+    /// E_0 of the passivity controller.
+    InitialEnergy,
+    /// Member of the SEH family.
+    Estimate,
+}
+
+impl Setting {
+    /// Every setting.
+    pub const ALL: [Self; 5] = [
+        Self::Damping,
+        Self::DampingCap,
+        Self::SpeedThreshold,
+        Self::InitialEnergy,
+        Self::Estimate,
+    ];
+
+    /// Names of the methods that take it, joined by commas.
+    pub fn users(self) -> String {
+        let users: Vec<_> = MethodName::ALL
+            .into_iter()
+            .filter(|method| method.uses(self))
+            .map(MethodName::name)
+            .collect();
+        users.join(", ")
+    }
+}
+
+/// A damping `[N s/m]`, or the choice to derive it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Damping {
+    /// A given value `[N s/m]`.
+    Value(f64),
+    /// Derived from stiffness, period and masses; HFCR only.
+    Auto,
+}
+
+/// Settings of a method; what is `None` takes its default.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Settings {
+    /// B of the virtual damper (default K T/2, which makes up for the half period the hold lags
+    /// on a wall), or b of HFCR (default 0) `[N s/m]`.
+    pub damping: Option<Damping>,
+    /// alpha_max of the passivity controllers `[N s/m]`; default 3 K T.
+    pub damping_cap: Option<f64>,
+    /// v_eps of the passivity controllers `[m/s]`; default 1e-4.
+    pub speed_threshold: Option<f64>,
+    /// E_0 of the passivity controller `[J]`; default: what the object stores at the start.
+    pub initial_energy: Option<f64>,
+    /// Member of the SEH family; default AB2.
+    pub estimate: Option<SehEstimate>,
+}
+
+impl Settings {
+    /// Whether a value was given for `setting`.
+    pub fn has(&self, setting: Setting) -> bool {
+        match setting {
+            Setting::Damping => self.damping.is_some(),
+            Setting::DampingCap => self.damping_cap.is_some(),
+            Setting::SpeedThreshold => self.speed_threshold.is_some(),
+            Setting::InitialEnergy => self.initial_energy.is_some(),
+            Setting::Estimate => self.estimate.is_some(),
+        }
+    }
+
+    /// These settings, and where one is missing, that of `others`.
+    pub fn or(self, others: Self) -> Self {
+        Self {
+            damping: self.damping.or(others.damping),
+            damping_cap: self.damping_cap.or(others.damping_cap),
+            speed_threshold: self.speed_threshold.or(others.speed_threshold),
+            initial_energy: self.initial_energy.or(others.initial_energy),
+            estimate: self.estimate.or(others.estimate),
+        }
+    }
+}
+
+/// What the parameters of a method are derived from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Basis {
+    /// Contact stiffness `[N/m]`.
+    pub stiffness: f64,
+    /// Loop period `[s]`.
+    pub period: f64,
+    /// Effective mass of the device, if known `[kg]`.
+    pub device_mass: Option<f64>,
+    /// Energy the object stores at the start `[J]`.
+    pub stored_energy: f64,
+}
+
+/// Settings that do not make a method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SettingsError {
+    /// The method has no use for a setting.
+    #[error("{method} cannot use it")]
+    Unused {
+        /// The method.
+        method: MethodName,
+        /// The setting it cannot use.
+        setting: Setting,
+    },
+    /// Derived damping, but of a method that has no rule for it.
+    #[error("only hfcr derives its damping; give {0} a number")]
+    NoAutomaticDamping(MethodName),
+    /// Derived damping without the device's mass.
+    #[error("deriving the damping needs the device's effective mass")]
+    NoDeviceMass,
+}
+
+impl MethodName {
+    /// The method's parameters, with defaults for all settings that are missing.
+    ///
+    /// # Errors
+    /// A setting the method cannot use; a damping to be derived without a rule or a device mass.
+    pub fn params(
+        self,
+        settings: &Settings,
+        basis: &Basis,
+    ) -> Result<AnyParams<f64>, SettingsError> {
+        if let Some(setting) = Setting::ALL
+            .into_iter()
+            .find(|setting| settings.has(*setting) && !self.uses(*setting))
+        {
+            return Err(SettingsError::Unused {
+                method: self,
+                setting,
+            });
+        }
+        let impedance = basis.stiffness * basis.period;
+        let cap = settings.damping_cap.unwrap_or(3.0 * impedance);
+        Ok(match self {
+            Self::Basic => AnyParams::Basic,
+            Self::VirtualDamper => AnyParams::VirtualDamper(VirtualDamperParams {
+                damping: match settings.damping {
+                    None => 0.5 * impedance,
+                    Some(Damping::Value(damping)) => damping,
+                    Some(Damping::Auto) => return Err(SettingsError::NoAutomaticDamping(self)),
+                },
+            }),
+            Self::Seh => AnyParams::Seh(SehParams {
+                estimate: settings.estimate.unwrap_or_default(),
+            }),
+            Self::Popc => {
+                let defaults = PopcParams::new(cap);
+                AnyParams::Popc(PopcParams {
+                    speed_threshold: settings.speed_threshold.unwrap_or(defaults.speed_threshold),
+                    initial_energy: settings.initial_energy.unwrap_or(basis.stored_energy),
+                    ..defaults
+                })
+            }
+            Self::PopcRef => {
+                let defaults = PopcRefParams::new(cap);
+                AnyParams::PopcRef(PopcRefParams {
+                    speed_threshold: settings.speed_threshold.unwrap_or(defaults.speed_threshold),
+                    ..defaults
+                })
+            }
+            Self::HfcrMod => AnyParams::Hfcr(HfcrParams::modified_force_only()),
+            Self::HfcrModSt => AnyParams::Hfcr(HfcrParams::default()),
+            Self::Hfcr => AnyParams::Hfcr(HfcrParams {
+                leak_dissipation: match settings.damping {
+                    None => LeakDissipation::Off,
+                    Some(Damping::Value(damping)) => LeakDissipation::Damping(damping),
+                    Some(Damping::Auto) => LeakDissipation::Auto {
+                        device_mass: basis.device_mass.ok_or(SettingsError::NoDeviceMass)?,
+                    },
+                },
+                ..HfcrParams::default()
+            }),
+        })
+    }
+}
+
+impl<'de> Deserialize<'de> for MethodName {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        String::deserialize(deserializer)?
+            .parse()
+            .map_err(serde::de::Error::custom)
+    }
+}

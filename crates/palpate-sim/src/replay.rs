@@ -1,0 +1,189 @@
+//! Open-loop replay: a recorded motion, rendered by a method.
+//!
+//! The recorded device cannot be moved: it ignores the force, and the renderer sees the motion a
+//! person made without it. What the replay shows is the force law on real motion and the energy it
+//! leaks. The ideal it is held against is the same object, driven in continuous time by the
+//! recording at its full rate, straight lines between its samples.
+
+use palpate::{AnyRenderer, Contact, LoopParams, Mass, ObjectState, Renderer, Sample};
+use palpate_testbed::InvalidParameter;
+use palpate_testbed::driven::{DrivenIdeal, DrivenScene};
+use palpate_testbed::hold::DelayedHold;
+use palpate_testbed::metrics::ForceJudgement;
+use palpate_testbed::recorded_path::{PathError, RecordedPath};
+
+use crate::method::{Basis, MethodName, Settings};
+use crate::run::{CURVE_POINTS_PER_PERIOD, IdealPoint, Reference, Run, Tick};
+use crate::scene::{SetupError, stored_energy};
+
+/// What to render on a recorded motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReplaySetup {
+    /// The contact.
+    pub contact: Contact<f64>,
+    /// The loop.
+    pub loop_params: LoopParams<f64>,
+    /// The object at the start.
+    pub object: ObjectState<f64>,
+    /// Virtual force on the object `[N]`.
+    pub virtual_force: f64,
+    /// Whole samples between measuring and actuating.
+    pub delay: usize,
+    /// Effective mass of the device, if known `[kg]`.
+    pub device_mass: Option<f64>,
+}
+
+/// Why a recording cannot be replayed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ReplayError {
+    /// The method cannot be set up.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// The bench refuses a value.
+    #[error(transparent)]
+    Bench(#[from] InvalidParameter),
+    /// The recording is no motion.
+    #[error(transparent)]
+    Path(#[from] PathError),
+    /// The recording is shorter than a period.
+    #[error("the recording lasts {recorded} s, less than one period of {period} s")]
+    TooShort {
+        /// Length of the recording `[s]`.
+        recorded: f64,
+        /// Period of the loop `[s]`.
+        period: f64,
+    },
+}
+
+/// A recorded motion on the bench: resampled, and its ideal computed, once for every method.
+#[derive(Clone, Debug)]
+pub struct Replay {
+    setup: ReplaySetup,
+    sign: f64,
+    start: f64,
+    /// Recorded positions at the loop's instants, in the user's frame `[m]`.
+    positions: Vec<f64>,
+    reference: Reference,
+}
+
+impl Replay {
+    /// Resamples the recording (`times` `[s]`, `positions` `[m]`) at the loop's period, and drives
+    /// the ideal object by all of it.
+    ///
+    /// Where an instant of the loop is a recorded one the recorded position is taken exactly, so a
+    /// period that is a multiple of the recording's step decimates it; other instants are
+    /// interpolated on straight lines.
+    ///
+    /// # Errors
+    /// A recording that is no motion or lasts less than one period; a parameter out of range.
+    pub fn new(setup: ReplaySetup, times: &[f64], positions: &[f64]) -> Result<Self, ReplayError> {
+        // Checks contact and loop, whatever the method.
+        Renderer::new(setup.contact, setup.loop_params, palpate::BasicParams)
+            .and_then(|renderer| renderer.start(setup.object))
+            .map_err(SetupError::from)?;
+        let sign: f64 = setup.contact.side.sign();
+        let period = setup.loop_params.period;
+        let recorded = RecordedPath::new(times, positions)?;
+        let resampled = recorded.resample(period)?;
+        let intervals = resampled.len() - 1;
+        if intervals == 0 {
+            return Err(ReplayError::TooShort {
+                recorded: recorded.end() - recorded.start(),
+                period,
+            });
+        }
+        let mirrored: Vec<f64> = positions.iter().map(|x| sign * x).collect();
+        let ideal = DrivenIdeal::new(
+            DrivenScene {
+                stiffness: setup.contact.stiffness,
+                object_mass: match setup.contact.object_mass {
+                    Mass::Finite(mass) => mass,
+                    Mass::Infinite => f64::INFINITY,
+                },
+                virtual_force: sign * setup.virtual_force,
+                object_position: sign * setup.object.position,
+                object_velocity: sign * setup.object.velocity,
+            },
+            RecordedPath::new(times, &mirrored)?,
+        )?;
+        let start = recorded.start();
+        let curve = (0..=intervals * CURVE_POINTS_PER_PERIOD)
+            .map(|i| {
+                let at = ideal.at(start + i as f64 * period / CURVE_POINTS_PER_PERIOD as f64);
+                IdealPoint {
+                    time: at.time,
+                    device_position: sign * at.device_position,
+                    object_position: sign * at.object_position,
+                    force_on_object: sign * at.force_on_object,
+                }
+            })
+            .collect();
+        let profile = ideal.profile(period, intervals)?;
+        Ok(Self {
+            setup,
+            sign,
+            start,
+            positions: resampled,
+            reference: Reference { profile, curve },
+        })
+    }
+
+    /// The ideal over the recording.
+    pub fn reference(&self) -> &Reference {
+        &self.reference
+    }
+
+    /// Renders the recording by `method`.
+    ///
+    /// # Errors
+    /// Settings that do not make this method, or a parameter out of range.
+    pub fn run(&self, method: MethodName, settings: &Settings) -> Result<Run, ReplayError> {
+        let setup = &self.setup;
+        let period = setup.loop_params.period;
+        let basis = Basis {
+            stiffness: setup.contact.stiffness,
+            period,
+            device_mass: setup.device_mass,
+            stored_energy: stored_energy(&setup.contact, setup.object, self.positions[0]),
+        };
+        let params = method.params(settings, &basis).map_err(SetupError::from)?;
+        let renderer: AnyRenderer<f64> =
+            Renderer::new(setup.contact, setup.loop_params, params).map_err(SetupError::from)?;
+        let mut state = renderer.start(setup.object).map_err(SetupError::from)?;
+        let mut hold = DelayedHold::new(setup.delay)?;
+        let ticks: Vec<Tick> = self
+            .positions
+            .iter()
+            .enumerate()
+            .map(|(i, &position)| {
+                let output = renderer.step(
+                    &mut state,
+                    Sample::at(position).with_virtual_force(setup.virtual_force),
+                );
+                let held = hold.exchange(output.force_on_object);
+                renderer.report_held(&mut state, held);
+                Tick {
+                    time: self.start + i as f64 * period,
+                    device_position: position,
+                    true_device_position: position,
+                    output,
+                    held_force_on_object: held,
+                    ledger: *state.ledger(),
+                }
+            })
+            .collect();
+        let held: Vec<f64> = ticks[..ticks.len() - 1]
+            .iter()
+            .map(|tick| self.sign * tick.held_force_on_object)
+            .collect();
+        Ok(Run {
+            method,
+            params,
+            force: ForceJudgement::of(&held, &self.reference.profile)
+                .expect("one force per interval"),
+            ticks,
+            energy: None,
+            bench_port_work: None,
+        })
+    }
+}

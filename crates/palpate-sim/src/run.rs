@@ -1,0 +1,100 @@
+//! What a run gives: every tick, and the bench's judgement.
+
+use palpate::{AnyParams, Ledger, Output};
+use palpate_testbed::metrics::{EnergyJudgement, ForceJudgement};
+use palpate_testbed::profile::ForceProfile;
+
+use crate::method::MethodName;
+
+/// One sample of a run and the answer to it, in the user's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tick {
+    /// Time of the sample `[s]`.
+    pub time: f64,
+    /// Device position as the renderer saw it `[m]`.
+    pub device_position: f64,
+    /// Device position as it was, before the sensor `[m]`.
+    pub true_device_position: f64,
+    /// The renderer's answer.
+    pub output: Output<f64>,
+    /// Force on the object that is really held from here to the next sample `[N]`: with a delay,
+    /// that of an earlier answer.
+    pub held_force_on_object: f64,
+    /// Books of the intervals before this sample.
+    pub ledger: Ledger<f64>,
+}
+
+/// A run of one method, from the first sample to the one that closes the last interval.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// The method.
+    pub method: MethodName,
+    /// Its parameters, defaults included.
+    pub params: AnyParams<f64>,
+    /// One tick more than there are intervals.
+    pub ticks: Vec<Tick>,
+    /// How well the held force renders the ideal one.
+    pub force: ForceJudgement,
+    /// What the loop did to the energy of device and object; closed loops only.
+    pub energy: Option<EnergyJudgement>,
+    /// Work through the port as the bench integrates it, without the renderer's books, positive
+    /// into the object `[J]`; closed loops only.
+    pub bench_port_work: Option<f64>,
+}
+
+/// The ideal of a scene, over the window of a run.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// Its force, cut into intervals.
+    pub profile: ForceProfile,
+    /// Device, object and force on a fine grid, for figures, in the user's frame.
+    pub curve: Vec<IdealPoint>,
+}
+
+/// A point of the ideal's motion, in the user's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IdealPoint {
+    /// Time `[s]`.
+    pub time: f64,
+    /// Device position `[m]`.
+    pub device_position: f64,
+    /// Object position `[m]`.
+    pub object_position: f64,
+    /// Force on the object `[N]`.
+    pub force_on_object: f64,
+}
+
+impl Run {
+    /// The last tick; its ledger holds the totals of the run.
+    pub fn last(&self) -> &Tick {
+        self.ticks.last().expect("a run has at least one tick")
+    }
+
+    /// Number of samples that were refused.
+    pub fn faults(&self) -> usize {
+        self.count(|output| output.fault.is_some())
+    }
+
+    /// Number of forces that a limit changed.
+    pub fn limited(&self) -> usize {
+        self.count(|output| output.limited.any())
+    }
+
+    fn count(&self, condition: impl Fn(&Output<f64>) -> bool) -> usize {
+        self.ticks
+            .iter()
+            .filter(|tick| condition(&tick.output))
+            .count()
+    }
+
+    /// Strongest pull on the object over the run, as a force that is not negative `[N]`.
+    pub fn strongest_pull(&self, sign: f64) -> f64 {
+        self.ticks
+            .iter()
+            .map(|tick| -sign * tick.held_force_on_object)
+            .fold(0.0, f64::max)
+    }
+}
+
+/// Points of the fine grid of a reference per period.
+pub(crate) const CURVE_POINTS_PER_PERIOD: usize = 20;

@@ -1,0 +1,430 @@
+//! Scene files.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use palpate::{Contact, LoopParams, Mass, ObjectState, ParameterError, SehEstimate, Side};
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::{Measure, PointMassDevice, Scene, SetupError};
+use crate::method::{Damping, MethodName, Settings, SettingsError, nearest};
+
+/// The version of scene files this crate reads.
+const FORMAT: i64 = 1;
+
+/// A scene read from a file, which still knows where each of its values stands.
+#[derive(Clone, Debug)]
+pub struct SceneFile {
+    /// The scene.
+    pub scene: Scene,
+    name: String,
+    source: String,
+    places: HashMap<&'static str, Range<usize>>,
+}
+
+/// A fault in a scene file, with its place.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{file}:{line}:{column}: {message}")]
+pub struct SceneError {
+    /// Name of the file.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+    /// Bytes of the file that are at fault.
+    pub span: Range<usize>,
+    /// What is wrong, and what is allowed.
+    pub message: String,
+    /// The whole text, to show the place in.
+    pub source_text: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawScene {
+    scene_format: Spanned<i64>,
+    title: String,
+    object: RawObject,
+    device: RawDevice,
+    #[serde(default)]
+    hand: RawHand,
+    r#loop: RawLoop,
+    measure: Spanned<RawMeasure>,
+    #[serde(default)]
+    renderer: RawRenderer,
+    #[serde(default)]
+    methods: HashMap<Spanned<String>, RawSettings>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawObject {
+    stiffness_n_per_m: Spanned<f64>,
+    mass_kg: Spanned<f64>,
+    position_m: Spanned<f64>,
+    velocity_m_per_s: Option<Spanned<f64>>,
+    force_n: Option<Spanned<f64>>,
+    side: Option<Side>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum DeviceKind {
+    PointMass,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawDevice {
+    kind: DeviceKind,
+    mass_kg: Spanned<f64>,
+    position_m: Option<Spanned<f64>>,
+    velocity_m_per_s: Option<Spanned<f64>>,
+    encoder_quantum_m: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum HandKind {
+    ConstantForce,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawHand {
+    kind: HandKind,
+    force_n: Option<Spanned<f64>>,
+}
+
+impl Default for RawHand {
+    fn default() -> Self {
+        Self {
+            kind: HandKind::ConstantForce,
+            force_n: None,
+        }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawLoop {
+    period_s: Spanned<f64>,
+    delay_samples: Option<Spanned<usize>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawMeasure {
+    collisions: Option<Spanned<usize>>,
+    duration_s: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct RawRenderer {
+    method: Option<MethodName>,
+    unilateral: Option<bool>,
+    force_limit_n: Option<Spanned<f64>>,
+    slew_limit_n_per_s: Option<Spanned<f64>>,
+    speed_limit_m_per_s: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawSettings {
+    damping_n_s_per_m: Option<Damping>,
+    damping_cap_n_s_per_m: Option<f64>,
+    speed_threshold_m_per_s: Option<f64>,
+    initial_energy_j: Option<f64>,
+    estimate: Option<SehEstimate>,
+}
+
+/// Remembers where values stand while it takes them out of their wrapping.
+#[derive(Default)]
+struct Places(HashMap<&'static str, Range<usize>>);
+
+impl Places {
+    fn take<T>(&mut self, name: &'static str, value: Spanned<T>) -> T {
+        self.0.insert(name, value.span());
+        value.into_inner()
+    }
+
+    fn take_or<T>(&mut self, name: &'static str, value: Option<Spanned<T>>, default: T) -> T {
+        value.map_or(default, |value| self.take(name, value))
+    }
+}
+
+impl SceneFile {
+    /// Reads a scene from the text of a file called `name`, and checks it for the method it names
+    /// and for every method it has settings for.
+    ///
+    /// # Errors
+    /// The first fault, with its line and column and with what is allowed.
+    pub fn parse(name: &str, source: &str) -> Result<Self, SceneError> {
+        let fault =
+            |span: Range<usize>, message: String| SceneError::at(name, source, span, message);
+        let raw: RawScene = toml::from_str(source).map_err(|error| {
+            fault(
+                error.span().unwrap_or(0..0),
+                with_nearest_key(error.message()),
+            )
+        })?;
+        if *raw.scene_format.get_ref() != FORMAT {
+            return Err(fault(
+                raw.scene_format.span(),
+                format!(
+                    "scene_format is {}, but this version reads {FORMAT} only",
+                    raw.scene_format.get_ref()
+                ),
+            ));
+        }
+        let DeviceKind::PointMass = raw.device.kind;
+        let HandKind::ConstantForce = raw.hand.kind;
+        let mut places = Places::default();
+
+        let measure_span = raw.measure.span();
+        let measure = raw.measure.into_inner();
+        let measure = match (measure.collisions, measure.duration_s) {
+            (Some(count), None) => Measure::Collisions(places.take("measured collisions", count)),
+            (None, Some(duration)) => Measure::Duration(places.take("duration", duration)),
+            _ => {
+                return Err(fault(
+                    measure_span,
+                    "[measure] needs either collisions or duration_s, one of them".into(),
+                ));
+            }
+        };
+        let mut settings = HashMap::new();
+        for (method_key, raw) in raw.methods {
+            let span = method_key.span();
+            let method: MethodName = method_key
+                .get_ref()
+                .parse()
+                .map_err(|error| fault(span.clone(), format!("{error}")))?;
+            places.0.insert(settings_place(method), span);
+            settings.insert(
+                method,
+                Settings {
+                    damping: raw.damping_n_s_per_m,
+                    damping_cap: raw.damping_cap_n_s_per_m,
+                    speed_threshold: raw.speed_threshold_m_per_s,
+                    initial_energy: raw.initial_energy_j,
+                    estimate: raw.estimate,
+                },
+            );
+        }
+        let limit = |places: &mut Places, name, value: Option<Spanned<f64>>| {
+            value.map(|value| places.take(name, value))
+        };
+        let contact = Contact {
+            side: raw.object.side.unwrap_or_default(),
+            unilateral: raw.renderer.unilateral.unwrap_or(false),
+            ..Contact::object(
+                places.take("stiffness", raw.object.stiffness_n_per_m),
+                places.take("object_mass", raw.object.mass_kg),
+            )
+        };
+        let scene = Scene {
+            title: raw.title,
+            contact,
+            loop_params: LoopParams {
+                // A simulated device does not glitch; a loop that diverges is to be seen doing so.
+                speed_limit: limit(&mut places, "speed_limit", raw.renderer.speed_limit_m_per_s),
+                force_limit: limit(&mut places, "force_limit", raw.renderer.force_limit_n),
+                slew_limit: limit(&mut places, "slew_limit", raw.renderer.slew_limit_n_per_s),
+                ..LoopParams::new(places.take("period", raw.r#loop.period_s))
+            },
+            object: ObjectState {
+                position: places.take("object position", raw.object.position_m),
+                velocity: places.take_or("object velocity", raw.object.velocity_m_per_s, 0.0),
+            },
+            virtual_force: places.take_or("virtual force", raw.object.force_n, 0.0),
+            device: PointMassDevice {
+                mass: places.take("device_mass", raw.device.mass_kg),
+                position: places.take_or("device position", raw.device.position_m, 0.0),
+                velocity: places.take_or("device velocity", raw.device.velocity_m_per_s, 0.0),
+                encoder_quantum: places.take_or(
+                    "encoder_quantum",
+                    raw.device.encoder_quantum_m,
+                    0.0,
+                ),
+            },
+            user_force: places.take_or("user force", raw.hand.force_n, 0.0),
+            delay: places.take_or("delay", raw.r#loop.delay_samples, 0),
+            measure,
+            method: raw.renderer.method.unwrap_or(MethodName::Hfcr),
+            settings,
+        };
+        let file = Self {
+            scene,
+            name: name.into(),
+            source: source.into(),
+            places: places.0,
+        };
+        file.scene
+            .check()
+            .map_err(|error| file.locate_parameter(&error))?;
+        let named = |method: &MethodName| {
+            *method == file.scene.method || file.scene.settings.contains_key(method)
+        };
+        for method in MethodName::ALL.into_iter().filter(named) {
+            file.scene
+                .renderer(method)
+                .map_err(|error| file.locate(method, &error))?;
+        }
+        Ok(file)
+    }
+
+    /// The place of what makes `method` impossible here.
+    pub fn locate(&self, method: MethodName, error: &SetupError) -> SceneError {
+        match error {
+            SetupError::Parameter(parameter) if self.places.contains_key(parameter.parameter) => {
+                self.locate_parameter(parameter)
+            }
+            SetupError::Parameter(parameter) => self.at_settings(method, parameter.to_string()),
+            SetupError::Settings(SettingsError::Unused { setting, .. }) => self.at_settings(
+                method,
+                format!(
+                    "{method} has no use for {setting:?}; it is for {}",
+                    setting.users()
+                ),
+            ),
+            SetupError::Settings(other) => self.at_settings(method, other.to_string()),
+        }
+    }
+
+    /// The place of a parameter that is out of range.
+    pub fn locate_parameter(&self, error: &ParameterError) -> SceneError {
+        let span = self.places.get(error.parameter).cloned().unwrap_or(0..0);
+        SceneError::at(&self.name, &self.source, span, error.to_string())
+    }
+
+    fn at_settings(&self, method: MethodName, message: String) -> SceneError {
+        let span = self.places.get(settings_place(method)).cloned();
+        SceneError::at(&self.name, &self.source, span.unwrap_or(0..0), message)
+    }
+}
+
+/// Key under which the place of a method's settings is remembered.
+fn settings_place(method: MethodName) -> &'static str {
+    method.name()
+}
+
+impl SceneError {
+    fn at(file: &str, source: &str, span: Range<usize>, message: String) -> Self {
+        let before = &source[..span.start.min(source.len())];
+        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        Self {
+            file: file.into(),
+            line: before.matches('\n').count() + 1,
+            column: before[line_start..].chars().count() + 1,
+            span,
+            message,
+            source_text: source.into(),
+        }
+    }
+}
+
+/// Adds the key that an unknown one most likely meant. The TOML reader names both in its message:
+/// ``unknown field `x`, expected one of `a`, `b` ``.
+fn with_nearest_key(message: &str) -> String {
+    let Some(rest) = message.strip_prefix("unknown field `") else {
+        return message.into();
+    };
+    let mut quoted = rest.split('`');
+    let unknown = quoted.next().unwrap_or_default();
+    // Every second piece from here on stands between quotes.
+    let known: Vec<&str> = quoted.skip(1).step_by(2).collect();
+    let all = known.join(", ");
+    match nearest(unknown, &known) {
+        Some(near) => format!("unknown key {unknown}, did you mean {near}? Known here: {all}"),
+        None => format!("unknown key {unknown}. Known here: {all}"),
+    }
+}
+
+impl Scene {
+    /// Checks what no renderer looks at.
+    ///
+    /// # Errors
+    /// The first value outside its range, under the name the file reader knows it by.
+    pub fn check(&self) -> Result<(), ParameterError> {
+        let out_of_range = |parameter, unit, value: f64, allowed| {
+            Err(ParameterError {
+                parameter,
+                value,
+                unit,
+                allowed,
+            })
+        };
+        for (parameter, unit, value) in [
+            ("object position", "m", self.object.position),
+            ("object velocity", "m/s", self.object.velocity),
+            ("virtual force", "N", self.virtual_force),
+            ("device position", "m", self.device.position),
+            ("device velocity", "m/s", self.device.velocity),
+            ("user force", "N", self.user_force),
+        ] {
+            if !value.is_finite() {
+                return out_of_range(parameter, unit, value, "finite");
+            }
+        }
+        let is_wall = self.contact.object_mass == Mass::Infinite;
+        if is_wall && self.object.velocity != 0.0 {
+            return out_of_range(
+                "object velocity",
+                "m/s",
+                self.object.velocity,
+                "0 for a wall",
+            );
+        }
+        let mass = self.device.mass;
+        if !(mass.is_finite() && mass > 0.0) {
+            return out_of_range("device_mass", "kg", mass, "finite and greater than 0");
+        }
+        let quantum = self.device.encoder_quantum;
+        if !(quantum.is_finite() && quantum >= 0.0) {
+            return out_of_range("encoder_quantum", "m", quantum, "finite and not below 0");
+        }
+        if self.delay > MOST_DELAY {
+            return out_of_range("delay", "samples", self.delay as f64, "at most 1024");
+        }
+        match self.measure {
+            Measure::Collisions(0) => out_of_range("measured collisions", "", 0.0, "at least 1"),
+            Measure::Duration(duration) if !(duration.is_finite() && duration > 0.0) => {
+                out_of_range("duration", "s", duration, "finite and greater than 0")
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Longest delay `[samples]`, that of the bench's hold.
+const MOST_DELAY: usize = palpate_testbed::hold::DelayedHold::LONGEST_DELAY;
+
+impl<'de> Deserialize<'de> for Damping {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct NumberOrAuto;
+        impl serde::de::Visitor<'_> for NumberOrAuto {
+            type Value = Damping;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a damping in N s/m or \"auto\"")
+            }
+            fn visit_f64<E>(self, value: f64) -> Result<Damping, E> {
+                Ok(Damping::Value(value))
+            }
+            fn visit_i64<E>(self, value: i64) -> Result<Damping, E> {
+                Ok(Damping::Value(value as f64))
+            }
+            fn visit_str<E: serde::de::Error>(self, value: &str) -> Result<Damping, E> {
+                match value {
+                    "auto" => Ok(Damping::Auto),
+                    other => Err(E::invalid_value(serde::de::Unexpected::Str(other), &self)),
+                }
+            }
+        }
+        deserializer.deserialize_any(NumberOrAuto)
+    }
+}

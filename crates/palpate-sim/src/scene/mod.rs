@@ -1,0 +1,119 @@
+//! Scenes: an object, a device, a hand, a loop and a renderer, as a user writes them.
+//!
+//! A scene file is TOML with a format version; every quantity is SI and carries its unit in its
+//! key. Unknown keys are errors. See `experiments/` for the paper's scenes.
+
+mod file;
+
+pub use file::{SceneError, SceneFile};
+
+use std::collections::HashMap;
+
+use palpate::{
+    AnyParams, AnyRenderer, Contact, LoopParams, Mass, ObjectState, ParameterError, Renderer,
+};
+
+use crate::method::{Basis, MethodName, Settings, SettingsError};
+
+/// A closed loop to simulate: everything but the choice of the method is fixed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// A line for tables and figures.
+    pub title: String,
+    /// The contact.
+    pub contact: Contact<f64>,
+    /// The loop.
+    pub loop_params: LoopParams<f64>,
+    /// The object at the start.
+    pub object: ObjectState<f64>,
+    /// Virtual force f_V on the object `[N]`.
+    pub virtual_force: f64,
+    /// The device.
+    pub device: PointMassDevice,
+    /// Constant force f_u of the hand on the device `[N]`.
+    pub user_force: f64,
+    /// Whole samples between measuring and actuating.
+    pub delay: usize,
+    /// How long to look.
+    pub measure: Measure,
+    /// The method to run when none is named.
+    pub method: MethodName,
+    /// Settings of methods; one without an entry takes its defaults.
+    pub settings: HashMap<MethodName, Settings>,
+}
+
+/// A point mass without friction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointMassDevice {
+    /// Mass `[kg]`.
+    pub mass: f64,
+    /// Position at the start `[m]`.
+    pub position: f64,
+    /// Velocity at the start `[m/s]`.
+    pub velocity: f64,
+    /// Quantum of the position sensor `[m]`; 0 for an ideal one.
+    pub encoder_quantum: f64,
+}
+
+/// The window over which a run is judged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Measure {
+    /// Until this many collisions of the ideal have ended, and half a period more.
+    Collisions(usize),
+    /// A time `[s]`, up to the next whole period.
+    Duration(f64),
+}
+
+/// Why a method cannot be rendered here.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum SetupError {
+    /// A parameter is outside its range.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// Settings and method do not go together.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+}
+
+impl Scene {
+    /// The renderer of this scene by `method`.
+    ///
+    /// # Errors
+    /// A parameter of the contact, the loop or the method outside its range; a setting that the
+    /// method cannot use.
+    pub fn renderer(&self, method: MethodName) -> Result<AnyRenderer<f64>, SetupError> {
+        let params = self.params(method)?;
+        Ok(Renderer::new(self.contact, self.loop_params, params)?)
+    }
+
+    /// Parameters of `method` here, from its settings and their defaults.
+    ///
+    /// # Errors
+    /// A setting that the method cannot use.
+    pub fn params(&self, method: MethodName) -> Result<AnyParams<f64>, SettingsError> {
+        let settings = self.settings.get(&method).copied().unwrap_or_default();
+        let basis = Basis {
+            stiffness: self.contact.stiffness,
+            period: self.loop_params.period,
+            device_mass: Some(self.device.mass),
+            stored_energy: stored_energy(&self.contact, self.object, self.device.position),
+        };
+        method.params(&settings, &basis)
+    }
+}
+
+/// Kinetic energy of an object and elastic energy of its contact with a device at
+/// `device_position` `[J]`.
+pub(crate) fn stored_energy(
+    contact: &Contact<f64>,
+    object: ObjectState<f64>,
+    device_position: f64,
+) -> f64 {
+    let sign: f64 = contact.side.sign();
+    let pressed = (sign * (device_position - object.position)).max(0.0);
+    let kinetic = match contact.object_mass {
+        Mass::Finite(mass) => mass * object.velocity * object.velocity,
+        Mass::Infinite => 0.0,
+    };
+    0.5 * (kinetic + contact.stiffness * pressed * pressed)
+}
