@@ -1,0 +1,393 @@
+//! Files that appear whole or not at all.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+/// Links that are followed before a path counts as a ring.
+const MAX_LINKS: usize = 40;
+
+/// Why a file could not be written. What stood at the path before still stands there.
+#[derive(Debug, Error)]
+#[error("cannot write `{}`: {fault}", path.display())]
+pub struct WriteError {
+    /// The path the caller gave.
+    pub path: PathBuf,
+    /// What stood in the way.
+    pub fault: WriteFault,
+    /// What the system said.
+    pub source: io::Error,
+}
+
+/// What stood in the way of a file.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum WriteFault {
+    /// The directory of the file is not there.
+    #[error("there is no directory `{}`", directory.display())]
+    DirectoryMissing {
+        /// The directory that is missing.
+        directory: PathBuf,
+    },
+    /// There is a directory of that name.
+    #[error("it is a directory")]
+    IsDirectory,
+    /// The file or its directory may not be changed.
+    #[error("permission denied")]
+    PermissionDenied,
+    /// The disk or the quota is full.
+    #[error("no space left on the device")]
+    DiskFull,
+    /// Anything else, in the system's words.
+    #[error("{0}")]
+    Other(String),
+}
+
+/// Writes the file at `path` through `write`.
+///
+/// The bytes go to a temporary file in the same directory, reach the disk, and then take the
+/// file's name in one step: a reader sees the old file or the new one, never a part. Where
+/// anything fails, `write` included, the old file is untouched and no temporary file is left.
+///
+/// A new file gets the permissions that the process gives to any new file; a file that is
+/// replaced keeps its own. A symbolic link stays, and the file it points to is replaced. What is
+/// not a regular file (a pipe, a terminal, `/dev/null`) is written straight through, and so is the
+/// program's own output (`/dev/stdout`, `/dev/fd/1`) wherever it goes.
+///
+/// # Errors
+///
+/// [`WriteError`], which names the path.
+pub fn write<T>(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<T>,
+) -> Result<T, WriteError> {
+    let outcome = if is_stream(path) {
+        // Appending leaves alone what a shell's `>>` has already put there.
+        let open = OpenOptions::new().append(true).open(path);
+        open.and_then(|file| buffered(&file, write))
+    } else {
+        replace(path, write)
+    };
+    outcome.map_err(|source| WriteError {
+        path: path.to_owned(),
+        fault: fault(path, &source),
+        source,
+    })
+}
+
+/// Whether `path` leads to something that bytes go into but that cannot be replaced.
+fn is_stream(path: &Path) -> bool {
+    // A redirected standard output is a regular file, but it is the shell's, not ours to replace.
+    let inherited = ["/dev/stdout", "/dev/stderr", "/dev/fd", "/proc"];
+    let inherited = inherited.iter().any(|stream| path.starts_with(stream));
+    fs::metadata(path).is_ok_and(|found| inherited || !(found.is_file() || found.is_dir()))
+}
+
+fn buffered<T>(file: &File, write: impl FnOnce(&mut dyn Write) -> io::Result<T>) -> io::Result<T> {
+    let mut writer = BufWriter::new(file);
+    let value = write(&mut writer)?;
+    writer.flush()?;
+    Ok(value)
+}
+
+fn replace<T>(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<T>) -> io::Result<T> {
+    let target = follow_links(path)?;
+    let old = match OpenOptions::new().write(true).open(&target) {
+        Ok(file) => Some(file.metadata()?.permissions()),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+        Err(error) => return Err(error),
+    };
+    let temporary = temporary_in(directory_of(&target))?;
+    let value = buffered(temporary.as_file(), write)?;
+    if let Some(permissions) = old {
+        temporary.as_file().set_permissions(permissions)?;
+    }
+    temporary.as_file().sync_all()?;
+    temporary.persist(&target)?;
+    Ok(value)
+}
+
+fn temporary_in(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".palpate-");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // What open(2) is asked for when a program creates a file; the umask takes its share.
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(directory)
+}
+
+fn directory_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+/// The path behind all symbolic links, whether or not a file is there yet.
+fn follow_links(path: &Path) -> io::Result<PathBuf> {
+    let mut target = path.to_owned();
+    for _ in 0..MAX_LINKS {
+        match fs::read_link(&target) {
+            Ok(next) => target = directory_of(&target).join(next),
+            Err(_) => return Ok(target),
+        }
+    }
+    Err(io::Error::other("too many levels of symbolic links"))
+}
+
+fn fault(path: &Path, error: &io::Error) -> WriteFault {
+    let target = follow_links(path).unwrap_or_else(|_| path.to_owned());
+    let directory = directory_of(&target);
+    match error.kind() {
+        io::ErrorKind::NotFound if !directory.exists() => WriteFault::DirectoryMissing {
+            directory: directory.to_owned(),
+        },
+        io::ErrorKind::IsADirectory => WriteFault::IsDirectory,
+        io::ErrorKind::PermissionDenied => WriteFault::PermissionDenied,
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => WriteFault::DiskFull,
+        _ => WriteFault::Other(error.to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(directory: &Path) -> Vec<String> {
+        let mut names: Vec<String> = fs::read_dir(directory)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_new_file_holds_what_was_written() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("run.csv");
+        let value = write(&path, |out| {
+            out.write_all(b"whole")?;
+            Ok(7)
+        });
+        assert_eq!(value.unwrap(), 7);
+        assert_eq!(fs::read(&path).unwrap(), b"whole");
+        assert_eq!(names(directory.path()), ["run.csv"]);
+    }
+
+    #[test]
+    fn a_failure_leaves_the_old_file_and_nothing_else() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("run.csv");
+        fs::write(&path, "old").unwrap();
+        let error = write(&path, |out| {
+            out.write_all(&[b'x'; 1 << 16])?;
+            Err::<(), _>(io::Error::from(io::ErrorKind::StorageFull))
+        })
+        .unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            format!(
+                "cannot write `{}`: no space left on the device",
+                path.display()
+            )
+        );
+        assert_eq!(fs::read_to_string(&path).unwrap(), "old");
+        assert_eq!(names(directory.path()), ["run.csv"]);
+    }
+
+    #[test]
+    fn a_panic_leaves_the_old_file_and_nothing_else() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("run.csv");
+        fs::write(&path, "old").unwrap();
+        let outcome = std::panic::catch_unwind(|| {
+            write(&path, |_| -> io::Result<()> {
+                panic!("the renderer fell over")
+            })
+        });
+        assert!(outcome.is_err());
+        assert_eq!(fs::read_to_string(&path).unwrap(), "old");
+        assert_eq!(names(directory.path()), ["run.csv"]);
+    }
+
+    #[test]
+    fn an_error_of_the_writer_is_passed_on_in_its_own_words() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("run.csv");
+        let error = write(&path, |_| {
+            Err::<(), _>(io::Error::new(io::ErrorKind::NotFound, "no samples"))
+        })
+        .unwrap_err();
+        assert_eq!(error.fault, WriteFault::Other("no samples".to_owned()));
+        assert!(names(directory.path()).is_empty());
+    }
+
+    #[test]
+    fn a_missing_directory_is_named() {
+        let directory = tempfile::tempdir().unwrap();
+        let missing = directory.path().join("out");
+        let path = missing.join("run.csv");
+        assert_eq!(
+            write(&path, |_| Ok(())).unwrap_err().to_string(),
+            format!(
+                "cannot write `{}`: there is no directory `{}`",
+                path.display(),
+                missing.display()
+            )
+        );
+    }
+
+    #[test]
+    fn a_directory_is_not_replaced() {
+        let directory = tempfile::tempdir().unwrap();
+        let error = write(directory.path(), |_| Ok(())).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            format!(
+                "cannot write `{}`: it is a directory",
+                directory.path().display()
+            )
+        );
+    }
+
+    #[cfg(unix)]
+    mod unix {
+        use super::*;
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        use std::process::Command;
+
+        fn mode(path: &Path) -> u32 {
+            fs::metadata(path).unwrap().permissions().mode() & 0o7777
+        }
+
+        #[test]
+        fn a_new_file_gets_the_permissions_of_any_new_file() {
+            let directory = tempfile::tempdir().unwrap();
+            let plain = directory.path().join("plain");
+            File::create(&plain).unwrap();
+            let ours = directory.path().join("ours");
+            write(&ours, |_| Ok(())).unwrap();
+            assert_eq!(mode(&ours), mode(&plain));
+        }
+
+        #[test]
+        fn a_replaced_file_keeps_its_permissions() {
+            let directory = tempfile::tempdir().unwrap();
+            let path = directory.path().join("run.csv");
+            fs::write(&path, "old").unwrap();
+            fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
+            write(&path, |out| out.write_all(b"new")).unwrap();
+            assert_eq!(mode(&path), 0o640);
+            assert_eq!(fs::read(&path).unwrap(), b"new");
+        }
+
+        #[test]
+        fn a_link_stays_and_its_target_is_replaced() {
+            let directory = tempfile::tempdir().unwrap();
+            let data = directory.path().join("data");
+            fs::create_dir(&data).unwrap();
+            fs::write(data.join("run.csv"), "old").unwrap();
+            let link = directory.path().join("latest.csv");
+            symlink("data/run.csv", &link).unwrap();
+            write(&link, |out| out.write_all(b"new")).unwrap();
+            assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+            assert_eq!(fs::read(data.join("run.csv")).unwrap(), b"new");
+            assert_eq!(names(&data), ["run.csv"]);
+        }
+
+        #[test]
+        fn a_link_to_no_file_yet_makes_the_file() {
+            let directory = tempfile::tempdir().unwrap();
+            let link = directory.path().join("latest.csv");
+            symlink("run.csv", &link).unwrap();
+            write(&link, |out| out.write_all(b"new")).unwrap();
+            assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+            assert_eq!(fs::read(directory.path().join("run.csv")).unwrap(), b"new");
+        }
+
+        #[test]
+        fn links_in_a_ring_are_refused() {
+            let directory = tempfile::tempdir().unwrap();
+            let (a, b) = (directory.path().join("a"), directory.path().join("b"));
+            symlink(&a, &b).unwrap();
+            symlink(&b, &a).unwrap();
+            let error = write(&a, |_| Ok(())).unwrap_err().to_string();
+            assert!(
+                error.ends_with("too many levels of symbolic links"),
+                "{error}"
+            );
+        }
+
+        #[test]
+        fn a_directory_that_may_not_be_changed_is_refused() {
+            let directory = tempfile::tempdir().unwrap();
+            let closed = directory.path().join("closed");
+            fs::create_dir(&closed).unwrap();
+            fs::set_permissions(&closed, fs::Permissions::from_mode(0o555)).unwrap();
+            if File::create(closed.join("probe")).is_ok() {
+                return; // root may write anywhere
+            }
+            let path = closed.join("run.csv");
+            assert_eq!(
+                write(&path, |_| Ok(())).unwrap_err().to_string(),
+                format!("cannot write `{}`: permission denied", path.display())
+            );
+        }
+
+        #[test]
+        fn a_file_that_may_not_be_changed_is_not_replaced() {
+            let directory = tempfile::tempdir().unwrap();
+            let path = directory.path().join("run.csv");
+            fs::write(&path, "old").unwrap();
+            fs::set_permissions(&path, fs::Permissions::from_mode(0o444)).unwrap();
+            if OpenOptions::new().write(true).open(&path).is_ok() {
+                return; // root may write anything
+            }
+            let error = write(&path, |out| out.write_all(b"new")).unwrap_err();
+            assert_eq!(error.fault, WriteFault::PermissionDenied);
+            assert_eq!(fs::read(&path).unwrap(), b"old");
+        }
+
+        #[test]
+        fn what_is_no_file_is_written_through() {
+            write(Path::new("/dev/null"), |out| out.write_all(b"gone")).unwrap();
+            assert!(!fs::metadata("/dev/null").unwrap().is_file());
+        }
+
+        #[test]
+        fn a_full_disk_is_reported() {
+            let full = Path::new("/dev/full");
+            if !full.exists() {
+                return;
+            }
+            assert_eq!(
+                write(full, |out| out.write_all(b"too much"))
+                    .unwrap_err()
+                    .to_string(),
+                "cannot write `/dev/full`: no space left on the device"
+            );
+        }
+
+        #[test]
+        fn a_pipe_is_written_through() {
+            let directory = tempfile::tempdir().unwrap();
+            let pipe = directory.path().join("pipe");
+            match Command::new("mkfifo").arg(&pipe).status() {
+                Ok(status) if status.success() => {}
+                _ => return,
+            }
+            let reader = std::thread::spawn({
+                let pipe = pipe.clone();
+                move || fs::read(pipe).unwrap()
+            });
+            write(&pipe, |out| out.write_all(b"through")).unwrap();
+            assert_eq!(reader.join().unwrap(), b"through");
+            assert_eq!(names(directory.path()), ["pipe"]);
+        }
+    }
+}

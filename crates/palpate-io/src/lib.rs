@@ -1,0 +1,17 @@
+//! Files of palpate.
+//!
+//! - [`trace`] reads a recorded motion: when the device was where.
+//! - [`run`] writes and reads run files: what a rendering did, sample by sample, with the
+//!   configuration that made it.
+//! - [`atomic`] puts a file on disk whole or not at all.
+//!
+//! Everything is SI; the unit of a column stands in its name (`t_s`, `position_m`). Readers take
+//! any [`std::io::Read`] and the name to call it by; a fault in the text is reported with its
+//! [`Place`]: file, line, column, byte span and the text around it.
+
+pub mod atomic;
+mod place;
+pub mod run;
+pub mod trace;
+
+pub use place::Place;

@@ -1,0 +1,171 @@
+//! Where in a text file something stands.
+
+use std::fmt;
+use std::ops::Range;
+
+/// A place in a text file, as an editor counts it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    file: String,
+    line: usize,
+    column: usize,
+    span: Range<usize>,
+    text: String,
+}
+
+impl Place {
+    /// The place of the bytes `span` of `source`, which is the whole text of `file`.
+    pub(crate) fn new(file: &str, source: &str, span: Range<usize>) -> Self {
+        let body = source.strip_prefix('\u{feff}').unwrap_or(source);
+        let mark = source.len() - body.len();
+        let start = span.start.clamp(mark, source.len());
+        let end = span.end.clamp(start, source.len());
+        let before = &source[mark..start];
+        let line_start = mark + before.rfind(['\n', '\r']).map_or(0, |at| at + 1);
+        Self {
+            file: file.to_owned(),
+            line: 1 + line_ends(before),
+            column: 1 + source[line_start..start].chars().count(),
+            span: start..end,
+            text: source[..end_of_context(source, end)].to_owned(),
+        }
+    }
+
+    /// The name the caller gave to the text.
+    #[must_use]
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// Line, counted from 1.
+    #[must_use]
+    pub fn line(&self) -> usize {
+        self.line
+    }
+
+    /// Column in characters, counted from 1.
+    #[must_use]
+    pub fn column(&self) -> usize {
+        self.column
+    }
+
+    /// The bytes at fault, as offsets into [`Place::text`] and into the file alike.
+    #[must_use]
+    pub fn span(&self) -> Range<usize> {
+        self.span.clone()
+    }
+
+    /// The file's text from its beginning to the line after the fault.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}:{}", self.file, self.line, self.column)
+    }
+}
+
+/// Number of line ends in `text`: `\n`, `\r\n` and a lone `\r` each count once.
+fn line_ends(text: &str) -> usize {
+    let feeds = text.bytes().filter(|&byte| byte == b'\n').count();
+    let returns = text.bytes().filter(|&byte| byte == b'\r').count();
+    feeds + returns - text.matches("\r\n").count()
+}
+
+/// Offset of the end of the line that follows the one `at` stands in.
+fn end_of_context(source: &str, at: usize) -> usize {
+    source[at..]
+        .match_indices('\n')
+        .nth(1)
+        .map_or(source.len(), |(offset, _)| at + offset)
+}
+
+/// The bytes of field `index` of the comma-separated record that starts at `start`, without the
+/// spaces around it; the record's last byte where it has no such field.
+pub(crate) fn field_span(source: &str, start: usize, index: usize) -> Range<usize> {
+    let mut quoted = false;
+    let mut field = 0;
+    let mut from = start;
+    let mut to = source.len();
+    for (offset, byte) in source[start..].bytes().enumerate() {
+        let at = start + offset;
+        match byte {
+            b'"' => quoted = !quoted,
+            b',' if !quoted => {
+                if field == index {
+                    to = at;
+                    break;
+                }
+                field += 1;
+                from = at + 1;
+            }
+            b'\n' | b'\r' if !quoted => {
+                to = at;
+                break;
+            }
+            _ => {}
+        }
+    }
+    let raw = &source[from..to];
+    let lead = raw.len() - raw.trim_start().len();
+    from + lead..from + lead + raw.trim().len()
+}
+
+/// The bytes of the whole record that starts at `start`.
+pub(crate) fn record_span(source: &str, start: usize) -> Range<usize> {
+    start..field_span(source, start, usize::MAX).end.max(start)
+}
+
+/// Offset of the first byte that was read for a record, lines that were skipped included.
+pub(crate) fn first_byte(record: &csv::StringRecord) -> usize {
+    record
+        .position()
+        .and_then(|position| usize::try_from(position.byte()).ok())
+        .unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_and_columns_are_counted_as_an_editor_does() {
+        let source = "\u{feff}t_s,x\r\n0,µ,bad\r\n";
+        let at = source.find("bad").unwrap();
+        let place = Place::new("a.csv", source, at..at + 3);
+        assert_eq!(place.to_string(), "a.csv:2:5");
+        assert_eq!(&place.text()[place.span()], "bad");
+        assert_eq!(
+            (place.file(), place.line(), place.column()),
+            ("a.csv", 2, 5)
+        );
+    }
+
+    #[test]
+    fn a_lone_return_ends_a_line() {
+        assert_eq!(Place::new("a", "1\r2\r3", 4..5).line(), 3);
+    }
+
+    #[test]
+    fn the_byte_order_mark_is_no_column() {
+        let place = Place::new("a", "\u{feff}time", 3..7);
+        assert_eq!((place.line(), place.column()), (1, 1));
+    }
+
+    #[test]
+    fn the_text_ends_one_line_after_the_fault() {
+        let place = Place::new("a", "one\ntwo\nthree\nfour\n", 4..7);
+        assert_eq!(place.text(), "one\ntwo\nthree");
+    }
+
+    #[test]
+    fn fields_are_found_with_quotes_and_spaces() {
+        let source = "a,\"b,c\", d \n";
+        assert_eq!(&source[field_span(source, 0, 1)], "\"b,c\"");
+        assert_eq!(&source[field_span(source, 0, 2)], "d");
+        assert_eq!(&source[record_span(source, 0)], "a,\"b,c\", d");
+    }
+}

@@ -1,0 +1,158 @@
+//! Run files: what a rendering did, sample by sample.
+//!
+//! A run file is comma-separated UTF-8 text: a header on the first line, then one line per sample,
+//! so that any program that reads CSV reads it. The last column, `palpate_run_1`, names the format
+//! and its version. Its field in the first row holds the receipt, the configuration that made the
+//! run, as a JSON object of strings on one line; in every other row it is empty.
+//!
+//! ```text
+//! t_s,force_n,phase,palpate_run_1
+//! 0,0,free,"{""method"":""hfcr"",""period_s"":""0.01""}"
+//! 0.01,0.4905,contact,
+//! ```
+//!
+//! A run without a sample has no place for its receipt, so none is written; a file that has only
+//! a header still reads as one, with an empty receipt.
+//!
+//! Numbers are written with the fewest digits that read back to the same bits. A sample without a
+//! value, NaN, is an empty field; infinities are `inf` and `-inf`, so that a run that diverged
+//! can be kept.
+
+mod read;
+mod receipt;
+mod write;
+
+pub use read::{Run, RunError, RunFault, read};
+pub use write::{Cell, RunWriteError, RunWriter};
+
+/// What the name of the last column begins with, whatever the version that follows.
+const MARK: &str = "palpate_run_";
+/// The version that is written and read.
+const VERSION: &str = "1";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NO_RECEIPT: &[(&str, &str)] = &[];
+
+    fn pairs(run: &Run) -> Vec<(&str, &str)> {
+        run.receipt()
+            .iter()
+            .map(|(key, value)| (&key[..], &value[..]))
+            .collect()
+    }
+
+    fn read_text(text: &str) -> Result<Run, RunError> {
+        read(text.as_bytes(), "run.csv")
+    }
+
+    fn column(numbers: &[f64]) -> String {
+        let mut writer = RunWriter::new(Vec::new(), NO_RECEIPT, &["x"]).unwrap();
+        for &number in numbers {
+            writer.row(&[number.into()]).unwrap();
+        }
+        String::from_utf8(writer.finish().unwrap()).unwrap()
+    }
+
+    #[test]
+    fn a_run_reads_as_it_was_written() {
+        let receipt = [
+            ("method", "hfcr"),
+            ("a scene = ", " a, \"b\"\r\nc "),
+            ("note", ""),
+        ];
+        let mut writer =
+            RunWriter::new(Vec::new(), &receipt, &["t_s", "force_n", "phase"]).unwrap();
+        writer
+            .row(&[0.0.into(), 0.1.into(), "free".into()])
+            .unwrap();
+        writer
+            .row(&[0.01.into(), f64::NAN.into(), "# a,\"b\"\r\nc".into()])
+            .unwrap();
+        writer
+            .row(&[0.02.into(), f64::NEG_INFINITY.into(), "".into()])
+            .unwrap();
+        let text = String::from_utf8(writer.finish().unwrap()).unwrap();
+        assert_eq!(
+            text,
+            "t_s,force_n,phase,palpate_run_1\n\
+             0,0.1,free,\"{\"\"method\"\":\"\"hfcr\"\",\
+             \"\"a scene = \"\":\"\" a, \\\"\"b\\\"\"\\r\\nc \"\",\"\"note\"\":\"\"\"\"}\"\n\
+             0.01,,\"# a,\"\"b\"\"\r\nc\",\n0.02,-inf,,\n"
+        );
+        let run = read_text(&text).unwrap();
+        assert_eq!(pairs(&run), receipt);
+        assert_eq!(run.columns(), ["t_s", "force_n", "phase"]);
+        assert_eq!((run.len(), run.is_empty()), (3, false));
+        assert_eq!(run.numbers("t_s").unwrap(), [0.0, 0.01, 0.02]);
+        let force = run.numbers("force_n").unwrap();
+        assert!(force[1].is_nan() && force[2] == f64::NEG_INFINITY);
+        assert_eq!(run.texts("phase").unwrap(), ["free", "# a,\"b\"\r\nc", ""]);
+    }
+
+    #[test]
+    fn a_column_of_missing_values_keeps_its_length() {
+        let run = read_text(&column(&[f64::NAN, 1.0, f64::NAN])).unwrap();
+        let read = run.numbers("x").unwrap();
+        assert_eq!(read.len(), 3);
+        assert!(read[0].is_nan() && read[2].is_nan());
+    }
+
+    #[test]
+    fn an_empty_receipt_reads_back() {
+        let text = column(&[1.0]);
+        assert_eq!(text, "x,palpate_run_1\n1,{}\n");
+        assert!(read_text(&text).unwrap().receipt().is_empty());
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn every_number_reads_back_to_the_same_bits(first: u64, mut bits: Vec<u64>) {
+            bits.push(first);
+            let numbers: Vec<f64> = bits.iter().map(|&bits| f64::from_bits(bits)).collect();
+            let read = read_text(&column(&numbers)).unwrap().numbers("x").unwrap();
+            assert_eq!(read.len(), numbers.len());
+            for (read, number) in read.iter().zip(&numbers) {
+                assert!(read.to_bits() == number.to_bits() || (read.is_nan() && number.is_nan()));
+            }
+        }
+
+        #[test]
+        fn small_numbers_read_back_to_the_same_bits(bits in 0_u64..1 << 53, minus: bool) {
+            let number = f64::from_bits(bits | u64::from(minus) << 63);
+            let read = read_text(&column(&[number])).unwrap().numbers("x").unwrap();
+            assert_eq!(read[0].to_bits(), number.to_bits());
+        }
+
+        #[test]
+        fn every_text_reads_back(first: (String, String), mut texts: Vec<(String, String)>) {
+            texts.push(first);
+            let mut writer = RunWriter::new(Vec::new(), NO_RECEIPT, &["a", "b"]).unwrap();
+            for (a, b) in &texts {
+                writer.row(&[a.as_str().into(), b.as_str().into()]).unwrap();
+            }
+            let bytes = writer.finish().unwrap();
+            let run = read(&bytes[..], "run.csv").unwrap();
+            let a: Vec<&str> = texts.iter().map(|(a, _)| a.as_str()).collect();
+            let b: Vec<&str> = texts.iter().map(|(_, b)| b.as_str()).collect();
+            assert_eq!(run.texts("a").unwrap(), a);
+            assert_eq!(run.texts("b").unwrap(), b);
+        }
+
+        #[test]
+        fn every_receipt_reads_back_in_its_order_from_one_line(entries: Vec<(String, String)>) {
+            let mut receipt: Vec<(&str, &str)> = Vec::new();
+            for (key, value) in &entries {
+                if !key.is_empty() && receipt.iter().all(|(other, _)| other != key) {
+                    receipt.push((key, value));
+                }
+            }
+            let mut writer = RunWriter::new(Vec::new(), &receipt, &["x"]).unwrap();
+            writer.row(&[1.0.into()]).unwrap();
+            let text = String::from_utf8(writer.finish().unwrap()).unwrap();
+            assert_eq!(text.matches(['\n', '\r']).count(), 2);
+            assert_eq!(pairs(&read_text(&text).unwrap()), receipt);
+        }
+    }
+}
