@@ -22,7 +22,8 @@ pub enum MethodName {
     Popc,
     /// Reference energy following.
     PopcRef,
-    /// HFCR's modified force alone.
+    /// HFCR's modified force alone: a step of the method, to compare with. Where the object is
+    /// leaving while the device turns round, its force is not bounded.
     HfcrMod,
     /// HFCR's modified force with smooth transitions.
     HfcrModSt,

@@ -5,14 +5,14 @@
 //! leaks. The ideal it is held against is the same object, driven in continuous time by the
 //! recording at its full rate, straight lines between its samples.
 
-use palpate::{AnyRenderer, Contact, LoopParams, Mass, ObjectState, Renderer, Sample};
+use palpate::{AnyParams, AnyRenderer, Contact, LoopParams, Mass, ObjectState, Renderer, Sample};
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::driven::{DrivenIdeal, DrivenScene};
 use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::metrics::ForceJudgement;
 use palpate_testbed::recorded_path::{PathError, RecordedPath};
 
-use crate::method::{Basis, MethodName, Settings};
+use crate::method::{Basis, MethodName, Settings, SettingsError};
 use crate::run::{CURVE_POINTS_PER_PERIOD, IdealPoint, Reference, Run, Tick};
 use crate::scene::{SetupError, stored_energy};
 
@@ -31,6 +31,27 @@ pub struct ReplaySetup {
     pub delay: usize,
     /// Effective mass of the device, if known `[kg]`.
     pub device_mass: Option<f64>,
+}
+
+impl ReplaySetup {
+    /// Parameters of `method` here when the device starts at `device_position` `[m]`.
+    ///
+    /// # Errors
+    /// A setting that the method cannot use.
+    pub fn params(
+        &self,
+        method: MethodName,
+        settings: &Settings,
+        device_position: f64,
+    ) -> Result<AnyParams<f64>, SettingsError> {
+        let basis = Basis {
+            stiffness: self.contact.stiffness,
+            period: self.loop_params.period,
+            device_mass: self.device_mass,
+            stored_energy: stored_energy(&self.contact, self.object, device_position),
+        };
+        method.params(settings, &basis)
+    }
 }
 
 /// Why a recording cannot be replayed.
@@ -140,13 +161,9 @@ impl Replay {
     pub fn run(&self, method: MethodName, settings: &Settings) -> Result<Run, ReplayError> {
         let setup = &self.setup;
         let period = setup.loop_params.period;
-        let basis = Basis {
-            stiffness: setup.contact.stiffness,
-            period,
-            device_mass: setup.device_mass,
-            stored_energy: stored_energy(&setup.contact, setup.object, self.positions[0]),
-        };
-        let params = method.params(settings, &basis).map_err(SetupError::from)?;
+        let params = setup
+            .params(method, settings, self.positions[0])
+            .map_err(SetupError::from)?;
         let renderer: AnyRenderer<f64> =
             Renderer::new(setup.contact, setup.loop_params, params).map_err(SetupError::from)?;
         let mut state = renderer.start(setup.object).map_err(SetupError::from)?;

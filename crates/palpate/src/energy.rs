@@ -74,7 +74,7 @@ impl<S: Scalar> Ledger<S> {
         }
     }
 
-    /// Books one interval; false, and nothing booked, if its energies overflow.
+    /// Books one interval; false, and nothing booked, if an entry would overflow.
     #[must_use]
     pub(crate) fn close(&mut self, interval: &Closing<S>) -> bool {
         let virtual_work = interval.virtual_force * interval.object_moved;
@@ -82,27 +82,35 @@ impl<S: Scalar> Ledger<S> {
         let unpaid = interval.stored - self.stored - virtual_work;
         let original = unpaid - interval.original_force * interval.device_moved;
         let held = unpaid - port_work;
-        if !(original.is_finite() && held.is_finite()) {
+        let mut closed = *self;
+        closed.stored = interval.stored;
+        closed.port_work += port_work;
+        closed.virtual_force_work += virtual_work;
+        closed.original_leak.book(original);
+        closed.held_leak.book(held);
+        // Finite only if every entry is: no leak exceeds the sum of their absolute values.
+        let entries = closed.stored
+            + closed.port_work.abs()
+            + closed.virtual_force_work.abs()
+            + closed.original_leak.absolute
+            + closed.held_leak.absolute;
+        if !entries.is_finite() {
             return false;
         }
-        self.stored = interval.stored;
-        self.port_work += port_work;
-        self.virtual_force_work += virtual_work;
-        self.original_leak.book(original);
-        self.held_leak.book(held);
+        *self = closed;
         true
     }
 
-    /// The stored energy is now `stored` `[J]`, by no doing of the contact.
-    pub(crate) fn change_from_outside(&mut self, stored: S) {
-        self.outside_work += stored - self.stored;
+    /// The stored energy is now `stored` `[J]`, by no doing of the contact; false, and nothing
+    /// booked, if an entry would overflow.
+    #[must_use]
+    pub(crate) fn change_from_outside(&mut self, stored: S) -> bool {
+        let outside_work = self.outside_work + (stored - self.stored);
+        if !outside_work.is_finite() {
+            return false;
+        }
+        self.outside_work = outside_work;
         self.stored = stored;
-    }
-
-    /// The force held when trust in the samples was lost still did `work` `[J]` on the object's
-    /// side of the port; the object did not receive it.
-    pub(crate) fn book_untracked_port_work(&mut self, work: S) {
-        self.port_work += work;
-        self.outside_work -= work;
+        true
     }
 }

@@ -11,6 +11,7 @@ use crate::transition::{entry_instant, release_instant};
 /// Position and velocity of the virtual object.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct ObjectState<S> {
     /// Position of the object's surface eta `[m]`.
     pub position: S,

@@ -23,8 +23,8 @@ pub enum LeakDissipation<S> {
     /// `K^2 T^3 / (4 m) * M / (m + M)` with m the device's effective mass.
     ///
     /// It cancels leak, which is not the same as force error: on an undamped point mass it takes
-    /// the mean-force error of the paper's first experiment from 14.7 % to 15.2 %, and that of
-    /// the second from 102 % to 81 %.
+    /// the mean-force error of the paper's first experiment from 14.7 % to 14.9 %, and that of
+    /// the second from 102 % to 85 %.
     Auto {
         /// Effective mass m of the device `[kg]`, greater than 0.
         device_mass: S,

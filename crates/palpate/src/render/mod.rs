@@ -139,6 +139,9 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
     pub fn adopt(&self, state: &mut State<S, M::Memory>) {
         if self.motion.is_wall() {
             state.object.velocity = S::ZERO;
+            if let Some(object) = &mut state.teleport {
+                object.velocity = S::ZERO;
+            }
         }
         if let Device::Tracked(interval) = &mut state.device {
             let start = Start {
@@ -151,23 +154,25 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             let moved = self
                 .motion
                 .advance(interval.rule, &start, self.motion.period());
-            if stored.is_finite() && moved.by.is_finite() && moved.velocity.is_finite() {
+            let finite = stored.is_finite() && moved.by.is_finite() && moved.velocity.is_finite();
+            if finite && state.ledger.change_from_outside(stored) {
                 interval.start = start;
                 interval.planned = moved;
-                state.ledger.change_from_outside(stored);
             } else {
-                state.lose_track(None);
+                state.lose_track(&self.motion, None);
             }
         }
     }
 
     fn canonical(&self, object: ObjectState<S>) -> Result<ObjectState<S>, ParameterError> {
+        let position = finite("object position", "m", object.position)?;
+        let velocity = finite("object velocity", "m/s", object.velocity)?;
         Ok(ObjectState {
-            position: self.sign * finite("object position", "m", object.position)?,
+            position: self.sign * position,
             velocity: if self.motion.is_wall() {
                 S::ZERO
             } else {
-                self.sign * finite("object velocity", "m/s", object.velocity)?
+                self.sign * velocity
             },
         })
     }
@@ -262,10 +267,9 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             Some(previous) if !teleported => previous,
             _ => {
                 let stored = self.motion.stored_energy(penetration, object.velocity);
-                if !stored.is_finite() {
+                if !state.account_for(stored) {
                     return Err(Fault::Overflow);
                 }
-                state.account_for(stored);
                 penetration
             }
         };
@@ -285,8 +289,10 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         let plan = self
             .method
             .plan(&self.motion, &situation, &mut state.memory);
-        let finite =
-            plan.force.is_finite() && plan.moved.by.is_finite() && plan.moved.velocity.is_finite();
+        let finite = plan.force.is_finite()
+            && plan.moved.by.is_finite()
+            && plan.moved.velocity.is_finite()
+            && penetration.is_finite();
         if !finite {
             return Err(Fault::Overflow);
         }
@@ -365,7 +371,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
     #[cold]
     fn wait(&self, state: &mut State<S, M::Memory>, sample: &Sample<S>, fault: Fault) -> Output<S> {
         let device = self.sign * sample.device_position;
-        state.lose_track(device.is_finite().then_some(device));
+        state.lose_track(&self.motion, device.is_finite().then_some(device));
         Output {
             force_on_device: S::ZERO,
             force_on_object: S::ZERO,

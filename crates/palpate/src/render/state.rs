@@ -2,7 +2,7 @@
 
 use crate::Scalar;
 use crate::energy::Ledger;
-use crate::motion::{Displacement, ObjectState, Rule, Start};
+use crate::motion::{Displacement, ObjectMotion, ObjectState, Rule, Start};
 
 /// The state of one rendered contact: small and `Copy`, so it can be saved, restored, and moved
 /// between threads at will. It is made by [`Renderer::start`](super::Renderer::start) and changed
@@ -67,28 +67,36 @@ impl<S: Scalar, Memory: Default> State<S, Memory> {
     }
 
     /// Takes the stored energy of a contact that begins anew: opens the books, or books what
-    /// changed while the contact was not followed.
-    pub(super) fn account_for(&mut self, stored: S) {
-        if self.opened {
-            self.ledger.change_from_outside(stored);
-        } else {
+    /// changed while the contact was not followed. False, and nothing changed, if the energy is
+    /// not a finite number or an entry of the books would not be.
+    #[must_use]
+    pub(super) fn account_for(&mut self, stored: S) -> bool {
+        if !stored.is_finite() {
+            return false;
+        }
+        if !self.opened {
             self.ledger = Ledger::open(stored);
             self.opened = true;
+        } else if !self.ledger.change_from_outside(stored) {
+            return false;
         }
         self.memory = Memory::default();
+        true
     }
 
     /// The device was found at `position` `[m]`, or nowhere, by a sample that is not to be used.
-    /// The object finishes the interval it is in as planned, then waits.
-    pub(super) fn lose_track(&mut self, position: Option<S>) {
+    /// The object finishes the interval it is in as planned, then waits; it stays where the
+    /// interval began if the plan's energy is not a finite number. A position that is not trusted
+    /// moves no energy, so nothing is booked: the next contact accounts for it all.
+    pub(super) fn lose_track(&mut self, motion: &ObjectMotion<S>, position: Option<S>) {
         if let Device::Tracked(interval) = &self.device {
-            self.object = ObjectState {
+            let finished = ObjectState {
                 position: self.object.position + interval.planned.by,
                 velocity: interval.planned.velocity,
             };
-            let work = position.map_or(S::ZERO, |at| interval.held_force * (at - interval.device));
-            if work.is_finite() {
-                self.ledger.book_untracked_port_work(work);
+            let kinetic_energy = motion.stored_energy(S::ZERO, finished.velocity);
+            if finished.position.is_finite() && kinetic_energy.is_finite() {
+                self.object = finished;
             }
         }
         self.device = Device::Lost { position };
