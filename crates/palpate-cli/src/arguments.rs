@@ -1,0 +1,395 @@
+//! Command-line arguments. The flags of contact, method and device are the same on every command.
+
+use std::path::PathBuf;
+
+use clap::builder::styling::{AnsiColor, Styles};
+use clap::{ArgAction, Args, Parser, Subcommand, ValueHint};
+use palpate::{SehEstimate, Side};
+use palpate_sim::method::{Damping, MethodName};
+
+const STYLES: Styles = Styles::styled()
+    .header(AnsiColor::Green.on_default().bold())
+    .usage(AnsiColor::Green.on_default().bold())
+    .literal(AnsiColor::Cyan.on_default().bold())
+    .placeholder(AnsiColor::Cyan.on_default());
+
+/// Energy-consistent haptic contact rendering.
+///
+/// Renders the contact of a haptic device with a virtual object of finite mass, or a wall, at any
+/// loop rate, and says how much energy each method creates from nothing and how far its force is
+/// from the ideal one.
+#[derive(Parser, Debug)]
+#[command(name = "palpate", version, styles = STYLES, max_term_width = 100)]
+#[command(after_help = "\
+Examples:
+  palpate demo                                      the whole story in a few seconds
+  palpate simulate experiments/fig2.toml --method all
+  palpate render hand.csv --stiffness 400 --mass 0.1 --period 0.01 --method all --plot hand.svg
+
+Exit codes:
+  0  done
+  1  a file could not be read or written
+  2  the arguments are wrong
+  3  an input file is wrong; the message says where")]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    /// Render a recorded motion
+    #[command(long_about = "\
+Render a recorded motion.
+
+The recording drives the virtual object; it cannot be pushed back. Each sample gets the force the \
+method would have held, and the energy ledger says what that force would have leaked on this very \
+motion. The ideal it is held against is the same object, driven in continuous time by the \
+recording at its full rate, straight lines between its samples. Where the loop's period is a \
+multiple of the recording's, samples are taken exactly; else they are interpolated on the same \
+lines.")]
+    #[command(after_help = "\
+Examples:
+  palpate render tap.csv --stiffness 400 --mass 0.1 --period 0.01 --force -0.981 --out run.csv
+  palpate render tap.csv --stiffness 400 --mass inf --period 0.001 --method all --plot tap.svg
+  record | palpate render - --stiffness 400 --mass 0.1 --period 0.01 --json")]
+    Render(RenderArguments),
+    /// Simulate a scene in closed loop, and compare it with its ideal
+    #[command(long_about = "\
+Simulate a scene in closed loop, and compare it with its ideal.
+
+The device is integrated exactly between samples under the held force. The ideal is the same scene \
+in continuous time, event by event in closed form. Flags change values of the scene.")]
+    #[command(after_help = "\
+Examples:
+  palpate simulate experiments/fig2.toml --method all --plot fig2.svg
+  palpate simulate experiments/experiment2.toml --method virtual-damper --damping 4
+  palpate simulate experiments/wall.toml --stiffness 5000 --delay 1 --json")]
+    Simulate(SimulateArguments),
+    /// Render live: positions in, forces on the device out, line by line
+    #[command(long_about = "\
+Render live: positions in, forces on the device out, line by line.
+
+Each line of standard input is a sample, `position_m` or `t_s,position_m`. Each is answered by one \
+line on standard output, flushed at once: the force ON THE DEVICE in newtons, to be commanded to \
+the motor as it is and held until the next line.
+
+           device           object
+  ----------->|      |=========|     + axis, --side positive
+     <--------|
+  force on the device: negative while the object pushes back
+
+With times, the measured period is used; without, each line comes one --period after the last. A \
+line that is not a sample is answered by 0 and a message on standard error, and the pipe lives on. \
+When the input ends, a summary of the energy ledger goes to standard error.")]
+    #[command(after_help = "\
+Examples:
+  my-device | palpate pipe --stiffness 400 --mass 0.1 --period 0.001 --force -0.981
+  printf '0\\n0.001\\n0.002\\n' | palpate pipe --stiffness 1000 --mass inf --period 0.001")]
+    Pipe(PipeArguments),
+    /// Draw a figure of the paper
+    #[command(after_help = "\
+Examples:
+  palpate figure fig2
+  palpate figure fig2 --plot figures/fig2.svg --json")]
+    Figure(FigureArguments),
+    /// Show the whole story, without any input
+    #[command(after_help = "\
+Example:
+  palpate demo --out-dir first-look")]
+    Demo(DemoArguments),
+    /// Print a completion script for a shell
+    #[command(after_help = "\
+Example:
+  palpate completions bash > ~/.local/share/bash-completion/completions/palpate")]
+    Completions(CompletionArguments),
+}
+
+/// Arguments of `render`.
+#[derive(Args, Debug)]
+pub struct RenderArguments {
+    /// Recorded motion: CSV with the columns t_s,position_m; - for standard input
+    #[arg(value_name = "TRACE.csv", value_hint = ValueHint::FilePath)]
+    pub trace: PathBuf,
+    /// Contact, loop, method and device.
+    #[command(flatten)]
+    pub flags: Flags,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// Arguments of `simulate`.
+#[derive(Args, Debug)]
+pub struct SimulateArguments {
+    /// Scene file (TOML); experiments/ has the paper's
+    #[arg(value_name = "SCENE.toml", value_hint = ValueHint::FilePath)]
+    pub scene: PathBuf,
+    /// Contact, loop, method and device.
+    #[command(flatten)]
+    pub flags: Flags,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// Arguments of `pipe`.
+#[derive(Args, Debug)]
+pub struct PipeArguments {
+    /// Contact, loop, method and device.
+    #[command(flatten)]
+    pub flags: Flags,
+    /// Print the final summary on standard error as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `figure`.
+#[derive(Args, Debug)]
+pub struct FigureArguments {
+    /// Which figure
+    #[arg(value_enum)]
+    pub figure: FigureName,
+    /// File to draw into, .svg (or .png where built with the feature png) [default: fig2.svg]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub plot: Option<PathBuf>,
+    /// Print the report as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Figures of the paper.
+#[derive(clap::ValueEnum, Clone, Copy, Debug)]
+pub enum FigureName {
+    /// HFCR step by step: basic, modified force, smooth transitions, leak dissipation
+    Fig2,
+}
+
+/// Arguments of `demo`.
+#[derive(Args, Debug)]
+pub struct DemoArguments {
+    /// Folder for the figures and the hand trace; made if it is missing
+    #[arg(long, value_name = "DIR", default_value = "palpate-demo", value_hint = ValueHint::DirPath)]
+    pub out_dir: PathBuf,
+    /// Print the report as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `completions`.
+#[derive(Args, Debug)]
+pub struct CompletionArguments {
+    /// The shell
+    #[arg(value_enum)]
+    pub shell: clap_complete::Shell,
+}
+
+/// Where the results of a run go.
+#[derive(Args, Debug, Default)]
+#[command(next_help_heading = "Results")]
+pub struct Results {
+    /// Write every tick to a CSV file; - for standard output
+    #[arg(long, value_name = "RUN.csv", value_hint = ValueHint::FilePath)]
+    pub out: Option<PathBuf>,
+    /// Draw the run into a file, .svg (or .png where built with the feature png)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub plot: Option<PathBuf>,
+    /// Print the report as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Flags of every command that renders, in SI units.
+#[derive(Args, Debug, Default)]
+pub struct Flags {
+    /// Contact stiffness K [N/m]
+    #[arg(
+        long,
+        value_name = "N/m",
+        allow_hyphen_values = true,
+        help_heading = "Contact"
+    )]
+    pub stiffness: Option<f64>,
+    /// Mass M of the object [kg]; inf is a wall
+    #[arg(
+        long,
+        value_name = "kg|inf",
+        allow_hyphen_values = true,
+        help_heading = "Contact"
+    )]
+    pub mass: Option<f64>,
+    /// Virtual force f_V on the object [N], such as its weight [default: 0]
+    #[arg(
+        long,
+        value_name = "N",
+        allow_hyphen_values = true,
+        help_heading = "Contact"
+    )]
+    pub force: Option<f64>,
+    /// Position of the object at the start [m] [default: 0]
+    #[arg(
+        long,
+        value_name = "m",
+        allow_hyphen_values = true,
+        help_heading = "Contact"
+    )]
+    pub object_position: Option<f64>,
+    /// Velocity of the object at the start [m/s] [default: 0]
+    #[arg(
+        long,
+        value_name = "m/s",
+        allow_hyphen_values = true,
+        help_heading = "Contact"
+    )]
+    pub object_velocity: Option<f64>,
+    /// Side of the device on which the object lies: positive or negative [default: positive]
+    #[arg(long, value_name = "SIDE", value_parser = side, help_heading = "Contact")]
+    pub side: Option<Side>,
+    /// Never pull: clamp the force where a method would
+    #[arg(long, action = ArgAction::SetTrue, help_heading = "Contact")]
+    pub unilateral: bool,
+
+    /// Nominal period T of the loop [s]
+    #[arg(
+        long,
+        value_name = "s",
+        allow_hyphen_values = true,
+        help_heading = "Loop"
+    )]
+    pub period: Option<f64>,
+    /// Whole samples between measuring and actuating [default: 0]
+    #[arg(long, value_name = "SAMPLES", help_heading = "Loop")]
+    pub delay: Option<usize>,
+    /// Largest force that is held [N] [default: no limit]
+    #[arg(
+        long,
+        value_name = "N",
+        allow_hyphen_values = true,
+        help_heading = "Loop"
+    )]
+    pub force_limit: Option<f64>,
+    /// Fastest change of the force [N/s] [default: no limit]
+    #[arg(
+        long,
+        value_name = "N/s",
+        allow_hyphen_values = true,
+        help_heading = "Loop"
+    )]
+    pub slew_limit: Option<f64>,
+    /// Device speed above which a sample is refused [m/s] [default: 100; no limit in simulate]
+    #[arg(
+        long,
+        value_name = "m/s",
+        allow_hyphen_values = true,
+        help_heading = "Loop"
+    )]
+    pub speed_limit: Option<f64>,
+    /// Longest time between samples that is bridged [s] [default: 20 periods]
+    #[arg(
+        long,
+        value_name = "s",
+        allow_hyphen_values = true,
+        help_heading = "Loop"
+    )]
+    pub largest_gap: Option<f64>,
+
+    /// Method: all, or one or more, separated by commas, of basic, seh, virtual-damper, popc,
+    /// popc-ref, hfcr-mod, hfcr-mod-st, hfcr [default: hfcr, or the scene's]
+    #[arg(long, value_name = "NAMES", value_parser = methods, help_heading = "Method")]
+    pub method: Option<Methods>,
+    /// B of virtual-damper [default: K T/2], or b of hfcr [default: 0; auto derives it] [N s/m]
+    #[arg(long, value_name = "N s/m|auto", value_parser = damping, allow_hyphen_values = true,
+          help_heading = "Method")]
+    pub damping: Option<Damping>,
+    /// Largest damping alpha_max that popc and popc-ref inject [N s/m] [default: 3 K T]
+    #[arg(
+        long,
+        value_name = "N s/m",
+        allow_hyphen_values = true,
+        help_heading = "Method"
+    )]
+    pub damping_cap: Option<f64>,
+    /// Device speed v_eps up to which popc and popc-ref do not act [m/s] [default: 1e-4]
+    #[arg(
+        long,
+        value_name = "m/s",
+        allow_hyphen_values = true,
+        help_heading = "Method"
+    )]
+    pub speed_threshold: Option<f64>,
+    /// Energy E_0 that popc lets out [J] [default: what the object stores at the start]
+    #[arg(
+        long,
+        value_name = "J",
+        allow_hyphen_values = true,
+        help_heading = "Method"
+    )]
+    pub initial_energy: Option<f64>,
+    /// Extrapolation of seh: ab2, differences or ab3 [default: ab2]
+    #[arg(long, value_name = "NAME", value_parser = estimate, help_heading = "Method")]
+    pub estimate: Option<SehEstimate>,
+
+    /// Effective mass of the device [kg]
+    #[arg(
+        long,
+        value_name = "kg",
+        allow_hyphen_values = true,
+        help_heading = "Device"
+    )]
+    pub device_mass: Option<f64>,
+    /// Quantum of the device's position sensor [m]
+    #[arg(
+        long,
+        value_name = "m",
+        allow_hyphen_values = true,
+        help_heading = "Device"
+    )]
+    pub encoder_quantum: Option<f64>,
+}
+
+/// The methods a command is to run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Methods(pub Vec<MethodName>);
+
+fn methods(text: &str) -> Result<Methods, String> {
+    if text == "all" {
+        return Ok(Methods(MethodName::ALL.to_vec()));
+    }
+    let mut methods = Vec::new();
+    for name in text.split(',') {
+        let method: MethodName = name.trim().parse().map_err(|error| format!("{error}"))?;
+        if methods.contains(&method) {
+            return Err(format!("{method} is named twice"));
+        }
+        methods.push(method);
+    }
+    Ok(Methods(methods))
+}
+
+fn damping(text: &str) -> Result<Damping, String> {
+    if text == "auto" {
+        return Ok(Damping::Auto);
+    }
+    text.parse()
+        .map(Damping::Value)
+        .map_err(|_| "a number in N s/m or \"auto\" is needed".into())
+}
+
+fn side(text: &str) -> Result<Side, String> {
+    match text {
+        "positive" => Ok(Side::Positive),
+        "negative" => Ok(Side::Negative),
+        _ => Err("the sides are positive and negative".into()),
+    }
+}
+
+fn estimate(text: &str) -> Result<SehEstimate, String> {
+    match text {
+        "ab2" => Ok(SehEstimate::Ab2),
+        "differences" => Ok(SehEstimate::Differences),
+        "ab3" => Ok(SehEstimate::Ab3),
+        _ => Err("the estimates are ab2, differences and ab3".into()),
+    }
+}

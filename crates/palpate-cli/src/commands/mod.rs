@@ -1,0 +1,8 @@
+//! The commands, one file each.
+
+pub mod completions;
+pub mod demo;
+pub mod figure;
+pub mod pipe;
+pub mod render;
+pub mod simulate;

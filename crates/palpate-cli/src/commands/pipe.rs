@@ -1,0 +1,245 @@
+//! `palpate pipe`: a renderer between standard input and standard output.
+
+use std::fmt;
+use std::io::{self, BufRead, Read, Write};
+
+use palpate::{AnyMemory, AnyRenderer, Fault, Output, Renderer, Sample, State};
+use palpate_sim::method::MethodName;
+use palpate_testbed::hold::DelayedHold;
+use serde::Serialize;
+
+use crate::arguments::PipeArguments;
+use crate::failure::Failure;
+use crate::report::digits;
+use crate::setup::{wrong_flag, wrong_setup};
+
+/// Longest line that is read as a sample `[bytes]`; the rest of a longer one is skipped.
+const LONGEST_LINE: u64 = 4096;
+
+/// Answers every line of standard input until it ends.
+pub fn run(arguments: &PipeArguments) -> Result<(), Failure> {
+    let flags = &arguments.flags;
+    let methods = flags.methods(MethodName::Hfcr);
+    let &[method] = methods.as_slice() else {
+        return Err(Failure::Arguments(
+            "pipe renders by one method; name it with --method".into(),
+        ));
+    };
+    flags.check_settings(&methods)?;
+    let setup = flags.replay_setup("pipe")?;
+    // The first line says where the device is; until then the object is taken as untouched.
+    let params = setup
+        .params(method, &flags.settings(), setup.object.position)
+        .map_err(|error| wrong_setup(&error.into()))?;
+    let renderer: AnyRenderer<f64> = Renderer::new(setup.contact, setup.loop_params, params)
+        .map_err(|error| wrong_flag(&error))?;
+    let mut pipe = Pipe {
+        state: renderer
+            .start(setup.object)
+            .map_err(|error| wrong_flag(&error))?,
+        renderer,
+        virtual_force: setup.virtual_force,
+        hold: DelayedHold::new(setup.delay)
+            .map_err(|error| Failure::Arguments(format!("--delay: {error}")))?,
+        last_time: None,
+        summary: Summary::default(),
+    };
+    let ended = pipe.serve(&mut io::stdin().lock(), &mut io::stdout().lock());
+    let summary = pipe.summary();
+    if arguments.json {
+        let text = serde_json::to_string(&summary).expect("a summary has string keys only");
+        eprintln!("{text}");
+    } else {
+        eprintln!("{summary}");
+    }
+    match ended {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure::System(format!("the pipe broke: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A renderer and what it needs between two lines.
+struct Pipe {
+    renderer: AnyRenderer<f64>,
+    state: State<f64, AnyMemory<f64>>,
+    virtual_force: f64,
+    hold: DelayedHold,
+    /// Time of the last line that had one `[s]`.
+    last_time: Option<f64>,
+    summary: Summary,
+}
+
+/// What a pipe did, for its end.
+#[derive(Debug, Default, Clone, Serialize)]
+struct Summary {
+    format: &'static str,
+    samples: u64,
+    refused: u64,
+    limited: u64,
+    stored_energy_j: f64,
+    port_work_j: f64,
+    leak_original_j: f64,
+    leak_held_j: f64,
+}
+
+impl Pipe {
+    fn serve(&mut self, input: &mut impl BufRead, output: &mut impl Write) -> io::Result<()> {
+        let mut line = Vec::new();
+        for number in 1_u64.. {
+            line.clear();
+            if input.take(LONGEST_LINE).read_until(b'\n', &mut line)? == 0 {
+                break;
+            }
+            let too_long = line.len() as u64 == LONGEST_LINE && !line.ends_with(b"\n");
+            if too_long {
+                skip_line(input)?;
+            }
+            let text = String::from_utf8_lossy(&line);
+            let text = text.trim();
+            if number == 1 && is_header(text) {
+                continue;
+            }
+            let sample = if too_long {
+                Err(format!("the line is longer than {LONGEST_LINE} bytes"))
+            } else {
+                parse(text)
+            };
+            let force = self.answer(number, sample);
+            writeln!(output, "{force}")?;
+            output.flush()?;
+        }
+        Ok(())
+    }
+
+    /// Force on the device `[N]` for a line.
+    fn answer(&mut self, number: u64, line: Result<Line, String>) -> f64 {
+        self.summary.samples += 1;
+        let sample = match &line {
+            Ok(Line { time, position }) => {
+                let elapsed = match (time, self.last_time) {
+                    (Some(now), Some(last)) => Some(now - last),
+                    _ => None,
+                };
+                Sample {
+                    device_position: *position,
+                    elapsed,
+                    virtual_force: self.virtual_force,
+                }
+            }
+            // The renderer is told that a sample came and is lost.
+            Err(_) => Sample::at(f64::NAN),
+        };
+        let Output {
+            force_on_device,
+            force_on_object,
+            fault,
+            limited,
+            ..
+        } = self.renderer.step(&mut self.state, sample);
+        let held = self.hold.exchange(force_on_object);
+        self.renderer.report_held(&mut self.state, held);
+        if let Ok(Line {
+            time: Some(time), ..
+        }) = line
+            && time.is_finite()
+            && fault != Some(Fault::ElapsedNotPositive)
+        {
+            self.last_time = Some(time);
+        }
+        let message = match (&line, fault) {
+            (Err(message), _) => Some(message.clone()),
+            (Ok(_), Some(fault)) => Some(fault.to_string()),
+            (Ok(_), None) => None,
+        };
+        if let Some(message) = message {
+            self.summary.refused += 1;
+            eprintln!("line {number}: {message}; the force is 0");
+        }
+        if limited.any() {
+            self.summary.limited += 1;
+        }
+        // Adding 0 turns -0 into 0, which reads better and commands the same.
+        force_on_device + 0.0
+    }
+
+    fn summary(&self) -> Summary {
+        let ledger = self.state.ledger();
+        Summary {
+            format: "palpate pipe 1",
+            stored_energy_j: ledger.stored,
+            port_work_j: ledger.port_work,
+            leak_original_j: ledger.original_leak.accumulated,
+            leak_held_j: ledger.held_leak.accumulated,
+            ..self.summary.clone()
+        }
+    }
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} samples, {} refused, {} forces limited; leak {} mJ, of the spring force {} mJ",
+            self.samples,
+            self.refused,
+            self.limited,
+            digits(1e3 * self.leak_held_j),
+            digits(1e3 * self.leak_original_j),
+        )
+    }
+}
+
+/// A sample as it stands on a line.
+struct Line {
+    /// Time `[s]`, if the line has one.
+    time: Option<f64>,
+    /// Device position `[m]`.
+    position: f64,
+}
+
+fn is_header(text: &str) -> bool {
+    matches!(text, "position_m" | "t_s,position_m")
+}
+
+fn parse(text: &str) -> Result<Line, String> {
+    let number = |field: &str| {
+        field.trim().parse::<f64>().map_err(|_| {
+            format!(
+                "\"{}\" is not a number; a line is `position_m` or `t_s,position_m`",
+                field.trim()
+            )
+        })
+    };
+    match text.split(',').collect::<Vec<_>>().as_slice() {
+        [position] => Ok(Line {
+            time: None,
+            position: number(position)?,
+        }),
+        [time, position] => Ok(Line {
+            time: Some(number(time)?),
+            position: number(position)?,
+        }),
+        fields => Err(format!(
+            "the line has {} fields; a line is `position_m` or `t_s,position_m`",
+            fields.len()
+        )),
+    }
+}
+
+/// Reads up to the end of the line without keeping it.
+fn skip_line(input: &mut impl BufRead) -> io::Result<()> {
+    loop {
+        let buffer = input.fill_buf()?;
+        if buffer.is_empty() {
+            return Ok(());
+        }
+        let end = buffer.iter().position(|&byte| byte == b'\n');
+        let read = end.map_or(buffer.len(), |at| at + 1);
+        input.consume(read);
+        if end.is_some() {
+            return Ok(());
+        }
+    }
+}

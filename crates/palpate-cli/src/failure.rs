@@ -1,0 +1,122 @@
+//! What went wrong, for the person at the terminal: a message, a place, an exit code.
+
+use std::fmt;
+use std::ops::Range;
+use std::process::ExitCode;
+
+use miette::{
+    Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode,
+};
+
+/// Why a command ended without its result.
+#[derive(Debug)]
+pub enum Failure {
+    /// A file could not be read or written: exit code 1.
+    System(String),
+    /// The arguments are wrong: exit code 2.
+    Arguments(String),
+    /// An input file is wrong: exit code 3.
+    Input(Box<InputFault>),
+}
+
+/// A fault in a file of the user's.
+#[derive(Debug)]
+pub struct InputFault {
+    /// What is wrong, where (`file:line:column`), and what is allowed.
+    pub message: String,
+    /// The text at fault and the bytes to point at, if there is text.
+    pub excerpt: Option<(NamedSource<String>, Range<usize>)>,
+}
+
+impl Failure {
+    /// A fault in an input file without a place to show.
+    pub fn input(message: impl fmt::Display) -> Self {
+        Self::Input(Box::new(InputFault {
+            message: message.to_string(),
+            excerpt: None,
+        }))
+    }
+
+    /// A fault in an input file, shown in its text.
+    pub fn input_at(
+        message: impl fmt::Display,
+        file: &str,
+        text: &str,
+        span: Range<usize>,
+    ) -> Self {
+        Self::Input(Box::new(InputFault {
+            message: message.to_string(),
+            excerpt: Some((NamedSource::new(file, text.to_owned()), span)),
+        }))
+    }
+
+    /// Tells the user on standard error; the exit code to end with.
+    pub fn report(&self) -> ExitCode {
+        match self {
+            Self::System(message) => {
+                eprintln!("error: {message}");
+                ExitCode::from(1)
+            }
+            Self::Arguments(message) => {
+                eprintln!("error: {message}\n\nFor more information, try '--help'.");
+                ExitCode::from(2)
+            }
+            Self::Input(fault) => {
+                eprintln!("error: {}", fault.message);
+                if fault.excerpt.is_some() {
+                    eprint!("{}", fault.drawing());
+                }
+                ExitCode::from(3)
+            }
+        }
+    }
+}
+
+impl InputFault {
+    /// The lines at fault, with the fault marked.
+    fn drawing(&self) -> String {
+        let colour = std::io::IsTerminal::is_terminal(&std::io::stderr());
+        let theme = if colour {
+            GraphicalTheme::unicode()
+        } else {
+            GraphicalTheme::unicode_nocolor()
+        };
+        let mut drawing = String::new();
+        // A drawing that fails leaves the message, which says it all.
+        let _ = GraphicalReportHandler::new_themed(theme)
+            .with_context_lines(1)
+            .render_report(&mut drawing, self);
+        // The first line repeats the message.
+        match drawing.find('╭') {
+            Some(at) => {
+                let start = drawing[..at].rfind('\n').map_or(0, |newline| newline + 1);
+                drawing[start..].to_string()
+            }
+            None => String::new(),
+        }
+    }
+}
+
+impl fmt::Display for InputFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for InputFault {}
+
+impl Diagnostic for InputFault {
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.excerpt
+            .as_ref()
+            .map(|(source, _)| source as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let (_, span) = self.excerpt.as_ref()?;
+        Some(Box::new(std::iter::once(LabeledSpan::new_with_span(
+            Some("here".into()),
+            span.clone(),
+        ))))
+    }
+}

@@ -1,0 +1,241 @@
+//! How far an axis reaches and where its ticks stand.
+
+use kuva::render::render_utils::compute_tick_step;
+
+use super::{Figure, Limits, Role, Row, Series};
+
+/// Share of the data's range that is left free above and below it.
+const AIR: f64 = 0.06;
+
+/// What is larger than this is off every scale, as infinity is \[unit of the axis\].
+pub(super) const LARGEST: f64 = 1e100;
+
+/// The shared range of the horizontal axes.
+pub(super) fn horizontal(figure: &Figure) -> (f64, f64) {
+    let series = figure
+        .rows
+        .iter()
+        .flat_map(|row| &row.panels)
+        .flat_map(|panel| &panel.series);
+    let (low, high) =
+        span(series.flat_map(|series| series.x.iter().copied())).unwrap_or((0.0, 1.0));
+    if has_height(low, high) {
+        (low, high)
+    } else {
+        around(low)
+    }
+}
+
+/// The shared range of the vertical axes of a row.
+pub(super) fn vertical(row: &Row) -> (f64, f64) {
+    let series: Vec<&Series> = row.panels.iter().flat_map(|panel| &panel.series).collect();
+    let heights = |series: &Series| span(series.y.iter().copied());
+    let Some(data) = union(series.iter().filter_map(|series| heights(series))) else {
+        return (-1.0, 1.0);
+    };
+    let (low, high) = match row.limits {
+        Limits::Data => data,
+        Limits::Calm { times } => {
+            let reference = series
+                .iter()
+                .filter(|series| series.role == Role::Reference);
+            let calm = union(reference.filter_map(|series| heights(series)))
+                .filter(|range| range.1 > range.0)
+                .unwrap_or_else(|| {
+                    calmer_half(series.iter().filter_map(|series| heights(series)).collect())
+                });
+            let reach = 0.5 * (times - 1.0).max(0.0) * (calm.1 - calm.0);
+            if calm.1 > calm.0 {
+                (data.0.max(calm.0 - reach), data.1.min(calm.1 + reach))
+            } else {
+                data
+            }
+        }
+    };
+    if has_height(low, high) {
+        let air = AIR * (high - low);
+        (low - air, high + air)
+    } else {
+        around(low)
+    }
+}
+
+/// Whether a plain number tells the two ends of a range and what lies between apart.
+fn has_height(low: f64, high: f64) -> bool {
+    let size = low.abs().max(high.abs());
+    size <= LARGEST && (high - low).abs() > (1e-12 * size).max(LARGEST.recip())
+}
+
+/// A range for one value: as high as the value is far from zero.
+fn around(value: f64) -> (f64, f64) {
+    let half = if value.abs() > 1.0 / LARGEST.sqrt() {
+        0.5 * value.abs()
+    } else {
+        1.0
+    };
+    (value - half, value + half)
+}
+
+/// What the half of the ranges that are smallest covers together.
+fn calmer_half(mut ranges: Vec<(f64, f64)>) -> (f64, f64) {
+    ranges.sort_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)));
+    let half = ranges.len().div_ceil(2);
+    union(ranges.into_iter().take(half)).unwrap_or((0.0, 0.0))
+}
+
+fn span(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    union(
+        values
+            .filter(|value| value.abs() <= LARGEST)
+            .map(|value| (value, value)),
+    )
+}
+
+fn union(ranges: impl Iterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
+    ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+}
+
+/// Distance of the ticks for about one per `room` of `length` \[px\].
+pub(super) fn tick_step(range: (f64, f64), length: f64, room: f64) -> f64 {
+    let width = range.1 - range.0;
+    let mut spaces = (length / room).round().clamp(2.0, 10.0);
+    // The rule rounds to the nearest friendly step, which may be the next smaller one.
+    loop {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "2 to 10"
+        )]
+        let step = compute_tick_step(range.0, range.1, spaces as usize);
+        if width / step <= length / room || spaces <= 2.0 {
+            return step;
+        }
+        spaces -= 1.0;
+    }
+}
+
+/// The label of the tick at `value`, as short as the distance of the ticks allows.
+pub(super) fn tick_label(value: f64, step: f64) -> String {
+    // A multiple of the step that is zero but for rounding.
+    let value = if value.abs() < 1e-6 * step {
+        0.0
+    } else {
+        value
+    };
+    let size = value.abs();
+    let text = if size == 0.0 && step < 1e-4 {
+        "0".to_owned()
+    } else if size >= 1e5 || step < 1e-4 {
+        let places = (size / step).log10().ceil().clamp(0.0, 15.0) + 1.0;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "0 to 16"
+        )]
+        let text = format!("{value:.*e}", places as usize);
+        let (digits, power) = text.split_once('e').unwrap_or((&text, "0"));
+        let digits = if digits.contains('.') {
+            digits.trim_end_matches('0').trim_end_matches('.')
+        } else {
+            digits
+        };
+        format!("{digits}e{power}")
+    } else {
+        format!("{value:.*}", decimals(step))
+    };
+    text.replace('-', "\u{2212}")
+}
+
+/// How many decimals it takes to write every multiple of `step`.
+fn decimals(step: f64) -> usize {
+    let mut scaled = step;
+    for places in 0..6 {
+        if (scaled - scaled.round()).abs() < 1e-6 * scaled {
+            return places;
+        }
+        scaled *= 10.0;
+    }
+    6
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figure::{Kind, Panel};
+
+    fn series(role: Role, y: &[f64]) -> Series {
+        let (name, kind) = (String::new(), Kind::Line);
+        Series {
+            name,
+            kind,
+            role,
+            x: vec![0.0; y.len()],
+            y: y.to_vec(),
+        }
+    }
+
+    fn range(limits: Limits, series: Vec<Series>) -> (f64, f64) {
+        let (y_label, panels) = (String::new(), vec![Panel { series }]);
+        vertical(&Row {
+            y_label,
+            limits,
+            panels,
+        })
+    }
+
+    #[test]
+    fn a_diverging_series_does_not_flatten_the_reference() {
+        let (low, high) = range(
+            Limits::Calm { times: 3.0 },
+            vec![
+                series(Role::Reference, &[0.0, 1.0]),
+                series(Role::Compared(0), &[0.0, -0.5, 1e9]),
+            ],
+        );
+        assert!(low < -0.5 && low > -1.0, "{low}");
+        assert!(high > 2.0 && high < 2.5, "{high}");
+    }
+
+    #[test]
+    fn without_a_reference_the_calmer_half_counts() {
+        let (low, high) = range(
+            Limits::Calm { times: 3.0 },
+            vec![
+                series(Role::Compared(0), &[0.0, 1.0]),
+                series(Role::Compared(1), &[0.0, 1.2]),
+                series(Role::Compared(2), &[0.0, 1e300]),
+            ],
+        );
+        assert!(low > -0.5 && high < 3.0, "{low}..{high}");
+    }
+
+    #[test]
+    fn every_range_has_a_height() {
+        for y in [
+            &[0.0][..],
+            &[7.0, 7.0],
+            &[-1e-12],
+            &[f64::NAN],
+            &[],
+            &[f64::MIN, f64::MAX],
+        ] {
+            for limits in [Limits::Data, Limits::default()] {
+                let (low, high) = range(limits, vec![series(Role::Compared(0), y)]);
+                assert!(has_height(low, high), "{y:?}: {low}..{high}");
+            }
+        }
+    }
+
+    #[test]
+    fn tick_labels_are_short() {
+        let label = |value, step| tick_label(value, step);
+        assert_eq!(label(0.1 + 0.2, 0.1), "0.3");
+        assert_eq!(label(0.25, 0.25), "0.25");
+        assert_eq!(label(-2.0, 1.0), "\u{2212}2");
+        assert_eq!(label(-1e-17, 0.1), "0.0");
+        assert_eq!(label(3.0 * 1e-6, 1e-6), "3e\u{2212}6");
+        assert_eq!(label(0.0, 5e-6), "0");
+        assert_eq!(label(2.5e7, 5e6), "2.5e7");
+        assert_eq!(label(1000.0, 500.0), "1000");
+    }
+}

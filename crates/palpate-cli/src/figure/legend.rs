@@ -1,0 +1,111 @@
+//! The legend: one line of swatches above all panels, more where they do not fit.
+
+use kuva::plot::legend::{LegendEntry, LegendShape};
+use kuva::render::color::Color;
+use kuva::render::render::{Primitive, Scene, TextAnchor, render_legend_at};
+use kuva::render::theme::Theme;
+
+use super::ink::{Ink, dash_array, ink};
+use super::{Figure, Kind, text};
+
+const SIZE: u32 = 12;
+/// Long enough to show the longest dashes once \[px\].
+const SWATCH: f64 = 34.0;
+const GAP: f64 = 6.0;
+const BETWEEN: f64 = 20.0;
+const LINE: f64 = 19.0;
+
+/// The entries of a figure's legend, placed.
+pub(super) struct Legend {
+    entries: Vec<Entry>,
+    lines: usize,
+}
+
+struct Entry {
+    name: String,
+    kind: Kind,
+    ink: Ink,
+    x: f64,
+    line: usize,
+}
+
+impl Legend {
+    /// One entry per name, in the order of their first appearance, within `room` \[px\].
+    pub fn new(figure: &Figure, room: f64) -> Self {
+        let mut entries: Vec<Entry> = Vec::new();
+        let (mut x, mut line) = (0.0, 0);
+        let panels = figure.rows.iter().flat_map(|row| &row.panels);
+        for series in panels.flat_map(|panel| &panel.series) {
+            let (name, ink) = (text::clean(&series.name), ink(series.role));
+            let known = |entry: &Entry| entry.name == name && entry.ink == ink;
+            if name.is_empty() || entries.iter().any(known) {
+                continue;
+            }
+            let width = SWATCH + GAP + text::width(&name, SIZE);
+            if x > 0.0 && x + width > room {
+                (x, line) = (0.0, line + 1);
+            }
+            entries.push(Entry {
+                name,
+                kind: series.kind,
+                ink,
+                x,
+                line,
+            });
+            x += width + BETWEEN;
+        }
+        let lines = if entries.is_empty() { 0 } else { line + 1 };
+        Self { entries, lines }
+    }
+
+    /// Height of the whole legend \[px\].
+    pub fn height(&self) -> f64 {
+        LINE * self.lines as f64
+    }
+
+    /// Draws the legend with its upper left corner at `left`, `top`.
+    pub fn draw(&self, scene: &mut Scene, left: f64, top: f64) {
+        for entry in &self.entries {
+            let x = left + entry.x;
+            let y = top + LINE * (entry.line as f64 + 0.5);
+            if entry.kind == Kind::Points {
+                marker(scene, entry, x, y);
+                continue;
+            }
+            scene.add(Primitive::Line {
+                x1: x,
+                y1: y,
+                x2: x + SWATCH,
+                y2: y,
+                stroke: Color::from(entry.ink.colour),
+                stroke_width: entry.ink.width,
+                stroke_dasharray: dash_array(entry.ink.dashes),
+            });
+            scene.add(Primitive::Text {
+                x: x + SWATCH + GAP,
+                y: y + 0.36 * f64::from(SIZE),
+                content: entry.name.clone(),
+                size: SIZE,
+                anchor: TextAnchor::Start,
+                rotate: None,
+                bold: false,
+                color: None,
+            });
+        }
+    }
+}
+
+/// Draws the entry of a series of points, which the library's own legend does well; its lines are
+/// too short for our dashes.
+fn marker(scene: &mut Scene, entry: &Entry, x: f64, y: f64) {
+    let shown = LegendEntry {
+        label: entry.name.clone(),
+        color: entry.ink.colour.to_owned(),
+        shape: LegendShape::Marker(entry.ink.marker),
+        dasharray: None,
+    };
+    // It sets the name 25 px right of its corner and the marker's middle 5 px below.
+    let (x, y) = (x + SWATCH + GAP - 25.0, y - 5.0);
+    let theme = Theme::light();
+    render_legend_at(&[shown], None, None, false, scene, x, y, 0.0, SIZE, &theme);
+}

@@ -1,0 +1,117 @@
+//! Figures for a paper: panels in a grid over one time axis, as SVG (and PNG with the feature
+//! `png`).
+//!
+//! The panels of a column stand on the same time axis, the panels of a row share their vertical
+//! range, so that columns can be compared by eye. Colours are those of Okabe and Ito, told apart
+//! by their dashes where colour is lost. The same figure gives the same bytes.
+
+mod axis;
+mod cut;
+mod ink;
+mod legend;
+mod page;
+mod panel;
+#[cfg(feature = "png")]
+mod png;
+mod stroke;
+mod svg;
+mod text;
+mod thin;
+
+#[cfg(test)]
+mod tests;
+
+#[cfg(feature = "png")]
+pub use png::png;
+pub use svg::svg;
+
+/// A figure: rows of panels over one time axis.
+#[derive(Debug, Clone, Default)]
+pub struct Figure {
+    /// Line above everything; none where empty.
+    pub title: String,
+    /// Small print below everything.
+    pub footnote: Option<String>,
+    /// Quantity and unit of the horizontal axis, `time [s]`.
+    pub x_label: String,
+    /// Heads of the columns; may be empty where there is one column.
+    pub columns: Vec<String>,
+    /// The rows, from top to bottom.
+    pub rows: Vec<Row>,
+}
+
+/// Panels that share a vertical axis.
+#[derive(Debug, Clone, Default)]
+pub struct Row {
+    /// Quantity and unit of the vertical axis, `force [N]`.
+    pub y_label: String,
+    /// How far the vertical axis reaches.
+    pub limits: Limits,
+    /// One panel per column, from left to right.
+    pub panels: Vec<Panel>,
+}
+
+/// One plot: the series that are laid over each other. Without a series it is an empty frame.
+#[derive(Debug, Clone, Default)]
+pub struct Panel {
+    /// The series, the one to be drawn lowest first; references are drawn below them all.
+    pub series: Vec<Series>,
+}
+
+/// One curve.
+///
+/// Samples that are not finite interrupt it. Where `x` and `y` differ in length, the longer is
+/// cut.
+#[derive(Debug, Clone)]
+pub struct Series {
+    /// Name in the legend; a series without a name has no entry there.
+    pub name: String,
+    /// How the samples are connected.
+    pub kind: Kind,
+    /// What the series is to the reader, which decides how it looks.
+    pub role: Role,
+    /// Horizontal positions, not decreasing.
+    pub x: Vec<f64>,
+    /// Vertical positions.
+    pub y: Vec<f64>,
+}
+
+/// How the samples of a series are connected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// By straight lines.
+    Line,
+    /// Each value holds until the next sample, a zero-order hold; the last sample ends the curve.
+    Step,
+    /// Not at all.
+    Points,
+}
+
+/// What a series is to the reader. The same role looks the same in every figure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// What the others are measured against, the ideal: a broad grey line behind them.
+    Reference,
+    /// One of those that are compared, counted from 0.
+    Compared(usize),
+}
+
+/// How far the vertical axis of a row reaches.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Limits {
+    /// Over all data.
+    Data,
+    /// Over all data, but no further than `times` the range of the reference (or, where there is
+    /// none or it stays at one value, of the calmer half of the series), so that one series that
+    /// diverges does not flatten the others. What leaves the panel is marked and named.
+    Calm {
+        /// Height of the axis in ranges of the reference.
+        times: f64,
+    },
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self::Calm { times: 3.0 }
+    }
+}

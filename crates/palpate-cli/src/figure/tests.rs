@@ -1,0 +1,254 @@
+//! Whole figures: what a reader of the file relies on.
+
+use super::*;
+
+fn series(name: &str, role: Role, kind: Kind, y: impl Fn(f64) -> f64, count: u32) -> Series {
+    let x: Vec<f64> = (0..count)
+        .map(|i| f64::from(i) / f64::from(count - 1))
+        .collect();
+    let y = x.iter().map(|&x| y(x)).collect();
+    let name = name.to_owned();
+    Series {
+        name,
+        kind,
+        role,
+        x,
+        y,
+    }
+}
+
+fn figure(columns: usize, rows: usize, series: &[Series]) -> Figure {
+    let panel = Panel {
+        series: series.to_vec(),
+    };
+    let row = Row {
+        y_label: "force [N]".to_owned(),
+        limits: Limits::default(),
+        panels: vec![panel; columns],
+    };
+    Figure {
+        title: "A figure".to_owned(),
+        footnote: Some("In small print.".to_owned()),
+        x_label: "time [s]".to_owned(),
+        columns: (0..columns)
+            .map(|column| format!("column {column}"))
+            .collect(),
+        rows: vec![row; rows],
+    }
+}
+
+/// A series that shakes by turns, so that no sample can be left out without being seen.
+fn noise(number: usize, kind: Kind, count: u32) -> Series {
+    let wave = move |x: f64| (1e6 * x * (number as f64 + 1.3)).sin() * (1.0 + x);
+    series(
+        &format!("method {number}"),
+        Role::Compared(number),
+        kind,
+        wave,
+        count,
+    )
+}
+
+fn parse(document: &str) -> roxmltree::Document<'_> {
+    roxmltree::Document::parse(document).unwrap()
+}
+
+/// Every number of every coordinate in the document is finite and near the page.
+fn assert_on_page(document: &str) {
+    for word in ["NaN", "nan", "inf"] {
+        assert!(
+            !document.contains(&format!("{word} ")) && !document.contains(&format!("\"{word}"))
+        );
+    }
+    let tree = parse(document);
+    for node in tree.descendants() {
+        for name in [
+            "x", "y", "x1", "x2", "y1", "y2", "cx", "cy", "d", "width", "height",
+        ] {
+            let Some(value) = node.attribute(name) else {
+                continue;
+            };
+            for number in
+                value.split(|c: char| c.is_alphabetic() || c == ' ' || c == ',' || c == '%')
+            {
+                if !number.is_empty() {
+                    let number: f64 = number.parse().unwrap();
+                    assert!(number.abs() < 3000.0, "{name}={value}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_same_figure_gives_the_same_bytes() {
+    let figure = figure(
+        2,
+        3,
+        &[noise(0, Kind::Line, 1000), noise(1, Kind::Step, 1000)],
+    );
+    let first = svg(&figure);
+    assert_eq!(svg(&figure), first);
+    assert!(first.contains("panel-5") && !first.contains("kuva-clip"));
+}
+
+#[test]
+fn a_figure_of_any_shape_is_well_formed() {
+    for columns in 0..6 {
+        for rows in 0..5 {
+            let figure = figure(
+                columns,
+                rows,
+                &[noise(0, Kind::Line, 50), noise(1, Kind::Points, 9)],
+            );
+            assert_on_page(&svg(&figure));
+        }
+    }
+    assert_on_page(&svg(&Figure::default()));
+}
+
+#[test]
+fn a_row_that_lacks_panels_keeps_the_grid() {
+    let mut figure = figure(3, 2, &[noise(0, Kind::Line, 50)]);
+    figure.rows[1].panels.truncate(1);
+    assert_on_page(&svg(&figure));
+}
+
+#[test]
+fn values_that_are_no_number_break_the_line_and_nothing_else() {
+    let wild = [
+        f64::NAN,
+        0.0,
+        f64::INFINITY,
+        1.0,
+        f64::NEG_INFINITY,
+        2.0,
+        f64::MAX,
+        f64::MIN,
+        5e-324,
+    ];
+    for kind in [Kind::Line, Kind::Step, Kind::Points] {
+        for limits in [Limits::Data, Limits::default()] {
+            for x in [
+                (0..wild.len()).map(|i| i as f64).collect::<Vec<f64>>(),
+                wild.to_vec(),
+                vec![f64::NAN; wild.len()],
+            ] {
+                let (name, role) = ("wild".to_owned(), Role::Compared(0));
+                let series = Series {
+                    name,
+                    kind,
+                    role,
+                    x,
+                    y: wild.to_vec(),
+                };
+                let mut figure = figure(1, 1, &[series]);
+                figure.rows[0].limits = limits;
+                assert_on_page(&svg(&figure));
+            }
+        }
+    }
+}
+
+#[test]
+fn words_from_outside_do_not_break_the_document() {
+    let mut figure = figure(1, 1, &[noise(0, Kind::Line, 10)]);
+    let words = "a<b> & \"c\" 'd' \u{0}\u{1b}\u{ffff}\n$x$ \\ µ ]]>";
+    figure.title = words.to_owned();
+    figure.footnote = Some(words.to_owned());
+    figure.x_label = words.to_owned();
+    figure.columns = vec![words.to_owned()];
+    figure.rows[0].y_label = words.to_owned();
+    figure.rows[0].panels[0].series[0].name = words.to_owned();
+    let document = svg(&figure);
+    assert!(parse(&document).descendants().any(|node| {
+        node.text()
+            .is_some_and(|text| text.starts_with("a<b> & \"c\" 'd'"))
+    }));
+}
+
+#[test]
+fn a_long_run_stays_small_and_keeps_its_peaks() {
+    let mut methods: Vec<Series> = (0..8)
+        .map(|number| noise(number, Kind::Line, 100_000))
+        .collect();
+    methods[3].y[77_777] = 4.5;
+    methods[5].kind = Kind::Step;
+    let mut figure = figure(1, 4, &methods);
+    for row in &mut figure.rows {
+        row.limits = Limits::Data;
+    }
+    let document = svg(&figure);
+    assert!(document.len() < 2_000_000, "{} bytes", document.len());
+    let flat = svg(&{
+        let mut figure = figure.clone();
+        for row in &mut figure.rows {
+            row.panels[0].series[3].y[77_777] = 0.0;
+        }
+        figure
+    });
+    assert_ne!(document, flat, "the peak of one sample is drawn");
+    assert_on_page(&document);
+}
+
+#[test]
+fn the_frames_of_a_column_stand_above_each_other() {
+    let mut figure = figure(1, 2, &[noise(0, Kind::Line, 10)]);
+    figure.rows[0].panels[0].series[0].y[5] = -12_345.678;
+    figure.rows[0].limits = Limits::Data;
+    figure.rows[0].y_label = "a label that is long enough to take two lines [N]".to_owned();
+    let document = svg(&figure);
+    let tree = parse(&document);
+    let frames: Vec<(&str, &str)> = tree
+        .descendants()
+        .filter(|node| node.has_tag_name("clipPath"))
+        .map(|node| node.first_element_child().unwrap())
+        .map(|frame| {
+            (
+                frame.attribute("x").unwrap(),
+                frame.attribute("width").unwrap(),
+            )
+        })
+        .collect();
+    assert_eq!(frames.len(), 2);
+    assert_eq!(frames[0], frames[1]);
+}
+
+#[test]
+fn what_leaves_a_panel_is_named() {
+    let calm = series("ideal", Role::Reference, Kind::Line, f64::sin, 100);
+    let wild = series(
+        "basic",
+        Role::Compared(0),
+        Kind::Line,
+        |x| (50.0 * x).exp(),
+        100,
+    );
+    let document = svg(&figure(1, 1, &[wild.clone(), calm.clone()]));
+    assert!(document.contains("off scale: basic \u{25b2}<"));
+    let document = svg(&figure(4, 1, &[wild, calm.clone()]));
+    assert!(document.contains("off scale: basic \u{25b2}<"));
+    assert!(!svg(&figure(1, 1, &[calm])).contains("off scale"));
+}
+
+#[test]
+fn each_name_stands_in_the_legend_once() {
+    let methods: Vec<Series> = (0..8).map(|number| noise(number, Kind::Line, 10)).collect();
+    let document = svg(&figure(3, 3, &methods));
+    for number in 0..8 {
+        assert_eq!(document.matches(&format!(">method {number}<")).count(), 1);
+    }
+}
+
+#[cfg(feature = "png")]
+#[test]
+fn a_png_is_the_same_each_time() {
+    let figure = figure(
+        1,
+        2,
+        &[noise(0, Kind::Line, 100), noise(3, Kind::Step, 100)],
+    );
+    let first = png(&figure, 2.0).unwrap();
+    assert!(first.starts_with(b"\x89PNG"));
+    assert_eq!(png(&figure, 2.0).unwrap(), first);
+}

@@ -1,0 +1,34 @@
+//! The program `palpate`: arguments in, files and reports out. The physics is in the libraries.
+
+mod arguments;
+mod commands;
+mod failure;
+mod figure;
+mod hand;
+mod plots;
+mod progress;
+mod report;
+mod results;
+mod run_file;
+mod setup;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use arguments::{Arguments, Command};
+
+fn main() -> ExitCode {
+    let outcome = match Arguments::parse().command {
+        Command::Render(arguments) => commands::render::run(&arguments),
+        Command::Simulate(arguments) => commands::simulate::run(&arguments),
+        Command::Pipe(arguments) => commands::pipe::run(&arguments),
+        Command::Figure(arguments) => commands::figure::run(&arguments),
+        Command::Demo(arguments) => commands::demo::run(&arguments),
+        Command::Completions(arguments) => commands::completions::run(&arguments),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

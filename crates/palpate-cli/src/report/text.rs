@@ -1,0 +1,215 @@
+//! Reports as text for a terminal.
+
+use std::fmt;
+
+use comfy_table::presets::NOTHING;
+use comfy_table::{Cell, CellAlignment, Table, TableComponent};
+use palpate::Mass;
+
+use super::{MethodReport, Report};
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}", self.title)?;
+        writeln!(f, "{}", self.conditions())?;
+        writeln!(f, "{}\n", self.window())?;
+        writeln!(f, "{}\n", lines(&self.method_table()))?;
+        if let [method] = self.methods.as_slice()
+            && !method.collisions.is_empty()
+        {
+            const MOST_COLLISIONS: usize = 12;
+            writeln!(f, "Collision by collision\n")?;
+            writeln!(f, "{}\n", lines(&collision_table(method, MOST_COLLISIONS)))?;
+            if method.collisions.len() > MOST_COLLISIONS {
+                writeln!(
+                    f,
+                    "The first {MOST_COLLISIONS} of {}; --json has all.",
+                    method.collisions.len()
+                )?;
+            }
+        }
+        for file in &self.files {
+            writeln!(f, "wrote {file}")?;
+        }
+        Ok(())
+    }
+}
+
+impl Report {
+    fn conditions(&self) -> String {
+        let object = match self.contact.object_mass {
+            Mass::Finite(mass) => format!("object {mass} kg"),
+            Mass::Infinite => "wall".into(),
+        };
+        let device = match (self.device_mass_kg, self.kappa) {
+            (Some(mass), Some(kappa)) => format!(", device {mass} kg (kappa {})", digits(kappa)),
+            _ => String::new(),
+        };
+        let delay = match self.delay_samples {
+            0 => String::new(),
+            1 => ", delay 1 sample".into(),
+            samples => format!(", delay {samples} samples"),
+        };
+        format!(
+            "{object}, {} N/m, period {} s (Kc {}){device}{delay}",
+            self.contact.stiffness,
+            self.period_s,
+            digits(self.object_kappa),
+        )
+    }
+
+    fn window(&self) -> String {
+        let floor = match self.hold_floor_percent {
+            Some(floor) => format!("no held force can be nearer to the ideal than {floor:.2} %"),
+            None => "the ideal has no contact, so there is no force error".into(),
+        };
+        format!(
+            "{} periods, {} ideal collisions; {floor}",
+            self.window_periods, self.ideal_collisions
+        )
+    }
+
+    fn method_table(&self) -> Table {
+        let closed_loop = self.methods.iter().any(|method| method.diverged.is_some());
+        let mut header = vec![
+            "method",
+            "E %",
+            "FRE %",
+            "FRE/floor",
+            "peak N",
+            "pull N",
+            "leak mJ",
+            "|leak| mJ",
+        ];
+        if closed_loop {
+            header.push("drift %");
+        }
+        let remarkable = self
+            .methods
+            .iter()
+            .any(|method| !method.remarks().is_empty());
+        if remarkable {
+            header.push("");
+        }
+        let mut table = plain_table(&header);
+        for method in &self.methods {
+            let mut cells = vec![
+                Cell::new(method.method),
+                number(method.mean_force_error_percent, percent),
+                number(method.force_rendering_error_percent, percent),
+                number(method.error_over_floor, |ratio| format!("{ratio:.2}")),
+                number(Some(method.peak_force_n), digits),
+                number(Some(method.strongest_pull_n), digits),
+                number(Some(1e3 * method.leak_held_j), digits),
+                number(Some(1e3 * method.absolute_leak_held_j), digits),
+            ];
+            if closed_loop {
+                cells.push(number(
+                    method.energy_drift.map(|drift| 100.0 * drift),
+                    percent,
+                ));
+            }
+            if remarkable {
+                cells.push(Cell::new(method.remarks()));
+            }
+            table.add_row(cells);
+        }
+        table
+    }
+}
+
+impl MethodReport {
+    fn remarks(&self) -> String {
+        let mut remarks = Vec::new();
+        if self.diverged == Some(true) {
+            remarks.push("diverged".into());
+        }
+        if self.faults > 0 {
+            remarks.push(format!("{} samples refused", self.faults));
+        }
+        if self.limited > 0 {
+            remarks.push(format!("{} forces limited", self.limited));
+        }
+        remarks.join(", ")
+    }
+}
+
+fn collision_table(method: &MethodReport, most: usize) -> Table {
+    let mut table = plain_table(&[
+        "start s",
+        "impulse N s",
+        "error %",
+        "peak N",
+        "error %",
+        "rebound energy error %",
+    ]);
+    for collision in method.collisions.iter().take(most) {
+        let in_percent = |error: Option<f64>| number(error.map(|error| 100.0 * error), percent);
+        table.add_row([
+            number(Some(collision.start_s), |start| format!("{start:.4}")),
+            number(Some(collision.ideal_impulse_n_s), digits),
+            in_percent(collision.impulse_error),
+            number(Some(collision.ideal_peak_force_n), digits),
+            in_percent(collision.peak_force_error),
+            in_percent(collision.rebound_energy_error),
+        ]);
+    }
+    table
+}
+
+/// A table without blanks at the ends of its lines.
+fn lines(table: &Table) -> String {
+    let lines: Vec<String> = table.lines().map(|line| line.trim_end().into()).collect();
+    lines.join("\n")
+}
+
+fn plain_table(header: &[&str]) -> Table {
+    let mut table = Table::new();
+    table
+        .load_preset(NOTHING)
+        .set_style(TableComponent::HeaderLines, '─')
+        .set_style(TableComponent::MiddleHeaderIntersections, '─');
+    table.set_header(header.iter().enumerate().map(|(column, name)| {
+        Cell::new(name).set_alignment(if column == 0 && *name == "method" {
+            CellAlignment::Left
+        } else {
+            CellAlignment::Right
+        })
+    }));
+    table
+}
+
+/// A right-aligned number, a dash where there is none.
+fn number(value: Option<f64>, format: impl Fn(f64) -> String) -> Cell {
+    Cell::new(value.map_or_else(|| "-".into(), format)).set_alignment(CellAlignment::Right)
+}
+
+fn percent(value: f64) -> String {
+    if value.abs() < 9999.5 {
+        format!("{value:.1}")
+    } else {
+        format!("{value:.1e}")
+    }
+}
+
+/// Three significant digits, in plain notation where that is short.
+pub fn digits(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    if !value.is_finite() {
+        return value.to_string();
+    }
+    let magnitude = value.abs().log10().floor();
+    if (-4.0..5.0).contains(&magnitude) {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "0 to 6"
+        )]
+        let decimals = (2.0 - magnitude).max(0.0) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.2e}")
+    }
+}

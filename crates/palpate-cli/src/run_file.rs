@@ -1,0 +1,77 @@
+//! Run files: every tick of one or more runs as CSV.
+
+use std::io::Write;
+
+use palpate_io::run::{RunWriteError, RunWriter};
+use palpate_sim::run::Run;
+
+/// Columns of a run file. Leaks and works are accumulated over the intervals before the sample.
+pub const COLUMNS: [&str; 20] = [
+    "t_s",
+    "device_position_m",
+    "object_position_m",
+    "object_velocity_m_per_s",
+    "force_on_object_n",
+    "leak_original_j",
+    "leak_held_j",
+    "force_on_device_n",
+    "held_force_on_object_n",
+    "penetration_m",
+    "true_device_position_m",
+    "stored_energy_j",
+    "port_work_j",
+    "virtual_force_work_j",
+    "outside_work_j",
+    "phase",
+    "transition_after_s",
+    "limited",
+    "fault",
+    "method",
+];
+
+/// Writes `runs`, one after the other, with a receipt of what made them.
+pub fn write(
+    writer: &mut dyn Write,
+    receipt: &[(String, String)],
+    runs: &[Run],
+) -> Result<(), RunWriteError> {
+    let mut file = RunWriter::new(writer, receipt, &COLUMNS)?;
+    for run in runs {
+        for tick in &run.ticks {
+            let (output, ledger) = (&tick.output, &tick.ledger);
+            let limited = [
+                (output.limited.pull, "pull"),
+                (output.limited.force, "force"),
+                (output.limited.slew, "slew"),
+            ]
+            .into_iter()
+            .filter_map(|(acted, name)| acted.then_some(name))
+            .collect::<Vec<_>>()
+            .join(" ");
+            file.row(&[
+                tick.time.into(),
+                tick.device_position.into(),
+                output.object_position.into(),
+                output.object_velocity.into(),
+                output.force_on_object.into(),
+                ledger.original_leak.accumulated.into(),
+                ledger.held_leak.accumulated.into(),
+                output.force_on_device.into(),
+                tick.held_force_on_object.into(),
+                output.penetration.into(),
+                tick.true_device_position.into(),
+                ledger.stored.into(),
+                ledger.port_work.into(),
+                ledger.virtual_force_work.into(),
+                ledger.outside_work.into(),
+                output.phase.name().into(),
+                output.transition_after.into(),
+                limited.as_str().into(),
+                output.fault.map_or("", |fault| fault.name()).into(),
+                run.method.name().into(),
+            ])?;
+        }
+    }
+    file.finish()?;
+    Ok(())
+}

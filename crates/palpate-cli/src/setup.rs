@@ -1,0 +1,282 @@
+//! From flags to what a command runs: required values, defaults, and errors that name the flag.
+
+use std::collections::HashMap;
+
+use palpate::{Contact, LoopParams, Mass, ObjectState, ParameterError};
+use palpate_sim::method::{MethodName, Setting, Settings, SettingsError};
+use palpate_sim::replay::ReplaySetup;
+use palpate_sim::run::Run;
+use palpate_sim::scene::{Scene, SetupError};
+
+use crate::arguments::Flags;
+use crate::failure::Failure;
+use crate::report::Subject;
+
+/// Flag of a parameter, by the name that parameter errors use.
+const FLAG_OF: [(&str, &str); 16] = [
+    ("stiffness", "--stiffness"),
+    ("object_mass", "--mass"),
+    ("virtual force", "--force"),
+    ("object position", "--object-position"),
+    ("object velocity", "--object-velocity"),
+    ("period", "--period"),
+    ("delay", "--delay"),
+    ("force_limit", "--force-limit"),
+    ("slew_limit", "--slew-limit"),
+    ("speed_limit", "--speed-limit"),
+    ("largest_gap", "--largest-gap"),
+    ("damping", "--damping"),
+    ("damping_cap", "--damping-cap"),
+    ("speed_threshold", "--speed-threshold"),
+    ("initial_energy", "--initial-energy"),
+    ("device_mass", "--device-mass"),
+];
+
+impl Flags {
+    /// Methods to run, `default` if none is named.
+    pub fn methods(&self, default: MethodName) -> Vec<MethodName> {
+        self.method
+            .as_ref()
+            .map_or_else(|| vec![default], |methods| methods.0.clone())
+    }
+
+    /// Settings that were given.
+    pub fn settings(&self) -> Settings {
+        Settings {
+            damping: self.damping,
+            damping_cap: self.damping_cap,
+            speed_threshold: self.speed_threshold,
+            initial_energy: self.initial_energy,
+            estimate: self.estimate,
+        }
+    }
+
+    /// Refuses a setting that one of the methods has no use for.
+    pub fn check_settings(&self, methods: &[MethodName]) -> Result<(), Failure> {
+        let settings = self.settings();
+        for setting in Setting::ALL {
+            if !settings.has(setting) {
+                continue;
+            }
+            if let Some(method) = methods.iter().find(|method| !method.uses(setting)) {
+                return Err(Failure::Arguments(format!(
+                    "{} cannot be used by method {method}; it is for {}",
+                    flag_of_setting(setting),
+                    setting.users()
+                )));
+            }
+        }
+        if methods.len() > 1 && self.damping.is_some() {
+            return Err(Failure::Arguments(
+                "--damping is B of virtual-damper but b of hfcr: name one of them with --method"
+                    .into(),
+            ));
+        }
+        Ok(())
+    }
+
+    /// Refuses facts about the device that cannot be true, whether a method uses them or not.
+    fn check_device(&self) -> Result<(), Failure> {
+        let wrong = |parameter, value, unit, allowed| {
+            Err(Failure::Arguments(format!(
+                "{parameter} is {value} {unit}, but must be {allowed}"
+            )))
+        };
+        match (self.device_mass, self.encoder_quantum) {
+            (Some(mass), _) if !(mass.is_finite() && mass > 0.0) => {
+                wrong("--device-mass", mass, "kg", "finite and greater than 0")
+            }
+            (_, Some(quantum)) if !(quantum.is_finite() && quantum >= 0.0) => {
+                wrong("--encoder-quantum", quantum, "m", "finite and not below 0")
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Contact, loop and object of `command`, which needs stiffness, mass and period.
+    pub fn replay_setup(&self, command: &str) -> Result<ReplaySetup, Failure> {
+        let needed = |value: Option<f64>, flag: &str, unit: &str| {
+            value.ok_or_else(|| Failure::Arguments(format!("{command} needs {flag} <{unit}>")))
+        };
+        self.check_device()?;
+        let mut contact = Contact::object(
+            needed(self.stiffness, "--stiffness", "N/m")?,
+            needed(self.mass, "--mass", "kg|inf")?,
+        );
+        contact.side = self.side.unwrap_or_default();
+        contact.unilateral = self.unilateral;
+        let defaults = LoopParams::new(needed(self.period, "--period", "s")?);
+        Ok(ReplaySetup {
+            contact,
+            loop_params: self.limits(defaults),
+            object: ObjectState {
+                position: self.object_position.unwrap_or(0.0),
+                velocity: self.object_velocity.unwrap_or(0.0),
+            },
+            virtual_force: self.force.unwrap_or(0.0),
+            delay: self.delay.unwrap_or(0),
+            device_mass: self.device_mass,
+        })
+    }
+
+    fn limits(&self, others: LoopParams<f64>) -> LoopParams<f64> {
+        LoopParams {
+            period: others.period,
+            largest_gap: self.largest_gap.or(others.largest_gap),
+            speed_limit: self.speed_limit.or(others.speed_limit),
+            force_limit: self.force_limit.or(others.force_limit),
+            slew_limit: self.slew_limit.or(others.slew_limit),
+        }
+    }
+
+    /// Puts the flags that were given in place of the scene's values, for `methods`.
+    pub fn change(&self, scene: &mut Scene, methods: &[MethodName]) -> Result<(), Failure> {
+        self.check_device()?;
+        let contact = Contact::object(
+            self.stiffness.unwrap_or(scene.contact.stiffness),
+            self.mass.unwrap_or(f64::NAN),
+        );
+        scene.contact.stiffness = contact.stiffness;
+        if self.mass.is_some() {
+            scene.contact.object_mass = contact.object_mass;
+        }
+        scene.contact.side = self.side.unwrap_or(scene.contact.side);
+        scene.contact.unilateral |= self.unilateral;
+        scene.loop_params.period = self.period.unwrap_or(scene.loop_params.period);
+        scene.loop_params = self.limits(scene.loop_params);
+        let object = &mut scene.object;
+        object.position = self.object_position.unwrap_or(object.position);
+        object.velocity = self.object_velocity.unwrap_or(object.velocity);
+        scene.virtual_force = self.force.unwrap_or(scene.virtual_force);
+        scene.delay = self.delay.unwrap_or(scene.delay);
+        let device = &mut scene.device;
+        device.mass = self.device_mass.unwrap_or(device.mass);
+        device.encoder_quantum = self.encoder_quantum.unwrap_or(device.encoder_quantum);
+        for &method in methods {
+            let settings = scene.settings.entry(method).or_default();
+            *settings = self.settings().or(*settings);
+        }
+        Ok(())
+    }
+
+    /// Whether the parameter of an error was given as a flag.
+    pub fn gives(&self, parameter: &str) -> bool {
+        let given: HashMap<&str, bool> = [
+            ("stiffness", self.stiffness.is_some()),
+            ("object_mass", self.mass.is_some()),
+            ("virtual force", self.force.is_some()),
+            ("object position", self.object_position.is_some()),
+            ("object velocity", self.object_velocity.is_some()),
+            ("period", self.period.is_some()),
+            ("delay", self.delay.is_some()),
+            ("force_limit", self.force_limit.is_some()),
+            ("slew_limit", self.slew_limit.is_some()),
+            ("speed_limit", self.speed_limit.is_some()),
+            ("largest_gap", self.largest_gap.is_some()),
+            ("damping", self.damping.is_some()),
+            ("damping_cap", self.damping_cap.is_some()),
+            ("speed_threshold", self.speed_threshold.is_some()),
+            ("initial_energy", self.initial_energy.is_some()),
+            ("device_mass", self.device_mass.is_some()),
+        ]
+        .into();
+        given.get(parameter).copied().unwrap_or(false)
+    }
+}
+
+/// A parameter out of range, in terms of the flag that gave it.
+pub fn wrong_flag(error: &ParameterError) -> Failure {
+    let flag = FLAG_OF
+        .iter()
+        .find(|(parameter, _)| *parameter == error.parameter)
+        .map_or(error.parameter, |(_, flag)| flag);
+    Failure::Arguments(
+        ParameterError {
+            parameter: flag,
+            ..*error
+        }
+        .to_string(),
+    )
+}
+
+/// A method that cannot be set up from flags alone.
+pub fn wrong_setup(error: &SetupError) -> Failure {
+    match error {
+        SetupError::Parameter(parameter) => wrong_flag(parameter),
+        SetupError::Settings(SettingsError::Unused { method, setting }) => {
+            Failure::Arguments(format!(
+                "{} cannot be used by method {method}; it is for {}",
+                flag_of_setting(*setting),
+                setting.users()
+            ))
+        }
+        SetupError::Settings(SettingsError::NoDeviceMass) => {
+            Failure::Arguments("--damping auto needs --device-mass <kg>".into())
+        }
+        SetupError::Settings(other) => Failure::Arguments(format!("--damping auto: {other}")),
+    }
+}
+
+fn flag_of_setting(setting: Setting) -> &'static str {
+    match setting {
+        Setting::Damping => "--damping",
+        Setting::DampingCap => "--damping-cap",
+        Setting::SpeedThreshold => "--speed-threshold",
+        Setting::InitialEnergy => "--initial-energy",
+        Setting::Estimate => "--estimate",
+    }
+}
+
+/// What made some runs, for the receipt of a run file.
+pub fn receipt(
+    subject: &Subject,
+    object: ObjectState<f64>,
+    virtual_force: f64,
+    runs: &[Run],
+) -> Vec<(String, String)> {
+    let contact = subject.contact;
+    let limits = subject.loop_params;
+    let optional = |value: Option<f64>| value.map_or_else(|| "none".into(), |v| v.to_string());
+    let mut lines = vec![
+        (
+            "palpate_version".to_owned(),
+            env!("CARGO_PKG_VERSION").to_owned(),
+        ),
+        (
+            "stiffness_n_per_m".to_owned(),
+            contact.stiffness.to_string(),
+        ),
+        (
+            "object_mass_kg".to_owned(),
+            match contact.object_mass {
+                Mass::Finite(mass) => mass.to_string(),
+                Mass::Infinite => "inf".into(),
+            },
+        ),
+        (
+            "side".to_owned(),
+            format!("{:?}", contact.side).to_lowercase(),
+        ),
+        ("unilateral".to_owned(), contact.unilateral.to_string()),
+        ("period_s".to_owned(), limits.period.to_string()),
+        ("delay_samples".to_owned(), subject.delay.to_string()),
+        ("force_limit_n".to_owned(), optional(limits.force_limit)),
+        ("slew_limit_n_per_s".to_owned(), optional(limits.slew_limit)),
+        (
+            "speed_limit_m_per_s".to_owned(),
+            optional(limits.speed_limit),
+        ),
+        ("device_mass_kg".to_owned(), optional(subject.device_mass)),
+        ("object_position_m".to_owned(), object.position.to_string()),
+        (
+            "object_velocity_m_per_s".to_owned(),
+            object.velocity.to_string(),
+        ),
+        ("virtual_force_n".to_owned(), virtual_force.to_string()),
+    ];
+    for run in runs {
+        let parameters = serde_json::to_string(&run.params).unwrap_or_default();
+        lines.push((run.method.name().to_owned(), parameters));
+    }
+    lines
+}
