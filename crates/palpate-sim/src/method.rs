@@ -153,6 +153,17 @@ impl Setting {
         Self::Estimate,
     ];
 
+    /// Its key in a scene file.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Damping => "damping_n_s_per_m",
+            Self::DampingCap => "damping_cap_n_s_per_m",
+            Self::SpeedThreshold => "speed_threshold_m_per_s",
+            Self::InitialEnergy => "initial_energy_j",
+            Self::Estimate => "estimate",
+        }
+    }
+
     /// Names of the methods that take it, joined by commas.
     pub fn users(self) -> String {
         let users: Vec<_> = MethodName::ALL

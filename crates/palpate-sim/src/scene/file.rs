@@ -41,10 +41,17 @@ pub struct SceneError {
     pub source_text: String,
 }
 
+/// The version alone: a file of another version may have keys this one does not know.
+#[derive(Deserialize)]
+struct RawVersion {
+    scene_format: Spanned<i64>,
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RawScene {
-    scene_format: Spanned<i64>,
+    #[serde(rename = "scene_format")]
+    _scene_format: i64,
     title: String,
     object: RawObject,
     device: RawDevice,
@@ -165,21 +172,23 @@ impl SceneFile {
     pub fn parse(name: &str, source: &str) -> Result<Self, SceneError> {
         let fault =
             |span: Range<usize>, message: String| SceneError::at(name, source, span, message);
-        let raw: RawScene = toml::from_str(source).map_err(|error| {
-            fault(
-                error.span().unwrap_or(0..0),
-                with_nearest_key(error.message()),
-            )
-        })?;
-        if *raw.scene_format.get_ref() != FORMAT {
+        if let Ok(RawVersion { scene_format }) = toml::from_str(source)
+            && *scene_format.get_ref() != FORMAT
+        {
             return Err(fault(
-                raw.scene_format.span(),
+                scene_format.span(),
                 format!(
                     "scene_format is {}, but this version reads {FORMAT} only",
-                    raw.scene_format.get_ref()
+                    scene_format.get_ref()
                 ),
             ));
         }
+        let raw: RawScene = toml::from_str(source).map_err(|error| {
+            fault(
+                error.span().unwrap_or(0..0),
+                in_plain_words(error.message()),
+            )
+        })?;
         let DeviceKind::PointMass = raw.device.kind;
         let HandKind::ConstantForce = raw.hand.kind;
         let mut places = Places::default();
@@ -197,7 +206,10 @@ impl SceneFile {
             }
         };
         let mut settings = HashMap::new();
-        for (method_key, raw) in raw.methods {
+        // In the file's order: the first fault is to be the same one every time.
+        let mut methods: Vec<_> = raw.methods.into_iter().collect();
+        methods.sort_by_key(|(method_key, _)| method_key.span().start);
+        for (method_key, raw) in methods {
             let span = method_key.span();
             let method: MethodName = method_key
                 .get_ref()
@@ -287,7 +299,8 @@ impl SceneFile {
             SetupError::Settings(SettingsError::Unused { setting, .. }) => self.at_settings(
                 method,
                 format!(
-                    "{method} has no use for {setting:?}; it is for {}",
+                    "{method} has no use for {}; it is for {}",
+                    setting.key(),
                     setting.users()
                 ),
             ),
@@ -327,11 +340,15 @@ impl SceneError {
     }
 }
 
-/// Adds the key that an unknown one most likely meant. The TOML reader names both in its message:
+/// A message of the TOML reader without Rust's names of types, and for an unknown key with the one
+/// it most likely meant. The reader names both:
 /// ``unknown field `x`, expected one of `a`, `b` ``.
-fn with_nearest_key(message: &str) -> String {
+fn in_plain_words(message: &str) -> String {
     let Some(rest) = message.strip_prefix("unknown field `") else {
-        return message.into();
+        return message
+            .replace("expected f64", "expected a number")
+            .replace("expected i64", "expected a whole number")
+            .replace("expected usize", "expected a whole number from 0 up");
     };
     let mut quoted = rest.split('`');
     let unknown = quoted.next().unwrap_or_default();

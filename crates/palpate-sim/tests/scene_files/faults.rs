@@ -1,0 +1,289 @@
+//! Every fault a scene file can have: place, message, and what is marked.
+
+use palpate_sim::scene::SceneFile;
+
+use crate::edited;
+
+/// Checks a table of edits of the good file, three lines each: the edit, the message with its line
+/// and column, and what is at fault.
+#[track_caller]
+fn assert_faults(table: &str, rows: usize) {
+    let lines: Vec<&str> = table.lines().collect();
+    assert_eq!(lines.len(), 3 * rows, "the table has another length");
+    for row in lines.chunks(3) {
+        let (from, to) = row[0].split_once(" -> ").unwrap();
+        let text = edited(&from.replace("\\n", "\n"), &to.replace("\\n", "\n"));
+        let Err(error) = SceneFile::parse("scene.toml", &text) else {
+            panic!("{} is accepted", row[0]);
+        };
+        assert_eq!(
+            error.to_string(),
+            format!("scene.toml:{}", row[1].trim()),
+            "{}",
+            row[0]
+        );
+        assert_eq!(&text[error.span.clone()], row[2].trim(), "{}", row[0]);
+        assert_eq!(error.source_text, text);
+    }
+    eprintln!("{rows} faults");
+}
+
+#[test]
+fn an_unknown_key_is_named_with_the_nearest_known_one() {
+    assert_faults(
+        r#"mass_kg = 0.25\n -> mass_kg = 0.25\nmas_kg = 1\n
+  15:1: unknown key mas_kg, did you mean mass_kg? Known here: kind, mass_kg, position_m, velocity_m_per_s, encoder_quantum_m
+  mas_kg
+period_s -> perod_s
+  24:1: unknown key perod_s, did you mean period_s? Known here: period_s, delay_samples
+  perod_s
+[hand] -> [hnd]
+  19:2: unknown key hnd, did you mean hand? Known here: scene_format, title, object, device, hand, loop, measure, renderer, methods
+  hnd
+[hand] -> [zzz]\n[hand]
+  19:2: unknown key zzz. Known here: scene_format, title, object, device, hand, loop, measure, renderer, methods
+  zzz
+collisions = 3 -> collisons = 3
+  28:1: unknown key collisons, did you mean collisions? Known here: collisions, duration_s
+  collisons
+damping_cap_n_s_per_m -> damping_cap
+  41:1: unknown key damping_cap, did you mean damping_cap_n_s_per_m? Known here: damping_n_s_per_m, damping_cap_n_s_per_m, speed_threshold_m_per_s, initial_energy_j, estimate
+  damping_cap"#,
+        6,
+    );
+}
+
+#[test]
+fn a_missing_key_is_named_where_it_should_stand() {
+    assert_faults(
+        r#"scene_format = 1\n -> 
+  1:1: missing field `scene_format`
+  
+title = "a block"\n -> 
+  1:1: missing field `title`
+  
+mass_kg = 0.1\n -> 
+  4:1: missing field `mass_kg`
+  [object]
+period_s = 0.02\n -> 
+  23:1: missing field `period_s`
+  [loop]
+[measure]\ncollisions = 3\n -> 
+  1:1: missing field `measure`
+  
+collisions = 3 -> collisions = 3\nduration_s = 1
+  27:1: [measure] needs either collisions or duration_s, one of them
+  [measure]
+collisions = 3\n -> 
+  27:1: [measure] needs either collisions or duration_s, one of them
+  [measure]"#,
+        7,
+    );
+}
+
+#[test]
+fn a_value_of_another_type_is_refused() {
+    assert_faults(
+        r#"scene_format = 1 -> scene_format = "1"
+  1:16: invalid type: string "1", expected a whole number
+  "1"
+mass_kg = 0.1\n -> mass_kg = "light"\n
+  5:11: invalid type: string "light", expected a number
+  "light"
+side = "positive" -> side = "left"
+  10:8: unknown variant `left`, expected `positive` or `negative`
+  "left"
+kind = "point-mass" -> kind = "pantograph"
+  13:8: unknown variant `pantograph`, expected `point-mass`
+  "pantograph"
+kind = "constant-force" -> kind = "spring"
+  20:8: unknown variant `spring`, expected `constant-force`
+  "spring"
+delay_samples = 0 -> delay_samples = -1
+  25:17: invalid value: integer `-1`, expected a whole number from 0 up
+  -1
+delay_samples = 0 -> delay_samples = 1.5
+  25:17: invalid type: floating point `1.5`, expected a whole number from 0 up
+  1.5
+collisions = 3 -> collisions = -3
+  28:14: invalid value: integer `-3`, expected a whole number from 0 up
+  -3
+unilateral = false -> unilateral = 0
+  32:14: invalid type: integer `0`, expected a boolean
+  0
+damping_n_s_per_m = 0.1 -> damping_n_s_per_m = "atuo"
+  38:21: invalid value: string "atuo", expected a damping in N s/m or "auto"
+  "atuo"
+damping_n_s_per_m = 0.1 -> damping_n_s_per_m = true
+  38:21: invalid type: boolean `true`, expected a damping in N s/m or "auto"
+  true
+estimate = "ab2" -> estimate = "ab4"
+  46:12: unknown variant `ab4`, expected one of `ab2`, `differences`, `ab3`
+  "ab4""#,
+        12,
+    );
+}
+
+#[test]
+fn a_value_out_of_range_is_named_with_its_unit_and_what_is_allowed() {
+    assert_faults(
+        r#"scene_format = 1 -> scene_format = 2
+  1:16: scene_format is 2, but this version reads 1 only
+  2
+mass_kg = 0.1\n -> mass_kg = 0\n
+  5:11: object_mass is 0 kg, but must be finite and greater than 0
+  0
+mass_kg = 0.1\n -> mass_kg = nan\n
+  5:11: object_mass is NaN kg, but must be finite and greater than 0
+  nan
+mass_kg = 0.1\n -> mass_kg = -inf\n
+  5:11: object_mass is -inf kg, but must be finite and greater than 0
+  -inf
+stiffness_n_per_m = 400 -> stiffness_n_per_m = -400
+  6:21: stiffness is -400 N/m, but must be finite and greater than 0
+  -400
+stiffness_n_per_m = 400 -> stiffness_n_per_m = inf
+  6:21: stiffness is inf N/m, but must be finite and greater than 0
+  inf
+position_m = 0.05 -> position_m = inf
+  7:14: object position is inf m, but must be finite
+  inf
+mass_kg = 0.1\nstiffness_n_per_m = 400\nposition_m = 0.05\nvelocity_m_per_s = 0 -> mass_kg = inf\nstiffness_n_per_m = 400\nposition_m = 0.05\nvelocity_m_per_s = 0.5
+  8:20: object velocity is 0.5 m/s, but must be 0 for a wall
+  0.5
+position_m = 0.05\nvelocity_m_per_s = 0 -> position_m = 0.05\nvelocity_m_per_s = nan
+  8:20: object velocity is NaN m/s, but must be finite
+  nan
+force_n = -0.981 -> force_n = inf
+  9:11: virtual force is inf N, but must be finite
+  inf
+mass_kg = 0.25 -> mass_kg = 0
+  14:11: device_mass is 0 kg, but must be finite and greater than 0
+  0
+mass_kg = 0.25 -> mass_kg = inf
+  14:11: device_mass is inf kg, but must be finite and greater than 0
+  inf
+mass_kg = 0.25\nposition_m = 0 -> mass_kg = 0.25\nposition_m = nan
+  15:14: device position is NaN m, but must be finite
+  nan
+position_m = 0\nvelocity_m_per_s = 0 -> position_m = 0\nvelocity_m_per_s = inf
+  16:20: device velocity is inf m/s, but must be finite
+  inf
+encoder_quantum_m = 0 -> encoder_quantum_m = -1e-6
+  17:21: encoder_quantum is -0.000001 m, but must be finite and not below 0
+  -1e-6
+force_n = 1\n -> force_n = nan\n
+  21:11: user force is NaN N, but must be finite
+  nan
+period_s = 0.02 -> period_s = 0
+  24:12: period is 0 s, but must be finite and greater than 0
+  0
+period_s = 0.02 -> period_s = -0.02
+  24:12: period is -0.02 s, but must be finite and greater than 0
+  -0.02
+delay_samples = 0 -> delay_samples = 1025
+  25:17: delay is 1025 samples, but must be at most 1024
+  1025
+collisions = 3 -> collisions = 0
+  28:14: measured collisions is 0, but must be at least 1
+  0
+collisions = 3 -> duration_s = 0
+  28:14: duration is 0 s, but must be finite and greater than 0
+  0
+collisions = 3 -> duration_s = inf
+  28:14: duration is inf s, but must be finite and greater than 0
+  inf
+force_limit_n = 10 -> force_limit_n = 0
+  33:17: force_limit is 0 N, but must be finite and greater than 0
+  0
+slew_limit_n_per_s = 1000 -> slew_limit_n_per_s = -1
+  34:22: slew_limit is -1 N/s, but must be finite and greater than 0
+  -1
+speed_limit_m_per_s = 10 -> speed_limit_m_per_s = nan
+  35:23: speed_limit is NaN m/s, but must be finite and greater than 0
+  nan"#,
+        25,
+    );
+}
+
+#[test]
+fn a_method_that_is_unknown_or_cannot_use_a_setting_is_refused() {
+    assert_faults(
+        r#"method = "hfcr" -> method = "hfrc"
+  31:10: no method is called "hfrc"; did you mean "hfcr"?
+  "hfrc"
+method = "hfcr" -> method = "magic"
+  31:10: no method is called "magic"; the methods are basic, seh, virtual-damper, popc, popc-ref, hfcr-mod, hfcr-mod-st, hfcr
+  "magic"
+[methods.hfcr] -> [methods.hfrc]
+  37:10: no method is called "hfrc"; did you mean "hfcr"?
+  hfrc
+[methods.hfcr] -> [methods."?"]
+  37:10: no method is called "?"; the methods are basic, seh, virtual-damper, popc, popc-ref, hfcr-mod, hfcr-mod-st, hfcr
+  "?"
+[methods.hfcr] -> [methods.basic]
+  37:10: basic has no use for damping_n_s_per_m; it is for virtual-damper, hfcr
+  basic
+[methods.hfcr] -> [methods.hfcr-mod]
+  37:10: hfcr-mod has no use for damping_n_s_per_m; it is for virtual-damper, hfcr
+  hfcr-mod
+damping_n_s_per_m = 0.1 -> damping_cap_n_s_per_m = 0.1
+  37:10: hfcr has no use for damping_cap_n_s_per_m; it is for popc, popc-ref
+  hfcr
+damping_n_s_per_m = 0.1 -> damping_n_s_per_m = -0.1
+  37:10: damping is -0.1 N s/m, but must be finite and not below 0
+  hfcr
+[methods.hfcr]\ndamping_n_s_per_m = 0.1 -> [methods.virtual-damper]\ndamping_n_s_per_m = "auto"
+  37:10: only hfcr derives its damping; give virtual-damper a number
+  virtual-damper
+damping_cap_n_s_per_m = 6 -> damping_cap_n_s_per_m = 0
+  40:10: damping_cap is 0 N s/m, but must be finite and greater than 0
+  popc
+speed_threshold_m_per_s = 1e-4 -> speed_threshold_m_per_s = -1
+  40:10: speed_threshold is -1 m/s, but must be finite and not below 0
+  popc
+initial_energy_j = 0 -> initial_energy_j = -1
+  40:10: initial_energy is -1 J, but must be finite and not below 0
+  popc
+[methods.popc] -> [methods.popc-ref]
+  40:10: popc-ref has no use for initial_energy_j; it is for popc
+  popc-ref
+estimate = "ab2" -> damping_n_s_per_m = 1
+  45:10: seh has no use for damping_n_s_per_m; it is for virtual-damper, hfcr
+  seh"#,
+        14,
+    );
+}
+
+#[test]
+fn text_that_is_not_toml_is_refused() {
+    assert_faults(
+        r#"title = "a block" -> title = "a block
+  2:17: invalid basic string, expected `"`
+  
+title = "a block" -> title = "a block"\ntitle = "b"
+  3:1: duplicate key
+  title"#,
+        2,
+    );
+}
+
+#[test]
+fn of_two_unknown_methods_the_first_in_the_file_is_named_every_time() {
+    let text =
+        edited("[methods.popc]", "[methods.first]").replace("[methods.seh]", "[methods.second]");
+    for _ in 0..50 {
+        let error = SceneFile::parse("scene.toml", &text).unwrap_err();
+        assert_eq!(&text[error.span.clone()], "first", "{error}");
+    }
+}
+
+#[test]
+fn a_file_of_another_version_is_refused_for_that_and_not_for_its_new_keys() {
+    let text = edited("scene_format = 1", "scene_format = 2\nauthor = \"me\"");
+    let error = SceneFile::parse("scene.toml", &text).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "scene.toml:1:16: scene_format is 2, but this version reads 1 only"
+    );
+}

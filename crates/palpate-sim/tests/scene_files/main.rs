@@ -1,0 +1,295 @@
+//! Scene files: the committed ones are good, and every fault has its line, its column, and a
+//! message that says what is allowed.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod faults;
+
+use palpate::{AnyParams, HfcrParams, Mass, ParameterError, Side};
+use palpate_sim::closed_loop::{Bench, LoopError};
+use palpate_sim::method::{Damping, MethodName, UnknownMethod};
+use palpate_sim::scene::{Measure, SceneFile};
+
+/// A good file with every key there is, but duration_s.
+const GOOD: &str = r#"scene_format = 1
+title = "a block"
+
+[object]
+mass_kg = 0.1
+stiffness_n_per_m = 400
+position_m = 0.05
+velocity_m_per_s = 0
+force_n = -0.981
+side = "positive"
+
+[device]
+kind = "point-mass"
+mass_kg = 0.25
+position_m = 0
+velocity_m_per_s = 0
+encoder_quantum_m = 0
+
+[hand]
+kind = "constant-force"
+force_n = 1
+
+[loop]
+period_s = 0.02
+delay_samples = 0
+
+[measure]
+collisions = 3
+
+[renderer]
+method = "hfcr"
+unilateral = false
+force_limit_n = 10
+slew_limit_n_per_s = 1000
+speed_limit_m_per_s = 10
+
+[methods.hfcr]
+damping_n_s_per_m = 0.1
+
+[methods.popc]
+damping_cap_n_s_per_m = 6
+speed_threshold_m_per_s = 1e-4
+initial_energy_j = 0
+
+[methods.seh]
+estimate = "ab2"
+"#;
+
+/// The text with its one `from` replaced by `to`.
+#[track_caller]
+fn edited(from: &str, to: &str) -> String {
+    assert_eq!(GOOD.matches(from).count(), 1, "{from} must stand once");
+    GOOD.replacen(from, to, 1)
+}
+
+#[test]
+fn the_committed_scenes_are_good_and_run_by_every_method() {
+    let mut read = 0;
+    for entry in std::fs::read_dir(common::experiments()).unwrap() {
+        let path = entry.unwrap().path();
+        assert_eq!(path.extension().unwrap(), "toml");
+        let text = std::fs::read_to_string(&path).unwrap();
+        let name = path.file_name().unwrap().to_str().unwrap();
+        let file = SceneFile::parse(name, &text).unwrap_or_else(|error| panic!("{error}"));
+        let bench = Bench::new(&file.scene).unwrap();
+        for method in MethodName::ALL {
+            let run = bench.run(method).unwrap();
+            assert_eq!(run.faults(), 0, "{name} {method}");
+            assert!(run.force.fidelity.is_some(), "{name} {method}");
+        }
+        eprintln!("{name}: {}", file.scene.title);
+        read += 1;
+    }
+    assert!(read >= 4, "only {read} scenes");
+}
+
+#[test]
+fn every_key_ends_up_in_the_scene() {
+    let scene = SceneFile::parse("good", GOOD).unwrap().scene;
+    assert_eq!(scene.title, "a block");
+    assert_eq!(scene.contact.object_mass, Mass::Finite(0.1));
+    assert_eq!(scene.contact.stiffness, 400.0);
+    assert_eq!((scene.object.position, scene.object.velocity), (0.05, 0.0));
+    assert_eq!((scene.virtual_force, scene.user_force), (-0.981, 1.0));
+    assert_eq!(
+        (scene.device.mass, scene.device.encoder_quantum),
+        (0.25, 0.0)
+    );
+    assert_eq!((scene.loop_params.period, scene.delay), (0.02, 0));
+    assert_eq!(scene.loop_params.force_limit, Some(10.0));
+    assert_eq!(scene.loop_params.slew_limit, Some(1000.0));
+    assert_eq!(scene.loop_params.speed_limit, Some(10.0));
+    assert_eq!(scene.measure, Measure::Collisions(3));
+    assert_eq!(scene.method, MethodName::Hfcr);
+    assert_eq!(scene.settings.len(), 3);
+    assert_eq!(
+        scene.settings[&MethodName::Hfcr].damping,
+        Some(Damping::Value(0.1))
+    );
+    let edit = |from, to| SceneFile::parse("edited", &edited(from, to)).unwrap().scene;
+    assert_eq!(
+        edit("collisions = 3", "duration_s = 1.5").measure,
+        Measure::Duration(1.5)
+    );
+    assert_eq!(
+        edit("\"positive\"", "\"negative\"").contact.side,
+        Side::Negative
+    );
+    assert!(
+        edit("unilateral = false", "unilateral = true")
+            .contact
+            .unilateral
+    );
+    assert_eq!(
+        edit("mass_kg = 0.1\n", "mass_kg = inf\n")
+            .contact
+            .object_mass,
+        Mass::Infinite
+    );
+    assert_eq!(
+        edit("delay_samples = 0", "delay_samples = 1024").delay,
+        1024
+    );
+    let auto = edit("damping_n_s_per_m = 0.1", "damping_n_s_per_m = \"auto\"");
+    assert_eq!(
+        auto.settings[&MethodName::Hfcr].damping,
+        Some(Damping::Auto)
+    );
+}
+
+#[test]
+fn what_is_left_out_takes_its_documented_default() {
+    let start = GOOD.find("[methods.hfcr]").unwrap();
+    let mut text = GOOD[..start].to_owned();
+    for line in [
+        "delay_samples = 0\n",
+        "method = \"hfcr\"\n",
+        "force_limit_n = 10\n",
+    ] {
+        text = text.replace(line, "");
+    }
+    let scene = SceneFile::parse("s", &text).unwrap().scene;
+    assert_eq!((scene.delay, scene.method), (0, MethodName::Hfcr));
+    assert_eq!(scene.loop_params.force_limit, None);
+    // K T = 8 N s/m; the object rests out of contact and stores nothing.
+    let reference = palpate::PopcRefParams::new(24.0);
+    let popc = palpate::PopcParams {
+        damping_cap: 24.0,
+        speed_threshold: 1e-4,
+        initial_energy: 0.0,
+    };
+    for (method, expected) in [
+        (MethodName::Basic, AnyParams::Basic),
+        (
+            MethodName::Seh,
+            AnyParams::Seh(palpate::SehParams::default()),
+        ),
+        (
+            MethodName::VirtualDamper,
+            AnyParams::VirtualDamper(palpate::VirtualDamperParams { damping: 4.0 }),
+        ),
+        (MethodName::Popc, AnyParams::Popc(popc)),
+        (MethodName::PopcRef, AnyParams::PopcRef(reference)),
+        (
+            MethodName::HfcrMod,
+            AnyParams::Hfcr(HfcrParams::modified_force_only()),
+        ),
+        (
+            MethodName::HfcrModSt,
+            AnyParams::Hfcr(HfcrParams::default()),
+        ),
+        (MethodName::Hfcr, AnyParams::Hfcr(HfcrParams::default())),
+    ] {
+        assert_eq!(scene.params(method).unwrap(), expected, "{method}");
+    }
+    // Pressed by 1 mm at the start: K p^2/2 may be given out, and M v^2/2.
+    let text = text.replace(
+        "position_m = 0.05\nvelocity_m_per_s = 0",
+        "position_m = -0.001\nvelocity_m_per_s = 2",
+    );
+    let scene = SceneFile::parse("s", &text).unwrap().scene;
+    let AnyParams::Popc(popc) = scene.params(MethodName::Popc).unwrap() else {
+        panic!("a passivity controller")
+    };
+    assert!((popc.initial_energy - (2e-4 + 0.2)).abs() < 1e-15);
+}
+
+#[test]
+fn columns_count_characters_and_lines_count_comments() {
+    let text = format!(
+        "# \u{b5}\u{b5}\n{}",
+        edited("title", "\"\u{e9}\u{e9}\" = 1\ntitle")
+    );
+    let error = SceneFile::parse("s", &text).unwrap_err();
+    assert_eq!((error.line, error.column), (3, 1));
+    let text = edited("mass_kg = 0.1\n", "\"mass_kg\" = 0 # \u{b5}g\n");
+    let error = SceneFile::parse("s", &text).unwrap_err();
+    assert_eq!((error.line, error.column), (5, 13));
+    let text =
+        edited("[object]", "[object] # \u{b5}").replace("[loop]\n", "[loop]\nq = \"\u{b5}\"; z\n");
+    let error = SceneFile::parse("s", &text).unwrap_err();
+    assert_eq!((error.line, error.column), (24, 8), "{error}");
+}
+
+#[test]
+fn a_window_the_ideal_cannot_fill_says_how_many_collisions_there_are() {
+    // The hand pulls the device away: one collision and no other.
+    let text = edited("force_n = 1\n", "force_n = -8\n")
+        .replace(
+            "position_m = 0\nvelocity_m_per_s = 0",
+            "position_m = 0\nvelocity_m_per_s = 2",
+        )
+        .replace("force_n = -0.981", "force_n = 0");
+    let scene = SceneFile::parse("s", &text).unwrap().scene;
+    let error = Bench::new(&scene).unwrap_err();
+    assert_eq!(error, LoopError::TooFewCollisions { asked: 3, found: 1 });
+    assert_eq!(
+        error.to_string(),
+        "the window asks for 3 collisions, but the ideal has only 1; state a duration instead"
+    );
+    // Falling apart from the start: none.
+    let text = edited("force_n = 1\n", "force_n = -9\n");
+    let scene = SceneFile::parse("s", &text).unwrap().scene;
+    let error = Bench::new(&scene).unwrap_err();
+    assert_eq!(error, LoopError::TooFewCollisions { asked: 3, found: 0 });
+}
+
+#[test]
+fn a_window_that_is_too_long_is_refused_and_a_duration_covers_whole_periods() {
+    let bench_of = |to: &str| {
+        let scene = SceneFile::parse("s", &edited("collisions = 3", to))
+            .unwrap()
+            .scene;
+        Bench::new(&scene).map(|bench| bench.reference().profile.intervals())
+    };
+    assert_eq!(
+        bench_of("duration_s = 1e9").unwrap_err(),
+        LoopError::TooLong(5e10)
+    );
+    assert_eq!(
+        bench_of("duration_s = 1e9").unwrap_err().to_string(),
+        "the window has 50000000000 periods; at most 5e7 fit"
+    );
+    for (duration, intervals) in [("0.06", 3), ("0.0601", 4), ("0.001", 1), ("0.7", 35)] {
+        assert_eq!(bench_of(&format!("duration_s = {duration}")), Ok(intervals));
+    }
+}
+
+#[test]
+fn a_method_by_name_suggests_the_nearest() {
+    let error = "virtual_damper".parse::<MethodName>().unwrap_err();
+    assert_eq!(
+        error,
+        UnknownMethod {
+            name: "virtual_damper".into()
+        }
+    );
+    assert_eq!(
+        error.to_string(),
+        "no method is called \"virtual_damper\"; did you mean \"virtual-damper\"?"
+    );
+    for method in MethodName::ALL {
+        assert_eq!(method.name().parse(), Ok(method));
+        assert_eq!(method.to_string(), method.name());
+    }
+}
+
+#[test]
+fn a_scene_made_in_code_is_checked_before_it_runs() {
+    let mut scene = SceneFile::parse("good", GOOD).unwrap().scene;
+    scene.device.encoder_quantum = -1.0;
+    let error = Bench::new(&scene).unwrap_err();
+    let LoopError::Setup(palpate_sim::scene::SetupError::Parameter(ParameterError {
+        parameter,
+        value,
+        ..
+    })) = error
+    else {
+        panic!("{error}");
+    };
+    assert_eq!((parameter, value), ("encoder_quantum", -1.0));
+}
