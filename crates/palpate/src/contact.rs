@@ -132,7 +132,8 @@ pub struct LoopParams<S> {
     #[cfg_attr(feature = "serde", serde(default))]
     pub largest_gap: Option<S>,
     /// Fastest device motion that is believed `[m/s]`; a faster jump is a fault. `None` believes
-    /// any. [`LoopParams::new`] sets 100 m/s, ten times what a hand can do.
+    /// any, as does a serialised value that leaves it out. [`LoopParams::new`] sets 100 m/s, ten
+    /// times what a hand can do.
     #[cfg_attr(feature = "serde", serde(default))]
     pub speed_limit: Option<S>,
     /// Largest force that is held `[N]`. `None`: no limit.

@@ -114,3 +114,21 @@ impl<S: Scalar> Ledger<S> {
         true
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_change_from_outside_that_would_overflow_books_nothing() {
+        let mut ledger = Ledger {
+            outside_work: 1.7e308,
+            ..Ledger::open(0.0)
+        };
+        let before = ledger;
+        assert!(!ledger.change_from_outside(1e308));
+        assert_eq!(ledger, before);
+        assert!(ledger.change_from_outside(1.0));
+        assert_eq!(ledger.stored, 1.0);
+    }
+}

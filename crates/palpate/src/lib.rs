@@ -72,3 +72,7 @@ pub use render::{
 };
 pub use sample::{Fault, Limited, Output, Phase, Sample};
 pub use scalar::Scalar;
+
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct ReadmeExamples;

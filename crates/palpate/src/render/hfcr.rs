@@ -112,10 +112,11 @@ impl<S: Scalar> MethodParams<S> for HfcrParams<S> {
                 positive("device_mass", "kg", device_mass)?;
                 let (k, t) = (contact.stiffness, loop_params.period);
                 let wall = k * k * t * t * t / (S::from_f64(4.0) * device_mass);
-                match contact.object_mass {
+                let damping = match contact.object_mass {
                     Mass::Infinite => wall,
                     Mass::Finite(mass) => wall * mass / (device_mass + mass),
-                }
+                };
+                not_negative("derived damping", "N s/m", damping)?
             }
         };
         Ok(Hfcr {

@@ -30,7 +30,7 @@ use crate::energy::Closing;
 use crate::motion::{ObjectMotion, ObjectState, Rule, Start};
 use crate::parameter::{ParameterError, finite};
 use crate::sample::{Fault, Limited, Output, Phase, Sample};
-use state::{Device, Interval};
+use state::{Device, Interval, Traces};
 
 /// A measured period this close to the nominal one, relatively, is the nominal one: differences
 /// of decimal time stamps are never exactly T.
@@ -209,9 +209,8 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         let mut previous_penetration = None;
         match &state.device {
             Device::Unknown => {}
-            Device::Lost { position } => {
-                let moved = position.map_or(S::ZERO, |last| device - last);
-                if moved.abs() > self.speed_limit * elapsed {
+            Device::Lost(traces) => {
+                if !traces.lead_to(device, elapsed, self.speed_limit) {
                     return Err(Fault::JumpTooFast);
                 }
             }
@@ -254,9 +253,11 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         // The interval is closed. Should anything go wrong from here on, the object is where the
         // interval has brought it, and the next one is lost.
         state.object = object;
-        state.device = Device::Lost {
-            position: Some(device),
-        };
+        state.device = Device::Lost(Traces {
+            seen: Some(device),
+            trusted: Some(device),
+            since: S::ZERO,
+        });
 
         // A fresh start, or a change from outside.
         let teleported = state.teleport.is_some();
@@ -313,9 +314,10 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             Rule::Enters(after) => (Phase::Enters, after),
             Rule::Leaves(after) => (Phase::Leaves, after),
         };
-        let force = self.sign * held_force;
+        // Adding 0 turns a mirrored -0 into 0, which reads better and commands the same.
+        let force = self.sign * held_force + S::ZERO;
         Ok(Output {
-            force_on_device: -force,
+            force_on_device: S::ZERO - force,
             force_on_object: force,
             object_position: self.sign * object.position,
             object_velocity: self.sign * object.velocity,

@@ -29,8 +29,35 @@ pub(super) enum Device<S> {
     Unknown,
     /// Its last sample began this interval.
     Tracked(Interval<S>),
-    /// A sample was refused; its position `[m]`, if it was a number.
-    Lost { position: Option<S> },
+    /// A sample was refused.
+    Lost(Traces<S>),
+}
+
+/// Where a device that is not followed has been.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Traces<S> {
+    /// Position of the last sample `[m]`, if it was a number.
+    pub seen: Option<S>,
+    /// Position of the last sample that was used `[m]`, if there was one.
+    pub trusted: Option<S>,
+    /// Time from that one to the last `[s]`, refused samples counted as one period each.
+    pub since: S,
+}
+
+impl<S: Scalar> Traces<S> {
+    /// Whether a device found at `device` `[m]`, `elapsed` `[s]` after the last sample, can have
+    /// come there no faster than `speed` `[m/s]`: from where it was seen last, or, should that
+    /// have been a glitch, from where it was before.
+    pub fn lead_to(&self, device: S, elapsed: S, speed: S) -> bool {
+        let near = |from: S, time: S| (device - from).abs() <= speed * time;
+        match (self.seen, self.trusted) {
+            (None, None) => true,
+            (seen, trusted) => {
+                seen.is_some_and(|from| near(from, elapsed))
+                    || trusted.is_some_and(|from| near(from, self.since + elapsed))
+            }
+        }
+    }
 }
 
 /// The interval in progress, as planned at its first sample.
@@ -89,7 +116,17 @@ impl<S: Scalar, Memory: Default> State<S, Memory> {
     /// interval began if the plan's energy is not a finite number. A position that is not trusted
     /// moves no energy, so nothing is booked: the next contact accounts for it all.
     pub(super) fn lose_track(&mut self, motion: &ObjectMotion<S>, position: Option<S>) {
+        let mut traces = Traces {
+            seen: position,
+            trusted: None,
+            since: motion.period(),
+        };
+        if let Device::Lost(before) = &self.device {
+            traces.trusted = before.trusted;
+            traces.since += before.since;
+        }
         if let Device::Tracked(interval) = &self.device {
+            traces.trusted = Some(interval.device);
             let finished = ObjectState {
                 position: self.object.position + interval.planned.by,
                 velocity: interval.planned.velocity,
@@ -99,7 +136,7 @@ impl<S: Scalar, Memory: Default> State<S, Memory> {
                 self.object = finished;
             }
         }
-        self.device = Device::Lost { position };
+        self.device = Device::Lost(traces);
         self.held_force = S::ZERO;
     }
 }

@@ -1,0 +1,94 @@
+//! A tick allocates nothing, whatever the method and the sample.
+//!
+//! ```text
+//! cargo test --manifest-path conformance/no_alloc/Cargo.toml
+//! ```
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::hint::black_box;
+
+use palpate::{
+    AnyParams, AnyRenderer, Contact, HfcrParams, LoopParams, ObjectState, PopcParams,
+    PopcRefParams, Sample, SehParams, VirtualDamperParams,
+};
+
+/// The system's allocator, counting what each thread asks of it.
+struct Counting;
+
+thread_local! {
+    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
+}
+
+// SAFETY: every call is passed on unchanged; the counter is a constant-initialised thread-local
+// without a destructor, so touching it allocates nothing. `alloc_zeroed` and `realloc` come
+// through `alloc` by default.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
+        // SAFETY: the caller's promises are those `System` asks for.
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: as above.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn allocations(run: impl FnOnce()) -> usize {
+    let before = ALLOCATIONS.get();
+    run();
+    ALLOCATIONS.get() - before
+}
+
+#[test]
+fn the_counter_counts() {
+    assert_eq!(allocations(|| drop(black_box(Box::new(1)))), 1);
+}
+
+#[test]
+fn a_renderer_is_made_started_and_stepped_without_allocating() {
+    let methods = [
+        AnyParams::Basic,
+        AnyParams::VirtualDamper(VirtualDamperParams { damping: 0.5 }),
+        AnyParams::Seh(SehParams::default()),
+        AnyParams::Popc(PopcParams::new(6.0)),
+        AnyParams::PopcRef(PopcRefParams::new(6.0)),
+        AnyParams::Hfcr(HfcrParams::modified_force_only()),
+        AnyParams::Hfcr(HfcrParams::with_damping(0.02)),
+    ];
+    let (mut forces, mut faults) = (0, 0);
+    let count = allocations(|| {
+        for method in methods {
+            for mass in [0.1, f64::INFINITY] {
+                let contact = Contact::object(400.0, mass);
+                let renderer = AnyRenderer::new(contact, LoopParams::new(0.01), method).unwrap();
+                let mut state = renderer.start(ObjectState::at_rest(0.005)).unwrap();
+                for tick in 0..2000 {
+                    let t = f64::from(tick) * 0.01;
+                    let mut sample = Sample::at(0.01 * (11.0 * t).sin()).with_virtual_force(-1.0);
+                    match tick % 50 {
+                        10 => sample = sample.after(0.013),
+                        20 => sample.device_position = f64::NAN,
+                        30 => sample = sample.after(-1.0),
+                        40 => sample.device_position = 1e300,
+                        _ => {}
+                    }
+                    if tick == 1000 {
+                        let there = ObjectState::at_rest(0.004);
+                        renderer.teleport(&mut state, there).unwrap();
+                        renderer.adopt(&mut state);
+                    }
+                    let output = black_box(renderer.step(&mut state, sample));
+                    forces += usize::from(output.force_on_object != 0.0);
+                    faults += usize::from(output.fault.is_some());
+                }
+            }
+        }
+    });
+    assert!(forces > 1000 && faults > 1000, "{forces}, {faults}");
+    assert_eq!(count, 0);
+}

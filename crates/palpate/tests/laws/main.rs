@@ -1,0 +1,21 @@
+//! What the core promises, each test named by the law or behaviour it shows.
+#![allow(clippy::print_stdout)] // what a test measured is part of its answer
+
+mod adversary;
+mod books;
+mod common;
+mod damper;
+mod faults;
+mod geometry;
+mod hfcr;
+mod limits;
+mod measured_period;
+mod modified_force;
+mod outside;
+mod parameters;
+mod popc;
+mod seh;
+#[cfg(feature = "serde")]
+mod serde_forms;
+mod state;
+mod transitions;

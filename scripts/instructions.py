@@ -1,0 +1,90 @@
+#!/usr/bin/env python3
+"""Counts the instructions of one tick, by method and class, and compares them with the table.
+
+    scripts/instructions.py            fail if a tick costs more than the table says
+    scripts/instructions.py --update   write the table anew
+
+Valgrind counts, so the numbers do not depend on the machine's speed or load; they do depend on the
+compiler and its target. A count may exceed its row by 5 % and 5 instructions.
+"""
+
+import argparse
+import csv
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+TABLE = ROOT / "crates/palpate/benches/instructions.csv"
+
+
+def build():
+    """Builds the counted program and returns its path."""
+    command = ["cargo", "bench", "-p", "palpate", "--bench", "instructions", "--no-run"]
+    command += ["--message-format", "json-render-diagnostics"]
+    output = subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True)
+    messages = map(json.loads, output.stdout.splitlines())
+    paths = [m["executable"] for m in messages if m.get("executable")]
+    (path,) = [p for p in paths if "instructions" in pathlib.Path(p).name]
+    return path
+
+
+def count(program):
+    """Runs the program under callgrind: {(method, class): instructions per tick}."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = pathlib.Path(folder) / "out"
+        command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}"]
+        # A dump ends when `lap` is entered: the odd ones hold preparations, the even ones ticks.
+        command += ["--dump-before=*instructions::lap*", program, "--count"]
+        run = subprocess.run(command, capture_output=True, text=True)
+        if run.returncode != 0:
+            sys.exit(run.stderr)
+        parts = [line.rsplit(",", 1) for line in run.stdout.splitlines()]
+        totals = []
+        for index in range(2, 2 * len(parts) + 1, 2):
+            dump = out.with_name(f"{out.name}.{index}").read_text()
+            totals.append(int(re.search(r"^(?:summary|totals): (\d+)", dump, re.M)[1]))
+    counts = {}
+    for (once, twice), (first, second) in zip(zip(parts[::2], parts[1::2]),
+                                              zip(totals[::2], totals[1::2])):
+        assert once[0] == twice[0], (once, twice)
+        ticks = int(twice[1]) - int(once[1])
+        counts[tuple(once[0].split(","))] = (second - first) / ticks
+    return counts
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--update", action="store_true", help="write the table anew")
+    update = parser.parse_args().update
+    counts = count(build())
+
+    if update:
+        with TABLE.open("w", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(["method", "class", "instructions_per_tick"])
+            writer.writerows([*name, f"{value:.1f}"] for name, value in counts.items())
+        print(f"wrote {TABLE.relative_to(ROOT)}")
+    with TABLE.open(newline="") as file:
+        rows = csv.DictReader(file)
+        table = {(r["method"], r["class"]): float(r["instructions_per_tick"]) for r in rows}
+
+    failures = [f"{name} is not measured any more" for name in table.keys() - counts.keys()]
+    print(f"{'instructions per tick':28}{'now':>8}{'table':>8}")
+    for name, value in counts.items():
+        stated = table.get(name)
+        print(f"{name[0]:16}{name[1]:12}{value:8.1f}{stated if stated is not None else '-':>8}")
+        if stated is None:
+            failures.append(f"{name} is not in the table")
+        elif value > 1.05 * stated + 5:
+            failures.append(f"{name} takes {value:.1f} instructions, the table says {stated}")
+    for failure in failures:
+        print(f"FAILED: {failure}", file=sys.stderr)
+    sys.exit(bool(failures))
+
+
+if __name__ == "__main__":
+    main()
