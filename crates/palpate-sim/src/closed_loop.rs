@@ -11,7 +11,7 @@ use palpate_testbed::profile::Snapshot;
 use palpate::{Mass, Sample};
 
 use crate::method::MethodName;
-use crate::run::{CURVE_POINTS_PER_PERIOD, IdealPoint, Reference, Run, Tick};
+use crate::run::{Reference, Run, Tick};
 use crate::scene::{Measure, Scene, SetupError};
 
 /// Longest run `[samples]`: what a machine can be asked to keep in memory.
@@ -93,24 +93,13 @@ impl<'a> Bench<'a> {
         if intervals > MOST_INTERVALS {
             return Err(LoopError::TooLong(intervals as f64));
         }
-        let curve = (0..=intervals * CURVE_POINTS_PER_PERIOD)
-            .map(|i| {
-                let at = ideal.at(i as f64 * period / CURVE_POINTS_PER_PERIOD as f64);
-                IdealPoint {
-                    time: at.time,
-                    device_position: sign * at.device_position,
-                    object_position: sign * at.object_position,
-                    force_on_object: sign * at.force_on_object,
-                }
-            })
-            .collect();
         let profile = ideal.profile(period, intervals)?;
         Ok(Self {
             scene,
             sign,
-            ideal,
             intervals,
-            reference: Reference { profile, curve },
+            reference: Reference::new(profile, sign, |time| ideal.at(time)),
+            ideal,
         })
     }
 

@@ -13,7 +13,7 @@ use palpate_testbed::metrics::ForceJudgement;
 use palpate_testbed::recorded_path::{PathError, RecordedPath};
 
 use crate::method::{Basis, MethodName, Settings, SettingsError};
-use crate::run::{CURVE_POINTS_PER_PERIOD, IdealPoint, Reference, Run, Tick};
+use crate::run::{Reference, Run, Tick};
 use crate::scene::{SetupError, stored_energy};
 
 /// What to render on a recorded motion.
@@ -128,24 +128,13 @@ impl Replay {
             RecordedPath::new(times, &mirrored)?,
         )?;
         let start = recorded.start();
-        let curve = (0..=intervals * CURVE_POINTS_PER_PERIOD)
-            .map(|i| {
-                let at = ideal.at(start + i as f64 * period / CURVE_POINTS_PER_PERIOD as f64);
-                IdealPoint {
-                    time: at.time,
-                    device_position: sign * at.device_position,
-                    object_position: sign * at.object_position,
-                    force_on_object: sign * at.force_on_object,
-                }
-            })
-            .collect();
         let profile = ideal.profile(period, intervals)?;
         Ok(Self {
             setup,
             sign,
             start,
             positions: resampled,
-            reference: Reference { profile, curve },
+            reference: Reference::new(profile, sign, |time| ideal.at(time)),
         })
     }
 

@@ -2,7 +2,7 @@
 
 use palpate::{AnyParams, Ledger, Output};
 use palpate_testbed::metrics::{EnergyJudgement, ForceJudgement};
-use palpate_testbed::profile::ForceProfile;
+use palpate_testbed::profile::{ForceProfile, Snapshot};
 
 use crate::method::MethodName;
 
@@ -96,5 +96,29 @@ impl Run {
     }
 }
 
+impl Reference {
+    /// The reference of a profile whose ideal is at `snapshot` of a time, mirrored by `sign` into
+    /// the user's frame.
+    pub(crate) fn new(
+        profile: ForceProfile,
+        sign: f64,
+        snapshot: impl Fn(f64) -> Snapshot,
+    ) -> Self {
+        let step = profile.period() / CURVE_POINTS_PER_PERIOD as f64;
+        let curve = (0..=profile.intervals() * CURVE_POINTS_PER_PERIOD)
+            .map(|i| {
+                let at = snapshot(profile.start() + i as f64 * step);
+                IdealPoint {
+                    time: at.time,
+                    device_position: sign * at.device_position,
+                    object_position: sign * at.object_position,
+                    force_on_object: sign * at.force_on_object,
+                }
+            })
+            .collect();
+        Self { profile, curve }
+    }
+}
+
 /// Points of the fine grid of a reference per period.
-pub(crate) const CURVE_POINTS_PER_PERIOD: usize = 20;
+const CURVE_POINTS_PER_PERIOD: usize = 20;
