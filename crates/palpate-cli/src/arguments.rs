@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use clap::builder::styling::{AnsiColor, Styles};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueHint};
 use palpate::{SehEstimate, Side};
-use palpate_sim::method::{Damping, MethodName};
+use palpate_sim::method::Damping;
+
+use crate::values::{Methods, damping, estimate, methods, number, samples, side};
 
 const STYLES: Styles = Styles::styled()
     .header(AnsiColor::Green.on_default().bold())
@@ -41,6 +43,8 @@ pub struct Arguments {
 #[derive(Subcommand, Debug)]
 pub enum Command {
     /// Render a recorded motion
+    #[command(override_usage = "\
+palpate render <TRACE.csv> --stiffness <N/m> --mass <kg|inf> --period <s> [OPTIONS]")]
     #[command(long_about = "\
 Render a recorded motion.
 
@@ -69,6 +73,8 @@ Examples:
   palpate simulate experiments/wall.toml --stiffness 5000 --delay 1 --json")]
     Simulate(SimulateArguments),
     /// Render live: positions in, forces on the device out, line by line
+    #[command(override_usage = "\
+palpate pipe --stiffness <N/m> --mass <kg|inf> --period <s> [OPTIONS]")]
     #[command(long_about = "\
 Render live: positions in, forces on the device out, line by line.
 
@@ -82,8 +88,10 @@ the motor as it is and held until the next line.
   force on the device: negative while the object pushes back
 
 With times, the measured period is used; without, each line comes one --period after the last. A \
-line that is not a sample is answered by 0 and a message on standard error, and the pipe lives on. \
-When the input ends, a summary of the energy ledger goes to standard error.")]
+first line that is the header `position_m` or `t_s,position_m` gets no answer. A line that is not a \
+sample is answered by 0 and a message on standard error, and the pipe lives on. So is a line whose \
+time does not come after that of the line before; the clock goes on from there. --delay says how \
+many lines later the force really acts; it is printed at once all the same. When the input ends, a summary of the energy ledger goes to standard error.")]
     #[command(after_help = "\
 Examples:
   my-device | palpate pipe --stiffness 400 --mass 0.1 --period 0.001 --force -0.981
@@ -208,6 +216,7 @@ pub struct Flags {
     #[arg(
         long,
         value_name = "N/m",
+        value_parser = number,
         allow_hyphen_values = true,
         help_heading = "Contact"
     )]
@@ -216,6 +225,7 @@ pub struct Flags {
     #[arg(
         long,
         value_name = "kg|inf",
+        value_parser = number,
         allow_hyphen_values = true,
         help_heading = "Contact"
     )]
@@ -224,6 +234,7 @@ pub struct Flags {
     #[arg(
         long,
         value_name = "N",
+        value_parser = number,
         allow_hyphen_values = true,
         help_heading = "Contact"
     )]
@@ -232,6 +243,7 @@ pub struct Flags {
     #[arg(
         long,
         value_name = "m",
+        value_parser = number,
         allow_hyphen_values = true,
         help_heading = "Contact"
     )]
@@ -240,6 +252,7 @@ pub struct Flags {
     #[arg(
         long,
         value_name = "m/s",
+        value_parser = number,
         allow_hyphen_values = true,
         help_heading = "Contact"
     )]
@@ -255,17 +268,25 @@ pub struct Flags {
     #[arg(
         long,
         value_name = "s",
+        value_parser = number,
         allow_hyphen_values = true,
         help_heading = "Loop"
     )]
     pub period: Option<f64>,
     /// Whole samples between measuring and actuating [default: 0]
-    #[arg(long, value_name = "SAMPLES", help_heading = "Loop")]
+    #[arg(
+        long,
+        value_name = "SAMPLES",
+        value_parser = samples,
+        allow_hyphen_values = true,
+        help_heading = "Loop"
+    )]
     pub delay: Option<usize>,
     /// Largest force that is held [N] [default: no limit]
     #[arg(
         long,
         value_name = "N",
+        value_parser = number,
         allow_hyphen_values = true,
         help_heading = "Loop"
     )]
@@ -274,6 +295,7 @@ pub struct Flags {
     #[arg(
         long,
         value_name = "N/s",
+        value_parser = number,
         allow_hyphen_values = true,
         help_heading = "Loop"
     )]
@@ -282,6 +304,7 @@ pub struct Flags {
     #[arg(
         long,
         value_name = "m/s",
+        value_parser = number,
         allow_hyphen_values = true,
         help_heading = "Loop"
     )]
@@ -290,6 +313,7 @@ pub struct Flags {
     #[arg(
         long,
         value_name = "s",
+        value_parser = number,
         allow_hyphen_values = true,
         help_heading = "Loop"
     )]
@@ -307,6 +331,7 @@ pub struct Flags {
     #[arg(
         long,
         value_name = "N s/m",
+        value_parser = number,
         allow_hyphen_values = true,
         help_heading = "Method"
     )]
@@ -315,6 +340,7 @@ pub struct Flags {
     #[arg(
         long,
         value_name = "m/s",
+        value_parser = number,
         allow_hyphen_values = true,
         help_heading = "Method"
     )]
@@ -323,6 +349,7 @@ pub struct Flags {
     #[arg(
         long,
         value_name = "J",
+        value_parser = number,
         allow_hyphen_values = true,
         help_heading = "Method"
     )]
@@ -335,61 +362,19 @@ pub struct Flags {
     #[arg(
         long,
         value_name = "kg",
+        value_parser = number,
         allow_hyphen_values = true,
         help_heading = "Device"
     )]
     pub device_mass: Option<f64>,
-    /// Quantum of the device's position sensor [m]
+    /// Quantum of the device's position sensor [m]; simulate measures with it, a recording or a
+    /// pipe brings its own
     #[arg(
         long,
         value_name = "m",
+        value_parser = number,
         allow_hyphen_values = true,
         help_heading = "Device"
     )]
     pub encoder_quantum: Option<f64>,
-}
-
-/// The methods a command is to run.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Methods(pub Vec<MethodName>);
-
-fn methods(text: &str) -> Result<Methods, String> {
-    if text == "all" {
-        return Ok(Methods(MethodName::ALL.to_vec()));
-    }
-    let mut methods = Vec::new();
-    for name in text.split(',') {
-        let method: MethodName = name.trim().parse().map_err(|error| format!("{error}"))?;
-        if methods.contains(&method) {
-            return Err(format!("{method} is named twice"));
-        }
-        methods.push(method);
-    }
-    Ok(Methods(methods))
-}
-
-fn damping(text: &str) -> Result<Damping, String> {
-    if text == "auto" {
-        return Ok(Damping::Auto);
-    }
-    text.parse()
-        .map(Damping::Value)
-        .map_err(|_| "a number in N s/m or \"auto\" is needed".into())
-}
-
-fn side(text: &str) -> Result<Side, String> {
-    match text {
-        "positive" => Ok(Side::Positive),
-        "negative" => Ok(Side::Negative),
-        _ => Err("the sides are positive and negative".into()),
-    }
-}
-
-fn estimate(text: &str) -> Result<SehEstimate, String> {
-    match text {
-        "ab2" => Ok(SehEstimate::Ab2),
-        "differences" => Ok(SehEstimate::Differences),
-        "ab3" => Ok(SehEstimate::Ab3),
-        _ => Err("the estimates are ab2, differences and ab3".into()),
-    }
 }

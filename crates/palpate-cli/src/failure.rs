@@ -1,6 +1,7 @@
 //! What went wrong, for the person at the terminal: a message, a place, an exit code.
 
 use std::fmt;
+use std::io::{self, Write};
 use std::ops::Range;
 use std::process::ExitCode;
 
@@ -52,24 +53,27 @@ impl Failure {
 
     /// Tells the user on standard error; the exit code to end with.
     pub fn report(&self) -> ExitCode {
-        match self {
-            Self::System(message) => {
-                eprintln!("error: {message}");
-                ExitCode::from(1)
-            }
-            Self::Arguments(message) => {
-                eprintln!("error: {message}\n\nFor more information, try '--help'.");
-                ExitCode::from(2)
-            }
-            Self::Input(fault) => {
-                eprintln!("error: {}", fault.message);
-                if fault.excerpt.is_some() {
-                    eprint!("{}", fault.drawing());
-                }
-                ExitCode::from(3)
-            }
-        }
+        let (message, code) = match self {
+            Self::System(message) => (message.clone(), 1),
+            Self::Arguments(message) => (
+                format!("{message}\n\nFor more information, try '--help'."),
+                2,
+            ),
+            Self::Input(fault) if fault.excerpt.is_some() => (
+                format!("{}\n{}", fault.message, fault.drawing().trim_end()),
+                3,
+            ),
+            Self::Input(fault) => (fault.message.clone(), 3),
+        };
+        tell(format_args!("error: {message}"));
+        ExitCode::from(code)
     }
+}
+
+/// Says something on standard error. Nobody may be listening there any more, which is no reason
+/// to stop: `eprintln!` would.
+pub fn tell(message: impl fmt::Display) {
+    let _ = writeln!(io::stderr().lock(), "{message}");
 }
 
 impl InputFault {

@@ -11,6 +11,7 @@ mod report;
 mod results;
 mod run_file;
 mod setup;
+mod values;
 
 use std::process::ExitCode;
 

@@ -37,7 +37,7 @@ pub fn overlay(title: &str, reference: &Reference, runs: &[Run]) -> Figure {
     Figure {
         title: title.into(),
         footnote: Some(
-            "Ideal: the same scene in continuous time. Leak: energy created by the held force, \
+            "Ideal: object and device in continuous time. Leak: energy created by the held force, \
              accumulated."
                 .into(),
         ),

@@ -6,10 +6,32 @@ use std::path::Path;
 use palpate_sim::run::Run;
 
 use crate::arguments::Results;
-use crate::failure::Failure;
+use crate::failure::{Failure, tell};
 use crate::figure::Figure;
+use crate::progress::Progress;
 use crate::report::Report;
 use crate::run_file;
+
+impl Results {
+    /// Refuses, before any work is done, results that would take the place of the `input` or that
+    /// cannot be drawn.
+    pub fn check(&self, input: &Path) -> Result<(), Failure> {
+        if let Some(plot) = &self.plot {
+            picture_format(plot)?;
+        }
+        let same = |out: &Path| match (out.canonicalize(), input.canonicalize()) {
+            (Ok(out), Ok(input)) => out == input && input.is_file(),
+            _ => false,
+        };
+        if self.out.as_deref().is_some_and(same) {
+            return Err(Failure::Arguments(format!(
+                "--out would overwrite the input {}",
+                input.display()
+            )));
+        }
+        Ok(())
+    }
+}
 
 /// Writes what was asked for, then prints the report.
 pub fn deliver(
@@ -18,12 +40,16 @@ pub fn deliver(
     receipt: &[(String, String)],
     runs: &[Run],
     figure: impl FnOnce() -> Figure,
+    progress: Progress,
 ) -> Result<(), Failure> {
-    // The plot's name is checked before anything is written.
-    if let Some(path) = &results.plot {
-        picture_format(path)?;
-    }
     let to_standard_output = results.out.as_deref() == Some(Path::new("-"));
+    // Ticks on standard output may go to the terminal that the bar is on.
+    let progress = Some(progress).filter(|_| !to_standard_output);
+    let begin = |path: &Path| {
+        if let Some(progress) = &progress {
+            progress.begin(&format!("writing {}", path.display()));
+        }
+    };
     match &results.out {
         None => {}
         Some(_) if to_standard_output => {
@@ -35,6 +61,7 @@ pub fn deliver(
             )?;
         }
         Some(path) => {
+            begin(path);
             palpate_io::atomic::write(path, |writer| {
                 run_file::write(writer, receipt, runs).map_err(io::Error::from)
             })
@@ -43,16 +70,19 @@ pub fn deliver(
         }
     }
     if let Some(path) = &results.plot {
+        begin(path);
         draw(path, &figure())?;
         report.wrote(path);
     }
+    drop(progress);
     let text = if results.json {
         report.json() + "\n"
     } else {
         report.to_string()
     };
     if to_standard_output {
-        finish(io::stderr().lock().write_all(text.as_bytes()))
+        tell(text.trim_end());
+        Ok(())
     } else {
         print(&text)
     }

@@ -7,6 +7,7 @@ use palpate_sim::method::{MethodName, Setting, Settings, SettingsError};
 use palpate_sim::replay::ReplaySetup;
 use palpate_sim::run::Run;
 use palpate_sim::scene::{Scene, SetupError};
+use palpate_testbed::InvalidParameter;
 
 use crate::arguments::Flags;
 use crate::failure::Failure;
@@ -77,18 +78,19 @@ impl Flags {
 
     /// Refuses facts about the device that cannot be true, whether a method uses them or not.
     fn check_device(&self) -> Result<(), Failure> {
-        let wrong = |parameter, value, unit, allowed| {
-            Err(Failure::Arguments(format!(
-                "{parameter} is {value} {unit}, but must be {allowed}"
-            )))
-        };
         match (self.device_mass, self.encoder_quantum) {
-            (Some(mass), _) if !(mass.is_finite() && mass > 0.0) => {
-                wrong("--device-mass", mass, "kg", "finite and greater than 0")
-            }
-            (_, Some(quantum)) if !(quantum.is_finite() && quantum >= 0.0) => {
-                wrong("--encoder-quantum", quantum, "m", "finite and not below 0")
-            }
+            (Some(mass), _) if !(mass.is_finite() && mass > 0.0) => Err(not_allowed(
+                "--device-mass",
+                mass,
+                "kg",
+                "finite and greater than 0",
+            )),
+            (_, Some(quantum)) if !(quantum.is_finite() && quantum >= 0.0) => Err(not_allowed(
+                "--encoder-quantum",
+                quantum,
+                "m",
+                "finite and not below 0",
+            )),
             _ => Ok(()),
         }
     }
@@ -105,15 +107,24 @@ impl Flags {
         );
         contact.side = self.side.unwrap_or_default();
         contact.unilateral = self.unilateral;
+        let virtual_force = self.force.unwrap_or(0.0);
+        if !virtual_force.is_finite() {
+            return Err(not_allowed("--force", virtual_force, "N", "finite"));
+        }
+        let velocity = self.object_velocity.unwrap_or(0.0);
+        if contact.object_mass == Mass::Infinite && velocity != 0.0 {
+            let allowed = "0 for a wall";
+            return Err(not_allowed("--object-velocity", velocity, "m/s", allowed));
+        }
         let defaults = LoopParams::new(needed(self.period, "--period", "s")?);
         Ok(ReplaySetup {
             contact,
             loop_params: self.limits(defaults),
             object: ObjectState {
                 position: self.object_position.unwrap_or(0.0),
-                velocity: self.object_velocity.unwrap_or(0.0),
+                velocity,
             },
-            virtual_force: self.force.unwrap_or(0.0),
+            virtual_force,
             delay: self.delay.unwrap_or(0),
             device_mass: self.device_mass,
         })
@@ -184,6 +195,21 @@ impl Flags {
     }
 }
 
+/// A value that a flag cannot have.
+fn not_allowed(
+    flag: &'static str,
+    value: f64,
+    unit: &'static str,
+    allowed: &'static str,
+) -> Failure {
+    wrong_flag(&ParameterError {
+        parameter: flag,
+        value,
+        unit,
+        allowed,
+    })
+}
+
 /// A parameter out of range, in terms of the flag that gave it.
 pub fn wrong_flag(error: &ParameterError) -> Failure {
     let flag = FLAG_OF
@@ -197,6 +223,19 @@ pub fn wrong_flag(error: &ParameterError) -> Failure {
         }
         .to_string(),
     )
+}
+
+/// A value that the bench refuses, in terms of the flag that gave it.
+pub fn wrong_on_bench(error: &InvalidParameter) -> Failure {
+    let name = error.name.replace('_', " ");
+    let flag = FLAG_OF
+        .iter()
+        .find(|(parameter, _)| parameter.replace('_', " ") == name)
+        .map_or(error.name, |(_, flag)| flag);
+    Failure::Arguments(format!(
+        "{flag} is {}, but must be {}",
+        error.value, error.allowed
+    ))
 }
 
 /// A method that cannot be set up from flags alone.
@@ -262,6 +301,7 @@ pub fn receipt(
         ("delay_samples".to_owned(), subject.delay.to_string()),
         ("force_limit_n".to_owned(), optional(limits.force_limit)),
         ("slew_limit_n_per_s".to_owned(), optional(limits.slew_limit)),
+        ("largest_gap_s".to_owned(), optional(limits.largest_gap)),
         (
             "speed_limit_m_per_s".to_owned(),
             optional(limits.speed_limit),

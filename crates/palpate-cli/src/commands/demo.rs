@@ -13,14 +13,19 @@ use crate::arguments::DemoArguments;
 use crate::failure::Failure;
 use crate::hand;
 use crate::plots;
+use crate::progress::Progress;
 use crate::report::{Report, Subject};
 use crate::results::{draw, print};
 
 /// Simulates the paper's scene and renders a synthetic hand, with a figure of each.
 pub fn run(arguments: &DemoArguments) -> Result<(), Failure> {
     let folder = &arguments.out_dir;
-    std::fs::create_dir_all(folder)
-        .map_err(|error| Failure::System(format!("{}: {error}", folder.display())))?;
+    std::fs::create_dir_all(folder).map_err(|error| {
+        Failure::System(format!(
+            "cannot make the folder `{}`: {error}",
+            folder.display()
+        ))
+    })?;
 
     let (mut scene_report, scene_figure) = fig2()?;
     let scene_plot = folder.join("fig2.svg");
@@ -45,7 +50,10 @@ pub fn run(arguments: &DemoArguments) -> Result<(), Failure> {
         MethodName::PopcRef,
         MethodName::Hfcr,
     ];
-    let (replay, runs) = render(setup, &trace, &methods, &Settings::default())?;
+    let progress = Progress::new(methods.len());
+    let (replay, runs) =
+        render(setup, &trace, &methods, &Settings::default(), &progress).map_err(Failure::input)?;
+    drop(progress);
     let title = "A hand juggles a block of 0.5 kg, 200 N/m at 100 Hz";
     let subject = Subject {
         title: title.into(),

@@ -3,14 +3,14 @@
 use std::fmt;
 use std::io::{self, BufRead, Read, Write};
 
-use palpate::{AnyMemory, AnyRenderer, Fault, Output, Renderer, Sample, State};
+use palpate::{AnyMemory, AnyRenderer, Output, Renderer, Sample, State};
 use palpate_sim::method::MethodName;
 use palpate_testbed::hold::DelayedHold;
 use serde::Serialize;
 
 use crate::arguments::PipeArguments;
-use crate::failure::Failure;
-use crate::report::digits;
+use crate::failure::{Failure, tell};
+use crate::report::{counted, digits};
 use crate::setup::{wrong_flag, wrong_setup};
 
 /// Longest line that is read as a sample `[bytes]`; the rest of a longer one is skipped.
@@ -47,10 +47,9 @@ pub fn run(arguments: &PipeArguments) -> Result<(), Failure> {
     let ended = pipe.serve(&mut io::stdin().lock(), &mut io::stdout().lock());
     let summary = pipe.summary();
     if arguments.json {
-        let text = serde_json::to_string(&summary).expect("a summary has string keys only");
-        eprintln!("{text}");
+        tell(serde_json::to_string(&summary).expect("a summary has string keys only"));
     } else {
-        eprintln!("{summary}");
+        tell(&summary);
     }
     match ended {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
@@ -97,9 +96,13 @@ impl Pipe {
                 skip_line(input)?;
             }
             let text = String::from_utf8_lossy(&line);
-            let text = text.trim();
-            if number == 1 && is_header(text) {
-                continue;
+            let mut text = text.trim();
+            if number == 1 {
+                // What spreadsheets write before the first line.
+                text = text.trim_start_matches('\u{feff}');
+                if is_header(text) {
+                    continue;
+                }
             }
             let sample = if too_long {
                 Err(format!("the line is longer than {LONGEST_LINE} bytes"))
@@ -140,13 +143,15 @@ impl Pipe {
         } = self.renderer.step(&mut self.state, sample);
         let held = self.hold.exchange(force_on_object);
         self.renderer.report_held(&mut self.state, held);
-        if let Ok(Line {
-            time: Some(time), ..
-        }) = line
-            && time.is_finite()
-            && fault != Some(Fault::ElapsedNotPositive)
-        {
-            self.last_time = Some(time);
+        // A time that was refused is kept all the same: if it is wrong, the next line is refused
+        // too; if it were not kept and the clock was set, all lines to come would be.
+        match line {
+            Ok(Line { time: None, .. }) => {
+                let period = self.renderer.loop_params().period;
+                self.last_time = self.last_time.map(|time| time + period);
+            }
+            Ok(Line { time, .. }) => self.last_time = time,
+            Err(_) => {}
         }
         let message = match (&line, fault) {
             (Err(message), _) => Some(message.clone()),
@@ -155,13 +160,12 @@ impl Pipe {
         };
         if let Some(message) = message {
             self.summary.refused += 1;
-            eprintln!("line {number}: {message}; the force is 0");
+            tell(format_args!("line {number}: {message}; the force is 0"));
         }
         if limited.any() {
             self.summary.limited += 1;
         }
-        // Adding 0 turns -0 into 0, which reads better and commands the same.
-        force_on_device + 0.0
+        force_on_device
     }
 
     fn summary(&self) -> Summary {
@@ -181,10 +185,10 @@ impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{} samples, {} refused, {} forces limited; leak {} mJ, of the spring force {} mJ",
-            self.samples,
+            "{}, {} refused, {} limited; leak {} mJ, the spring force alone would have leaked {} mJ",
+            counted(self.samples, "sample"),
             self.refused,
-            self.limited,
+            counted(self.limited, "force"),
             digits(1e3 * self.leak_held_j),
             digits(1e3 * self.leak_original_j),
         )
@@ -204,21 +208,28 @@ fn is_header(text: &str) -> bool {
 }
 
 fn parse(text: &str) -> Result<Line, String> {
+    if text.is_empty() {
+        return Err("the line is empty; a line is `position_m` or `t_s,position_m`".into());
+    }
     let number = |field: &str| {
         field.trim().parse::<f64>().map_err(|_| {
             format!(
                 "\"{}\" is not a number; a line is `position_m` or `t_s,position_m`",
-                field.trim()
+                field.trim().escape_debug()
             )
         })
+    };
+    let instant = |field: &str| match number(field) {
+        Ok(time) if !time.is_finite() => Err("the time is not a finite number".into()),
+        read => read,
     };
     match text.split(',').collect::<Vec<_>>().as_slice() {
         [position] => Ok(Line {
             time: None,
             position: number(position)?,
         }),
-        [time, position] => Ok(Line {
-            time: Some(number(time)?),
+        [first, position] => Ok(Line {
+            time: Some(instant(first)?),
             position: number(position)?,
         }),
         fields => Err(format!(

@@ -15,7 +15,10 @@ use crate::plots;
 use crate::progress::Progress;
 use crate::report::{Report, Subject};
 use crate::results::deliver;
-use crate::setup::{receipt, wrong_setup};
+use crate::setup::{receipt, wrong_on_bench, wrong_setup};
+
+/// Name that stands for standard input.
+const STANDARD_INPUT: &str = "-";
 
 /// Renders a recorded motion by the methods that were named.
 pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
@@ -23,9 +26,14 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let methods = flags.methods(MethodName::Hfcr);
     flags.check_settings(&methods)?;
     let setup = flags.replay_setup("render")?;
-    let trace = read_trace(&arguments.trace)?;
-    let (replay, runs) = render(setup, &trace, &methods, &flags.settings())?;
-    let title = format!("Recorded motion {}", arguments.trace.display());
+    arguments.results.check(&arguments.trace)?;
+    let progress = Progress::new(methods.len());
+    let name = name(&arguments.trace);
+    progress.begin(&format!("reading {name}"));
+    let trace = read_trace(&arguments.trace, &name)?;
+    let (replay, runs) = render(setup, &trace, &methods, &flags.settings(), &progress)
+        .map_err(|error| in_trace(&name, error))?;
+    let title = format!("Recorded motion: {name}");
     let subject = Subject {
         title: title.clone(),
         contact: &setup.contact,
@@ -35,10 +43,15 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     };
     let report = Report::new(&subject, replay.reference(), &runs);
     let mut receipt = receipt(&subject, setup.object, setup.virtual_force, &runs);
-    receipt.push(("trace".into(), arguments.trace.display().to_string()));
-    deliver(&arguments.results, report, &receipt, &runs, || {
-        plots::overlay(&title, replay.reference(), &runs)
-    })
+    receipt.push(("trace".into(), name));
+    deliver(
+        &arguments.results,
+        report,
+        &receipt,
+        &runs,
+        || plots::overlay(&title, replay.reference(), &runs),
+        progress,
+    )
 }
 
 /// Renders a recorded motion by each of `methods`.
@@ -47,32 +60,47 @@ pub fn render(
     trace: &Trace,
     methods: &[MethodName],
     settings: &Settings,
-) -> Result<(Replay, Vec<Run>), Failure> {
-    let failure = |error: ReplayError| match error {
-        ReplayError::Setup(error) => wrong_setup(&error),
-        // The reader has checked the recording, so what is left is its length.
-        other => Failure::input(other),
-    };
-    let replay = Replay::new(setup, &trace.t_s, &trace.position_m).map_err(failure)?;
-    let mut progress = Progress::new(methods.len());
+    progress: &Progress,
+) -> Result<(Replay, Vec<Run>), ReplayError> {
+    progress.begin("ideal");
+    let replay = Replay::new(setup, &trace.t_s, &trace.position_m)?;
     let mut runs = Vec::with_capacity(methods.len());
     for &method in methods {
         progress.begin(method.name());
-        runs.push(replay.run(method, settings).map_err(failure)?);
+        runs.push(replay.run(method, settings)?);
         progress.advance();
     }
     Ok((replay, runs))
 }
 
-fn read_trace(path: &Path) -> Result<Trace, Failure> {
-    let (name, reader): (String, Box<dyn Read>) = if path == Path::new("-") {
-        ("standard input".into(), Box::new(io::stdin().lock()))
+/// What a trace is called in messages.
+fn name(path: &Path) -> String {
+    if path == Path::new(STANDARD_INPUT) {
+        "standard input".into()
+    } else {
+        path.display().to_string()
+    }
+}
+
+/// A fault of a replay of the trace called `name`, or of the flags that set it up.
+fn in_trace(name: &str, error: ReplayError) -> Failure {
+    match error {
+        ReplayError::Setup(error) => wrong_setup(&error),
+        ReplayError::Bench(error) => wrong_on_bench(&error),
+        // The reader has checked the recording, so what is left is its length.
+        other => Failure::input(format!("{name}: {other}")),
+    }
+}
+
+fn read_trace(path: &Path, name: &str) -> Result<Trace, Failure> {
+    let reader: Box<dyn Read> = if path == Path::new(STANDARD_INPUT) {
+        Box::new(io::stdin().lock())
     } else {
         let file = File::open(path)
             .map_err(|error| Failure::System(format!("{}: {error}", path.display())))?;
-        (path.display().to_string(), Box::new(file))
+        Box::new(file)
     };
-    trace::read(reader, &name).map_err(|error| match &error {
+    trace::read(reader, name).map_err(|error| match &error {
         TraceError::Unreadable { .. } => Failure::System(error.to_string()),
         TraceError::Invalid { place, .. } => {
             Failure::input_at(&error, place.file(), place.text(), place.span())

@@ -1,11 +1,13 @@
 //! `palpate simulate`: a scene in closed loop.
 
 use std::path::Path;
+use std::string::FromUtf8Error;
 
+use palpate::ParameterError;
 use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_sim::method::MethodName;
 use palpate_sim::run::Run;
-use palpate_sim::scene::{Scene, SceneError, SceneFile, SetupError};
+use palpate_sim::scene::{Measure, Scene, SceneError, SceneFile, SetupError};
 
 use crate::arguments::{Flags, SimulateArguments};
 use crate::failure::Failure;
@@ -13,7 +15,7 @@ use crate::plots;
 use crate::progress::Progress;
 use crate::report::{Report, Subject};
 use crate::results::deliver;
-use crate::setup::{receipt, wrong_flag};
+use crate::setup::{receipt, wrong_flag, wrong_setup};
 
 /// Simulates a scene by the methods that were named, or by its own.
 pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
@@ -23,23 +25,33 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     flags.check_settings(&methods)?;
     let mut scene = file.scene.clone();
     flags.change(&mut scene, &methods)?;
+    arguments.results.check(&arguments.scene)?;
     let failure = |method, error| explain(flags, &file, method, error);
+    let progress = Progress::new(methods.len());
+    progress.begin("ideal");
     let bench = Bench::new(&scene).map_err(|error| failure(scene.method, error))?;
-    let mut progress = Progress::new(methods.len());
     let mut runs = Vec::with_capacity(methods.len());
     for &method in &methods {
         progress.begin(method.name());
         runs.push(bench.run(method).map_err(|error| failure(method, error))?);
         progress.advance();
     }
-    drop(progress);
     let subject = subject(&scene);
     let mut receipt = receipt(&subject, scene.object, scene.virtual_force, &runs);
+    receipt.push((
+        "encoder_quantum_m".into(),
+        scene.device.encoder_quantum.to_string(),
+    ));
     receipt.push(("scene".into(), arguments.scene.display().to_string()));
     let report = Report::new(&subject, bench.reference(), &runs);
-    deliver(&arguments.results, report, &receipt, &runs, || {
-        plots::overlay(&scene.title, bench.reference(), &runs)
-    })
+    deliver(
+        &arguments.results,
+        report,
+        &receipt,
+        &runs,
+        || plots::overlay(&scene.title, bench.reference(), &runs),
+        progress,
+    )
 }
 
 /// What a report says of a scene.
@@ -67,13 +79,23 @@ pub fn simulate<'a>(
 }
 
 fn read_scene(path: &Path) -> Result<SceneFile, Failure> {
-    let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
-        std::io::ErrorKind::InvalidData => {
-            Failure::input(format!("{}: a scene is UTF-8 text", path.display()))
-        }
-        _ => Failure::System(format!("{}: {error}", path.display())),
-    })?;
-    SceneFile::parse(&path.display().to_string(), &text).map_err(in_file)
+    let name = path.display().to_string();
+    let bytes = std::fs::read(path).map_err(|error| Failure::System(format!("{name}: {error}")))?;
+    let text = String::from_utf8(bytes).map_err(|error| not_utf8(&name, &error))?;
+    SceneFile::parse(&name, &text).map_err(in_file)
+}
+
+fn not_utf8(name: &str, error: &FromUtf8Error) -> Failure {
+    let at = error.utf8_error().valid_up_to();
+    let byte = error.as_bytes()[at];
+    let before = String::from_utf8_lossy(&error.as_bytes()[..at]);
+    let line = before.matches('\n').count() + 1;
+    let column = before.chars().rev().take_while(|&c| c != '\n').count() + 1;
+    let message = format!(
+        "{name}:{line}:{column}: the byte 0x{byte:02X} is not UTF-8; save the scene as UTF-8 text"
+    );
+    let text = format!("{before}\u{fffd}");
+    Failure::input_at(message, name, &text, at..text.len())
 }
 
 fn in_file(error: SceneError) -> Failure {
@@ -86,7 +108,32 @@ fn explain(flags: &Flags, file: &SceneFile, method: MethodName, error: LoopError
         LoopError::Setup(SetupError::Parameter(parameter)) if flags.gives(parameter.parameter) => {
             wrong_flag(&parameter)
         }
+        LoopError::Setup(setup @ SetupError::Settings(_)) if flags.damping.is_some() => {
+            wrong_setup(&setup)
+        }
         LoopError::Setup(setup) => in_file(file.locate(method, &setup)),
-        other => Failure::input(other),
+        LoopError::TooLong(_) if flags.period.is_some() => {
+            Failure::Arguments(format!("--period is too short: {error}"))
+        }
+        LoopError::TooFewCollisions { .. } => in_window(file, "measured collisions", &error),
+        LoopError::TooLong(_) => match file.scene.measure {
+            Measure::Collisions(_) => in_window(file, "measured collisions", &error),
+            Measure::Duration(_) => in_window(file, "duration", &error),
+        },
+        LoopError::Bench(_) => in_window(file, "no place", &error),
     }
+}
+
+/// A fault of the window, at the `parameter` of the file that says how long it is.
+fn in_window(file: &SceneFile, parameter: &'static str, error: &LoopError) -> Failure {
+    let place = file.locate_parameter(&ParameterError {
+        parameter,
+        value: f64::NAN,
+        unit: "",
+        allowed: "",
+    });
+    in_file(SceneError {
+        message: error.to_string(),
+        ..place
+    })
 }

@@ -2,7 +2,7 @@
 
 mod text;
 
-pub use text::digits;
+pub use text::{counted, digits};
 
 use palpate::{AnyParams, Contact, Difficulty, LoopParams, Mass};
 use palpate_sim::run::{Reference, Run};

@@ -47,8 +47,7 @@ impl Report {
         };
         let delay = match self.delay_samples {
             0 => String::new(),
-            1 => ", delay 1 sample".into(),
-            samples => format!(", delay {samples} samples"),
+            samples => format!(", delay {}", counted(samples, "sample")),
         };
         format!(
             "{object}, {} N/m, period {} s (Kc {}){device}{delay}",
@@ -64,8 +63,9 @@ impl Report {
             None => "the ideal has no contact, so there is no force error".into(),
         };
         format!(
-            "{} periods, {} ideal collisions; {floor}",
-            self.window_periods, self.ideal_collisions
+            "{}, {}; {floor}",
+            counted(self.window_periods, "period"),
+            counted(self.ideal_collisions, "ideal collision")
         )
     }
 
@@ -97,7 +97,7 @@ impl Report {
                 Cell::new(method.method),
                 number(method.mean_force_error_percent, percent),
                 number(method.force_rendering_error_percent, percent),
-                number(method.error_over_floor, |ratio| format!("{ratio:.2}")),
+                number(method.error_over_floor, |ratio| short(ratio, 2)),
                 number(Some(method.peak_force_n), digits),
                 number(Some(method.strongest_pull_n), digits),
                 number(Some(1e3 * method.leak_held_j), digits),
@@ -125,34 +125,36 @@ impl MethodReport {
             remarks.push("diverged".into());
         }
         if self.faults > 0 {
-            remarks.push(format!("{} samples refused", self.faults));
+            remarks.push(format!("{} refused", counted(self.faults, "sample")));
         }
         if self.limited > 0 {
-            remarks.push(format!("{} forces limited", self.limited));
+            remarks.push(format!("{} limited", counted(self.limited, "force")));
         }
         remarks.join(", ")
     }
 }
 
 fn collision_table(method: &MethodReport, most: usize) -> Table {
-    let mut table = plain_table(&[
-        "start s",
-        "impulse N s",
-        "error %",
-        "peak N",
-        "error %",
-        "rebound energy error %",
-    ]);
+    let mut header = vec!["start s", "impulse N s", "error %", "peak N", "error %"];
+    // A recorded device does not rebound.
+    let closed_loop = method.diverged.is_some();
+    if closed_loop {
+        header.push("rebound energy error %");
+    }
+    let mut table = plain_table(&header);
     for collision in method.collisions.iter().take(most) {
         let in_percent = |error: Option<f64>| number(error.map(|error| 100.0 * error), percent);
-        table.add_row([
+        let mut cells = vec![
             number(Some(collision.start_s), |start| format!("{start:.4}")),
             number(Some(collision.ideal_impulse_n_s), digits),
             in_percent(collision.impulse_error),
             number(Some(collision.ideal_peak_force_n), digits),
             in_percent(collision.peak_force_error),
-            in_percent(collision.rebound_energy_error),
-        ]);
+        ];
+        if closed_loop {
+            cells.push(in_percent(collision.rebound_energy_error));
+        }
+        table.add_row(cells);
     }
     table
 }
@@ -185,11 +187,22 @@ fn number(value: Option<f64>, format: impl Fn(f64) -> String) -> Cell {
 }
 
 fn percent(value: f64) -> String {
+    short(value, 1)
+}
+
+/// With so many decimals, or an exponent where there are more than four digits before them.
+fn short(value: f64, decimals: usize) -> String {
     if value.abs() < 9999.5 {
-        format!("{value:.1}")
+        format!("{value:.decimals$}")
     } else {
-        format!("{value:.1e}")
+        format!("{value:.decimals$e}")
     }
+}
+
+/// `1 sample`, `2 samples`.
+pub fn counted<N: fmt::Display + From<u8> + PartialEq>(count: N, thing: &str) -> String {
+    let plural = if count == N::from(1) { "" } else { "s" };
+    format!("{count} {thing}{plural}")
 }
 
 /// Three significant digits, in plain notation where that is short.

@@ -1,0 +1,71 @@
+//! Values of arguments, and what is said of one that is not understood.
+
+use palpate::{SehEstimate, Side};
+use palpate_sim::method::{Damping, MethodName};
+use palpate_testbed::hold::DelayedHold;
+
+/// The methods a command is to run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Methods(pub Vec<MethodName>);
+
+/// `all`, or names separated by commas.
+pub fn methods(text: &str) -> Result<Methods, String> {
+    if text == "all" {
+        return Ok(Methods(MethodName::ALL.to_vec()));
+    }
+    let mut methods = Vec::new();
+    for name in text.split(',') {
+        let method: MethodName = name.trim().parse().map_err(|error| format!("{error}"))?;
+        if methods.contains(&method) {
+            return Err(format!("{method} is named twice"));
+        }
+        methods.push(method);
+    }
+    Ok(Methods(methods))
+}
+
+/// Any number; its range is the business of what it is for.
+pub fn number(text: &str) -> Result<f64, String> {
+    text.parse()
+        .map_err(|_| "a number is needed, such as 0.01 or 1e-2".into())
+}
+
+/// A delay that the bench can hold.
+pub fn samples(text: &str) -> Result<usize, String> {
+    const MOST: usize = DelayedHold::LONGEST_DELAY;
+    match text.parse() {
+        Ok(samples) if samples <= MOST => Ok(samples),
+        _ => Err(format!(
+            "a whole number of samples is needed, from 0 to {MOST}"
+        )),
+    }
+}
+
+/// A number or `auto`.
+pub fn damping(text: &str) -> Result<Damping, String> {
+    if text == "auto" {
+        return Ok(Damping::Auto);
+    }
+    text.parse()
+        .map(Damping::Value)
+        .map_err(|_| "a number in N s/m or \"auto\" is needed".into())
+}
+
+/// A side of the device.
+pub fn side(text: &str) -> Result<Side, String> {
+    match text {
+        "positive" => Ok(Side::Positive),
+        "negative" => Ok(Side::Negative),
+        _ => Err("the sides are positive and negative".into()),
+    }
+}
+
+/// A member of the SEH family.
+pub fn estimate(text: &str) -> Result<SehEstimate, String> {
+    match text {
+        "ab2" => Ok(SehEstimate::Ab2),
+        "differences" => Ok(SehEstimate::Differences),
+        "ab3" => Ok(SehEstimate::Ab3),
+        _ => Err("the estimates are ab2, differences and ab3".into()),
+    }
+}

@@ -1,0 +1,186 @@
+//! Help, completions, and what the program says of arguments it does not know.
+
+mod common;
+
+use common::{Folder, taps, trace_text};
+
+const COMMANDS: [&str; 6] = [
+    "render",
+    "simulate",
+    "pipe",
+    "figure",
+    "demo",
+    "completions",
+];
+
+#[test]
+fn every_command_explains_itself_with_examples() {
+    let folder = Folder::new();
+    for command in COMMANDS {
+        for help in [
+            format!("{command} --help"),
+            format!("{command} -h"),
+            format!("help {command}"),
+        ] {
+            let text = folder.succeed(&help);
+            assert!(text.contains("Example"), "{help}:\n{text}");
+            assert!(
+                text.contains(&format!("palpate {command} ")),
+                "{help}:\n{text}"
+            );
+            assert!(
+                text.contains(&format!("Usage: palpate {command} ")),
+                "{help}:\n{text}"
+            );
+            assert!(
+                !text.contains('\x1b'),
+                "{help} has colours without a terminal"
+            );
+            let widest = text.lines().map(|line| line.chars().count()).max();
+            assert!(widest <= Some(100), "{help} is {widest:?} wide");
+        }
+    }
+    let top = folder.succeed("--help");
+    for command in COMMANDS {
+        assert!(
+            top.contains(&format!("\n  {command} ")),
+            "{command}:\n{top}"
+        );
+    }
+    assert!(
+        top.contains("Examples:") && top.contains("Exit codes:"),
+        "{top}"
+    );
+}
+
+#[test]
+fn the_examples_of_the_help_are_understood() {
+    let folder = Folder::new();
+    let scenes = folder.path("experiments");
+    std::fs::create_dir(&scenes).unwrap();
+    for name in ["fig2", "experiment2", "wall"] {
+        let file = format!("experiments/{name}.toml");
+        folder.write(&file, common::experiment_text(name));
+    }
+    std::fs::create_dir(folder.path("figures")).unwrap();
+    for trace in ["tap.csv", "hand.csv"] {
+        folder.write(trace, trace_text(&taps(0.001, 0.5)));
+    }
+    let mut tried = 0;
+    for command in ["", "render", "simulate", "pipe", "figure", "demo"] {
+        let help = folder.succeed(&format!("{command} --help"));
+        let examples = help.split("Example").last().unwrap();
+        for line in examples.lines().filter(|line| line.contains("palpate ")) {
+            let example = line.split("palpate ").nth(1).unwrap();
+            // A remark stands behind a wide gap.
+            let arguments = example.split("   ").next().unwrap();
+            let input = if example.contains(" - ") {
+                folder.read("tap.csv")
+            } else {
+                "0\n".into()
+            };
+            let answer = folder.palpate_reading(input, arguments);
+            assert_eq!(answer.code, 0, "palpate {arguments}: {answer:?}");
+            tried += 1;
+        }
+    }
+    assert!(tried >= 14, "{tried} examples");
+}
+
+#[test]
+fn the_help_of_the_pipe_draws_the_sign_of_the_force() {
+    let help = Folder::new().succeed("pipe --help");
+    assert!(help.contains("force ON THE DEVICE in newtons"), "{help}");
+    assert!(help.contains("----------->|      |=========|"), "{help}");
+    assert!(
+        help.contains("force on the device: negative while the object pushes back"),
+        "{help}"
+    );
+}
+
+#[test]
+fn what_is_needed_stands_in_the_usage() {
+    for command in ["render", "pipe"] {
+        let help = Folder::new().succeed(&format!("{command} --help"));
+        let usage = help
+            .lines()
+            .find(|line| line.starts_with("Usage:"))
+            .unwrap();
+        for flag in ["--stiffness <N/m>", "--mass <kg|inf>", "--period <s>"] {
+            assert!(usage.contains(flag), "{usage}");
+        }
+    }
+}
+
+#[test]
+fn every_shell_gets_completions() {
+    let folder = Folder::new();
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = folder.succeed(&format!("completions {shell}"));
+        for word in ["simulate", "stiffness", "encoder-quantum"] {
+            assert!(script.contains(word), "{shell} does not know {word}");
+        }
+        folder.write(shell, script);
+    }
+    folder.fail(
+        "completions tcsh",
+        2,
+        &["tcsh", "bash, elvish, fish, powershell, zsh"],
+    );
+    let check = std::process::Command::new("bash")
+        .arg("-n")
+        .arg(folder.path("bash"))
+        .output();
+    if let Ok(check) = check {
+        assert!(
+            check.status.success(),
+            "{}",
+            String::from_utf8_lossy(&check.stderr)
+        );
+    }
+}
+
+#[test]
+fn the_version_is_the_package_s() {
+    let version = format!("palpate {}\n", env!("CARGO_PKG_VERSION"));
+    assert_eq!(Folder::new().succeed("--version"), version);
+    assert_eq!(Folder::new().succeed("-V"), version);
+}
+
+#[test]
+fn what_is_not_known_is_answered_by_what_is() {
+    let folder = Folder::new();
+    folder.fail("rendr", 2, &["rendr", "'render'"]);
+    folder.fail(
+        "render x.csv --stifness 4",
+        2,
+        &["--stifness", "'--stiffness'"],
+    );
+    folder.fail("figure fig3", 2, &["fig3", "fig2"]);
+    folder.fail("simulate", 2, &["<SCENE.toml>"]);
+    folder.fail("render", 2, &["<TRACE.csv>"]);
+    folder.fail(
+        "render x.csv --mass 1 --mass 2",
+        2,
+        &["--mass", "multiple times"],
+    );
+}
+
+#[test]
+fn without_arguments_the_help_is_shown() {
+    let answer = Folder::new().palpate("");
+    assert_eq!((answer.code, answer.stdout.as_str()), (2, ""));
+    assert!(
+        answer.stderr.contains("Usage: palpate <COMMAND>"),
+        "{answer:?}"
+    );
+}
+
+#[test]
+fn work_over_a_second_is_silent_without_a_terminal() {
+    let folder = Folder::new();
+    folder.write("long.csv", trace_text(&taps(0.001, 30.0)));
+    let arguments = "render long.csv --stiffness 400 --mass 0.1 --period 0.001 --method all";
+    let table = folder.succeed(&format!("{arguments} --out run.csv --plot run.svg"));
+    assert!(!table.contains('\x1b') && !table.contains('\r'), "{table}");
+}

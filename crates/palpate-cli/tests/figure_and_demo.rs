@@ -1,0 +1,195 @@
+//! `palpate figure` and `palpate demo`: pictures without any input.
+
+mod common;
+
+use std::time::{Duration, Instant};
+
+use common::{Folder, number, of_method, parse};
+
+/// Checks that a file is an SVG document that shows every one of `words` as text.
+fn drawn(folder: &Folder, name: &str, words: &[&str]) {
+    let text = folder.read(name);
+    let document = roxmltree::Document::parse(&text).unwrap_or_else(|e| panic!("{name}: {e}"));
+    let root = document.root_element();
+    assert_eq!(root.tag_name().name(), "svg");
+    assert!(root.attribute("viewBox").is_some() || root.attribute("width").is_some());
+    assert!(
+        !text.contains("NaN") && !text.contains("inf\""),
+        "{name} has no numbers in places"
+    );
+    let shown: Vec<_> = document
+        .descendants()
+        .filter_map(|node| node.text())
+        .collect();
+    for word in words {
+        assert!(
+            shown.iter().any(|text| text.contains(word)),
+            "{name} does not show {word:?}"
+        );
+    }
+}
+
+#[test]
+fn fig2_is_drawn_step_by_step() {
+    let folder = Folder::new();
+    let table = folder.succeed("figure fig2");
+    assert_eq!(folder.names(), ["fig2.svg"]);
+    let steps = [
+        "basic model",
+        "modified force",
+        "+ smooth transitions",
+        "+ leak dissipation",
+    ];
+    drawn(&folder, "fig2.svg", &steps);
+    drawn(
+        &folder,
+        "fig2.svg",
+        &["position [mm]", "force on object [N]", "time [s]", "ideal"],
+    );
+    assert!(table.contains("wrote fig2.svg"), "{table}");
+}
+
+#[test]
+fn fig2_tells_the_errors_of_its_steps() {
+    let folder = Folder::new();
+    let report = folder.json("figure fig2 --plot steps.svg");
+    assert_eq!(report["files"], serde_json::json!(["steps.svg"]));
+    let errors = ["basic", "hfcr-mod", "hfcr-mod-st", "hfcr"]
+        .map(|method| number(of_method(&report, method), "force_rendering_error_percent"));
+    assert!(
+        errors.is_sorted_by(|a, b| a > b),
+        "each step is better: {errors:?}"
+    );
+    assert!((errors[2] - 14.96).abs() < 0.02, "{errors:?}");
+}
+
+#[test]
+fn a_figure_without_a_place_leaves_nothing() {
+    let folder = Folder::new();
+    folder.fail("figure fig2 --plot no/fig2.svg", 1, &["no directory `no`"]);
+    folder.fail(
+        "figure fig2 --plot fig2.gif",
+        2,
+        &["fig2.gif", ".svg or .png"],
+    );
+    assert!(folder.names().is_empty());
+}
+
+#[test]
+fn figures_of_runs_are_documents_with_titles() {
+    let folder = Folder::new();
+    folder.write(
+        "hand & eye <1>.csv",
+        "t_s,position_m\n0,-0.01\n0.05,0.02\n0.1,-0.01\n",
+    );
+    let output = assert_cmd::Command::cargo_bin("palpate")
+        .unwrap()
+        .current_dir(folder.path("."))
+        .args(["render", "hand & eye <1>.csv", "--plot", "run.svg"])
+        .args("--stiffness 400 --mass 0.1 --period 0.01 --method all".split_whitespace())
+        .output()
+        .unwrap();
+    assert!(output.status.success());
+    drawn(
+        &folder,
+        "run.svg",
+        &["hand & eye <1>.csv", "virtual-damper", "held leak [mJ]"],
+    );
+}
+
+#[test]
+fn the_demo_tells_the_story_and_leaves_its_files() {
+    let folder = Folder::new();
+    let begun = Instant::now();
+    let story = folder.succeed("demo");
+    assert!(
+        begun.elapsed() < Duration::from_secs(10),
+        "{:?}",
+        begun.elapsed()
+    );
+    let demo = folder.path("palpate-demo");
+    for file in ["fig2.svg", "hand.svg", "hand.csv"] {
+        assert!(
+            story.contains(&format!("wrote palpate-demo/{file}")),
+            "{file}:\n{story}"
+        );
+        assert!(demo.join(file).is_file(), "{file}");
+    }
+    assert_eq!(std::fs::read_dir(demo).unwrap().count(), 3);
+    drawn(&folder, "palpate-demo/fig2.svg", &["basic model"]);
+    drawn(
+        &folder,
+        "palpate-demo/hand.svg",
+        &["hfcr", "popc-ref", "ideal"],
+    );
+    assert!(
+        story.contains("FRE %") && story.contains("Where to go next"),
+        "{story}"
+    );
+}
+
+#[test]
+fn where_to_go_next_is_a_way() {
+    let folder = Folder::new();
+    let story = folder.succeed("demo --out-dir first");
+    let next = story
+        .split("Where to go next")
+        .nth(1)
+        .unwrap()
+        .replace("\\\n", " ");
+    let render = next
+        .lines()
+        .find(|line| line.contains("palpate render"))
+        .unwrap();
+    let arguments = render.trim().trim_start_matches("palpate ");
+    let arguments = &arguments[..arguments.find("run.svg").unwrap() + "run.svg".len()];
+    folder.succeed(arguments);
+    assert_eq!(folder.names(), ["first", "run.csv", "run.svg"]);
+    // The hand in the file is the hand of the demonstration.
+    let report = folder.json(arguments);
+    let demo = folder.json("demo --out-dir first");
+    let error = |report| number(of_method(report, "hfcr"), "force_rendering_error_percent");
+    assert!((error(&report) - error(&demo["hand"])).abs() < 1e-3);
+}
+
+#[test]
+fn the_demo_gives_the_same_bytes_every_time() {
+    let folder = Folder::new();
+    let story = folder.succeed("demo");
+    let bytes = |name| folder.read(&format!("palpate-demo/{name}"));
+    let first = ["fig2.svg", "hand.svg", "hand.csv"].map(bytes);
+    assert_eq!(folder.succeed("demo"), story, "over its own files");
+    assert_eq!(["fig2.svg", "hand.svg", "hand.csv"].map(bytes), first);
+}
+
+#[test]
+fn the_demo_reports_both_parts_as_json() {
+    let folder = Folder::new();
+    let report = parse(&folder.succeed("demo --json"));
+    assert_eq!(report["format"], "palpate demo 1");
+    for (part, methods) in [("simulation", 4), ("hand", 5)] {
+        let part = &report[part];
+        assert_eq!(part["format"], "palpate report 1");
+        assert_eq!(part["methods"].as_array().unwrap().len(), methods);
+    }
+    // What the demonstration is about: on the same motion, HFCR leaks next to nothing.
+    let leak = |method| number(of_method(&report["hand"], method), "absolute_leak_held_j");
+    assert!(
+        leak("hfcr") < 0.05 * leak("basic"),
+        "{} {}",
+        leak("hfcr"),
+        leak("basic")
+    );
+}
+
+#[test]
+fn a_folder_that_cannot_be_made_is_named() {
+    let folder = Folder::new();
+    folder.write("taken", "");
+    folder.fail(
+        "demo --out-dir taken",
+        1,
+        &["cannot make the folder `taken`"],
+    );
+    folder.fail("demo --out-dir taken/below", 1, &["`taken/below`"]);
+}

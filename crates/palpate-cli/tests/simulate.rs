@@ -1,0 +1,286 @@
+//! `palpate simulate`: a scene in closed loop, its metrics, and flags in place of its values.
+
+mod common;
+
+use common::{Folder, METHODS, experiment, experiment_text, number, of_method};
+use palpate_sim::closed_loop::Bench;
+use palpate_sim::method::MethodName;
+use palpate_sim::scene::SceneFile;
+use serde_json::Value;
+
+/// A folder with the scene of Fig. 2.
+fn with_scene() -> Folder {
+    let folder = Folder::new();
+    folder.write("scene.toml", experiment_text("fig2"));
+    folder
+}
+
+fn committed(name: &str, arguments: &str) -> Value {
+    let scene = experiment(name);
+    let report = Folder::new().json(&format!("simulate {} {arguments}", scene.display()));
+    assert_eq!(report["format"], "palpate report 1");
+    report
+}
+
+fn close(found: f64, expected: f64) {
+    assert!((found - expected).abs() < 0.02, "{found} for {expected}");
+}
+
+#[test]
+fn fig2_has_the_published_errors() {
+    let report = committed("fig2", "--method hfcr-mod-st");
+    close(number(&report, "hold_floor_percent"), 11.03);
+    let method = of_method(&report, "hfcr-mod-st");
+    close(number(method, "force_rendering_error_percent"), 14.96);
+    close(number(method, "mean_force_error_percent"), 10.11);
+    close(number(&report, "kappa"), 0.1);
+    close(number(&report, "object_kappa"), 0.1);
+    assert_eq!(
+        (&report["ideal_collisions"], &method["diverged"]),
+        (&3.into(), &false.into())
+    );
+}
+
+#[test]
+fn the_basic_model_fails_the_experiments_as_published() {
+    for (name, error, diverged) in [
+        ("experiment1", 121.92, false),
+        ("experiment2", 163.12, true),
+    ] {
+        let report = committed(name, "--method basic");
+        let basic = of_method(&report, "basic");
+        close(number(basic, "force_rendering_error_percent"), error);
+        assert_eq!(basic["diverged"], diverged, "{name}");
+    }
+}
+
+#[test]
+fn a_method_that_diverges_is_marked_in_the_table() {
+    let scene = experiment("experiment2");
+    let table = Folder::new().succeed(&format!("simulate {} --method basic,hfcr", scene.display()));
+    let line = |method: &str| table.lines().find(|line| line.starts_with(method)).unwrap();
+    let table_line = |method: &str| line(&format!(" {method} "));
+    assert!(table_line("basic").ends_with("diverged"), "{table}");
+    assert!(!table_line("hfcr").contains("diverged"), "{table}");
+}
+
+#[test]
+fn without_a_method_the_scene_s_is_run() {
+    let folder = with_scene();
+    let report = folder.json("simulate scene.toml");
+    assert_eq!(report["methods"].as_array().unwrap().len(), 1);
+    of_method(&report, "hfcr");
+    let text = folder.read("scene.toml");
+    folder.write(
+        "scene.toml",
+        text.replace("method = \"hfcr\"", "method = \"popc-ref\""),
+    );
+    of_method(&folder.json("simulate scene.toml"), "popc-ref");
+}
+
+#[test]
+fn every_tick_of_every_method_is_the_library_s_bit_for_bit() {
+    let folder = with_scene();
+    folder.succeed("simulate scene.toml --method all --out run.csv");
+    let run = folder.run_file("run.csv");
+    let scene = SceneFile::parse("scene.toml", &folder.read("scene.toml"))
+        .unwrap()
+        .scene;
+    let bench = Bench::new(&scene).unwrap();
+    let columns = [
+        "t_s",
+        "device_position_m",
+        "object_position_m",
+        "held_force_on_object_n",
+        "leak_held_j",
+        "port_work_j",
+    ]
+    .map(|name| run.numbers(name).unwrap());
+    let mut row = 0;
+    for method in MethodName::ALL {
+        for tick in bench.run(method).unwrap().ticks {
+            let expected = [
+                tick.time,
+                tick.device_position,
+                tick.output.object_position,
+                tick.held_force_on_object,
+                tick.ledger.held_leak.accumulated,
+                tick.ledger.port_work,
+            ];
+            let found = columns.each_ref().map(|column| column[row]);
+            assert_eq!(found, expected, "{method}, row {row}");
+            row += 1;
+        }
+    }
+    assert_eq!(row, run.len());
+}
+
+#[test]
+fn all_methods_stand_in_table_json_run_file_and_figure() {
+    let folder = with_scene();
+    let arguments = "simulate scene.toml --method all";
+    let table = folder.succeed(&format!("{arguments} --out run.csv --plot run.svg"));
+    let report = folder.json(arguments);
+    let figure = folder.read("run.svg");
+    let run = folder.run_file("run.csv");
+    let in_run = run.texts("method").unwrap();
+    assert_eq!(report["methods"].as_array().unwrap().len(), METHODS.len());
+    for method in METHODS {
+        assert!(
+            table.contains(&format!("\n {method} ")),
+            "{method} in\n{table}"
+        );
+        assert!(
+            figure.contains(&format!(">{method}<")),
+            "{method} in the figure"
+        );
+        assert_eq!(
+            in_run.iter().filter(|&&name| name == method).count(),
+            76,
+            "{method}"
+        );
+        let entry = of_method(&report, method);
+        assert!(number(entry, "energy_drift").is_finite(), "{method}");
+        // The renderer's books against the bench's own integral.
+        let booked = number(entry, "port_work_j") - number(entry, "bench_port_work_j");
+        assert!(booked.abs() < 1e-12, "{method}: {booked}");
+    }
+}
+
+#[test]
+fn a_flag_does_what_an_edit_of_the_scene_does() {
+    let edits: [(&str, &str, &str); 15] = [
+        (
+            "--stiffness 250",
+            "stiffness_n_per_m = 100",
+            "stiffness_n_per_m = 250",
+        ),
+        ("--mass 0.4", "mass_kg = 0.1\nstiff", "mass_kg = 0.4\nstiff"),
+        ("--mass inf", "mass_kg = 0.1\nstiff", "mass_kg = inf\nstiff"),
+        ("--force -0.5", "force_n = -0.981", "force_n = -0.5"),
+        (
+            "--object-position 0.05",
+            "position_m = 0.1",
+            "position_m = 0.05",
+        ),
+        (
+            "--object-velocity -0.3",
+            "position_m = 0.1",
+            "position_m = 0.1\nvelocity_m_per_s = -0.3",
+        ),
+        ("--period 0.004", "period_s = 0.01", "period_s = 0.004"),
+        (
+            "--delay 2",
+            "period_s = 0.01",
+            "period_s = 0.01\ndelay_samples = 2",
+        ),
+        (
+            "--device-mass 0.3",
+            "mass_kg = 0.1\n\n[hand]",
+            "mass_kg = 0.3\n\n[hand]",
+        ),
+        (
+            "--encoder-quantum 0.003",
+            "mass_kg = 0.1\n\n[hand]",
+            "mass_kg = 0.1\nencoder_quantum_m = 0.003\n\n[hand]",
+        ),
+        ("--method seh", "method = \"hfcr\"", "method = \"seh\""),
+        (
+            "--damping 0.7",
+            "damping_n_s_per_m = 0.01",
+            "damping_n_s_per_m = 0.7",
+        ),
+        (
+            "--damping auto",
+            "damping_n_s_per_m = 0.01",
+            "damping_n_s_per_m = \"auto\"",
+        ),
+        (
+            "--force-limit 2",
+            "method = \"hfcr\"",
+            "method = \"hfcr\"\nforce_limit_n = 2",
+        ),
+        (
+            "--slew-limit 90",
+            "method = \"hfcr\"",
+            "method = \"hfcr\"\nslew_limit_n_per_s = 90",
+        ),
+    ];
+    let folder = Folder::new();
+    let text = experiment_text("fig2").replace("collisions = 3", "duration_s = 0.75");
+    folder.write("plain.toml", &text);
+    let unchanged = folder.json("simulate plain.toml");
+    for (flags, old, new) in edits {
+        assert_eq!(text.matches(old).count(), 1, "{old}");
+        folder.write("edited.toml", text.replace(old, new));
+        let by_flag = folder.json(&format!("simulate plain.toml {flags}"));
+        let by_edit = folder.json("simulate edited.toml");
+        assert_eq!(by_flag, by_edit, "{flags}");
+        assert_ne!(
+            by_flag["methods"], unchanged["methods"],
+            "{flags} changes nothing"
+        );
+    }
+}
+
+#[test]
+fn a_mirrored_scene_gives_mirrored_forces() {
+    let folder = with_scene();
+    let text = folder.read("scene.toml");
+    let mirrored = text
+        .replace("position_m = 0.1", "position_m = -0.1\nside = \"negative\"")
+        .replace("force_n = -0.981", "force_n = +0.981")
+        .replace("force_n = 0.981", "force_n = -0.981");
+    folder.write("mirrored.toml", mirrored);
+    folder.succeed("simulate scene.toml --method all --out plus.csv");
+    folder.succeed("simulate mirrored.toml --method all --out minus.csv");
+    let forces = |name: &str| folder.run_file(name).numbers("force_on_device_n").unwrap();
+    let negated: Vec<f64> = forces("minus.csv").iter().map(|force| -force).collect();
+    assert_eq!(forces("plus.csv"), negated);
+    assert!(negated.iter().any(|&force| force < -1.0));
+}
+
+#[test]
+fn an_encoder_is_seen_by_the_renderer_only() {
+    let folder = with_scene();
+    folder.succeed("simulate scene.toml --encoder-quantum 0.002 --out run.csv");
+    let run = folder.run_file("run.csv");
+    let seen = run.numbers("device_position_m").unwrap();
+    let truth = run.numbers("true_device_position_m").unwrap();
+    for (seen, truth) in seen.iter().zip(&truth) {
+        let counts = seen / 0.002;
+        assert!((counts - counts.round()).abs() < 1e-9, "{seen} is no count");
+        assert!((seen - truth).abs() <= 0.002, "{seen} for {truth}");
+    }
+    assert_ne!(seen, truth);
+}
+
+#[test]
+fn a_collision_of_a_single_method_is_told_in_the_table() {
+    let table = with_scene().succeed("simulate scene.toml");
+    let rest = table
+        .split("Collision by collision")
+        .nth(1)
+        .expect("a second table");
+    let rows: Vec<_> = rest
+        .lines()
+        .filter(|line| line.starts_with("  0."))
+        .collect();
+    assert_eq!(rows.len(), 3, "{table}");
+    assert!(
+        rows[0].starts_with("  0.1010") && rows[2].starts_with("  0.6648"),
+        "{table}"
+    );
+}
+
+#[test]
+fn long_lists_of_collisions_are_cut_with_a_word() {
+    let folder = with_scene();
+    for (collisions, cut) in [(12, false), (20, true)] {
+        let text = experiment_text("fig2");
+        let text = text.replace("collisions = 3", &format!("collisions = {collisions}"));
+        folder.write("scene.toml", text);
+        let table = folder.succeed("simulate scene.toml");
+        assert_eq!(table.contains("The first 12 of"), cut, "{table}");
+    }
+}
