@@ -1,5 +1,6 @@
 //! From runs to figures.
 
+use palpate_sim::method::MethodName;
 use palpate_sim::run::{Reference, Run, Tick};
 
 use crate::figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
@@ -10,10 +11,10 @@ const JOULE_TO_MILLIJOULE: f64 = 1e3;
 /// All runs over each other: object position, force, and the leaks of the force that was held.
 pub fn overlay(title: &str, reference: &Reference, runs: &[Run]) -> Figure {
     let compared = |value: fn(&Tick) -> f64, scale: f64, kind: Kind| {
-        runs.iter().enumerate().map(move |(index, run)| Series {
+        runs.iter().map(move |run| Series {
             name: run.method.name().into(),
             kind,
-            role: Role::Compared(index),
+            role: role(run.method),
             x: times(run),
             y: run.ticks.iter().map(|tick| scale * value(tick)).collect(),
         })
@@ -134,6 +135,23 @@ pub fn step_by_step(title: &str, reference: &Reference, steps: &[(&str, &Run)]) 
     }
 }
 
+/// A method looks the same in every figure.
+fn role(method: MethodName) -> Role {
+    Role::Compared(match method {
+        MethodName::Hfcr => 0,
+        MethodName::Basic => 1,
+        MethodName::VirtualDamper => 2,
+        MethodName::PopcRef => 3,
+        MethodName::Seh => 4,
+        MethodName::HfcrModSt => 5,
+        MethodName::HfcrMod => 6,
+        MethodName::Popc => 7,
+    })
+}
+
+/// What is not a method looks like none.
+const DEVICE: Role = Role::Compared(8);
+
 fn times(run: &Run) -> Vec<f64> {
     run.ticks.iter().map(|tick| tick.time).collect()
 }
@@ -174,7 +192,7 @@ fn device_position(run: &Run, name: &str) -> Series {
     Series {
         name: name.into(),
         kind: Kind::Line,
-        role: Role::Compared(1),
+        role: DEVICE,
         x: times(run),
         y: run
             .ticks

@@ -11,7 +11,7 @@ use palpate_testbed::InvalidParameter;
 
 use crate::arguments::Flags;
 use crate::failure::Failure;
-use crate::report::Subject;
+use crate::report::{Subject, parameters_of};
 
 /// Flag of a parameter, by the name that parameter errors use.
 const FLAG_OF: [(&str, &str); 16] = [
@@ -315,8 +315,12 @@ pub fn receipt(
         ("virtual_force_n".to_owned(), virtual_force.to_string()),
     ];
     for run in runs {
-        let parameters = serde_json::to_string(&run.params).unwrap_or_default();
-        lines.push((run.method.name().to_owned(), parameters));
+        for (name, value) in parameters_of(&run.params) {
+            let value = value
+                .as_str()
+                .map_or_else(|| value.to_string(), str::to_owned);
+            lines.push((format!("{}.{name}", run.method), value));
+        }
     }
     lines
 }

@@ -140,7 +140,10 @@ fn all_methods_stand_in_table_json_run_file_and_figure() {
             "{method}"
         );
         let entry = of_method(&report, method);
-        assert!(number(entry, "energy_drift").is_finite(), "{method}");
+        assert!(
+            number(entry, "energy_drift_percent").is_finite(),
+            "{method}"
+        );
         // The renderer's books against the bench's own integral.
         let booked = number(entry, "port_work_j") - number(entry, "bench_port_work_j");
         assert!(booked.abs() < 1e-12, "{method}: {booked}");

@@ -98,7 +98,7 @@ const FAULTS: [(&str, &str, &str, &[&str]); 24] = [
         "collisions = 3",
         "duration_s = 1e12",
         "24:14",
-        &["100000000000000 periods", "at most 5e7"],
+        &["100000000000000 periods", "at most 2000000"],
     ),
     (
         "collisions = 3",
@@ -207,7 +207,7 @@ fn a_fault_that_a_flag_brings_in_is_the_flag_s() {
     let run = |flags: &str, words: &[&str]| {
         folder.fail(&format!("simulate scene.toml {flags}"), 2, words);
     };
-    run("--period 1e-9", &["--period", "at most 5e7"]);
+    run("--period 1e-9", &["--period", "at most 2000000"]);
     run(
         "--method virtual-damper --damping auto",
         &["--damping auto", "virtual-damper a number"],

@@ -10,12 +10,9 @@ use palpate_testbed::profile::Snapshot;
 
 use palpate::{Mass, Sample};
 
-use crate::method::MethodName;
-use crate::run::{Reference, Run, Tick};
+use crate::method::{MethodName, with_derived_values};
+use crate::run::{MOST_PERIODS, Reference, Run, Tick};
 use crate::scene::{Measure, Scene, SetupError};
-
-/// Longest run `[samples]`: what a machine can be asked to keep in memory.
-const MOST_INTERVALS: usize = 50_000_000;
 
 /// Why a scene cannot be run.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -38,7 +35,7 @@ pub enum LoopError {
         found: usize,
     },
     /// The window is too long.
-    #[error("the window has {0} periods; at most 5e7 fit")]
+    #[error("the window has {0} periods; at most {MOST_PERIODS} fit")]
     TooLong(f64),
 }
 
@@ -78,6 +75,9 @@ impl<'a> Bench<'a> {
             object_velocity: sign * scene.object.velocity,
         })?;
         let intervals = match scene.measure {
+            Measure::Collisions(asked) if asked > MOST_PERIODS => {
+                return Err(LoopError::TooLong(asked as f64));
+            }
             Measure::Collisions(asked) => {
                 ideal
                     .window(asked, period)
@@ -90,7 +90,7 @@ impl<'a> Bench<'a> {
             }
             Measure::Duration(duration) => whole_periods(duration, period)?,
         };
-        if intervals > MOST_INTERVALS {
+        if intervals > MOST_PERIODS {
             return Err(LoopError::TooLong(intervals as f64));
         }
         let profile = ideal.profile(period, intervals)?;
@@ -173,7 +173,7 @@ impl<'a> Bench<'a> {
         let profile = &self.reference.profile;
         Ok(Run {
             method,
-            params: scene.params(method).map_err(SetupError::from)?,
+            params: with_derived_values(scene.params(method).map_err(SetupError::from)?, &renderer),
             ticks,
             force: ForceJudgement::of(&held, profile).expect("one force per interval"),
             energy: Some(
@@ -188,13 +188,13 @@ impl<'a> Bench<'a> {
 /// rounding.
 fn whole_periods(duration: f64, period: f64) -> Result<usize, LoopError> {
     let periods = (duration / period - 1e-6).ceil().max(1.0);
-    if periods > MOST_INTERVALS as f64 {
+    if periods > MOST_PERIODS as f64 {
         return Err(LoopError::TooLong(periods));
     }
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "a whole number from 1 to MOST_INTERVALS"
+        reason = "a whole number from 1 to MOST_PERIODS"
     )]
     Ok(periods as usize)
 }

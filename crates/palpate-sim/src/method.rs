@@ -4,8 +4,8 @@ use std::fmt;
 use std::str::FromStr;
 
 use palpate::{
-    AnyParams, HfcrParams, LeakDissipation, PopcParams, PopcRefParams, SehEstimate, SehParams,
-    VirtualDamperParams,
+    AnyMethod, AnyParams, AnyRenderer, HfcrParams, LeakDissipation, PopcParams, PopcRefParams,
+    SehEstimate, SehParams, VirtualDamperParams,
 };
 use serde::Deserialize;
 
@@ -317,6 +317,24 @@ impl MethodName {
                 ..HfcrParams::default()
             }),
         })
+    }
+}
+
+/// Parameters of a renderer with the value in place of a choice to derive it.
+pub(crate) fn with_derived_values(
+    params: AnyParams<f64>,
+    renderer: &AnyRenderer<f64>,
+) -> AnyParams<f64> {
+    match (params, renderer.method()) {
+        (AnyParams::Hfcr(hfcr), AnyMethod::Hfcr(method))
+            if hfcr.leak_dissipation != LeakDissipation::Off =>
+        {
+            AnyParams::Hfcr(HfcrParams {
+                leak_dissipation: LeakDissipation::Damping(method.damping()),
+                ..hfcr
+            })
+        }
+        (params, _) => params,
     }
 }
 

@@ -12,8 +12,8 @@ use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::metrics::ForceJudgement;
 use palpate_testbed::recorded_path::{PathError, RecordedPath};
 
-use crate::method::{Basis, MethodName, Settings, SettingsError};
-use crate::run::{Reference, Run, Tick};
+use crate::method::{Basis, MethodName, Settings, SettingsError, with_derived_values};
+use crate::run::{MOST_PERIODS, Reference, Run, Tick};
 use crate::scene::{SetupError, stored_energy};
 
 /// What to render on a recorded motion.
@@ -66,6 +66,9 @@ pub enum ReplayError {
     /// The recording is no motion.
     #[error(transparent)]
     Path(#[from] PathError),
+    /// The recording is too long for the period.
+    #[error("the recording has {0} periods; at most {MOST_PERIODS} fit, so cut it")]
+    TooLong(usize),
     /// The recording is shorter than a period.
     #[error("the recording lasts {recorded} s, less than one period of {period} s")]
     TooShort {
@@ -105,6 +108,10 @@ impl Replay {
         let sign: f64 = setup.contact.side.sign();
         let period = setup.loop_params.period;
         let recorded = RecordedPath::new(times, positions)?;
+        let periods = recorded.whole_periods(period)?;
+        if periods > MOST_PERIODS {
+            return Err(ReplayError::TooLong(periods));
+        }
         let resampled = recorded.resample(period)?;
         let intervals = resampled.len() - 1;
         if intervals == 0 {
@@ -184,7 +191,7 @@ impl Replay {
             .collect();
         Ok(Run {
             method,
-            params,
+            params: with_derived_values(params, &renderer),
             force: ForceJudgement::of(&held, &self.reference.profile)
                 .expect("one force per interval"),
             ticks,

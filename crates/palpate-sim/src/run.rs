@@ -104,10 +104,11 @@ impl Reference {
         sign: f64,
         snapshot: impl Fn(f64) -> Snapshot,
     ) -> Self {
-        let step = profile.period() / CURVE_POINTS_PER_PERIOD as f64;
-        let curve = (0..=profile.intervals() * CURVE_POINTS_PER_PERIOD)
+        let duration = profile.intervals() as f64 * profile.period();
+        let points = (profile.intervals() * CURVE_POINTS_PER_PERIOD).min(MOST_CURVE_POINTS);
+        let curve = (0..=points)
             .map(|i| {
-                let at = snapshot(profile.start() + i as f64 * step);
+                let at = snapshot(profile.start() + duration * (i as f64 / points as f64));
                 IdealPoint {
                     time: at.time,
                     device_position: sign * at.device_position,
@@ -120,5 +121,10 @@ impl Reference {
     }
 }
 
-/// Points of the fine grid of a reference per period.
+/// Longest run `[periods]`. Every tick is kept, about 200 bytes each and for every method.
+pub const MOST_PERIODS: usize = 2_000_000;
+
+/// Points of the fine grid of a reference per period, as long as there are not too many.
 const CURVE_POINTS_PER_PERIOD: usize = 20;
+/// Most points of the fine grid: more than any figure can show.
+const MOST_CURVE_POINTS: usize = 1_000_000;

@@ -1,13 +1,16 @@
 //! What a command reports: the same facts as a table or as JSON.
 
+mod parameters;
 mod text;
 
+pub use parameters::of as parameters_of;
 pub use text::{counted, digits};
 
-use palpate::{AnyParams, Contact, Difficulty, LoopParams, Mass};
+use palpate::{Contact, Difficulty, LoopParams, Mass, Side};
 use palpate_sim::run::{Reference, Run};
 use palpate_testbed::metrics::Rebound;
 use serde::Serialize;
+use serde_json::Value;
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate report 1";
@@ -17,7 +20,10 @@ const FORMAT: &str = "palpate report 1";
 pub struct Report {
     format: &'static str,
     title: String,
-    contact: Contact<f64>,
+    stiffness_n_per_m: f64,
+    object_mass_kg: Mass<f64>,
+    side: Side,
+    unilateral: bool,
     period_s: f64,
     device_mass_kg: Option<f64>,
     /// kappa; 0 for a recorded device, which cannot be moved; none if the mass is not known.
@@ -36,7 +42,7 @@ pub struct Report {
 #[derive(Debug, Serialize)]
 struct MethodReport {
     method: &'static str,
-    parameters: AnyParams<f64>,
+    parameters: serde_json::Map<String, Value>,
     mean_force_error_percent: Option<f64>,
     force_rendering_error_percent: Option<f64>,
     error_over_floor: Option<f64>,
@@ -53,7 +59,7 @@ struct MethodReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     bench_port_work_j: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    energy_drift: Option<f64>,
+    energy_drift_percent: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     diverged: Option<bool>,
     faults: usize,
@@ -68,10 +74,10 @@ struct CollisionReport {
     ideal_impulse_n_s: f64,
     ideal_peak_force_n: f64,
     rendered: bool,
-    impulse_error: Option<f64>,
-    peak_force_error: Option<f64>,
+    impulse_error_percent: Option<f64>,
+    peak_force_error_percent: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    rebound_energy_error: Option<f64>,
+    rebound_energy_error_percent: Option<f64>,
 }
 
 /// What a report says of the scene or the replay it is about.
@@ -108,7 +114,10 @@ impl Report {
         Self {
             format: FORMAT,
             title: subject.title.clone(),
-            contact: *subject.contact,
+            stiffness_n_per_m: subject.contact.stiffness,
+            object_mass_kg: subject.contact.object_mass,
+            side: subject.contact.side,
+            unilateral: subject.contact.unilateral,
             period_s: period,
             device_mass_kg: subject.device_mass,
             kappa: difficulty
@@ -149,7 +158,7 @@ impl MethodReport {
         let rebounds = run.energy.as_ref().map(|energy| &energy.rebounds);
         Self {
             method: run.method.name(),
-            parameters: run.params,
+            parameters: parameters::of(&run.params),
             mean_force_error_percent: fidelity.map(|f| f.mean_force_error),
             force_rendering_error_percent: fidelity.map(|f| f.force_rendering_error),
             error_over_floor: fidelity.and_then(|f| f.error_over_floor),
@@ -164,7 +173,11 @@ impl MethodReport {
             virtual_force_work_j: ledger.virtual_force_work,
             outside_work_j: ledger.outside_work,
             bench_port_work_j: run.bench_port_work,
-            energy_drift: run.energy.as_ref().and_then(|energy| energy.energy_drift),
+            energy_drift_percent: run
+                .energy
+                .as_ref()
+                .and_then(|energy| energy.energy_drift)
+                .map(in_percent),
             diverged: run.energy.as_ref().map(|energy| energy.diverged),
             faults: run.faults(),
             limited: run.limited(),
@@ -181,10 +194,15 @@ impl MethodReport {
                         ideal_impulse_n_s: collision.ideal.impulse,
                         ideal_peak_force_n: collision.ideal.peak_force,
                         rendered: rendered.is_some(),
-                        impulse_error: rendered.and_then(|rendered| rendered.impulse_error),
-                        peak_force_error: rendered.and_then(|rendered| rendered.peak_force_error),
-                        rebound_energy_error: match rebounds.and_then(|all| all.get(number)) {
-                            Some(Rebound::EnergyError(error)) => Some(*error),
+                        impulse_error_percent: rendered
+                            .and_then(|rendered| rendered.impulse_error)
+                            .map(in_percent),
+                        peak_force_error_percent: rendered
+                            .and_then(|rendered| rendered.peak_force_error)
+                            .map(in_percent),
+                        rebound_energy_error_percent: match rebounds.and_then(|all| all.get(number))
+                        {
+                            Some(Rebound::EnergyError(error)) => Some(in_percent(*error)),
                             _ => None,
                         },
                     }
@@ -192,4 +210,8 @@ impl MethodReport {
                 .collect(),
         }
     }
+}
+
+fn in_percent(ratio: f64) -> f64 {
+    100.0 * ratio
 }

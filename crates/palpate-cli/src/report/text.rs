@@ -37,7 +37,7 @@ impl fmt::Display for Report {
 
 impl Report {
     fn conditions(&self) -> String {
-        let object = match self.contact.object_mass {
+        let object = match self.object_mass_kg {
             Mass::Finite(mass) => format!("object {mass} kg"),
             Mass::Infinite => "wall".into(),
         };
@@ -51,7 +51,7 @@ impl Report {
         };
         format!(
             "{object}, {} N/m, period {} s (Kc {}){device}{delay}",
-            self.contact.stiffness,
+            self.stiffness_n_per_m,
             self.period_s,
             digits(self.object_kappa),
         )
@@ -104,10 +104,7 @@ impl Report {
                 number(Some(1e3 * method.absolute_leak_held_j), digits),
             ];
             if closed_loop {
-                cells.push(number(
-                    method.energy_drift.map(|drift| 100.0 * drift),
-                    percent,
-                ));
+                cells.push(number(method.energy_drift_percent, percent));
             }
             if remarkable {
                 cells.push(Cell::new(method.remarks()));
@@ -143,16 +140,16 @@ fn collision_table(method: &MethodReport, most: usize) -> Table {
     }
     let mut table = plain_table(&header);
     for collision in method.collisions.iter().take(most) {
-        let in_percent = |error: Option<f64>| number(error.map(|error| 100.0 * error), percent);
+        let in_percent = |error: Option<f64>| number(error, percent);
         let mut cells = vec![
             number(Some(collision.start_s), |start| format!("{start:.4}")),
             number(Some(collision.ideal_impulse_n_s), digits),
-            in_percent(collision.impulse_error),
+            in_percent(collision.impulse_error_percent),
             number(Some(collision.ideal_peak_force_n), digits),
-            in_percent(collision.peak_force_error),
+            in_percent(collision.peak_force_error_percent),
         ];
         if closed_loop {
-            cells.push(in_percent(collision.rebound_energy_error));
+            cells.push(in_percent(collision.rebound_energy_error_percent));
         }
         table.add_row(cells);
     }
