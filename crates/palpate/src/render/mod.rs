@@ -98,8 +98,10 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         &self.method
     }
 
-    /// A new state: the object is at `object`, nothing has been sampled yet, the books are open.
-    /// The first sample finds the device at rest; a wall's velocity is taken as 0.
+    /// A new state: the object is at `object`, nothing has been sampled yet, the books are empty.
+    /// The first sample finds the device at rest; a wall's velocity is taken as 0. A state put in
+    /// place of another is a reset; [`teleport`](Self::teleport) moves the object and keeps the
+    /// books.
     ///
     /// # Errors
     /// A position or velocity that is not finite.

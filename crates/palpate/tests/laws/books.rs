@@ -97,7 +97,9 @@ proptest! {
             let mut start = None;
             for tick in 0..200 {
                 let position = position(tick);
-                let sample = Sample::at(position).with_virtual_force(weight);
+                // A virtual force that changes with every tick.
+                let push = weight * (1.0 + (0.7 * f64::from(tick)).sin());
+                let sample = Sample::at(position).with_virtual_force(push);
                 let output = renderer.step(&mut state, sample);
                 prop_assert_eq!(output.fault, None, "{}", name);
                 prop_assert!(every_number_is_finite(&output), "{name}: {output:?}");
