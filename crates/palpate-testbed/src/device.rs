@@ -21,6 +21,10 @@ pub trait Device {
     /// device back.
     fn advance(&mut self, force_on_object: f64, duration: f64) -> f64;
 
+    /// A sample instant of a loop with this period \[s\], before a force is held: where the
+    /// device's own controllers run. Most have none.
+    fn sample(&mut self, _period: f64) {}
+
     /// Energy \[J\] stored in the device and in the constant forces that act on it.
     ///
     /// For a device without losses it falls by exactly what [`advance`](Device::advance) returns.

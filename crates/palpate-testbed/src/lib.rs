@@ -70,6 +70,7 @@ pub mod measure;
 pub mod metrics;
 pub mod profile;
 pub mod recorded_path;
+pub mod reference;
 pub mod relative_motion;
 
 pub use error::InvalidParameter;

@@ -102,6 +102,22 @@ impl ForceProfile {
         }
     }
 
+    /// A profile from t = 0 that has been integrated interval by interval.
+    pub(crate) fn from_parts(
+        period: f64,
+        impulses: Vec<f64>,
+        squared_forces: Vec<f64>,
+        collisions: Vec<Collision>,
+    ) -> Self {
+        Self {
+            start: 0.0,
+            period,
+            impulses,
+            squared_forces,
+            collisions,
+        }
+    }
+
     /// Start of the window \[s\].
     #[must_use]
     pub fn start(&self) -> f64 {

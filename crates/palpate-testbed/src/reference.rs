@@ -1,0 +1,312 @@
+//! The ideal of any device: integrated, where [`ideal`](crate::ideal) is exact.
+//!
+//! A device with friction, links or a hand has no closed form together with the object, so both are
+//! advanced in small steps under a contact force that is held over each. The force is the one whose
+//! work equals the change of the spring's energy,
+//!
+//! ```text
+//! f = (V(p⁺) − V(p)) / (p⁺ − p),    V(p) = K p² [p > 0] / 2,
+//! ```
+//!
+//! found by iteration. Whatever the step, the contact then creates and destroys no energy; the
+//! error is that of a second-order step, and halving the step tells how large it is.
+
+use crate::InvalidParameter;
+use crate::device::Device;
+use crate::error::{finite, positive};
+use crate::profile::{Collision, ForceProfile, Snapshot};
+
+/// The object a device meets, and how finely their meeting is integrated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReferenceScene {
+    /// Stiffness K of the contact \[N/m\].
+    pub stiffness: f64,
+    /// Mass M of the object \[kg\]; infinite for a wall.
+    pub object_mass: f64,
+    /// Force f_V on the object \[N\]; without effect on a wall.
+    pub virtual_force: f64,
+    /// Position η of the object at t = 0 \[m\].
+    pub object_position: f64,
+    /// Velocity η′ of the object at t = 0 \[m/s\]; without effect on a wall.
+    pub object_velocity: f64,
+    /// Period of the sampled loop \[s\]. The device's own controllers sample at it here, too.
+    pub period: f64,
+    /// Steps for each period.
+    pub steps_per_period: usize,
+}
+
+/// How long a reference runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stop {
+    /// For the window of so many collisions, ⌈(t_n + T/2)/T⌉ periods.
+    AfterCollisions(usize),
+    /// For so many periods.
+    AfterPeriods(usize),
+}
+
+/// The integrated ideal of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reference {
+    /// The contact force over the window.
+    pub profile: ForceProfile,
+    /// States at `points_per_period` points of each period and at the end of the window.
+    pub record: Vec<Snapshot>,
+}
+
+/// Points of the record for each period.
+pub const POINTS_PER_PERIOD: usize = 20;
+
+/// Longest search for collisions \[periods\].
+const LONGEST_SEARCH: usize = 100_000;
+
+/// Most corrections of the force of a step. Each is better by the step's share of an oscillation,
+/// squared, so a few reach round-off.
+const MOST_CORRECTIONS: usize = 12;
+
+struct Object {
+    mobility: f64,
+    acceleration: f64,
+    position: f64,
+    velocity: f64,
+}
+
+impl Object {
+    fn advanced(&self, force: f64, duration: f64) -> (f64, f64) {
+        let acceleration = self.acceleration + force * self.mobility;
+        (
+            self.position + duration * (self.velocity + 0.5 * acceleration * duration),
+            self.velocity + acceleration * duration,
+        )
+    }
+}
+
+/// Integrates `device` against the object of `scene`.
+///
+/// # Errors
+///
+/// A value of the scene outside its range, or a search for collisions that finds too few within
+/// 10⁵ periods.
+pub fn integrate<D: Device + Clone>(
+    device: &D,
+    scene: &ReferenceScene,
+    stop: Stop,
+) -> Result<Reference, InvalidParameter> {
+    positive("stiffness", scene.stiffness, "finite and above 0 N/m")?;
+    positive("period", scene.period, "finite and above 0 s")?;
+    InvalidParameter::unless(
+        scene.object_mass > 0.0,
+        "object_mass",
+        scene.object_mass,
+        "above 0 kg; infinite for a wall",
+    )?;
+    finite("virtual_force", scene.virtual_force, "finite [N]")?;
+    finite("object_position", scene.object_position, "finite [m]")?;
+    finite("object_velocity", scene.object_velocity, "finite [m/s]")?;
+    InvalidParameter::unless(
+        scene.steps_per_period >= POINTS_PER_PERIOD
+            && scene.steps_per_period.is_multiple_of(POINTS_PER_PERIOD),
+        "steps_per_period",
+        scene.steps_per_period as f64,
+        "a multiple of 20",
+    )?;
+    let mut run = Run::new(device.clone(), scene);
+    let periods = match stop {
+        Stop::AfterPeriods(periods) => periods,
+        Stop::AfterCollisions(count) => {
+            InvalidParameter::unless(count > 0, "collisions", 0.0, "at least 1")?;
+            while run.ended < count {
+                InvalidParameter::unless(
+                    run.impulses.len() < LONGEST_SEARCH,
+                    "collisions",
+                    count as f64,
+                    "as many as there are within 1e5 periods",
+                )?;
+                run.period();
+            }
+            let end = run.collisions[count - 1].end.unwrap_or(0.0);
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "a number of periods from 1 to LONGEST_SEARCH + 1"
+            )]
+            let window = ((end + 0.5 * scene.period) / scene.period).ceil() as usize;
+            window
+        }
+    };
+    while run.impulses.len() < periods {
+        run.period();
+    }
+    Ok(run.finish(periods))
+}
+
+struct Run<'a, D> {
+    scene: &'a ReferenceScene,
+    device: D,
+    object: Object,
+    step: f64,
+    impulses: Vec<f64>,
+    squared_forces: Vec<f64>,
+    collisions: Vec<Collision>,
+    ended: usize,
+    record: Vec<Snapshot>,
+}
+
+impl<'a, D: Device + Clone> Run<'a, D> {
+    fn new(device: D, scene: &'a ReferenceScene) -> Self {
+        let mobility = 1.0 / scene.object_mass;
+        let is_wall = mobility == 0.0;
+        let mut run = Self {
+            scene,
+            object: Object {
+                mobility,
+                acceleration: if is_wall {
+                    0.0
+                } else {
+                    scene.virtual_force * mobility
+                },
+                position: scene.object_position,
+                velocity: if is_wall { 0.0 } else { scene.object_velocity },
+            },
+            device,
+            step: scene.period / scene.steps_per_period as f64,
+            impulses: Vec::new(),
+            squared_forces: Vec::new(),
+            collisions: Vec::new(),
+            ended: 0,
+            record: Vec::new(),
+        };
+        run.keep(0.0);
+        run
+    }
+
+    fn penetration(&self) -> f64 {
+        self.device.position() - self.object.position
+    }
+
+    fn keep(&mut self, time: f64) {
+        self.record.push(Snapshot {
+            time,
+            device_position: self.device.position(),
+            device_velocity: self.device.velocity(),
+            object_position: self.object.position,
+            object_velocity: self.object.velocity,
+            force_on_object: self.scene.stiffness * self.penetration().max(0.0),
+        });
+    }
+
+    /// One period of the loop.
+    fn period(&mut self) {
+        let start = self.impulses.len() as f64 * self.scene.period;
+        self.device.sample(self.scene.period);
+        let (mut impulse, mut squared_force) = (0.0, 0.0);
+        for step in 0..self.scene.steps_per_period {
+            let (j, q) = self.step(start + step as f64 * self.step);
+            impulse += j;
+            squared_force += q;
+            if (step + 1).is_multiple_of(self.scene.steps_per_period / POINTS_PER_PERIOD) {
+                self.keep(start + (step + 1) as f64 * self.step);
+            }
+        }
+        self.impulses.push(impulse);
+        self.squared_forces.push(squared_force);
+    }
+
+    /// One step from `time` \[s\]: the impulse and the integral of the force squared.
+    fn step(&mut self, time: f64) -> (f64, f64) {
+        let (k, h) = (self.scene.stiffness, self.step);
+        let before = self.penetration();
+        let approach = self.device.velocity() - self.object.velocity;
+        // Where the middle of the step is met at constant speed.
+        let mut force = k * (before + 0.5 * h * approach).max(0.0);
+        let mut device = self.device.clone();
+        let mut object = self.object.advanced(force, h);
+        device.advance(force, h);
+        for _ in 0..MOST_CORRECTIONS {
+            let balanced = balanced_force(k, before, device.position() - object.0);
+            let change = (balanced - force).abs();
+            force = balanced;
+            device = self.device.clone();
+            device.advance(force, h);
+            object = self.object.advanced(force, h);
+            if change <= 1e-14 * force.abs() {
+                break;
+            }
+        }
+        self.device = device;
+        (self.object.position, self.object.velocity) = object;
+        let after = self.penetration();
+        self.follow_collision(time, before, after, approach, force);
+        // The force is linear over the step but for the one in which contact begins or ends.
+        let (first, last) = (k * before.max(0.0), k * after.max(0.0));
+        let share = in_contact(before, after);
+        let squared = share * h * (first * first + first * last + last * last) / 3.0;
+        (force * h, squared)
+    }
+
+    fn follow_collision(&mut self, time: f64, before: f64, after: f64, speed: f64, force: f64) {
+        let (h, k) = (self.step, self.scene.stiffness);
+        let pressed = before > 0.0 || after > 0.0;
+        let open = self.collisions.len() > self.ended;
+        if pressed && !open {
+            let start = if before > 0.0 {
+                time
+            } else {
+                time + h * (1.0 - in_contact(before, after))
+            };
+            self.collisions.push(Collision {
+                start,
+                end: None,
+                impulse: 0.0,
+                peak_force: 0.0,
+                impact_speed: speed.abs(),
+            });
+        }
+        if let Some(collision) = self.collisions.last_mut().filter(|_| pressed) {
+            collision.impulse += force * h;
+            collision.peak_force = collision.peak_force.max(k * after);
+            if after <= 0.0 {
+                collision.end = Some(time + h * in_contact(before, after));
+                self.ended += 1;
+            }
+        }
+    }
+
+    fn finish(mut self, periods: usize) -> Reference {
+        let end = periods as f64 * self.scene.period;
+        self.impulses.truncate(periods);
+        self.squared_forces.truncate(periods);
+        self.record.truncate(periods * POINTS_PER_PERIOD + 1);
+        self.collisions.retain(|collision| collision.start < end);
+        Reference {
+            profile: ForceProfile::from_parts(
+                self.scene.period,
+                self.impulses,
+                self.squared_forces,
+                self.collisions,
+            ),
+            record: self.record,
+        }
+    }
+}
+
+/// Mean force of a spring of stiffness `k` that takes the penetration from `before` to `after`,
+/// with the work of that path.
+fn balanced_force(k: f64, before: f64, after: f64) -> f64 {
+    if before > 0.0 && after > 0.0 {
+        0.5 * k * (before + after)
+    } else {
+        // One of them, or none, is pressed: V over the way.
+        let pressed = before.max(after).max(0.0);
+        0.5 * k * pressed * in_contact(before, after)
+    }
+}
+
+/// Share of the way from `before` to `after` on which the penetration is positive.
+fn in_contact(before: f64, after: f64) -> f64 {
+    match (before > 0.0, after > 0.0) {
+        (true, true) => 1.0,
+        (false, false) => 0.0,
+        (true, false) => before / (before - after),
+        (false, true) => after / (after - before),
+    }
+}
