@@ -97,6 +97,19 @@ Examples:
   my-device | palpate pipe --stiffness 400 --mass 0.1 --period 0.001 --force -0.981
   printf '0\\n0.001\\n0.002\\n' | palpate pipe --stiffness 1000 --mass inf --period 0.001")]
     Pipe(PipeArguments),
+    /// Find the damping of a method that suits a scene, and draw the whole curve
+    #[command(long_about = "\
+Find the damping of a method that suits a scene, and draw the whole curve.
+
+What is varied is B of virtual-damper, b of hfcr, or the cap of popc and popc-ref. Each value is \
+simulated from 21 start heights around the scene's own (the gap changed by up to 5 %), since a \
+value that is best at one height may be bad at the next; the best is the one of least median.")]
+    #[command(after_help = "\
+Examples:
+  palpate tune experiments/fig2.toml --method virtual-damper --plot damper.svg
+  palpate tune experiments/experiment2.toml --method hfcr --to 2 --least leak
+  palpate tune experiments/experiment1.toml --method popc-ref --from 0.05 --to 15 --steps 300 --json")]
+    Tune(TuneArguments),
     /// Draw a figure of the paper
     #[command(after_help = "\
 Examples:
@@ -152,6 +165,54 @@ pub struct PipeArguments {
     /// Print the final summary on standard error as JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// Arguments of `tune`.
+#[derive(Args, Debug)]
+pub struct TuneArguments {
+    /// Scene file (TOML); experiments/ has the paper's
+    #[arg(value_name = "SCENE.toml", value_hint = ValueHint::FilePath)]
+    pub scene: PathBuf,
+    /// Contact, loop, method and device.
+    #[command(flatten)]
+    pub flags: Flags,
+    /// The curve.
+    #[command(flatten)]
+    pub curve: CurveArguments,
+    /// Draw the curve into a file, .svg (or .png where built with the feature png)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Results")]
+    pub plot: Option<PathBuf>,
+    /// Print the report, with the whole curve, as JSON
+    #[arg(long, help_heading = "Results")]
+    pub json: bool,
+}
+
+/// Which values are tried, and for what.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Curve")]
+pub struct CurveArguments {
+    /// Least value [N s/m] [default: 0; for a cap, the first step]
+    #[arg(long, value_name = "N s/m", value_parser = number, allow_hyphen_values = true)]
+    pub from: Option<f64>,
+    /// Largest value [N s/m] [default: 4 K T for B, K T for b, 8 K T for a cap]
+    #[arg(long, value_name = "N s/m", value_parser = number, allow_hyphen_values = true)]
+    pub to: Option<f64>,
+    /// Number of values, evenly spaced
+    #[arg(long, value_name = "COUNT", default_value_t = 400,
+          value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    pub steps: u32,
+    /// What is to be least
+    #[arg(long, value_enum, default_value_t = Least::Error)]
+    pub least: Least,
+}
+
+/// What a tuned value makes small.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Least {
+    /// The mean-force error E
+    Error,
+    /// The sum of absolute leaks
+    Leak,
 }
 
 /// Arguments of `figure`.

@@ -24,6 +24,7 @@ fn main() -> ExitCode {
         Command::Render(arguments) => commands::render::run(&arguments),
         Command::Simulate(arguments) => commands::simulate::run(&arguments),
         Command::Pipe(arguments) => commands::pipe::run(&arguments),
+        Command::Tune(arguments) => commands::tune::run(&arguments),
         Command::Figure(arguments) => commands::figure::run(&arguments),
         Command::Demo(arguments) => commands::demo::run(&arguments),
         Command::Completions(arguments) => commands::completions::run(&arguments),

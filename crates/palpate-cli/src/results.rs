@@ -129,6 +129,11 @@ fn picture_format(path: &Path) -> Result<PictureFormat, Failure> {
     }
 }
 
+/// Refuses a name that no figure can have.
+pub fn check_picture(path: &Path) -> Result<(), Failure> {
+    picture_format(path).map(|_| ())
+}
+
 /// Draws a figure into a file, whole or not at all.
 pub fn draw(path: &Path, figure: &Figure) -> Result<(), Failure> {
     let bytes = match picture_format(path)? {

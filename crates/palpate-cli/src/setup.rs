@@ -256,7 +256,7 @@ pub fn wrong_setup(error: &SetupError) -> Failure {
     }
 }
 
-fn flag_of_setting(setting: Setting) -> &'static str {
+pub fn flag_of_setting(setting: Setting) -> &'static str {
     match setting {
         Setting::Damping => "--damping",
         Setting::DampingCap => "--damping-cap",

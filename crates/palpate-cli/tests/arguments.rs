@@ -4,10 +4,11 @@ mod common;
 
 use common::{Folder, taps, trace_text};
 
-const COMMANDS: [&str; 6] = [
+const COMMANDS: [&str; 7] = [
     "render",
     "simulate",
     "pipe",
+    "tune",
     "figure",
     "demo",
     "completions",
@@ -58,7 +59,7 @@ fn the_examples_of_the_help_are_understood() {
     let folder = Folder::new();
     let scenes = folder.path("experiments");
     std::fs::create_dir(&scenes).unwrap();
-    for name in ["fig2", "experiment2", "wall"] {
+    for name in ["fig2", "experiment1", "experiment2", "wall"] {
         let file = format!("experiments/{name}.toml");
         folder.write(&file, common::experiment_text(name));
     }
@@ -67,7 +68,7 @@ fn the_examples_of_the_help_are_understood() {
         folder.write(trace, trace_text(&taps(0.001, 0.5)));
     }
     let mut tried = 0;
-    for command in ["", "render", "simulate", "pipe", "figure", "demo"] {
+    for command in ["", "render", "simulate", "pipe", "tune", "figure", "demo"] {
         let help = folder.succeed(&format!("{command} --help"));
         let examples = help.split("Example").last().unwrap();
         for line in examples.lines().filter(|line| line.contains("palpate ")) {
@@ -84,7 +85,7 @@ fn the_examples_of_the_help_are_understood() {
             tried += 1;
         }
     }
-    assert!(tried >= 14, "{tried} examples");
+    assert!(tried >= 17, "{tried} examples");
 }
 
 #[test]

@@ -121,7 +121,12 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// Settings that do not make this method.
     pub fn run(&self, method: MethodName) -> Result<Run, LoopError> {
-        let (scene, sign) = (self.scene, self.sign);
+        self.run_as(self.scene, method)
+    }
+
+    /// Runs `scene`, which is this bench's own but for the settings of its methods.
+    pub(crate) fn run_as(&self, scene: &Scene, method: MethodName) -> Result<Run, LoopError> {
+        let sign = self.sign;
         let period = scene.loop_params.period;
         let renderer = scene.renderer(method)?;
         let mut state = renderer.start(scene.object).map_err(SetupError::from)?;

@@ -6,3 +6,4 @@ pub mod figure;
 pub mod pipe;
 pub mod render;
 pub mod simulate;
+pub mod tune;

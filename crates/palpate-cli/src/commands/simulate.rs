@@ -78,7 +78,7 @@ pub fn simulate<'a>(
     Ok((bench, runs))
 }
 
-fn read_scene(path: &Path) -> Result<SceneFile, Failure> {
+pub(super) fn read_scene(path: &Path) -> Result<SceneFile, Failure> {
     let name = path.display().to_string();
     let bytes = std::fs::read(path).map_err(|error| Failure::System(format!("{name}: {error}")))?;
     let text = String::from_utf8(bytes).map_err(|error| not_utf8(&name, &error))?;
@@ -103,7 +103,12 @@ fn in_file(error: SceneError) -> Failure {
 }
 
 /// A scene that cannot be run: the fault lies in a flag if one gave the value, else in the file.
-fn explain(flags: &Flags, file: &SceneFile, method: MethodName, error: LoopError) -> Failure {
+pub(super) fn explain(
+    flags: &Flags,
+    file: &SceneFile,
+    method: MethodName,
+    error: LoopError,
+) -> Failure {
     match error {
         LoopError::Setup(SetupError::Parameter(parameter)) if flags.gives(parameter.parameter) => {
             wrong_flag(&parameter)

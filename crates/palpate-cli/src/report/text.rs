@@ -91,7 +91,7 @@ impl Report {
         if remarkable {
             header.push("");
         }
-        let mut table = plain_table(&header);
+        let mut table = plain_table(CellAlignment::Left, &header);
         for method in &self.methods {
             let mut cells = vec![
                 Cell::new(method.method),
@@ -138,7 +138,7 @@ fn collision_table(method: &MethodReport, most: usize) -> Table {
     if closed_loop {
         header.push("rebound energy error %");
     }
-    let mut table = plain_table(&header);
+    let mut table = plain_table(CellAlignment::Right, &header);
     for collision in method.collisions.iter().take(most) {
         let in_percent = |error: Option<f64>| number(error, percent);
         let mut cells = vec![
@@ -157,20 +157,21 @@ fn collision_table(method: &MethodReport, most: usize) -> Table {
 }
 
 /// A table without blanks at the ends of its lines.
-fn lines(table: &Table) -> String {
+pub fn lines(table: &Table) -> String {
     let lines: Vec<String> = table.lines().map(|line| line.trim_end().into()).collect();
     lines.join("\n")
 }
 
-fn plain_table(header: &[&str]) -> Table {
+/// A table with a line under its header; the first column holds names, or numbers like the others.
+pub fn plain_table(first: CellAlignment, header: &[&str]) -> Table {
     let mut table = Table::new();
     table
         .load_preset(NOTHING)
         .set_style(TableComponent::HeaderLines, '─')
         .set_style(TableComponent::MiddleHeaderIntersections, '─');
     table.set_header(header.iter().enumerate().map(|(column, name)| {
-        Cell::new(name).set_alignment(if column == 0 && *name == "method" {
-            CellAlignment::Left
+        Cell::new(name).set_alignment(if column == 0 {
+            first
         } else {
             CellAlignment::Right
         })
@@ -179,11 +180,11 @@ fn plain_table(header: &[&str]) -> Table {
 }
 
 /// A right-aligned number, a dash where there is none.
-fn number(value: Option<f64>, format: impl Fn(f64) -> String) -> Cell {
+pub fn number(value: Option<f64>, format: impl Fn(f64) -> String) -> Cell {
     Cell::new(value.map_or_else(|| "-".into(), format)).set_alignment(CellAlignment::Right)
 }
 
-fn percent(value: f64) -> String {
+pub fn percent(value: f64) -> String {
     short(value, 1)
 }
 
