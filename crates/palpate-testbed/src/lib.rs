@@ -64,13 +64,18 @@ mod arc;
 pub mod device;
 pub mod driven;
 mod error;
+pub mod hand;
+pub mod held_mass;
 pub mod hold;
 pub mod ideal;
 pub mod measure;
 pub mod metrics;
+pub mod pantograph;
+mod power_series;
 pub mod profile;
 pub mod recorded_path;
 pub mod reference;
 pub mod relative_motion;
+pub mod schedule;
 
 pub use error::InvalidParameter;

@@ -57,7 +57,7 @@ pub struct Reference {
 pub const POINTS_PER_PERIOD: usize = 20;
 
 /// Longest search for collisions \[periods\].
-const LONGEST_SEARCH: usize = 100_000;
+const LONGEST_SEARCH: usize = 2_000;
 
 /// Most corrections of the force of a step. Each is better by the step's share of an oscillation,
 /// squared, so a few reach round-off.
@@ -85,7 +85,7 @@ impl Object {
 /// # Errors
 ///
 /// A value of the scene outside its range, or a search for collisions that finds too few within
-/// 10⁵ periods.
+/// 2000 periods.
 pub fn integrate<D: Device + Clone>(
     device: &D,
     scene: &ReferenceScene,
@@ -119,7 +119,7 @@ pub fn integrate<D: Device + Clone>(
                     run.impulses.len() < LONGEST_SEARCH,
                     "collisions",
                     count as f64,
-                    "as many as there are within 1e5 periods",
+                    "as many as there are within 2000 periods",
                 )?;
                 run.period();
             }

@@ -1,0 +1,522 @@
+//! When an imperfect loop samples, and when its commands reach the motor.
+//!
+//! A loop has a grid of instants, one nominal period apart. A sample is taken near its grid
+//! instant (jitter) or not at all (dropped); for a while the grid may be a coarser or finer one
+//! (rate collapse). The command computed from a sample reaches the motor a delay later, and is held
+//! until the next one does.
+//!
+//! Runs are reproducible: the random numbers are those of SplitMix64 (Steele, Lea and Flood, *Fast
+//! splittable pseudorandom number generators*, 2014), with one generator for jitter and another for
+//! drops, so that neither changes the other's numbers. Normal jitter goes through the platform's
+//! logarithm and cosine, whose last bit may differ between platforms; the rest is the same
+//! everywhere.
+
+use std::f64::consts::TAU;
+
+use crate::InvalidParameter;
+use crate::error::{finite, positive};
+
+/// What separates the generator of drops from that of jitter.
+const DROP_STREAM: u64 = 0x6A09_E667_F3BC_C909; // fractional digits of √2
+
+/// How far a sample lies from its grid instant. Every sample lies near its own instant, so lateness
+/// does not add up.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Jitter {
+    /// On the instant.
+    #[default]
+    None,
+    /// Uniformly distributed on ± `bound`.
+    Uniform {
+        /// \[s\]
+        bound: f64,
+    },
+    /// Normally distributed with mean 0; what lies outside ± `bound` is drawn anew.
+    Normal {
+        /// Standard deviation of the distribution before it is bounded \[s\].
+        deviation: f64,
+        /// \[s\]
+        bound: f64,
+    },
+}
+
+impl Jitter {
+    fn bound(self) -> f64 {
+        match self {
+            Self::None => 0.0,
+            Self::Uniform { bound } | Self::Normal { bound, .. } => bound,
+        }
+    }
+}
+
+/// Which samples are not taken.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum Dropped {
+    /// None.
+    #[default]
+    None,
+    /// Each with this probability, whatever became of the others.
+    Probability(f64),
+    /// Those with these indices on the grid, counted from 0, in rising order.
+    Listed(Vec<u64>),
+}
+
+/// A stretch of time in which the grid has another period.
+///
+/// An instant of the grid in \[`from`, `until`) is followed by the next after `period`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RateCollapse {
+    /// \[s\]
+    pub from: f64,
+    /// \[s\]
+    pub until: f64,
+    /// \[s\]
+    pub period: f64,
+}
+
+/// Time from a sample to the instant from which its command is held, in periods of the grid at the
+/// sample.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ActuationDelay {
+    /// Whole periods.
+    pub samples: u32,
+    /// Fraction of a period, 0 ≤ fraction < 1: the time to compute.
+    pub fraction: f64,
+}
+
+/// What a [`Schedule`] is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScheduleParams {
+    /// Nominal period of the grid \[s\], which begins at 0.
+    pub period: f64,
+    /// Jitter of the sample instants.
+    pub jitter: Jitter,
+    /// Samples not taken.
+    pub dropped: Dropped,
+    /// A stretch with another period.
+    pub collapse: Option<RateCollapse>,
+    /// From sample to motor.
+    pub delay: ActuationDelay,
+    /// Seed of the random numbers.
+    pub seed: u64,
+}
+
+impl ScheduleParams {
+    /// A perfect loop with a `period` \[s\].
+    #[must_use]
+    pub fn perfect(period: f64) -> Self {
+        Self {
+            period,
+            jitter: Jitter::None,
+            dropped: Dropped::None,
+            collapse: None,
+            delay: ActuationDelay::default(),
+            seed: 0,
+        }
+    }
+}
+
+/// One sample that is taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tick {
+    /// Index on the grid, counted from 0; it skips the dropped samples.
+    pub index: u64,
+    /// When the device is measured \[s\].
+    pub sample_time: f64,
+    /// When the command from this sample reaches the motor \[s\].
+    ///
+    /// Never before `sample_time`, and never before that of an earlier tick: where a shorter period
+    /// would let a command overtake another, it waits for it and replaces it at once.
+    pub hold_from: f64,
+}
+
+/// The ticks of a loop, without end.
+///
+/// Between two `hold_from` the motor holds the command of the earlier one, and before the first
+/// one no force. The first sample is never before time 0.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Schedule {
+    params: ScheduleParams,
+    next_index: u64,
+    /// The grid counts from here, so that instants are products and not sums of rounded periods.
+    origin: (u64, f64),
+    grid_period: f64,
+    last_hold: f64,
+    jitter_numbers: SplitMix64,
+    drop_numbers: SplitMix64,
+}
+
+impl Schedule {
+    /// A schedule from checked parameters.
+    ///
+    /// # Errors
+    ///
+    /// A period is not finite and positive, the collapse does not end after it begins, the jitter
+    /// is negative or reaches half of the shortest period (samples would change places), the
+    /// probability is not in \[0, 1), listed indices do not rise, or the delay's fraction is not in
+    /// \[0, 1).
+    pub fn new(params: ScheduleParams) -> Result<Self, InvalidParameter> {
+        let mut shortest = positive("period", params.period, "finite and above 0 s")?;
+        if let Some(collapse) = params.collapse {
+            positive("collapse.period", collapse.period, "finite and above 0 s")?;
+            finite("collapse.from", collapse.from, "finite [s]")?;
+            InvalidParameter::unless(
+                collapse.until > collapse.from,
+                "collapse.until",
+                collapse.until,
+                "after the collapse begins [s]",
+            )?;
+            shortest = shortest.min(collapse.period);
+        }
+        let bound = params.jitter.bound();
+        InvalidParameter::unless(
+            (0.0..0.5 * shortest).contains(&bound),
+            "jitter.bound",
+            bound,
+            "from 0 s to below half of the shortest period",
+        )?;
+        if let Jitter::Normal { deviation, .. } = params.jitter {
+            positive("jitter.deviation", deviation, "finite and above 0 s")?;
+        }
+        match &params.dropped {
+            Dropped::None => {}
+            Dropped::Probability(probability) => {
+                InvalidParameter::unless(
+                    (0.0..1.0).contains(probability),
+                    "dropped",
+                    *probability,
+                    "a probability from 0 to below 1",
+                )?;
+            }
+            Dropped::Listed(indices) => {
+                if let Some(pair) = indices.windows(2).find(|pair| pair[1] <= pair[0]) {
+                    InvalidParameter::unless(
+                        false,
+                        "dropped",
+                        pair[1] as f64,
+                        "indices in rising order",
+                    )?;
+                }
+            }
+        }
+        InvalidParameter::unless(
+            (0.0..1.0).contains(&params.delay.fraction),
+            "delay.fraction",
+            params.delay.fraction,
+            "from 0 to below 1 period",
+        )?;
+        Ok(Self {
+            next_index: 0,
+            origin: (0, 0.0),
+            grid_period: Self::period_at(&params, 0.0),
+            last_hold: 0.0,
+            jitter_numbers: SplitMix64(params.seed),
+            drop_numbers: SplitMix64(params.seed ^ DROP_STREAM),
+            params,
+        })
+    }
+
+    fn period_at(params: &ScheduleParams, time: f64) -> f64 {
+        match params.collapse {
+            Some(collapse) if collapse.from <= time && time < collapse.until => collapse.period,
+            _ => params.period,
+        }
+    }
+
+    /// The next instant of the grid \[s\] and the period \[s\] that follows it.
+    fn next_instant(&mut self) -> (u64, f64, f64) {
+        let index = self.next_index;
+        self.next_index += 1;
+        let (first, start) = self.origin;
+        let instant = start + (index - first) as f64 * self.grid_period;
+        let period = Self::period_at(&self.params, instant);
+        if period != self.grid_period {
+            self.origin = (index, instant);
+            self.grid_period = period;
+        }
+        (index, instant, period)
+    }
+
+    fn jitter(&mut self) -> f64 {
+        match self.params.jitter {
+            Jitter::None => 0.0,
+            Jitter::Uniform { bound } => bound * (2.0 * self.jitter_numbers.unit() - 1.0),
+            Jitter::Normal { deviation, bound } => {
+                // So many draws outside say that the distribution is far wider than its bound,
+                // and flat inside it.
+                for _ in 0..64 {
+                    let normal = deviation * self.jitter_numbers.normal();
+                    if normal.abs() <= bound {
+                        return normal;
+                    }
+                }
+                bound * (2.0 * self.jitter_numbers.unit() - 1.0)
+            }
+        }
+    }
+
+    fn drops(&mut self, index: u64) -> bool {
+        match &self.params.dropped {
+            Dropped::None => false,
+            Dropped::Probability(probability) => self.drop_numbers.unit() < *probability,
+            Dropped::Listed(indices) => indices.binary_search(&index).is_ok(),
+        }
+    }
+}
+
+impl Iterator for Schedule {
+    type Item = Tick;
+
+    fn next(&mut self) -> Option<Tick> {
+        loop {
+            let (index, instant, period) = self.next_instant();
+            let sample_time = (instant + self.jitter()).max(0.0);
+            if self.drops(index) {
+                continue;
+            }
+            let delay = f64::from(self.params.delay.samples) + self.params.delay.fraction;
+            let hold_from = (sample_time + delay * period).max(self.last_hold);
+            self.last_hold = hold_from;
+            return Some(Tick {
+                index,
+                sample_time,
+                hold_from,
+            });
+        }
+    }
+}
+
+/// SplitMix64.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct SplitMix64(u64);
+
+impl SplitMix64 {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    /// A multiple of 2⁻⁵³ in \[0, 1).
+    fn unit(&mut self) -> f64 {
+        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Normal with mean 0 and deviation 1 (Box and Muller).
+    fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * (1.0 - self.unit()).ln()).sqrt();
+        radius * (TAU * self.unit()).cos()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ticks(params: ScheduleParams, count: usize) -> Vec<Tick> {
+        Schedule::new(params).unwrap().take(count).collect()
+    }
+
+    #[test]
+    fn the_generator_gives_the_published_numbers() {
+        let mut generator = SplitMix64(1_234_567);
+        for expected in [
+            6_457_827_717_110_365_317,
+            3_203_168_211_198_807_973,
+            9_817_491_932_198_370_423,
+            4_593_380_528_125_082_431,
+            16_408_922_859_458_223_821,
+        ] {
+            assert_eq!(generator.next(), expected);
+        }
+    }
+
+    #[test]
+    fn a_perfect_loop_samples_at_multiples_and_holds_at_once() {
+        for (i, tick) in ticks(ScheduleParams::perfect(1e-3), 10_000)
+            .iter()
+            .enumerate()
+        {
+            assert_eq!(tick.index, i as u64);
+            assert_eq!(tick.sample_time, i as f64 * 1e-3);
+            assert_eq!(tick.hold_from, tick.sample_time);
+        }
+    }
+
+    #[test]
+    fn jitter_stays_in_its_bound_has_its_width_and_no_mean() {
+        let bound = 2e-4;
+        let third = bound / 3.0_f64.sqrt();
+        for (jitter, deviation) in [
+            (Jitter::Uniform { bound }, third),
+            (
+                Jitter::Normal {
+                    deviation: 5e-5,
+                    bound,
+                },
+                5e-5,
+            ),
+            // Far wider than its bound, a normal distribution is flat.
+            (
+                Jitter::Normal {
+                    deviation: 1.0,
+                    bound,
+                },
+                third,
+            ),
+        ] {
+            let count = 20_000;
+            let params = ScheduleParams {
+                jitter,
+                seed: 7,
+                ..ScheduleParams::perfect(1e-3)
+            };
+            let late: Vec<f64> = ticks(params.clone(), count)
+                .iter()
+                .skip(1) // the first is never before 0
+                .map(|tick| tick.sample_time - tick.index as f64 * 1e-3)
+                .collect();
+            let n = late.len() as f64;
+            let mean = late.iter().sum::<f64>() / n;
+            let square = late.iter().map(|x| x * x).sum::<f64>() / n;
+            assert!(late.iter().all(|x| x.abs() <= bound * (1.0 + 1e-9)));
+            assert!(mean.abs() < 4.0 * deviation / n.sqrt(), "{mean}");
+            assert!((square.sqrt() / deviation - 1.0).abs() < 0.03, "{square}");
+
+            assert_eq!(ticks(params.clone(), 50), ticks(params.clone(), 50));
+            let other = ScheduleParams {
+                seed: 8,
+                ..params.clone()
+            };
+            assert_ne!(ticks(other, 50)[1], ticks(params, 50)[1]);
+        }
+    }
+
+    #[test]
+    fn drops_leave_gaps_and_do_not_move_the_other_samples() {
+        let params = ScheduleParams {
+            jitter: Jitter::Uniform { bound: 1e-4 },
+            ..ScheduleParams::perfect(1e-3)
+        };
+        let whole = ticks(params.clone(), 20_000);
+        let listed = ScheduleParams {
+            dropped: Dropped::Listed(vec![0, 3, 4]),
+            ..params.clone()
+        };
+        let kept: Vec<u64> = ticks(listed, 4).iter().map(|tick| tick.index).collect();
+        assert_eq!(kept, [1, 2, 5, 6]);
+
+        let some = ticks(
+            ScheduleParams {
+                dropped: Dropped::Probability(0.25),
+                ..params
+            },
+            14_000,
+        );
+        for tick in &some {
+            if let Some(same) = usize::try_from(tick.index).ok().and_then(|i| whole.get(i)) {
+                assert_eq!(tick, same);
+            }
+        }
+        // Early samples are dropped no more often than late ones.
+        let late = |tick: &Tick| tick.sample_time - tick.index as f64 * 1e-3;
+        let mean = some.iter().map(late).sum::<f64>() / 14_000.0;
+        assert!(
+            mean.abs() < 4.0 * 1e-4 / (3.0 * 14_000.0_f64).sqrt(),
+            "{mean}"
+        );
+        let share = 14_000.0 / (some[13_999].index + 1) as f64;
+        assert!((share - 0.75).abs() < 0.015, "{share}");
+    }
+
+    #[test]
+    fn a_collapse_changes_the_grid_where_it_is_and_nowhere_else() {
+        let collapse = RateCollapse {
+            from: 0.0025,
+            until: 0.0125,
+            period: 0.004,
+        };
+        let params = ScheduleParams {
+            collapse: Some(collapse),
+            ..ScheduleParams::perfect(0.001)
+        };
+        let expected = [0.0, 1.0, 2.0, 3.0, 7.0, 11.0, 15.0, 16.0, 17.0];
+        for (tick, milliseconds) in ticks(params, 9).iter().zip(expected) {
+            assert!((tick.sample_time - milliseconds * 1e-3).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn commands_reach_the_motor_late_and_in_order() {
+        let delay = ActuationDelay {
+            samples: 2,
+            fraction: 0.25,
+        };
+        let params = ScheduleParams {
+            delay,
+            ..ScheduleParams::perfect(0.001)
+        };
+        for tick in ticks(params.clone(), 100) {
+            assert!((tick.hold_from - tick.sample_time - 0.00225).abs() < 1e-15);
+        }
+        // Back from a slow grid to a fast one, commands would overtake each other.
+        let collapse = RateCollapse {
+            from: 0.0,
+            until: 0.01,
+            period: 0.01,
+        };
+        let both = ticks(
+            ScheduleParams {
+                collapse: Some(collapse),
+                ..params
+            },
+            40,
+        );
+        assert_eq!(both[0].hold_from, 0.0225);
+        assert_eq!(both[1].hold_from, 0.0225);
+        assert!(
+            both.windows(2)
+                .all(|pair| pair[0].hold_from <= pair[1].hold_from)
+        );
+        assert!((both[39].hold_from - both[39].sample_time - 0.00225).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_rejected_parameter_is_named() {
+        let perfect = ScheduleParams::perfect(1e-3);
+        let rejected = |params: ScheduleParams| Schedule::new(params).unwrap_err().name;
+        assert_eq!(rejected(ScheduleParams::perfect(0.0)), "period");
+        let half = Jitter::Uniform { bound: 5e-4 };
+        assert_eq!(
+            rejected(ScheduleParams {
+                jitter: half,
+                ..perfect.clone()
+            }),
+            "jitter.bound"
+        );
+        assert_eq!(
+            rejected(ScheduleParams {
+                dropped: Dropped::Probability(1.0),
+                ..perfect.clone()
+            }),
+            "dropped"
+        );
+        assert_eq!(
+            rejected(ScheduleParams {
+                dropped: Dropped::Listed(vec![4, 4]),
+                ..perfect.clone()
+            }),
+            "dropped"
+        );
+        let delay = ActuationDelay {
+            samples: 0,
+            fraction: f64::NAN,
+        };
+        assert_eq!(
+            rejected(ScheduleParams { delay, ..perfect }),
+            "delay.fraction"
+        );
+    }
+}
