@@ -59,9 +59,9 @@ const FAULTS: [(&str, &str, &str, &[&str]); 24] = [
     ),
     (
         "kind = \"constant-force\"",
-        "kind = \"impedance\"",
+        "kind = \"spring\"",
         "17:8",
-        &["constant-force"],
+        &["constant-force", "impedance"],
     ),
     (
         "force_n = 0.981",

@@ -1,16 +1,18 @@
 //! The sampled-data loop: renderer and device, coupled by a held force.
 
 use palpate_testbed::InvalidParameter;
-use palpate_testbed::device::{Device, PointMass};
+use palpate_testbed::device::Device;
 use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::ideal::{Ideal, PointMassScene};
 use palpate_testbed::measure::Sampler;
 use palpate_testbed::metrics::{EnergyJudgement, ForceJudgement};
 use palpate_testbed::profile::Snapshot;
+use palpate_testbed::reference::{self, ReferenceScene, Stop};
 
 use palpate::{Mass, Sample};
 
 use crate::method::{MethodName, with_derived_values};
+use crate::plant::{Plant, is_free};
 use crate::run::{MOST_PERIODS, Reference, Run, Tick};
 use crate::scene::{Measure, Scene, SetupError};
 
@@ -44,10 +46,23 @@ pub enum LoopError {
 pub struct Bench<'a> {
     scene: &'a Scene,
     sign: f64,
-    ideal: Ideal,
+    plant: Plant,
+    motion: IdealMotion,
     intervals: usize,
     reference: Reference,
 }
+
+/// The ideal of a scene: in closed form where there is one.
+#[derive(Clone, Debug)]
+enum IdealMotion {
+    Exact(Ideal),
+    Integrated(reference::Reference),
+}
+
+/// Longest step of an integrated ideal `[s]`.
+const LONGEST_STEP: f64 = 1e-5;
+/// Most steps of an integrated ideal in a period, however long that is.
+const MOST_STEPS: f64 = 10_000.0;
 
 impl<'a> Bench<'a> {
     /// Sets up `scene` and its ideal.
@@ -60,46 +75,58 @@ impl<'a> Bench<'a> {
         scene.renderer(scene.method)?;
         let sign: f64 = scene.contact.side.sign();
         let period = scene.loop_params.period;
-        let ideal = Ideal::new(PointMassScene {
-            stiffness: scene.contact.stiffness,
-            device_mass: scene.device.mass,
-            object_mass: match scene.contact.object_mass {
-                Mass::Finite(mass) => mass,
-                Mass::Infinite => f64::INFINITY,
-            },
-            user_force: sign * scene.user_force,
-            virtual_force: sign * scene.virtual_force,
-            device_position: sign * scene.device.position,
-            device_velocity: sign * scene.device.velocity,
-            object_position: sign * scene.object.position,
-            object_velocity: sign * scene.object.velocity,
-        })?;
-        let intervals = match scene.measure {
-            Measure::Collisions(asked) if asked > MOST_PERIODS => {
-                return Err(LoopError::TooLong(asked as f64));
+        let plant = Plant::of(scene, sign)?;
+        let too_long = |periods: f64| {
+            if periods > MOST_PERIODS as f64 {
+                Err(LoopError::TooLong(periods))
+            } else {
+                Ok(())
             }
-            Measure::Collisions(asked) => {
-                ideal
-                    .window(asked, period)
-                    .ok_or_else(|| LoopError::TooFewCollisions {
-                        asked,
-                        found: (1..asked)
-                            .take_while(|&n| ideal.end_of_collision(n).is_some())
-                            .count(),
-                    })?
-            }
-            Measure::Duration(duration) => whole_periods(duration, period)?,
         };
-        if intervals > MOST_PERIODS {
-            return Err(LoopError::TooLong(intervals as f64));
+        if let Measure::Collisions(asked) = scene.measure {
+            too_long(asked as f64)?;
         }
-        let profile = ideal.profile(period, intervals)?;
+        let (profile, error, motion) = if is_free(scene) {
+            let ideal = exact_ideal(scene, sign)?;
+            let intervals = match scene.measure {
+                Measure::Collisions(asked) => {
+                    ideal
+                        .window(asked, period)
+                        .ok_or_else(|| LoopError::TooFewCollisions {
+                            asked,
+                            found: (1..asked)
+                                .take_while(|&n| ideal.end_of_collision(n).is_some())
+                                .count(),
+                        })?
+                }
+                Measure::Duration(duration) => whole_periods(duration, period)?,
+            };
+            too_long(intervals as f64)?;
+            let profile = ideal.profile(period, intervals)?;
+            (profile, 0.0, IdealMotion::Exact(ideal))
+        } else {
+            let (integrated, error) = integrated_ideal(scene, sign, &plant)?;
+            let profile = integrated.profile.clone();
+            (profile, error, IdealMotion::Integrated(integrated))
+        };
+        let intervals = profile.intervals();
+        let reference = match &motion {
+            IdealMotion::Exact(ideal) => Reference::new(profile, 0.0, sign, |time| ideal.at(time)),
+            IdealMotion::Integrated(integrated) => {
+                let points = reference::POINTS_PER_PERIOD as f64 / period;
+                Reference::new(profile, error, sign, |time| {
+                    let last = integrated.record.len() - 1;
+                    integrated.record[nearest_point(time * points, last)]
+                })
+            }
+        };
         Ok(Self {
             scene,
             sign,
+            plant,
+            motion,
             intervals,
-            reference: Reference::new(profile, sign, |time| ideal.at(time)),
-            ideal,
+            reference,
         })
     }
 
@@ -130,8 +157,7 @@ impl<'a> Bench<'a> {
         let period = scene.loop_params.period;
         let renderer = scene.renderer(method)?;
         let mut state = renderer.start(scene.object).map_err(SetupError::from)?;
-        let mut device = PointMass::new(scene.device.mass, sign * scene.user_force)?
-            .starting_at(sign * scene.device.position, sign * scene.device.velocity)?;
+        let mut device = self.plant.clone();
         let mut hold = DelayedHold::new(scene.delay)?;
         let sampler = if scene.device.encoder_quantum > 0.0 {
             Sampler::quantum(scene.device.encoder_quantum)?
@@ -149,7 +175,7 @@ impl<'a> Bench<'a> {
                 &mut state,
                 Sample::at(measured).with_virtual_force(scene.virtual_force),
             );
-            let held = hold.exchange(output.force_on_object);
+            let held = sign * device.given_force(sign * hold.exchange(output.force_on_object));
             renderer.report_held(&mut state, held);
             ticks.push(Tick {
                 time,
@@ -181,12 +207,128 @@ impl<'a> Bench<'a> {
             params: with_derived_values(scene.params(method).map_err(SetupError::from)?, &renderer),
             ticks,
             force: ForceJudgement::of(&held, profile).expect("one force per interval"),
-            energy: Some(
-                EnergyJudgement::of(&self.ideal, profile, &record).expect("one state per sample"),
-            ),
+            diverged: Some(self.has_diverged(&record)),
+            energy: self.energy_judgement(&record),
             bench_port_work: Some(port_work),
         })
     }
+}
+
+impl Bench<'_> {
+    /// What a lossless loop did to its energy. With friction or a hand of its own there is no such
+    /// energy to compare with.
+    fn energy_judgement(&self, record: &[Snapshot]) -> Option<EnergyJudgement> {
+        match (&self.motion, &self.plant) {
+            (IdealMotion::Exact(ideal), Plant::Free(_)) => Some(
+                EnergyJudgement::of(ideal, &self.reference.profile, record)
+                    .expect("one state per sample"),
+            ),
+            _ => None,
+        }
+    }
+
+    fn has_diverged(&self, record: &[Snapshot]) -> bool {
+        match self.energy_judgement(record) {
+            Some(energy) => energy.diverged,
+            None => {
+                let speeds = self
+                    .reference
+                    .curve
+                    .iter()
+                    .map(|point| point.approach_speed);
+                ran_away(record, speeds.fold(0.0, f64::max))
+            }
+        }
+    }
+}
+
+/// Whether device and object ever move ten times as energetically against each other as the ideal's
+/// `fastest` relative speed `[m/s]`, or anything is no number.
+fn ran_away(record: &[Snapshot], fastest: f64) -> bool {
+    record.iter().any(|at| {
+        let approach = at.device_velocity - at.object_velocity;
+        !at.is_finite() || approach * approach > 10.0 * fastest * fastest
+    })
+}
+
+/// The nearest whole number from 0 to `last`.
+fn nearest_point(position: f64, last: usize) -> usize {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "limited to 0 and above; a float becomes the nearest index"
+    )]
+    let index = position.round().max(0.0) as usize;
+    index.min(last)
+}
+
+fn object_mass(scene: &Scene) -> f64 {
+    match scene.contact.object_mass {
+        Mass::Finite(mass) => mass,
+        Mass::Infinite => f64::INFINITY,
+    }
+}
+
+fn exact_ideal(scene: &Scene, sign: f64) -> Result<Ideal, InvalidParameter> {
+    Ideal::new(PointMassScene {
+        stiffness: scene.contact.stiffness,
+        device_mass: scene.device.mass,
+        object_mass: object_mass(scene),
+        user_force: sign * scene.user_force,
+        virtual_force: sign * scene.virtual_force,
+        device_position: sign * scene.device.position,
+        device_velocity: sign * scene.device.velocity,
+        object_position: sign * scene.object.position,
+        object_velocity: sign * scene.object.velocity,
+    })
+}
+
+/// The ideal of a plant without a closed form, and its error: how much the impulse of any interval
+/// changes when the step is halved, relative to the largest impulse, over 3 because the error of a
+/// second-order step falls to a quarter.
+fn integrated_ideal(
+    scene: &Scene,
+    sign: f64,
+    plant: &Plant,
+) -> Result<(reference::Reference, f64), LoopError> {
+    let period = scene.loop_params.period;
+    let stop = match scene.measure {
+        Measure::Collisions(asked) => Stop::AfterCollisions(asked),
+        Measure::Duration(duration) => Stop::AfterPeriods(whole_periods(duration, period)?),
+    };
+    // A motor's limit is no part of the ideal.
+    let mut unlimited = scene.clone();
+    unlimited.device.largest_force = None;
+    let plant = match plant {
+        Plant::Held(_) => Plant::of(&unlimited, sign)?,
+        Plant::Free(_) => plant.clone(),
+    };
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "from 1 to MOST_STEPS / 20"
+    )]
+    let twenties = (period / LONGEST_STEP)
+        .clamp(20.0, MOST_STEPS)
+        .div_euclid(20.0) as usize;
+    let with_steps = |steps_per_period| {
+        let object = ReferenceScene {
+            stiffness: scene.contact.stiffness,
+            object_mass: object_mass(scene),
+            virtual_force: sign * scene.virtual_force,
+            object_position: sign * scene.object.position,
+            object_velocity: sign * scene.object.velocity,
+            period,
+            steps_per_period,
+        };
+        reference::integrate(&plant, &object, stop)
+    };
+    let (coarse, fine) = (with_steps(20 * twenties)?, with_steps(40 * twenties)?);
+    let largest = |impulses: &[f64]| impulses.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+    let (a, b) = (coarse.profile.impulses(), fine.profile.impulses());
+    let change: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+    let error = largest(&change) / (3.0 * largest(b).max(f64::MIN_POSITIVE));
+    Ok((fine, error))
 }
 
 /// Number of periods that cover `duration` `[s]`; an excess of a millionth of a period is

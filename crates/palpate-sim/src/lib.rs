@@ -7,6 +7,7 @@
 
 pub mod closed_loop;
 pub mod method;
+mod plant;
 pub mod replay;
 pub mod run;
 pub mod scene;

@@ -141,7 +141,7 @@ impl Replay {
             sign,
             start,
             positions: resampled,
-            reference: Reference::new(profile, sign, |time| ideal.at(time)),
+            reference: Reference::new(profile, 0.0, sign, |time| ideal.at(time)),
         })
     }
 
@@ -195,6 +195,7 @@ impl Replay {
             force: ForceJudgement::of(&held, &self.reference.profile)
                 .expect("one force per interval"),
             ticks,
+            diverged: None,
             energy: None,
             bench_port_work: None,
         })

@@ -35,7 +35,10 @@ pub struct Run {
     pub ticks: Vec<Tick>,
     /// How well the held force renders the ideal one.
     pub force: ForceJudgement,
-    /// What the loop did to the energy of device and object; closed loops only.
+    /// Whether the loop ran away; closed loops only.
+    pub diverged: Option<bool>,
+    /// What the loop did to the energy of device and object; closed loops of a point mass without
+    /// friction under a constant force only.
     pub energy: Option<EnergyJudgement>,
     /// Work through the port as the bench integrates it, without the renderer's books, positive
     /// into the object `[J]`; closed loops only.
@@ -47,6 +50,9 @@ pub struct Run {
 pub struct Reference {
     /// Its force, cut into intervals.
     pub profile: ForceProfile,
+    /// Error of any interval's impulse, relative to the largest: 0 where the ideal is exact, an
+    /// estimate where it is integrated.
+    pub error: f64,
     /// Device, object and force on a fine grid, for figures, in the user's frame.
     pub curve: Vec<IdealPoint>,
 }
@@ -62,6 +68,8 @@ pub struct IdealPoint {
     pub object_position: f64,
     /// Force on the object `[N]`.
     pub force_on_object: f64,
+    /// Speed of device and object against each other `[m/s]`.
+    pub approach_speed: f64,
 }
 
 impl Run {
@@ -101,6 +109,7 @@ impl Reference {
     /// the user's frame.
     pub(crate) fn new(
         profile: ForceProfile,
+        error: f64,
         sign: f64,
         snapshot: impl Fn(f64) -> Snapshot,
     ) -> Self {
@@ -114,10 +123,15 @@ impl Reference {
                     device_position: sign * at.device_position,
                     object_position: sign * at.object_position,
                     force_on_object: sign * at.force_on_object,
+                    approach_speed: (at.device_velocity - at.object_velocity).abs(),
                 }
             })
             .collect();
-        Self { profile, curve }
+        Self {
+            profile,
+            error,
+            curve,
+        }
     }
 }
 

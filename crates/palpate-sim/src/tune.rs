@@ -102,7 +102,7 @@ pub fn tune(
             trials.push(Trial {
                 error: fidelity.mean_force_error,
                 leak: run.last().ledger.held_leak.absolute,
-                diverged: run.energy.as_ref().is_some_and(|energy| energy.diverged),
+                diverged: run.diverged == Some(true),
             });
         }
         done();

@@ -68,7 +68,10 @@ prop_compose! {
                 position: 0.0,
                 velocity: sign * way / period,
                 encoder_quantum: quantum * way,
+                ..PointMassDevice::default()
             },
+            grip: None,
+            tremor: None,
             user_force: sign * accelerations.0 * per_period * device_mass,
             delay,
             measure: Measure::Duration(PERIODS * period),

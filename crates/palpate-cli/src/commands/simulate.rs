@@ -125,6 +125,9 @@ pub(super) fn explain(
             Measure::Collisions(_) => in_window(file, "measured collisions", &error),
             Measure::Duration(_) => in_window(file, "duration", &error),
         },
+        LoopError::Bench(bench) if bench.name == "collisions" => {
+            in_window(file, "measured collisions", &error)
+        }
         LoopError::Bench(_) => in_window(file, "no place", &error),
     }
 }

@@ -34,6 +34,8 @@ pub struct Report {
     window_s: f64,
     hold_floor_percent: Option<f64>,
     ideal_collisions: usize,
+    /// Error of the ideal's impulses relative to the largest; 0 where it is exact.
+    ideal_error: f64,
     methods: Vec<MethodReport>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     files: Vec<String>,
@@ -132,6 +134,7 @@ impl Report {
                 .find_map(|run| run.force.fidelity)
                 .map(|fidelity| fidelity.hold_floor),
             ideal_collisions: profile.collisions().len(),
+            ideal_error: reference.error,
             methods: runs
                 .iter()
                 .map(|run| MethodReport::new(run, subject.contact.side.sign()))
@@ -178,7 +181,7 @@ impl MethodReport {
                 .as_ref()
                 .and_then(|energy| energy.energy_drift)
                 .map(in_percent),
-            diverged: run.energy.as_ref().map(|energy| energy.diverged),
+            diverged: run.diverged,
             faults: run.faults(),
             limited: run.limited(),
             rendered_collisions: run.force.rendered_collisions,

@@ -62,15 +62,26 @@ impl Report {
             Some(floor) => format!("no held force can be nearer to the ideal than {floor:.2} %"),
             None => "the ideal has no contact, so there is no force error".into(),
         };
+        let integrated = if self.ideal_error > 0.0 {
+            format!(
+                " (integrated to {} of the largest)",
+                digits(self.ideal_error)
+            )
+        } else {
+            String::new()
+        };
         format!(
-            "{}, {}; {floor}",
+            "{}, {}{integrated}; {floor}",
             counted(self.window_periods, "period"),
             counted(self.ideal_collisions, "ideal collision")
         )
     }
 
     fn method_table(&self) -> Table {
-        let closed_loop = self.methods.iter().any(|method| method.diverged.is_some());
+        let lossless = self
+            .methods
+            .iter()
+            .any(|method| method.energy_drift_percent.is_some());
         let mut header = vec![
             "method",
             "E %",
@@ -81,7 +92,7 @@ impl Report {
             "leak mJ",
             "|leak| mJ",
         ];
-        if closed_loop {
+        if lossless {
             header.push("drift %");
         }
         let remarkable = self
@@ -103,7 +114,7 @@ impl Report {
                 number(Some(1e3 * method.leak_held_j), digits),
                 number(Some(1e3 * method.absolute_leak_held_j), digits),
             ];
-            if closed_loop {
+            if lossless {
                 cells.push(number(method.energy_drift_percent, percent));
             }
             if remarkable {
@@ -133,9 +144,12 @@ impl MethodReport {
 
 fn collision_table(method: &MethodReport, most: usize) -> Table {
     let mut header = vec!["start s", "impulse N s", "error %", "peak N", "error %"];
-    // A recorded device does not rebound.
-    let closed_loop = method.diverged.is_some();
-    if closed_loop {
+    // A recorded device does not rebound, and friction takes its share of a rebound.
+    let rebounds = method
+        .collisions
+        .iter()
+        .any(|collision| collision.rebound_energy_error_percent.is_some());
+    if rebounds {
         header.push("rebound energy error %");
     }
     let mut table = plain_table(CellAlignment::Right, &header);
@@ -148,7 +162,7 @@ fn collision_table(method: &MethodReport, most: usize) -> Table {
             number(Some(collision.ideal_peak_force_n), digits),
             in_percent(collision.peak_force_error_percent),
         ];
-        if closed_loop {
+        if rebounds {
             cells.push(in_percent(collision.rebound_energy_error_percent));
         }
         table.add_row(cells);

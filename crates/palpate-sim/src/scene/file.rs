@@ -3,11 +3,11 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use palpate::{Contact, LoopParams, Mass, ObjectState, ParameterError, SehEstimate, Side};
+use palpate::{Contact, LoopParams, ObjectState, ParameterError, SehEstimate, Side};
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::{Measure, PointMassDevice, Scene, SetupError};
+use super::{Grip, Measure, PointMassDevice, Scene, SetupError, Wave};
 use crate::method::{Damping, MethodName, Settings, SettingsError, nearest};
 
 /// The version of scene files this crate reads.
@@ -90,12 +90,16 @@ struct RawDevice {
     position_m: Option<Spanned<f64>>,
     velocity_m_per_s: Option<Spanned<f64>>,
     encoder_quantum_m: Option<Spanned<f64>>,
+    viscous_n_s_per_m: Option<Spanned<f64>>,
+    coulomb_n: Option<Spanned<f64>>,
+    motor_limit_n: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum HandKind {
     ConstantForce,
+    Impedance,
 }
 
 #[derive(Deserialize)]
@@ -103,6 +107,14 @@ enum HandKind {
 struct RawHand {
     kind: HandKind,
     force_n: Option<Spanned<f64>>,
+    tremor_n: Option<Spanned<f64>>,
+    tremor_hz: Option<Spanned<f64>>,
+    mass_kg: Option<Spanned<f64>>,
+    stiffness_n_per_m: Option<Spanned<f64>>,
+    damping_n_s_per_m: Option<Spanned<f64>>,
+    position_m: Option<Spanned<f64>>,
+    swing_m: Option<Spanned<f64>>,
+    swing_hz: Option<Spanned<f64>>,
 }
 
 impl Default for RawHand {
@@ -110,6 +122,14 @@ impl Default for RawHand {
         Self {
             kind: HandKind::ConstantForce,
             force_n: None,
+            tremor_n: None,
+            tremor_hz: None,
+            mass_kg: None,
+            stiffness_n_per_m: None,
+            damping_n_s_per_m: None,
+            position_m: None,
+            swing_m: None,
+            swing_hz: None,
         }
     }
 }
@@ -163,6 +183,55 @@ impl Places {
     }
 }
 
+/// Amplitude and frequency, both or neither; the place of one that stands alone.
+fn wave(
+    places: &mut Places,
+    names: [&'static str; 2],
+    values: [Option<Spanned<f64>>; 2],
+) -> Result<Option<Wave>, Range<usize>> {
+    match values {
+        [Some(amplitude), Some(frequency)] => Ok(Some(Wave {
+            amplitude: places.take(names[0], amplitude),
+            frequency_hz: places.take(names[1], frequency),
+        })),
+        [None, None] => Ok(None),
+        [Some(alone), None] | [None, Some(alone)] => Err(alone.span()),
+    }
+}
+
+/// What a hand of kind `impedance` has; the place of a key that its kind has no use for.
+fn grip(places: &mut Places, hand: RawHand) -> Result<Option<Grip>, (Range<usize>, &'static str)> {
+    if matches!(hand.kind, HandKind::ConstantForce) {
+        let of_a_grip = [
+            hand.mass_kg,
+            hand.stiffness_n_per_m,
+            hand.damping_n_s_per_m,
+            hand.position_m,
+            hand.swing_m,
+            hand.swing_hz,
+        ];
+        return match of_a_grip.into_iter().flatten().next() {
+            None => Ok(None),
+            Some(key) => Err((
+                key.span(),
+                "a hand of kind constant-force has no use for this; kind = \"impedance\" has",
+            )),
+        };
+    }
+    Ok(Some(Grip {
+        mass: places.take_or("hand mass", hand.mass_kg, 0.0),
+        stiffness: places.take_or("hand stiffness", hand.stiffness_n_per_m, 0.0),
+        damping: places.take_or("hand damping", hand.damping_n_s_per_m, 0.0),
+        position: places.take_or("hand position", hand.position_m, 0.0),
+        swing: wave(
+            places,
+            ["swing", "swing frequency"],
+            [hand.swing_m, hand.swing_hz],
+        )
+        .map_err(|span| (span, "a swing needs both swing_m and swing_hz"))?,
+    }))
+}
+
 impl SceneFile {
     /// Reads a scene from the text of a file called `name`, and checks it for the method it names
     /// and for every method it has settings for.
@@ -190,7 +259,6 @@ impl SceneFile {
             )
         })?;
         let DeviceKind::PointMass = raw.device.kind;
-        let HandKind::ConstantForce = raw.hand.kind;
         let mut places = Places::default();
 
         let measure_span = raw.measure.span();
@@ -238,6 +306,7 @@ impl SceneFile {
                 places.take("object_mass", raw.object.mass_kg),
             )
         };
+        let mut hand = raw.hand;
         let scene = Scene {
             title: raw.title,
             contact,
@@ -262,8 +331,22 @@ impl SceneFile {
                     raw.device.encoder_quantum_m,
                     0.0,
                 ),
+                viscous_friction: places.take_or(
+                    "viscous friction",
+                    raw.device.viscous_n_s_per_m,
+                    0.0,
+                ),
+                coulomb_friction: places.take_or("Coulomb friction", raw.device.coulomb_n, 0.0),
+                largest_force: limit(&mut places, "motor limit", raw.device.motor_limit_n),
             },
-            user_force: places.take_or("user force", raw.hand.force_n, 0.0),
+            user_force: places.take_or("user force", hand.force_n.take(), 0.0),
+            tremor: wave(
+                &mut places,
+                ["tremor", "tremor frequency"],
+                [hand.tremor_n.take(), hand.tremor_hz.take()],
+            )
+            .map_err(|span| fault(span, "a tremor needs both tremor_n and tremor_hz".into()))?,
+            grip: grip(&mut places, hand).map_err(|(span, message)| fault(span, message.into()))?,
             delay: places.take_or("delay", raw.r#loop.delay_samples, 0),
             measure,
             method: raw.renderer.method.unwrap_or(MethodName::Hfcr),
@@ -360,65 +443,6 @@ fn in_plain_words(message: &str) -> String {
         None => format!("unknown key {unknown}. Known here: {all}"),
     }
 }
-
-impl Scene {
-    /// Checks what no renderer looks at.
-    ///
-    /// # Errors
-    /// The first value outside its range, under the name the file reader knows it by.
-    pub fn check(&self) -> Result<(), ParameterError> {
-        let out_of_range = |parameter, unit, value: f64, allowed| {
-            Err(ParameterError {
-                parameter,
-                value,
-                unit,
-                allowed,
-            })
-        };
-        for (parameter, unit, value) in [
-            ("object position", "m", self.object.position),
-            ("object velocity", "m/s", self.object.velocity),
-            ("virtual force", "N", self.virtual_force),
-            ("device position", "m", self.device.position),
-            ("device velocity", "m/s", self.device.velocity),
-            ("user force", "N", self.user_force),
-        ] {
-            if !value.is_finite() {
-                return out_of_range(parameter, unit, value, "finite");
-            }
-        }
-        let is_wall = self.contact.object_mass == Mass::Infinite;
-        if is_wall && self.object.velocity != 0.0 {
-            return out_of_range(
-                "object velocity",
-                "m/s",
-                self.object.velocity,
-                "0 for a wall",
-            );
-        }
-        let mass = self.device.mass;
-        if !(mass.is_finite() && mass > 0.0) {
-            return out_of_range("device_mass", "kg", mass, "finite and greater than 0");
-        }
-        let quantum = self.device.encoder_quantum;
-        if !(quantum.is_finite() && quantum >= 0.0) {
-            return out_of_range("encoder_quantum", "m", quantum, "finite and not below 0");
-        }
-        if self.delay > MOST_DELAY {
-            return out_of_range("delay", "samples", self.delay as f64, "at most 1024");
-        }
-        match self.measure {
-            Measure::Collisions(0) => out_of_range("measured collisions", "", 0.0, "at least 1"),
-            Measure::Duration(duration) if !(duration.is_finite() && duration > 0.0) => {
-                out_of_range("duration", "s", duration, "finite and greater than 0")
-            }
-            _ => Ok(()),
-        }
-    }
-}
-
-/// Longest delay `[samples]`, that of the bench's hold.
-const MOST_DELAY: usize = palpate_testbed::hold::DelayedHold::LONGEST_DELAY;
 
 impl<'de> Deserialize<'de> for Damping {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {

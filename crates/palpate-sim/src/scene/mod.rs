@@ -3,6 +3,7 @@
 //! A scene file is TOML with a format version; every quantity is SI and carries its unit in its
 //! key. Unknown keys are errors. See `experiments/` for the paper's scenes.
 
+mod check;
 mod file;
 
 pub use file::{SceneError, SceneFile};
@@ -32,6 +33,10 @@ pub struct Scene {
     pub device: PointMassDevice,
     /// Constant force f_u of the hand on the device `[N]`.
     pub user_force: f64,
+    /// The hand's own mass, spring and damper, if it has any.
+    pub grip: Option<Grip>,
+    /// Tremor force of the hand, its amplitude in `[N]`.
+    pub tremor: Option<Wave>,
     /// Whole samples between measuring and actuating.
     pub delay: usize,
     /// How long to look.
@@ -42,8 +47,8 @@ pub struct Scene {
     pub settings: HashMap<MethodName, Settings>,
 }
 
-/// A point mass without friction.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A point mass.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PointMassDevice {
     /// Mass `[kg]`.
     pub mass: f64,
@@ -53,6 +58,37 @@ pub struct PointMassDevice {
     pub velocity: f64,
     /// Quantum of the position sensor `[m]`; 0 for an ideal one.
     pub encoder_quantum: f64,
+    /// Viscous friction `[N s/m]`.
+    pub viscous_friction: f64,
+    /// Coulomb friction `[N]`.
+    pub coulomb_friction: f64,
+    /// Largest force of the motor `[N]`; a larger one is given only in part.
+    pub largest_force: Option<f64>,
+}
+
+/// A hand that holds the device: its mass moves with it, and a spring and a damper pull it to where
+/// the hand wants to be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grip {
+    /// Mass `[kg]`.
+    pub mass: f64,
+    /// Stiffness `[N/m]`.
+    pub stiffness: f64,
+    /// Damping `[N s/m]`.
+    pub damping: f64,
+    /// Where the hand wants to be `[m]`.
+    pub position: f64,
+    /// Swing of that place, its amplitude in `[m]`.
+    pub swing: Option<Wave>,
+}
+
+/// A sine that begins at 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wave {
+    /// Amplitude, in the unit of what swings.
+    pub amplitude: f64,
+    /// Frequency `[Hz]`.
+    pub frequency_hz: f64,
 }
 
 /// The window over which a run is judged.

@@ -32,7 +32,7 @@ fn assert_faults(table: &str, rows: usize) {
 fn an_unknown_key_is_named_with_the_nearest_known_one() {
     assert_faults(
         r#"mass_kg = 0.25\n -> mass_kg = 0.25\nmas_kg = 1\n
-  15:1: unknown key mas_kg, did you mean mass_kg? Known here: kind, mass_kg, position_m, velocity_m_per_s, encoder_quantum_m
+  15:1: unknown key mas_kg, did you mean mass_kg? Known here: kind, mass_kg, position_m, velocity_m_per_s, encoder_quantum_m, viscous_n_s_per_m, coulomb_n, motor_limit_n
   mas_kg
 period_s -> perod_s
   24:1: unknown key perod_s, did you mean period_s? Known here: period_s, delay_samples
@@ -97,7 +97,7 @@ kind = "point-mass" -> kind = "pantograph"
   13:8: unknown variant `pantograph`, expected `point-mass`
   "pantograph"
 kind = "constant-force" -> kind = "spring"
-  20:8: unknown variant `spring`, expected `constant-force`
+  20:8: unknown variant `spring`, expected `constant-force` or `impedance`
   "spring"
 delay_samples = 0 -> delay_samples = -1
   25:17: invalid value: integer `-1`, expected a whole number from 0 up
@@ -252,6 +252,49 @@ estimate = "ab2" -> damping_n_s_per_m = 1
   45:10: seh has no use for damping_n_s_per_m; it is for virtual-damper, hfcr
   seh"#,
         14,
+    );
+}
+
+#[test]
+fn friction_and_a_hand_have_ranges_and_belong_together() {
+    assert_faults(
+        r#"encoder_quantum_m = 0 -> viscous_n_s_per_m = -1
+  17:21: viscous friction is -1 N s/m, but must be finite and not below 0
+  -1
+encoder_quantum_m = 0 -> coulomb_n = nan
+  17:13: Coulomb friction is NaN N, but must be finite and not below 0
+  nan
+encoder_quantum_m = 0 -> motor_limit_n = 0
+  17:17: motor limit is 0 N, but must be finite and greater than 0
+  0
+force_n = 1\n -> tremor_n = 0.1\n
+  21:12: a tremor needs both tremor_n and tremor_hz
+  0.1
+force_n = 1\n -> tremor_n = 0.1\ntremor_hz = -8\n
+  22:13: tremor frequency is -8 Hz, but must be finite and greater than 0
+  -8
+force_n = 1\n -> stiffness_n_per_m = 100\n
+  21:21: a hand of kind constant-force has no use for this; kind = "impedance" has
+  100
+kind = "constant-force"\nforce_n = 1 -> kind = "impedance"\nstiffness_n_per_m = -100
+  21:21: hand stiffness is -100 N/m, but must be finite and not below 0
+  -100
+kind = "constant-force"\nforce_n = 1 -> kind = "impedance"\nmass_kg = inf
+  21:11: hand mass is inf kg, but must be finite and not below 0
+  inf
+kind = "constant-force"\nforce_n = 1 -> kind = "impedance"\ndamping_n_s_per_m = -3
+  21:21: hand damping is -3 N s/m, but must be finite and not below 0
+  -3
+kind = "constant-force"\nforce_n = 1 -> kind = "impedance"\nposition_m = nan
+  21:14: hand position is NaN m, but must be finite
+  nan
+kind = "constant-force"\nforce_n = 1 -> kind = "impedance"\nswing_m = 0.01
+  21:11: a swing needs both swing_m and swing_hz
+  0.01
+kind = "constant-force"\nforce_n = 1 -> kind = "impedance"\nswing_m = 0.01\nswing_hz = 0
+  22:12: swing frequency is 0 Hz, but must be finite and greater than 0
+  0"#,
+        12,
     );
 }
 

@@ -1,0 +1,120 @@
+//! Ranges of what a scene states.
+
+use palpate::{Mass, ParameterError};
+use palpate_testbed::hold::DelayedHold;
+
+use super::{Measure, Scene};
+
+/// Longest delay `[samples]`, that of the bench's hold.
+const MOST_DELAY: usize = DelayedHold::LONGEST_DELAY;
+
+impl Scene {
+    /// Checks what no renderer looks at.
+    ///
+    /// # Errors
+    /// The first value outside its range, under the name the file reader knows it by.
+    pub fn check(&self) -> Result<(), ParameterError> {
+        let out_of_range = |parameter, unit, value: f64, allowed| {
+            Err(ParameterError {
+                parameter,
+                value,
+                unit,
+                allowed,
+            })
+        };
+        for (parameter, unit, value) in [
+            ("object position", "m", self.object.position),
+            ("object velocity", "m/s", self.object.velocity),
+            ("virtual force", "N", self.virtual_force),
+            ("device position", "m", self.device.position),
+            ("device velocity", "m/s", self.device.velocity),
+            ("user force", "N", self.user_force),
+            (
+                "hand position",
+                "m",
+                self.grip.map_or(0.0, |grip| grip.position),
+            ),
+            (
+                "tremor",
+                "N",
+                self.tremor.map_or(0.0, |wave| wave.amplitude),
+            ),
+            (
+                "swing",
+                "m",
+                self.swing().map_or(0.0, |wave| wave.amplitude),
+            ),
+        ] {
+            if !value.is_finite() {
+                return out_of_range(parameter, unit, value, "finite");
+            }
+        }
+        let is_wall = self.contact.object_mass == Mass::Infinite;
+        if is_wall && self.object.velocity != 0.0 {
+            return out_of_range(
+                "object velocity",
+                "m/s",
+                self.object.velocity,
+                "0 for a wall",
+            );
+        }
+        let mass = self.device.mass;
+        if !(mass.is_finite() && mass > 0.0) {
+            return out_of_range("device_mass", "kg", mass, "finite and greater than 0");
+        }
+        for (parameter, unit, value) in [
+            ("encoder_quantum", "m", self.device.encoder_quantum),
+            ("viscous friction", "N s/m", self.device.viscous_friction),
+            ("Coulomb friction", "N", self.device.coulomb_friction),
+            ("hand mass", "kg", self.grip.map_or(0.0, |grip| grip.mass)),
+            (
+                "hand stiffness",
+                "N/m",
+                self.grip.map_or(0.0, |grip| grip.stiffness),
+            ),
+            (
+                "hand damping",
+                "N s/m",
+                self.grip.map_or(0.0, |grip| grip.damping),
+            ),
+        ] {
+            if !(value.is_finite() && value >= 0.0) {
+                return out_of_range(parameter, unit, value, "finite and not below 0");
+            }
+        }
+        for (parameter, unit, value) in [
+            ("motor limit", "N", self.device.largest_force),
+            (
+                "tremor frequency",
+                "Hz",
+                self.tremor.map(|wave| wave.frequency_hz),
+            ),
+            (
+                "swing frequency",
+                "Hz",
+                self.swing().map(|wave| wave.frequency_hz),
+            ),
+        ] {
+            if let Some(value) = value
+                && !(value.is_finite() && value > 0.0)
+            {
+                return out_of_range(parameter, unit, value, "finite and greater than 0");
+            }
+        }
+        if self.delay > MOST_DELAY {
+            return out_of_range("delay", "samples", self.delay as f64, "at most 1024");
+        }
+        match self.measure {
+            Measure::Collisions(0) => out_of_range("measured collisions", "", 0.0, "at least 1"),
+            Measure::Duration(duration) if !(duration.is_finite() && duration > 0.0) => {
+                out_of_range("duration", "s", duration, "finite and greater than 0")
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Swing of the hand's intended position.
+    fn swing(&self) -> Option<super::Wave> {
+        self.grip.and_then(|grip| grip.swing)
+    }
+}

@@ -1,0 +1,177 @@
+//! Scenes whose device has friction or is held by a hand of its own.
+#![allow(clippy::print_stdout)] // what was measured
+
+use palpate_sim::closed_loop::Bench;
+use palpate_sim::method::MethodName;
+use palpate_sim::run::Run;
+use palpate_sim::scene::{Grip, Measure, Scene, SceneFile, Wave};
+
+fn experiment(name: &str) -> Scene {
+    let path = format!(
+        "{}/../../experiments/{name}.toml",
+        env!("CARGO_MANIFEST_DIR")
+    );
+    let text = std::fs::read_to_string(&path).unwrap();
+    SceneFile::parse(&path, &text).unwrap().scene
+}
+
+fn run(scene: &Scene, method: MethodName) -> Run {
+    Bench::new(scene).unwrap().run(method).unwrap()
+}
+
+fn error(run: &Run) -> f64 {
+    run.force.fidelity.unwrap().mean_force_error
+}
+
+fn in_a_hand() -> Scene {
+    let mut scene = experiment("experiment1");
+    scene.device.viscous_friction = 0.2;
+    scene.device.coulomb_friction = 0.02;
+    scene.user_force = 0.0;
+    scene.grip = Some(Grip {
+        mass: 0.1,
+        stiffness: 60.0,
+        damping: 1.0,
+        position: 0.03,
+        swing: Some(Wave {
+            amplitude: 0.02,
+            frequency_hz: 1.0,
+        }),
+    });
+    scene.tremor = Some(Wave {
+        amplitude: 0.1,
+        frequency_hz: 8.0,
+    });
+    scene
+}
+
+#[test]
+fn a_trace_of_friction_changes_the_judgement_by_a_trace() {
+    // The exact ideal and the integrated one meet where friction vanishes.
+    for name in ["fig2", "experiment1"] {
+        let free = experiment(name);
+        let mut rough = free.clone();
+        rough.device.viscous_friction = 1e-7;
+        for method in [MethodName::Hfcr, MethodName::VirtualDamper] {
+            let (a, b) = (run(&free, method), run(&rough, method));
+            let (floor_a, floor_b) = (
+                a.force.fidelity.unwrap().hold_floor,
+                b.force.fidelity.unwrap().hold_floor,
+            );
+            println!("{name} {method}: E {} and {}", error(&a), error(&b));
+            assert!((error(&a) - error(&b)).abs() < 2e-3, "{name} {method}");
+            assert!((floor_a - floor_b).abs() < 1e-3, "{floor_a} {floor_b}");
+            assert!(a.energy.is_some() && b.energy.is_none());
+            assert_eq!((a.diverged, b.diverged), (Some(false), Some(false)));
+        }
+    }
+}
+
+#[test]
+fn the_integrated_ideal_says_how_exact_it_is() {
+    let scene = in_a_hand();
+    let bench = Bench::new(&scene).unwrap();
+    let reported = bench.reference().error;
+    println!("integrated to {reported:.1e} of the largest impulse");
+    assert!(reported > 0.0 && reported < 1e-6, "{reported}");
+    assert_eq!(
+        Bench::new(&experiment("fig2")).unwrap().reference().error,
+        0.0
+    );
+}
+
+#[test]
+fn friction_keeps_a_loop_together_that_diverges_without_it() {
+    let mut scene = experiment("experiment2");
+    scene.measure = Measure::Duration(1.24);
+    let wild = run(&scene, MethodName::Basic);
+    scene.device.viscous_friction = 8.0;
+    let tamed = run(&scene, MethodName::Basic);
+    println!(
+        "E {} without, {} with friction",
+        error(&wild),
+        error(&tamed)
+    );
+    assert_eq!((wild.diverged, tamed.diverged), (Some(true), Some(false)));
+    assert!(tamed.force.peak_force < wild.force.peak_force);
+}
+
+#[test]
+fn a_loop_with_friction_that_runs_away_is_seen_to() {
+    let mut scene = experiment("experiment2");
+    scene.device.viscous_friction = 0.01;
+    assert_eq!(run(&scene, MethodName::HfcrMod).diverged, Some(true));
+}
+
+#[test]
+fn books_balance_against_the_bench_with_friction_hand_tremor_and_a_weak_motor() {
+    let mut scene = in_a_hand();
+    scene.device.largest_force = Some(2.0);
+    for method in MethodName::ALL {
+        let run = run(&scene, method);
+        let ledger = run.last().ledger;
+        let bench = run.bench_port_work.unwrap();
+        let turned_over = ledger.held_leak.absolute + ledger.original_leak.absolute + 1.0;
+        assert!(
+            (ledger.port_work - bench).abs() < 1e-10 * turned_over,
+            "{method}: {} and {bench}",
+            ledger.port_work
+        );
+        let held = run.ticks.iter().map(|tick| tick.held_force_on_object.abs());
+        let strongest = held.fold(0.0, f64::max);
+        assert_eq!(strongest, 2.0, "{method}: the motor's limit acts");
+    }
+}
+
+#[test]
+fn a_mirrored_hand_mirrors_the_run() {
+    let scene = in_a_hand();
+    let mut mirrored = scene.clone();
+    mirrored.contact.side = palpate::Side::Negative;
+    for value in [
+        &mut mirrored.object.position,
+        &mut mirrored.object.velocity,
+        &mut mirrored.virtual_force,
+        &mut mirrored.device.position,
+        &mut mirrored.device.velocity,
+    ] {
+        *value = -*value;
+    }
+    if let Some(grip) = &mut mirrored.grip {
+        grip.position = -grip.position;
+        grip.swing = grip.swing.map(|wave| Wave {
+            amplitude: -wave.amplitude,
+            ..wave
+        });
+    }
+    mirrored.tremor = mirrored.tremor.map(|wave| Wave {
+        amplitude: -wave.amplitude,
+        ..wave
+    });
+    let (a, b) = (
+        run(&scene, MethodName::Hfcr),
+        run(&mirrored, MethodName::Hfcr),
+    );
+    assert!(a.ticks.len() > 20);
+    for (a, b) in a.ticks.iter().zip(&b.ticks) {
+        assert_eq!(a.device_position, -b.device_position);
+        assert_eq!(a.held_force_on_object, -b.held_force_on_object);
+    }
+    assert_eq!(error(&a), error(&b));
+}
+
+#[test]
+fn every_method_is_better_than_no_force_in_a_damped_hand() {
+    let scene = in_a_hand();
+    for method in MethodName::ALL {
+        let run = run(&scene, method);
+        let fidelity = run.force.fidelity.unwrap();
+        println!(
+            "{method:16} E {:6.1} %, FRE/floor {:5.2}",
+            fidelity.mean_force_error,
+            fidelity.error_over_floor.unwrap()
+        );
+        assert_eq!(run.diverged, Some(false), "{method}");
+    }
+    assert!(error(&run(&scene, MethodName::Hfcr)) < 40.0);
+}
