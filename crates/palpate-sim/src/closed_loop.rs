@@ -170,7 +170,8 @@ impl<'a> Bench<'a> {
         let mut port_work = 0.0;
         for i in 0..=self.intervals {
             let time = i as f64 * period;
-            let measured = sign * sampler.sample(device.position());
+            device.sample(period);
+            let measured = sign * device.measured(&sampler);
             let output = renderer.step(
                 &mut state,
                 Sample::at(measured).with_virtual_force(scene.virtual_force),
@@ -297,12 +298,7 @@ fn integrated_ideal(
         Measure::Duration(duration) => Stop::AfterPeriods(whole_periods(duration, period)?),
     };
     // A motor's limit is no part of the ideal.
-    let mut unlimited = scene.clone();
-    unlimited.device.largest_force = None;
-    let plant = match plant {
-        Plant::Held(_) => Plant::of(&unlimited, sign)?,
-        Plant::Free(_) => plant.clone(),
-    };
+    let plant = plant.without_motor_limits(scene, sign)?;
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

@@ -4,6 +4,8 @@ use palpate_testbed::InvalidParameter;
 use palpate_testbed::device::{Device, PointMass};
 use palpate_testbed::hand::{Hand, IntendedPath, Intention, Sinusoid};
 use palpate_testbed::held_mass::HeldMass;
+use palpate_testbed::measure::Sampler;
+use palpate_testbed::pantograph::Pantograph;
 
 use crate::scene::{Scene, Wave};
 
@@ -14,11 +16,25 @@ pub(crate) enum Plant {
     Free(PointMass),
     /// With friction, a limit of its motor, or a hand of its own.
     Held(Box<HeldMass>),
+    /// A linkage; positions count from its home.
+    Linkage {
+        /// The mechanism.
+        device: Box<Pantograph>,
+        /// y in the home pose `[m]`.
+        home: f64,
+    },
 }
 
 impl Plant {
     /// The plant of a scene that has been checked; `sign` mirrors it to the canonical side.
     pub fn of(scene: &Scene, sign: f64) -> Result<Self, InvalidParameter> {
+        if let Some(linkage) = scene.linkage {
+            let device = linkage.device(scene.device.position, scene.user_force, false)?;
+            return Ok(Self::Linkage {
+                device: Box::new(device),
+                home: linkage.home()?[1],
+            });
+        }
         let device = &scene.device;
         let (position, velocity) = (sign * device.position, sign * device.velocity);
         if is_free(scene) && device.largest_force.is_none() {
@@ -62,15 +78,47 @@ impl Plant {
     /// Force on the object that the motor really holds when it is to hold `force` `[N]`.
     pub fn given_force(&self, force: f64) -> f64 {
         match self {
-            Self::Free(_) => force,
+            // A linkage's motors give torques; what they give at the end-point varies over the
+            // interval.
+            Self::Free(_) | Self::Linkage { .. } => force,
             Self::Held(held) => held.given_force(force),
+        }
+    }
+
+    /// The same plant without the limits of its motors, whose ideal is asked for.
+    pub fn without_motor_limits(&self, scene: &Scene, sign: f64) -> Result<Self, InvalidParameter> {
+        match (self, scene.linkage) {
+            (Self::Linkage { home, .. }, Some(linkage)) => Ok(Self::Linkage {
+                device: Box::new(linkage.device(scene.device.position, scene.user_force, true)?),
+                home: *home,
+            }),
+            (Self::Held(_), _) => {
+                let mut unlimited = scene.clone();
+                unlimited.device.largest_force = None;
+                Self::of(&unlimited, sign)
+            }
+            (plant, _) => Ok(plant.clone()),
+        }
+    }
+
+    /// Position as the loop's sensor reports it `[m]`.
+    pub fn measured(&self, sampler: &Sampler) -> f64 {
+        match self {
+            Self::Linkage { device, home } => {
+                device
+                    .measured_pose()
+                    .map_or_else(|| device.position(), |pose| pose.position[1])
+                    - home
+            }
+            _ => sampler.sample(self.position()),
         }
     }
 }
 
 /// Whether the scene's ideal is known in closed form. A motor's limit is no part of the ideal.
 pub(crate) fn is_free(scene: &Scene) -> bool {
-    scene.device.viscous_friction == 0.0
+    scene.linkage.is_none()
+        && scene.device.viscous_friction == 0.0
         && scene.device.coulomb_friction == 0.0
         && scene.grip.is_none()
         && scene.tremor.is_none()
@@ -81,6 +129,7 @@ impl Device for Plant {
         match self {
             Self::Free(device) => device.position(),
             Self::Held(device) => device.position(),
+            Self::Linkage { device, home } => device.position() - home,
         }
     }
 
@@ -88,6 +137,7 @@ impl Device for Plant {
         match self {
             Self::Free(device) => device.velocity(),
             Self::Held(device) => device.velocity(),
+            Self::Linkage { device, .. } => device.velocity(),
         }
     }
 
@@ -95,6 +145,13 @@ impl Device for Plant {
         match self {
             Self::Free(device) => device.advance(force_on_object, duration),
             Self::Held(device) => device.advance(force_on_object, duration),
+            Self::Linkage { device, .. } => device.advance(force_on_object, duration),
+        }
+    }
+
+    fn sample(&mut self, period: f64) {
+        if let Self::Linkage { device, .. } = self {
+            device.sample(period);
         }
     }
 
@@ -102,6 +159,7 @@ impl Device for Plant {
         match self {
             Self::Free(device) => device.stored_energy(),
             Self::Held(device) => device.stored_energy(),
+            Self::Linkage { device, .. } => device.stored_energy(),
         }
     }
 }

@@ -70,6 +70,7 @@ prop_compose! {
                 encoder_quantum: quantum * way,
                 ..PointMassDevice::default()
             },
+            linkage: None,
             grip: None,
             tremor: None,
             user_force: sign * accelerations.0 * per_period * device_mass,

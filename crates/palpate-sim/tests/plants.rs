@@ -175,3 +175,48 @@ fn every_method_is_better_than_no_force_in_a_damped_hand() {
     }
     assert!(error(&run(&scene, MethodName::Hfcr)) < 40.0);
 }
+
+#[test]
+fn the_paper_s_experiments_run_on_the_virtual_pantograph() {
+    for (name, point_mass, best, floor) in [
+        ("fig4", "experiment1", MethodName::HfcrModSt, 17.0),
+        ("fig5", "experiment2", MethodName::HfcrModSt, 34.0),
+    ] {
+        let scene = experiment(name);
+        assert!((scene.device.mass - 0.25).abs() < 0.005, "effective mass");
+        let bench = Bench::new(&scene).unwrap();
+        assert!(
+            bench.reference().error < 1e-6,
+            "{}",
+            bench.reference().error
+        );
+        let errors: Vec<_> = MethodName::ALL
+            .into_iter()
+            .map(|method| {
+                let run = bench.run(method).unwrap();
+                let fidelity = run.force.fidelity.unwrap();
+                assert!((fidelity.hold_floor - floor).abs() < 0.1, "{fidelity:?}");
+                println!(
+                    "{name} {method:16} FRE {:6.1} %",
+                    fidelity.force_rendering_error
+                );
+                (fidelity.mean_force_error, method)
+            })
+            .collect();
+        let least = errors.iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
+        // hfcr with b = 0 is the same method on the first of them.
+        let with = |wanted| {
+            errors
+                .iter()
+                .find(|(_, method)| *method == wanted)
+                .unwrap()
+                .0
+        };
+        assert_eq!(least.0, with(best), "{name}: {least:?}");
+        // The mechanism is near its point mass: the ideal collides within 2 ms of it.
+        let free = experiment(point_mass);
+        let free = Bench::new(&free).unwrap();
+        let first = |bench: &Bench| bench.reference().profile.collisions()[0].start;
+        assert!((first(&bench) - first(&free)).abs() < 2e-3);
+    }
+}

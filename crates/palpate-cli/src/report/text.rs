@@ -42,7 +42,11 @@ impl Report {
             Mass::Infinite => "wall".into(),
         };
         let device = match (self.device_mass_kg, self.kappa) {
-            (Some(mass), Some(kappa)) => format!(", device {mass} kg (kappa {})", digits(kappa)),
+            (Some(mass), Some(kappa)) => {
+                // A linkage's effective mass has more digits than anyone wants.
+                let mass = (mass * 1e6).round() / 1e6;
+                format!(", device {mass} kg (kappa {})", digits(kappa))
+            }
             _ => String::new(),
         };
         let delay = match self.delay_samples {

@@ -1,6 +1,6 @@
 //! Ranges of what a scene states.
 
-use palpate::{Mass, ParameterError};
+use palpate::{Mass, ParameterError, Side};
 use palpate_testbed::hold::DelayedHold;
 
 use super::{Measure, Scene};
@@ -57,6 +57,19 @@ impl Scene {
                 self.object.velocity,
                 "0 for a wall",
             );
+        }
+        if self.linkage.is_some() {
+            if self.contact.side != Side::Positive {
+                return out_of_range("side", "", -1.0, "positive for a pantograph");
+            }
+            if self.grip.is_some() || self.tremor.is_some() {
+                return out_of_range(
+                    "user force",
+                    "N",
+                    self.user_force,
+                    "all of the hand of a pantograph",
+                );
+            }
         }
         let mass = self.device.mass;
         if !(mass.is_finite() && mass > 0.0) {

@@ -7,7 +7,7 @@ use palpate::{Contact, LoopParams, ObjectState, ParameterError, SehEstimate, Sid
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::{Grip, Measure, PointMassDevice, Scene, SetupError, Wave};
+use super::{Grip, Linkage, Measure, PointMassDevice, Scene, SetupError, Wave};
 use crate::method::{Damping, MethodName, Settings, SettingsError, nearest};
 
 /// The version of scene files this crate reads.
@@ -80,13 +80,15 @@ struct RawObject {
 #[serde(rename_all = "kebab-case")]
 enum DeviceKind {
     PointMass,
+    Pantograph,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RawDevice {
-    kind: DeviceKind,
-    mass_kg: Spanned<f64>,
+    kind: Spanned<DeviceKind>,
+    preset: Option<Spanned<Linkage>>,
+    mass_kg: Option<Spanned<f64>>,
     position_m: Option<Spanned<f64>>,
     velocity_m_per_s: Option<Spanned<f64>>,
     encoder_quantum_m: Option<Spanned<f64>>,
@@ -183,6 +185,41 @@ impl Places {
     }
 }
 
+/// The linkage of a device of kind `pantograph`; the place of what a kind lacks or has no use for.
+fn linkage(device: &mut RawDevice) -> Result<Option<Linkage>, (Range<usize>, &'static str)> {
+    let kind = device.kind.span();
+    match (device.kind.get_ref(), device.preset.take()) {
+        (DeviceKind::PointMass, Some(preset)) => Err((
+            preset.span(),
+            "only a device of kind pantograph has a preset",
+        )),
+        (DeviceKind::PointMass, None) if device.mass_kg.is_some() => Ok(None),
+        (DeviceKind::PointMass, None) => Err((kind, "a device of kind point-mass needs mass_kg")),
+        (DeviceKind::Pantograph, None) => Err((
+            kind,
+            "a device of kind pantograph needs a preset: paper-like, 2diy-gen1, 2diy-gen2 or \
+             2diy-gen3",
+        )),
+        (DeviceKind::Pantograph, Some(preset)) => {
+            let of_a_point_mass = [
+                &device.mass_kg,
+                &device.velocity_m_per_s,
+                &device.encoder_quantum_m,
+                &device.viscous_n_s_per_m,
+                &device.coulomb_n,
+                &device.motor_limit_n,
+            ];
+            match of_a_point_mass.into_iter().flatten().next() {
+                None => Ok(Some(preset.into_inner())),
+                Some(key) => Err((
+                    key.span(),
+                    "a pantograph's preset says this; only position_m stands beside it",
+                )),
+            }
+        }
+    }
+}
+
 /// Amplitude and frequency, both or neither; the place of one that stands alone.
 fn wave(
     places: &mut Places,
@@ -258,7 +295,6 @@ impl SceneFile {
                 in_plain_words(error.message()),
             )
         })?;
-        let DeviceKind::PointMass = raw.device.kind;
         let mut places = Places::default();
 
         let measure_span = raw.measure.span();
@@ -307,6 +343,17 @@ impl SceneFile {
             )
         };
         let mut hand = raw.hand;
+        let mut device = raw.device;
+        let linkage =
+            linkage(&mut device).map_err(|(span, message)| fault(span, message.into()))?;
+        let device_position = places.take_or("device position", device.position_m.take(), 0.0);
+        let device_mass = match linkage {
+            Some(linkage) => linkage
+                .effective_mass(device_position)
+                .map_err(|error| fault(device.kind.span(), error.to_string()))?,
+            // Checked to be there.
+            None => places.take_or("device_mass", device.mass_kg.take(), f64::NAN),
+        };
         let scene = Scene {
             title: raw.title,
             contact,
@@ -322,22 +369,15 @@ impl SceneFile {
                 velocity: places.take_or("object velocity", raw.object.velocity_m_per_s, 0.0),
             },
             virtual_force: places.take_or("virtual force", raw.object.force_n, 0.0),
+            linkage,
             device: PointMassDevice {
-                mass: places.take("device_mass", raw.device.mass_kg),
-                position: places.take_or("device position", raw.device.position_m, 0.0),
-                velocity: places.take_or("device velocity", raw.device.velocity_m_per_s, 0.0),
-                encoder_quantum: places.take_or(
-                    "encoder_quantum",
-                    raw.device.encoder_quantum_m,
-                    0.0,
-                ),
-                viscous_friction: places.take_or(
-                    "viscous friction",
-                    raw.device.viscous_n_s_per_m,
-                    0.0,
-                ),
-                coulomb_friction: places.take_or("Coulomb friction", raw.device.coulomb_n, 0.0),
-                largest_force: limit(&mut places, "motor limit", raw.device.motor_limit_n),
+                mass: device_mass,
+                position: device_position,
+                velocity: places.take_or("device velocity", device.velocity_m_per_s, 0.0),
+                encoder_quantum: places.take_or("encoder_quantum", device.encoder_quantum_m, 0.0),
+                viscous_friction: places.take_or("viscous friction", device.viscous_n_s_per_m, 0.0),
+                coulomb_friction: places.take_or("Coulomb friction", device.coulomb_n, 0.0),
+                largest_force: limit(&mut places, "motor limit", device.motor_limit_n),
             },
             user_force: places.take_or("user force", hand.force_n.take(), 0.0),
             tremor: wave(

@@ -5,8 +5,10 @@
 
 mod check;
 mod file;
+mod linkage;
 
 pub use file::{SceneError, SceneFile};
+pub use linkage::Linkage;
 
 use std::collections::HashMap;
 
@@ -33,6 +35,9 @@ pub struct Scene {
     pub device: PointMassDevice,
     /// Constant force f_u of the hand on the device `[N]`.
     pub user_force: f64,
+    /// The linkage that stands in place of a point mass, if one does; then `device.mass` is its
+    /// effective mass along the contact, and its own friction, encoders and motors count.
+    pub linkage: Option<Linkage>,
     /// The hand's own mass, spring and damper, if it has any.
     pub grip: Option<Grip>,
     /// Tremor force of the hand, its amplitude in `[N]`.

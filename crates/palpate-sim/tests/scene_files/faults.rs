@@ -32,7 +32,7 @@ fn assert_faults(table: &str, rows: usize) {
 fn an_unknown_key_is_named_with_the_nearest_known_one() {
     assert_faults(
         r#"mass_kg = 0.25\n -> mass_kg = 0.25\nmas_kg = 1\n
-  15:1: unknown key mas_kg, did you mean mass_kg? Known here: kind, mass_kg, position_m, velocity_m_per_s, encoder_quantum_m, viscous_n_s_per_m, coulomb_n, motor_limit_n
+  15:1: unknown key mas_kg, did you mean mass_kg? Known here: kind, preset, mass_kg, position_m, velocity_m_per_s, encoder_quantum_m, viscous_n_s_per_m, coulomb_n, motor_limit_n
   mas_kg
 period_s -> perod_s
   24:1: unknown key perod_s, did you mean period_s? Known here: period_s, delay_samples
@@ -93,9 +93,9 @@ mass_kg = 0.1\n -> mass_kg = "light"\n
 side = "positive" -> side = "left"
   10:8: unknown variant `left`, expected `positive` or `negative`
   "left"
-kind = "point-mass" -> kind = "pantograph"
-  13:8: unknown variant `pantograph`, expected `point-mass`
-  "pantograph"
+kind = "point-mass" -> kind = "robot"
+  13:8: unknown variant `robot`, expected `point-mass` or `pantograph`
+  "robot"
 kind = "constant-force" -> kind = "spring"
   20:8: unknown variant `spring`, expected `constant-force` or `impedance`
   "spring"
@@ -295,6 +295,31 @@ kind = "constant-force"\nforce_n = 1 -> kind = "impedance"\nswing_m = 0.01\nswin
   22:12: swing frequency is 0 Hz, but must be finite and greater than 0
   0"#,
         12,
+    );
+}
+
+#[test]
+fn a_device_has_what_its_kind_needs_and_nothing_else() {
+    assert_faults(
+        r#"mass_kg = 0.25\n -> 
+  13:8: a device of kind point-mass needs mass_kg
+  "point-mass"
+mass_kg = 0.25\n -> preset = "paper-like"\nmass_kg = 0.25\n
+  14:10: only a device of kind pantograph has a preset
+  "paper-like"
+kind = "point-mass" -> kind = "pantograph"
+  13:8: a device of kind pantograph needs a preset: paper-like, 2diy-gen1, 2diy-gen2 or 2diy-gen3
+  "pantograph"
+kind = "point-mass" -> kind = "pantograph"\npreset = "paper-like"
+  15:11: a pantograph's preset says this; only position_m stands beside it
+  0.25
+kind = "point-mass"\nmass_kg = 0.25 -> kind = "pantograph"\npreset = "paper"
+  14:10: unknown variant `paper`, expected one of `paper-like`, `2diy-gen1`, `2diy-gen2`, `2diy-gen3`
+  "paper"
+kind = "point-mass"\nmass_kg = 0.25\nposition_m = 0\nvelocity_m_per_s = 0\nencoder_quantum_m = 0 -> kind = "pantograph"\npreset = "paper-like"\nposition_m = 1
+  13:8: device position = 1 is not allowed; allowed: within the linkage's reach
+  "pantograph""#,
+        6,
     );
 }
 
