@@ -64,8 +64,10 @@ Examples:
     #[command(long_about = "\
 Simulate a scene in closed loop, and compare it with its ideal.
 
-The device is integrated exactly between samples under the held force. The ideal is the same scene \
-in continuous time, event by event in closed form. Flags change values of the scene.")]
+The device moves between samples under the held force. The ideal is the same scene in continuous \
+time: event by event in closed form for a point mass under a constant force, integrated in fine \
+steps for one with friction or a hand of its own and for a linkage, and then the report says how \
+exactly. Flags change values of the scene.")]
     #[command(after_help = "\
 Examples:
   palpate simulate experiments/fig2.toml --method all --plot fig2.svg
@@ -103,7 +105,8 @@ Find the damping of a method that suits a scene, and draw the whole curve.
 
 What is varied is B of virtual-damper, b of hfcr, or the cap of popc and popc-ref. Each value is \
 simulated from 21 start heights around the scene's own (the gap changed by up to 5 %), since a \
-value that is best at one height may be bad at the next; the best is the one of least median.")]
+value that is best at one height may be bad at the next; the best is the one of least median. The flag of the damping that is looked for \
+has no place here; --from and --to say where to look.")]
     #[command(after_help = "\
 Examples:
   palpate tune experiments/fig2.toml --method virtual-damper --plot damper.svg
@@ -114,6 +117,7 @@ Examples:
     #[command(after_help = "\
 Examples:
   palpate figure fig2
+  palpate figure fig4
   palpate figure fig2 --plot figures/fig2.svg --json")]
     Figure(FigureArguments),
     /// Show the whole story, without any input
@@ -221,7 +225,7 @@ pub struct FigureArguments {
     /// Which figure
     #[arg(value_enum)]
     pub figure: FigureName,
-    /// File to draw into, .svg (or .png where built with the feature png) [default: fig2.svg]
+    /// File to draw into, .svg (or .png where built with the feature png) [default: its name with .svg]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub plot: Option<PathBuf>,
     /// Print the report as JSON
@@ -234,6 +238,10 @@ pub struct FigureArguments {
 pub enum FigureName {
     /// HFCR step by step: basic, modified force, smooth transitions, leak dissipation
     Fig2,
+    /// Experiment 1 on a virtual pantograph, 100 N/m at 50 Hz: five methods beside each other
+    Fig4,
+    /// Experiment 2 on a virtual pantograph, 400 N/m at 50 Hz: five methods beside each other
+    Fig5,
 }
 
 /// Arguments of `demo`.
@@ -291,7 +299,7 @@ pub struct Flags {
         help_heading = "Contact"
     )]
     pub mass: Option<f64>,
-    /// Virtual force f_V on the object [N], such as its weight [default: 0]
+    /// Virtual force f_V on the object [N], such as its weight [default: 0, or the scene's]
     #[arg(
         long,
         value_name = "N",
@@ -300,7 +308,7 @@ pub struct Flags {
         help_heading = "Contact"
     )]
     pub force: Option<f64>,
-    /// Position of the object at the start [m] [default: 0]
+    /// Position of the object at the start [m] [default: 0, or the scene's]
     #[arg(
         long,
         value_name = "m",
@@ -309,7 +317,7 @@ pub struct Flags {
         help_heading = "Contact"
     )]
     pub object_position: Option<f64>,
-    /// Velocity of the object at the start [m/s] [default: 0]
+    /// Velocity of the object at the start [m/s] [default: 0, or the scene's]
     #[arg(
         long,
         value_name = "m/s",
@@ -318,7 +326,8 @@ pub struct Flags {
         help_heading = "Contact"
     )]
     pub object_velocity: Option<f64>,
-    /// Side of the device on which the object lies: positive or negative [default: positive]
+    /// Side of the device on which the object lies: positive or negative [default:
+    /// positive, or the scene's]
     #[arg(long, value_name = "SIDE", value_parser = side, help_heading = "Contact")]
     pub side: Option<Side>,
     /// Never pull: clamp the force where a method would
@@ -334,7 +343,7 @@ pub struct Flags {
         help_heading = "Loop"
     )]
     pub period: Option<f64>,
-    /// Whole samples between measuring and actuating [default: 0]
+    /// Whole samples between measuring and actuating [default: 0, or the scene's]
     #[arg(
         long,
         value_name = "SAMPLES",

@@ -23,11 +23,18 @@ impl Results {
             (Ok(out), Ok(input)) => out == input && input.is_file(),
             _ => false,
         };
-        if self.out.as_deref().is_some_and(same) {
-            return Err(Failure::Arguments(format!(
-                "--out would overwrite the input {}",
-                input.display()
-            )));
+        for (flag, path) in [("--out", &self.out), ("--plot", &self.plot)] {
+            if path.as_deref().is_some_and(same) {
+                return Err(Failure::Arguments(format!(
+                    "{flag} would overwrite the input {}",
+                    input.display()
+                )));
+            }
+        }
+        if self.out.is_some() && self.out == self.plot {
+            return Err(Failure::Arguments(
+                "--out and --plot name the same file; the figure would overwrite the run".into(),
+            ));
         }
         Ok(())
     }

@@ -301,7 +301,7 @@ pub fn receipt(
         ("delay_samples".to_owned(), subject.delay.to_string()),
         ("force_limit_n".to_owned(), optional(limits.force_limit)),
         ("slew_limit_n_per_s".to_owned(), optional(limits.slew_limit)),
-        ("largest_gap_s".to_owned(), optional(limits.largest_gap)),
+        ("largest_gap_s".to_owned(), limits.bridged_gap().to_string()),
         (
             "speed_limit_m_per_s".to_owned(),
             optional(limits.speed_limit),

@@ -193,3 +193,37 @@ fn a_folder_that_cannot_be_made_is_named() {
     );
     folder.fail("demo --out-dir taken/below", 1, &["`taken/below`"]);
 }
+
+#[test]
+fn the_experiments_stand_beside_the_paper_s_numbers() {
+    let folder = Folder::new();
+    for (figure, measured) in [
+        ("fig4", ["17.1", "51.1", "84.9"]),
+        ("fig5", ["52.2", "failed", "failed"]),
+    ] {
+        let table = folder.succeed(&format!("figure {figure}"));
+        for words in measured
+            .iter()
+            .chain(&["virtual pantograph", "to basic at 1 kHz"])
+        {
+            assert!(table.contains(words), "no {words} in:\n{table}");
+        }
+        drawn(
+            &folder,
+            &format!("{figure}.svg"),
+            &[
+                "basic model",
+                "SEH",
+                "virtual damper",
+                "POPC-REF",
+                "HFCR",
+                "force on object [N]",
+            ],
+        );
+    }
+    let report = folder.json("figure fig4");
+    let error = |method| number(of_method(&report, method), "mean_force_error_percent");
+    for other in ["basic", "seh", "virtual-damper", "popc-ref"] {
+        assert!(error("hfcr") < error(other), "{other}");
+    }
+}

@@ -258,6 +258,18 @@ fn a_header_gets_no_answer() {
 }
 
 #[test]
+fn a_header_of_other_columns_is_not_guessed_at() {
+    for header in ["position_m,t_s", "t_s,position_m,force_n", "t_s"] {
+        let answer = Folder::new().palpate_reading(format!("{header}\n0,1\n"), WALL);
+        assert_eq!(answer.code, 3, "{header}: {answer:?}");
+        assert_eq!(answer.stdout, "", "{header}");
+        assert!(answer.stderr.contains("names other columns"), "{answer:?}");
+    }
+    // Blanks around the names are no other columns.
+    assert_eq!(forces(WALL, "t_s, position_m\n0,0\n"), [0.0]);
+}
+
+#[test]
 fn a_last_line_without_an_end_is_answered() {
     assert_eq!(
         forces(&format!("{WALL} --method basic"), "0.001\r\n0.002"),

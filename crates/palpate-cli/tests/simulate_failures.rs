@@ -53,7 +53,7 @@ const FAULTS: [(&str, &str, &str, &[&str]); 24] = [
     ),
     (
         "kind = \"point-mass\"",
-        "kind = \"pantograph\"",
+        "kind = \"robot\"",
         "13:8",
         &["pantograph", "point-mass"],
     ),
@@ -121,19 +121,19 @@ const FAULTS: [(&str, &str, &str, &[&str]); 24] = [
     (
         "[methods.popc]",
         "[methods.popd]",
-        "36:10",
+        "37:10",
         &["popd", "did you mean \"popc\"?"],
     ),
     (
         "damping_n_s_per_m = 0.53",
         "damping_n_s_per_m = -0.53",
-        "33:10",
+        "34:10",
         &["damping is -0.53 N s/m"],
     ),
     (
         "damping_n_s_per_m = 0.53",
         "damping_cap_n_s_per_m = 1",
-        "33:10",
+        "34:10",
         &["virtual-damper", "popc, popc-ref"],
     ),
     (

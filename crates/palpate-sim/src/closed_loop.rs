@@ -327,6 +327,30 @@ fn integrated_ideal(
     Ok((fine, error))
 }
 
+/// Force rendering error of `run` `[%]` against the force that another loop held, `fine`, whose
+/// period is a whole fraction of the run's: what the paper, which had no ideal, measures against.
+/// None if `fine` held no force within the run's window or ends before it.
+pub fn error_against(run: &Run, fine: &Run) -> Option<f64> {
+    let window = run.last().time;
+    let mut coarse = run.ticks.iter().peekable();
+    let (mut error, mut force, mut current) = (0.0, 0.0, 0.0);
+    for pair in fine.ticks.windows(2) {
+        let middle = 0.5 * (pair[0].time + pair[1].time);
+        if middle > window {
+            break;
+        }
+        while let Some(tick) = coarse.next_if(|tick| tick.time <= middle) {
+            current = tick.held_force_on_object;
+        }
+        let step = pair[1].time - pair[0].time;
+        let held = pair[0].held_force_on_object;
+        error += step * (current - held) * (current - held);
+        force += step * held * held;
+    }
+    let reaches = fine.last().time >= window - 1e-9;
+    (reaches && force > 0.0).then(|| 100.0 * (error / force).sqrt())
+}
+
 /// Number of periods that cover `duration` `[s]`; an excess of a millionth of a period is
 /// rounding.
 fn whole_periods(duration: f64, period: f64) -> Result<usize, LoopError> {

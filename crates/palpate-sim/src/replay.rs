@@ -66,6 +66,9 @@ pub enum ReplayError {
     /// The recording is no motion.
     #[error(transparent)]
     Path(#[from] PathError),
+    /// The recording presses the object so deep that its energy is no number.
+    #[error("the ideal force on this recording is not a finite number: a position is too large")]
+    Overflow,
     /// The recording is too long for the period.
     #[error("the recording has {0} periods; at most {MOST_PERIODS} fit, so cut it")]
     TooLong(usize),
@@ -136,6 +139,9 @@ impl Replay {
         )?;
         let start = recorded.start();
         let profile = ideal.profile(period, intervals)?;
+        if !profile.squared_forces().iter().sum::<f64>().is_finite() {
+            return Err(ReplayError::Overflow);
+        }
         Ok(Self {
             setup,
             sign,

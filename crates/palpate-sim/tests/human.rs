@@ -19,7 +19,7 @@ const LEAKS: [(f64, f64); 6] = [
 ];
 
 #[test]
-fn smooth_transitions_take_the_leak_on_recorded_hands_down_by_two_orders() {
+fn smooth_transitions_leak_less_than_a_twentieth_on_recorded_hands() {
     let hands = recorded_hands("the leak on recorded hands");
     for (hand, (basic, smooth)) in hands.iter().zip(LEAKS) {
         let replay = lifted_object(hand, 0.01, false);

@@ -154,7 +154,8 @@ impl RecordedPath {
     pub fn whole_periods(&self, period: f64) -> Result<usize, InvalidParameter> {
         positive("period", period, "finite and above 0 s")?;
         let last_step = self.end() - self.times[self.times.len() - 2];
-        let periods = ((self.end() - self.start() + SAME_INSTANT * last_step) / period).floor();
+        let periods =
+            ((self.end() - self.start() + SAME_INSTANT * last_step.min(period)) / period).floor();
         InvalidParameter::unless(
             periods < MOST_SAMPLES,
             "period",

@@ -54,8 +54,8 @@ impl<S: Scalar> Sample<S> {
     }
 }
 
-/// Why a sample was refused. The force is then 0 and the object waits where it is; the next
-/// trustworthy sample takes up rendering from there, as if the device had come to rest.
+/// Why a sample was refused. The force is then 0; the object finishes its interval as planned and
+/// waits there. The next trustworthy sample takes up rendering, as if the device had come to rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
     /// The device position is NaN or infinite.
@@ -94,7 +94,7 @@ impl fmt::Display for Fault {
             Self::ElapsedNotPositive => "the time since the previous sample is not positive",
             Self::GapTooLong => "the time since the previous sample exceeds the largest gap",
             Self::JumpTooFast => "the device position jumped faster than the speed limit",
-            Self::Overflow => "the force would not be a finite number",
+            Self::Overflow => "the force or the object's motion would not be a finite number",
         })
     }
 }

@@ -89,7 +89,8 @@ fn story(folder: &Path, scene: &Report, hand: &Report) -> String {
         text,
         "\
 A haptic device samples its position and holds a force between samples. A stiff or light object
-rendered that way creates energy from nothing: the leak below. HFCR, step by step, does not.
+rendered that way creates energy from nothing: the leak below. HFCR, step by step, creates forty
+times less.
 
 1. The paper's Fig. 2, in closed loop with a light device
 
@@ -100,7 +101,7 @@ rendered that way creates energy from nothing: the leak below. HFCR, step by ste
 2. The same force laws on the motion of a hand
 
 {hand}
-Where to go next
+Where to go next (until palpate is installed: cargo run --release -- in its place)
 
   palpate render {folder}/hand.csv --stiffness 200 --mass 0.5 --period 0.01 --force -4.905 \\
     --method hfcr --out run.csv --plot run.svg     your own recording instead of hand.csv

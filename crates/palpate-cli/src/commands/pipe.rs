@@ -52,6 +52,7 @@ pub fn run(arguments: &PipeArguments) -> Result<(), Failure> {
         tell(&summary);
     }
     match ended {
+        Err(error) if error.kind() == io::ErrorKind::InvalidInput => Err(Failure::input(error)),
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Err(Failure::System(format!("the pipe broke: {error}")))
         }
@@ -100,7 +101,7 @@ impl Pipe {
             if number == 1 {
                 // What spreadsheets write before the first line.
                 text = text.trim_start_matches('\u{feff}');
-                if is_header(text) {
+                if is_header(text)? {
                     continue;
                 }
             }
@@ -203,8 +204,26 @@ struct Line {
     position: f64,
 }
 
-fn is_header(text: &str) -> bool {
-    matches!(text, "position_m" | "t_s,position_m")
+/// Whether a first line names the columns as they are read.
+///
+/// # Errors
+/// A first line that names other columns: with a motor attached, nobody is to guess.
+fn is_header(text: &str) -> io::Result<bool> {
+    let names: Vec<&str> = text.split(',').map(str::trim).collect();
+    match names.as_slice() {
+        ["position_m"] | ["t_s", "position_m"] => Ok(true),
+        names
+            if names
+                .iter()
+                .any(|name| ["t_s", "position_m"].contains(name)) =>
+        {
+            Err(io::Error::new(
+                io::ErrorKind::InvalidInput,
+                "the first line names other columns than `position_m` or `t_s,position_m`",
+            ))
+        }
+        _ => Ok(false),
+    }
 }
 
 fn parse(text: &str) -> Result<Line, String> {

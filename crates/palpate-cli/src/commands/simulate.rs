@@ -38,10 +38,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     }
     let subject = subject(&scene);
     let mut receipt = receipt(&subject, scene.object, scene.virtual_force, &runs);
-    receipt.push((
-        "encoder_quantum_m".into(),
-        scene.device.encoder_quantum.to_string(),
-    ));
+    receipt.extend(plant_receipt(&scene));
     receipt.push(("scene".into(), arguments.scene.display().to_string()));
     let report = Report::new(&subject, bench.reference(), &runs);
     deliver(
@@ -52,6 +49,52 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         || plots::overlay(&scene.title, bench.reference(), &runs),
         progress,
     )
+}
+
+/// Device, hand and window of a scene, under the names of its keys, for the receipt of a run file.
+fn plant_receipt(scene: &Scene) -> Vec<(String, String)> {
+    let device = &scene.device;
+    let mut numbers = vec![
+        ("device_position_m", device.position),
+        ("device_velocity_m_per_s", device.velocity),
+        ("device_encoder_quantum_m", device.encoder_quantum),
+        ("device_viscous_n_s_per_m", device.viscous_friction),
+        ("device_coulomb_n", device.coulomb_friction),
+        ("hand_force_n", scene.user_force),
+    ];
+    numbers.extend(
+        device
+            .largest_force
+            .map(|force| ("device_motor_limit_n", force)),
+    );
+    if let Some(tremor) = scene.tremor {
+        numbers.push(("hand_tremor_n", tremor.amplitude));
+        numbers.push(("hand_tremor_hz", tremor.frequency_hz));
+    }
+    if let Some(grip) = scene.grip {
+        numbers.push(("hand_mass_kg", grip.mass));
+        numbers.push(("hand_stiffness_n_per_m", grip.stiffness));
+        numbers.push(("hand_damping_n_s_per_m", grip.damping));
+        numbers.push(("hand_position_m", grip.position));
+        if let Some(swing) = grip.swing {
+            numbers.push(("hand_swing_m", swing.amplitude));
+            numbers.push(("hand_swing_hz", swing.frequency_hz));
+        }
+    }
+    let mut lines: Vec<(String, String)> = numbers
+        .into_iter()
+        .map(|(name, value)| (name.to_owned(), value.to_string()))
+        .collect();
+    lines.extend(
+        scene
+            .linkage
+            .map(|linkage| ("device_preset".to_owned(), linkage.name().to_owned())),
+    );
+    lines.push(match scene.measure {
+        Measure::Collisions(count) => ("measure_collisions".into(), count.to_string()),
+        Measure::Duration(duration) => ("measure_duration_s".into(), duration.to_string()),
+    });
+    lines
 }
 
 /// What a report says of a scene.

@@ -97,16 +97,18 @@ struct RawDevice {
     motor_limit_n: Option<Spanned<f64>>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Default)]
 #[serde(rename_all = "kebab-case")]
 enum HandKind {
+    #[default]
     ConstantForce,
     Impedance,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 struct RawHand {
+    #[serde(default)]
     kind: HandKind,
     force_n: Option<Spanned<f64>>,
     tremor_n: Option<Spanned<f64>>,
@@ -117,23 +119,6 @@ struct RawHand {
     position_m: Option<Spanned<f64>>,
     swing_m: Option<Spanned<f64>>,
     swing_hz: Option<Spanned<f64>>,
-}
-
-impl Default for RawHand {
-    fn default() -> Self {
-        Self {
-            kind: HandKind::ConstantForce,
-            force_n: None,
-            tremor_n: None,
-            tremor_hz: None,
-            mass_kg: None,
-            stiffness_n_per_m: None,
-            damping_n_s_per_m: None,
-            position_m: None,
-            swing_m: None,
-            swing_hz: None,
-        }
-    }
 }
 
 #[derive(Deserialize)]

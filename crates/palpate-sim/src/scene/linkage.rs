@@ -33,6 +33,16 @@ const HOLD_X: Pid = Pid {
 };
 
 impl Linkage {
+    /// Its name in a scene file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PaperLike => "paper-like",
+            Self::Haply1 => "2diy-gen1",
+            Self::Haply2 => "2diy-gen2",
+            Self::Haply3 => "2diy-gen3",
+        }
+    }
+
     fn params(self) -> PantographParams {
         match self {
             Self::PaperLike => PantographParams::paper_like(),

@@ -260,6 +260,15 @@ fn a_window_that_is_too_long_is_refused_and_a_duration_covers_whole_periods() {
 }
 
 #[test]
+fn a_hand_without_a_kind_is_a_constant_force() {
+    let scene = |text: &str| SceneFile::parse("s", text).unwrap().scene;
+    assert_eq!(
+        scene(&edited("kind = \"constant-force\"\n", "")),
+        scene(GOOD)
+    );
+}
+
+#[test]
 fn a_method_by_name_suggests_the_nearest() {
     let error = "virtual_damper".parse::<MethodName>().unwrap_err();
     assert_eq!(
