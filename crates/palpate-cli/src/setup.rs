@@ -170,6 +170,13 @@ impl Flags {
         Ok(())
     }
 
+    /// Whether any flag changes what is simulated.
+    pub fn change_a_scene(&self) -> bool {
+        self.side.is_some()
+            || self.encoder_quantum.is_some()
+            || FLAG_OF.iter().any(|(parameter, _)| self.gives(parameter))
+    }
+
     /// Whether the parameter of an error was given as a flag.
     pub fn gives(&self, parameter: &str) -> bool {
         let given: HashMap<&str, bool> = [

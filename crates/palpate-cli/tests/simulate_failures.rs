@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Folder, experiment_text};
+use common::{Folder, experiment, experiment_text};
 
 /// Edits of the scene of Fig. 2, the place of the fault, and what is said of it.
 const FAULTS: [(&str, &str, &str, &[&str]); 24] = [
@@ -241,4 +241,22 @@ fn the_scene_is_never_overwritten_by_its_run() {
     let words = ["--out", "overwrite", "scene.toml"];
     folder.fail("simulate scene.toml --out scene.toml", 2, &words);
     assert_eq!(folder.read("scene.toml"), experiment_text("fig2"));
+}
+
+#[test]
+fn a_scene_that_flags_make_impossible_is_not_blamed_on_the_file() {
+    let folder = Folder::new();
+    let scene = experiment("fig2").display().to_string();
+    for flags in [
+        "--object-position 1e9",
+        "--side negative",
+        "--force 5",
+        "--stiffness 1e300",
+    ] {
+        folder.fail(
+            &format!("simulate {scene} {flags}"),
+            2,
+            &["with these flags, "],
+        );
+    }
 }

@@ -163,6 +163,13 @@ pub(super) fn explain(
         LoopError::TooLong(_) if flags.period.is_some() => {
             Failure::Arguments(format!("--period is too short: {error}"))
         }
+        // The file is sound by itself, or reading it would have failed; what follows may come
+        // from the flags, and then no line of the file is to blame.
+        LoopError::TooFewCollisions { .. } | LoopError::TooLong(_) | LoopError::Bench(_)
+            if flags.change_a_scene() =>
+        {
+            Failure::Arguments(format!("with these flags, {error}"))
+        }
         LoopError::TooFewCollisions { .. } => in_window(file, "measured collisions", &error),
         LoopError::TooLong(_) => match file.scene.measure {
             Measure::Collisions(_) => in_window(file, "measured collisions", &error),
