@@ -168,6 +168,7 @@ impl<'a> Bench<'a> {
         let mut ticks = Vec::with_capacity(self.intervals + 1);
         let mut record = Vec::with_capacity(self.intervals + 1);
         let mut port_work = 0.0;
+        let mut jammed_at = None;
         for i in 0..=self.intervals {
             let time = i as f64 * period;
             device.sample(period);
@@ -196,6 +197,9 @@ impl<'a> Bench<'a> {
             });
             if i < self.intervals {
                 port_work += device.advance(sign * held, period);
+                if jammed_at.is_none() && device.is_jammed() {
+                    jammed_at = Some(time + period);
+                }
             }
         }
         let held: Vec<f64> = record[..self.intervals]
@@ -208,6 +212,7 @@ impl<'a> Bench<'a> {
             params: with_derived_values(scene.params(method).map_err(SetupError::from)?, &renderer),
             ticks,
             force: ForceJudgement::of(&held, profile).expect("one force per interval"),
+            jammed_at,
             diverged: Some(self.has_diverged(&record)),
             energy: self.energy_judgement(&record),
             bench_port_work: Some(port_work),

@@ -101,6 +101,12 @@ impl Plant {
         }
     }
 
+    /// Whether a linkage has run into a pose from which its motors cannot say how it goes on, and
+    /// stands there.
+    pub fn is_jammed(&self) -> bool {
+        matches!(self, Self::Linkage { device, .. } if device.is_jammed())
+    }
+
     /// Position as the loop's sensor reports it `[m]`.
     pub fn measured(&self, sampler: &Sampler) -> f64 {
         match self {

@@ -201,6 +201,7 @@ impl Replay {
             force: ForceJudgement::of(&held, &self.reference.profile)
                 .expect("one force per interval"),
             ticks,
+            jammed_at: None,
             diverged: None,
             energy: None,
             bench_port_work: None,

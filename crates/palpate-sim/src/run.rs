@@ -35,6 +35,9 @@ pub struct Run {
     pub ticks: Vec<Tick>,
     /// How well the held force renders the ideal one.
     pub force: ForceJudgement,
+    /// When a linkage ran to the end of its reach and jammed `[s]`. What follows in the run is not
+    /// what the method did, but what the end of the mechanism did.
+    pub jammed_at: Option<f64>,
     /// Whether the loop ran away; closed loops only.
     pub diverged: Option<bool>,
     /// What the loop did to the energy of device and object; closed loops of a point mass without

@@ -1,19 +1,13 @@
 //! Scenes whose device has friction or is held by a hand of its own.
 #![allow(clippy::print_stdout)] // what was measured
 
+mod common;
+
+use common::scene as experiment;
 use palpate_sim::closed_loop::{Bench, error_against};
 use palpate_sim::method::MethodName;
 use palpate_sim::run::Run;
-use palpate_sim::scene::{Grip, Measure, Scene, SceneFile, Wave};
-
-fn experiment(name: &str) -> Scene {
-    let path = format!(
-        "{}/../../experiments/{name}.toml",
-        env!("CARGO_MANIFEST_DIR")
-    );
-    let text = std::fs::read_to_string(&path).unwrap();
-    SceneFile::parse(&path, &text).unwrap().scene
-}
+use palpate_sim::scene::{Grip, Measure, Scene, Wave};
 
 fn run(scene: &Scene, method: MethodName) -> Run {
     Bench::new(scene).unwrap().run(method).unwrap()
@@ -216,6 +210,11 @@ fn the_paper_s_experiments_run_on_the_virtual_pantograph() {
             "{}",
             bench.reference().error
         );
+        // In the second experiment most methods drive the linkage to the end of its reach.
+        let jammed = |method| bench.run(method).unwrap().jammed_at;
+        assert_eq!(jammed(MethodName::Hfcr), None, "{name}");
+        assert_eq!(jammed(MethodName::HfcrModSt), None, "{name}");
+        assert_eq!(jammed(MethodName::Basic).is_some(), name == "fig5");
         let errors: Vec<_> = MethodName::ALL
             .into_iter()
             .map(|method| {

@@ -1,19 +1,12 @@
 //! Tuning against single runs and known best settings.
 #![allow(clippy::print_stdout)] // what was measured
 
+mod common;
+
+use common::scene;
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::method::{Damping, MethodName, Settings};
-use palpate_sim::scene::{Scene, SceneFile};
 use palpate_sim::tune::{HEIGHTS, Objective, TuneError, best, tune};
-
-fn experiment(name: &str) -> Scene {
-    let path = format!(
-        "{}/../../experiments/{name}.toml",
-        env!("CARGO_MANIFEST_DIR")
-    );
-    let text = std::fs::read_to_string(&path).unwrap();
-    SceneFile::parse(&path, &text).unwrap().scene
-}
 
 fn grid(from: f64, step: f64, count: u32) -> Vec<f64> {
     (0..count).map(|i| from + step * f64::from(i)).collect()
@@ -26,7 +19,7 @@ fn at_its_own_height_a_value_does_what_a_single_run_does() {
         (MethodName::PopcRef, 3.0),
         (MethodName::Hfcr, 0.05),
     ] {
-        let mut scene = experiment("fig2");
+        let mut scene = scene("fig2");
         let points = tune(&scene, method, &[value], || ()).unwrap();
         let given = match method {
             MethodName::PopcRef => Settings {
@@ -48,7 +41,7 @@ fn at_its_own_height_a_value_does_what_a_single_run_does() {
 
 #[test]
 fn median_and_worst_are_those_of_the_start_heights() {
-    let scene = experiment("experiment1");
+    let scene = scene("experiment1");
     let mut finished = 0;
     let points = tune(&scene, MethodName::Hfcr, &[0.0], || finished += 1).unwrap();
     assert_eq!(finished, HEIGHTS);
@@ -71,7 +64,7 @@ fn median_and_worst_are_those_of_the_start_heights() {
 #[test]
 fn the_damper_that_is_best_at_one_height_is_not_the_best_of_all() {
     let points = tune(
-        &experiment("fig2"),
+        &scene("fig2"),
         MethodName::VirtualDamper,
         &grid(0.0, 0.01, 201),
         || (),
@@ -92,7 +85,7 @@ fn hfcr_has_a_flat_curve_where_the_damper_has_a_narrow_valley() {
     // The paper: b hardly matters, B does. Over a factor of 4 around the best of each.
     let range = |method, centre: f64| {
         let values = [0.5 * centre, centre, 2.0 * centre];
-        let points = tune(&experiment("fig2"), method, &values, || ()).unwrap();
+        let points = tune(&scene("fig2"), method, &values, || ()).unwrap();
         let errors = points.iter().map(|point| point.mean_force_error.median);
         errors.clone().fold(0.0, f64::max) / errors.fold(f64::INFINITY, f64::min)
     };
@@ -106,7 +99,7 @@ fn hfcr_has_a_flat_curve_where_the_damper_has_a_narrow_valley() {
 
 #[test]
 fn a_method_without_a_damping_and_a_scene_without_contact_are_refused() {
-    let scene = experiment("fig2");
+    let scene = scene("fig2");
     let error = tune(&scene, MethodName::Seh, &[0.1], || ()).unwrap_err();
     assert_eq!(error, TuneError::NothingToTune(MethodName::Seh));
     let mut apart = scene;

@@ -144,9 +144,11 @@ fn beside_the_paper(runs: &[Run], fine: &Run, measured: &Measured) -> String {
     let _ = write!(
         text,
         "\nBeside the paper (its device, user and tuning were others)\n\n{}\n\nThe basic model at 1 kHz \
-         is itself {} % off the ideal.\n",
+         is itself {} % off the ideal{}.\n",
         lines(&table),
         to_ideal.map_or_else(|| "-".into(), percent),
+        fine.jammed_at
+            .map_or_else(String::new, |time| format!(", and jams at {time:.2} s")),
     );
     text
 }

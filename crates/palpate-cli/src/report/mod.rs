@@ -63,6 +63,8 @@ struct MethodReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     energy_drift_percent: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    jammed_at_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     diverged: Option<bool>,
     faults: usize,
     limited: usize,
@@ -181,6 +183,7 @@ impl MethodReport {
                 .as_ref()
                 .and_then(|energy| energy.energy_drift)
                 .map(in_percent),
+            jammed_at_s: run.jammed_at,
             diverged: run.diverged,
             faults: run.faults(),
             limited: run.limited(),

@@ -136,6 +136,9 @@ impl MethodReport {
         if self.diverged == Some(true) {
             remarks.push("diverged".into());
         }
+        if let Some(time) = self.jammed_at_s {
+            remarks.push(format!("jammed at {time:.2} s"));
+        }
         if self.faults > 0 {
             remarks.push(format!("{} refused", counted(self.faults, "sample")));
         }
