@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use clap::builder::styling::{AnsiColor, Styles};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueHint};
 use palpate::{SehEstimate, Side};
-use palpate_sim::method::Damping;
+use palpate_sim::method::{Damping, Predictor};
 
-use crate::values::{Methods, damping, estimate, methods, number, samples, side};
+use crate::values::{Methods, damping, estimate, methods, number, predictor, samples, side};
 
 const STYLES: Styles = Styles::styled()
     .header(AnsiColor::Green.on_default().bold())
@@ -390,7 +390,7 @@ pub struct Flags {
     pub largest_gap: Option<f64>,
 
     /// Method: all, or one or more, separated by commas, of basic, seh, virtual-damper, popc,
-    /// popc-ref, hfcr-mod, hfcr-mod-st, hfcr [default: hfcr, or the scene's]
+    /// popc-ref, hfcr-mod, hfcr-mod-st, hfcr, coupled [default: hfcr, or the scene's]
     #[arg(long, value_name = "NAMES", value_parser = methods, help_heading = "Method")]
     pub method: Option<Methods>,
     /// B of virtual-damper [default: K T/2], or b of hfcr [default: 0; auto derives it] [N s/m]
@@ -427,6 +427,16 @@ pub struct Flags {
     /// Extrapolation of seh: ab2, differences or ab3 [default: ab2]
     #[arg(long, value_name = "NAME", value_parser = estimate, help_heading = "Method")]
     pub estimate: Option<SehEstimate>,
+    /// Where hfcr takes the device to be at the next sample: constant-velocity or observer
+    /// [default: constant-velocity]
+    #[arg(long, value_name = "NAME", value_parser = predictor, help_heading = "Method")]
+    pub prediction: Option<Predictor>,
+    /// Let the object of coupled keep its own momentum: a step of the method, to compare with
+    #[arg(long, action = ArgAction::SetTrue, help_heading = "Method")]
+    pub no_placement: bool,
+    /// Let coupled keep to what it predicted: a step of the method, to compare with
+    #[arg(long, action = ArgAction::SetTrue, help_heading = "Method")]
+    pub no_correction: bool,
 
     /// Effective mass of the device [kg]
     #[arg(

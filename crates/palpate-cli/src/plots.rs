@@ -139,6 +139,7 @@ pub fn step_by_step(title: &str, reference: &Reference, steps: &[(&str, &Run)]) 
 fn role(method: MethodName) -> Role {
     Role::Compared(match method {
         MethodName::Hfcr => 0,
+        MethodName::Coupled => 9,
         MethodName::Basic => 1,
         MethodName::VirtualDamper => 2,
         MethodName::PopcRef => 3,

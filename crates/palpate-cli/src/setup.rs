@@ -49,6 +49,9 @@ impl Flags {
             speed_threshold: self.speed_threshold,
             initial_energy: self.initial_energy,
             estimate: self.estimate,
+            prediction: self.prediction,
+            placement: self.no_placement.then_some(false),
+            correction: self.no_correction.then_some(false),
         }
     }
 
@@ -127,6 +130,7 @@ impl Flags {
             virtual_force,
             delay: self.delay.unwrap_or(0),
             device_mass: self.device_mass,
+            encoder_quantum: self.encoder_quantum.unwrap_or(0.0),
         })
     }
 
@@ -137,6 +141,7 @@ impl Flags {
             speed_limit: self.speed_limit.or(others.speed_limit),
             force_limit: self.force_limit.or(others.force_limit),
             slew_limit: self.slew_limit.or(others.slew_limit),
+            ..others
         }
     }
 
@@ -259,6 +264,9 @@ pub fn wrong_setup(error: &SetupError) -> Failure {
         SetupError::Settings(SettingsError::NoDeviceMass) => {
             Failure::Arguments("--damping auto needs --device-mass <kg>".into())
         }
+        SetupError::Settings(SettingsError::NoPushedMass(method)) => Failure::Arguments(format!(
+            "{method} needs --device-mass <kg>, within a factor of 2"
+        )),
         SetupError::Settings(other) => Failure::Arguments(format!("--damping auto: {other}")),
     }
 }
@@ -270,6 +278,9 @@ pub fn flag_of_setting(setting: Setting) -> &'static str {
         Setting::SpeedThreshold => "--speed-threshold",
         Setting::InitialEnergy => "--initial-energy",
         Setting::Estimate => "--estimate",
+        Setting::Prediction => "--prediction",
+        Setting::Placement => "--no-placement",
+        Setting::Correction => "--no-correction",
     }
 }
 

@@ -1,7 +1,7 @@
 //! Values of arguments, and what is said of one that is not understood.
 
 use palpate::{SehEstimate, Side};
-use palpate_sim::method::{Damping, MethodName};
+use palpate_sim::method::{Damping, MethodName, Predictor};
 use palpate_testbed::hold::DelayedHold;
 
 /// The methods a command is to run.
@@ -67,5 +67,14 @@ pub fn estimate(text: &str) -> Result<SehEstimate, String> {
         "differences" => Ok(SehEstimate::Differences),
         "ab3" => Ok(SehEstimate::Ab3),
         _ => Err("the estimates are ab2, differences and ab3".into()),
+    }
+}
+
+/// A way to predict the device.
+pub fn predictor(text: &str) -> Result<Predictor, String> {
+    match text {
+        "constant-velocity" => Ok(Predictor::ConstantVelocity),
+        "observer" => Ok(Predictor::Observer),
+        _ => Err("the predictions are constant-velocity and observer".into()),
     }
 }

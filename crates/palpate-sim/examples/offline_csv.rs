@@ -24,6 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         virtual_force: 0.0,
         delay: 0,
         device_mass: None,
+        encoder_quantum: 0.0,
     };
     let replay = Replay::new(setup, &recording.t_s, &recording.position_m)?;
     println!("{:16} {:>12} {:>12}", "method", "E [%]", "|leak| [mJ]");

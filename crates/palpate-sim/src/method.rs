@@ -4,8 +4,8 @@ use std::fmt;
 use std::str::FromStr;
 
 use palpate::{
-    AnyMethod, AnyParams, AnyRenderer, HfcrParams, LeakDissipation, PopcParams, PopcRefParams,
-    SehEstimate, SehParams, VirtualDamperParams,
+    AnyMethod, AnyParams, AnyRenderer, CoupledParams, HfcrParams, LeakDissipation, Mass,
+    PopcParams, PopcRefParams, Prediction, SehEstimate, SehParams, VirtualDamperParams,
 };
 use serde::Deserialize;
 
@@ -29,11 +29,13 @@ pub enum MethodName {
     HfcrModSt,
     /// HFCR with leak dissipation.
     Hfcr,
+    /// Device and object predicted together, the mean of the contact force held.
+    Coupled,
 }
 
 impl MethodName {
     /// Every method, in the order of tables and figures.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Basic,
         Self::Seh,
         Self::VirtualDamper,
@@ -42,6 +44,7 @@ impl MethodName {
         Self::HfcrMod,
         Self::HfcrModSt,
         Self::Hfcr,
+        Self::Coupled,
     ];
 
     /// The name on the command line and in files.
@@ -55,6 +58,7 @@ impl MethodName {
             Self::HfcrMod => "hfcr-mod",
             Self::HfcrModSt => "hfcr-mod-st",
             Self::Hfcr => "hfcr",
+            Self::Coupled => "coupled",
         }
     }
 
@@ -69,6 +73,7 @@ impl MethodName {
             Self::HfcrMod => "energy-consistent force",
             Self::HfcrModSt => "energy-consistent force, smooth transitions",
             Self::Hfcr => "the same with leak dissipation",
+            Self::Coupled => "device and object predicted together, mean force held",
         }
     }
 
@@ -81,6 +86,8 @@ impl MethodName {
             }
             Setting::InitialEnergy => self == Self::Popc,
             Setting::Estimate => self == Self::Seh,
+            Setting::Prediction => self == Self::Hfcr,
+            Setting::Placement | Setting::Correction => self == Self::Coupled,
         }
     }
 }
@@ -141,16 +148,25 @@ pub enum Setting {
     InitialEnergy,
     /// Member of the SEH family.
     Estimate,
+    /// How HFCR predicts the device.
+    Prediction,
+    /// Whether coupled rendering places the object.
+    Placement,
+    /// Whether coupled rendering predicts an interval anew when it has ended.
+    Correction,
 }
 
 impl Setting {
     /// Every setting.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 8] = [
         Self::Damping,
         Self::DampingCap,
         Self::SpeedThreshold,
         Self::InitialEnergy,
         Self::Estimate,
+        Self::Prediction,
+        Self::Placement,
+        Self::Correction,
     ];
 
     /// Its key in a scene file.
@@ -161,6 +177,9 @@ impl Setting {
             Self::SpeedThreshold => "speed_threshold_m_per_s",
             Self::InitialEnergy => "initial_energy_j",
             Self::Estimate => "estimate",
+            Self::Prediction => "prediction",
+            Self::Placement => "placement",
+            Self::Correction => "correction",
         }
     }
 
@@ -198,6 +217,22 @@ pub struct Settings {
     pub initial_energy: Option<f64>,
     /// Member of the SEH family; default AB2.
     pub estimate: Option<SehEstimate>,
+    /// How HFCR predicts the device; default constant velocity.
+    pub prediction: Option<Predictor>,
+    /// Whether coupled rendering places the object; default yes.
+    pub placement: Option<bool>,
+    /// Whether coupled rendering predicts an interval anew when it has ended; default yes.
+    pub correction: Option<bool>,
+}
+
+/// How HFCR predicts the device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Predictor {
+    /// At the velocity of its last step, as in the paper.
+    ConstantVelocity,
+    /// By the observer of coupled rendering.
+    Observer,
 }
 
 impl Settings {
@@ -209,6 +244,9 @@ impl Settings {
             Setting::SpeedThreshold => self.speed_threshold.is_some(),
             Setting::InitialEnergy => self.initial_energy.is_some(),
             Setting::Estimate => self.estimate.is_some(),
+            Setting::Prediction => self.prediction.is_some(),
+            Setting::Placement => self.placement.is_some(),
+            Setting::Correction => self.correction.is_some(),
         }
     }
 
@@ -220,6 +258,9 @@ impl Settings {
             speed_threshold: self.speed_threshold.or(others.speed_threshold),
             initial_energy: self.initial_energy.or(others.initial_energy),
             estimate: self.estimate.or(others.estimate),
+            prediction: self.prediction.or(others.prediction),
+            placement: self.placement.or(others.placement),
+            correction: self.correction.or(others.correction),
         }
     }
 }
@@ -233,8 +274,23 @@ pub struct Basis {
     pub period: f64,
     /// Effective mass of the device, if known `[kg]`.
     pub device_mass: Option<f64>,
+    /// Quantum of the device's position sensor, 0 if it is not known to have one `[m]`.
+    pub encoder_quantum: f64,
+    /// Whether a recording moves the device, so that no force can.
+    pub recorded: bool,
     /// Energy the object stores at the start `[J]`.
     pub stored_energy: f64,
+}
+
+impl Basis {
+    /// The mass that the contact force has to move.
+    fn pushed_mass(&self, method: MethodName) -> Result<Mass<f64>, SettingsError> {
+        match self.device_mass {
+            _ if self.recorded => Ok(Mass::Infinite),
+            Some(mass) => Ok(Mass::Finite(mass)),
+            None => Err(SettingsError::NoPushedMass(method)),
+        }
+    }
 }
 
 /// Settings that do not make a method.
@@ -254,6 +310,9 @@ pub enum SettingsError {
     /// Derived damping without the device's mass.
     #[error("deriving the damping needs the device's effective mass")]
     NoDeviceMass,
+    /// A method that predicts the device, without the device's mass.
+    #[error("{0} needs the device's effective mass, within a factor of 2")]
+    NoPushedMass(MethodName),
 }
 
 impl MethodName {
@@ -314,7 +373,20 @@ impl MethodName {
                         device_mass: basis.device_mass.ok_or(SettingsError::NoDeviceMass)?,
                     },
                 },
+                prediction: match settings.prediction {
+                    None | Some(Predictor::ConstantVelocity) => Prediction::ConstantVelocity,
+                    Some(Predictor::Observer) => Prediction::Observer {
+                        device_mass: basis.pushed_mass(self)?,
+                        encoder_quantum: basis.encoder_quantum,
+                    },
+                },
                 ..HfcrParams::default()
+            }),
+            Self::Coupled => AnyParams::Coupled(CoupledParams {
+                device_mass: basis.pushed_mass(self)?,
+                encoder_quantum: basis.encoder_quantum,
+                placement: settings.placement.unwrap_or(true),
+                correction: settings.correction.unwrap_or(true),
             }),
         })
     }

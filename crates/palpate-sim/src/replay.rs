@@ -31,10 +31,13 @@ pub struct ReplaySetup {
     pub delay: usize,
     /// Effective mass of the device, if known `[kg]`.
     pub device_mass: Option<f64>,
+    /// Quantum of the device's position sensor `[m]`; 0 if it is not known to have one.
+    pub encoder_quantum: f64,
 }
 
 impl ReplaySetup {
-    /// Parameters of `method` here when the device starts at `device_position` `[m]`.
+    /// Parameters of `method` here when the device starts at `device_position` `[m]`. A `recorded`
+    /// device goes where it has gone, whatever the force.
     ///
     /// # Errors
     /// A setting that the method cannot use.
@@ -43,11 +46,14 @@ impl ReplaySetup {
         method: MethodName,
         settings: &Settings,
         device_position: f64,
+        recorded: bool,
     ) -> Result<AnyParams<f64>, SettingsError> {
         let basis = Basis {
             stiffness: self.contact.stiffness,
             period: self.loop_params.period,
             device_mass: self.device_mass,
+            encoder_quantum: self.encoder_quantum,
+            recorded,
             stored_energy: stored_energy(&self.contact, self.object, device_position),
         };
         method.params(settings, &basis)
@@ -164,7 +170,7 @@ impl Replay {
         let setup = &self.setup;
         let period = setup.loop_params.period;
         let params = setup
-            .params(method, settings, self.positions[0])
+            .params(method, settings, self.positions[0], true)
             .map_err(SetupError::from)?;
         let renderer: AnyRenderer<f64> =
             Renderer::new(setup.contact, setup.loop_params, params).map_err(SetupError::from)?;

@@ -143,7 +143,15 @@ pub struct LoopParams<S> {
     /// once. `None`: no limit.
     #[cfg_attr(feature = "serde", serde(default))]
     pub slew_limit: Option<S>,
+    /// Whole samples between measuring and actuating, at most [`LARGEST_DELAY`]: the force computed
+    /// from a sample is held from that many samples later on. The ledger books it then, and
+    /// methods that predict look that far ahead.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub delay: usize,
 }
+
+/// Most samples of delay that a loop can state.
+pub const LARGEST_DELAY: usize = 8;
 
 impl<S: Scalar> LoopParams<S> {
     /// A loop of nominal `period` `[s]` that believes device speeds up to 100 m/s and limits no
@@ -155,6 +163,7 @@ impl<S: Scalar> LoopParams<S> {
             speed_limit: Some(S::from_f64(100.0)),
             force_limit: None,
             slew_limit: None,
+            delay: 0,
         }
     }
 
@@ -183,6 +192,13 @@ impl<S: Scalar> LoopParams<S> {
                 positive(parameter, unit, limit)?;
             }
         }
+        crate::parameter::check(
+            self.delay <= LARGEST_DELAY,
+            "delay",
+            "samples",
+            self.delay as f64,
+            "0 to 8",
+        )?;
         Ok(())
     }
 }

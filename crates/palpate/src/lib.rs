@@ -53,22 +53,24 @@ mod energy;
 mod motion;
 mod parameter;
 mod placement;
+mod predict;
+mod relative_motion;
 mod render;
 mod sample;
 mod scalar;
 mod transition;
 
-pub use contact::{Contact, LoopParams, Mass, Side};
+pub use contact::{Contact, LARGEST_DELAY, LoopParams, Mass, Side};
 pub use difficulty::Difficulty;
 pub use energy::{Leak, Ledger};
 pub use motion::{Displacement, ObjectMotion, ObjectState, Rule, Start};
 pub use parameter::ParameterError;
 pub use placement::Placement;
 pub use render::{
-    AnyMemory, AnyMethod, AnyParams, AnyRenderer, Basic, BasicParams, Hfcr, HfcrParams,
-    LeakDissipation, Method, MethodParams, Plan, Popc, PopcParams, PopcRef, PopcRefParams,
-    Renderer, Seh, SehEstimate, SehMemory, SehParams, Situation, State, VirtualDamper,
-    VirtualDamperParams,
+    AnyMemory, AnyMethod, AnyParams, AnyRenderer, Basic, BasicParams, Coupled, CoupledMemory,
+    CoupledParams, Ended, Hfcr, HfcrMemory, HfcrParams, LeakDissipation, Method, MethodParams,
+    OnItsWay, Plan, Popc, PopcParams, PopcRef, PopcRefParams, Prediction, Renderer, Seh,
+    SehEstimate, SehMemory, SehParams, Situation, State, VirtualDamper, VirtualDamperParams,
 };
 pub use sample::{Fault, Limited, Output, Phase, Sample};
 pub use scalar::Scalar;

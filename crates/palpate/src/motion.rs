@@ -192,6 +192,12 @@ impl<S: Scalar> ObjectMotion<S> {
         self.period
     }
 
+    /// 1/M `[1/kg]`, 0 for a wall.
+    #[inline]
+    pub fn mobility(&self) -> S {
+        self.mobility
+    }
+
     /// Whether the object is a wall, which never moves.
     #[inline]
     pub fn is_wall(&self) -> bool {

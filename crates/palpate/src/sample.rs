@@ -165,6 +165,10 @@ pub struct Output<S> {
     pub phase: Phase,
     /// Instant of the predicted transition, after this sample `[s]`; 0 where there is none.
     pub transition_after: S,
+    /// How far the object was shifted over the last interval, to make up for what holding a force
+    /// does to the device `[m]`: a display that draws the object takes it off again. Only
+    /// [`Coupled`](crate::Coupled) does this; a wall's shifts sum to how far it stands off its place.
+    pub placement_shift: S,
     /// Limits that changed the force.
     pub limited: Limited,
     /// Why the sample was refused, if it was.

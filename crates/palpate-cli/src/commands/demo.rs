@@ -42,6 +42,7 @@ pub fn run(arguments: &DemoArguments) -> Result<(), Failure> {
         virtual_force: -4.905,
         delay: 0,
         device_mass: None,
+        encoder_quantum: 0.0,
     };
     let methods = [
         MethodName::Basic,

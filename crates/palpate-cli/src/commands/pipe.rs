@@ -29,7 +29,7 @@ pub fn run(arguments: &PipeArguments) -> Result<(), Failure> {
     let setup = flags.replay_setup("pipe")?;
     // The first line says where the device is; until then the object is taken as untouched.
     let params = setup
-        .params(method, &flags.settings(), setup.object.position)
+        .params(method, &flags.settings(), setup.object.position, false)
         .map_err(|error| wrong_setup(&error.into()))?;
     let renderer: AnyRenderer<f64> = Renderer::new(setup.contact, setup.loop_params, params)
         .map_err(|error| wrong_flag(&error))?;

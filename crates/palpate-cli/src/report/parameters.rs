@@ -1,6 +1,6 @@
 //! Parameters of a method under the names that scene files use.
 
-use palpate::{AnyParams, LeakDissipation};
+use palpate::{AnyParams, LeakDissipation, Mass, Prediction};
 use serde_json::{Map, Value, json};
 
 /// Parameters by name, with the unit in the name; empty for a method without any.
@@ -18,6 +18,15 @@ pub fn of(params: &AnyParams<f64>) -> Map<String, Value> {
             "damping_cap_n_s_per_m": popc.damping_cap,
             "speed_threshold_m_per_s": popc.speed_threshold,
         }),
+        AnyParams::Coupled(coupled) => json!({
+            "device_mass_kg": match coupled.device_mass {
+                Mass::Finite(mass) => json!(mass),
+                Mass::Infinite => json!("inf"),
+            },
+            "encoder_quantum_m": coupled.encoder_quantum,
+            "placement": coupled.placement,
+            "correction": coupled.correction,
+        }),
         AnyParams::Hfcr(hfcr) => json!({
             "modified_force": hfcr.modified_force,
             "smooth_transition": hfcr.smooth_transition,
@@ -26,6 +35,10 @@ pub fn of(params: &AnyParams<f64>) -> Map<String, Value> {
                 LeakDissipation::Damping(damping) => Some(damping),
                 // Not from a run, where it has been derived.
                 LeakDissipation::Auto { .. } => None,
+            },
+            "prediction": match hfcr.prediction {
+                Prediction::ConstantVelocity => "constant-velocity",
+                Prediction::Observer { .. } => "observer",
             },
         }),
     };

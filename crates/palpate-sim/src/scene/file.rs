@@ -8,7 +8,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::{Grip, Linkage, Measure, PointMassDevice, Scene, SetupError, Wave};
-use crate::method::{Damping, MethodName, Settings, SettingsError, nearest};
+use crate::method::{Damping, MethodName, Predictor, Settings, SettingsError, nearest};
 
 /// The version of scene files this crate reads.
 const FORMAT: i64 = 1;
@@ -139,6 +139,7 @@ struct RawMeasure {
 #[serde(deny_unknown_fields)]
 struct RawRenderer {
     method: Option<MethodName>,
+    device_mass_kg: Option<Spanned<f64>>,
     unilateral: Option<bool>,
     force_limit_n: Option<Spanned<f64>>,
     slew_limit_n_per_s: Option<Spanned<f64>>,
@@ -153,6 +154,9 @@ struct RawSettings {
     speed_threshold_m_per_s: Option<f64>,
     initial_energy_j: Option<f64>,
     estimate: Option<SehEstimate>,
+    prediction: Option<Predictor>,
+    placement: Option<bool>,
+    correction: Option<bool>,
 }
 
 /// Remembers where values stand while it takes them out of their wrapping.
@@ -313,6 +317,9 @@ impl SceneFile {
                     speed_threshold: raw.speed_threshold_m_per_s,
                     initial_energy: raw.initial_energy_j,
                     estimate: raw.estimate,
+                    prediction: raw.prediction,
+                    placement: raw.placement,
+                    correction: raw.correction,
                 },
             );
         }
@@ -364,6 +371,7 @@ impl SceneFile {
                 coulomb_friction: places.take_or("Coulomb friction", device.coulomb_n, 0.0),
                 largest_force: limit(&mut places, "motor limit", device.motor_limit_n),
             },
+            told_device_mass: limit(&mut places, "told device_mass", raw.renderer.device_mass_kg),
             user_force: places.take_or("user force", hand.force_n.take(), 0.0),
             tremor: wave(
                 &mut places,

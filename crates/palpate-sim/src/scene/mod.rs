@@ -13,7 +13,8 @@ pub use linkage::Linkage;
 use std::collections::HashMap;
 
 use palpate::{
-    AnyParams, AnyRenderer, Contact, LoopParams, Mass, ObjectState, ParameterError, Renderer,
+    AnyParams, AnyRenderer, Contact, LARGEST_DELAY, LoopParams, Mass, ObjectState, ParameterError,
+    Renderer,
 };
 
 use crate::method::{Basis, MethodName, Settings, SettingsError};
@@ -33,6 +34,8 @@ pub struct Scene {
     pub virtual_force: f64,
     /// The device.
     pub device: PointMassDevice,
+    /// Mass of the device as the renderer is told `[kg]`; `None` tells it the effective mass.
+    pub told_device_mass: Option<f64>,
     /// Constant force f_u of the hand on the device `[N]`.
     pub user_force: f64,
     /// The linkage that stands in place of a point mass, if one does; then `device.mass` is its
@@ -124,7 +127,11 @@ impl Scene {
     /// method cannot use.
     pub fn renderer(&self, method: MethodName) -> Result<AnyRenderer<f64>, SetupError> {
         let params = self.params(method)?;
-        Ok(Renderer::new(self.contact, self.loop_params, params)?)
+        let loop_params = LoopParams {
+            delay: self.delay.min(LARGEST_DELAY),
+            ..self.loop_params
+        };
+        Ok(Renderer::new(self.contact, loop_params, params)?)
     }
 
     /// Parameters of `method` here, from its settings and their defaults.
@@ -136,7 +143,9 @@ impl Scene {
         let basis = Basis {
             stiffness: self.contact.stiffness,
             period: self.loop_params.period,
-            device_mass: Some(self.device.mass),
+            device_mass: Some(self.told_device_mass.unwrap_or(self.device.mass)),
+            encoder_quantum: self.device.encoder_quantum,
+            recorded: false,
             stored_energy: stored_energy(&self.contact, self.object, self.device.position),
         };
         method.params(&settings, &basis)

@@ -124,6 +124,7 @@ pub fn lifted_object(hand: &Motion, period: f64, unilateral: bool) -> Replay {
         virtual_force: -0.981,
         delay: 0,
         device_mass: None,
+        encoder_quantum: 0.0,
     };
     Replay::new(setup, &hand.times, &hand.positions).unwrap()
 }

@@ -1,15 +1,16 @@
 //! All methods behind one type, for programs that choose one by name.
 
 use super::basic::{Basic, BasicParams};
-use super::hfcr::{Hfcr, HfcrParams};
-use super::method::{Method, MethodParams, Plan, Situation};
+use super::coupled::{Coupled, CoupledMemory, CoupledParams};
+use super::hfcr::{Hfcr, HfcrMemory, HfcrParams};
+use super::method::{Ended, Method, MethodParams, Plan, Situation};
 use super::popc::{Popc, PopcParams};
 use super::popc_ref::{PopcRef, PopcRefParams};
 use super::seh::{Seh, SehMemory, SehParams};
 use super::virtual_damper::{VirtualDamper, VirtualDamperParams};
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams};
-use crate::motion::ObjectMotion;
+use crate::motion::{Displacement, ObjectMotion};
 use crate::parameter::ParameterError;
 
 /// Parameters of any method. As a serde value, they stand under the method's name in kebab case.
@@ -18,7 +19,10 @@ use crate::parameter::ParameterError;
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[cfg_attr(
     feature = "serde",
-    serde(bound(deserialize = "S: Scalar + serde::Deserialize<'de>"))
+    serde(bound(
+        serialize = "S: Scalar + serde::Serialize",
+        deserialize = "S: Scalar + serde::Deserialize<'de>"
+    ))
 )]
 pub enum AnyParams<S> {
     /// See [`Basic`].
@@ -33,6 +37,8 @@ pub enum AnyParams<S> {
     PopcRef(PopcRefParams<S>),
     /// See [`Hfcr`].
     Hfcr(HfcrParams<S>),
+    /// See [`Coupled`].
+    Coupled(CoupledParams<S>),
 }
 
 /// Any method, with checked parameters.
@@ -45,11 +51,16 @@ pub enum AnyMethod<S> {
     Popc(Popc<S>),
     PopcRef(PopcRef<S>),
     Hfcr(Hfcr<S>),
+    Coupled(Coupled<S>),
 }
 
-/// Memory of any method; only sample-estimate-hold has one.
+/// Memory of any method.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct AnyMemory<S>(SehMemory<S>);
+pub struct AnyMemory<S> {
+    seh: SehMemory<S>,
+    hfcr: HfcrMemory<S>,
+    coupled: CoupledMemory<S>,
+}
 
 impl<S: Scalar> MethodParams<S> for AnyParams<S> {
     type Method = AnyMethod<S>;
@@ -62,6 +73,7 @@ impl<S: Scalar> MethodParams<S> for AnyParams<S> {
             Self::Popc(params) => AnyMethod::Popc(params.check(c, l)?),
             Self::PopcRef(params) => AnyMethod::PopcRef(params.check(c, l)?),
             Self::Hfcr(params) => AnyMethod::Hfcr(params.check(c, l)?),
+            Self::Coupled(params) => AnyMethod::Coupled(params.check(c, l)?),
         })
     }
 }
@@ -73,16 +85,49 @@ impl<S: Scalar> Method<S> for AnyMethod<S> {
     fn plan(
         &self,
         motion: &ObjectMotion<S>,
-        now: &Situation<S>,
+        now: &Situation<'_, S>,
         memory: &mut AnyMemory<S>,
     ) -> Plan<S> {
         match self {
             Self::Basic(method) => method.plan(motion, now, &mut ()),
             Self::VirtualDamper(method) => method.plan(motion, now, &mut ()),
-            Self::Seh(method) => method.plan(motion, now, &mut memory.0),
+            Self::Seh(method) => method.plan(motion, now, &mut memory.seh),
             Self::Popc(method) => method.plan(motion, now, &mut ()),
             Self::PopcRef(method) => method.plan(motion, now, &mut ()),
-            Self::Hfcr(method) => method.plan(motion, now, &mut ()),
+            Self::Hfcr(method) => method.plan(motion, now, &mut memory.hfcr),
+            Self::Coupled(method) => method.plan(motion, now, &mut memory.coupled),
+        }
+    }
+
+    #[inline]
+    fn conclude(
+        &self,
+        motion: &ObjectMotion<S>,
+        ended: &Ended<S>,
+        memory: &mut AnyMemory<S>,
+    ) -> Displacement<S> {
+        match self {
+            Self::Coupled(method) => method.conclude(motion, ended, &mut memory.coupled),
+            Self::Hfcr(method) => method.conclude(motion, ended, &mut memory.hfcr),
+            _ => ended.as_planned(motion),
+        }
+    }
+
+    #[inline]
+    fn begin_anew(&self, memory: &mut AnyMemory<S>, device_known: bool) {
+        match self {
+            Self::Coupled(method) => method.begin_anew(&mut memory.coupled, device_known),
+            Self::Seh(method) => method.begin_anew(&mut memory.seh, device_known),
+            Self::Hfcr(method) => method.begin_anew(&mut memory.hfcr, device_known),
+            _ => {}
+        }
+    }
+
+    #[inline]
+    fn placement_shift(&self, memory: &AnyMemory<S>) -> S {
+        match self {
+            Self::Coupled(method) => method.placement_shift(&memory.coupled),
+            _ => S::ZERO,
         }
     }
 

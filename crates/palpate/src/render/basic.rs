@@ -27,7 +27,7 @@ impl<S: Scalar> Method<S> for Basic {
     type Memory = ();
 
     #[inline]
-    fn plan(&self, motion: &ObjectMotion<S>, now: &Situation<S>, (): &mut ()) -> Plan<S> {
+    fn plan(&self, motion: &ObjectMotion<S>, now: &Situation<'_, S>, (): &mut ()) -> Plan<S> {
         now.unswitched(motion, || now.spring_force(motion))
     }
 }

@@ -1,10 +1,11 @@
 //! HFCR, the paper's method: energy-consistent rendering of contact forces.
 
-use super::method::{Method, MethodParams, Plan, Situation};
+use super::method::{Ended, Method, MethodParams, Plan, Situation};
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams, Mass};
-use crate::motion::{ObjectMotion, Rule};
+use crate::motion::{Displacement, ObjectMotion, Rule, Start};
 use crate::parameter::{ParameterError, not_negative, positive};
+use crate::predict::{Observer, ObserverParams, Seen};
 
 /// Device displacements shorter than this `[m]` are taken as 0 where the force divides by them.
 const STANDSTILL: f64 = 1e-9;
@@ -31,6 +32,31 @@ pub enum LeakDissipation<S> {
     },
 }
 
+/// How HFCR predicts where the device will be at the next sample, xi~.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: Scalar + serde::Serialize",
+        deserialize = "S: Scalar + serde::Deserialize<'de>"
+    ))
+)]
+pub enum Prediction<S> {
+    /// At the velocity of its last step, as in the paper: `xi~ = 2 xi_i - xi_{i-1}`.
+    #[default]
+    ConstantVelocity,
+    /// By an observer of its motion, at the acceleration it has now. There to be compared: what
+    /// the force about to be held will do to the device is still left out.
+    Observer {
+        /// Effective mass of the device, within a factor of 2 `[kg]`.
+        device_mass: Mass<S>,
+        /// Quantum of the position sensor `[m]`, 0 if it is not known to have one.
+        encoder_quantum: S,
+    },
+}
+
 /// Parameters of HFCR: its three steps, independently on or off. The default has the first two
 /// on and no dissipation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,7 +64,10 @@ pub enum LeakDissipation<S> {
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
 #[cfg_attr(
     feature = "serde",
-    serde(bound(deserialize = "S: Scalar + serde::Deserialize<'de>"))
+    serde(bound(
+        serialize = "S: Scalar + serde::Serialize",
+        deserialize = "S: Scalar + serde::Deserialize<'de>"
+    ))
 )]
 pub struct HfcrParams<S> {
     /// Modified contact force, Eq. (9), in place of the spring force K p_i.
@@ -47,6 +76,8 @@ pub struct HfcrParams<S> {
     pub smooth_transition: bool,
     /// Damping that takes the remaining leak out, Eq. (11).
     pub leak_dissipation: LeakDissipation<S>,
+    /// Where the device is taken to be at the next sample.
+    pub prediction: Prediction<S>,
 }
 
 impl<S> Default for HfcrParams<S> {
@@ -55,6 +86,7 @@ impl<S> Default for HfcrParams<S> {
             modified_force: true,
             smooth_transition: true,
             leak_dissipation: LeakDissipation::Off,
+            prediction: Prediction::ConstantVelocity,
         }
     }
 }
@@ -87,6 +119,21 @@ pub struct Hfcr<S> {
     modified_force: bool,
     smooth_transition: bool,
     damping: S,
+    observer: Option<ObserverParams<S>>,
+}
+
+/// What HFCR remembers: nothing, unless an observer predicts.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct HfcrMemory<S>(Option<Followed<S>>);
+
+/// The device, as an observer follows it.
+#[derive(Clone, Copy, Debug)]
+struct Followed<S> {
+    observer: Observer<S>,
+    /// Force held over the last interval `[N]`.
+    held_force: S,
+    /// Mean velocity predicted for the interval in progress `[m/s]`.
+    velocity: S,
 }
 
 impl<S: Scalar> Hfcr<S> {
@@ -123,16 +170,66 @@ impl<S: Scalar> MethodParams<S> for HfcrParams<S> {
             modified_force: self.modified_force,
             smooth_transition: self.smooth_transition,
             damping,
+            observer: match self.prediction {
+                Prediction::ConstantVelocity => None,
+                Prediction::Observer {
+                    device_mass,
+                    encoder_quantum,
+                } => Some(ObserverParams::new(device_mass, encoder_quantum)?),
+            },
         })
     }
 }
 
 impl<S: Scalar> Method<S> for Hfcr<S> {
-    type Memory = ();
+    type Memory = HfcrMemory<S>;
 
     #[inline]
-    fn plan(&self, motion: &ObjectMotion<S>, now: &Situation<S>, (): &mut ()) -> Plan<S> {
-        let start = &now.start;
+    fn conclude(
+        &self,
+        motion: &ObjectMotion<S>,
+        ended: &Ended<S>,
+        memory: &mut HfcrMemory<S>,
+    ) -> Displacement<S> {
+        let (Some(params), Some(followed)) = (&self.observer, &mut memory.0) else {
+            return ended.as_planned(motion);
+        };
+        followed.observer.see(
+            params,
+            &Seen {
+                moved: ended.device_moved,
+                elapsed: ended.elapsed,
+                held_force: ended.held_force,
+            },
+        );
+        followed.held_force = ended.held_force;
+        let start = Start {
+            device_velocity: followed.velocity,
+            ..ended.start
+        };
+        Ended { start, ..*ended }.as_planned(motion)
+    }
+
+    #[inline]
+    fn plan(
+        &self,
+        motion: &ObjectMotion<S>,
+        now: &Situation<'_, S>,
+        memory: &mut HfcrMemory<S>,
+    ) -> Plan<S> {
+        let mut start = now.start;
+        if let Some(params) = &self.observer {
+            let followed = memory.0.get_or_insert_with(|| Followed {
+                observer: Observer::new(params),
+                held_force: S::ZERO,
+                velocity: S::ZERO,
+            });
+            let device = followed.observer.motion;
+            let (travel, _) = device.under(followed.held_force, motion.period());
+            start.device_velocity = (device.offset + travel) / motion.period();
+            followed.velocity = start.device_velocity;
+        }
+        let start = &start;
         let period = motion.period();
         let k = motion.stiffness();
         let p = start.penetration;

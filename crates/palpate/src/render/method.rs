@@ -2,6 +2,7 @@
 
 use core::fmt::Debug;
 
+use super::queue::OnItsWay;
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams};
 use crate::motion::{Displacement, ObjectMotion, Rule, Start};
@@ -33,9 +34,36 @@ pub trait Method<S: Scalar>: Copy + Debug {
     fn plan(
         &self,
         motion: &ObjectMotion<S>,
-        situation: &Situation<S>,
+        situation: &Situation<'_, S>,
         memory: &mut Self::Memory,
     ) -> Plan<S>;
+
+    /// How the interval that a sample ends has moved the object: as it was planned, unless the
+    /// method takes the sample into account.
+    #[inline]
+    fn conclude(
+        &self,
+        motion: &ObjectMotion<S>,
+        ended: &Ended<S>,
+        _memory: &mut Self::Memory,
+    ) -> Displacement<S> {
+        ended.as_planned(motion)
+    }
+
+    /// Something from outside changed the contact, so that past forces and motions no longer say
+    /// anything about it. `device_known`: the device has been followed all the time, and only the
+    /// object was put elsewhere.
+    #[inline]
+    fn begin_anew(&self, memory: &mut Self::Memory, _device_known: bool) {
+        *memory = Self::Memory::default();
+    }
+
+    /// How far the object was shifted in the last interval so that the held force does not
+    /// change its motion against the device `[m]`.
+    #[inline]
+    fn placement_shift(&self, _memory: &Self::Memory) -> S {
+        S::ZERO
+    }
 
     /// Damping B with which the object moves in contact `[N s/m]`.
     fn contact_damping(&self) -> S {
@@ -45,7 +73,7 @@ pub trait Method<S: Scalar>: Copy + Debug {
 
 /// What is known at a sample, on the canonical side.
 #[derive(Clone, Copy, Debug)]
-pub struct Situation<S> {
+pub struct Situation<'a, S> {
     /// Penetration, velocities and virtual force.
     pub start: Start<S>,
     /// Penetration at the previous sample, as measured: it may be negative `[m]`. Equal to the
@@ -58,9 +86,45 @@ pub struct Situation<S> {
     pub port_work: S,
     /// Accumulated leak of the held force `[J]`: what is stored beyond what was put in.
     pub held_leak: S,
+    /// Forces computed before but not held yet, the next to be held first: as many as the loop's
+    /// delay has samples.
+    pub on_their_way: &'a [OnItsWay<S>],
 }
 
-impl<S: Scalar> Situation<S> {
+/// An interval that a sample ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Ended<S> {
+    /// How it began.
+    pub start: Start<S>,
+    /// How the object was to move.
+    pub rule: Rule<S>,
+    /// Where that brings it over a nominal period.
+    pub planned: Displacement<S>,
+    /// Displacement of the device `[m]`.
+    pub device_moved: S,
+    /// Its duration `[s]`.
+    pub elapsed: S,
+    /// Whether that counts as the nominal period.
+    pub nominal: bool,
+    /// Force on the object that the method asked for `[N]`.
+    pub intended_force: S,
+    /// Force on the object that was held `[N]`.
+    pub held_force: S,
+}
+
+impl<S: Scalar> Ended<S> {
+    /// The object's displacement by the rule of the interval's start.
+    #[inline]
+    pub fn as_planned(&self, motion: &ObjectMotion<S>) -> Displacement<S> {
+        if self.nominal {
+            self.planned
+        } else {
+            motion.advance(self.rule, &self.start, self.elapsed)
+        }
+    }
+}
+
+impl<S: Scalar> Situation<'_, S> {
     /// Whether the device presses the object; touching counts as free.
     #[inline]
     pub fn in_contact(&self) -> bool {

@@ -6,20 +6,24 @@
 
 mod any;
 mod basic;
+mod coupled;
 mod hfcr;
 mod method;
 mod popc;
 mod popc_ref;
+mod queue;
 mod seh;
 mod state;
 mod virtual_damper;
 
 pub use any::{AnyMemory, AnyMethod, AnyParams};
 pub use basic::{Basic, BasicParams};
-pub use hfcr::{Hfcr, HfcrParams, LeakDissipation};
-pub use method::{Method, MethodParams, Plan, Situation};
+pub use coupled::{Coupled, CoupledMemory, CoupledParams};
+pub use hfcr::{Hfcr, HfcrMemory, HfcrParams, LeakDissipation, Prediction};
+pub use method::{Ended, Method, MethodParams, Plan, Situation};
 pub use popc::{Popc, PopcParams};
 pub use popc_ref::{PopcRef, PopcRefParams};
+pub use queue::OnItsWay;
 pub use seh::{Seh, SehEstimate, SehMemory, SehParams};
 pub use state::State;
 pub use virtual_damper::{VirtualDamper, VirtualDamperParams};
@@ -221,11 +225,20 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                 if device_moved.abs() > self.speed_limit * elapsed {
                     return Err(Fault::JumpTooFast);
                 }
-                let moved = if nominal {
-                    interval.planned
-                } else {
-                    self.motion.advance(interval.rule, &interval.start, elapsed)
-                };
+                let moved = self.method.conclude(
+                    &self.motion,
+                    &Ended {
+                        start: interval.start,
+                        rule: interval.rule,
+                        planned: interval.planned,
+                        device_moved,
+                        elapsed,
+                        nominal,
+                        intended_force: interval.intended_force,
+                        held_force: interval.held_force,
+                    },
+                    &mut state.memory,
+                );
                 device_velocity = if nominal {
                     device_moved * self.per_period
                 } else {
@@ -241,7 +254,12 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                         .stored_energy(device - object.position, object.velocity),
                     device_moved,
                     object_moved: moved.by,
-                    virtual_force: interval.start.virtual_force,
+                    // Nothing moves a wall, though a method may place it.
+                    virtual_force: if self.motion.is_wall() {
+                        S::ZERO
+                    } else {
+                        interval.start.virtual_force
+                    },
                     original_force: interval.original_force,
                     held_force: interval.held_force,
                 });
@@ -273,6 +291,8 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                 if !state.account_for(stored) {
                     return Err(Fault::Overflow);
                 }
+                let device_known = previous_penetration.is_some();
+                self.method.begin_anew(&mut state.memory, device_known);
                 penetration
             }
         };
@@ -288,6 +308,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             elapsed,
             port_work: state.ledger.port_work,
             held_leak: state.ledger.held_leak.accumulated,
+            on_their_way: state.queue.ahead(self.loop_params.delay),
         };
         let plan = self
             .method
@@ -299,16 +320,26 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         if !finite {
             return Err(Fault::Overflow);
         }
-        let (held_force, limited) = self.limit(plan.force, state.held_force);
+        let (commanded, limited) = self.limit(plan.force, state.commanded);
 
-        state.held_force = held_force;
+        let original_force = situation.spring_force(&self.motion);
+        let start = situation.start;
+        state.commanded = commanded;
+        let held = state.queue.exchange(
+            self.loop_params.delay,
+            OnItsWay {
+                intended: plan.force,
+                commanded,
+            },
+        );
         state.device = Device::Tracked(Interval {
-            start: situation.start,
+            start,
             device,
             rule: plan.rule,
             planned: plan.moved,
-            original_force: situation.spring_force(&self.motion),
-            held_force,
+            original_force,
+            intended_force: held.intended,
+            held_force: held.commanded,
         });
         let (phase, transition_after) = match plan.rule {
             Rule::Free => (Phase::Free, S::ZERO),
@@ -317,7 +348,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             Rule::Leaves(after) => (Phase::Leaves, after),
         };
         // Adding 0 turns a mirrored -0 into 0, which reads better and commands the same.
-        let force = self.sign * held_force + S::ZERO;
+        let force = self.sign * commanded + S::ZERO;
         Ok(Output {
             force_on_device: S::ZERO - force,
             force_on_object: force,
@@ -326,6 +357,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             penetration,
             phase,
             transition_after,
+            placement_shift: self.sign * self.method.placement_shift(&state.memory) + S::ZERO,
             limited,
             fault: None,
         })
@@ -375,6 +407,9 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
     #[cold]
     fn wait(&self, state: &mut State<S, M::Memory>, sample: &Sample<S>, fault: Fault) -> Output<S> {
         let device = self.sign * sample.device_position;
+        state
+            .queue
+            .exchange(self.loop_params.delay, OnItsWay::default());
         state.lose_track(&self.motion, device.is_finite().then_some(device));
         Output {
             force_on_device: S::ZERO,
@@ -384,6 +419,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             penetration: S::ZERO,
             phase: Phase::Waiting,
             transition_after: S::ZERO,
+            placement_shift: S::ZERO,
             limited: Limited::default(),
             fault: Some(fault),
         }

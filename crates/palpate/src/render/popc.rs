@@ -57,7 +57,7 @@ impl<S: Scalar> Method<S> for Popc<S> {
     type Memory = ();
 
     #[inline]
-    fn plan(&self, motion: &ObjectMotion<S>, now: &Situation<S>, (): &mut ()) -> Plan<S> {
+    fn plan(&self, motion: &ObjectMotion<S>, now: &Situation<'_, S>, (): &mut ()) -> Plan<S> {
         let overdrawn = -(now.port_work + self.params.initial_energy);
         now.unswitched(motion, || {
             now.spring_force(motion)

@@ -86,7 +86,7 @@ impl<S: Scalar> Method<S> for Seh {
     fn plan(
         &self,
         motion: &ObjectMotion<S>,
-        now: &Situation<S>,
+        now: &Situation<'_, S>,
         memory: &mut SehMemory<S>,
     ) -> Plan<S> {
         let force = now.spring_force(motion);

@@ -1,5 +1,6 @@
 //! What a renderer remembers from one tick to the next.
 
+use super::queue::Queue;
 use crate::Scalar;
 use crate::energy::Ledger;
 use crate::motion::{Displacement, ObjectMotion, ObjectState, Rule, Start};
@@ -14,8 +15,9 @@ pub struct State<S, Memory> {
     pub(super) device: Device<S>,
     /// Where the object is to be put with the next sample.
     pub(super) teleport: Option<ObjectState<S>>,
-    /// Force held since the last sample `[N]`.
-    pub(super) held_force: S,
+    /// Force commanded at the last sample `[N]`.
+    pub(super) commanded: S,
+    pub(super) queue: Queue<S>,
     pub(super) memory: Memory,
     pub(super) ledger: Ledger<S>,
     /// Whether the books have been opened by a first sample.
@@ -71,6 +73,8 @@ pub(super) struct Interval<S> {
     pub planned: Displacement<S>,
     /// K p_i, or 0 `[N]`.
     pub original_force: S,
+    /// Force that the method asked for, to be held over it `[N]`.
+    pub intended_force: S,
     /// Force really held `[N]`.
     pub held_force: S,
 }
@@ -81,7 +85,8 @@ impl<S: Scalar, Memory: Default> State<S, Memory> {
             object,
             device: Device::Unknown,
             teleport: None,
-            held_force: S::ZERO,
+            commanded: S::ZERO,
+            queue: Queue::empty(),
             memory: Memory::default(),
             ledger: Ledger::default(),
             opened: false,
@@ -107,7 +112,6 @@ impl<S: Scalar, Memory: Default> State<S, Memory> {
         } else if !self.ledger.change_from_outside(stored) {
             return false;
         }
-        self.memory = Memory::default();
         true
     }
 
@@ -137,6 +141,6 @@ impl<S: Scalar, Memory: Default> State<S, Memory> {
             }
         }
         self.device = Device::Lost(traces);
-        self.held_force = S::ZERO;
+        self.commanded = S::ZERO;
     }
 }

@@ -41,7 +41,7 @@ impl<S: Scalar> Method<S> for VirtualDamper<S> {
     type Memory = ();
 
     #[inline]
-    fn plan(&self, motion: &ObjectMotion<S>, now: &Situation<S>, (): &mut ()) -> Plan<S> {
+    fn plan(&self, motion: &ObjectMotion<S>, now: &Situation<'_, S>, (): &mut ()) -> Plan<S> {
         now.unswitched(motion, || {
             let penetration_velocity =
                 (now.start.penetration - now.previous_penetration) / now.elapsed;

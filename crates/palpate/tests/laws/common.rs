@@ -1,8 +1,9 @@
 //! What the tests share: every method, a device, a random source, and books kept from outside.
 
 use palpate::{
-    AnyParams, Contact, HfcrParams, LeakDissipation, Ledger, Mass, Output, PopcParams,
-    PopcRefParams, Sample, Scalar, SehEstimate, SehParams, VirtualDamperParams,
+    AnyParams, Contact, CoupledParams, HfcrParams, LeakDissipation, Ledger, Mass, Output,
+    PopcParams, PopcRefParams, Prediction, Sample, Scalar, SehEstimate, SehParams,
+    VirtualDamperParams,
 };
 
 /// Every method, in the settings that differ in kind.
@@ -31,6 +32,35 @@ pub fn methods<S: Scalar>() -> Vec<(&'static str, AnyParams<S>)> {
                 modified_force: false,
                 smooth_transition: true,
                 leak_dissipation: LeakDissipation::Damping(of(0.02)),
+                ..HfcrParams::default()
+            }),
+        ),
+        (
+            "hfcr, observer",
+            AnyParams::Hfcr(HfcrParams {
+                prediction: Prediction::Observer {
+                    device_mass: Mass::Finite(of(0.25)),
+                    encoder_quantum: of(0.0),
+                },
+                ..HfcrParams::default()
+            }),
+        ),
+        (
+            "coupled",
+            AnyParams::Coupled(CoupledParams::new(of(0.25)).with_encoder_quantum(of(1e-6))),
+        ),
+        (
+            "coupled, no placement",
+            AnyParams::Coupled(CoupledParams {
+                placement: false,
+                ..CoupledParams::new(of(0.1))
+            }),
+        ),
+        (
+            "coupled, recorded device",
+            AnyParams::Coupled(CoupledParams {
+                correction: false,
+                ..CoupledParams::new(of(f64::INFINITY))
             }),
         ),
     ]
@@ -167,8 +197,10 @@ impl Auditor {
         if let Some((before, held)) = self.last {
             let moved = sample.device_position - before.device_position;
             let port = held.force_on_object * moved;
+            // No force moves a wall, though a method may place it.
+            let moves = f64::from(self.mass > 0.0);
             let virtual_work =
-                before.virtual_force * (output.object_position - held.object_position);
+                moves * before.virtual_force * (output.object_position - held.object_position);
             let spring = self.stiffness * (before.device_position - held.object_position).max(0.0);
             let leak = stored - self.stored - virtual_work - port;
             self.port_work += port;

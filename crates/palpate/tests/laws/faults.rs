@@ -139,6 +139,7 @@ fn in_both_precisions(
             speed_limit: double.speed_limit.map(single),
             force_limit: None,
             slew_limit: None,
+            delay: double.delay,
         },
         |here| {
             let sample = bad(here.to_f64());

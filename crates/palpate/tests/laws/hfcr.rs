@@ -29,6 +29,7 @@ fn switched(modified_force: bool, smooth_transition: bool, damping: bool) -> Any
         } else {
             LeakDissipation::Off
         },
+        ..HfcrParams::default()
     })
 }
 

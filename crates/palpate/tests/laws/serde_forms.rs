@@ -41,6 +41,7 @@ fn every_parameter_type_comes_back_from_json_and_toml() {
         speed_limit: None,
         force_limit: Some(5.0),
         slew_limit: Some(1e3),
+        delay: 2,
     });
     for mass in [Mass::Finite(0.1), Mass::Infinite] {
         comes_back(mass);
@@ -59,6 +60,7 @@ fn every_parameter_type_comes_back_from_json_and_toml() {
         modified_force: false,
         smooth_transition: true,
         leak_dissipation: LeakDissipation::Auto { device_mass: 0.25 },
+        ..HfcrParams::default()
     }));
 }
 

@@ -1,0 +1,5 @@
+//! Where the device will be: what a method may know of the device beyond its samples.
+
+mod observer;
+
+pub(crate) use observer::{Motion, Observer, ObserverParams, Seen};
