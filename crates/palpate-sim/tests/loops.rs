@@ -71,6 +71,7 @@ prop_compose! {
                 ..PointMassDevice::default()
             },
             linkage: None,
+            told_device_mass: None,
             grip: None,
             tremor: None,
             user_force: sign * accelerations.0 * per_period * device_mass,

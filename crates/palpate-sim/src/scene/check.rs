@@ -96,6 +96,7 @@ impl Scene {
             }
         }
         for (parameter, unit, value) in [
+            ("told device_mass", "kg", self.told_device_mass),
             ("motor limit", "N", self.device.largest_force),
             (
                 "tremor frequency",

@@ -139,6 +139,7 @@ struct RawMeasure {
 #[serde(deny_unknown_fields)]
 struct RawRenderer {
     method: Option<MethodName>,
+    device_mass_kg: Option<Spanned<f64>>,
     unilateral: Option<bool>,
     force_limit_n: Option<Spanned<f64>>,
     slew_limit_n_per_s: Option<Spanned<f64>>,
@@ -147,12 +148,24 @@ struct RawRenderer {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct RawSettings {
+pub(crate) struct RawSettings {
     damping_n_s_per_m: Option<Damping>,
     damping_cap_n_s_per_m: Option<f64>,
     speed_threshold_m_per_s: Option<f64>,
     initial_energy_j: Option<f64>,
     estimate: Option<SehEstimate>,
+}
+
+impl From<RawSettings> for Settings {
+    fn from(raw: RawSettings) -> Self {
+        Self {
+            damping: raw.damping_n_s_per_m,
+            damping_cap: raw.damping_cap_n_s_per_m,
+            speed_threshold: raw.speed_threshold_m_per_s,
+            initial_energy: raw.initial_energy_j,
+            estimate: raw.estimate,
+        }
+    }
 }
 
 /// Remembers where values stand while it takes them out of their wrapping.
@@ -305,16 +318,7 @@ impl SceneFile {
                 .parse()
                 .map_err(|error| fault(span.clone(), format!("{error}")))?;
             places.0.insert(settings_place(method), span);
-            settings.insert(
-                method,
-                Settings {
-                    damping: raw.damping_n_s_per_m,
-                    damping_cap: raw.damping_cap_n_s_per_m,
-                    speed_threshold: raw.speed_threshold_m_per_s,
-                    initial_energy: raw.initial_energy_j,
-                    estimate: raw.estimate,
-                },
-            );
+            settings.insert(method, raw.into());
         }
         let limit = |places: &mut Places, name, value: Option<Spanned<f64>>| {
             value.map(|value| places.take(name, value))
@@ -364,6 +368,7 @@ impl SceneFile {
                 coulomb_friction: places.take_or("Coulomb friction", device.coulomb_n, 0.0),
                 largest_force: limit(&mut places, "motor limit", device.motor_limit_n),
             },
+            told_device_mass: limit(&mut places, "told device_mass", raw.renderer.device_mass_kg),
             user_force: places.take_or("user force", hand.force_n.take(), 0.0),
             tremor: wave(
                 &mut places,
@@ -451,7 +456,7 @@ impl SceneError {
 /// A message of the TOML reader without Rust's names of types, and for an unknown key with the one
 /// it most likely meant. The reader names both:
 /// ``unknown field `x`, expected one of `a`, `b` ``.
-fn in_plain_words(message: &str) -> String {
+pub(crate) fn in_plain_words(message: &str) -> String {
     let Some(rest) = message.strip_prefix("unknown field `") else {
         return message
             .replace("expected f64", "expected a number")

@@ -6,9 +6,12 @@
 mod check;
 mod file;
 mod linkage;
+mod write;
 
+pub(crate) use file::{RawSettings, in_plain_words};
 pub use file::{SceneError, SceneFile};
 pub use linkage::Linkage;
+pub use write::Unwritable;
 
 use std::collections::HashMap;
 
@@ -33,6 +36,8 @@ pub struct Scene {
     pub virtual_force: f64,
     /// The device.
     pub device: PointMassDevice,
+    /// Mass of the device as the renderer is told `[kg]`; `None` tells it the effective mass.
+    pub told_device_mass: Option<f64>,
     /// Constant force f_u of the hand on the device `[N]`.
     pub user_force: f64,
     /// The linkage that stands in place of a point mass, if one does; then `device.mass` is its
@@ -136,7 +141,7 @@ impl Scene {
         let basis = Basis {
             stiffness: self.contact.stiffness,
             period: self.loop_params.period,
-            device_mass: Some(self.device.mass),
+            device_mass: Some(self.told_device_mass.unwrap_or(self.device.mass)),
             stored_energy: stored_energy(&self.contact, self.object, self.device.position),
         };
         method.params(&settings, &basis)
