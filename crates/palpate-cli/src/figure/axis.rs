@@ -146,6 +146,12 @@ pub(super) fn tick_label(value: f64, step: f64) -> String {
     text.replace('-', "\u{2212}")
 }
 
+/// The label of the tick at the logarithm `value` of what is shown.
+pub(super) fn decade_label(value: f64) -> String {
+    let shown = 10.0_f64.powf(value.round());
+    tick_label(shown, shown)
+}
+
 /// How many decimals it takes to write every multiple of `step`.
 fn decimals(step: f64) -> usize {
     let mut scaled = step;
@@ -237,5 +243,7 @@ mod tests {
         assert_eq!(label(0.0, 5e-6), "0");
         assert_eq!(label(2.5e7, 5e6), "2.5e7");
         assert_eq!(label(1000.0, 500.0), "1000");
+        let decades: Vec<String> = (-2..4).map(|at| decade_label(f64::from(at))).collect();
+        assert_eq!(decades, ["0.01", "0.1", "1", "10", "100", "1000"]);
     }
 }
