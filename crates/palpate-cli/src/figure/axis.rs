@@ -19,7 +19,12 @@ pub(super) fn horizontal(figure: &Figure) -> (f64, f64) {
         .flat_map(|panel| &panel.series);
     let (low, high) =
         span(series.flat_map(|series| series.x.iter().copied())).unwrap_or((0.0, 1.0));
-    if has_height(low, high) {
+    if figure.x_decades {
+        // From one power of ten to another, or few would be shown; with air, or the last number of a
+        // panel would meet the first of the next.
+        let (first, last) = (low.floor(), high.ceil().max(low.floor() + 1.0));
+        (first - 0.125, last + 0.125)
+    } else if has_height(low, high) {
         (low, high)
     } else {
         around(low)
@@ -213,6 +218,29 @@ mod tests {
             ],
         );
         assert!(low > -0.5 && high < 3.0, "{low}..{high}");
+    }
+
+    #[test]
+    fn decades_reach_from_one_power_of_ten_to_another() {
+        let decades = |x: &[f64]| {
+            let mut series = series(Role::Compared(0), x);
+            series.x = x.to_vec();
+            let (low, high) = horizontal(&Figure {
+                x_decades: true,
+                rows: vec![Row {
+                    panels: vec![Panel {
+                        series: vec![series],
+                    }],
+                    ..Row::default()
+                }],
+                ..Figure::default()
+            });
+            (low + 0.125, high - 0.125)
+        };
+        assert_eq!(decades(&[0.7, 1.9, 2.99]), (0.0, 3.0));
+        assert_eq!(decades(&[-1.2, f64::INFINITY, 0.0]), (-2.0, 0.0));
+        assert_eq!(decades(&[2.0]), (2.0, 3.0));
+        assert_eq!(decades(&[]), (0.0, 1.0));
     }
 
     #[test]
