@@ -113,6 +113,37 @@ Examples:
   palpate tune experiments/experiment2.toml --method hfcr --to 2 --least leak
   palpate tune experiments/experiment1.toml --method popc-ref --from 0.05 --to 15 --steps 300 --json")]
     Tune(TuneArguments),
+    /// Judge methods on plants drawn at random
+    #[command(long_about = "\
+Judge methods on plants drawn at random.
+
+Device, hand, object, loop and sensor are drawn over the whole range that desktop devices have; \
+docs/suite.md says how. Each plant is simulated over its first three collisions by every method \
+with its default settings, without delay and with one sample of it, and judged against the ideal \
+of the same plant. The same seed gives the same plants for ever, and plant i is the same whatever \
+the number of plants; so is every digit of the results, whatever the number of threads \
+(RAYON_NUM_THREADS).
+
+--columns names variants of methods to compare: a TOML file with a table for each, its name that \
+of the column, with `method` and the settings that scenes have under [methods.NAME].")]
+    #[command(after_help = "\
+Examples:
+  palpate suite --plants 40
+  palpate suite --plants 20 --seed 7 --method hfcr,virtual-damper --plot suite.svg --out suite.csv
+  palpate suite --plants 5 --method hfcr --write-scenes plants --json")]
+    Suite(SuiteArguments),
+    /// Judge methods on scenes from 21 start heights
+    #[command(long_about = "\
+Judge methods on scenes from 21 start heights.
+
+The gap between device and object is changed by up to 5 %: an error that holds at one height only \
+is an accident. --told-mass-factor tells the renderer a wrong mass of the device. Settings are the \
+scene's.")]
+    #[command(after_help = "\
+Examples:
+  palpate heights experiments/fig2.toml experiments/experiment1.toml --told-mass-factor 1.5
+  palpate heights experiments/experiment2.toml --method hfcr,hfcr-mod-st --json")]
+    Heights(HeightsArguments),
     /// Draw a figure of the paper
     #[command(after_help = "\
 Examples:
@@ -217,6 +248,63 @@ pub enum Least {
     Error,
     /// The sum of absolute leaks
     Leak,
+}
+
+/// Arguments of `suite`.
+#[derive(Args, Debug)]
+pub struct SuiteArguments {
+    /// Number of plants
+    #[arg(long, value_name = "COUNT", default_value_t = 200,
+          value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub plants: u32,
+    /// Seed of the random numbers
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    pub seed: u64,
+    /// What is compared.
+    #[command(flatten)]
+    pub compared: Compared,
+    /// Write every plant as a scene file into a folder, which is made if it is missing
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath, help_heading = "Results")]
+    pub write_scenes: Option<PathBuf>,
+    /// Write a row for each plant, delay and method to a CSV file
+    #[arg(long, value_name = "FILE.csv", value_hint = ValueHint::FilePath, help_heading = "Results")]
+    pub out: Option<PathBuf>,
+    /// Draw the distribution of the error into a file, .svg (or .png where built with the feature png)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Results")]
+    pub plot: Option<PathBuf>,
+    /// Print the report as JSON
+    #[arg(long, help_heading = "Results")]
+    pub json: bool,
+}
+
+/// Arguments of `heights`.
+#[derive(Args, Debug)]
+pub struct HeightsArguments {
+    /// Scene files (TOML); experiments/ has the paper's
+    #[arg(value_name = "SCENE.toml", required = true, value_hint = ValueHint::FilePath)]
+    pub scenes: Vec<PathBuf>,
+    /// Mass of the device that the renderer is told, over the effective one
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = number,
+          allow_hyphen_values = true)]
+    pub told_mass_factor: f64,
+    /// What is compared.
+    #[command(flatten)]
+    pub compared: Compared,
+    /// Print the report as JSON
+    #[arg(long, help_heading = "Results")]
+    pub json: bool,
+}
+
+/// The methods that a study compares.
+#[derive(Args, Debug)]
+pub struct Compared {
+    /// Methods: all, or one or more, separated by commas [default: all]
+    #[arg(long, value_name = "NAMES", value_parser = methods)]
+    pub method: Option<Methods>,
+    /// Variants of methods, from a TOML file, in place of --method
+    #[arg(long, value_name = "FILE.toml", conflicts_with = "method",
+          value_hint = ValueHint::FilePath)]
+    pub columns: Option<PathBuf>,
 }
 
 /// Arguments of `figure`.
@@ -447,6 +535,16 @@ pub struct Flags {
         help_heading = "Device"
     )]
     pub device_mass: Option<f64>,
+    /// Mass of the device as the renderer is told [kg]; simulate and tune only, whose device has a
+    /// mass of its own [default: the effective mass, or the scene's]
+    #[arg(
+        long,
+        value_name = "kg",
+        value_parser = number,
+        allow_hyphen_values = true,
+        help_heading = "Device"
+    )]
+    pub told_device_mass: Option<f64>,
     /// Quantum of the device's position sensor [m]; simulate measures with it, a recording or a
     /// pipe brings its own
     #[arg(

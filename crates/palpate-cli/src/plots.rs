@@ -43,6 +43,7 @@ pub fn overlay(title: &str, reference: &Reference, runs: &[Run]) -> Figure {
                 .into(),
         ),
         x_label: "time [s]".into(),
+        x_decades: false,
         columns: Vec::new(),
         rows: vec![
             row("position [mm]", Limits::default(), positions),
@@ -90,6 +91,7 @@ pub fn step_by_step(title: &str, reference: &Reference, steps: &[(&str, &Run)]) 
                 .into(),
         ),
         x_label: "time [s]".into(),
+        x_decades: false,
         columns: steps.iter().map(|(name, _)| (*name).into()).collect(),
         rows: vec![
             row("position [mm]", &|run| {
@@ -136,7 +138,7 @@ pub fn step_by_step(title: &str, reference: &Reference, steps: &[(&str, &Run)]) 
 }
 
 /// A method looks the same in every figure.
-fn role(method: MethodName) -> Role {
+pub fn role(method: MethodName) -> Role {
     Role::Compared(match method {
         MethodName::Hfcr => 0,
         MethodName::Coupled => 9,

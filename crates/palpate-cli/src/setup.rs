@@ -14,7 +14,7 @@ use crate::failure::Failure;
 use crate::report::{Subject, parameters_of};
 
 /// Flag of a parameter, by the name that parameter errors use.
-const FLAG_OF: [(&str, &str); 16] = [
+const FLAG_OF: [(&str, &str); 17] = [
     ("stiffness", "--stiffness"),
     ("object_mass", "--mass"),
     ("virtual force", "--force"),
@@ -31,6 +31,7 @@ const FLAG_OF: [(&str, &str); 16] = [
     ("speed_threshold", "--speed-threshold"),
     ("initial_energy", "--initial-energy"),
     ("device_mass", "--device-mass"),
+    ("told device_mass", "--told-device-mass"),
 ];
 
 impl Flags {
@@ -104,6 +105,12 @@ impl Flags {
             value.ok_or_else(|| Failure::Arguments(format!("{command} needs {flag} <{unit}>")))
         };
         self.check_device()?;
+        if self.told_device_mass.is_some() {
+            return Err(Failure::Arguments(format!(
+                "--told-device-mass is for simulate and tune; what {command} tells the renderer is \
+                 --device-mass"
+            )));
+        }
         let mut contact = Contact::object(
             needed(self.stiffness, "--stiffness", "N/m")?,
             needed(self.mass, "--mass", "kg|inf")?,
@@ -165,6 +172,7 @@ impl Flags {
         object.velocity = self.object_velocity.unwrap_or(object.velocity);
         scene.virtual_force = self.force.unwrap_or(scene.virtual_force);
         scene.delay = self.delay.unwrap_or(scene.delay);
+        scene.told_device_mass = self.told_device_mass.or(scene.told_device_mass);
         let device = &mut scene.device;
         device.mass = self.device_mass.unwrap_or(device.mass);
         device.encoder_quantum = self.encoder_quantum.unwrap_or(device.encoder_quantum);
@@ -201,6 +209,7 @@ impl Flags {
             ("speed_threshold", self.speed_threshold.is_some()),
             ("initial_energy", self.initial_energy.is_some()),
             ("device_mass", self.device_mass.is_some()),
+            ("told device_mass", self.told_device_mass.is_some()),
         ]
         .into();
         given.get(parameter).copied().unwrap_or(false)

@@ -151,7 +151,8 @@ impl<'a> Bench<'a> {
         self.run_as(self.scene, method)
     }
 
-    /// Runs `scene`, which is this bench's own but for the settings of its methods.
+    /// Runs `scene`, which is this bench's own but for its delay and the settings of its methods:
+    /// the ideal knows neither.
     pub(crate) fn run_as(&self, scene: &Scene, method: MethodName) -> Result<Run, LoopError> {
         let sign = self.sign;
         let period = scene.loop_params.period;
@@ -268,7 +269,8 @@ fn nearest_point(position: f64, last: usize) -> usize {
     index.min(last)
 }
 
-fn object_mass(scene: &Scene) -> f64 {
+/// Mass of the object `[kg]`, infinite for a wall.
+pub(crate) fn object_mass(scene: &Scene) -> f64 {
     match scene.contact.object_mass {
         Mass::Finite(mass) => mass,
         Mass::Infinite => f64::INFINITY,

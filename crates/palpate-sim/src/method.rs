@@ -316,6 +316,13 @@ pub enum SettingsError {
 }
 
 impl MethodName {
+    /// The first of the settings that this method has no use for.
+    pub fn unused(self, settings: &Settings) -> Option<Setting> {
+        Setting::ALL
+            .into_iter()
+            .find(|setting| settings.has(*setting) && !self.uses(*setting))
+    }
+
     /// The method's parameters, with defaults for all settings that are missing.
     ///
     /// # Errors
@@ -325,10 +332,7 @@ impl MethodName {
         settings: &Settings,
         basis: &Basis,
     ) -> Result<AnyParams<f64>, SettingsError> {
-        if let Some(setting) = Setting::ALL
-            .into_iter()
-            .find(|setting| settings.has(*setting) && !self.uses(*setting))
-        {
+        if let Some(setting) = self.unused(settings) {
             return Err(SettingsError::Unused {
                 method: self,
                 setting,

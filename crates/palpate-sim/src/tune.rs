@@ -136,7 +136,7 @@ struct Trial {
 }
 
 /// The scene with its gap changed; the middle one of the heights is the scene itself.
-fn at_height(scene: &Scene, height: usize) -> Scene {
+pub(crate) fn at_height(scene: &Scene, height: usize) -> Scene {
     let middle = (HEIGHTS / 2) as f64;
     let share = HEIGHT_RANGE * (height as f64 - middle) / middle;
     let mut scene = scene.clone();
@@ -144,7 +144,8 @@ fn at_height(scene: &Scene, height: usize) -> Scene {
     scene
 }
 
-fn spread(values: impl Iterator<Item = f64>) -> Spread {
+/// The distribution of a quantity that is given height by height.
+pub(crate) fn spread(values: impl Iterator<Item = f64>) -> Spread {
     let mut values: Vec<f64> = values.collect();
     let own = values[HEIGHTS / 2];
     values.sort_by(f64::total_cmp);

@@ -3,7 +3,9 @@
 pub mod completions;
 pub mod demo;
 pub mod figure;
+pub mod heights;
 pub mod pipe;
 pub mod render;
 pub mod simulate;
+pub mod suite;
 pub mod tune;

@@ -67,6 +67,11 @@ fn plant_receipt(scene: &Scene) -> Vec<(String, String)> {
             .largest_force
             .map(|force| ("device_motor_limit_n", force)),
     );
+    numbers.extend(
+        scene
+            .told_device_mass
+            .map(|mass| ("renderer_device_mass_kg", mass)),
+    );
     if let Some(tremor) = scene.tremor {
         numbers.push(("hand_tremor_n", tremor.amplitude));
         numbers.push(("hand_tremor_hz", tremor.frequency_hz));

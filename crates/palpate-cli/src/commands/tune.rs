@@ -217,6 +217,7 @@ impl Report {
                 100.0 * self.height_range
             )),
             x_label: format!("{} [N s/m]", words(self.setting)),
+            x_decades: false,
             columns: Vec::new(),
             rows: vec![
                 row("mean-force error [%]", &|point| {

@@ -19,7 +19,12 @@ pub(super) fn horizontal(figure: &Figure) -> (f64, f64) {
         .flat_map(|panel| &panel.series);
     let (low, high) =
         span(series.flat_map(|series| series.x.iter().copied())).unwrap_or((0.0, 1.0));
-    if has_height(low, high) {
+    if figure.x_decades {
+        // From one power of ten to another, or few would be shown; with air, or the last number of a
+        // panel would meet the first of the next.
+        let (first, last) = (low.floor(), high.ceil().max(low.floor() + 1.0));
+        (first - 0.125, last + 0.125)
+    } else if has_height(low, high) {
         (low, high)
     } else {
         around(low)
@@ -146,6 +151,12 @@ pub(super) fn tick_label(value: f64, step: f64) -> String {
     text.replace('-', "\u{2212}")
 }
 
+/// The label of the tick at the logarithm `value` of what is shown.
+pub(super) fn decade_label(value: f64) -> String {
+    let shown = 10.0_f64.powf(value.round());
+    tick_label(shown, shown)
+}
+
 /// How many decimals it takes to write every multiple of `step`.
 fn decimals(step: f64) -> usize {
     let mut scaled = step;
@@ -210,6 +221,29 @@ mod tests {
     }
 
     #[test]
+    fn decades_reach_from_one_power_of_ten_to_another() {
+        let decades = |x: &[f64]| {
+            let mut series = series(Role::Compared(0), x);
+            series.x = x.to_vec();
+            let (low, high) = horizontal(&Figure {
+                x_decades: true,
+                rows: vec![Row {
+                    panels: vec![Panel {
+                        series: vec![series],
+                    }],
+                    ..Row::default()
+                }],
+                ..Figure::default()
+            });
+            (low + 0.125, high - 0.125)
+        };
+        assert_eq!(decades(&[0.7, 1.9, 2.99]), (0.0, 3.0));
+        assert_eq!(decades(&[-1.2, f64::INFINITY, 0.0]), (-2.0, 0.0));
+        assert_eq!(decades(&[2.0]), (2.0, 3.0));
+        assert_eq!(decades(&[]), (0.0, 1.0));
+    }
+
+    #[test]
     fn every_range_has_a_height() {
         for y in [
             &[0.0][..],
@@ -237,5 +271,7 @@ mod tests {
         assert_eq!(label(0.0, 5e-6), "0");
         assert_eq!(label(2.5e7, 5e6), "2.5e7");
         assert_eq!(label(1000.0, 500.0), "1000");
+        let decades: Vec<String> = (-2..4).map(|at| decade_label(f64::from(at))).collect();
+        assert_eq!(decades, ["0.01", "0.1", "1", "10", "100", "1000"]);
     }
 }

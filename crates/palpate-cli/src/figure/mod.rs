@@ -34,6 +34,8 @@ pub struct Figure {
     pub footnote: Option<String>,
     /// Quantity and unit of the horizontal axis, `time [s]`.
     pub x_label: String,
+    /// Whether the horizontal positions are logarithms to the base 10 of what the axis shows.
+    pub x_decades: bool,
     /// Heads of the columns; may be empty where there is one column.
     pub columns: Vec<String>,
     /// The rows, from top to bottom.

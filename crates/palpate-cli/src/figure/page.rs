@@ -136,7 +136,7 @@ fn grid(figure: &Figure, columns: usize) -> (Option<Scene>, f64) {
         );
         layouts.push(
             (0..columns)
-                .map(|_| panel::axes(&window, width, height))
+                .map(|_| panel::axes(&window, width, height, figure.x_decades))
                 .collect(),
         );
     }

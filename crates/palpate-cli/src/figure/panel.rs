@@ -91,9 +91,14 @@ fn curve(series: &Series, points: Vec<(f64, f64)>) -> Plot {
         .into()
 }
 
-/// The axes of a panel of the given size \[px\], without their labels.
-pub(super) fn axes(window: &Window, width: f64, height: f64) -> Layout {
-    let x_step = axis::tick_step(window.x, width, 48.0);
+/// The axes of a panel of the given size \[px\], without their labels. With `x_decades` the
+/// horizontal one shows powers of ten.
+pub(super) fn axes(window: &Window, width: f64, height: f64, x_decades: bool) -> Layout {
+    let x_step = if x_decades {
+        1.0
+    } else {
+        axis::tick_step(window.x, width, 48.0)
+    };
     let y_step = axis::tick_step(window.y, height, 26.0);
     let label =
         |step: f64| TickFormat::Custom(Arc::new(move |value| axis::tick_label(value, step)));
@@ -104,7 +109,11 @@ pub(super) fn axes(window: &Window, width: f64, height: f64) -> Layout {
         .with_y_axis_max(window.y.1)
         .with_x_tick_step(x_step)
         .with_y_tick_step(y_step)
-        .with_x_tick_format(label(x_step))
+        .with_x_tick_format(if x_decades {
+            TickFormat::Custom(Arc::new(axis::decade_label))
+        } else {
+            label(x_step)
+        })
         .with_y_tick_format(label(y_step))
         .with_tick_size(TICK_SIZE)
         .with_label_size(LABEL_SIZE)

@@ -30,6 +30,7 @@ fn figure(columns: usize, rows: usize, series: &[Series]) -> Figure {
         title: "A figure".to_owned(),
         footnote: Some("In small print.".to_owned()),
         x_label: "time [s]".to_owned(),
+        x_decades: false,
         columns: (0..columns)
             .map(|column| format!("column {column}"))
             .collect(),

@@ -4,7 +4,7 @@ mod parameters;
 mod text;
 
 pub use parameters::of as parameters_of;
-pub use text::{counted, digits, lines, number, percent, plain_table};
+pub use text::{counted, digits, lines, number, percent, plain_table, short};
 
 use palpate::{Contact, Difficulty, LoopParams, Mass, Side};
 use palpate_sim::run::{Reference, Run};

@@ -210,7 +210,7 @@ pub fn percent(value: f64) -> String {
 }
 
 /// With so many decimals, or an exponent where there are more than four digits before them.
-fn short(value: f64, decimals: usize) -> String {
+pub fn short(value: f64, decimals: usize) -> String {
     if value.abs() < 9999.5 {
         format!("{value:.decimals$}")
     } else {

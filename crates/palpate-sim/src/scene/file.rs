@@ -148,7 +148,7 @@ struct RawRenderer {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct RawSettings {
+pub(crate) struct RawSettings {
     damping_n_s_per_m: Option<Damping>,
     damping_cap_n_s_per_m: Option<f64>,
     speed_threshold_m_per_s: Option<f64>,
@@ -157,6 +157,21 @@ struct RawSettings {
     prediction: Option<Predictor>,
     placement: Option<bool>,
     correction: Option<bool>,
+}
+
+impl From<RawSettings> for Settings {
+    fn from(raw: RawSettings) -> Self {
+        Self {
+            damping: raw.damping_n_s_per_m,
+            damping_cap: raw.damping_cap_n_s_per_m,
+            speed_threshold: raw.speed_threshold_m_per_s,
+            initial_energy: raw.initial_energy_j,
+            estimate: raw.estimate,
+            prediction: raw.prediction,
+            placement: raw.placement,
+            correction: raw.correction,
+        }
+    }
 }
 
 /// Remembers where values stand while it takes them out of their wrapping.
@@ -309,19 +324,7 @@ impl SceneFile {
                 .parse()
                 .map_err(|error| fault(span.clone(), format!("{error}")))?;
             places.0.insert(settings_place(method), span);
-            settings.insert(
-                method,
-                Settings {
-                    damping: raw.damping_n_s_per_m,
-                    damping_cap: raw.damping_cap_n_s_per_m,
-                    speed_threshold: raw.speed_threshold_m_per_s,
-                    initial_energy: raw.initial_energy_j,
-                    estimate: raw.estimate,
-                    prediction: raw.prediction,
-                    placement: raw.placement,
-                    correction: raw.correction,
-                },
-            );
+            settings.insert(method, raw.into());
         }
         let limit = |places: &mut Places, name, value: Option<Spanned<f64>>| {
             value.map(|value| places.take(name, value))
@@ -459,7 +462,7 @@ impl SceneError {
 /// A message of the TOML reader without Rust's names of types, and for an unknown key with the one
 /// it most likely meant. The reader names both:
 /// ``unknown field `x`, expected one of `a`, `b` ``.
-fn in_plain_words(message: &str) -> String {
+pub(crate) fn in_plain_words(message: &str) -> String {
     let Some(rest) = message.strip_prefix("unknown field `") else {
         return message
             .replace("expected f64", "expected a number")

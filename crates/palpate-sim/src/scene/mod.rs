@@ -6,9 +6,12 @@
 mod check;
 mod file;
 mod linkage;
+mod write;
 
+pub(crate) use file::{RawSettings, in_plain_words};
 pub use file::{SceneError, SceneFile};
 pub use linkage::Linkage;
+pub use write::Unwritable;
 
 use std::collections::HashMap;
 

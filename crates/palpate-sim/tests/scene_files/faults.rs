@@ -201,8 +201,11 @@ slew_limit_n_per_s = 1000 -> slew_limit_n_per_s = -1
   -1
 speed_limit_m_per_s = 10 -> speed_limit_m_per_s = nan
   35:23: speed_limit is NaN m/s, but must be finite and greater than 0
-  nan"#,
-        25,
+  nan
+unilateral = false -> device_mass_kg = 0
+  32:18: told device_mass is 0 kg, but must be finite and greater than 0
+  0"#,
+        26,
     );
 }
 

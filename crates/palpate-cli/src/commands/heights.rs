@@ -1,0 +1,163 @@
+//! `palpate heights`: how much errors depend on the start height.
+
+use std::fmt;
+
+use comfy_table::CellAlignment;
+use palpate_sim::heights::{HeightsError, OverHeights, over_heights};
+use palpate_sim::suite::Column;
+use palpate_sim::tune::{HEIGHT_RANGE, HEIGHTS};
+use serde::Serialize;
+
+use super::simulate::{explain, read_scene};
+use crate::arguments::{Flags, HeightsArguments};
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::report::{lines, number, percent, plain_table};
+use crate::results::print;
+
+/// Judges every column on every scene.
+pub fn run(arguments: &HeightsArguments) -> Result<(), Failure> {
+    let factor = arguments.told_mass_factor;
+    if !(factor.is_finite() && factor > 0.0) {
+        return Err(Failure::Arguments(format!(
+            "--told-mass-factor is {factor}, but must be finite and greater than 0"
+        )));
+    }
+    let columns = arguments.compared.columns()?;
+    let files = arguments
+        .scenes
+        .iter()
+        .map(|path| read_scene(path))
+        .collect::<Result<Vec<_>, _>>()?;
+    let progress = Progress::new(HEIGHTS * files.len());
+    let mut scenes = Vec::with_capacity(files.len());
+    for (path, file) in arguments.scenes.iter().zip(&files) {
+        progress.begin(&file.scene.title);
+        let mut scene = file.scene.clone();
+        if factor != 1.0 {
+            scene.told_device_mass = Some(factor * scene.device.mass);
+        }
+        let found =
+            over_heights(&scene, &columns, || progress.advance()).map_err(|error| match error {
+                HeightsError::Scene(error) => explain(&Flags::default(), file, scene.method, error),
+                other => Failure::input(format!("{}: {other}", path.display())),
+            })?;
+        scenes.push(SceneReport::new(&scene.title, &columns, &found));
+    }
+    drop(progress);
+    let report = Report {
+        format: "palpate heights 1",
+        start_heights: HEIGHTS,
+        height_range: HEIGHT_RANGE,
+        told_mass_factor: factor,
+        scenes,
+    };
+    print(&if arguments.json {
+        serde_json::to_string_pretty(&report).expect("a report has string keys only") + "\n"
+    } else {
+        report.to_string()
+    })
+}
+
+#[derive(Serialize)]
+struct Report {
+    format: &'static str,
+    start_heights: usize,
+    height_range: f64,
+    told_mass_factor: f64,
+    scenes: Vec<SceneReport>,
+}
+
+#[derive(Serialize)]
+struct SceneReport {
+    title: String,
+    hold_floor_percent: f64,
+    columns: Vec<ColumnReport>,
+}
+
+#[derive(Serialize)]
+struct ColumnReport {
+    name: String,
+    method: &'static str,
+    mean_force_error_percent: ErrorReport,
+    force_rendering_error_percent: f64,
+    error_over_floor: Option<f64>,
+    diverged: usize,
+}
+
+#[derive(Serialize)]
+struct ErrorReport {
+    own: f64,
+    median: f64,
+    worst: f64,
+}
+
+impl SceneReport {
+    fn new(title: &str, columns: &[Column], found: &[OverHeights]) -> Self {
+        Self {
+            title: title.into(),
+            // The floor is the ideal's, whatever the column.
+            hold_floor_percent: found.first().map_or(0.0, |one| one.own.hold_floor),
+            columns: columns
+                .iter()
+                .zip(found)
+                .map(|(column, found)| ColumnReport {
+                    name: column.name.clone(),
+                    method: column.method.name(),
+                    mean_force_error_percent: ErrorReport {
+                        own: found.error.own,
+                        median: found.error.median,
+                        worst: found.error.worst,
+                    },
+                    force_rendering_error_percent: found.own.force_rendering_error,
+                    error_over_floor: found.own.error_over_floor,
+                    diverged: found.diverged,
+                })
+                .collect(),
+        }
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "{} start heights within ±{} %, told {} times the device's mass",
+            self.start_heights,
+            100.0 * self.height_range,
+            self.told_mass_factor
+        )?;
+        for scene in &self.scenes {
+            writeln!(
+                f,
+                "\n{}; floor {:.2} %\n",
+                scene.title, scene.hold_floor_percent
+            )?;
+            let header = [
+                "method",
+                "E % own",
+                "median",
+                "worst",
+                "FRE % own",
+                "diverged",
+            ];
+            let mut table = plain_table(CellAlignment::Left, &header);
+            for column in &scene.columns {
+                let error = &column.mean_force_error_percent;
+                let hundredths = |value: f64| number(Some(value), |value| format!("{value:.2}"));
+                table.add_row(vec![
+                    (&*column.name).into(),
+                    hundredths(error.own),
+                    hundredths(error.median),
+                    hundredths(error.worst),
+                    number(Some(column.force_rendering_error_percent), percent),
+                    number(Some(column.diverged as f64), |count| {
+                        format!("{count} of {}", self.start_heights)
+                    }),
+                ]);
+            }
+            writeln!(f, "{}", lines(&table))?;
+        }
+        writeln!(f)
+    }
+}

@@ -1,0 +1,157 @@
+//! `palpate suite`: methods on plants drawn at random.
+
+mod report;
+mod table;
+
+use std::path::{Path, PathBuf};
+
+use palpate_sim::method::MethodName;
+use palpate_sim::suite::{self, Column, Judged};
+
+use crate::arguments::{Compared, SuiteArguments};
+use crate::failure::Failure;
+use crate::figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
+use crate::plots;
+use crate::progress::Progress;
+use crate::results::{check_picture, draw, print};
+use report::Report;
+
+/// Draws the plants, judges every column on them, and writes what was asked for.
+pub fn run(arguments: &SuiteArguments) -> Result<(), Failure> {
+    if let Some(path) = &arguments.plot {
+        check_picture(path)?;
+    }
+    if arguments.out.is_some() && arguments.out == arguments.plot {
+        return Err(Failure::Arguments(
+            "--out and --plot name the same file; the figure would overwrite the rows".into(),
+        ));
+    }
+    let columns = arguments.compared.columns()?;
+    let plants = arguments.plants as usize;
+    let progress = Progress::new(plants);
+    progress.begin("plants");
+    let judged = suite::run(arguments.seed, plants, &columns, || progress.advance())
+        .map_err(Failure::input)?;
+    drop(progress);
+
+    let mut report = Report::new(arguments.seed, &columns, &judged);
+    if let Some(folder) = &arguments.write_scenes {
+        report.wrote(&write_scenes(folder, &judged)?);
+    }
+    if let Some(path) = &arguments.out {
+        palpate_io::atomic::write(path, |writer| {
+            table::write(writer, arguments.seed, &columns, &judged).map_err(std::io::Error::from)
+        })
+        .map_err(|error| Failure::System(error.to_string()))?;
+        report.wrote(path);
+    }
+    if let Some(path) = &arguments.plot {
+        draw(path, &figure(arguments.seed, &columns, &judged))?;
+        report.wrote(path);
+    }
+    print(&if arguments.json {
+        serde_json::to_string_pretty(&report).expect("a report has string keys only") + "\n"
+    } else {
+        report.to_string()
+    })
+}
+
+impl Compared {
+    /// What is compared: methods with their defaults, or the columns of a file.
+    pub fn columns(&self) -> Result<Vec<Column>, Failure> {
+        let Some(path) = &self.columns else {
+            let methods = self.method.as_ref().map(|methods| methods.0.clone());
+            let methods = methods.unwrap_or_else(|| MethodName::ALL.to_vec());
+            return Ok(methods.into_iter().map(Column::of).collect());
+        };
+        let name = path.display();
+        let text = std::fs::read_to_string(path)
+            .map_err(|error| Failure::System(format!("{name}: {error}")))?;
+        Column::parse(&text).map_err(|error| Failure::input(format!("{name}: {error}")))
+    }
+}
+
+/// Writes each plant into a file of its own in `folder`; their common name.
+fn write_scenes(folder: &Path, judged: &[Judged]) -> Result<PathBuf, Failure> {
+    std::fs::create_dir_all(folder)
+        .map_err(|error| Failure::System(format!("{}: {error}", folder.display())))?;
+    for one in judged {
+        let path = folder.join(format!("plant-{:04}.toml", one.plant.index));
+        let text = one.plant.scene.to_toml().map_err(Failure::input)?;
+        palpate_io::atomic::write(&path, |writer| writer.write_all(text.as_bytes()))
+            .map_err(|error| Failure::System(error.to_string()))?;
+    }
+    Ok(folder.join("plant-*.toml"))
+}
+
+/// How each column looks: a method with its defaults as everywhere else.
+fn role(columns: &[Column], number: usize) -> Role {
+    let of_methods = columns
+        .iter()
+        .all(|column| *column == Column::of(column.method));
+    if of_methods {
+        plots::role(columns[number].method)
+    } else {
+        Role::Compared(number)
+    }
+}
+
+/// Logarithm of the largest error E that is drawn: the force is then lost in any case.
+const LARGEST_DRAWN: f64 = 3.0;
+
+/// The distribution of E of every column, a panel for each delay.
+fn figure(seed: u64, columns: &[Column], judged: &[Judged]) -> Figure {
+    let panel = |delay: usize| Panel {
+        series: (0..columns.len())
+            .map(|number| {
+                let mut errors: Vec<f64> = judged
+                    .iter()
+                    .flat_map(|one| &one.trials)
+                    .filter(|trial| trial.column == number && trial.delay == delay)
+                    .map(|trial| trial.fidelity.mean_force_error.log10())
+                    .collect();
+                errors.sort_by(f64::total_cmp);
+                let all = errors.len() as f64;
+                // From nothing at the least error to all at the largest, or at the edge.
+                let drawn = errors.partition_point(|error| *error <= LARGEST_DRAWN);
+                let shares = (0..=drawn).map(|below| 100.0 * below as f64 / all);
+                Series {
+                    name: columns[number].name.clone(),
+                    kind: Kind::Step,
+                    role: role(columns, number),
+                    y: shares.collect(),
+                    x: errors[..drawn]
+                        .first()
+                        .into_iter()
+                        .chain(&errors[..drawn])
+                        .copied()
+                        .collect(),
+                }
+            })
+            .collect(),
+    };
+    Figure {
+        title: format!("{} random plants, seed {seed}", judged.len()),
+        footnote: Some(
+            "Share of the plants on which the mean-force error is at most so large: the further left, \
+             the better. Errors above 1000 % are not drawn."
+                .into(),
+        ),
+        x_label: "mean-force error E [%]".into(),
+        x_decades: true,
+        columns: suite::DELAYS.map(delay_in_words).to_vec(),
+        rows: vec![Row {
+            y_label: "plants [%]".into(),
+            limits: Limits::Data,
+            panels: suite::DELAYS.map(panel).to_vec(),
+        }],
+    }
+}
+
+/// `no delay`, `1 sample of delay`.
+fn delay_in_words(delay: usize) -> String {
+    match delay {
+        0 => "no delay".into(),
+        _ => format!("{} of delay", crate::report::counted(delay, "sample")),
+    }
+}

@@ -1,0 +1,90 @@
+//! How much a method's error depends on the start height: the same scene from 21 of them.
+
+use rayon::prelude::*;
+
+use palpate_testbed::metrics::Fidelity;
+
+use crate::closed_loop::{Bench, LoopError};
+use crate::scene::Scene;
+use crate::suite::Column;
+use crate::tune::{HEIGHTS, Spread, at_height, spread};
+
+/// What a column did on a scene over the start heights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OverHeights {
+    /// Mean-force error E `[%]`.
+    pub error: Spread,
+    /// Errors at the scene's own height.
+    pub own: Fidelity,
+    /// Heights at which the loop diverged.
+    pub diverged: usize,
+}
+
+/// Why a column cannot be judged on a scene.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum HeightsError {
+    /// The ideal has no contact, so there is no error.
+    #[error("the ideal has no contact in the window, so there is no error")]
+    NoContact,
+    /// The scene cannot be run.
+    #[error(transparent)]
+    Scene(LoopError),
+    /// A column cannot be run.
+    #[error("column {column}: {error}")]
+    Column {
+        /// Name of the column.
+        column: String,
+        /// What is wrong.
+        error: LoopError,
+    },
+}
+
+/// Judges `columns` on `scene` from every start height; a setting that a column leaves open is the
+/// scene's. `done` hears of each height that is finished. The heights run on as many threads as
+/// rayon has; what comes out does not depend on how many those are.
+///
+/// # Errors
+/// A scene that cannot be run or has no contact, or settings that do not make a column's method.
+pub fn over_heights(
+    scene: &Scene,
+    columns: &[Column],
+    done: impl Fn() + Sync,
+) -> Result<Vec<OverHeights>, HeightsError> {
+    let heights: Vec<Vec<(Fidelity, bool)>> = (0..HEIGHTS)
+        .into_par_iter()
+        .map(|height| {
+            let judged = at_one(&at_height(scene, height), columns);
+            done();
+            judged
+        })
+        .collect::<Result<_, _>>()?;
+    Ok((0..columns.len())
+        .map(|column| OverHeights {
+            error: spread(heights.iter().map(|one| one[column].0.mean_force_error)),
+            own: heights[HEIGHTS / 2][column].0,
+            diverged: heights.iter().filter(|one| one[column].1).count(),
+        })
+        .collect())
+}
+
+/// Errors of every column, and whether it diverged.
+fn at_one(scene: &Scene, columns: &[Column]) -> Result<Vec<(Fidelity, bool)>, HeightsError> {
+    let bench = Bench::new(scene).map_err(HeightsError::Scene)?;
+    columns
+        .iter()
+        .map(|column| {
+            let mut varied = scene.clone();
+            let settings = varied.settings.entry(column.method).or_default();
+            *settings = column.settings.or(*settings);
+            let run =
+                bench
+                    .run_as(&varied, column.method)
+                    .map_err(|error| HeightsError::Column {
+                        column: column.name.clone(),
+                        error,
+                    })?;
+            let fidelity = run.force.fidelity.ok_or(HeightsError::NoContact)?;
+            Ok((fidelity, run.diverged == Some(true)))
+        })
+        .collect()
+}

@@ -1,0 +1,229 @@
+//! Scenes as files.
+
+use std::fmt::Write;
+
+use palpate::{Contact, LoopParams, Mass, SehEstimate, Side};
+
+use super::{Grip, Measure, PointMassDevice, Scene, Wave};
+use crate::method::{Damping, Predictor, MethodName, Settings};
+
+/// Something of a scene that scene files have no key for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a scene file cannot say {0}")]
+pub struct Unwritable(&'static str);
+
+impl Scene {
+    /// The scene as a file that reads back to the same bits.
+    ///
+    /// # Errors
+    /// A scene with a largest gap, for which there is no key.
+    pub fn to_toml(&self) -> Result<String, Unwritable> {
+        // Taken apart, so that what is added to a scene cannot be forgotten here.
+        let Self {
+            title,
+            contact,
+            loop_params,
+            object,
+            virtual_force,
+            device,
+            told_device_mass,
+            user_force,
+            linkage,
+            grip,
+            tremor,
+            delay,
+            measure,
+            method,
+            settings,
+        } = self;
+        let Contact {
+            stiffness,
+            object_mass,
+            side,
+            unilateral,
+        } = *contact;
+        let LoopParams {
+            period,
+            largest_gap,
+            speed_limit,
+            force_limit,
+            slew_limit,
+        } = *loop_params;
+        if largest_gap.is_some() {
+            return Err(Unwritable("a largest gap between samples"));
+        }
+        let mut file = File::default();
+        file.line("scene_format", "1");
+        file.line("title", &toml::Value::from(title.as_str()).to_string());
+
+        file.table("object");
+        file.number(
+            "mass_kg",
+            match object_mass {
+                Mass::Finite(mass) => mass,
+                Mass::Infinite => f64::INFINITY,
+            },
+        );
+        file.number("stiffness_n_per_m", stiffness);
+        file.number("position_m", object.position);
+        file.unless_zero("velocity_m_per_s", object.velocity);
+        file.unless_zero("force_n", *virtual_force);
+        if side == Side::Negative {
+            file.line("side", "\"negative\"");
+        }
+
+        file.table("device");
+        match linkage {
+            Some(linkage) => {
+                file.line("kind", "\"pantograph\"");
+                file.line("preset", &format!("\"{}\"", linkage.name()));
+                file.unless_zero("position_m", device.position);
+            }
+            None => file.point_mass(device),
+        }
+
+        file.table("hand");
+        file.hand(grip.as_ref());
+        file.number("force_n", *user_force);
+        file.wave(["tremor_n", "tremor_hz"], *tremor);
+
+        file.table("loop");
+        file.number("period_s", period);
+        if *delay > 0 {
+            file.line("delay_samples", &delay.to_string());
+        }
+
+        file.table("measure");
+        match measure {
+            Measure::Collisions(count) => file.line("collisions", &count.to_string()),
+            Measure::Duration(duration) => file.number("duration_s", *duration),
+        }
+
+        file.table("renderer");
+        file.line("method", &format!("\"{method}\""));
+        file.if_given("device_mass_kg", *told_device_mass);
+        if unilateral {
+            file.line("unilateral", "true");
+        }
+        file.if_given("force_limit_n", force_limit);
+        file.if_given("slew_limit_n_per_s", slew_limit);
+        file.if_given("speed_limit_m_per_s", speed_limit);
+
+        for method in MethodName::ALL {
+            if let Some(settings) = settings.get(&method) {
+                file.table(&format!("methods.{method}"));
+                file.settings(settings);
+            }
+        }
+        Ok(file.0)
+    }
+}
+
+/// The text so far.
+#[derive(Default)]
+struct File(String);
+
+impl File {
+    fn table(&mut self, name: &str) {
+        self.line_of(format_args!("\n[{name}]"));
+    }
+
+    fn line(&mut self, key: &str, value: &str) {
+        self.line_of(format_args!("{key} = {value}"));
+    }
+
+    /// The fewest digits that read back to the same bits.
+    fn number(&mut self, key: &str, value: f64) {
+        self.line_of(format_args!("{key} = {value:?}"));
+    }
+
+    /// A value whose default is 0. That of -0 is not.
+    fn unless_zero(&mut self, key: &str, value: f64) {
+        if value.to_bits() != 0 {
+            self.number(key, value);
+        }
+    }
+
+    fn if_given(&mut self, key: &str, value: Option<f64>) {
+        if let Some(value) = value {
+            self.number(key, value);
+        }
+    }
+
+    fn wave(&mut self, keys: [&str; 2], wave: Option<Wave>) {
+        if let Some(wave) = wave {
+            self.number(keys[0], wave.amplitude);
+            self.number(keys[1], wave.frequency_hz);
+        }
+    }
+
+    fn point_mass(&mut self, device: &PointMassDevice) {
+        self.line("kind", "\"point-mass\"");
+        self.number("mass_kg", device.mass);
+        self.unless_zero("position_m", device.position);
+        self.unless_zero("velocity_m_per_s", device.velocity);
+        self.unless_zero("encoder_quantum_m", device.encoder_quantum);
+        self.unless_zero("viscous_n_s_per_m", device.viscous_friction);
+        self.unless_zero("coulomb_n", device.coulomb_friction);
+        self.if_given("motor_limit_n", device.largest_force);
+    }
+
+    fn hand(&mut self, grip: Option<&Grip>) {
+        let Some(grip) = grip else {
+            self.line("kind", "\"constant-force\"");
+            return;
+        };
+        self.line("kind", "\"impedance\"");
+        self.number("mass_kg", grip.mass);
+        self.number("stiffness_n_per_m", grip.stiffness);
+        self.number("damping_n_s_per_m", grip.damping);
+        self.number("position_m", grip.position);
+        self.wave(["swing_m", "swing_hz"], grip.swing);
+    }
+
+    fn settings(&mut self, settings: &Settings) {
+        let Settings {
+            damping,
+            damping_cap,
+            speed_threshold,
+            initial_energy,
+            estimate,
+            prediction,
+            placement,
+            correction,
+        } = *settings;
+        match damping {
+            None => {}
+            Some(Damping::Auto) => self.line("damping_n_s_per_m", "\"auto\""),
+            Some(Damping::Value(damping)) => self.number("damping_n_s_per_m", damping),
+        }
+        self.if_given("damping_cap_n_s_per_m", damping_cap);
+        self.if_given("speed_threshold_m_per_s", speed_threshold);
+        self.if_given("initial_energy_j", initial_energy);
+        if let Some(estimate) = estimate {
+            let name = match estimate {
+                SehEstimate::Ab2 => "ab2",
+                SehEstimate::Differences => "differences",
+                SehEstimate::Ab3 => "ab3",
+            };
+            self.line("estimate", &format!("\"{name}\""));
+        }
+        if let Some(prediction) = prediction {
+            let name = match prediction {
+                Predictor::ConstantVelocity => "constant-velocity",
+                Predictor::Observer => "observer",
+            };
+            self.line("prediction", &format!("\"{name}\""));
+        }
+        for (key, on) in [("placement", placement), ("correction", correction)] {
+            if let Some(on) = on {
+                self.line(key, &on.to_string());
+            }
+        }
+    }
+
+    fn line_of(&mut self, line: std::fmt::Arguments) {
+        // A string takes every character.
+        let _ = writeln!(self.0, "{line}");
+    }
+}

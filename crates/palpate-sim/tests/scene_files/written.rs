@@ -1,0 +1,85 @@
+//! Scenes written as files read back to the same bits.
+
+use palpate_sim::scene::{Scene, SceneFile};
+
+use crate::{GOOD, common, edited};
+
+/// Checks that `text` reads to the same scene as what is written of it.
+#[track_caller]
+fn assert_written(name: &str, text: &str) -> Scene {
+    let read = |text: &str| {
+        SceneFile::parse(name, text)
+            .unwrap_or_else(|error| panic!("{error} in:\n{text}"))
+            .scene
+    };
+    let scene = read(text);
+    let written = scene.to_toml().unwrap();
+    assert_eq!(read(&written), scene, "{written}");
+    assert_eq!(read(&written).to_toml().unwrap(), written);
+    scene
+}
+
+#[test]
+fn the_committed_scenes_read_back_from_what_is_written_of_them() {
+    for entry in std::fs::read_dir(common::experiments()).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_file() {
+            let text = std::fs::read_to_string(&path).unwrap();
+            assert_written(path.to_str().unwrap(), &text);
+        }
+    }
+}
+
+#[test]
+fn every_key_is_written() {
+    assert_written("good", GOOD);
+    let edit = |from, to| assert_written("edited", &edited(from, to));
+    let told = edit(
+        "unilateral = false",
+        "device_mass_kg = 0.3\nunilateral = true",
+    );
+    assert_eq!(told.told_device_mass, Some(0.3));
+    assert!(told.contact.unilateral);
+    for (from, to) in [
+        ("\"a block\"", "\"a \\\"block\\\", \\\\ and a\\ttab\""),
+        ("mass_kg = 0.1\n", "mass_kg = inf\n"),
+        ("collisions = 3", "duration_s = 0.1234567890123456789"),
+        ("\"positive\"", "\"negative\""),
+        ("force_n = -0.981", "force_n = -0.0"),
+        (
+            "velocity_m_per_s = 0\nforce",
+            "velocity_m_per_s = 1e-300\nforce",
+        ),
+        ("encoder_quantum_m = 0", "encoder_quantum_m = 1e-5"),
+        (
+            "encoder_quantum_m = 0",
+            "viscous_n_s_per_m = 0.1\ncoulomb_n = 0.02\nmotor_limit_n = 3",
+        ),
+        (
+            "force_n = 1\n",
+            "force_n = 1\ntremor_n = 0.2\ntremor_hz = 8\n",
+        ),
+        (
+            "kind = \"constant-force\"",
+            "kind = \"impedance\"\nmass_kg = 0.1\nstiffness_n_per_m = 60\ndamping_n_s_per_m = 1\n\
+             position_m = 0.01\nswing_m = 0.02\nswing_hz = 2",
+        ),
+        ("delay_samples = 0", "delay_samples = 3"),
+        ("damping_n_s_per_m = 0.1", "damping_n_s_per_m = \"auto\""),
+        ("estimate = \"ab2\"", "estimate = \"ab3\""),
+        ("estimate = \"ab2\"", "estimate = \"differences\""),
+        ("period_s = 0.02", "period_s = 0.1e-4"),
+    ] {
+        edit(from, to);
+    }
+}
+
+#[test]
+fn what_has_no_key_is_not_left_out_silently() {
+    let mut scene = SceneFile::parse("good", GOOD).unwrap().scene;
+    scene.loop_params.largest_gap = Some(0.5);
+    assert_eq!(
+        scene.to_toml().unwrap_err().to_string(),
+        "a scene file cannot say a largest gap between samples"
+    );
+}
