@@ -9,7 +9,7 @@ use palpate_sim::method::MethodName;
 use palpate_sim::run::Run;
 use palpate_sim::scene::{Measure, Scene, SceneError, SceneFile, SetupError};
 
-use crate::arguments::{Flags, SimulateArguments};
+use crate::arguments::{Flags, SimulateArguments, TimingFlags};
 use crate::failure::Failure;
 use crate::plots;
 use crate::progress::Progress;
@@ -25,8 +25,9 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     flags.check_settings(&methods)?;
     let mut scene = file.scene.clone();
     flags.change(&mut scene, &methods)?;
+    arguments.timing.change(&mut scene);
     arguments.results.check(&arguments.scene)?;
-    let failure = |method, error| explain(flags, &file, method, error);
+    let failure = |method, error| explain((flags, &arguments.timing), &file, method, error);
     let progress = Progress::new(methods.len());
     progress.begin("ideal");
     let bench = Bench::new(&scene).map_err(|error| failure(scene.method, error))?;
@@ -105,6 +106,7 @@ pub fn subject(scene: &Scene) -> Subject<'_> {
         loop_params: &scene.loop_params,
         device_mass: Some(scene.device.mass),
         delay: scene.delay,
+        timing: scene.timing.clone(),
     }
 }
 
@@ -147,13 +149,15 @@ fn in_file(error: SceneError) -> Failure {
 
 /// A scene that cannot be run: the fault lies in a flag if one gave the value, else in the file.
 pub(super) fn explain(
-    flags: &Flags,
+    (flags, timing): (&Flags, &TimingFlags),
     file: &SceneFile,
     method: MethodName,
     error: LoopError,
 ) -> Failure {
     match error {
-        LoopError::Setup(SetupError::Parameter(parameter)) if flags.gives(parameter.parameter) => {
+        LoopError::Setup(SetupError::Parameter(parameter))
+            if flags.gives(parameter.parameter) || timing.gives(parameter.parameter) =>
+        {
             wrong_flag(&parameter)
         }
         LoopError::Setup(setup @ SetupError::Settings(_)) if flags.damping.is_some() => {

@@ -117,6 +117,10 @@ impl Scene {
         if self.delay > MOST_DELAY {
             return out_of_range("delay", "samples", self.delay as f64, "at most 1024");
         }
+        // A bad period is the renderer's to refuse.
+        if self.loop_params.period.is_finite() && self.loop_params.period > 0.0 {
+            self.check_timing()?;
+        }
         match self.measure {
             Measure::Collisions(0) => out_of_range("measured collisions", "", 0.0, "at least 1"),
             Measure::Duration(duration) if !(duration.is_finite() && duration > 0.0) => {

@@ -7,6 +7,7 @@ use palpate::{Contact, LoopParams, ObjectState, ParameterError, SehEstimate, Sid
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::timing::RawLoop;
 use super::{Grip, Linkage, Measure, PointMassDevice, Scene, SetupError, Wave};
 use crate::method::{Damping, MethodName, Settings, SettingsError, nearest};
 
@@ -123,13 +124,6 @@ struct RawHand {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct RawLoop {
-    period_s: Spanned<f64>,
-    delay_samples: Option<Spanned<usize>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 struct RawMeasure {
     collisions: Option<Spanned<usize>>,
     duration_s: Option<Spanned<f64>>,
@@ -143,6 +137,7 @@ struct RawRenderer {
     force_limit_n: Option<Spanned<f64>>,
     slew_limit_n_per_s: Option<Spanned<f64>>,
     speed_limit_m_per_s: Option<Spanned<f64>>,
+    largest_gap_s: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize)]
@@ -157,15 +152,15 @@ struct RawSettings {
 
 /// Remembers where values stand while it takes them out of their wrapping.
 #[derive(Default)]
-struct Places(HashMap<&'static str, Range<usize>>);
+pub(super) struct Places(HashMap<&'static str, Range<usize>>);
 
 impl Places {
-    fn take<T>(&mut self, name: &'static str, value: Spanned<T>) -> T {
+    pub fn take<T>(&mut self, name: &'static str, value: Spanned<T>) -> T {
         self.0.insert(name, value.span());
         value.into_inner()
     }
 
-    fn take_or<T>(&mut self, name: &'static str, value: Option<Spanned<T>>, default: T) -> T {
+    pub fn take_or<T>(&mut self, name: &'static str, value: Option<Spanned<T>>, default: T) -> T {
         value.map_or(default, |value| self.take(name, value))
     }
 }
@@ -339,6 +334,11 @@ impl SceneFile {
             // Checked to be there.
             None => places.take_or("device_mass", device.mass_kg.take(), f64::NAN),
         };
+        let period = places.take("period", raw.r#loop.period_s.clone());
+        let (delay, timing) = raw
+            .r#loop
+            .timing(&mut places)
+            .map_err(|(span, message)| fault(span, message.into()))?;
         let scene = Scene {
             title: raw.title,
             contact,
@@ -347,7 +347,8 @@ impl SceneFile {
                 speed_limit: limit(&mut places, "speed_limit", raw.renderer.speed_limit_m_per_s),
                 force_limit: limit(&mut places, "force_limit", raw.renderer.force_limit_n),
                 slew_limit: limit(&mut places, "slew_limit", raw.renderer.slew_limit_n_per_s),
-                ..LoopParams::new(places.take("period", raw.r#loop.period_s))
+                largest_gap: limit(&mut places, "largest_gap", raw.renderer.largest_gap_s),
+                ..LoopParams::new(period)
             },
             object: ObjectState {
                 position: places.take("object position", raw.object.position_m),
@@ -372,7 +373,8 @@ impl SceneFile {
             )
             .map_err(|span| fault(span, "a tremor needs both tremor_n and tremor_hz".into()))?,
             grip: grip(&mut places, hand).map_err(|(span, message)| fault(span, message.into()))?,
-            delay: places.take_or("delay", raw.r#loop.delay_samples, 0),
+            delay,
+            timing,
             measure,
             method: raw.renderer.method.unwrap_or(MethodName::Hfcr),
             settings,
@@ -456,7 +458,8 @@ fn in_plain_words(message: &str) -> String {
         return message
             .replace("expected f64", "expected a number")
             .replace("expected i64", "expected a whole number")
-            .replace("expected usize", "expected a whole number from 0 up");
+            .replace("expected usize", "expected a whole number from 0 up")
+            .replace("expected u64", "expected a whole number from 0 up");
     };
     let mut quoted = rest.split('`');
     let unknown = quoted.next().unwrap_or_default();

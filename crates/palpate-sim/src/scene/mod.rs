@@ -6,9 +6,11 @@
 mod check;
 mod file;
 mod linkage;
+mod timing;
 
 pub use file::{SceneError, SceneFile};
 pub use linkage::Linkage;
+pub use timing::{Dropped, Jitter, RateCollapse, Timing};
 
 use std::collections::HashMap;
 
@@ -44,6 +46,8 @@ pub struct Scene {
     pub tremor: Option<Wave>,
     /// Whole samples between measuring and actuating.
     pub delay: usize,
+    /// What else is not perfect about the loop.
+    pub timing: Timing,
     /// How long to look.
     pub measure: Measure,
     /// The method to run when none is named.
