@@ -345,3 +345,31 @@ fn an_imperfect_loop_by_flags_is_that_of_the_scene_file() {
         assert!(answer.stderr.contains(said), "{flag}: {}", answer.stderr);
     }
 }
+
+#[test]
+fn a_recorded_intention_is_looked_for_beside_the_scene() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("deep")).unwrap();
+    let text = experiment_text("fig2").replace(
+        "kind = \"constant-force\"\n",
+        "kind = \"impedance\"\nstiffness_n_per_m = 50\ndamping_n_s_per_m = 1\n\
+         intention = \"hand.csv\"\nrelease_s = 0.5\n",
+    );
+    folder.write("deep/scene.toml", text);
+    let answer = folder.palpate("simulate deep/scene.toml");
+    assert_eq!(answer.code, 3);
+    assert!(
+        answer.stderr.contains("hand.csv cannot be read: "),
+        "{}",
+        answer.stderr
+    );
+    folder.write("deep/hand.csv", "t_s,position_m\n0,0\n0.1,0.005\n0.8,0\n");
+    let report = folder.json("simulate deep/scene.toml --method basic,hfcr");
+    assert!(number(of_method(&report, "hfcr"), "mean_force_error_percent") < 60.0);
+    folder.succeed("simulate deep/scene.toml --out run.csv");
+    assert!(
+        folder
+            .read("run.csv")
+            .contains("\"\"hand_release_s\"\":\"\"0.5\"\"")
+    );
+}

@@ -76,6 +76,7 @@ prop_compose! {
             linkage: None,
             grip: None,
             tremor: None,
+            release: None,
             user_force: sign * accelerations.0 * per_period * device_mass,
             delay,
             timing: Timing::default(),

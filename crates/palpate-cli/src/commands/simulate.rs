@@ -7,7 +7,7 @@ use palpate::ParameterError;
 use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_sim::method::MethodName;
 use palpate_sim::run::Run;
-use palpate_sim::scene::{Measure, Scene, SceneError, SceneFile, SetupError};
+use palpate_sim::scene::{Measure, Scene, SceneError, SceneFile, SetupError, beside};
 
 use crate::arguments::{Flags, SimulateArguments, TimingFlags};
 use crate::failure::Failure;
@@ -72,11 +72,15 @@ fn plant_receipt(scene: &Scene) -> Vec<(String, String)> {
         numbers.push(("hand_tremor_n", tremor.amplitude));
         numbers.push(("hand_tremor_hz", tremor.frequency_hz));
     }
-    if let Some(grip) = scene.grip {
+    numbers.extend(scene.release.map(|release| ("hand_release_s", release)));
+    if let Some(grip) = &scene.grip {
         numbers.push(("hand_mass_kg", grip.mass));
         numbers.push(("hand_stiffness_n_per_m", grip.stiffness));
         numbers.push(("hand_damping_n_s_per_m", grip.damping));
-        numbers.push(("hand_position_m", grip.position));
+        // A recording is not a number; the scene file names it.
+        if grip.intention.is_none() {
+            numbers.push(("hand_position_m", grip.position));
+        }
         if let Some(swing) = grip.swing {
             numbers.push(("hand_swing_m", swing.amplitude));
             numbers.push(("hand_swing_hz", swing.frequency_hz));
@@ -127,7 +131,7 @@ pub(super) fn read_scene(path: &Path) -> Result<SceneFile, Failure> {
     let name = path.display().to_string();
     let bytes = std::fs::read(path).map_err(|error| Failure::System(format!("{name}: {error}")))?;
     let text = String::from_utf8(bytes).map_err(|error| not_utf8(&name, &error))?;
-    SceneFile::parse(&name, &text).map_err(in_file)
+    SceneFile::parse_with(&name, &text, &mut beside(path)).map_err(in_file)
 }
 
 fn not_utf8(name: &str, error: &FromUtf8Error) -> Failure {

@@ -293,9 +293,61 @@ kind = "constant-force"\nforce_n = 1 -> kind = "impedance"\nswing_m = 0.01
   0.01
 kind = "constant-force"\nforce_n = 1 -> kind = "impedance"\nswing_m = 0.01\nswing_hz = 0
   22:12: swing frequency is 0 Hz, but must be finite and greater than 0
-  0"#,
-        12,
+  0
+force_n = 1\n -> release_s = -1\n
+  21:13: release is -1 s, but must be finite and not below 0
+  -1
+force_n = 1\n -> intention = "hand.csv"\n
+  21:13: a hand of kind constant-force has no use for this; kind = "impedance" has
+  "hand.csv"
+kind = "constant-force"\nforce_n = 1 -> kind = "impedance"\nposition_m = 0.01\nintention = "hand.csv"
+  21:14: the recorded intention says where the hand wants to be
+  0.01
+kind = "constant-force"\nforce_n = 1 -> kind = "impedance"\nintention = "hand.csv"
+  21:13: hand.csv cannot be read: this scene is read without the files beside it
+  "hand.csv"
+kind = "constant-force"\nforce_n = 1 -> kind = "impedance"\nintention = 3
+  21:13: invalid type: integer `3`, expected a string
+  3"#,
+        17,
     );
+}
+
+#[test]
+fn a_recorded_intention_is_read_and_its_faults_are_told_at_the_key() {
+    let text = edited(
+        "kind = \"constant-force\"\nforce_n = 1",
+        "kind = \"impedance\"\nintention = \"hand.csv\"",
+    );
+    let read = |content: &str| {
+        SceneFile::parse_with("scene.toml", &text, &mut |name| {
+            assert_eq!(name, "hand.csv");
+            Ok(content.into())
+        })
+    };
+    // Times count from the first sample.
+    let scene = read("t_s,position_m\n5,0\n5.5,0.01\n").unwrap().scene;
+    let path = scene.grip.unwrap().intention.unwrap();
+    assert_eq!(
+        (path.times(), path.positions()),
+        (&[0.0, 0.5][..], &[0.0, 0.01][..])
+    );
+    for (content, message) in [
+        ("t_s,position_m\n0,0\n0,1\n", "hand.csv:3:1: "),
+        (
+            "t_s,position\n0,0\n",
+            "hand.csv:1:5: the header has no column `position_m`",
+        ),
+        ("t_s,position_m\n0,0\n", "hand.csv:2:4: a trace needs"),
+    ] {
+        let error = read(content).unwrap_err();
+        assert_eq!(&text[error.span.clone()], "\"hand.csv\"");
+        assert!(error.message.starts_with(message), "{error}");
+        assert!(
+            error.to_string().starts_with("scene.toml:21:13: "),
+            "{error}"
+        );
+    }
 }
 
 #[test]
