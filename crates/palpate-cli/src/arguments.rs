@@ -72,7 +72,8 @@ exactly. Flags change values of the scene.")]
 Examples:
   palpate simulate experiments/fig2.toml --method all --plot fig2.svg
   palpate simulate experiments/experiment2.toml --method virtual-damper --damping 4
-  palpate simulate experiments/wall.toml --stiffness 5000 --delay 1 --json")]
+  palpate simulate experiments/wall.toml --stiffness 5000 --delay 1 --json
+  palpate simulate experiments/fig2.toml --method all --jitter 0.002 --drop 0.05 --seed 7")]
     Simulate(SimulateArguments),
     /// Render live: positions in, forces on the device out, line by line
     #[command(override_usage = "\
@@ -186,9 +187,32 @@ pub struct SimulateArguments {
     /// Contact, loop, method and device.
     #[command(flatten)]
     pub flags: Flags,
+    /// What is not perfect about the loop.
+    #[command(flatten)]
+    pub timing: TimingFlags,
     /// Where results go.
     #[command(flatten)]
     pub results: Results,
+}
+
+/// What is not perfect about the loop of a scene.
+#[derive(Args, Debug, Default)]
+#[command(next_help_heading = "Loop")]
+pub struct TimingFlags {
+    /// Fraction of a period, below 1, on top of --delay [default: 0, or the scene's]
+    #[arg(long, value_name = "FRACTION", value_parser = number, allow_hyphen_values = true)]
+    pub delay_fraction: Option<f64>,
+    /// Samples lie evenly spread within this much of their instant, below half a period [s]
+    /// [default: 0, or the scene's]
+    #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true)]
+    pub jitter: Option<f64>,
+    /// Probability, below 1, that a sample is not taken; the force stays held [default: 0, or the
+    /// scene's]
+    #[arg(long, value_name = "PROBABILITY", value_parser = number, allow_hyphen_values = true)]
+    pub drop: Option<f64>,
+    /// Seed of the random numbers of --jitter and --drop [default: 0, or the scene's]
+    #[arg(long, value_name = "NUMBER")]
+    pub seed: Option<u64>,
 }
 
 /// Arguments of `pipe`.
@@ -211,6 +235,9 @@ pub struct TuneArguments {
     /// Contact, loop, method and device.
     #[command(flatten)]
     pub flags: Flags,
+    /// What is not perfect about the loop.
+    #[command(flatten)]
+    pub timing: TimingFlags,
     /// The curve.
     #[command(flatten)]
     pub curve: CurveArguments,

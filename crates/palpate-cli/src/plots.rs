@@ -29,7 +29,10 @@ pub fn overlay(title: &str, reference: &Reference, runs: &[Run]) -> Figure {
         positions.push(device_position(&runs[0], "device"));
     }
     let mut forces = vec![ideal_force(reference)];
-    forces.extend(compared(|tick| tick.held_force_on_object, 1.0, Kind::Step));
+    forces.extend(
+        runs.iter()
+            .map(|run| held_force(run, run.method.name(), role(run.method))),
+    );
     let row = |y_label: &str, limits, series| Row {
         y_label: y_label.into(),
         limits,
@@ -114,17 +117,7 @@ pub fn step_by_step(title: &str, reference: &Reference, steps: &[(&str, &Run)]) 
             row("force on object [N]", &|run| {
                 vec![
                     ideal_force(reference),
-                    Series {
-                        name: "rendered".into(),
-                        kind: Kind::Step,
-                        role: Role::Compared(0),
-                        x: times(run),
-                        y: run
-                            .ticks
-                            .iter()
-                            .map(|tick| tick.held_force_on_object)
-                            .collect(),
-                    },
+                    held_force(run, "rendered", Role::Compared(0)),
                 ]
             }),
             row("original leak [mJ]", &|run| {
@@ -157,6 +150,24 @@ const DEVICE: Role = Role::Compared(8);
 
 fn times(run: &Run) -> Vec<f64> {
     run.ticks.iter().map(|tick| tick.time).collect()
+}
+
+/// The force that was really held, each from when it reached the motor.
+fn held_force(run: &Run, name: &str, role: Role) -> Series {
+    let last = run.last();
+    let end = (last.time, last.held_force_on_object);
+    let held = run
+        .held
+        .iter()
+        .map(|held| (held.from, held.force_on_object));
+    let (x, y) = held.chain([end]).unzip();
+    Series {
+        name: name.into(),
+        kind: Kind::Step,
+        role,
+        x,
+        y,
+    }
 }
 
 fn ideal_force(reference: &Reference) -> Series {

@@ -6,7 +6,7 @@ use palpate_io::run::{RunWriteError, RunWriter};
 use palpate_sim::run::Run;
 
 /// Columns of a run file. Leaks and works are accumulated over the intervals before the sample.
-pub const COLUMNS: [&str; 20] = [
+pub const COLUMNS: [&str; 21] = [
     "t_s",
     "device_position_m",
     "object_position_m",
@@ -16,6 +16,7 @@ pub const COLUMNS: [&str; 20] = [
     "leak_held_j",
     "force_on_device_n",
     "held_force_on_object_n",
+    "command_from_s",
     "penetration_m",
     "true_device_position_m",
     "stored_energy_j",
@@ -58,6 +59,8 @@ pub fn write(
                 ledger.held_leak.accumulated.into(),
                 output.force_on_device.into(),
                 tick.held_force_on_object.into(),
+                // Empty for a command that never reaches the motor.
+                tick.command_from.unwrap_or(f64::NAN).into(),
                 output.penetration.into(),
                 tick.true_device_position.into(),
                 ledger.stored.into(),

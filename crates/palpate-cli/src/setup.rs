@@ -6,15 +6,15 @@ use palpate::{Contact, LoopParams, Mass, ObjectState, ParameterError};
 use palpate_sim::method::{MethodName, Setting, Settings, SettingsError};
 use palpate_sim::replay::ReplaySetup;
 use palpate_sim::run::Run;
-use palpate_sim::scene::{Scene, SetupError};
+use palpate_sim::scene::{Dropped, Jitter, Scene, SetupError};
 use palpate_testbed::InvalidParameter;
 
-use crate::arguments::Flags;
+use crate::arguments::{Flags, TimingFlags};
 use crate::failure::Failure;
-use crate::report::{Subject, parameters_of};
+use crate::report::{Subject, parameters_of, timing_of};
 
 /// Flag of a parameter, by the name that parameter errors use.
-const FLAG_OF: [(&str, &str); 17] = [
+const FLAG_OF: [(&str, &str); 20] = [
     ("stiffness", "--stiffness"),
     ("object_mass", "--mass"),
     ("virtual force", "--force"),
@@ -32,7 +32,35 @@ const FLAG_OF: [(&str, &str); 17] = [
     ("initial_energy", "--initial-energy"),
     ("device_mass", "--device-mass"),
     ("told device_mass", "--told-device-mass"),
+    ("delay_fraction", "--delay-fraction"),
+    ("jitter_s", "--jitter"),
+    ("drop_probability", "--drop"),
 ];
+
+impl TimingFlags {
+    /// Puts the flags that were given in place of the scene's values.
+    pub fn change(&self, scene: &mut Scene) {
+        let timing = &mut scene.timing;
+        timing.delay_fraction = self.delay_fraction.unwrap_or(timing.delay_fraction);
+        if let Some(bound) = self.jitter {
+            timing.jitter = Jitter::Uniform { bound };
+        }
+        if let Some(probability) = self.drop {
+            timing.dropped = Dropped::Probability(probability);
+        }
+        timing.seed = self.seed.unwrap_or(timing.seed);
+    }
+
+    /// Whether the parameter of an error was given as a flag.
+    pub fn gives(&self, parameter: &str) -> bool {
+        match parameter {
+            "delay_fraction" => self.delay_fraction.is_some(),
+            "jitter_s" => self.jitter.is_some(),
+            "drop_probability" => self.drop.is_some(),
+            _ => false,
+        }
+    }
+}
 
 impl Flags {
     /// Methods to run, `default` if none is named.
@@ -341,6 +369,9 @@ pub fn receipt(
         ),
         ("virtual_force_n".to_owned(), virtual_force.to_string()),
     ];
+    for (name, value) in timing_of(&subject.timing) {
+        lines.push((format!("loop_{name}"), value.to_string()));
+    }
     for run in runs {
         for (name, value) in parameters_of(&run.params) {
             let value = value

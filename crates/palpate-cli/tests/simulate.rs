@@ -287,3 +287,89 @@ fn long_lists_of_collisions_are_cut_with_a_word() {
         assert_eq!(table.contains("The first 12 of"), cut, "{table}");
     }
 }
+
+#[test]
+fn an_imperfect_loop_by_flags_is_that_of_the_scene_file() {
+    let folder = with_scene();
+    let text = folder.read("scene.toml").replace(
+        "period_s = 0.01\n",
+        "period_s = 0.01\ndelay_fraction = 0.25\njitter_s = 0.002\ndrop_probability = 0.1\nseed = 7\n",
+    );
+    folder.write("imperfect.toml", text);
+    let flags = "--delay-fraction 0.25 --jitter 0.002 --drop 0.1 --seed 7";
+    let by_flags = folder.json(&format!("simulate scene.toml {flags}"));
+    let by_file = folder.json("simulate imperfect.toml");
+    assert_eq!(by_flags, by_file);
+    assert_eq!(
+        by_file["timing"],
+        serde_json::json!({
+            "delay_fraction": 0.25, "jitter_s": 0.002, "drop_probability": 0.1, "seed": 7
+        })
+    );
+    let samples = number(&by_file, "samples");
+    assert!(samples > 55.0 && samples < 76.0, "{samples}");
+    let perfect = folder.json("simulate scene.toml");
+    assert_eq!(perfect.get("timing"), None);
+    assert_eq!(number(&perfect, "samples"), 76.0);
+    // The run file says when each answer reached the motor, and the text what is wrong.
+    let told = folder.succeed("simulate imperfect.toml --out run.csv --plot run.svg");
+    assert!(
+        told.contains("jitter up to 2.00 ms, 10 % of samples dropped"),
+        "{told}"
+    );
+    let run = folder.run_file("run.csv");
+    let (sampled, from) = (
+        run.numbers("t_s").unwrap(),
+        run.numbers("command_from_s").unwrap(),
+    );
+    for (sampled, from) in sampled.iter().zip(&from[..from.len() - 1]) {
+        assert!((from - sampled - 0.0025).abs() < 1e-12 || from.is_nan());
+    }
+    assert!(from.last().unwrap().is_nan());
+    for (flag, said) in [
+        (
+            "--jitter 0.005",
+            "--jitter is 0.005 s, but must be from 0 s to below half",
+        ),
+        (
+            "--drop 1",
+            "--drop is 1, but must be a probability from 0 to below 1",
+        ),
+        (
+            "--delay-fraction -0.1",
+            "--delay-fraction is -0.1 periods, but must be",
+        ),
+    ] {
+        let answer = folder.palpate(&format!("simulate scene.toml {flag}"));
+        assert_eq!(answer.code, 2, "{flag}");
+        assert!(answer.stderr.contains(said), "{flag}: {}", answer.stderr);
+    }
+}
+
+#[test]
+fn a_recorded_intention_is_looked_for_beside_the_scene() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("deep")).unwrap();
+    let text = experiment_text("fig2").replace(
+        "kind = \"constant-force\"\n",
+        "kind = \"impedance\"\nstiffness_n_per_m = 50\ndamping_n_s_per_m = 1\n\
+         intention = \"hand.csv\"\nrelease_s = 0.5\n",
+    );
+    folder.write("deep/scene.toml", text);
+    let answer = folder.palpate("simulate deep/scene.toml");
+    assert_eq!(answer.code, 3);
+    assert!(
+        answer.stderr.contains("hand.csv cannot be read: "),
+        "{}",
+        answer.stderr
+    );
+    folder.write("deep/hand.csv", "t_s,position_m\n0,0\n0.1,0.005\n0.8,0\n");
+    let report = folder.json("simulate deep/scene.toml --method basic,hfcr");
+    assert!(number(of_method(&report, "hfcr"), "mean_force_error_percent") < 60.0);
+    folder.succeed("simulate deep/scene.toml --out run.csv");
+    assert!(
+        folder
+            .read("run.csv")
+            .contains("\"\"hand_release_s\"\":\"\"0.5\"\"")
+    );
+}

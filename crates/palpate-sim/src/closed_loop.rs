@@ -2,18 +2,18 @@
 
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::device::Device;
-use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::ideal::{Ideal, PointMassScene};
 use palpate_testbed::measure::Sampler;
 use palpate_testbed::metrics::{EnergyJudgement, ForceJudgement};
-use palpate_testbed::profile::Snapshot;
+use palpate_testbed::profile::{ForceProfile, Snapshot};
 use palpate_testbed::reference::{self, ReferenceScene, Stop};
+use palpate_testbed::timeline::Timeline;
 
 use palpate::{Mass, Sample};
 
 use crate::method::{MethodName, with_derived_values};
 use crate::plant::{Plant, is_free};
-use crate::run::{MOST_PERIODS, Reference, Run, Tick};
+use crate::run::{Held, MOST_PERIODS, Reference, Run, Tick};
 use crate::scene::{Measure, Scene, SetupError};
 
 /// Why a scene cannot be run.
@@ -48,7 +48,7 @@ pub struct Bench<'a> {
     sign: f64,
     plant: Plant,
     motion: IdealMotion,
-    intervals: usize,
+    timeline: Timeline,
     reference: Reference,
 }
 
@@ -86,7 +86,13 @@ impl<'a> Bench<'a> {
         if let Measure::Collisions(asked) = scene.measure {
             too_long(asked as f64)?;
         }
-        let (profile, error, motion) = if is_free(scene) {
+        // In the user's periods the window is the ideal's; how it is cut is the loop's.
+        let timeline = |periods: usize| {
+            let shortest = scene.timing.shortest_period(period);
+            too_long((periods as f64 * period / shortest).floor())?;
+            Ok::<_, LoopError>(Timeline::new(scene.schedule(), periods)?)
+        };
+        let (timeline, profile, error, motion) = if is_free(scene) {
             let ideal = exact_ideal(scene, sign)?;
             let intervals = match scene.measure {
                 Measure::Collisions(asked) => {
@@ -102,14 +108,18 @@ impl<'a> Bench<'a> {
                 Measure::Duration(duration) => whole_periods(duration, period)?,
             };
             too_long(intervals as f64)?;
-            let profile = ideal.profile(period, intervals)?;
-            (profile, 0.0, IdealMotion::Exact(ideal))
+            let timeline = timeline(intervals)?;
+            let profile = ideal.profile_on(timeline.grid().clone())?;
+            (timeline, profile, 0.0, IdealMotion::Exact(ideal))
         } else {
-            let (integrated, error) = integrated_ideal(scene, sign, &plant)?;
-            let profile = integrated.profile.clone();
-            (profile, error, IdealMotion::Integrated(integrated))
+            let ideal = integrated_ideal(scene, sign, &plant, timeline)?;
+            (
+                ideal.timeline,
+                ideal.profile,
+                ideal.error,
+                IdealMotion::Integrated(ideal.reference),
+            )
         };
-        let intervals = profile.intervals();
         let reference = match &motion {
             IdealMotion::Exact(ideal) => Reference::new(profile, 0.0, sign, |time| ideal.at(time)),
             IdealMotion::Integrated(integrated) => {
@@ -125,7 +135,7 @@ impl<'a> Bench<'a> {
             sign,
             plant,
             motion,
-            intervals,
+            timeline,
             reference,
         })
     }
@@ -142,8 +152,10 @@ impl<'a> Bench<'a> {
 
     /// Runs the loop by `method` over the window and judges it.
     ///
-    /// Sample, render, hold: at each sample instant the renderer sees the measured position, and
-    /// its force, or with a delay an earlier one, is held until the next while the device moves.
+    /// Sample, render, hold: at each sample instant the renderer sees the measured position and the
+    /// measured time since the sample before, and each of its forces is held from when it reaches the
+    /// motor until the next one does, while the device moves. The renderer is told what was held since
+    /// its last sample: where that changed in between, its mean.
     ///
     /// # Errors
     /// Settings that do not make this method.
@@ -155,87 +167,146 @@ impl<'a> Bench<'a> {
     /// the ideal knows neither.
     pub(crate) fn run_as(&self, scene: &Scene, method: MethodName) -> Result<Run, LoopError> {
         let sign = self.sign;
-        let period = scene.loop_params.period;
         let renderer = scene.renderer(method)?;
         let mut state = renderer.start(scene.object).map_err(SetupError::from)?;
         let mut device = self.plant.clone();
-        let mut hold = DelayedHold::new(scene.delay)?;
         let sampler = if scene.device.encoder_quantum > 0.0 {
             Sampler::quantum(scene.device.encoder_quantum)?
         } else {
             Sampler::Ideal
         };
 
-        let mut ticks = Vec::with_capacity(self.intervals + 1);
-        let mut record = Vec::with_capacity(self.intervals + 1);
+        let samples = self.timeline.samples();
+        let grid = self.timeline.grid();
+        let mut ticks: Vec<Tick> = Vec::with_capacity(samples.len());
+        let mut record = Vec::with_capacity(samples.len());
+        let mut held = Vec::with_capacity(grid.intervals());
+        let mut since_sample = HeldSince::default();
         let mut port_work = 0.0;
         let mut jammed_at = None;
-        for i in 0..=self.intervals {
-            let time = i as f64 * period;
-            device.sample(period);
-            let measured = sign * device.measured(&sampler);
-            let output = renderer.step(
-                &mut state,
-                Sample::at(measured).with_virtual_force(scene.virtual_force),
-            );
-            let held = sign * device.given_force(sign * hold.exchange(output.force_on_object));
-            renderer.report_held(&mut state, held);
-            ticks.push(Tick {
-                time,
-                device_position: measured,
-                true_device_position: sign * device.position(),
-                output,
-                held_force_on_object: held,
-                ledger: *state.ledger(),
-            });
-            record.push(Snapshot {
-                time,
-                device_position: device.position(),
-                device_velocity: device.velocity(),
-                object_position: sign * output.object_position,
-                object_velocity: sign * output.object_velocity,
-                force_on_object: sign * held,
-            });
-            if i < self.intervals {
-                port_work += device.advance(sign * held, period);
+        let mut time = 0.0;
+        for stretch in self.timeline.stretches() {
+            let answer = if let Some(index) = stretch.sample {
+                let sample = samples[index];
+                time = sample.time;
+                if let Some(force) = since_sample.mean() {
+                    renderer.report_held(&mut state, force);
+                }
+                since_sample = HeldSince::default();
+                device.sample(sample.elapsed);
+                let measured = sign * device.measured(&sampler);
+                let taken = Sample::at(measured).with_virtual_force(scene.virtual_force);
+                let taken = if index == 0 {
+                    taken
+                } else {
+                    taken.after(sample.elapsed)
+                };
+                Some((index, measured, renderer.step(&mut state, taken)))
+            } else {
+                None
+            };
+            let command = match (stretch.command, &answer) {
+                (None, _) => 0.0,
+                (Some(own), Some((index, _, output))) if own == *index => output.force_on_object,
+                (Some(earlier), _) => ticks[earlier].output.force_on_object,
+            };
+            let force = sign * device.given_force(sign * command);
+            if let Some((index, measured, output)) = answer {
+                ticks.push(Tick {
+                    time,
+                    device_position: measured,
+                    true_device_position: sign * device.position(),
+                    output,
+                    held_force_on_object: force,
+                    command_from: samples[index].command_from,
+                    ledger: *state.ledger(),
+                });
+                record.push(Snapshot {
+                    time,
+                    device_position: device.position(),
+                    device_velocity: device.velocity(),
+                    object_position: sign * output.object_position,
+                    object_velocity: sign * output.object_velocity,
+                    force_on_object: sign * force,
+                });
+            }
+            if stretch.begins_hold && held.len() < grid.intervals() {
+                held.push(Held {
+                    from: grid.edge(held.len()),
+                    force_on_object: force,
+                });
+            }
+            if stretch.duration > 0.0 {
+                port_work += device.advance(sign * force, stretch.duration);
+                since_sample.add(force, stretch.duration);
+                time += stretch.duration;
                 if jammed_at.is_none() && device.is_jammed() {
-                    jammed_at = Some(time + period);
+                    jammed_at = Some(time);
                 }
             }
         }
-        let held: Vec<f64> = record[..self.intervals]
+        let forces: Vec<f64> = held
             .iter()
-            .map(|snapshot| snapshot.force_on_object)
+            .map(|held| sign * held.force_on_object)
             .collect();
         let profile = &self.reference.profile;
+        let energy = self.energy_judgement(&forces, &record);
         Ok(Run {
             method,
             params: with_derived_values(scene.params(method).map_err(SetupError::from)?, &renderer),
             ticks,
-            force: ForceJudgement::of(&held, profile).expect("one force per interval"),
+            held,
+            force: ForceJudgement::of(&forces, profile).expect("one force per interval"),
             jammed_at,
-            diverged: Some(self.has_diverged(&record)),
-            energy: self.energy_judgement(&record),
+            diverged: Some(self.has_diverged(energy.as_ref(), &record)),
+            energy,
             bench_port_work: Some(port_work),
         })
+    }
+}
+
+/// What was held since a sample.
+#[derive(Default)]
+struct HeldSince {
+    first: Option<f64>,
+    changed: bool,
+    impulse: f64,
+    duration: f64,
+}
+
+impl HeldSince {
+    fn add(&mut self, force: f64, duration: f64) {
+        self.changed |= self.first.is_some_and(|first| first != force);
+        self.first = self.first.or(Some(force));
+        self.impulse += force * duration;
+        self.duration += duration;
+    }
+
+    /// The force, or where it changed its mean over time; none before the first sample.
+    fn mean(&self) -> Option<f64> {
+        if self.changed {
+            Some(self.impulse / self.duration)
+        } else {
+            self.first
+        }
     }
 }
 
 impl Bench<'_> {
     /// What a lossless loop did to its energy. With friction or a hand of its own there is no such
     /// energy to compare with.
-    fn energy_judgement(&self, record: &[Snapshot]) -> Option<EnergyJudgement> {
+    fn energy_judgement(&self, held: &[f64], record: &[Snapshot]) -> Option<EnergyJudgement> {
         match (&self.motion, &self.plant) {
             (IdealMotion::Exact(ideal), Plant::Free(_)) => Some(
-                EnergyJudgement::of(ideal, &self.reference.profile, record)
-                    .expect("one state per sample"),
+                EnergyJudgement::sampled(ideal, &self.reference.profile, held, record)
+                    .expect("one force per interval, and a sample"),
             ),
             _ => None,
         }
     }
 
-    fn has_diverged(&self, record: &[Snapshot]) -> bool {
-        match self.energy_judgement(record) {
+    fn has_diverged(&self, energy: Option<&EnergyJudgement>, record: &[Snapshot]) -> bool {
+        match energy {
             Some(energy) => energy.diverged,
             None => {
                 let speeds = self
@@ -291,14 +362,24 @@ fn exact_ideal(scene: &Scene, sign: f64) -> Result<Ideal, InvalidParameter> {
     })
 }
 
-/// The ideal of a plant without a closed form, and its error: how much the impulse of any interval
+/// An integrated ideal, and the timeline of the loop that it judges.
+struct Integrated {
+    timeline: Timeline,
+    /// The ideal force, cut where the loop changes its own.
+    profile: ForceProfile,
+    reference: reference::Reference,
+    error: f64,
+}
+
+/// The ideal of a plant without a closed form, and its error: how much the impulse of any period
 /// changes when the step is halved, relative to the largest impulse, over 3 because the error of a
 /// second-order step falls to a quarter.
 fn integrated_ideal(
     scene: &Scene,
     sign: f64,
     plant: &Plant,
-) -> Result<(reference::Reference, f64), LoopError> {
+    timeline: impl Fn(usize) -> Result<Timeline, LoopError>,
+) -> Result<Integrated, LoopError> {
     let period = scene.loop_params.period;
     let stop = match scene.measure {
         Measure::Collisions(asked) => Stop::AfterCollisions(asked),
@@ -314,24 +395,28 @@ fn integrated_ideal(
     let twenties = (period / LONGEST_STEP)
         .clamp(20.0, MOST_STEPS)
         .div_euclid(20.0) as usize;
-    let with_steps = |steps_per_period| {
-        let object = ReferenceScene {
-            stiffness: scene.contact.stiffness,
-            object_mass: object_mass(scene),
-            virtual_force: sign * scene.virtual_force,
-            object_position: sign * scene.object.position,
-            object_velocity: sign * scene.object.velocity,
-            period,
-            steps_per_period,
-        };
-        reference::integrate(&plant, &object, stop)
+    let object = |steps_per_period| ReferenceScene {
+        stiffness: scene.contact.stiffness,
+        object_mass: object_mass(scene),
+        virtual_force: sign * scene.virtual_force,
+        object_position: sign * scene.object.position,
+        object_velocity: sign * scene.object.velocity,
+        period,
+        steps_per_period,
     };
-    let (coarse, fine) = (with_steps(20 * twenties)?, with_steps(40 * twenties)?);
+    let coarse = reference::integrate(&plant, &object(20 * twenties), stop)?;
+    let timeline = timeline(coarse.profile.intervals())?;
+    let (fine, profile) = reference::integrate_on(&plant, &object(40 * twenties), timeline.grid())?;
     let largest = |impulses: &[f64]| impulses.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
     let (a, b) = (coarse.profile.impulses(), fine.profile.impulses());
     let change: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
     let error = largest(&change) / (3.0 * largest(b).max(f64::MIN_POSITIVE));
-    Ok((fine, error))
+    Ok(Integrated {
+        timeline,
+        profile,
+        reference: fine,
+        error,
+    })
 }
 
 /// Force rendering error of `run` `[%]` against the force that another loop held, `fine`, whose
@@ -339,18 +424,18 @@ fn integrated_ideal(
 /// None if `fine` held no force within the run's window or ends before it.
 pub fn error_against(run: &Run, fine: &Run) -> Option<f64> {
     let window = run.last().time;
-    let mut coarse = run.ticks.iter().peekable();
+    let mut coarse = run.held.iter().peekable();
     let (mut error, mut force, mut current) = (0.0, 0.0, 0.0);
-    for pair in fine.ticks.windows(2) {
-        let middle = 0.5 * (pair[0].time + pair[1].time);
+    let ends = fine.held.iter().skip(1).map(|held| held.from);
+    for (held, end) in fine.held.iter().zip(ends.chain([fine.last().time])) {
+        let middle = 0.5 * (held.from + end);
         if middle > window {
             break;
         }
-        while let Some(tick) = coarse.next_if(|tick| tick.time <= middle) {
-            current = tick.held_force_on_object;
+        while let Some(held) = coarse.next_if(|held| held.from <= middle) {
+            current = held.force_on_object;
         }
-        let step = pair[1].time - pair[0].time;
-        let held = pair[0].held_force_on_object;
+        let (step, held) = (end - held.from, held.force_on_object);
         error += step * (current - held) * (current - held);
         force += step * held * held;
     }

@@ -1,5 +1,7 @@
 //! The device of a scene and the hand that holds it, as the bench moves them.
 
+use std::sync::Arc;
+
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::device::{Device, PointMass};
 use palpate_testbed::hand::{Hand, IntendedPath, Intention, Sinusoid};
@@ -48,16 +50,20 @@ impl Plant {
             phase: 0.0,
         };
         let (force, tremor) = (sign * scene.user_force, scene.tremor.map(wave));
-        let hand = match scene.grip {
+        let hand = match &scene.grip {
             None => Hand::ConstantForce { force, tremor },
             Some(grip) => Hand::Impedance {
                 mass: grip.mass,
                 stiffness: grip.stiffness,
                 damping: grip.damping,
                 intention: Intention {
-                    path: match grip.swing {
-                        None => IntendedPath::Constant(sign * grip.position),
-                        Some(swing) => IntendedPath::Sinusoid {
+                    path: match (&grip.intention, grip.swing) {
+                        (Some(path), _) if sign < 0.0 => {
+                            IntendedPath::Recorded(Arc::new(path.mirrored()))
+                        }
+                        (Some(path), _) => IntendedPath::Recorded(Arc::clone(path)),
+                        (None, None) => IntendedPath::Constant(sign * grip.position),
+                        (None, Some(swing)) => IntendedPath::Sinusoid {
                             centre: sign * grip.position,
                             swing: wave(swing),
                         },
@@ -68,10 +74,14 @@ impl Plant {
                 tremor,
             },
         };
-        HeldMass::new(device.mass, hand)?
+        let held = HeldMass::new(device.mass, hand)?
             .with_friction(device.viscous_friction, device.coulomb_friction)?
-            .with_largest_force(device.largest_force.unwrap_or(f64::INFINITY))?
-            .starting_at(position, velocity)
+            .with_largest_force(device.largest_force.unwrap_or(f64::INFINITY))?;
+        let held = match scene.release {
+            Some(release) => held.released_at(release)?,
+            None => held,
+        };
+        held.starting_at(position, velocity)
             .map(|held| Self::Held(Box::new(held)))
     }
 
@@ -128,6 +138,7 @@ pub(crate) fn is_free(scene: &Scene) -> bool {
         && scene.device.coulomb_friction == 0.0
         && scene.grip.is_none()
         && scene.tremor.is_none()
+        && scene.release.is_none()
 }
 
 impl Device for Plant {

@@ -13,7 +13,7 @@ use palpate_testbed::metrics::ForceJudgement;
 use palpate_testbed::recorded_path::{PathError, RecordedPath};
 
 use crate::method::{Basis, MethodName, Settings, SettingsError, with_derived_values};
-use crate::run::{MOST_PERIODS, Reference, Run, Tick};
+use crate::run::{Held, MOST_PERIODS, Reference, Run, Tick};
 use crate::scene::{SetupError, stored_energy};
 
 /// What to render on a recorded motion.
@@ -187,8 +187,11 @@ impl Replay {
                 );
                 let held = hold.exchange(output.force_on_object);
                 renderer.report_held(&mut state, held);
+                let arrives = i + setup.delay;
                 Tick {
                     time: self.start + i as f64 * period,
+                    command_from: (arrives < self.positions.len())
+                        .then_some(self.start + arrives as f64 * period),
                     device_position: position,
                     true_device_position: position,
                     output,
@@ -197,16 +200,24 @@ impl Replay {
                 }
             })
             .collect();
-        let held: Vec<f64> = ticks[..ticks.len() - 1]
+        let held: Vec<Held> = ticks[..ticks.len() - 1]
             .iter()
-            .map(|tick| self.sign * tick.held_force_on_object)
+            .map(|tick| Held {
+                from: tick.time,
+                force_on_object: tick.held_force_on_object,
+            })
+            .collect();
+        let forces: Vec<f64> = held
+            .iter()
+            .map(|held| self.sign * held.force_on_object)
             .collect();
         Ok(Run {
             method,
             params: with_derived_values(params, &renderer),
-            force: ForceJudgement::of(&held, &self.reference.profile)
+            force: ForceJudgement::of(&forces, &self.reference.profile)
                 .expect("one force per interval"),
             ticks,
+            held,
             jammed_at: None,
             diverged: None,
             energy: None,

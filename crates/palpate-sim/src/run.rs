@@ -17,11 +17,23 @@ pub struct Tick {
     pub true_device_position: f64,
     /// The renderer's answer.
     pub output: Output<f64>,
-    /// Force on the object that is really held from here to the next sample `[N]`: with a delay,
-    /// that of an earlier answer.
+    /// Force on the object that is really held from here on `[N]`: with a delay, that of an earlier
+    /// answer. In a loop of whole periods it lasts to the next sample; else [`Run::held`] says when it
+    /// changes.
     pub held_force_on_object: f64,
+    /// When this sample's answer reaches the motor `[s]`; none after the window's end.
+    pub command_from: Option<f64>,
     /// Books of the intervals before this sample.
     pub ledger: Ledger<f64>,
+}
+
+/// A force, held from an instant on until the next is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Held {
+    /// From when `[s]`.
+    pub from: f64,
+    /// Force on the object `[N]`.
+    pub force_on_object: f64,
 }
 
 /// A run of one method, from the first sample to the one that closes the last interval.
@@ -31,8 +43,11 @@ pub struct Run {
     pub method: MethodName,
     /// Its parameters, defaults included.
     pub params: AnyParams<f64>,
-    /// One tick more than there are intervals.
+    /// Every sample that was taken; the last one closes the window and is not acted on. A perfect loop
+    /// has one more than periods.
     pub ticks: Vec<Tick>,
+    /// The force that was really held, one for each interval of the reference's profile.
+    pub held: Vec<Held>,
     /// How well the held force renders the ideal one.
     pub force: ForceJudgement,
     /// When a linkage ran to the end of its reach and jammed `[s]`. What follows in the run is not
@@ -116,7 +131,7 @@ impl Reference {
         sign: f64,
         snapshot: impl Fn(f64) -> Snapshot,
     ) -> Self {
-        let duration = profile.intervals() as f64 * profile.period();
+        let duration = profile.grid().end() - profile.start();
         let points = (profile.intervals() * CURVE_POINTS_PER_PERIOD).min(MOST_CURVE_POINTS);
         let curve = (0..=points)
             .map(|i| {

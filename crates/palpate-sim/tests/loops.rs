@@ -8,7 +8,10 @@ use palpate_sim::closed_loop::Bench;
 use palpate_sim::method::{MethodName, Settings};
 use palpate_sim::replay::{Replay, ReplaySetup};
 use palpate_sim::run::{Run, Tick};
-use palpate_sim::scene::{Measure, PointMassDevice, Scene};
+use palpate_sim::scene::{Measure, PointMassDevice, Scene, Timing};
+use palpate_testbed::device::{Device, PointMass};
+use palpate_testbed::hold::DelayedHold;
+use palpate_testbed::measure::Sampler;
 use proptest::prelude::*;
 
 const PERIODS: f64 = 40.0;
@@ -74,8 +77,10 @@ prop_compose! {
             told_device_mass: None,
             grip: None,
             tremor: None,
+            release: None,
             user_force: sign * accelerations.0 * per_period * device_mass,
             delay,
+            timing: Timing::default(),
             measure: Measure::Duration(PERIODS * period),
             method: MethodName::Basic,
             settings: std::collections::HashMap::new(),
@@ -212,6 +217,47 @@ proptest! {
         }
     }
 
+    /// The loop as a textbook writes it: sample, render, hold for a period.
+    #[test]
+    fn a_perfect_schedule_is_the_plain_loop_bit_for_bit(scene in loops()) {
+        let bench = Bench::new(&scene).unwrap();
+        let sign: f64 = scene.contact.side.sign();
+        let period = scene.loop_params.period;
+        let sampler = match scene.device.encoder_quantum {
+            0.0 => Sampler::Ideal,
+            quantum => Sampler::quantum(quantum).unwrap(),
+        };
+        for method in MethodName::ALL {
+            let run = bench.run(method).unwrap();
+            let renderer = scene.renderer(method).unwrap();
+            let mut state = renderer.start(scene.object).unwrap();
+            let mut device = PointMass::new(scene.device.mass, sign * scene.user_force)
+                .and_then(|device| {
+                    device.starting_at(
+                        sign * scene.device.position,
+                        sign * scene.device.velocity,
+                    )
+                })
+                .unwrap();
+            let mut hold = DelayedHold::new(scene.delay).unwrap();
+            for (i, tick) in run.ticks.iter().enumerate() {
+                let measured = sign * sampler.sample(device.position());
+                let output = renderer.step(
+                    &mut state,
+                    palpate::Sample::at(measured).with_virtual_force(scene.virtual_force),
+                );
+                let held = hold.exchange(output.force_on_object);
+                renderer.report_held(&mut state, held);
+                prop_assert_eq!(tick.time, i as f64 * period);
+                prop_assert_eq!(tick.device_position, measured);
+                prop_assert_eq!(tick.output, output);
+                prop_assert_eq!(tick.held_force_on_object, held);
+                prop_assert_eq!(tick.ledger, *state.ledger());
+                device.advance(sign * held, period);
+            }
+        }
+    }
+
     #[test]
     fn the_mirrored_scene_gives_the_mirrored_run_bit_for_bit(scene in loops()) {
         let mut mirrored = scene.clone();
@@ -262,6 +308,7 @@ fn a_replay_holds_each_answer_after_its_delay_and_books_what_it_held() {
                 virtual_force: -sign * 0.981,
                 delay,
                 device_mass: Some(0.25),
+                encoder_quantum: 0.0,
             };
             let positions: Vec<f64> = hand.positions.iter().map(|x| sign * x).collect();
             let replay = Replay::new(setup, &hand.times, &positions).unwrap();

@@ -3,11 +3,14 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use common::scene as experiment;
 use palpate_sim::closed_loop::{Bench, error_against};
 use palpate_sim::method::MethodName;
 use palpate_sim::run::Run;
 use palpate_sim::scene::{Grip, Measure, Scene, Wave};
+use palpate_testbed::recorded_path::RecordedPath;
 
 fn run(scene: &Scene, method: MethodName) -> Run {
     Bench::new(scene).unwrap().run(method).unwrap()
@@ -31,6 +34,7 @@ fn in_a_hand() -> Scene {
             amplitude: 0.02,
             frequency_hz: 1.0,
         }),
+        intention: None,
     });
     scene.tremor = Some(Wave {
         amplitude: 0.1,
@@ -119,7 +123,16 @@ fn books_balance_against_the_bench_with_friction_hand_tremor_and_a_weak_motor() 
 
 #[test]
 fn a_mirrored_hand_mirrors_the_run() {
-    let scene = in_a_hand();
+    let mut scene = in_a_hand();
+    mirrored(&scene);
+    let grip = scene.grip.as_mut().unwrap();
+    grip.swing = None;
+    grip.intention = Some(recorded_swing(0.02));
+    scene.release = Some(0.3);
+    mirrored(&scene);
+}
+
+fn mirrored(scene: &Scene) {
     let mut mirrored = scene.clone();
     mirrored.contact.side = palpate::Side::Negative;
     for value in [
@@ -137,13 +150,17 @@ fn a_mirrored_hand_mirrors_the_run() {
             amplitude: -wave.amplitude,
             ..wave
         });
+        grip.intention = grip
+            .intention
+            .as_ref()
+            .map(|path| Arc::new(path.mirrored()));
     }
     mirrored.tremor = mirrored.tremor.map(|wave| Wave {
         amplitude: -wave.amplitude,
         ..wave
     });
     let (a, b) = (
-        run(&scene, MethodName::Hfcr),
+        run(scene, MethodName::Hfcr),
         run(&mirrored, MethodName::Hfcr),
     );
     assert!(a.ticks.len() > 20);
@@ -152,6 +169,87 @@ fn a_mirrored_hand_mirrors_the_run() {
         assert_eq!(a.held_force_on_object, -b.held_force_on_object);
     }
     assert_eq!(error(&a), error(&b));
+}
+
+/// The recording of a swing about 0.03 m, 1 s at 1 kHz.
+fn recorded_swing(amplitude: f64) -> Arc<RecordedPath> {
+    let times: Vec<f64> = (0..=1000).map(|i| f64::from(i) * 1e-3).collect();
+    let turn = std::f64::consts::TAU;
+    let positions: Vec<f64> = times
+        .iter()
+        .map(|time| 0.03 + amplitude * (turn * time).sin())
+        .collect();
+    Arc::new(RecordedPath::new(&times, &positions).unwrap())
+}
+
+#[test]
+fn a_recorded_intention_moves_the_hand_as_the_swing_that_was_recorded() {
+    let swung = in_a_hand();
+    let mut recorded = swung.clone();
+    let grip = recorded.grip.as_mut().unwrap();
+    grip.swing = None;
+    grip.intention = Some(recorded_swing(0.02));
+    for method in [MethodName::Basic, MethodName::Hfcr] {
+        let (a, b) = (run(&swung, method), run(&recorded, method));
+        println!("{method}: E {} swung, {} recorded", error(&a), error(&b));
+        assert!((error(&a) / error(&b) - 1.0).abs() < 1e-3, "{method}");
+        let far = |a: &Run, b: &Run| {
+            let pairs = a.ticks.iter().zip(&b.ticks);
+            pairs
+                .map(|(a, b)| (a.true_device_position - b.true_device_position).abs())
+                .fold(0.0, f64::max)
+        };
+        assert!(far(&a, &b) < 1e-5, "{method}: {}", far(&a, &b));
+    }
+    // Another recording is another hand.
+    recorded.grip.as_mut().unwrap().intention = Some(recorded_swing(0.01));
+    assert!(
+        (error(&run(&recorded, MethodName::Hfcr)) / error(&run(&swung, MethodName::Hfcr)) - 1.0)
+            .abs()
+            > 1e-3
+    );
+}
+
+#[test]
+fn a_hand_lets_go_of_the_loop_and_of_its_ideal() {
+    // Pressed to a wall, then let go: the spring throws the device off, and nothing holds it.
+    let mut scene = experiment("wall");
+    scene.measure = Measure::Duration(0.2);
+    scene.grip = Some(Grip {
+        mass: 0.05,
+        stiffness: 100.0,
+        damping: 4.0,
+        position: 0.02,
+        ..Grip::default()
+    });
+    scene.user_force = 0.0;
+    scene.release = Some(0.1);
+    let bench = Bench::new(&scene).unwrap();
+    let held = bench.run(MethodName::HfcrModSt).unwrap();
+    let position = |time: f64| {
+        let tick = held.ticks.iter().find(|tick| tick.time >= time - 1e-9);
+        tick.unwrap().true_device_position
+    };
+    assert!(position(0.099) > 0.0, "pressed before");
+    // Without a hand or friction the device flies straight on.
+    let (a, b, c) = (position(0.15), position(0.17), position(0.19));
+    assert!(b < a && (a - 2.0 * b + c).abs() < 1e-12, "{a} {b} {c}");
+    let curve = &bench.reference().curve;
+    let speed = |point: usize| {
+        let (a, b) = (curve[point], curve[point + 1]);
+        (b.device_position - a.device_position) / (b.time - a.time)
+    };
+    let (some, last) = (speed(curve.len() / 2 + 1000), speed(curve.len() - 2));
+    assert!(
+        (some / last - 1.0).abs() < 1e-9 && last < -0.05,
+        "{some} {last}"
+    );
+    // A hand of a constant force lets go, too, and then the ideal is integrated.
+    let mut scene = experiment("wall");
+    scene.measure = Measure::Duration(0.1);
+    scene.release = Some(0.0);
+    let run = run(&scene, MethodName::Basic);
+    assert_eq!(run.last().true_device_position, scene.device.position);
 }
 
 #[test]

@@ -9,6 +9,7 @@
 use crate::InvalidParameter;
 use crate::arc::Arc;
 use crate::error::finite;
+use crate::grid::Grid;
 use crate::ideal::{object_mass, object_velocity};
 use crate::profile::{ForceProfile, Snapshot};
 use crate::recorded_path::RecordedPath;
@@ -87,9 +88,7 @@ impl DrivenIdeal {
         )?;
         Ok(ForceProfile::from_arcs(
             &self.arcs,
-            self.path.start(),
-            period,
-            intervals,
+            Grid::even(self.path.start(), period, intervals),
         ))
     }
 

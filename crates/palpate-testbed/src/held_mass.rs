@@ -63,6 +63,8 @@ pub struct HeldMass {
     position: f64,
     velocity: f64,
     clock: Clock,
+    /// When the hand lets go \[s\]; infinite once it has, and if it never does.
+    release: f64,
     accounts: Accounts,
     gave_up: bool,
 }
@@ -97,6 +99,7 @@ impl HeldMass {
             position: 0.0,
             velocity: 0.0,
             clock: Clock::default(),
+            release: f64::INFINITY,
             accounts: Accounts::default(),
             gave_up: false,
         }
@@ -143,6 +146,26 @@ impl HeldMass {
         )?;
         Ok(Self {
             largest_force,
+            ..self
+        })
+    }
+
+    /// The same device whose hand lets go of it at a time \[s\], for good: its force ends, and its mass
+    /// moves with the device no longer. The kinetic energy that mass takes along is booked as work of
+    /// the hand.
+    ///
+    /// # Errors
+    ///
+    /// `time` is not finite and at least 0.
+    pub fn released_at(self, time: f64) -> Result<Self, InvalidParameter> {
+        InvalidParameter::unless(
+            time.is_finite() && time >= 0.0,
+            "release",
+            time,
+            "finite and at least 0 s",
+        )?;
+        Ok(Self {
+            release: time,
             ..self
         })
     }
@@ -279,59 +302,15 @@ impl HeldMass {
         travel
     }
 
-    /// What the mass does from now on, where no event has just decided it.
-    fn state(&self, force: f64) -> State {
-        if self.coulomb_friction == 0.0 {
-            return State::Sliding { direction: 0.0 };
-        }
-        if self.velocity != 0.0 {
-            let direction = self.velocity.signum();
-            return State::Sliding { direction };
-        }
-        let net = self.hand.force(self.time(), self.position, 0.0) - force;
-        if net.abs() > self.coulomb_friction {
-            let direction = net.signum();
-            return State::Sliding { direction };
-        }
-        State::Stuck { margin: 0.0 }
+    fn let_go(&mut self) {
+        let before = self.kinetic_energy();
+        self.hand = Hand::pushing(0.0);
+        self.release = f64::INFINITY;
+        self.accounts.hand_work += self.kinetic_energy() - before;
     }
 
-    /// The first break-away of a stuck mass: fraction of the span, and direction.
-    fn break_away(&self, motion: &Motion, force: f64, margin: f64) -> Option<(f64, f64)> {
-        let mut first: Option<(f64, f64)> = None;
-        for direction in [1.0, -1.0] {
-            let mut reserve = motion.hand_force;
-            for coefficient in &mut reserve[..motion.count] {
-                *coefficient *= -direction;
-            }
-            reserve[0] = (self.coulomb_friction + direction * force + reserve[0]).max(margin);
-            if let Some(fraction) = first_fall(&reserve[..motion.count])
-                && first.is_none_or(|(earlier, _)| fraction < earlier)
-            {
-                first = Some((fraction, direction));
-            }
-        }
-        first
-    }
-}
-
-impl Device for HeldMass {
-    fn position(&self) -> f64 {
-        self.position
-    }
-
-    fn velocity(&self) -> f64 {
-        self.velocity
-    }
-
-    /// Moves on, as [`Device::advance`] says. The motor gives [`given_force`](Self::given_force),
-    /// and that is the force whose work is returned.
-    ///
-    /// A duration that is not finite and above 0 moves nothing.
-    fn advance(&mut self, force_on_object: f64, duration: f64) -> f64 {
-        if !(duration.is_finite() && duration > 0.0) {
-            return 0.0;
-        }
+    /// Moves on in the same hand for a `duration` \[s\] above 0.
+    fn move_on(&mut self, force_on_object: f64, duration: f64) -> f64 {
         let force = self.given_force(force_on_object);
         let hand_rate = self.hand.fastest_rate();
         let sliding_rate = hand_rate.max(self.sliding_rate());
@@ -389,6 +368,71 @@ impl Device for HeldMass {
         self.gave_up = true;
         self.clock = end;
         force * travel
+    }
+
+    /// What the mass does from now on, where no event has just decided it.
+    fn state(&self, force: f64) -> State {
+        if self.coulomb_friction == 0.0 {
+            return State::Sliding { direction: 0.0 };
+        }
+        if self.velocity != 0.0 {
+            let direction = self.velocity.signum();
+            return State::Sliding { direction };
+        }
+        let net = self.hand.force(self.time(), self.position, 0.0) - force;
+        if net.abs() > self.coulomb_friction {
+            let direction = net.signum();
+            return State::Sliding { direction };
+        }
+        State::Stuck { margin: 0.0 }
+    }
+
+    /// The first break-away of a stuck mass: fraction of the span, and direction.
+    fn break_away(&self, motion: &Motion, force: f64, margin: f64) -> Option<(f64, f64)> {
+        let mut first: Option<(f64, f64)> = None;
+        for direction in [1.0, -1.0] {
+            let mut reserve = motion.hand_force;
+            for coefficient in &mut reserve[..motion.count] {
+                *coefficient *= -direction;
+            }
+            reserve[0] = (self.coulomb_friction + direction * force + reserve[0]).max(margin);
+            if let Some(fraction) = first_fall(&reserve[..motion.count])
+                && first.is_none_or(|(earlier, _)| fraction < earlier)
+            {
+                first = Some((fraction, direction));
+            }
+        }
+        first
+    }
+}
+
+impl Device for HeldMass {
+    fn position(&self) -> f64 {
+        self.position
+    }
+
+    fn velocity(&self) -> f64 {
+        self.velocity
+    }
+
+    /// Moves on, as [`Device::advance`] says. The motor gives [`given_force`](Self::given_force),
+    /// and that is the force whose work is returned.
+    ///
+    /// A duration that is not finite and above 0 moves nothing.
+    fn advance(&mut self, force_on_object: f64, duration: f64) -> f64 {
+        if !(duration.is_finite() && duration > 0.0) {
+            return 0.0;
+        }
+        let held = self.clock.until(self.release);
+        if held >= duration {
+            return self.move_on(force_on_object, duration);
+        }
+        let mut work = 0.0;
+        if held > 0.0 {
+            work += self.move_on(force_on_object, held);
+        }
+        self.let_go();
+        work + self.move_on(force_on_object, duration - held.max(0.0))
     }
 
     /// (m + m_h) x′²/2 + k_h (x_int − x)²/2 − F x \[J\]: the motion, the hand's spring at this

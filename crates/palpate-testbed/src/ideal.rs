@@ -6,6 +6,7 @@
 
 use crate::InvalidParameter;
 use crate::error::{finite, positive};
+use crate::grid::Grid;
 use crate::profile::{Collision, ForceProfile, Snapshot};
 use crate::relative_motion::{RelativeMotion, RelativeState};
 
@@ -105,9 +106,17 @@ impl Ideal {
     /// the contact.
     pub fn profile(&self, period: f64, intervals: usize) -> Result<ForceProfile, InvalidParameter> {
         positive("period", period, "finite and above 0 s")?;
-        let end = intervals as f64 * period;
-        let arcs = self.motion.arcs(self.at_start(), 0.0, end)?;
-        Ok(ForceProfile::from_arcs(&arcs, 0.0, period, intervals))
+        self.profile_on(Grid::even(0.0, period, intervals))
+    }
+
+    /// The ideal force over a window that begins at 0 or later, cut by `grid`.
+    ///
+    /// # Errors
+    ///
+    /// The window holds more than 10⁷ half oscillations of the contact.
+    pub fn profile_on(&self, grid: Grid) -> Result<ForceProfile, InvalidParameter> {
+        let arcs = self.motion.arcs(self.at_start(), 0.0, grid.end())?;
+        Ok(ForceProfile::from_arcs(&arcs, grid))
     }
 
     /// Device, object and force at a time \[s\] from 0 on; before it, and where `time` is not

@@ -64,6 +64,7 @@ mod arc;
 pub mod device;
 pub mod driven;
 mod error;
+pub mod grid;
 pub mod hand;
 pub mod held_mass;
 pub mod hold;
@@ -77,5 +78,6 @@ pub mod recorded_path;
 pub mod reference;
 pub mod relative_motion;
 pub mod schedule;
+pub mod timeline;
 
 pub use error::InvalidParameter;

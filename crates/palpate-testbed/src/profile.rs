@@ -3,6 +3,7 @@
 //! Every ideal, coupled or driven, ends in this one type, so the same metrics apply to all.
 
 use crate::arc::Arc;
+use crate::grid::Grid;
 
 /// One collision of an ideal contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,11 +63,10 @@ impl Snapshot {
     }
 }
 
-/// The ideal contact force over a window of whole periods.
+/// The ideal contact force over a window, cut where a loop changes the force it holds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForceProfile {
-    start: f64,
-    period: f64,
+    grid: Grid,
     impulses: Vec<f64>,
     squared_forces: Vec<f64>,
     collisions: Vec<Collision>,
@@ -74,13 +74,13 @@ pub struct ForceProfile {
 
 impl ForceProfile {
     /// Gathers `arcs`, which follow each other and cover the window.
-    pub(crate) fn from_arcs(arcs: &[Arc], start: f64, period: f64, intervals: usize) -> Self {
+    pub(crate) fn from_arcs(arcs: &[Arc], grid: Grid) -> Self {
+        let intervals = grid.intervals();
         let mut impulses = Vec::with_capacity(intervals);
         let mut squared_forces = Vec::with_capacity(intervals);
         let mut first = 0;
         for interval in 0..intervals {
-            let begin = start + interval as f64 * period;
-            let end = start + (interval + 1) as f64 * period;
+            let (begin, end) = (grid.edge(interval), grid.edge(interval + 1));
             while arcs.get(first).is_some_and(|arc| arc.end <= begin) {
                 first += 1;
             }
@@ -94,40 +94,44 @@ impl ForceProfile {
             squared_forces.push(squared_force);
         }
         Self {
-            start,
-            period,
             impulses,
             squared_forces,
-            collisions: collisions(arcs, start + intervals as f64 * period),
+            collisions: collisions(arcs, grid.end()),
+            grid,
         }
     }
 
-    /// A profile from t = 0 that has been integrated interval by interval.
+    /// A profile that has been integrated interval by interval.
     pub(crate) fn from_parts(
-        period: f64,
+        grid: Grid,
         impulses: Vec<f64>,
         squared_forces: Vec<f64>,
         collisions: Vec<Collision>,
     ) -> Self {
         Self {
-            start: 0.0,
-            period,
+            grid,
             impulses,
             squared_forces,
             collisions,
         }
     }
 
+    /// How the window is cut.
+    #[must_use]
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
     /// Start of the window \[s\].
     #[must_use]
     pub fn start(&self) -> f64 {
-        self.start
+        self.grid.start()
     }
 
-    /// Period of the grid \[s\].
+    /// Nominal period of the loop \[s\].
     #[must_use]
     pub fn period(&self) -> f64 {
-        self.period
+        self.grid.period()
     }
 
     /// Number of intervals in the window.
@@ -148,9 +152,12 @@ impl ForceProfile {
         &self.squared_forces
     }
 
-    /// Mean force J/T of each interval \[N\]: the best that can be held over it.
+    /// Mean force J/h of each interval of length h \[N\]: the best that can be held over it.
     pub fn mean_forces(&self) -> impl Iterator<Item = f64> + '_ {
-        self.impulses.iter().map(|impulse| impulse / self.period)
+        self.impulses
+            .iter()
+            .zip(self.grid.durations())
+            .map(|(impulse, duration)| impulse / duration)
     }
 
     /// The collisions that begin before the window ends, in order.

@@ -109,6 +109,15 @@ impl RecordedPath {
         })
     }
 
+    /// The same path with every position negated.
+    #[must_use]
+    pub fn mirrored(&self) -> Self {
+        Self {
+            times: self.times.clone(),
+            positions: self.positions.iter().map(|position| -position).collect(),
+        }
+    }
+
     /// Time of the first sample \[s\].
     #[must_use]
     pub fn start(&self) -> f64 {

@@ -14,6 +14,7 @@
 use crate::InvalidParameter;
 use crate::device::Device;
 use crate::error::{finite, positive};
+use crate::grid::Grid;
 use crate::profile::{Collision, ForceProfile, Snapshot};
 
 /// The object a device meets, and how finely their meeting is integrated.
@@ -80,6 +81,30 @@ impl Object {
     }
 }
 
+impl ReferenceScene {
+    fn check(&self) -> Result<(), InvalidParameter> {
+        positive("stiffness", self.stiffness, "finite and above 0 N/m")?;
+        positive("period", self.period, "finite and above 0 s")?;
+        InvalidParameter::unless(
+            self.object_mass > 0.0,
+            "object_mass",
+            self.object_mass,
+            "above 0 kg; infinite for a wall",
+        )?;
+        finite("virtual_force", self.virtual_force, "finite [N]")?;
+        finite("object_position", self.object_position, "finite [m]")?;
+        finite("object_velocity", self.object_velocity, "finite [m/s]")?;
+        InvalidParameter::unless(
+            self.steps_per_period >= POINTS_PER_PERIOD
+                && self.steps_per_period.is_multiple_of(POINTS_PER_PERIOD),
+            "steps_per_period",
+            self.steps_per_period as f64,
+            "a multiple of 20",
+        )?;
+        Ok(())
+    }
+}
+
 /// Integrates `device` against the object of `scene`.
 ///
 /// # Errors
@@ -91,24 +116,7 @@ pub fn integrate<D: Device + Clone>(
     scene: &ReferenceScene,
     stop: Stop,
 ) -> Result<Reference, InvalidParameter> {
-    positive("stiffness", scene.stiffness, "finite and above 0 N/m")?;
-    positive("period", scene.period, "finite and above 0 s")?;
-    InvalidParameter::unless(
-        scene.object_mass > 0.0,
-        "object_mass",
-        scene.object_mass,
-        "above 0 kg; infinite for a wall",
-    )?;
-    finite("virtual_force", scene.virtual_force, "finite [N]")?;
-    finite("object_position", scene.object_position, "finite [m]")?;
-    finite("object_velocity", scene.object_velocity, "finite [m/s]")?;
-    InvalidParameter::unless(
-        scene.steps_per_period >= POINTS_PER_PERIOD
-            && scene.steps_per_period.is_multiple_of(POINTS_PER_PERIOD),
-        "steps_per_period",
-        scene.steps_per_period as f64,
-        "a multiple of 20",
-    )?;
+    scene.check()?;
     let mut run = Run::new(device.clone(), scene);
     let periods = match stop {
         Stop::AfterPeriods(periods) => periods,
@@ -136,7 +144,81 @@ pub fn integrate<D: Device + Clone>(
     while run.impulses.len() < periods {
         run.period();
     }
-    Ok(run.finish(periods))
+    Ok(run.finish(periods).0)
+}
+
+/// Integrates `device` against the object of `scene` over the periods that `grid`, which begins at
+/// 0, covers: the reference by whole periods, and its force by the intervals of the grid.
+///
+/// # Errors
+///
+/// A value of the scene outside its range.
+pub fn integrate_on<D: Device + Clone>(
+    device: &D,
+    scene: &ReferenceScene,
+    grid: &Grid,
+) -> Result<(Reference, ForceProfile), InvalidParameter> {
+    scene.check()?;
+    let mut run = Run::new(device.clone(), scene);
+    // The periods of an even grid are gathered anyway.
+    run.cells = (!grid.is_even()).then(|| Cells::of(grid.clone()));
+    // An excess of a millionth of a period is rounding.
+    while (run.impulses.len() as f64 + 1e-6) * scene.period < grid.end() {
+        run.period();
+    }
+    let periods = run.impulses.len();
+    let (reference, cells) = run.finish(periods);
+    let profile = cells.map(|cells| {
+        ForceProfile::from_parts(
+            cells.grid,
+            cells.impulses,
+            cells.squared_forces,
+            reference.profile.collisions().to_vec(),
+        )
+    });
+    let profile = profile.unwrap_or_else(|| reference.profile.clone());
+    Ok((reference, profile))
+}
+
+/// Impulses and squares by the intervals of a grid, gathered step by step.
+struct Cells {
+    grid: Grid,
+    impulses: Vec<f64>,
+    squared_forces: Vec<f64>,
+    current: usize,
+}
+
+impl Cells {
+    fn of(grid: Grid) -> Self {
+        Self {
+            impulses: vec![0.0; grid.intervals()],
+            squared_forces: vec![0.0; grid.intervals()],
+            current: 0,
+            grid,
+        }
+    }
+
+    /// Books a step of `h` \[s\] from `time` \[s\], over which the penetration goes from `before` to
+    /// `after` on a straight line; an edge may lie within it.
+    fn book(&mut self, k: f64, time: f64, h: f64, before: f64, after: f64) {
+        let end = time + h;
+        let at = |instant: f64| before + (after - before) * ((instant - time) / h);
+        let mut from = time;
+        while self.current < self.impulses.len() {
+            let edge = self.grid.edge(self.current + 1);
+            let to = edge.min(end);
+            if to > from {
+                let (a, b) = (at(from), at(to));
+                self.impulses[self.current] += balanced_force(k, a, b) * (to - from);
+                self.squared_forces[self.current] += squared_force(k, a, b, to - from);
+                from = to;
+            }
+            if edge > end {
+                break;
+            }
+            self.current += 1;
+        }
+    }
 }
 
 struct Run<'a, D> {
@@ -149,6 +231,7 @@ struct Run<'a, D> {
     collisions: Vec<Collision>,
     ended: usize,
     record: Vec<Snapshot>,
+    cells: Option<Cells>,
 }
 
 impl<'a, D: Device + Clone> Run<'a, D> {
@@ -174,6 +257,7 @@ impl<'a, D: Device + Clone> Run<'a, D> {
             collisions: Vec::new(),
             ended: 0,
             record: Vec::new(),
+            cells: None,
         };
         run.keep(0.0);
         run
@@ -236,11 +320,10 @@ impl<'a, D: Device + Clone> Run<'a, D> {
         (self.object.position, self.object.velocity) = object;
         let after = self.penetration();
         self.follow_collision(time, before, after, approach, force);
-        // The force is linear over the step but for the one in which contact begins or ends.
-        let (first, last) = (k * before.max(0.0), k * after.max(0.0));
-        let share = in_contact(before, after);
-        let squared = share * h * (first * first + first * last + last * last) / 3.0;
-        (force * h, squared)
+        if let Some(cells) = &mut self.cells {
+            cells.book(k, time, h, before, after);
+        }
+        (force * h, squared_force(k, before, after, h))
     }
 
     fn follow_collision(&mut self, time: f64, before: f64, after: f64, speed: f64, force: f64) {
@@ -271,22 +354,31 @@ impl<'a, D: Device + Clone> Run<'a, D> {
         }
     }
 
-    fn finish(mut self, periods: usize) -> Reference {
+    fn finish(mut self, periods: usize) -> (Reference, Option<Cells>) {
         let end = periods as f64 * self.scene.period;
         self.impulses.truncate(periods);
         self.squared_forces.truncate(periods);
         self.record.truncate(periods * POINTS_PER_PERIOD + 1);
         self.collisions.retain(|collision| collision.start < end);
-        Reference {
+        let reference = Reference {
             profile: ForceProfile::from_parts(
-                self.scene.period,
+                Grid::even(0.0, self.scene.period, periods),
                 self.impulses,
                 self.squared_forces,
                 self.collisions,
             ),
             record: self.record,
-        }
+        };
+        (reference, self.cells)
     }
+}
+
+/// ∫ f² dt of a spring of stiffness `k` over `h` \[s\] in which the penetration goes from `before` to
+/// `after` on a straight line.
+fn squared_force(k: f64, before: f64, after: f64, h: f64) -> f64 {
+    let (first, last) = (k * before.max(0.0), k * after.max(0.0));
+    let share = in_contact(before, after);
+    share * h * (first * first + first * last + last * last) / 3.0
 }
 
 /// Mean force of a spring of stiffness `k` that takes the penetration from `before` to `after`,

@@ -28,6 +28,7 @@ use std::f64::consts::PI;
 use crate::InvalidParameter;
 use crate::arc::Arc;
 use crate::error::{finite, positive};
+use crate::grid::Grid;
 use crate::profile::{Collision, ForceProfile};
 
 /// Most half oscillations of the contact that one call follows.
@@ -104,7 +105,7 @@ impl RelativeMotion {
         finite("velocity", state.velocity, "finite [m/s]")?;
         InvalidParameter::unless(duration >= 0.0, "duration", duration, "at least 0 s")?;
         let arcs = self.arcs(state, 0.0, duration)?;
-        let profile = ForceProfile::from_arcs(&arcs, 0.0, duration, 1);
+        let profile = ForceProfile::from_arcs(&arcs, Grid::even(0.0, duration, 1));
         Ok(Passage {
             state: arcs.last().map_or(state, |arc| arc.state(duration)),
             impulse: profile.impulses()[0],

@@ -57,7 +57,7 @@ pub enum Dropped {
     None,
     /// Each with this probability, whatever became of the others.
     Probability(f64),
-    /// Those with these indices on the grid, counted from 0, in rising order.
+    /// Those with these indices on the grid, from 1 on, in rising order.
     Listed(Vec<u64>),
 }
 
@@ -133,7 +133,8 @@ pub struct Tick {
 /// The ticks of a loop, without end.
 ///
 /// Between two `hold_from` the motor holds the command of the earlier one, and before the first
-/// one no force. The first sample is never before time 0.
+/// one no force. The first sample, that of index 0, is taken at time 0 whatever the jitter and the
+/// drops: a loop begins with it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Schedule {
     params: ScheduleParams,
@@ -153,8 +154,8 @@ impl Schedule {
     ///
     /// A period is not finite and positive, the collapse does not end after it begins, the jitter
     /// is negative or reaches half of the shortest period (samples would change places), the
-    /// probability is not in \[0, 1), listed indices do not rise, or the delay's fraction is not in
-    /// \[0, 1).
+    /// probability is not in \[0, 1), listed indices do not rise or begin with 0, or the delay's
+    /// fraction is not in \[0, 1).
     pub fn new(params: ScheduleParams) -> Result<Self, InvalidParameter> {
         let mut shortest = positive("period", params.period, "finite and above 0 s")?;
         if let Some(collapse) = params.collapse {
@@ -189,6 +190,12 @@ impl Schedule {
                 )?;
             }
             Dropped::Listed(indices) => {
+                InvalidParameter::unless(
+                    indices.first() != Some(&0),
+                    "dropped",
+                    0.0,
+                    "indices from 1 on: a loop begins with sample 0",
+                )?;
                 if let Some(pair) = indices.windows(2).find(|pair| pair[1] <= pair[0]) {
                     InvalidParameter::unless(
                         false,
@@ -270,10 +277,15 @@ impl Iterator for Schedule {
     fn next(&mut self) -> Option<Tick> {
         loop {
             let (index, instant, period) = self.next_instant();
-            let sample_time = (instant + self.jitter()).max(0.0);
-            if self.drops(index) {
+            let late = self.jitter();
+            let dropped = self.drops(index);
+            let sample_time = if index == 0 {
+                instant
+            } else if dropped {
                 continue;
-            }
+            } else {
+                instant + late
+            };
             let delay = f64::from(self.params.delay.samples) + self.params.delay.fraction;
             let hold_from = (sample_time + delay * period).max(self.last_hold);
             self.last_hold = hold_from;
@@ -346,6 +358,20 @@ mod tests {
     }
 
     #[test]
+    fn a_loop_begins_with_a_sample_at_0_however_imperfect() {
+        for seed in 0..50 {
+            let params = ScheduleParams {
+                jitter: Jitter::Uniform { bound: 4e-4 },
+                dropped: Dropped::Probability(0.9),
+                seed,
+                ..ScheduleParams::perfect(1e-3)
+            };
+            let first = ticks(params, 1)[0];
+            assert_eq!((first.index, first.sample_time), (0, 0.0));
+        }
+    }
+
+    #[test]
     fn jitter_stays_in_its_bound_has_its_width_and_no_mean() {
         let bound = 2e-4;
         let third = bound / 3.0_f64.sqrt();
@@ -375,7 +401,7 @@ mod tests {
             };
             let late: Vec<f64> = ticks(params.clone(), count)
                 .iter()
-                .skip(1) // the first is never before 0
+                .skip(1) // the first is at 0
                 .map(|tick| tick.sample_time - tick.index as f64 * 1e-3)
                 .collect();
             let n = late.len() as f64;
@@ -402,11 +428,11 @@ mod tests {
         };
         let whole = ticks(params.clone(), 20_000);
         let listed = ScheduleParams {
-            dropped: Dropped::Listed(vec![0, 3, 4]),
+            dropped: Dropped::Listed(vec![1, 3, 4]),
             ..params.clone()
         };
         let kept: Vec<u64> = ticks(listed, 4).iter().map(|tick| tick.index).collect();
-        assert_eq!(kept, [1, 2, 5, 6]);
+        assert_eq!(kept, [0, 2, 5, 6]);
 
         let some = ticks(
             ScheduleParams {
@@ -503,13 +529,15 @@ mod tests {
             }),
             "dropped"
         );
-        assert_eq!(
-            rejected(ScheduleParams {
-                dropped: Dropped::Listed(vec![4, 4]),
-                ..perfect.clone()
-            }),
-            "dropped"
-        );
+        for indices in [vec![4, 4], vec![0, 4]] {
+            assert_eq!(
+                rejected(ScheduleParams {
+                    dropped: Dropped::Listed(indices),
+                    ..perfect.clone()
+                }),
+                "dropped"
+            );
+        }
         let delay = ActuationDelay {
             samples: 0,
             fraction: f64::NAN,

@@ -402,3 +402,39 @@ fn whatever_the_hand_and_the_friction_advances_can_be_cut_and_the_books_close() 
         assert!(!whole.gave_up() && !cut.gave_up());
     }
 }
+
+#[test]
+fn a_hand_that_lets_go_leaves_the_device_to_itself() {
+    let release = 0.123;
+    let mut whole = sticking_and_slipping().released_at(release).unwrap();
+    let mut first = sticking_and_slipping();
+    let before = whole.kinetic_energy();
+    let step = 0.0017; // the release lies within one
+    let mut worked = 0.0;
+    for _ in 0..300 {
+        worked += whole.advance(0.1, step);
+    }
+    // The same in two parts: in the hand, then without it from where that ended.
+    first.advance(0.1, release);
+    let mut rest = HeldMass::new(0.1, Hand::pushing(0.0))
+        .and_then(|device| device.with_friction(0.2, 0.8))
+        .and_then(|device| device.starting_at(first.position(), first.velocity()))
+        .unwrap();
+    assert!(first.velocity().abs() > 1e-3, "it moves when it is let go");
+    rest.advance(0.1, 300.0 * step - release);
+    assert_close(whole.position(), rest.position(), 1e-12);
+    assert_close(whole.velocity(), rest.velocity(), 1e-12);
+    assert_eq!(
+        (whole.moved_mass(), whole.hand()),
+        (0.1, &Hand::pushing(0.0))
+    );
+    // The accounts still explain the kinetic energy, the hand's own share included.
+    let accounts = whole.accounts();
+    assert_close(accounts.port_work, worked, 1e-15);
+    let explained = accounts.hand_work - accounts.friction_loss - accounts.port_work;
+    assert_close(whole.kinetic_energy() - before, explained, 1e-12);
+    for bad in [-1.0, f64::NAN, f64::INFINITY] {
+        let error = sticking_and_slipping().released_at(bad).unwrap_err();
+        assert_eq!(error.name, "release");
+    }
+}

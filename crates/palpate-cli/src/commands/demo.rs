@@ -6,6 +6,7 @@ use std::path::Path;
 use palpate::{Contact, LoopParams, ObjectState};
 use palpate_sim::method::{MethodName, Settings};
 use palpate_sim::replay::ReplaySetup;
+use palpate_sim::scene::Timing;
 
 use super::figure::fig2;
 use super::render::render;
@@ -62,6 +63,7 @@ pub fn run(arguments: &DemoArguments) -> Result<(), Failure> {
         loop_params: &setup.loop_params,
         device_mass: None,
         delay: 0,
+        timing: Timing::default(),
     };
     let mut hand_report = Report::new(&subject, replay.reference(), &runs);
     let hand_plot = folder.join("hand.svg");

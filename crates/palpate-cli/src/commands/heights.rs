@@ -9,7 +9,7 @@ use palpate_sim::tune::{HEIGHT_RANGE, HEIGHTS};
 use serde::Serialize;
 
 use super::simulate::{explain, read_scene};
-use crate::arguments::{Flags, HeightsArguments};
+use crate::arguments::{Flags, HeightsArguments, TimingFlags};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::report::{lines, number, percent, plain_table};
@@ -39,7 +39,12 @@ pub fn run(arguments: &HeightsArguments) -> Result<(), Failure> {
         }
         let found =
             over_heights(&scene, &columns, || progress.advance()).map_err(|error| match error {
-                HeightsError::Scene(error) => explain(&Flags::default(), file, scene.method, error),
+                HeightsError::Scene(error) => explain(
+                    (&Flags::default(), &TimingFlags::default()),
+                    file,
+                    scene.method,
+                    error,
+                ),
                 other => Failure::input(format!("{}: {other}", path.display())),
             })?;
         scenes.push(SceneReport::new(&scene.title, &columns, &found));

@@ -8,6 +8,7 @@ use palpate_io::trace::{self, Trace, TraceError};
 use palpate_sim::method::{MethodName, Settings};
 use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
 use palpate_sim::run::Run;
+use palpate_sim::scene::Timing;
 
 use crate::arguments::RenderArguments;
 use crate::failure::Failure;
@@ -40,6 +41,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         loop_params: &setup.loop_params,
         device_mass: setup.device_mass,
         delay: setup.delay,
+        timing: Timing::default(),
     };
     let report = Report::new(&subject, replay.reference(), &runs);
     let mut receipt = receipt(&subject, setup.object, setup.virtual_force, &runs);

@@ -7,9 +7,9 @@ use palpate::ParameterError;
 use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_sim::method::MethodName;
 use palpate_sim::run::Run;
-use palpate_sim::scene::{Measure, Scene, SceneError, SceneFile, SetupError};
+use palpate_sim::scene::{Measure, Scene, SceneError, SceneFile, SetupError, beside};
 
-use crate::arguments::{Flags, SimulateArguments};
+use crate::arguments::{Flags, SimulateArguments, TimingFlags};
 use crate::failure::Failure;
 use crate::plots;
 use crate::progress::Progress;
@@ -25,8 +25,9 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     flags.check_settings(&methods)?;
     let mut scene = file.scene.clone();
     flags.change(&mut scene, &methods)?;
+    arguments.timing.change(&mut scene);
     arguments.results.check(&arguments.scene)?;
-    let failure = |method, error| explain(flags, &file, method, error);
+    let failure = |method, error| explain((flags, &arguments.timing), &file, method, error);
     let progress = Progress::new(methods.len());
     progress.begin("ideal");
     let bench = Bench::new(&scene).map_err(|error| failure(scene.method, error))?;
@@ -76,11 +77,15 @@ fn plant_receipt(scene: &Scene) -> Vec<(String, String)> {
         numbers.push(("hand_tremor_n", tremor.amplitude));
         numbers.push(("hand_tremor_hz", tremor.frequency_hz));
     }
-    if let Some(grip) = scene.grip {
+    numbers.extend(scene.release.map(|release| ("hand_release_s", release)));
+    if let Some(grip) = &scene.grip {
         numbers.push(("hand_mass_kg", grip.mass));
         numbers.push(("hand_stiffness_n_per_m", grip.stiffness));
         numbers.push(("hand_damping_n_s_per_m", grip.damping));
-        numbers.push(("hand_position_m", grip.position));
+        // A recording is not a number; the scene file names it.
+        if grip.intention.is_none() {
+            numbers.push(("hand_position_m", grip.position));
+        }
         if let Some(swing) = grip.swing {
             numbers.push(("hand_swing_m", swing.amplitude));
             numbers.push(("hand_swing_hz", swing.frequency_hz));
@@ -110,6 +115,7 @@ pub fn subject(scene: &Scene) -> Subject<'_> {
         loop_params: &scene.loop_params,
         device_mass: Some(scene.device.mass),
         delay: scene.delay,
+        timing: scene.timing.clone(),
     }
 }
 
@@ -130,7 +136,7 @@ pub(super) fn read_scene(path: &Path) -> Result<SceneFile, Failure> {
     let name = path.display().to_string();
     let bytes = std::fs::read(path).map_err(|error| Failure::System(format!("{name}: {error}")))?;
     let text = String::from_utf8(bytes).map_err(|error| not_utf8(&name, &error))?;
-    SceneFile::parse(&name, &text).map_err(in_file)
+    SceneFile::parse_with(&name, &text, &mut beside(path)).map_err(in_file)
 }
 
 fn not_utf8(name: &str, error: &FromUtf8Error) -> Failure {
@@ -152,13 +158,15 @@ fn in_file(error: SceneError) -> Failure {
 
 /// A scene that cannot be run: the fault lies in a flag if one gave the value, else in the file.
 pub(super) fn explain(
-    flags: &Flags,
+    (flags, timing): (&Flags, &TimingFlags),
     file: &SceneFile,
     method: MethodName,
     error: LoopError,
 ) -> Failure {
     match error {
-        LoopError::Setup(SetupError::Parameter(parameter)) if flags.gives(parameter.parameter) => {
+        LoopError::Setup(SetupError::Parameter(parameter))
+            if flags.gives(parameter.parameter) || timing.gives(parameter.parameter) =>
+        {
             wrong_flag(&parameter)
         }
         LoopError::Setup(setup @ SetupError::Settings(_)) if flags.damping.is_some() => {

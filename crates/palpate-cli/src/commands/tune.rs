@@ -41,17 +41,18 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
     }
     let mut scene = file.scene.clone();
     flags.change(&mut scene, &methods)?;
+    arguments.timing.change(&mut scene);
     // The range of the values follows from stiffness and period, so these come first.
     scene
         .renderer(method)
-        .map_err(|error| explain(flags, &file, method, error.into()))?;
+        .map_err(|error| explain((flags, &arguments.timing), &file, method, error.into()))?;
     let values = values(&arguments.curve, &scene, method, setting)?;
     let progress = Progress::new(HEIGHTS);
     progress.begin("start heights");
     let points =
         tune::tune(&scene, method, &values, || progress.advance()).map_err(
             |error| match error {
-                TuneError::Loop(error) => explain(flags, &file, method, error),
+                TuneError::Loop(error) => explain((flags, &arguments.timing), &file, method, error),
                 other => Failure::input(other),
             },
         )?;

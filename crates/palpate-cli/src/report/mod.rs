@@ -2,12 +2,15 @@
 
 mod parameters;
 mod text;
+mod timing;
 
 pub use parameters::of as parameters_of;
 pub use text::{counted, digits, lines, number, percent, plain_table, short};
+pub use timing::of as timing_of;
 
 use palpate::{Contact, Difficulty, LoopParams, Mass, Side};
 use palpate_sim::run::{Reference, Run};
+use palpate_sim::scene::Timing;
 use palpate_testbed::metrics::Rebound;
 use serde::Serialize;
 use serde_json::Value;
@@ -30,6 +33,13 @@ pub struct Report {
     kappa: Option<f64>,
     object_kappa: f64,
     delay_samples: usize,
+    /// What else is not perfect about the loop.
+    #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
+    timing: serde_json::Map<String, Value>,
+    #[serde(skip)]
+    timing_in_words: String,
+    /// Samples that were taken, the one that closes the window included.
+    samples: usize,
     window_periods: usize,
     window_s: f64,
     hold_floor_percent: Option<f64>,
@@ -97,6 +107,8 @@ pub struct Subject<'a> {
     pub device_mass: Option<f64>,
     /// Whole samples between measuring and actuating.
     pub delay: usize,
+    /// What else is not perfect about the loop.
+    pub timing: Timing,
 }
 
 impl Report {
@@ -104,6 +116,13 @@ impl Report {
     pub fn new(subject: &Subject, reference: &Reference, runs: &[Run]) -> Self {
         let period = subject.loop_params.period;
         let profile = &reference.profile;
+        let window = profile.grid().end() - profile.start();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a whole number from 1 to MOST_PERIODS"
+        )]
+        let window_periods = (window / period).round() as usize;
         let object_mass = match subject.contact.object_mass {
             Mass::Finite(mass) => mass,
             Mass::Infinite => f64::INFINITY,
@@ -129,8 +148,11 @@ impl Report {
                 .map(|difficulty| difficulty.kappa),
             object_kappa: difficulty.map_or(0.0, |difficulty| difficulty.object_kappa),
             delay_samples: subject.delay,
-            window_periods: profile.intervals(),
-            window_s: profile.intervals() as f64 * period,
+            timing: timing::of(&subject.timing),
+            timing_in_words: timing::in_words(&subject.timing),
+            samples: runs.first().map_or(0, |run| run.ticks.len()),
+            window_periods,
+            window_s: window_periods as f64 * period,
             hold_floor_percent: runs
                 .iter()
                 .find_map(|run| run.force.fidelity)

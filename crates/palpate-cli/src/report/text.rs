@@ -12,6 +12,10 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", self.title)?;
         writeln!(f, "{}", self.conditions())?;
+        if !self.timing_in_words.is_empty() {
+            let samples = counted(self.samples, "sample");
+            writeln!(f, "{}: {samples}", self.timing_in_words)?;
+        }
         writeln!(f, "{}\n", self.window())?;
         writeln!(f, "{}\n", lines(&self.method_table()))?;
         if let [method] = self.methods.as_slice()

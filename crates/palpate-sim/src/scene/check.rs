@@ -32,7 +32,7 @@ impl Scene {
             (
                 "hand position",
                 "m",
-                self.grip.map_or(0.0, |grip| grip.position),
+                self.grip.as_ref().map_or(0.0, |grip| grip.position),
             ),
             (
                 "tremor",
@@ -71,6 +71,15 @@ impl Scene {
                 );
             }
         }
+        if let Some(release) = self.release {
+            if self.linkage.is_some() {
+                let allowed = "left out for a pantograph";
+                return out_of_range("release", "s", release, allowed);
+            }
+            if !(release.is_finite() && release >= 0.0) {
+                return out_of_range("release", "s", release, "finite and not below 0");
+            }
+        }
         let mass = self.device.mass;
         if !(mass.is_finite() && mass > 0.0) {
             return out_of_range("device_mass", "kg", mass, "finite and greater than 0");
@@ -79,16 +88,20 @@ impl Scene {
             ("encoder_quantum", "m", self.device.encoder_quantum),
             ("viscous friction", "N s/m", self.device.viscous_friction),
             ("Coulomb friction", "N", self.device.coulomb_friction),
-            ("hand mass", "kg", self.grip.map_or(0.0, |grip| grip.mass)),
+            (
+                "hand mass",
+                "kg",
+                self.grip.as_ref().map_or(0.0, |grip| grip.mass),
+            ),
             (
                 "hand stiffness",
                 "N/m",
-                self.grip.map_or(0.0, |grip| grip.stiffness),
+                self.grip.as_ref().map_or(0.0, |grip| grip.stiffness),
             ),
             (
                 "hand damping",
                 "N s/m",
-                self.grip.map_or(0.0, |grip| grip.damping),
+                self.grip.as_ref().map_or(0.0, |grip| grip.damping),
             ),
         ] {
             if !(value.is_finite() && value >= 0.0) {
@@ -118,6 +131,10 @@ impl Scene {
         if self.delay > MOST_DELAY {
             return out_of_range("delay", "samples", self.delay as f64, "at most 1024");
         }
+        // A bad period is the renderer's to refuse.
+        if self.loop_params.period.is_finite() && self.loop_params.period > 0.0 {
+            self.check_timing()?;
+        }
         match self.measure {
             Measure::Collisions(0) => out_of_range("measured collisions", "", 0.0, "at least 1"),
             Measure::Duration(duration) if !(duration.is_finite() && duration > 0.0) => {
@@ -129,6 +146,6 @@ impl Scene {
 
     /// Swing of the hand's intended position.
     fn swing(&self) -> Option<super::Wave> {
-        self.grip.and_then(|grip| grip.swing)
+        self.grip.as_ref().and_then(|grip| grip.swing)
     }
 }

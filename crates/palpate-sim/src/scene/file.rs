@@ -1,13 +1,17 @@
 //! Scene files.
 
 use std::collections::HashMap;
+use std::io;
 use std::ops::Range;
 
 use palpate::{Contact, LoopParams, ObjectState, ParameterError, SehEstimate, Side};
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::{Grip, Linkage, Measure, PointMassDevice, Scene, SetupError, Wave};
+use super::beside::Files;
+use super::hand::{RawHand, ReadHand};
+use super::timing::RawLoop;
+use super::{Linkage, Measure, PointMassDevice, Scene, SetupError};
 use crate::method::{Damping, MethodName, Predictor, Settings, SettingsError, nearest};
 
 /// The version of scene files this crate reads.
@@ -97,37 +101,6 @@ struct RawDevice {
     motor_limit_n: Option<Spanned<f64>>,
 }
 
-#[derive(Deserialize, Default)]
-#[serde(rename_all = "kebab-case")]
-enum HandKind {
-    #[default]
-    ConstantForce,
-    Impedance,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-struct RawHand {
-    #[serde(default)]
-    kind: HandKind,
-    force_n: Option<Spanned<f64>>,
-    tremor_n: Option<Spanned<f64>>,
-    tremor_hz: Option<Spanned<f64>>,
-    mass_kg: Option<Spanned<f64>>,
-    stiffness_n_per_m: Option<Spanned<f64>>,
-    damping_n_s_per_m: Option<Spanned<f64>>,
-    position_m: Option<Spanned<f64>>,
-    swing_m: Option<Spanned<f64>>,
-    swing_hz: Option<Spanned<f64>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawLoop {
-    period_s: Spanned<f64>,
-    delay_samples: Option<Spanned<usize>>,
-}
-
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RawMeasure {
@@ -144,6 +117,7 @@ struct RawRenderer {
     force_limit_n: Option<Spanned<f64>>,
     slew_limit_n_per_s: Option<Spanned<f64>>,
     speed_limit_m_per_s: Option<Spanned<f64>>,
+    largest_gap_s: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize)]
@@ -176,15 +150,15 @@ impl From<RawSettings> for Settings {
 
 /// Remembers where values stand while it takes them out of their wrapping.
 #[derive(Default)]
-struct Places(HashMap<&'static str, Range<usize>>);
+pub(super) struct Places(HashMap<&'static str, Range<usize>>);
 
 impl Places {
-    fn take<T>(&mut self, name: &'static str, value: Spanned<T>) -> T {
+    pub fn take<T>(&mut self, name: &'static str, value: Spanned<T>) -> T {
         self.0.insert(name, value.span());
         value.into_inner()
     }
 
-    fn take_or<T>(&mut self, name: &'static str, value: Option<Spanned<T>>, default: T) -> T {
+    pub fn take_or<T>(&mut self, name: &'static str, value: Option<Spanned<T>>, default: T) -> T {
         value.map_or(default, |value| self.take(name, value))
     }
 }
@@ -224,62 +198,26 @@ fn linkage(device: &mut RawDevice) -> Result<Option<Linkage>, (Range<usize>, &'s
     }
 }
 
-/// Amplitude and frequency, both or neither; the place of one that stands alone.
-fn wave(
-    places: &mut Places,
-    names: [&'static str; 2],
-    values: [Option<Spanned<f64>>; 2],
-) -> Result<Option<Wave>, Range<usize>> {
-    match values {
-        [Some(amplitude), Some(frequency)] => Ok(Some(Wave {
-            amplitude: places.take(names[0], amplitude),
-            frequency_hz: places.take(names[1], frequency),
-        })),
-        [None, None] => Ok(None),
-        [Some(alone), None] | [None, Some(alone)] => Err(alone.span()),
-    }
-}
-
-/// What a hand of kind `impedance` has; the place of a key that its kind has no use for.
-fn grip(places: &mut Places, hand: RawHand) -> Result<Option<Grip>, (Range<usize>, &'static str)> {
-    if matches!(hand.kind, HandKind::ConstantForce) {
-        let of_a_grip = [
-            hand.mass_kg,
-            hand.stiffness_n_per_m,
-            hand.damping_n_s_per_m,
-            hand.position_m,
-            hand.swing_m,
-            hand.swing_hz,
-        ];
-        return match of_a_grip.into_iter().flatten().next() {
-            None => Ok(None),
-            Some(key) => Err((
-                key.span(),
-                "a hand of kind constant-force has no use for this; kind = \"impedance\" has",
-            )),
-        };
-    }
-    Ok(Some(Grip {
-        mass: places.take_or("hand mass", hand.mass_kg, 0.0),
-        stiffness: places.take_or("hand stiffness", hand.stiffness_n_per_m, 0.0),
-        damping: places.take_or("hand damping", hand.damping_n_s_per_m, 0.0),
-        position: places.take_or("hand position", hand.position_m, 0.0),
-        swing: wave(
-            places,
-            ["swing", "swing frequency"],
-            [hand.swing_m, hand.swing_hz],
-        )
-        .map_err(|span| (span, "a swing needs both swing_m and swing_hz"))?,
-    }))
-}
-
 impl SceneFile {
-    /// Reads a scene from the text of a file called `name`, and checks it for the method it names
-    /// and for every method it has settings for.
+    /// Reads a scene that stands alone: as [`parse_with`](Self::parse_with), but every file that the
+    /// scene names is missing.
     ///
     /// # Errors
     /// The first fault, with its line and column and with what is allowed.
     pub fn parse(name: &str, source: &str) -> Result<Self, SceneError> {
+        Self::parse_with(name, source, &mut |_| {
+            let alone = "this scene is read without the files beside it";
+            Err(io::Error::new(io::ErrorKind::NotFound, alone))
+        })
+    }
+
+    /// Reads a scene from the text of a file called `name`, and checks it for the method it names
+    /// and for every method it has settings for. `files` gives the text of a file by the name that
+    /// stands in the scene; [`beside`](super::beside) looks in the scene's own folder.
+    ///
+    /// # Errors
+    /// The first fault, with its line and column and with what is allowed.
+    pub fn parse_with(name: &str, source: &str, files: Files<'_>) -> Result<Self, SceneError> {
         let fault =
             |span: Range<usize>, message: String| SceneError::at(name, source, span, message);
         if let Ok(RawVersion { scene_format }) = toml::from_str(source)
@@ -337,7 +275,6 @@ impl SceneFile {
                 places.take("object_mass", raw.object.mass_kg),
             )
         };
-        let mut hand = raw.hand;
         let mut device = raw.device;
         let linkage =
             linkage(&mut device).map_err(|(span, message)| fault(span, message.into()))?;
@@ -349,6 +286,20 @@ impl SceneFile {
             // Checked to be there.
             None => places.take_or("device_mass", device.mass_kg.take(), f64::NAN),
         };
+        let ReadHand {
+            force,
+            tremor,
+            release,
+            grip,
+        } = raw
+            .hand
+            .read(&mut places, files)
+            .map_err(|(span, message)| fault(span, message))?;
+        let period = places.take("period", raw.r#loop.period_s.clone());
+        let (delay, timing) = raw
+            .r#loop
+            .timing(&mut places)
+            .map_err(|(span, message)| fault(span, message.into()))?;
         let scene = Scene {
             title: raw.title,
             contact,
@@ -357,7 +308,8 @@ impl SceneFile {
                 speed_limit: limit(&mut places, "speed_limit", raw.renderer.speed_limit_m_per_s),
                 force_limit: limit(&mut places, "force_limit", raw.renderer.force_limit_n),
                 slew_limit: limit(&mut places, "slew_limit", raw.renderer.slew_limit_n_per_s),
-                ..LoopParams::new(places.take("period", raw.r#loop.period_s))
+                largest_gap: limit(&mut places, "largest_gap", raw.renderer.largest_gap_s),
+                ..LoopParams::new(period)
             },
             object: ObjectState {
                 position: places.take("object position", raw.object.position_m),
@@ -375,15 +327,12 @@ impl SceneFile {
                 largest_force: limit(&mut places, "motor limit", device.motor_limit_n),
             },
             told_device_mass: limit(&mut places, "told device_mass", raw.renderer.device_mass_kg),
-            user_force: places.take_or("user force", hand.force_n.take(), 0.0),
-            tremor: wave(
-                &mut places,
-                ["tremor", "tremor frequency"],
-                [hand.tremor_n.take(), hand.tremor_hz.take()],
-            )
-            .map_err(|span| fault(span, "a tremor needs both tremor_n and tremor_hz".into()))?,
-            grip: grip(&mut places, hand).map_err(|(span, message)| fault(span, message.into()))?,
-            delay: places.take_or("delay", raw.r#loop.delay_samples, 0),
+            user_force: force,
+            tremor,
+            release,
+            grip,
+            delay,
+            timing,
             measure,
             method: raw.renderer.method.unwrap_or(MethodName::Hfcr),
             settings,
@@ -467,7 +416,8 @@ pub(crate) fn in_plain_words(message: &str) -> String {
         return message
             .replace("expected f64", "expected a number")
             .replace("expected i64", "expected a whole number")
-            .replace("expected usize", "expected a whole number from 0 up");
+            .replace("expected usize", "expected a whole number from 0 up")
+            .replace("expected u64", "expected a whole number from 0 up");
     };
     let mut quoted = rest.split('`');
     let unknown = quoted.next().unwrap_or_default();

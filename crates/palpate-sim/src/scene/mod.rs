@@ -3,22 +3,30 @@
 //! A scene file is TOML with a format version; every quantity is SI and carries its unit in its
 //! key. Unknown keys are errors. See `experiments/` for the paper's scenes.
 
+mod beside;
 mod check;
 mod file;
+mod hand;
 mod linkage;
+mod timing;
 mod write;
 
+pub use beside::beside;
 pub(crate) use file::{RawSettings, in_plain_words};
 pub use file::{SceneError, SceneFile};
 pub use linkage::Linkage;
+pub use timing::{Dropped, Jitter, RateCollapse, Timing};
 pub use write::Unwritable;
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use palpate::{
     AnyParams, AnyRenderer, Contact, LARGEST_DELAY, LoopParams, Mass, ObjectState, ParameterError,
     Renderer,
 };
+
+use palpate_testbed::recorded_path::RecordedPath;
 
 use crate::method::{Basis, MethodName, Settings, SettingsError};
 
@@ -48,8 +56,12 @@ pub struct Scene {
     pub grip: Option<Grip>,
     /// Tremor force of the hand, its amplitude in `[N]`.
     pub tremor: Option<Wave>,
+    /// When the hand lets go of the device, for good `[s]`.
+    pub release: Option<f64>,
     /// Whole samples between measuring and actuating.
     pub delay: usize,
+    /// What else is not perfect about the loop.
+    pub timing: Timing,
     /// How long to look.
     pub measure: Measure,
     /// The method to run when none is named.
@@ -79,7 +91,7 @@ pub struct PointMassDevice {
 
 /// A hand that holds the device: its mass moves with it, and a spring and a damper pull it to where
 /// the hand wants to be.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Grip {
     /// Mass `[kg]`.
     pub mass: f64,
@@ -87,10 +99,12 @@ pub struct Grip {
     pub stiffness: f64,
     /// Damping `[N s/m]`.
     pub damping: f64,
-    /// Where the hand wants to be `[m]`.
+    /// Where the hand wants to be `[m]`, if it does not follow a recording.
     pub position: f64,
     /// Swing of that place, its amplitude in `[m]`.
     pub swing: Option<Wave>,
+    /// A recorded path of that place, in place of both; the hand rests at its ends.
+    pub intention: Option<Arc<RecordedPath>>,
 }
 
 /// A sine that begins at 0.

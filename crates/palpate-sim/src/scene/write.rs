@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use palpate::{Contact, LoopParams, Mass, SehEstimate, Side};
 
-use super::{Grip, Measure, PointMassDevice, Scene, Wave};
-use crate::method::{Damping, Predictor, MethodName, Settings};
+use super::{Dropped, Grip, Jitter, Measure, PointMassDevice, Scene, Timing, Wave};
+use crate::method::{Damping, MethodName, Predictor, Settings};
 
 /// Something of a scene that scene files have no key for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -16,7 +16,7 @@ impl Scene {
     /// The scene as a file that reads back to the same bits.
     ///
     /// # Errors
-    /// A scene with a largest gap, for which there is no key.
+    /// A hand that follows a recording, which is a file of its own.
     pub fn to_toml(&self) -> Result<String, Unwritable> {
         // Taken apart, so that what is added to a scene cannot be forgotten here.
         let Self {
@@ -31,7 +31,9 @@ impl Scene {
             linkage,
             grip,
             tremor,
+            release,
             delay,
+            timing,
             measure,
             method,
             settings,
@@ -48,9 +50,11 @@ impl Scene {
             speed_limit,
             force_limit,
             slew_limit,
+            // Of a scene it is `delay`.
+            delay: _,
         } = *loop_params;
-        if largest_gap.is_some() {
-            return Err(Unwritable("a largest gap between samples"));
+        if grip.as_ref().is_some_and(|grip| grip.intention.is_some()) {
+            return Err(Unwritable("where a hand wants to be at every instant"));
         }
         let mut file = File::default();
         file.line("scene_format", "1");
@@ -86,12 +90,14 @@ impl Scene {
         file.hand(grip.as_ref());
         file.number("force_n", *user_force);
         file.wave(["tremor_n", "tremor_hz"], *tremor);
+        file.if_given("release_s", *release);
 
         file.table("loop");
         file.number("period_s", period);
         if *delay > 0 {
             file.line("delay_samples", &delay.to_string());
         }
+        file.timing(timing);
 
         file.table("measure");
         match measure {
@@ -108,6 +114,7 @@ impl Scene {
         file.if_given("force_limit_n", force_limit);
         file.if_given("slew_limit_n_per_s", slew_limit);
         file.if_given("speed_limit_m_per_s", speed_limit);
+        file.if_given("largest_gap_s", largest_gap);
 
         for method in MethodName::ALL {
             if let Some(settings) = settings.get(&method) {
@@ -179,6 +186,40 @@ impl File {
         self.number("damping_n_s_per_m", grip.damping);
         self.number("position_m", grip.position);
         self.wave(["swing_m", "swing_hz"], grip.swing);
+    }
+
+    fn timing(&mut self, timing: &Timing) {
+        let Timing {
+            delay_fraction,
+            jitter,
+            dropped,
+            collapse,
+            seed,
+        } = timing;
+        self.unless_zero("delay_fraction", *delay_fraction);
+        match *jitter {
+            Jitter::None => {}
+            Jitter::Uniform { bound } => self.number("jitter_s", bound),
+            Jitter::Normal { deviation, bound } => {
+                self.number("jitter_s", bound);
+                self.number("jitter_deviation_s", deviation);
+            }
+        }
+        match dropped {
+            Dropped::None => {}
+            Dropped::Probability(probability) => self.number("drop_probability", *probability),
+            Dropped::Listed(samples) => self.line("dropped_samples", &format!("{samples:?}")),
+        }
+        if let Some(collapse) = collapse {
+            let (from, until, period) = (collapse.from, collapse.until, collapse.period);
+            self.line(
+                "collapse",
+                &format!("{{ from_s = {from:?}, until_s = {until:?}, period_s = {period:?} }}"),
+            );
+        }
+        if *seed > 0 {
+            self.line("seed", &seed.to_string());
+        }
     }
 
     fn settings(&mut self, settings: &Settings) {

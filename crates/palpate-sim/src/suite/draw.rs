@@ -8,7 +8,7 @@ use super::chance::Chance;
 use crate::closed_loop::{LoopError, object_mass};
 use crate::method::MethodName;
 use crate::plant::Plant;
-use crate::scene::{Grip, Measure, PointMassDevice, Scene, Wave};
+use crate::scene::{Grip, Measure, PointMassDevice, Scene, Timing, Wave};
 
 /// Gravity on the object `[m/s²]`.
 const GRAVITY: f64 = 9.81;
@@ -94,6 +94,7 @@ fn draw(chance: &mut Chance) -> RandomPlant {
         // Where the device starts: the spring is relaxed, and the user's force pushes on top.
         position: 0.0,
         swing: None,
+        intention: None,
     };
     let trembles = chance.happens(0.5);
     let tremor = Wave {
@@ -131,7 +132,9 @@ fn draw(chance: &mut Chance) -> RandomPlant {
             linkage: None,
             grip: is_held.then_some(grip),
             tremor: trembles.then_some(tremor),
+            release: None,
             delay: 0,
+            timing: Timing::default(),
             measure: Measure::Collisions(COLLISIONS),
             method: MethodName::Hfcr,
             settings: std::collections::HashMap::new(),

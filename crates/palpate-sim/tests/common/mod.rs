@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use palpate::{Contact, LoopParams, ObjectState};
 use palpate_sim::method::{Damping, MethodName, Settings};
 use palpate_sim::replay::{Replay, ReplaySetup};
-use palpate_sim::scene::{Scene, SceneFile};
+use palpate_sim::scene::{Scene, SceneFile, beside};
 use palpate_testbed::metrics::Fidelity;
 
 /// The paper's scenes, in the order of tables.
@@ -23,7 +23,7 @@ pub fn experiments() -> PathBuf {
 pub fn scene(name: &str) -> Scene {
     let path = experiments().join(name).with_extension("toml");
     let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path:?}: {e}"));
-    match SceneFile::parse(name, &text) {
+    match SceneFile::parse_with(name, &text, &mut beside(&path)) {
         Ok(file) => file.scene,
         Err(error) => panic!("{error}"),
     }

@@ -35,7 +35,7 @@ fn an_unknown_key_is_named_with_the_nearest_known_one() {
   15:1: unknown key mas_kg, did you mean mass_kg? Known here: kind, preset, mass_kg, position_m, velocity_m_per_s, encoder_quantum_m, viscous_n_s_per_m, coulomb_n, motor_limit_n
   mas_kg
 period_s -> perod_s
-  24:1: unknown key perod_s, did you mean period_s? Known here: period_s, delay_samples
+  24:1: unknown key perod_s, did you mean period_s? Known here: period_s, delay_samples, delay_fraction, jitter_s, jitter_deviation_s, drop_probability, dropped_samples, collapse, seed
   perod_s
 [hand] -> [hnd]
   19:2: unknown key hnd, did you mean hand? Known here: scene_format, title, object, device, hand, loop, measure, renderer, methods
@@ -296,9 +296,61 @@ kind = "constant-force"\nforce_n = 1 -> kind = "impedance"\nswing_m = 0.01
   0.01
 kind = "constant-force"\nforce_n = 1 -> kind = "impedance"\nswing_m = 0.01\nswing_hz = 0
   22:12: swing frequency is 0 Hz, but must be finite and greater than 0
-  0"#,
-        12,
+  0
+force_n = 1\n -> release_s = -1\n
+  21:13: release is -1 s, but must be finite and not below 0
+  -1
+force_n = 1\n -> intention = "hand.csv"\n
+  21:13: a hand of kind constant-force has no use for this; kind = "impedance" has
+  "hand.csv"
+kind = "constant-force"\nforce_n = 1 -> kind = "impedance"\nposition_m = 0.01\nintention = "hand.csv"
+  21:14: the recorded intention says where the hand wants to be
+  0.01
+kind = "constant-force"\nforce_n = 1 -> kind = "impedance"\nintention = "hand.csv"
+  21:13: hand.csv cannot be read: this scene is read without the files beside it
+  "hand.csv"
+kind = "constant-force"\nforce_n = 1 -> kind = "impedance"\nintention = 3
+  21:13: invalid type: integer `3`, expected a string
+  3"#,
+        17,
     );
+}
+
+#[test]
+fn a_recorded_intention_is_read_and_its_faults_are_told_at_the_key() {
+    let text = edited(
+        "kind = \"constant-force\"\nforce_n = 1",
+        "kind = \"impedance\"\nintention = \"hand.csv\"",
+    );
+    let read = |content: &str| {
+        SceneFile::parse_with("scene.toml", &text, &mut |name| {
+            assert_eq!(name, "hand.csv");
+            Ok(content.into())
+        })
+    };
+    // Times count from the first sample.
+    let scene = read("t_s,position_m\n5,0\n5.5,0.01\n").unwrap().scene;
+    let path = scene.grip.unwrap().intention.unwrap();
+    assert_eq!(
+        (path.times(), path.positions()),
+        (&[0.0, 0.5][..], &[0.0, 0.01][..])
+    );
+    for (content, message) in [
+        ("t_s,position_m\n0,0\n0,1\n", "hand.csv:3:1: "),
+        (
+            "t_s,position\n0,0\n",
+            "hand.csv:1:5: the header has no column `position_m`",
+        ),
+        ("t_s,position_m\n0,0\n", "hand.csv:2:4: a trace needs"),
+    ] {
+        let error = read(content).unwrap_err();
+        assert_eq!(&text[error.span.clone()], "\"hand.csv\"");
+        assert!(error.message.starts_with(message), "{error}");
+        assert!(
+            error.to_string().starts_with("scene.toml:21:13: "),
+            "{error}"
+        );
+    }
 }
 
 #[test]
@@ -323,6 +375,55 @@ kind = "point-mass"\nmass_kg = 0.25\nposition_m = 0\nvelocity_m_per_s = 0\nencod
   13:8: device position = 1 is not allowed; allowed: within the linkage's reach
   "pantograph""#,
         6,
+    );
+}
+
+#[test]
+fn the_imperfections_of_a_loop_have_ranges_and_belong_together() {
+    assert_faults(
+        r#"delay_samples = 0 -> delay_fraction = 1
+  25:18: delay_fraction is 1 periods, but must be from 0 to below 1 period
+  1
+delay_samples = 0 -> jitter_s = 0.01
+  25:12: jitter_s is 0.01 s, but must be from 0 s to below half of the shortest period
+  0.01
+delay_samples = 0 -> jitter_s = 0.005\njitter_deviation_s = 0
+  26:22: jitter_deviation_s is 0 s, but must be finite and above 0 s
+  0
+delay_samples = 0 -> jitter_deviation_s = 0.001
+  25:22: jitter_deviation_s needs jitter_s, the bound that no sample exceeds
+  0.001
+delay_samples = 0 -> drop_probability = 1
+  25:20: drop_probability is 1, but must be a probability from 0 to below 1
+  1
+delay_samples = 0 -> dropped_samples = [3, 2]
+  25:19: dropped_samples is 2, but must be indices in rising order
+  [3, 2]
+delay_samples = 0 -> dropped_samples = [0]
+  25:19: dropped_samples is 0, but must be indices from 1 on: a loop begins with sample 0
+  [0]
+delay_samples = 0 -> drop_probability = 0.1\ndropped_samples = [3]
+  26:19: either drop_probability or dropped_samples, one of them
+  [3]
+delay_samples = 0 -> collapse = { from_s = 1, until_s = 0.5, period_s = 0.01 }
+  25:36: collapse.until_s is 0.5 s, but must be after the collapse begins [s]
+  0.5
+delay_samples = 0 -> collapse = { from_s = 1, until_s = 2, period_s = 0 }
+  25:50: collapse.period_s is 0 s, but must be finite and above 0 s
+  0
+delay_samples = 0 -> collapse = { from_s = nan, until_s = 2, period_s = 0.01 }
+  25:23: collapse.from_s is NaN s, but must be finite [s]
+  nan
+delay_samples = 0 -> collapse = { from_s = 1, until_s = 2 }
+  25:12: missing field `period_s`
+  { from_s = 1, until_s = 2 }
+delay_samples = 0 -> seed = -1
+  25:8: invalid value: integer `-1`, expected a whole number from 0 up
+  -1
+speed_limit_m_per_s = 10 -> largest_gap_s = 0.01
+  35:17: largest_gap is 0.01 s, but must be finite and at least one period
+  0.01"#,
+        14,
     );
 }
 

@@ -9,7 +9,7 @@ mod written;
 use palpate::{AnyParams, HfcrParams, Mass, ParameterError, Side};
 use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_sim::method::{Damping, MethodName, UnknownMethod};
-use palpate_sim::scene::{Measure, SceneFile};
+use palpate_sim::scene::{Dropped, Jitter, Measure, RateCollapse, SceneFile, Timing};
 
 /// A good file with every key there is, but duration_s.
 const GOOD: &str = r#"scene_format = 1
@@ -138,6 +138,40 @@ fn every_key_ends_up_in_the_scene() {
         edit("delay_samples = 0", "delay_samples = 1024").delay,
         1024
     );
+    let timing = edit(
+        "delay_samples = 0",
+        "delay_samples = 1\ndelay_fraction = 0.5\njitter_s = 0.002\njitter_deviation_s = 0.001\n\
+         dropped_samples = [4, 9]\ncollapse = { from_s = 0.1, until_s = 0.2, period_s = 0.04 }\n\
+         seed = 3",
+    );
+    assert_eq!(timing.delay, 1);
+    assert_eq!(
+        timing.timing,
+        Timing {
+            delay_fraction: 0.5,
+            jitter: Jitter::Normal {
+                deviation: 0.001,
+                bound: 0.002
+            },
+            dropped: Dropped::Listed(vec![4, 9]),
+            collapse: Some(RateCollapse {
+                from: 0.1,
+                until: 0.2,
+                period: 0.04
+            }),
+            seed: 3,
+        }
+    );
+    let timing = edit(
+        "delay_samples = 0",
+        "jitter_s = 0.002\ndrop_probability = 0.1",
+    )
+    .timing;
+    assert_eq!(timing.jitter, Jitter::Uniform { bound: 0.002 });
+    assert_eq!(timing.dropped, Dropped::Probability(0.1));
+    assert!(scene.timing.is_perfect() && !timing.is_perfect());
+    let gap = edit("speed_limit_m_per_s = 10", "largest_gap_s = 0.5").loop_params;
+    assert_eq!(gap.largest_gap, Some(0.5));
     let auto = edit("damping_n_s_per_m = 0.1", "damping_n_s_per_m = \"auto\"");
     assert_eq!(
         auto.settings[&MethodName::Hfcr].damping,

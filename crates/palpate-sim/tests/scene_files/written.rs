@@ -1,6 +1,9 @@
 //! Scenes written as files read back to the same bits.
 
-use palpate_sim::scene::{Scene, SceneFile};
+use std::sync::Arc;
+
+use palpate_sim::scene::{Grip, Scene, SceneFile};
+use palpate_testbed::recorded_path::RecordedPath;
 
 use crate::{GOOD, common, edited};
 
@@ -65,6 +68,21 @@ fn every_key_is_written() {
              position_m = 0.01\nswing_m = 0.02\nswing_hz = 2",
         ),
         ("delay_samples = 0", "delay_samples = 3"),
+        (
+            "delay_samples = 0",
+            "delay_fraction = 0.3\njitter_s = 0.001\ndrop_probability = 0.2\nseed = 7\n\
+             collapse = { from_s = 0.1, until_s = 0.2, period_s = 0.03 }",
+        ),
+        (
+            "delay_samples = 0",
+            "jitter_s = 0.001\njitter_deviation_s = 2e-4\ndropped_samples = [3, 5]",
+        ),
+        (
+            "estimate = \"ab2\"",
+            "estimate = \"ab2\"\n\n[methods.coupled]\nplacement = false\ncorrection = false",
+        ),
+        ("damping_n_s_per_m = 0.1", "prediction = \"observer\""),
+        ("unilateral = false", "largest_gap_s = 0.5"),
         ("damping_n_s_per_m = 0.1", "damping_n_s_per_m = \"auto\""),
         ("estimate = \"ab2\"", "estimate = \"ab3\""),
         ("estimate = \"ab2\"", "estimate = \"differences\""),
@@ -77,9 +95,17 @@ fn every_key_is_written() {
 #[test]
 fn what_has_no_key_is_not_left_out_silently() {
     let mut scene = SceneFile::parse("good", GOOD).unwrap().scene;
-    scene.loop_params.largest_gap = Some(0.5);
+    let path = RecordedPath::new(&[0.0, 1.0], &[0.0, 0.1]).unwrap();
+    scene.grip = Some(Grip {
+        mass: 0.1,
+        stiffness: 100.0,
+        damping: 1.0,
+        position: 0.0,
+        swing: None,
+        intention: Some(Arc::new(path)),
+    });
     assert_eq!(
         scene.to_toml().unwrap_err().to_string(),
-        "a scene file cannot say a largest gap between samples"
+        "a scene file cannot say where a hand wants to be at every instant"
     );
 }

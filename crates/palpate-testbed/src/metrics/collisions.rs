@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::grid::Grid;
 use crate::profile::{Collision, ForceProfile};
 
 /// An ideal collision and the rendered collision of the same number.
@@ -61,7 +62,7 @@ pub(super) fn judged(
             ideal,
             rendered: runs
                 .get(number)
-                .map(|run| rendered(held, run.clone(), &ideal, profile.period())),
+                .map(|run| rendered(held, run.clone(), &ideal, profile.grid())),
         })
         .collect()
 }
@@ -70,10 +71,14 @@ fn rendered(
     held: &[f64],
     intervals: Range<usize>,
     ideal: &Collision,
-    period: f64,
+    grid: &Grid,
 ) -> RenderedCollision {
     let forces = &held[intervals.clone()];
-    let impulse = period * forces.iter().sum::<f64>();
+    let period = grid.period();
+    let in_periods = intervals
+        .clone()
+        .map(|interval| held[interval] * (grid.duration(interval) / period));
+    let impulse = period * in_periods.sum::<f64>();
     let peak_force = forces.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     RenderedCollision {
         intervals,

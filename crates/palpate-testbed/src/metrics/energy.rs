@@ -51,7 +51,7 @@ pub struct EnergyJudgement {
 }
 
 impl EnergyJudgement {
-    /// Judges the record of a closed loop: its states at all samples 0 to W of a window of W
+    /// Judges the record of a perfect closed loop: its states at all samples 0 to W of a window of W
     /// intervals, each with the force held from there on (that of the last is not looked at).
     ///
     /// # Errors
@@ -64,6 +64,29 @@ impl EnergyJudgement {
     ) -> Result<Self, WindowMismatch> {
         let window = profile.intervals();
         WindowMismatch::unless_equal(record.len(), window + 1)?;
+        let held: Vec<f64> = record[..window]
+            .iter()
+            .map(|snapshot| snapshot.force_on_object)
+            .collect();
+        Self::sampled(ideal, profile, &held, record)
+    }
+
+    /// Judges a closed loop by the force it `held` over each interval \[N\] and the `record` of its
+    /// states at the samples, from the first one to the one at the window's end. Samples need not lie
+    /// where the held force changes.
+    ///
+    /// # Errors
+    ///
+    /// `held` does not have one force for each interval of `profile`, or `record` no entry.
+    pub fn sampled(
+        ideal: &Ideal,
+        profile: &ForceProfile,
+        held: &[f64],
+        record: &[Snapshot],
+    ) -> Result<Self, WindowMismatch> {
+        WindowMismatch::unless_equal(held.len(), profile.intervals())?;
+        WindowMismatch::unless_equal(record.len().min(1), 1)?;
+        let last = record.len() - 1;
         let at_start = ideal.energy(&record[0]);
         let reference = profile
             .collisions()
@@ -71,12 +94,12 @@ impl EnergyJudgement {
             .map(|collision| reference_energy(ideal, collision))
             .filter(|&energy| energy > 0.0);
         let gain = |snapshot: &Snapshot| ideal.energy(snapshot) - at_start;
-        let finite = record[..window].iter().all(Snapshot::is_finite)
+        let finite = record[..last].iter().all(Snapshot::is_finite)
             && record.iter().all(|snapshot| gain(snapshot).is_finite());
         Ok(Self {
-            rebounds: rebounds(ideal, profile, record),
+            rebounds: rebounds(ideal, profile, held, record),
             energy_drift: reference
-                .map(|reference| gain(&record[window]) / reference)
+                .map(|reference| gain(&record[last]) / reference)
                 .filter(|drift| drift.is_finite()),
             diverged: !finite
                 || reference.is_some_and(|reference| {
@@ -98,13 +121,14 @@ fn reference_energy(ideal: &Ideal, collision: &Collision) -> f64 {
     }
 }
 
-fn rebounds(ideal: &Ideal, profile: &ForceProfile, record: &[Snapshot]) -> Vec<Rebound> {
-    let window = profile.intervals();
-    let held: Vec<f64> = record[..window]
-        .iter()
-        .map(|snapshot| snapshot.force_on_object)
-        .collect();
-    let runs = rendered_runs(&held);
+fn rebounds(
+    ideal: &Ideal,
+    profile: &ForceProfile,
+    held: &[f64],
+    record: &[Snapshot],
+) -> Vec<Rebound> {
+    let grid = profile.grid();
+    let runs = rendered_runs(held);
     profile
         .collisions()
         .iter()
@@ -114,9 +138,14 @@ fn rebounds(ideal: &Ideal, profile: &ForceProfile, record: &[Snapshot]) -> Vec<R
             let Some(run) = runs.get(number) else {
                 return Rebound::NotRendered;
             };
-            let until = runs.get(number + 1).map_or(window, |next| next.start);
-            let parted = record[run.end..=until]
+            let until = runs
+                .get(number + 1)
+                .map_or(grid.intervals(), |next| next.start);
+            let (from, until) = (grid.edge(run.end), grid.edge(until));
+            let first = record.partition_point(|snapshot| snapshot.time < from);
+            let parted = record[first..]
                 .iter()
+                .take_while(|snapshot| snapshot.time <= until)
                 .find(|snapshot| snapshot.penetration() <= 0.0);
             let Some(parted) = parted else {
                 return Rebound::NotReleased;

@@ -1,0 +1,167 @@
+//! What is not perfect about a scene's loop.
+
+use std::ops::Range;
+
+use palpate::ParameterError;
+use palpate_testbed::schedule::{ActuationDelay, Schedule, ScheduleParams};
+pub use palpate_testbed::schedule::{Dropped, Jitter, RateCollapse};
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::Scene;
+use super::file::Places;
+
+/// Imperfections of a loop besides a delay of whole samples; none by default.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Timing {
+    /// Fraction of a period, below 1, from a sample to its command, on top of whole samples.
+    pub delay_fraction: f64,
+    /// How far a sample lies from its instant.
+    pub jitter: Jitter,
+    /// Samples that are not taken.
+    pub dropped: Dropped,
+    /// A stretch of time with another period.
+    pub collapse: Option<RateCollapse>,
+    /// Seed of the random numbers.
+    pub seed: u64,
+}
+
+/// `[loop]` of a scene file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawLoop {
+    pub period_s: Spanned<f64>,
+    delay_samples: Option<Spanned<usize>>,
+    delay_fraction: Option<Spanned<f64>>,
+    jitter_s: Option<Spanned<f64>>,
+    jitter_deviation_s: Option<Spanned<f64>>,
+    drop_probability: Option<Spanned<f64>>,
+    dropped_samples: Option<Spanned<Vec<u64>>>,
+    collapse: Option<RawCollapse>,
+    seed: Option<Spanned<u64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawCollapse {
+    from_s: Spanned<f64>,
+    until_s: Spanned<f64>,
+    period_s: Spanned<f64>,
+}
+
+impl RawLoop {
+    /// Delay in whole samples, and the other imperfections; the place of a key that stands alone or
+    /// beside one that it excludes.
+    pub fn timing(
+        self,
+        places: &mut Places,
+    ) -> Result<(usize, Timing), (Range<usize>, &'static str)> {
+        let jitter = match (self.jitter_s, self.jitter_deviation_s) {
+            (None, None) => Jitter::None,
+            (Some(bound), None) => Jitter::Uniform {
+                bound: places.take("jitter_s", bound),
+            },
+            (Some(bound), Some(deviation)) => Jitter::Normal {
+                bound: places.take("jitter_s", bound),
+                deviation: places.take("jitter_deviation_s", deviation),
+            },
+            (None, Some(deviation)) => {
+                return Err((
+                    deviation.span(),
+                    "jitter_deviation_s needs jitter_s, the bound that no sample exceeds",
+                ));
+            }
+        };
+        let dropped = match (self.drop_probability, self.dropped_samples) {
+            (None, None) => Dropped::None,
+            (Some(probability), None) => {
+                Dropped::Probability(places.take("drop_probability", probability))
+            }
+            (None, Some(samples)) => Dropped::Listed(places.take("dropped_samples", samples)),
+            (Some(_), Some(samples)) => {
+                return Err((
+                    samples.span(),
+                    "either drop_probability or dropped_samples, one of them",
+                ));
+            }
+        };
+        let timing = Timing {
+            delay_fraction: places.take_or("delay_fraction", self.delay_fraction, 0.0),
+            jitter,
+            dropped,
+            collapse: self.collapse.map(|collapse| RateCollapse {
+                from: places.take("collapse.from_s", collapse.from_s),
+                until: places.take("collapse.until_s", collapse.until_s),
+                period: places.take("collapse.period_s", collapse.period_s),
+            }),
+            seed: places.take_or("seed", self.seed, 0),
+        };
+        Ok((places.take_or("delay", self.delay_samples, 0), timing))
+    }
+}
+
+impl Timing {
+    /// Whether every sample is taken on its instant and commands come after whole samples.
+    pub fn is_perfect(&self) -> bool {
+        *self
+            == Self {
+                seed: self.seed,
+                ..Self::default()
+            }
+    }
+
+    /// Shortest period of a loop whose nominal one is `period` `[s]`.
+    pub(crate) fn shortest_period(&self, period: f64) -> f64 {
+        self.collapse
+            .map_or(period, |collapse| period.min(collapse.period))
+    }
+}
+
+/// What the bench calls a parameter of a schedule: what scene files call it, and its unit.
+const KEYS: [(&str, &str, &str); 7] = [
+    ("collapse.from", "collapse.from_s", "s"),
+    ("collapse.until", "collapse.until_s", "s"),
+    ("collapse.period", "collapse.period_s", "s"),
+    ("jitter.bound", "jitter_s", "s"),
+    ("jitter.deviation", "jitter_deviation_s", "s"),
+    ("dropped", "drop_probability", ""),
+    ("delay.fraction", "delay_fraction", "periods"),
+];
+
+impl Scene {
+    /// The schedule of the loop.
+    pub fn schedule(&self) -> ScheduleParams {
+        ScheduleParams {
+            period: self.loop_params.period,
+            jitter: self.timing.jitter,
+            dropped: self.timing.dropped.clone(),
+            collapse: self.timing.collapse,
+            delay: ActuationDelay {
+                samples: u32::try_from(self.delay).unwrap_or(u32::MAX),
+                fraction: self.timing.delay_fraction,
+            },
+            seed: self.timing.seed,
+        }
+    }
+
+    /// Checks the timing of a loop whose period is sound.
+    pub(super) fn check_timing(&self) -> Result<(), ParameterError> {
+        let Err(error) = Schedule::new(self.schedule()) else {
+            return Ok(());
+        };
+        let (parameter, unit) = KEYS
+            .iter()
+            .find(|(name, ..)| *name == error.name)
+            .map_or((error.name, ""), |&(_, key, unit)| (key, unit));
+        let parameter = match (&self.timing.dropped, parameter) {
+            (Dropped::Listed(_), "drop_probability") => "dropped_samples",
+            _ => parameter,
+        };
+        Err(ParameterError {
+            parameter,
+            value: error.value,
+            unit,
+            allowed: error.allowed,
+        })
+    }
+}
