@@ -73,17 +73,17 @@ fn every_draw_lies_in_its_range_and_fills_it() {
         ),
         (
             "hand mass",
-            |p| Some(p.scene.grip?.mass / p.scene.device.mass),
+            |p| Some(p.scene.grip.as_ref()?.mass / p.scene.device.mass),
             0.0,
             1.0,
         ),
         (
             "hand stiffness",
-            |p| Some(p.scene.grip?.stiffness),
+            |p| Some(p.scene.grip.as_ref()?.stiffness),
             10.0,
             300.0,
         ),
-        ("hand damping", |p| Some(p.scene.grip?.damping), 0.5, 5.0),
+        ("hand damping", |p| Some(p.scene.grip.as_ref()?.damping), 0.5, 5.0),
         (
             "tremor Hz",
             |p| Some(p.scene.tremor?.frequency_hz),
@@ -134,7 +134,7 @@ fn every_draw_lies_in_its_range_and_fills_it() {
         assert!(dry == 0.0 || (dry - 0.02).abs() < 1e-12);
         assert_eq!(scene.object.velocity, 0.0);
         assert_eq!((scene.device.position, scene.device.velocity), (0.0, 0.0));
-        assert!(scene.grip.is_none_or(|grip| grip.position == 0.0));
+        assert!(scene.grip.as_ref().is_none_or(|grip| grip.position == 0.0));
     }
     let share = |is: &dyn Fn(&RandomPlant) -> bool| {
         plants.iter().filter(|plant| is(plant)).count() as f64 / plants.len() as f64
