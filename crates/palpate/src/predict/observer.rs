@@ -131,7 +131,11 @@ const FIRST_MOBILITY: f64 = 0.5;
 /// The estimate of 1/m stays within this factor of what was told.
 const MOBILITY_RANGE: f64 = 20.0;
 /// How fast the jerk's variance follows the innovations, per sample.
-const JERK_GAIN: f64 = 0.1;
+const JERK_GAIN: f64 = 0.2;
+/// Innovations are kept at this multiple of the variance that is expected of them. Above 1, because
+/// where the sensor's quantum hides the motion the innovations say nothing of the jerk, and it is
+/// then to be taken for small.
+const JERK_TARGET: f64 = 1.2;
 /// Innovation variances beyond this multiple of the expected one count as this.
 const JERK_CAP: f64 = 9.0;
 
@@ -282,7 +286,7 @@ impl<S: Scalar> Observer<S> {
         };
 
         let ratio = (innovation * innovation / expected).min(S::from_f64(JERK_CAP));
-        let factor = (S::from_f64(JERK_GAIN) * (ratio - S::ONE)).exp();
+        let factor = (S::from_f64(JERK_GAIN) * (ratio - S::from_f64(JERK_TARGET))).exp();
         let adapted = Self {
             motion: after,
             upper: [
