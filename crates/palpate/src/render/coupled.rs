@@ -93,10 +93,28 @@ pub struct CoupledMemory<S> {
     /// Impulse that contact has had by what is known now, less the impulse of the forces that stood
     /// for it `[N s]`. A wall takes any momentum, so it is owed nothing.
     debt: S,
+    /// Durations of the last intervals, the newest last `[s]`.
+    periods: [Option<S>; 3],
     /// By how much a wall stands off its place `[m]`.
     wall_offset: S,
     /// Shift of the object by placement over the last interval `[m]`.
     shift: S,
+}
+
+impl<S: Scalar> CoupledMemory<S> {
+    /// How long the next interval will be `[s]`: the median of the last three, so that a loop that
+    /// has become slower is planned for after two samples, and a single late one changes nothing.
+    fn likely_period(&self, nominal: S) -> S {
+        let [a, b, c] = self.periods.map(|period| period.unwrap_or(nominal));
+        a.min(b).max(a.max(b).min(c))
+    }
+
+    /// Effective mass of the device with the hand that holds it, as far as it has been learned
+    /// `[kg]`: infinite for one that no force moves, none before the first sample.
+    pub fn device_mass(&self) -> Option<S> {
+        let observer = self.observer.as_ref()?;
+        Some(S::ONE / observer.motion.mobility)
+    }
 }
 
 /// Part of the impulse owed that the next force makes up for. All of it would pass on the noise of
@@ -263,6 +281,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         if !motion.is_wall() {
             memory.debt += interval.course.impulse - ended.intended_force * ended.elapsed;
         }
+        memory.periods = [memory.periods[1], memory.periods[2], Some(ended.elapsed)];
         memory.shift = shift;
         memory.wall_offset = wall_offset;
         moved
@@ -274,7 +293,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         now: &Situation<'_, S>,
         memory: &mut CoupledMemory<S>,
     ) -> Plan<S> {
-        let period = motion.period();
+        let period = memory.likely_period(motion.period());
         let observer = memory
             .observer
             .get_or_insert_with(|| Observer::new(&self.observer));
