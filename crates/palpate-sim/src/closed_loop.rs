@@ -163,9 +163,27 @@ impl<'a> Bench<'a> {
         self.run_as(self.scene, method)
     }
 
-    /// Runs `scene`, which is this bench's own but for its delay and the settings of its methods:
-    /// the ideal knows neither.
+    /// Runs `scene`, which is this bench's own but for the settings of its methods, and for its
+    /// delay if the loop is perfect otherwise: the ideal knows neither.
     pub(crate) fn run_as(&self, scene: &Scene, method: MethodName) -> Result<Run, LoopError> {
+        if scene.delay == self.scene.delay {
+            return self.run_along(&self.timeline, scene, method);
+        }
+        let delayed = Timeline::new(scene.schedule(), self.timeline.samples().len() - 1)?;
+        assert_eq!(
+            delayed.grid(),
+            self.timeline.grid(),
+            "whole samples of delay leave the grid of a perfect loop"
+        );
+        self.run_along(&delayed, scene, method)
+    }
+
+    fn run_along(
+        &self,
+        timeline: &Timeline,
+        scene: &Scene,
+        method: MethodName,
+    ) -> Result<Run, LoopError> {
         let sign = self.sign;
         let renderer = scene.renderer(method)?;
         let mut state = renderer.start(scene.object).map_err(SetupError::from)?;
@@ -176,8 +194,8 @@ impl<'a> Bench<'a> {
             Sampler::Ideal
         };
 
-        let samples = self.timeline.samples();
-        let grid = self.timeline.grid();
+        let samples = timeline.samples();
+        let grid = timeline.grid();
         let mut ticks: Vec<Tick> = Vec::with_capacity(samples.len());
         let mut record = Vec::with_capacity(samples.len());
         let mut held = Vec::with_capacity(grid.intervals());
@@ -185,7 +203,7 @@ impl<'a> Bench<'a> {
         let mut port_work = 0.0;
         let mut jammed_at = None;
         let mut time = 0.0;
-        for stretch in self.timeline.stretches() {
+        for stretch in timeline.stretches() {
             let answer = if let Some(index) = stretch.sample {
                 let sample = samples[index];
                 time = sample.time;

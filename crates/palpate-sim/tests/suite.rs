@@ -83,7 +83,12 @@ fn every_draw_lies_in_its_range_and_fills_it() {
             10.0,
             300.0,
         ),
-        ("hand damping", |p| Some(p.scene.grip.as_ref()?.damping), 0.5, 5.0),
+        (
+            "hand damping",
+            |p| Some(p.scene.grip.as_ref()?.damping),
+            0.5,
+            5.0,
+        ),
         (
             "tremor Hz",
             |p| Some(p.scene.tremor?.frequency_hz),

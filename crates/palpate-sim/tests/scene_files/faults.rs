@@ -47,7 +47,7 @@ collisions = 3 -> collisons = 3
   28:1: unknown key collisons, did you mean collisions? Known here: collisions, duration_s
   collisons
 damping_cap_n_s_per_m -> damping_cap
-  41:1: unknown key damping_cap, did you mean damping_cap_n_s_per_m? Known here: damping_n_s_per_m, damping_cap_n_s_per_m, speed_threshold_m_per_s, initial_energy_j, estimate
+  41:1: unknown key damping_cap, did you mean damping_cap_n_s_per_m? Known here: damping_n_s_per_m, damping_cap_n_s_per_m, speed_threshold_m_per_s, initial_energy_j, estimate, prediction, placement, correction
   damping_cap"#,
         6,
     );
@@ -216,13 +216,13 @@ fn a_method_that_is_unknown_or_cannot_use_a_setting_is_refused() {
   31:10: no method is called "hfrc"; did you mean "hfcr"?
   "hfrc"
 method = "hfcr" -> method = "magic"
-  31:10: no method is called "magic"; the methods are basic, seh, virtual-damper, popc, popc-ref, hfcr-mod, hfcr-mod-st, hfcr
+  31:10: no method is called "magic"; the methods are basic, seh, virtual-damper, popc, popc-ref, hfcr-mod, hfcr-mod-st, hfcr, coupled
   "magic"
 [methods.hfcr] -> [methods.hfrc]
   37:10: no method is called "hfrc"; did you mean "hfcr"?
   hfrc
 [methods.hfcr] -> [methods."?"]
-  37:10: no method is called "?"; the methods are basic, seh, virtual-damper, popc, popc-ref, hfcr-mod, hfcr-mod-st, hfcr
+  37:10: no method is called "?"; the methods are basic, seh, virtual-damper, popc, popc-ref, hfcr-mod, hfcr-mod-st, hfcr, coupled
   "?"
 [methods.hfcr] -> [methods.basic]
   37:10: basic has no use for damping_n_s_per_m; it is for virtual-damper, hfcr
@@ -253,8 +253,14 @@ initial_energy_j = 0 -> initial_energy_j = -1
   popc-ref
 estimate = "ab2" -> damping_n_s_per_m = 1
   45:10: seh has no use for damping_n_s_per_m; it is for virtual-damper, hfcr
+  seh
+estimate = "ab2" -> prediction = "observer"
+  45:10: seh has no use for prediction; it is for hfcr
+  seh
+estimate = "ab2" -> correction = false
+  45:10: seh has no use for correction; it is for coupled
   seh"#,
-        14,
+        16,
     );
 }
 
