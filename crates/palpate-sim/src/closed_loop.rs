@@ -5,7 +5,7 @@ use palpate_testbed::device::Device;
 use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::ideal::{Ideal, PointMassScene};
 use palpate_testbed::measure::Sampler;
-use palpate_testbed::metrics::{EnergyJudgement, ForceJudgement};
+use palpate_testbed::metrics::{EnergyJudgement, ForceJudgement, ReboundSpeed};
 use palpate_testbed::profile::Snapshot;
 use palpate_testbed::reference::{self, ReferenceScene, Stop};
 
@@ -13,7 +13,7 @@ use palpate::{Mass, Sample};
 
 use crate::method::{MethodName, with_derived_values};
 use crate::plant::{Plant, is_free};
-use crate::run::{MOST_PERIODS, Reference, Run, Tick};
+use crate::run::{IdealPoint, MOST_PERIODS, Reference, Run, Tick};
 use crate::scene::{Measure, Scene, SetupError};
 
 /// Why a scene cannot be run.
@@ -110,7 +110,7 @@ impl<'a> Bench<'a> {
             (profile, error, IdealMotion::Integrated(integrated))
         };
         let intervals = profile.intervals();
-        let reference = match &motion {
+        let mut reference = match &motion {
             IdealMotion::Exact(ideal) => Reference::new(profile, 0.0, sign, |time| ideal.at(time)),
             IdealMotion::Integrated(integrated) => {
                 let points = reference::POINTS_PER_PERIOD as f64 / period;
@@ -120,6 +120,7 @@ impl<'a> Bench<'a> {
                 })
             }
         };
+        reference.leaves_box_at = leaves_box_at(scene, &reference);
         Ok(Self {
             scene,
             sign,
@@ -168,10 +169,13 @@ impl<'a> Bench<'a> {
         let mut ticks = Vec::with_capacity(self.intervals + 1);
         let mut record = Vec::with_capacity(self.intervals + 1);
         let mut port_work = 0.0;
-        let mut jammed_at = None;
+        let (mut jammed_at, mut left_box_at) = (None, None);
         for i in 0..=self.intervals {
             let time = i as f64 * period;
             device.sample(period);
+            if left_box_at.is_none() && device.has_left_box() {
+                left_box_at = Some(time);
+            }
             let measured = sign * device.measured(&sampler);
             let output = renderer.step(
                 &mut state,
@@ -213,7 +217,9 @@ impl<'a> Bench<'a> {
             ticks,
             force: ForceJudgement::of(&held, profile).expect("one force per interval"),
             jammed_at,
-            diverged: Some(self.has_diverged(&record)),
+            left_box_at,
+            diverged: Some(self.has_diverged(record_until(&record, left_box_at.or(jammed_at)))),
+            rebounds: ReboundSpeed::of(profile, &record).expect("one state per sample"),
             energy: self.energy_judgement(&record),
             bench_port_work: Some(port_work),
         })
@@ -248,6 +254,12 @@ impl Bench<'_> {
     }
 }
 
+/// The record up to `time` `[s]`, after which the loop is no longer what moves the device.
+fn record_until(record: &[Snapshot], time: Option<f64>) -> &[Snapshot] {
+    let end = record.partition_point(|at| time.is_none_or(|time| at.time <= time));
+    &record[..end]
+}
+
 /// Whether device and object ever move ten times as energetically against each other as the ideal's
 /// `fastest` relative speed `[m/s]`, or anything is no number.
 fn ran_away(record: &[Snapshot], fastest: f64) -> bool {
@@ -266,6 +278,13 @@ fn nearest_point(position: f64, last: usize) -> usize {
     )]
     let index = position.round().max(0.0) as usize;
     index.min(last)
+}
+
+/// When the ideal, which has no safety box, goes where that of the scene would end it `[s]`.
+fn leaves_box_at(scene: &Scene, reference: &Reference) -> Option<f64> {
+    let [low, high] = scene.linkage.as_ref()?.safety_box?.y;
+    let outside = |point: &&IdealPoint| !(low..=high).contains(&point.device_position);
+    reference.curve.iter().find(outside).map(|point| point.time)
 }
 
 fn object_mass(scene: &Scene) -> f64 {

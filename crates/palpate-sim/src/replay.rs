@@ -202,8 +202,10 @@ impl Replay {
                 .expect("one force per interval"),
             ticks,
             jammed_at: None,
+            left_box_at: None,
             diverged: None,
             energy: None,
+            rebounds: Vec::new(),
             bench_port_work: None,
         })
     }

@@ -85,11 +85,14 @@ fn plant_receipt(scene: &Scene) -> Vec<(String, String)> {
         .into_iter()
         .map(|(name, value)| (name.to_owned(), value.to_string()))
         .collect();
-    lines.extend(
-        scene
-            .linkage
-            .map(|linkage| ("device_preset".to_owned(), linkage.name().to_owned())),
-    );
+    if let Some(linkage) = &scene.linkage {
+        lines.push(("device.title".into(), linkage.title.clone()));
+        let keys = linkage.keys.iter().cloned();
+        lines.extend(
+            keys.filter(|(key, _)| key != "title")
+                .map(|(key, value)| (format!("device.{key}"), value)),
+        );
+    }
     lines.push(match scene.measure {
         Measure::Collisions(count) => ("measure_collisions".into(), count.to_string()),
         Measure::Duration(duration) => ("measure_duration_s".into(), duration.to_string()),
@@ -125,7 +128,8 @@ pub(super) fn read_scene(path: &Path) -> Result<SceneFile, Failure> {
     let name = path.display().to_string();
     let bytes = std::fs::read(path).map_err(|error| Failure::System(format!("{name}: {error}")))?;
     let text = String::from_utf8(bytes).map_err(|error| not_utf8(&name, &error))?;
-    SceneFile::parse(&name, &text).map_err(in_file)
+    let folder = path.parent().unwrap_or(Path::new(""));
+    SceneFile::parse_in(folder, &name, &text).map_err(in_file)
 }
 
 fn not_utf8(name: &str, error: &FromUtf8Error) -> Failure {

@@ -2,7 +2,7 @@
 
 use kuva::render::render_utils::compute_tick_step;
 
-use super::{Figure, Limits, Role, Row, Series};
+use super::{Limits, Role, Row, Series, Sheet};
 
 /// Share of the data's range that is left free above and below it.
 const AIR: f64 = 0.06;
@@ -11,14 +11,9 @@ const AIR: f64 = 0.06;
 pub(super) const LARGEST: f64 = 1e100;
 
 /// The shared range of the horizontal axes.
-pub(super) fn horizontal(figure: &Figure) -> (f64, f64) {
-    let series = figure
-        .rows
-        .iter()
-        .flat_map(|row| &row.panels)
-        .flat_map(|panel| &panel.series);
-    let (low, high) =
-        span(series.flat_map(|series| series.x.iter().copied())).unwrap_or((0.0, 1.0));
+pub(super) fn horizontal(sheet: &Sheet) -> (f64, f64) {
+    let times = sheet.series().flat_map(|series| series.x.iter().copied());
+    let (low, high) = span(times).unwrap_or((0.0, 1.0));
     if has_height(low, high) {
         (low, high)
     } else {
@@ -91,7 +86,7 @@ fn span(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     )
 }
 
-fn union(ranges: impl Iterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
+pub(super) fn union(ranges: impl Iterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
     ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 

@@ -1,13 +1,18 @@
 //! Scenes: an object, a device, a hand, a loop and a renderer, as a user writes them.
 //!
 //! A scene file is TOML with a format version; every quantity is SI and carries its unit in its
-//! key. Unknown keys are errors. See `experiments/` for the paper's scenes.
+//! key. Unknown keys are errors. See `experiments/` for the paper's scenes. A linkage is described by
+//! a device file of its own, in the same manner; see `devices/`.
 
 mod check;
+mod device_file;
+mod device_key;
+mod fault;
 mod file;
 mod linkage;
 
-pub use file::{SceneError, SceneFile};
+pub use fault::SceneError;
+pub use file::SceneFile;
 pub use linkage::Linkage;
 
 use std::collections::HashMap;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::profile::{Collision, ForceProfile};
+use crate::profile::{Collision, ForceProfile, Snapshot};
 
 /// An ideal collision and the rendered collision of the same number.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,6 +46,20 @@ pub(super) fn rendered_runs(held: &[f64]) -> Vec<Range<usize>> {
     runs
 }
 
+/// The first sample after `runs[number]` at which device and object have parted, if that is before
+/// the next of the runs or the window's end; and the sample it has to be found by.
+pub(super) fn parted(
+    record: &[Snapshot],
+    runs: &[Range<usize>],
+    number: usize,
+) -> (Option<usize>, usize) {
+    let until = runs
+        .get(number + 1)
+        .map_or(record.len() - 1, |next| next.start);
+    let found = (runs[number].end..=until).find(|&sample| record[sample].penetration() <= 0.0);
+    (found, until)
+}
+
 /// Pairs the ideal collisions that end within the window with `runs`, in order.
 pub(super) fn judged(
     held: &[f64],
@@ -84,7 +98,7 @@ fn rendered(
     }
 }
 
-fn relative_error(rendered: f64, ideal: f64) -> Option<f64> {
+pub(super) fn relative_error(rendered: f64, ideal: f64) -> Option<f64> {
     let error = (rendered - ideal) / ideal;
     error.is_finite().then_some(error)
 }
