@@ -223,7 +223,7 @@ pub fn method_by_method(
                 Grid {
                     heads: methods.iter().map(accuracy).collect(),
                     same_scale: true,
-                    rows: rows("position [mm]", Limits::Calm { times: 4.0 }, &positions),
+                    rows: rows("position [mm]", Limits::Calm { times: 5.5 }, &positions),
                     ..Grid::default()
                 },
                 Grid {

@@ -18,6 +18,8 @@ const ABOVE: f64 = 7.0;
 const ABOVE_NOTED: f64 = 17.0;
 /// Above the frames of the first row, for the heads of the columns \[px\].
 const HEAD: f64 = 20.0;
+/// Between the head of a row and a note \[px\].
+const BETWEEN: f64 = 12.0;
 /// Left of the frames of every column but the first \[px\].
 const LEFT: f64 = 4.0;
 /// Below the frames of a row without numbers \[px\].
@@ -171,9 +173,17 @@ impl<'a> Planned<'a> {
             tops.push(above);
         }
 
-        let notes: Vec<Vec<Option<String>>> = drawn
-            .iter()
-            .map(|row| row.iter().map(|drawn| note(drawn, width)).collect())
+        // A row's head stands above its first frame, too.
+        let taken = |row: usize, column: usize| match self.grid.heads.get(row) {
+            Some(head) if column == 0 => text::width(&text::clean(head), HEAD_SIZE) + BETWEEN,
+            _ => 0.0,
+        };
+        let notes: Vec<Vec<Option<String>>> = (drawn.iter().enumerate())
+            .map(|(index, row)| {
+                (row.iter().enumerate())
+                    .map(|(column, drawn)| note(drawn, width - taken(index, column)))
+                    .collect()
+            })
             .collect();
         let mut panels = Panels::new(drawn.len(), self.columns)
             .with_spacing(0.0)
