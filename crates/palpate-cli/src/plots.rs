@@ -30,6 +30,7 @@ pub fn overlay(title: &str, reference: &Reference, runs: &[Run]) -> Figure {
     }
     let mut forces = vec![ideal_force(reference)];
     forces.extend(compared(|tick| tick.held_force_on_object, 1.0, Kind::Step));
+    forces.extend(runs.iter().filter_map(end_of_motors));
     let row = |y_label: &str, limits, series| Row {
         y_label: y_label.into(),
         limits,
@@ -175,15 +176,7 @@ pub fn method_by_method(
             series(fine.1, fine.0, FINE, Kind::Step, 1.0, held),
             series(run, name, role(run.method), Kind::Step, 1.0, held),
         ];
-        if let Some(time) = run.left_box_at {
-            all.push(Series {
-                name: "safety box left".into(),
-                kind: Kind::Points,
-                role: END,
-                x: vec![time],
-                y: vec![0.0],
-            });
-        }
+        all.extend(end_of_motors(run));
         all
     };
     let rows = |y_label: &str, limits, panel: &dyn Fn(&(&str, &Run)) -> Vec<Series>| {
@@ -302,6 +295,17 @@ fn ideal_positions(reference: &Reference) -> Vec<Series> {
         curve("ideal", |point| point.object_position),
         curve("", |point| point.device_position),
     ]
+}
+
+/// Where the safety box has switched the motors off, on the line of no force.
+fn end_of_motors(run: &Run) -> Option<Series> {
+    run.left_box_at.map(|time| Series {
+        name: "safety box left".into(),
+        kind: Kind::Points,
+        role: END,
+        x: vec![time],
+        y: vec![0.0],
+    })
 }
 
 fn device_position(run: &Run, name: &str) -> Series {
