@@ -229,8 +229,10 @@ impl Replay {
             ticks,
             held,
             jammed_at: None,
+            left_box_at: None,
             diverged: None,
             energy: None,
+            rebounds: Vec::new(),
             bench_port_work: None,
         })
     }

@@ -46,6 +46,9 @@ pub struct Report {
     ideal_collisions: usize,
     /// Error of the ideal's impulses relative to the largest; 0 where it is exact.
     ideal_error: f64,
+    /// When the ideal leaves the safety box that it does not have.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ideal_leaves_box_at_s: Option<f64>,
     methods: Vec<MethodReport>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     files: Vec<String>,
@@ -75,6 +78,8 @@ struct MethodReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     jammed_at_s: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    left_box_at_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     diverged: Option<bool>,
     faults: usize,
     limited: usize,
@@ -92,6 +97,10 @@ struct CollisionReport {
     peak_force_error_percent: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     rebound_energy_error_percent: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ideal_rebound_speed_m_per_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rebound_speed_error_percent: Option<f64>,
 }
 
 /// What a report says of the scene or the replay it is about.
@@ -159,6 +168,7 @@ impl Report {
                 .map(|fidelity| fidelity.hold_floor),
             ideal_collisions: profile.collisions().len(),
             ideal_error: reference.error,
+            ideal_leaves_box_at_s: reference.leaves_box_at,
             methods: runs
                 .iter()
                 .map(|run| MethodReport::new(run, subject.contact.side.sign()))
@@ -206,6 +216,7 @@ impl MethodReport {
                 .and_then(|energy| energy.energy_drift)
                 .map(in_percent),
             jammed_at_s: run.jammed_at,
+            left_box_at_s: run.left_box_at,
             diverged: run.diverged,
             faults: run.faults(),
             limited: run.limited(),
@@ -217,6 +228,7 @@ impl MethodReport {
                 .enumerate()
                 .map(|(number, collision)| {
                     let rendered = collision.rendered.as_ref();
+                    let rebound = run.rebounds.get(number);
                     CollisionReport {
                         start_s: collision.ideal.start,
                         ideal_impulse_n_s: collision.ideal.impulse,
@@ -233,6 +245,10 @@ impl MethodReport {
                             Some(Rebound::EnergyError(error)) => Some(in_percent(*error)),
                             _ => None,
                         },
+                        ideal_rebound_speed_m_per_s: rebound.map(|speed| speed.ideal),
+                        rebound_speed_error_percent: rebound
+                            .and_then(|speed| speed.error)
+                            .map(in_percent),
                     }
                 })
                 .collect(),
