@@ -206,6 +206,7 @@ pub fn method_by_method(
                 .into(),
         ),
         x_label: "time [s]".into(),
+        x_decades: false,
         lines: vec![
             vec![
                 Grid {

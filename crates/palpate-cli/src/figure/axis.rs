@@ -167,7 +167,7 @@ fn decimals(step: f64) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::{Kind, Panel};
+    use crate::figure::{Figure, Kind, Panel};
 
     fn series(role: Role, y: &[f64]) -> Series {
         let (name, kind) = (String::new(), Kind::Line);
