@@ -76,7 +76,7 @@ impl<S: Scalar> Drive<S> {
                     };
                 };
                 first_transition = first_transition.or(Some(after));
-                left = left - after;
+                left -= after;
                 at = Relative {
                     penetration: S::ZERO,
                     speed,
@@ -91,7 +91,7 @@ impl<S: Scalar> Drive<S> {
                     if period > S::ZERO && whole >= S::ONE && whole.is_finite() {
                         let skipped = (whole * period).min(left);
                         impulse += a * skipped / self.mobility;
-                        left = left - skipped;
+                        left -= skipped;
                     }
                 }
                 let released = self.release(at, omega, left);
@@ -111,7 +111,7 @@ impl<S: Scalar> Drive<S> {
                             (a * after + (at.speed - speed)) / self.mobility
                         };
                         first_transition = first_transition.or(Some(after));
-                        left = left - after;
+                        left -= after;
                         at = Relative {
                             penetration: S::ZERO,
                             speed,

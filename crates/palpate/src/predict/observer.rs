@@ -26,7 +26,8 @@
 //!
 //! - **q** follows the observed innovations: see [`ObserverParams`].
 //! - **theta** learns from excitation only. A force that does not change tells nothing that a_u
-//!   could not have done as well, and then the variance of theta stays what it is, for hours.
+//!   could not have done as well, and then the variance of theta stays what it is, for hours. A
+//!   sample far from what was expected puts theta in doubt again: a hand may have grabbed the device.
 
 use crate::Scalar;
 use crate::contact::Mass;
@@ -130,8 +131,16 @@ const FIRST_ACCELERATION: f64 = 20.0;
 const FIRST_MOBILITY: f64 = 0.5;
 /// The estimate of 1/m stays within this factor of what was told.
 const MOBILITY_RANGE: f64 = 20.0;
+/// Innovations whose square is beyond this multiple of what is expected put the mass in doubt.
+const SURPRISE: f64 = 25.0;
+/// Standard deviation of a mobility in doubt, as a part of it.
+const DOUBT: f64 = 0.25;
 /// How fast the jerk's variance follows the innovations, per sample.
-const JERK_GAIN: f64 = 0.1;
+const JERK_GAIN: f64 = 0.2;
+/// Innovations are kept at this multiple of the variance that is expected of them. Above 1, because
+/// where the sensor's quantum hides the motion the innovations say nothing of the jerk, and it is
+/// then to be taken for small.
+const JERK_TARGET: f64 = 1.2;
 /// Innovation variances beyond this multiple of the expected one count as this.
 const JERK_CAP: f64 = 9.0;
 
@@ -210,15 +219,15 @@ impl<S: Scalar> Observer<S> {
             let c1 = (r1[0] * d2 + q * g1 * g2) / e2;
             let c0 = (r0[1] * d2 + q * g0 * g2) / e2;
             let left1 = r1[0] - c1;
-            g1 = g1 - c1 * g2;
-            r0[1] = r0[1] - c0;
-            g0 = g0 - c0 * g2;
+            g1 -= c1 * g2;
+            r0[1] -= c0;
+            g0 -= c0 * g2;
 
             let e1 = d1 + d2 * left1 * left1 + q * g1 * g1;
             let b0 = (r0[0] * d1 + r0[1] * d2 * left1 + q * g0 * g1) / e1;
             let rest0 = r0[0] - b0;
             let rest1 = r0[1] - b0 * left1;
-            g0 = g0 - b0 * g1;
+            g0 -= b0 * g1;
             let e0 = d0 + rest0 * rest0 * d1 + rest1 * rest1 * d2 + q * g0 * g0;
             [b0, c0, r0[2], c1, r1[1], u23, e0, e1, e2]
         };
@@ -281,8 +290,16 @@ impl<S: Scalar> Observer<S> {
             mobility,
         };
 
-        let ratio = (innovation * innovation / expected).min(S::from_f64(JERK_CAP));
-        let factor = (S::from_f64(JERK_GAIN) * (ratio - S::ONE)).exp();
+        let surprise = innovation * innovation / expected;
+        let new_d3 = if surprise > S::from_f64(SURPRISE) {
+            // The device may have been grabbed or let go.
+            let doubt = S::from_f64(DOUBT) * mobility;
+            new_d3.max(doubt * doubt)
+        } else {
+            new_d3
+        };
+        let ratio = surprise.min(S::from_f64(JERK_CAP));
+        let factor = (S::from_f64(JERK_GAIN) * (ratio - S::from_f64(JERK_TARGET))).exp();
         let adapted = Self {
             motion: after,
             upper: [

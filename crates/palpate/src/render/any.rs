@@ -62,6 +62,13 @@ pub struct AnyMemory<S> {
     coupled: CoupledMemory<S>,
 }
 
+impl<S: Scalar> AnyMemory<S> {
+    /// What [`Coupled`] remembers; that of a state that has not been coupled is empty.
+    pub fn coupled(&self) -> &CoupledMemory<S> {
+        &self.coupled
+    }
+}
+
 impl<S: Scalar> MethodParams<S> for AnyParams<S> {
     type Method = AnyMethod<S>;
 

@@ -93,6 +93,11 @@ impl<S: Scalar, Memory: Default> State<S, Memory> {
         }
     }
 
+    /// What the method remembers.
+    pub fn memory(&self) -> &Memory {
+        &self.memory
+    }
+
     /// Books of the object's energy, up to the last sample.
     pub fn ledger(&self) -> &Ledger<S> {
         &self.ledger

@@ -4,6 +4,7 @@
 mod adversary;
 mod books;
 mod common;
+mod coupled;
 mod damper;
 mod faults;
 mod geometry;
