@@ -1,5 +1,6 @@
 //! What a command reports: the same facts as a table or as JSON.
 
+pub mod compare;
 mod parameters;
 mod text;
 mod timing;
@@ -36,6 +37,8 @@ pub struct Report {
     /// What else is not perfect about the loop.
     #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
     timing: serde_json::Map<String, Value>,
+    #[serde(skip)]
+    delay_fraction: f64,
     #[serde(skip)]
     timing_in_words: String,
     /// Samples that were taken, the one that closes the window included.
@@ -158,6 +161,7 @@ impl Report {
             object_kappa: difficulty.map_or(0.0, |difficulty| difficulty.object_kappa),
             delay_samples: subject.delay,
             timing: timing::of(&subject.timing),
+            delay_fraction: subject.timing.delay_fraction,
             timing_in_words: timing::in_words(&subject.timing),
             samples: runs.first().map_or(0, |run| run.ticks.len()),
             window_periods,

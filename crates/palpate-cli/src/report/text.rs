@@ -40,6 +40,36 @@ impl fmt::Display for Report {
 }
 
 impl Report {
+    /// The delay, after a comma; nothing if there is none.
+    fn delay(&self) -> String {
+        match (self.delay_samples, self.delay_fraction) {
+            (0, 0.0) => String::new(),
+            (samples, 0.0) => format!(", delay {}", counted(samples, "sample")),
+            (samples, fraction) => format!(", delay {} periods", samples as f64 + fraction),
+        }
+    }
+
+    /// Difficulty, loop and floor in a line.
+    pub(super) fn in_short(&self) -> String {
+        let kappa = self
+            .kappa
+            .map_or_else(String::new, |kappa| format!("kappa {}, ", digits(kappa)));
+        let delay = self.delay();
+        let timing = match self.timing_in_words.as_str() {
+            "" => String::new(),
+            words => format!("\n  {words}"),
+        };
+        let floor = self.hold_floor_percent.map_or_else(
+            || "no contact".into(),
+            |floor| format!("floor {floor:.1} %"),
+        );
+        format!(
+            "{kappa}Kc {}, {} Hz{delay}; {floor}{timing}",
+            digits(self.object_kappa),
+            (1e3 / self.period_s).round() / 1e3
+        )
+    }
+
     fn conditions(&self) -> String {
         let object = match self.object_mass_kg {
             Mass::Finite(mass) => format!("object {mass} kg"),
@@ -53,10 +83,7 @@ impl Report {
             }
             _ => String::new(),
         };
-        let delay = match self.delay_samples {
-            0 => String::new(),
-            samples => format!(", delay {}", counted(samples, "sample")),
-        };
+        let delay = self.delay();
         format!(
             "{object}, {} N/m, period {} s (Kc {}){device}{delay}",
             self.stiffness_n_per_m,
@@ -138,7 +165,7 @@ impl Report {
 }
 
 impl MethodReport {
-    fn remarks(&self) -> String {
+    pub(super) fn remarks(&self) -> String {
         let mut remarks = Vec::new();
         if self.diverged == Some(true) {
             remarks.push("diverged".into());
