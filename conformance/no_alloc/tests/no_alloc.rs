@@ -9,8 +9,8 @@ use std::cell::Cell;
 use std::hint::black_box;
 
 use palpate::{
-    AnyParams, AnyRenderer, Contact, HfcrParams, LoopParams, ObjectState, PopcParams,
-    PopcRefParams, Sample, SehParams, VirtualDamperParams,
+    AnyParams, AnyRenderer, Contact, CoupledParams, HfcrParams, LoopParams, Mass, ObjectState,
+    PopcParams, PopcRefParams, Prediction, Sample, SehParams, VirtualDamperParams,
 };
 
 /// The system's allocator, counting what each thread asks of it.
@@ -59,13 +59,30 @@ fn a_renderer_is_made_started_and_stepped_without_allocating() {
         AnyParams::PopcRef(PopcRefParams::new(6.0)),
         AnyParams::Hfcr(HfcrParams::modified_force_only()),
         AnyParams::Hfcr(HfcrParams::with_damping(0.02)),
+        AnyParams::Hfcr(HfcrParams {
+            prediction: Prediction::Observer {
+                device_mass: Mass::Finite(0.25),
+                encoder_quantum: 1e-5,
+            },
+            ..HfcrParams::default()
+        }),
+        AnyParams::Coupled(CoupledParams::new(0.25).with_encoder_quantum(1e-5)),
+        AnyParams::Coupled(CoupledParams {
+            placement: false,
+            correction: false,
+            ..CoupledParams::new(f64::INFINITY)
+        }),
     ];
     let (mut forces, mut faults) = (0, 0);
     let count = allocations(|| {
         for method in methods {
-            for mass in [0.1, f64::INFINITY] {
+            for (mass, delay) in [(0.1, 0), (0.1, 3), (f64::INFINITY, 0), (f64::INFINITY, 8)] {
+                let loop_params = LoopParams {
+                    delay,
+                    ..LoopParams::new(0.01)
+                };
                 let contact = Contact::object(400.0, mass);
-                let renderer = AnyRenderer::new(contact, LoopParams::new(0.01), method).unwrap();
+                let renderer = AnyRenderer::new(contact, loop_params, method).unwrap();
                 let mut state = renderer.start(ObjectState::at_rest(0.005)).unwrap();
                 for tick in 0..2000 {
                     let t = f64::from(tick) * 0.01;

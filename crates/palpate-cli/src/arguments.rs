@@ -75,6 +75,21 @@ Examples:
   palpate simulate experiments/wall.toml --stiffness 5000 --delay 1 --json
   palpate simulate experiments/fig2.toml --method all --jitter 0.002 --drop 0.05 --seed 7")]
     Simulate(SimulateArguments),
+    /// Compare methods on many scenes, in one table
+    #[command(override_usage = "palpate compare <SCENE.toml>... [OPTIONS]")]
+    #[command(long_about = "\
+Compare methods on many scenes, in one table.
+
+Every method runs on every scene in closed loop, with the settings that the scene has for it or its \
+defaults. E is the part of the force error that a method answers for, FRE/floor the whole of it over \
+the least that any force held in that loop can have, peak/ideal the strongest force over that of the \
+ideal. A method that cannot be set up on a scene says why.")]
+    #[command(after_help = "\
+Examples:
+  palpate compare experiments/fig2.toml experiments/experiment1.toml
+  palpate compare experiments/fig2.toml --method basic,virtual-damper,hfcr --json
+  palpate compare experiments/users/*.toml --out table.csv")]
+    Compare(CompareArguments),
     /// Render live: positions in, forces on the device out, line by line
     #[command(override_usage = "\
 palpate pipe --stiffness <N/m> --mass <kg|inf> --period <s> [OPTIONS]")]
@@ -193,6 +208,23 @@ pub struct SimulateArguments {
     /// Where results go.
     #[command(flatten)]
     pub results: Results,
+}
+
+/// Arguments of `compare`.
+#[derive(Args, Debug)]
+pub struct CompareArguments {
+    /// Scene files (TOML); experiments/ has the paper's, experiments/users/ what users ask for
+    #[arg(value_name = "SCENE.toml", value_hint = ValueHint::FilePath, required = true)]
+    pub scenes: Vec<PathBuf>,
+    /// Methods: all, or one or more, separated by commas [default: all]
+    #[arg(long, value_name = "NAMES", value_parser = methods)]
+    pub method: Option<Methods>,
+    /// Write the table to a CSV file
+    #[arg(long, value_name = "TABLE.csv", value_hint = ValueHint::FilePath)]
+    pub out: Option<PathBuf>,
+    /// Print the table as JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// What is not perfect about the loop of a scene.

@@ -23,6 +23,7 @@ fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Render(arguments) => commands::render::run(&arguments),
         Command::Simulate(arguments) => commands::simulate::run(&arguments),
+        Command::Compare(arguments) => commands::compare::run(&arguments),
         Command::Pipe(arguments) => commands::pipe::run(&arguments),
         Command::Tune(arguments) => commands::tune::run(&arguments),
         Command::Suite(arguments) => commands::suite::run(&arguments),

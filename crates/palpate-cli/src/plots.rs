@@ -3,7 +3,7 @@
 use palpate_sim::method::MethodName;
 use palpate_sim::run::{Reference, Run, Tick};
 
-use crate::figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
+use crate::figure::{Figure, Grid, Kind, Limits, Panel, Role, Row, Series, Sheet};
 
 const METRE_TO_MILLIMETRE: f64 = 1e3;
 const JOULE_TO_MILLIJOULE: f64 = 1e3;
@@ -33,6 +33,7 @@ pub fn overlay(title: &str, reference: &Reference, runs: &[Run]) -> Figure {
         runs.iter()
             .map(|run| held_force(run, run.method.name(), role(run.method))),
     );
+    forces.extend(runs.iter().filter_map(end_of_motors));
     let row = |y_label: &str, limits, series| Row {
         y_label: y_label.into(),
         limits,
@@ -130,6 +131,111 @@ pub fn step_by_step(title: &str, reference: &Reference, steps: &[(&str, &Run)]) 
     }
 }
 
+/// The paper's Figs. 4 and 5: a row for each method, with positions beside the force, and the leaks
+/// of all of them below. `fine` is the loop that the paper takes for the truth.
+pub fn method_by_method(
+    title: &str,
+    reference: &Reference,
+    methods: &[(&str, &Run)],
+    fine: (&str, &Run),
+) -> Sheet {
+    // What follows the end of the motors is the hand alone.
+    let seen = |run: &Run| -> Vec<Tick> {
+        let end = run.left_box_at.unwrap_or(f64::INFINITY);
+        let before = |tick: &&Tick| tick.time <= end;
+        run.ticks.iter().filter(before).copied().collect()
+    };
+    let series = |run: &Run, name: &str, role, kind, scale: f64, value: fn(&Tick) -> f64| {
+        let ticks = seen(run);
+        Series {
+            name: name.into(),
+            kind,
+            role,
+            x: ticks.iter().map(|tick| tick.time).collect(),
+            y: ticks.iter().map(|tick| scale * value(tick)).collect(),
+        }
+    };
+    let positions = |&(name, run): &(&str, &Run)| {
+        let device: fn(&Tick) -> f64 = |tick| tick.true_device_position;
+        let object: fn(&Tick) -> f64 = |tick| tick.output.object_position;
+        let (mm, line) = (METRE_TO_MILLIMETRE, Kind::Line);
+        let mut all = ideal_positions(reference);
+        all.push(series(run, "device", DEVICE, line, mm, device));
+        all.push(series(run, name, role(run.method), line, mm, object));
+        all
+    };
+    let forces = |&(name, run): &(&str, &Run)| {
+        let held: fn(&Tick) -> f64 = |tick| tick.held_force_on_object;
+        let mut all = vec![
+            ideal_force(reference),
+            series(fine.1, fine.0, FINE, Kind::Step, 1.0, held),
+            series(run, name, role(run.method), Kind::Step, 1.0, held),
+        ];
+        all.extend(end_of_motors(run));
+        all
+    };
+    let rows = |y_label: &str, limits, panel: &dyn Fn(&(&str, &Run)) -> Vec<Series>| {
+        let row = |method| Row {
+            y_label: y_label.into(),
+            limits,
+            panels: vec![Panel {
+                series: panel(method),
+            }],
+        };
+        methods.iter().map(row).collect()
+    };
+    let accuracy = |&(name, run): &(&str, &Run)| match run.force.fidelity {
+        Some(fidelity) => format!("{name}: FRE {:.1} %", fidelity.force_rendering_error),
+        None => name.into(),
+    };
+    let end = |(_, run): &(&str, &Run)| match run.left_box_at {
+        Some(time) => format!("left the safety box at {time:.2} s"),
+        None => String::new(),
+    };
+    let leaks = methods.iter().map(|&(name, run)| {
+        let leak: fn(&Tick) -> f64 = |tick| tick.ledger.held_leak.accumulated;
+        let scale = JOULE_TO_MILLIJOULE;
+        series(run, name, role(run.method), Kind::Line, scale, leak)
+    });
+    Sheet {
+        title: title.into(),
+        footnote: Some(
+            "Left: object and device. Right: the force held on the object; FRE is its error to the \
+             ideal. Below: energy created by the held force, accumulated. Curves end where the \
+             device leaves the safety box, which switches the motors off."
+                .into(),
+        ),
+        x_label: "time [s]".into(),
+        x_decades: false,
+        lines: vec![
+            vec![
+                Grid {
+                    heads: methods.iter().map(accuracy).collect(),
+                    same_scale: true,
+                    rows: rows("position [mm]", Limits::Calm { times: 5.5 }, &positions),
+                    ..Grid::default()
+                },
+                Grid {
+                    heads: methods.iter().map(end).collect(),
+                    same_scale: true,
+                    rows: rows("force [N]", Limits::Calm { times: 2.5 }, &forces),
+                    ..Grid::default()
+                },
+            ],
+            vec![Grid {
+                rows: vec![Row {
+                    y_label: "leak [mJ]".into(),
+                    limits: Limits::Data,
+                    panels: vec![Panel {
+                        series: leaks.collect(),
+                    }],
+                }],
+                ..Grid::default()
+            }],
+        ],
+    }
+}
+
 /// A method looks the same in every figure.
 pub fn role(method: MethodName) -> Role {
     Role::Compared(match method {
@@ -147,6 +253,10 @@ pub fn role(method: MethodName) -> Role {
 
 /// What is not a method looks like none.
 const DEVICE: Role = Role::Compared(8);
+/// The basic model at a high rate, beside what it is to judge.
+const FINE: Role = Role::Compared(14);
+/// The end of the motors.
+const END: Role = Role::Compared(10);
 
 fn times(run: &Run) -> Vec<f64> {
     run.ticks.iter().map(|tick| tick.time).collect()
@@ -200,6 +310,17 @@ fn ideal_positions(reference: &Reference) -> Vec<Series> {
         curve("ideal", |point| point.object_position),
         curve("", |point| point.device_position),
     ]
+}
+
+/// Where the safety box has switched the motors off, on the line of no force.
+fn end_of_motors(run: &Run) -> Option<Series> {
+    run.left_box_at.map(|time| Series {
+        name: "safety box left".into(),
+        kind: Kind::Points,
+        role: END,
+        x: vec![time],
+        y: vec![0.0],
+    })
 }
 
 fn device_position(run: &Run, name: &str) -> Series {

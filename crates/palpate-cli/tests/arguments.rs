@@ -4,9 +4,10 @@ mod common;
 
 use common::{Folder, taps, trace_text};
 
-const COMMANDS: [&str; 9] = [
+const COMMANDS: [&str; 10] = [
     "render",
     "simulate",
+    "compare",
     "pipe",
     "tune",
     "suite",
@@ -65,6 +66,11 @@ fn the_examples_of_the_help_are_understood() {
         let file = format!("experiments/{name}.toml");
         folder.write(&file, common::experiment_text(name));
     }
+    std::fs::create_dir(folder.path("experiments/users")).unwrap();
+    folder.write(
+        "experiments/users/wall.toml",
+        common::experiment_text("wall"),
+    );
     std::fs::create_dir(folder.path("figures")).unwrap();
     for trace in ["tap.csv", "hand.csv"] {
         folder.write(trace, trace_text(&taps(0.001, 0.5)));
@@ -81,6 +87,8 @@ fn the_examples_of_the_help_are_understood() {
             let example = line.split("palpate ").nth(1).unwrap();
             // A remark stands behind a wide gap.
             let arguments = example.split("   ").next().unwrap();
+            // A shell would find this file.
+            let arguments = &arguments.replace("users/*.toml", "users/wall.toml");
             let input = if example.contains(" - ") {
                 folder.read("tap.csv")
             } else {
@@ -91,7 +99,7 @@ fn the_examples_of_the_help_are_understood() {
             tried += 1;
         }
     }
-    assert!(tried >= 22, "{tried} examples");
+    assert!(tried >= 24, "{tried} examples");
 }
 
 #[test]

@@ -217,10 +217,21 @@ fn the_experiments_stand_beside_the_paper_s_numbers() {
                 "virtual damper",
                 "POPC-REF",
                 "HFCR",
-                "force on object [N]",
+                "HFCR: FRE",
+                "force [N]",
+                "leak [mJ]",
             ],
         );
     }
+    drawn(
+        &folder,
+        "fig5.svg",
+        &["safety box left", "left the safety box at 0.76 s"],
+    );
+    let report = folder.json("figure fig5");
+    let left = |method| &of_method(&report, method)["left_box_at_s"];
+    assert_eq!(left("virtual-damper").as_f64(), Some(0.76));
+    assert!(left("hfcr").is_null());
     let report = folder.json("figure fig4");
     let error = |method| number(of_method(&report, method), "mean_force_error_percent");
     for other in ["basic", "seh", "virtual-damper", "popc-ref"] {

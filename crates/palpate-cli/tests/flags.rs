@@ -5,7 +5,7 @@ mod common;
 use common::{Answer, Folder, METHODS, experiment_text, number, of_method, taps, trace_text};
 
 /// Each flag, a value that is not allowed, and what is said of it.
-const WRONG: [(&str, &str, &str); 52] = [
+const WRONG: [(&str, &str, &str); 53] = [
     ("--stiffness", "0", "0 N/m"),
     ("--stiffness", "-400", "-400 N/m"),
     ("--stiffness", "nan", "NaN N/m"),
@@ -54,6 +54,7 @@ const WRONG: [(&str, &str, &str); 52] = [
     ("--initial-energy", "-1", "-1 J"),
     ("--initial-energy", "inf", "inf J"),
     ("--estimate", "ab4", "ab2, differences and ab3"),
+    ("--prediction", "spline", "constant-velocity and observer"),
     ("--device-mass", "0", "0 kg"),
     ("--device-mass", "inf", "inf kg"),
     ("--encoder-quantum", "-1e-6", "-0.000001 m"),
@@ -139,17 +140,25 @@ fn a_flag_without_its_value_is_an_error() {
 
 #[test]
 fn a_setting_is_refused_by_every_method_that_cannot_use_it() {
-    let settings: [(&str, &str, &[&str]); 5] = [
+    let settings: [(&str, &str, &[&str]); 8] = [
         ("--damping", "0.5", &["virtual-damper", "hfcr"]),
         ("--damping-cap", "2", &["popc", "popc-ref"]),
         ("--speed-threshold", "0.001", &["popc", "popc-ref"]),
         ("--initial-energy", "0.1", &["popc"]),
         ("--estimate", "ab3", &["seh"]),
+        ("--prediction", "observer", &["hfcr"]),
+        ("--no-placement", "", &["coupled"]),
+        ("--no-correction", "", &["coupled"]),
     ];
     let folder = folder();
     for (flag, value, users) in settings {
         for method in METHODS {
-            for command in commands(&[("--method", method), (flag, value)]) {
+            let flags = [
+                ("--method", method),
+                ("--device-mass", "0.2"),
+                (flag, value),
+            ];
+            for command in commands(&flags) {
                 let answer = folder.palpate(&command);
                 if users.contains(&method) {
                     assert_eq!(answer.code, 0, "{command}: {answer:?}");

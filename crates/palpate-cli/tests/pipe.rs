@@ -37,7 +37,7 @@ fn by_library(method: &str, mass: f64, samples: &[(Option<f64>, f64)]) -> Vec<f6
     let renderer: AnyRenderer<f64> = Renderer::new(
         Contact::object(400.0, mass),
         LoopParams::new(0.01),
-        default_params(method, 400.0, 0.01),
+        default_params(method, 400.0, 0.01, 0.25),
     )
     .unwrap();
     let mut state = renderer.start(ObjectState::at_rest(0.0)).unwrap();
@@ -133,7 +133,8 @@ fn every_method_gives_the_forces_of_the_library() {
     let samples: Vec<_> = positions.iter().map(|&x| (None, x)).collect();
     for method in METHODS {
         let arguments = format!(
-            "pipe --stiffness 400 --mass 0.1 --period 0.01 --force -0.981 --method {method}"
+            "pipe --stiffness 400 --mass 0.1 --period 0.01 --force -0.981 --device-mass 0.25 \
+             --method {method}"
         );
         let found = forces(&arguments, &input);
         assert_eq!(found, by_library(method, 0.1, &samples), "{method}");

@@ -4,7 +4,7 @@ use palpate_testbed::InvalidParameter;
 use palpate_testbed::device::Device;
 use palpate_testbed::ideal::{Ideal, PointMassScene};
 use palpate_testbed::measure::Sampler;
-use palpate_testbed::metrics::{EnergyJudgement, ForceJudgement};
+use palpate_testbed::metrics::{EnergyJudgement, ForceJudgement, ReboundSpeed};
 use palpate_testbed::profile::{ForceProfile, Snapshot};
 use palpate_testbed::reference::{self, ReferenceScene, Stop};
 use palpate_testbed::timeline::Timeline;
@@ -13,7 +13,7 @@ use palpate::{Mass, Sample};
 
 use crate::method::{MethodName, with_derived_values};
 use crate::plant::{Plant, is_free};
-use crate::run::{Held, MOST_PERIODS, Reference, Run, Tick};
+use crate::run::{Held, IdealPoint, MOST_PERIODS, Reference, Run, Tick};
 use crate::scene::{Measure, Scene, SetupError};
 
 /// Why a scene cannot be run.
@@ -120,7 +120,7 @@ impl<'a> Bench<'a> {
                 IdealMotion::Integrated(ideal.reference),
             )
         };
-        let reference = match &motion {
+        let mut reference = match &motion {
             IdealMotion::Exact(ideal) => Reference::new(profile, 0.0, sign, |time| ideal.at(time)),
             IdealMotion::Integrated(integrated) => {
                 let points = reference::POINTS_PER_PERIOD as f64 / period;
@@ -130,6 +130,7 @@ impl<'a> Bench<'a> {
                 })
             }
         };
+        reference.leaves_box_at = leaves_box_at(scene, &reference);
         Ok(Self {
             scene,
             sign,
@@ -163,9 +164,27 @@ impl<'a> Bench<'a> {
         self.run_as(self.scene, method)
     }
 
-    /// Runs `scene`, which is this bench's own but for its delay and the settings of its methods:
-    /// the ideal knows neither.
+    /// Runs `scene`, which is this bench's own but for the settings of its methods, and for its
+    /// delay if the loop is perfect otherwise: the ideal knows neither.
     pub(crate) fn run_as(&self, scene: &Scene, method: MethodName) -> Result<Run, LoopError> {
+        if scene.delay == self.scene.delay {
+            return self.run_along(&self.timeline, scene, method);
+        }
+        let delayed = Timeline::new(scene.schedule(), self.timeline.samples().len() - 1)?;
+        assert_eq!(
+            delayed.grid(),
+            self.timeline.grid(),
+            "whole samples of delay leave the grid of a perfect loop"
+        );
+        self.run_along(&delayed, scene, method)
+    }
+
+    fn run_along(
+        &self,
+        timeline: &Timeline,
+        scene: &Scene,
+        method: MethodName,
+    ) -> Result<Run, LoopError> {
         let sign = self.sign;
         let renderer = scene.renderer(method)?;
         let mut state = renderer.start(scene.object).map_err(SetupError::from)?;
@@ -176,16 +195,16 @@ impl<'a> Bench<'a> {
             Sampler::Ideal
         };
 
-        let samples = self.timeline.samples();
-        let grid = self.timeline.grid();
+        let samples = timeline.samples();
+        let grid = timeline.grid();
         let mut ticks: Vec<Tick> = Vec::with_capacity(samples.len());
         let mut record = Vec::with_capacity(samples.len());
         let mut held = Vec::with_capacity(grid.intervals());
         let mut since_sample = HeldSince::default();
         let mut port_work = 0.0;
-        let mut jammed_at = None;
+        let (mut jammed_at, mut left_box_at) = (None, None);
         let mut time = 0.0;
-        for stretch in self.timeline.stretches() {
+        for stretch in timeline.stretches() {
             let answer = if let Some(index) = stretch.sample {
                 let sample = samples[index];
                 time = sample.time;
@@ -194,6 +213,9 @@ impl<'a> Bench<'a> {
                 }
                 since_sample = HeldSince::default();
                 device.sample(sample.elapsed);
+                if left_box_at.is_none() && device.has_left_box() {
+                    left_box_at = Some(time);
+                }
                 let measured = sign * device.measured(&sampler);
                 let taken = Sample::at(measured).with_virtual_force(scene.virtual_force);
                 let taken = if index == 0 {
@@ -258,7 +280,13 @@ impl<'a> Bench<'a> {
             held,
             force: ForceJudgement::of(&forces, profile).expect("one force per interval"),
             jammed_at,
-            diverged: Some(self.has_diverged(energy.as_ref(), &record)),
+            left_box_at,
+            diverged: Some(self.has_diverged(
+                energy.as_ref(),
+                record_until(&record, left_box_at.or(jammed_at)),
+            )),
+            rebounds: ReboundSpeed::sampled(profile, &forces, &record)
+                .expect("one force per interval, and a sample"),
             energy,
             bench_port_work: Some(port_work),
         })
@@ -320,6 +348,12 @@ impl Bench<'_> {
     }
 }
 
+/// The record up to `time` `[s]`, after which the loop is no longer what moves the device.
+fn record_until(record: &[Snapshot], time: Option<f64>) -> &[Snapshot] {
+    let end = record.partition_point(|at| time.is_none_or(|time| at.time <= time));
+    &record[..end]
+}
+
 /// Whether device and object ever move ten times as energetically against each other as the ideal's
 /// `fastest` relative speed `[m/s]`, or anything is no number.
 fn ran_away(record: &[Snapshot], fastest: f64) -> bool {
@@ -338,6 +372,13 @@ fn nearest_point(position: f64, last: usize) -> usize {
     )]
     let index = position.round().max(0.0) as usize;
     index.min(last)
+}
+
+/// When the ideal, which has no safety box, goes where that of the scene would end it `[s]`.
+fn leaves_box_at(scene: &Scene, reference: &Reference) -> Option<f64> {
+    let [low, high] = scene.linkage.as_ref()?.safety_box?.y;
+    let outside = |point: &&IdealPoint| !(low..=high).contains(&point.device_position);
+    reference.curve.iter().find(outside).map(|point| point.time)
 }
 
 /// Mass of the object `[kg]`, infinite for a wall.

@@ -30,7 +30,7 @@ pub(crate) enum Plant {
 impl Plant {
     /// The plant of a scene that has been checked; `sign` mirrors it to the canonical side.
     pub fn of(scene: &Scene, sign: f64) -> Result<Self, InvalidParameter> {
-        if let Some(linkage) = scene.linkage {
+        if let Some(linkage) = &scene.linkage {
             let device = linkage.device(scene.device.position, scene.user_force, false)?;
             return Ok(Self::Linkage {
                 device: Box::new(device),
@@ -89,15 +89,16 @@ impl Plant {
     pub fn given_force(&self, force: f64) -> f64 {
         match self {
             // A linkage's motors give torques; what they give at the end-point varies over the
-            // interval.
+            // interval. Once the safety box has switched them off, it is nothing.
+            Self::Linkage { device, .. } if device.is_disconnected() => 0.0,
             Self::Free(_) | Self::Linkage { .. } => force,
             Self::Held(held) => held.given_force(force),
         }
     }
 
-    /// The same plant without the limits of its motors, whose ideal is asked for.
+    /// The same plant without the limits of its motors and its safety box, whose ideal is asked for.
     pub fn without_motor_limits(&self, scene: &Scene, sign: f64) -> Result<Self, InvalidParameter> {
-        match (self, scene.linkage) {
+        match (self, &scene.linkage) {
             (Self::Linkage { home, .. }, Some(linkage)) => Ok(Self::Linkage {
                 device: Box::new(linkage.device(scene.device.position, scene.user_force, true)?),
                 home: *home,
@@ -115,6 +116,11 @@ impl Plant {
     /// stands there.
     pub fn is_jammed(&self) -> bool {
         matches!(self, Self::Linkage { device, .. } if device.is_jammed())
+    }
+
+    /// Whether a linkage was seen outside its safety box, which has switched its motors off.
+    pub fn has_left_box(&self) -> bool {
+        matches!(self, Self::Linkage { device, .. } if device.is_disconnected())
     }
 
     /// Position as the loop's sensor reports it `[m]`.

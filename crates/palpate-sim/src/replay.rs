@@ -5,7 +5,9 @@
 //! leaks. The ideal it is held against is the same object, driven in continuous time by the
 //! recording at its full rate, straight lines between its samples.
 
-use palpate::{AnyParams, AnyRenderer, Contact, LoopParams, Mass, ObjectState, Renderer, Sample};
+use palpate::{
+    AnyParams, AnyRenderer, Contact, LARGEST_DELAY, LoopParams, Mass, ObjectState, Renderer, Sample,
+};
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::driven::{DrivenIdeal, DrivenScene};
 use palpate_testbed::hold::DelayedHold;
@@ -57,6 +59,14 @@ impl ReplaySetup {
             stored_energy: stored_energy(&self.contact, self.object, device_position),
         };
         method.params(settings, &basis)
+    }
+
+    /// The loop as the renderer is told: with as much of the delay as it can know.
+    pub fn known_loop(&self) -> LoopParams<f64> {
+        LoopParams {
+            delay: self.delay.min(LARGEST_DELAY),
+            ..self.loop_params
+        }
     }
 }
 
@@ -173,7 +183,7 @@ impl Replay {
             .params(method, settings, self.positions[0], true)
             .map_err(SetupError::from)?;
         let renderer: AnyRenderer<f64> =
-            Renderer::new(setup.contact, setup.loop_params, params).map_err(SetupError::from)?;
+            Renderer::new(setup.contact, setup.known_loop(), params).map_err(SetupError::from)?;
         let mut state = renderer.start(setup.object).map_err(SetupError::from)?;
         let mut hold = DelayedHold::new(setup.delay)?;
         let ticks: Vec<Tick> = self
@@ -219,8 +229,10 @@ impl Replay {
             ticks,
             held,
             jammed_at: None,
+            left_box_at: None,
             diverged: None,
             energy: None,
+            rebounds: Vec::new(),
             bench_port_work: None,
         })
     }

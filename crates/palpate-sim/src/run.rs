@@ -1,7 +1,7 @@
 //! What a run gives: every tick, and the bench's judgement.
 
 use palpate::{AnyParams, Ledger, Output};
-use palpate_testbed::metrics::{EnergyJudgement, ForceJudgement};
+use palpate_testbed::metrics::{EnergyJudgement, ForceJudgement, ReboundSpeed};
 use palpate_testbed::profile::{ForceProfile, Snapshot};
 
 use crate::method::MethodName;
@@ -53,11 +53,17 @@ pub struct Run {
     /// When a linkage ran to the end of its reach and jammed `[s]`. What follows in the run is not
     /// what the method did, but what the end of the mechanism did.
     pub jammed_at: Option<f64>,
+    /// When a linkage was first seen outside its safety box, which then switches the motors off for
+    /// good `[s]`. From there on no force is held, and the run shows the hand alone.
+    pub left_box_at: Option<f64>,
     /// Whether the loop ran away; closed loops only.
     pub diverged: Option<bool>,
     /// What the loop did to the energy of device and object; closed loops of a point mass without
     /// friction under a constant force only.
     pub energy: Option<EnergyJudgement>,
+    /// How fast device and object part after each ideal collision that ends within the window;
+    /// closed loops only.
+    pub rebounds: Vec<ReboundSpeed>,
     /// Work through the port as the bench integrates it, without the renderer's books, positive
     /// into the object `[J]`; closed loops only.
     pub bench_port_work: Option<f64>,
@@ -73,6 +79,9 @@ pub struct Reference {
     pub error: f64,
     /// Device, object and force on a fine grid, for figures, in the user's frame.
     pub curve: Vec<IdealPoint>,
+    /// When its device goes outside the safety box of the scene's linkage `[s]`. The ideal itself has
+    /// no box; if this is within the window, the box is too small for the scene.
+    pub leaves_box_at: Option<f64>,
 }
 
 /// A point of the ideal's motion, in the user's frame.
@@ -149,6 +158,7 @@ impl Reference {
             profile,
             error,
             curve,
+            leaves_box_at: None,
         }
     }
 }

@@ -145,7 +145,11 @@ impl Books {
             let moved = next.device_position - tick.device_position;
             let truly = next.true_device_position - tick.true_device_position;
             let object = next.output.object_position - tick.output.object_position;
-            let virtual_work = virtual_force * object;
+            // Placement may move a wall, but no force does work on it.
+            let virtual_work = match contact.object_mass {
+                Mass::Finite(_) => virtual_force * object,
+                Mass::Infinite => 0.0,
+            };
             let unpaid = stored(next) - stored(tick) - virtual_work;
             books.port_work += held * moved;
             books.true_port_work += held * truly;

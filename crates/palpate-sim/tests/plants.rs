@@ -296,50 +296,117 @@ fn a_loop_is_judged_against_another_by_the_forces_both_held() {
 
 #[test]
 fn the_paper_s_experiments_run_on_the_virtual_pantograph() {
-    for (name, point_mass, best, floor) in [
-        ("fig4", "experiment1", MethodName::HfcrModSt, 17.0),
-        ("fig5", "experiment2", MethodName::Hfcr, 34.0),
+    // The paper's methods, and HFCR without leak dissipation.
+    const METHODS: [MethodName; 6] = [
+        MethodName::Basic,
+        MethodName::Seh,
+        MethodName::VirtualDamper,
+        MethodName::PopcRef,
+        MethodName::HfcrModSt,
+        MethodName::Hfcr,
+    ];
+    for (name, point_mass, floor) in [
+        ("fig4", "experiment1", 17.42),
+        ("fig5", "experiment2", 34.92),
     ] {
         let scene = experiment(name);
-        assert!((scene.device.mass - 0.25).abs() < 0.005, "effective mass");
+        assert!((scene.device.mass - 0.25).abs() < 1e-4, "effective mass");
         let bench = Bench::new(&scene).unwrap();
-        assert!(
-            bench.reference().error < 1e-6,
-            "{}",
-            bench.reference().error
-        );
-        // In the second experiment most methods drive the linkage to the end of its reach.
-        let jammed = |method| bench.run(method).unwrap().jammed_at;
-        assert_eq!(jammed(MethodName::Hfcr), None, "{name}");
-        assert_eq!(jammed(MethodName::HfcrModSt), None, "{name}");
-        assert_eq!(jammed(MethodName::Basic).is_some(), name == "fig5");
-        let errors: Vec<_> = MethodName::ALL
-            .into_iter()
-            .map(|method| {
-                let run = bench.run(method).unwrap();
-                let fidelity = run.force.fidelity.unwrap();
-                assert!((fidelity.hold_floor - floor).abs() < 0.1, "{fidelity:?}");
-                println!(
-                    "{name} {method:16} FRE {:6.1} %",
-                    fidelity.force_rendering_error
-                );
-                (fidelity.mean_force_error, method)
-            })
+        let reference = bench.reference();
+        assert!(reference.error < 1e-6, "{}", reference.error);
+        assert_eq!(reference.leaves_box_at, None);
+        let runs = METHODS.map(|method| bench.run(method).unwrap());
+        for run in &runs {
+            let fidelity = run.force.fidelity.unwrap();
+            assert!((fidelity.hold_floor - floor).abs() < 0.02, "{fidelity:?}");
+            println!(
+                "{name} {:16} FRE {:6.1} %, left the box at {:?}",
+                run.method, fidelity.force_rendering_error, run.left_box_at
+            );
+            // Who fails leaves the box, before the links come to their end.
+            assert!(run.jammed_at.is_none() || run.left_box_at < run.jammed_at);
+        }
+        let least = runs.iter().min_by(|a, b| error(a).total_cmp(&error(b)));
+        assert_eq!(least.unwrap().method, MethodName::Hfcr, "{name}");
+        let left: Vec<_> = runs
+            .iter()
+            .filter(|run| run.left_box_at.is_some())
+            .map(|run| run.method)
             .collect();
-        let least = errors.iter().min_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
-        // hfcr with b = 0 is the same method on the first of them.
-        let with = |wanted| {
-            errors
-                .iter()
-                .find(|(_, method)| *method == wanted)
-                .unwrap()
-                .0
+        let failed: &[MethodName] = match name {
+            "fig4" => &[],
+            _ => &[MethodName::Seh, MethodName::VirtualDamper],
         };
-        assert_eq!(least.0, with(best), "{name}: {least:?}");
+        assert_eq!(left, failed, "{name}");
+        if name == "fig5" {
+            // It runs away only after the box has switched the motors off, which is not its doing.
+            let run = bench.run(MethodName::HfcrMod).unwrap();
+            assert!(run.left_box_at.is_some());
+            assert_eq!(run.diverged, Some(false));
+        }
         // The mechanism is near its point mass: the ideal collides within 2 ms of it.
         let free = experiment(point_mass);
         let free = Bench::new(&free).unwrap();
         let first = |bench: &Bench| bench.reference().profile.collisions()[0].start;
         assert!((first(&bench) - first(&free)).abs() < 2e-3);
     }
+}
+
+#[test]
+fn in_the_second_experiment_the_timing_is_lost_after_three_collisions() {
+    // The paper's 52.2 % for HFCR lies between the errors over three and over four collisions.
+    let over = |collisions| {
+        let mut scene = experiment("fig5");
+        scene.measure = Measure::Collisions(collisions);
+        let run = run(&scene, MethodName::Hfcr);
+        run.force.fidelity.unwrap().force_rendering_error
+    };
+    let errors = [1, 3, 4, 6].map(over);
+    println!("FRE of HFCR over the first 1, 3, 4 and 6 collisions: {errors:.1?} %");
+    assert!(errors[0] < 46.0 && errors[1] < 46.0, "{errors:?}");
+    assert!(errors[2] > 52.2 && errors[3] > 80.0, "{errors:?}");
+}
+
+#[test]
+fn in_the_first_experiment_a_damper_is_good_in_a_narrow_valley_only() {
+    let at = |damping: f64| {
+        let mut scene = experiment("fig4");
+        let settings = palpate_sim::method::Settings {
+            damping: Some(palpate_sim::method::Damping::Value(damping)),
+            ..Default::default()
+        };
+        scene.settings.insert(MethodName::VirtualDamper, settings);
+        let run = run(&scene, MethodName::VirtualDamper);
+        run.force.fidelity.unwrap().force_rendering_error
+    };
+    let (best, paper) = (at(0.56), 84.9);
+    assert!(best < 25.0, "{best}");
+    // Elsewhere it is about what the paper measured.
+    for damping in [0.4, 0.8, 1.5, 3.0] {
+        let error = at(damping);
+        println!("B = {damping}: FRE {error:.1} %");
+        assert!((error - paper).abs() < 9.0, "{damping}: {error}");
+    }
+}
+
+#[test]
+fn rebound_speeds_are_known_with_friction_and_a_hand() {
+    // At a high rate every method parts as fast as the ideal, whatever the plant.
+    for name in ["experiment1_in_a_hand", "fig4"] {
+        let mut scene = experiment(name);
+        scene.loop_params.period = 0.000_5;
+        let run = run(&scene, MethodName::HfcrModSt);
+        assert_eq!(run.rebounds.len(), 3, "{name}");
+        assert!(run.energy.is_none(), "friction takes its share");
+        for rebound in &run.rebounds {
+            println!("{name}: {rebound:?}");
+            assert!(rebound.error.unwrap().abs() < 0.01, "{name}: {rebound:?}");
+        }
+        // Friction and the hand show in the ideal itself.
+        let (first, last) = (run.rebounds[0].ideal, run.rebounds[2].ideal);
+        assert!((first / last - 1.0).abs() > 0.01, "{name}: {first} {last}");
+    }
+    // At 50 Hz the spring force throws the object back half as fast again.
+    let rebounds = run(&experiment("fig4"), MethodName::Basic).rebounds;
+    assert!(rebounds[0].error.unwrap() > 0.3, "{rebounds:?}");
 }

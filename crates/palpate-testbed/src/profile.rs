@@ -21,6 +21,8 @@ pub struct Collision {
     /// A contact that is already there when the window begins may be deep and at rest; it gets the
     /// speed at which the energy of its motion and of its spring together would arrive.
     pub impact_speed: f64,
+    /// Speed at which device and object part \[m/s\], `None` where `end` is.
+    pub release_speed: Option<f64>,
 }
 
 /// State of device and object at one instant, and the force between them.
@@ -184,9 +186,11 @@ fn collisions(arcs: &[Arc], until: f64) -> Vec<Collision> {
         let peak_force = arc.peak_force(arc.start, end);
         let released = arc.end <= until && arcs.get(index + 1).is_some_and(|next| !next.in_contact);
         let end = released.then_some(arc.end);
+        let release_speed = end.map(|end| arc.state(end).velocity.abs());
         match collisions.last_mut() {
             Some(collision) if open => {
                 collision.end = end;
+                collision.release_speed = release_speed;
                 collision.impulse += impulse;
                 collision.peak_force = collision.peak_force.max(peak_force);
             }
@@ -199,6 +203,7 @@ fn collisions(arcs: &[Arc], until: f64) -> Vec<Collision> {
                     .at_start
                     .velocity
                     .hypot(arc.motion.rate * arc.at_start.penetration),
+                release_speed,
             }),
         }
         open = true;

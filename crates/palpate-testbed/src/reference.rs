@@ -342,13 +342,17 @@ impl<'a, D: Device + Clone> Run<'a, D> {
                 impulse: 0.0,
                 peak_force: 0.0,
                 impact_speed: speed.abs(),
+                release_speed: None,
             });
         }
+        let left_at = self.device.velocity() - self.object.velocity;
         if let Some(collision) = self.collisions.last_mut().filter(|_| pressed) {
             collision.impulse += force * h;
             collision.peak_force = collision.peak_force.max(k * after);
             if after <= 0.0 {
-                collision.end = Some(time + h * in_contact(before, after));
+                let share = in_contact(before, after);
+                collision.end = Some(time + h * share);
+                collision.release_speed = Some((speed + share * (left_at - speed)).abs());
                 self.ended += 1;
             }
         }

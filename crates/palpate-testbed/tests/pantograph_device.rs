@@ -1,5 +1,7 @@
 //! The pantograph as a device: friction, encoders, motors, controller and safety box.
 
+mod pantographs;
+
 use palpate_testbed::device::Device;
 use palpate_testbed::pantograph::{Actuation, Pantograph, PantographParams, Pid, SafetyBox};
 
@@ -24,7 +26,7 @@ fn rubbing(coulomb: f64, viscous: f64) -> PantographParams {
     PantographParams {
         coulomb_friction: coulomb,
         viscous_friction: viscous,
-        ..PantographParams::paper_like()
+        ..pantographs::desktop()
     }
 }
 
@@ -105,7 +107,7 @@ fn coulomb_friction_slows_a_symmetric_motion_by_its_force() {
 
 #[test]
 fn measured_positions_move_in_counts_and_stay_within_one_of_the_truth() {
-    let params = PantographParams::haply_gen3();
+    let params = pantographs::haply(3);
     let quantum = std::f64::consts::TAU / params.counts_per_rev.unwrap();
     let mut steps = 0;
     let mut previous = None;
@@ -130,7 +132,7 @@ fn measured_positions_move_in_counts_and_stay_within_one_of_the_truth() {
 fn torques_follow_the_pose_of_the_sample_and_are_held() {
     let params = PantographParams {
         actuation: Actuation::MotorsAtTruePose,
-        ..PantographParams::paper_like().frictionless()
+        ..pantographs::desktop().frictionless()
     };
     let mut device = Pantograph::new(params)
         .and_then(|device| device.starting_at(deg([120.0, 55.0]), [2.0, -1.0]))
@@ -153,7 +155,7 @@ fn the_measured_pose_makes_other_torques_than_the_true_one() {
     let torques = |actuation| {
         let params = PantographParams {
             actuation,
-            ..PantographParams::haply_gen3()
+            ..pantographs::haply(3)
         };
         let mut device = Pantograph::new(params).unwrap();
         device.sample(1e-3);
@@ -168,7 +170,7 @@ fn the_measured_pose_makes_other_torques_than_the_true_one() {
 
 #[test]
 fn work_through_the_port_is_force_times_travel_and_the_motors_keep_their_own_account() {
-    let mut device = Pantograph::new(PantographParams::paper_like().frictionless())
+    let mut device = Pantograph::new(pantographs::desktop().frictionless())
         .and_then(|device| device.with_user_force([0.0, 1.0]))
         .unwrap();
     let (start, before) = (account(&device), device.position());
@@ -188,7 +190,7 @@ fn work_through_the_port_is_force_times_travel_and_the_motors_keep_their_own_acc
 
 #[test]
 fn motors_saturate_at_their_limit() {
-    let mut device = Pantograph::new(PantographParams::haply_gen3()).unwrap();
+    let mut device = Pantograph::new(pantographs::haply(3)).unwrap();
     device.sample(1e-3);
     device.advance(1.7, 1e-3);
     assert!(!device.is_saturated());
@@ -201,7 +203,7 @@ fn motors_saturate_at_their_limit() {
 #[test]
 fn the_controller_holds_x_while_y_is_pushed() {
     let run = |pid: Option<Pid>| {
-        let mut device = Pantograph::new(PantographParams::paper_like())
+        let mut device = Pantograph::new(pantographs::desktop())
             .and_then(|device| device.with_user_force([0.3, 1.0]))
             .unwrap();
         if let Some(pid) = pid {
@@ -239,7 +241,7 @@ fn leaving_the_box_disconnects_the_motors_until_reset() {
         x: [-0.1, 0.1],
         y: [0.18, 0.22],
     };
-    let mut device = Pantograph::new(PantographParams::paper_like())
+    let mut device = Pantograph::new(pantographs::desktop())
         .and_then(|device| device.with_pid(PID))
         .and_then(|device| device.with_safety_box(safety_box))
         .unwrap();
@@ -273,7 +275,7 @@ fn leaving_the_box_disconnects_the_motors_until_reset() {
 
 #[test]
 fn a_rejected_parameter_is_named() {
-    let good = PantographParams::paper_like();
+    let good = pantographs::desktop();
     let mut bad = [good; 5];
     bad[0].home = [1.0, f64::NAN];
     bad[1].distal[1].mass = -1.0;
@@ -282,7 +284,7 @@ fn a_rejected_parameter_is_named() {
     bad[4].coulomb_friction = f64::INFINITY;
     for (params, name) in bad.into_iter().zip([
         "home",
-        "mass",
+        "distal mass",
         "max_torque",
         "counts_per_rev",
         "coulomb_friction",
@@ -291,7 +293,7 @@ fn a_rejected_parameter_is_named() {
     }
     let gen2 = PantographParams {
         home: [1.0, 1.0],
-        ..PantographParams::haply_gen2()
+        ..pantographs::haply(2)
     };
     assert_eq!(Pantograph::new(gen2).unwrap_err().name, "home");
     let device = Pantograph::new(good).unwrap();
@@ -316,7 +318,7 @@ fn no_input_makes_a_nan() {
     for actuation in [Actuation::Ideal, Actuation::MotorsAtMeasuredPose] {
         let mut device = Pantograph::new(PantographParams {
             actuation,
-            ..PantographParams::paper_like()
+            ..pantographs::desktop()
         })
         .unwrap();
         for force in [f64::NAN, f64::INFINITY, -5.0, 1e300] {
@@ -359,7 +361,7 @@ fn sticking_and_sliding_do_not_depend_on_the_length_of_an_advance() {
 
 #[test]
 fn a_reset_clears_what_the_controller_holds() {
-    let mut device = Pantograph::new(PantographParams::paper_like())
+    let mut device = Pantograph::new(pantographs::desktop())
         .and_then(|device| {
             device.with_pid(Pid {
                 target: 0.005,

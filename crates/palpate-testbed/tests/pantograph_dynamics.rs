@@ -1,5 +1,7 @@
 //! The links' motion: against a Lagrangian worked out by differences, and against its energy.
 
+mod pantographs;
+
 use palpate_testbed::device::Device;
 use palpate_testbed::pantograph::{
     Actuation, Dynamics, Geometry, Link, Pantograph, PantographParams,
@@ -24,7 +26,7 @@ fn lopsided() -> PantographParams {
         gravity: [0.8, -2.0],
         actuation: Actuation::Ideal,
         counts_per_rev: None,
-        ..PantographParams::haply_gen3().frictionless()
+        ..pantographs::haply(3).frictionless()
     }
 }
 
@@ -210,7 +212,7 @@ fn motion_without_torque_and_friction_conserves_its_energy_for_ten_seconds() {
         gravity: [0.0, 0.0],
         ..wide
     };
-    let paper = PantographParams::paper_like();
+    let paper = pantographs::desktop();
     for (name, params, rates) in [
         ("paper", paper, [1.0, 1.4]),
         ("paper, round and round", paper, [3.0, 3.0]),
@@ -276,7 +278,7 @@ fn one_long_step_equals_many_short_ones() {
 fn the_effective_mass_is_the_force_over_the_acceleration() {
     let params = PantographParams {
         actuation: Actuation::Ideal,
-        ..PantographParams::paper_like().frictionless()
+        ..pantographs::desktop().frictionless()
     };
     let mut device = Pantograph::new(params).unwrap();
     let mass = device.effective_mass_y();
@@ -292,7 +294,7 @@ fn the_effective_mass_is_the_force_over_the_acceleration() {
 #[test]
 fn running_into_a_singular_pose_jams_and_loses_its_energy() {
     // Both motors on one axis: equal angles put elbow on elbow.
-    let mut device = Pantograph::new(PantographParams::haply_gen2().frictionless())
+    let mut device = Pantograph::new(pantographs::haply(2).frictionless())
         .and_then(|device| device.starting_at(deg([100.0, 80.0]), [-2.0, 2.0]))
         .unwrap();
     let start = device.stored_energy();
@@ -320,7 +322,7 @@ fn arms_without_distal_mass_do_not_slip_through_meeting_elbows() {
     let params = PantographParams {
         distal: [light; 2],
         end_point_mass: 0.0,
-        ..PantographParams::haply_gen2().frictionless()
+        ..pantographs::haply(2).frictionless()
     };
     let mut device = Pantograph::new(params)
         .and_then(|device| device.starting_at(deg([100.0, 80.0]), [-2.0, 2.0]))

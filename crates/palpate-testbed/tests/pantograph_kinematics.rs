@@ -1,14 +1,16 @@
 //! The five-bar's geometry against published numbers and against differences of itself.
 
+mod pantographs;
+
 use palpate_testbed::pantograph::kinematics::{Assembly, ELBOWS_OUT, NoPose, Origin};
-use palpate_testbed::pantograph::{Geometry, Pantograph, PantographParams};
+use palpate_testbed::pantograph::{Geometry, Pantograph};
 
 fn deg(angles: [f64; 2]) -> [f64; 2] {
     angles.map(f64::to_radians)
 }
 
 fn gen3() -> Geometry {
-    PantographParams::haply_gen3().geometry
+    pantographs::haply(3).geometry
 }
 
 fn close(a: [f64; 2], b: [f64; 2], tolerance: f64) -> bool {
@@ -18,9 +20,9 @@ fn close(a: [f64; 2], b: [f64; 2], tolerance: f64) -> bool {
 #[test]
 fn the_end_point_is_where_the_published_poses_say() {
     let (one, two, three) = (
-        PantographParams::haply_gen1(),
-        PantographParams::haply_gen2(),
-        PantographParams::haply_gen3(),
+        pantographs::haply(1),
+        pantographs::haply(2),
+        pantographs::haply(3),
     );
     for (geometry, angles, expected) in [
         (three.geometry, three.home, [0.01900, 0.03574]),
@@ -95,10 +97,10 @@ fn differences(geometry: &Geometry, angles: [f64; 2]) -> Option<[[f64; 2]; 2]> {
 fn the_jacobian_is_the_derivative_in_every_pose_and_assembly() {
     let mut compared = 0;
     for params in [
-        PantographParams::haply_gen1(),
-        PantographParams::haply_gen2(),
-        PantographParams::haply_gen3(),
-        PantographParams::paper_like(),
+        pantographs::haply(1),
+        pantographs::haply(2),
+        pantographs::haply(3),
+        pantographs::desktop(),
     ] {
         for assembly in [Assembly::Far, Assembly::Near] {
             let geometry = Geometry {
@@ -229,7 +231,7 @@ fn a_pose_that_does_not_exist_says_why() {
     assert_eq!(short.forward(deg([180.0, 0.0])), Err(NoPose::Unreachable));
     assert_eq!(short.forward([f64::NAN, 0.0]), Err(NoPose::Unreachable));
     // A = B with both motors on one axis.
-    let gen2 = PantographParams::haply_gen2().geometry;
+    let gen2 = pantographs::haply(2).geometry;
     assert_eq!(gen2.forward([1.0, 1.0]), Err(NoPose::Singular));
     // |h| = 2L: stretched to a straight line.
     let stretched = Geometry::new(0.0625, 0.078_125, 0.031_25).unwrap();
@@ -248,9 +250,9 @@ fn a_pose_that_does_not_exist_says_why() {
 #[test]
 fn one_count_of_an_encoder_moves_the_end_point_by_its_quantum() {
     for (params, degrees) in [
-        (PantographParams::haply_gen3(), 0.147_54),
-        (PantographParams::haply_gen2(), 0.033_48),
-        (PantographParams::haply_gen1(), 0.026_04),
+        (pantographs::haply(3), 0.147_54),
+        (pantographs::haply(2), 0.033_48),
+        (pantographs::haply(1), 0.026_04),
     ] {
         let quantum = 360.0 / params.counts_per_rev.unwrap();
         assert!((quantum - degrees).abs() < 5.1e-6);
@@ -258,7 +260,7 @@ fn one_count_of_an_encoder_moves_the_end_point_by_its_quantum() {
     // One count of one encoder at the middle of generation 3: 0.126 mm along x, 0.128 mm along y.
     let angles = deg([130.0, 50.0]);
     let j = gen3().forward(angles).unwrap().jacobian();
-    let quantum = std::f64::consts::TAU / PantographParams::haply_gen3().counts_per_rev.unwrap();
+    let quantum = std::f64::consts::TAU / pantographs::haply(3).counts_per_rev.unwrap();
     let along_x = quantum * (j[0][0].abs() + j[0][1].abs()) / 2.0;
     let along_y = quantum * (j[1][0].abs() + j[1][1].abs()) / 2.0;
     assert!((along_x - 1.263e-4).abs() < 1e-6, "{along_x}");
@@ -268,8 +270,8 @@ fn one_count_of_an_encoder_moves_the_end_point_by_its_quantum() {
 #[test]
 fn the_encoders_report_the_boards_first_angles() {
     for (params, expected) in [
-        (PantographParams::haply_gen3(), [167.9016, 11.9508]),
-        (PantographParams::haply_gen2(), [240.9710, f64::NAN]),
+        (pantographs::haply(3), [167.9016, 11.9508]),
+        (pantographs::haply(2), [240.9710, f64::NAN]),
     ] {
         let device = Pantograph::new(params).unwrap();
         let measured = device.measured_pose().unwrap().angles.map(f64::to_degrees);
@@ -281,7 +283,7 @@ fn the_encoders_report_the_boards_first_angles() {
 
 #[test]
 fn the_torque_limit_gives_the_published_forces() {
-    let limit = PantographParams::haply_gen3().max_torque;
+    let limit = pantographs::haply(3).max_torque;
     for (angles, expected) in [
         ([168.0, 12.0], [7.9, 1.9]),
         ([130.0, 50.0], [2.5, 2.5]),

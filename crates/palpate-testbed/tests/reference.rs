@@ -94,6 +94,10 @@ fn squared_force_collisions_and_states_are_the_exact_ones() {
             assert!(near(a.peak_force, b.peak_force, a.peak_force));
             // Known to a step's acceleration.
             assert!((a.impact_speed / b.impact_speed - 1.0).abs() < 1e-3);
+            let speeds = (a.release_speed.unwrap(), b.release_speed.unwrap());
+            assert!((speeds.0 / speeds.1 - 1.0).abs() < 1e-5, "{speeds:?}");
+            // Without losses they part as fast as they met.
+            assert!((speeds.0 / a.impact_speed - 1.0).abs() < 1e-9, "{a:?}");
         }
         for at in &integrated.record {
             let exact = exact.at(at.time);

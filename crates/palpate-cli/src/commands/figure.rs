@@ -12,7 +12,7 @@ use palpate_sim::scene::{Measure, SceneFile};
 use super::simulate::{simulate, subject};
 use crate::arguments::{FigureArguments, FigureName};
 use crate::failure::Failure;
-use crate::figure::Figure;
+use crate::figure::{Figure, Sheet};
 use crate::plots;
 use crate::progress::Progress;
 use crate::report::{Report, lines, number, percent, plain_table};
@@ -54,12 +54,12 @@ pub fn run(arguments: &FigureArguments) -> Result<(), Failure> {
     let progress = Progress::new(1);
     progress.begin(name);
     let (mut report, figure, comparison) = match arguments.figure {
-        FigureName::Fig2 => fig2().map(|(report, figure)| (report, figure, None))?,
+        FigureName::Fig2 => fig2().map(|(report, figure)| (report, Sheet::from(&figure), None))?,
         FigureName::Fig4 => experiment(FIG4, &MEASURED_1)?,
         FigureName::Fig5 => experiment(FIG5, &MEASURED_2)?,
     };
     drop(progress);
-    draw(&path, &figure)?;
+    draw(&path, figure)?;
     report.wrote(&path);
     print(&if arguments.json {
         report.json() + "\n"
@@ -93,7 +93,7 @@ pub fn fig2() -> Result<(Report, Figure), Failure> {
 fn experiment(
     scene: &str,
     measured: &Measured,
-) -> Result<(Report, Figure, Option<String>), Failure> {
+) -> Result<(Report, Sheet, Option<String>), Failure> {
     const METHODS: [(MethodName, &str); 5] = [
         (MethodName::Basic, "basic model"),
         (MethodName::Seh, "SEH"),
@@ -113,7 +113,8 @@ fn experiment(
         .zip(&runs)
         .map(|((_, name), run)| (*name, run))
         .collect();
-    let figure = plots::step_by_step(&file.scene.title, bench.reference(), &columns);
+    let fine = ("basic at 1 kHz", &fine_runs[0]);
+    let figure = plots::method_by_method(&file.scene.title, bench.reference(), &columns, fine);
     let report = Report::new(&subject(&file.scene), bench.reference(), &runs);
     let comparison = beside_the_paper(&runs, &fine_runs[0], measured);
     Ok((report, figure, Some(comparison)))

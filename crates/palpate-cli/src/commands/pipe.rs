@@ -31,7 +31,7 @@ pub fn run(arguments: &PipeArguments) -> Result<(), Failure> {
     let params = setup
         .params(method, &flags.settings(), setup.object.position, false)
         .map_err(|error| wrong_setup(&error.into()))?;
-    let renderer: AnyRenderer<f64> = Renderer::new(setup.contact, setup.loop_params, params)
+    let renderer: AnyRenderer<f64> = Renderer::new(setup.contact, setup.known_loop(), params)
         .map_err(|error| wrong_flag(&error))?;
     let mut pipe = Pipe {
         state: renderer

@@ -95,11 +95,14 @@ fn plant_receipt(scene: &Scene) -> Vec<(String, String)> {
         .into_iter()
         .map(|(name, value)| (name.to_owned(), value.to_string()))
         .collect();
-    lines.extend(
-        scene
-            .linkage
-            .map(|linkage| ("device_preset".to_owned(), linkage.name().to_owned())),
-    );
+    if let Some(linkage) = &scene.linkage {
+        lines.push(("device.title".into(), linkage.title.clone()));
+        let keys = linkage.keys.iter().cloned();
+        lines.extend(
+            keys.filter(|(key, _)| key != "title")
+                .map(|(key, value)| (format!("device.{key}"), value)),
+        );
+    }
     lines.push(match scene.measure {
         Measure::Collisions(count) => ("measure_collisions".into(), count.to_string()),
         Measure::Duration(duration) => ("measure_duration_s".into(), duration.to_string()),

@@ -2,7 +2,7 @@
 
 use kuva::render::render_utils::compute_tick_step;
 
-use super::{Figure, Limits, Role, Row, Series};
+use super::{Limits, Role, Row, Series, Sheet};
 
 /// Share of the data's range that is left free above and below it.
 const AIR: f64 = 0.06;
@@ -11,15 +11,10 @@ const AIR: f64 = 0.06;
 pub(super) const LARGEST: f64 = 1e100;
 
 /// The shared range of the horizontal axes.
-pub(super) fn horizontal(figure: &Figure) -> (f64, f64) {
-    let series = figure
-        .rows
-        .iter()
-        .flat_map(|row| &row.panels)
-        .flat_map(|panel| &panel.series);
-    let (low, high) =
-        span(series.flat_map(|series| series.x.iter().copied())).unwrap_or((0.0, 1.0));
-    if figure.x_decades {
+pub(super) fn horizontal(sheet: &Sheet) -> (f64, f64) {
+    let places = sheet.series().flat_map(|series| series.x.iter().copied());
+    let (low, high) = span(places).unwrap_or((0.0, 1.0));
+    if sheet.x_decades {
         // From one power of ten to another, or few would be shown; with air, or the last number of a
         // panel would meet the first of the next.
         let (first, last) = (low.floor(), high.ceil().max(low.floor() + 1.0));
@@ -96,7 +91,7 @@ fn span(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     )
 }
 
-fn union(ranges: impl Iterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
+pub(super) fn union(ranges: impl Iterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
     ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
@@ -172,7 +167,7 @@ fn decimals(step: f64) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::{Kind, Panel};
+    use crate::figure::{Figure, Kind, Panel};
 
     fn series(role: Role, y: &[f64]) -> Series {
         let (name, kind) = (String::new(), Kind::Line);
@@ -225,7 +220,7 @@ mod tests {
         let decades = |x: &[f64]| {
             let mut series = series(Role::Compared(0), x);
             series.x = x.to_vec();
-            let (low, high) = horizontal(&Figure {
+            let (low, high) = horizontal(&Sheet::from(&Figure {
                 x_decades: true,
                 rows: vec![Row {
                     panels: vec![Panel {
@@ -234,7 +229,7 @@ mod tests {
                     ..Row::default()
                 }],
                 ..Figure::default()
-            });
+            }));
             (low + 0.125, high - 0.125)
         };
         assert_eq!(decades(&[0.7, 1.9, 2.99]), (0.0, 3.0));

@@ -6,7 +6,7 @@ use kuva::render::render::{Primitive, Scene, TextAnchor, render_legend_at};
 use kuva::render::theme::Theme;
 
 use super::ink::{Ink, dash_array, ink};
-use super::{Figure, Kind, text};
+use super::{Kind, Sheet, text};
 
 const SIZE: u32 = 12;
 /// Long enough to show the longest dashes once \[px\].
@@ -31,11 +31,10 @@ struct Entry {
 
 impl Legend {
     /// One entry per name, in the order of their first appearance, within `room` \[px\].
-    pub fn new(figure: &Figure, room: f64) -> Self {
+    pub fn new(sheet: &Sheet, room: f64) -> Self {
         let mut entries: Vec<Entry> = Vec::new();
         let (mut x, mut line) = (0.0, 0);
-        let panels = figure.rows.iter().flat_map(|row| &row.panels);
-        for series in panels.flat_map(|panel| &panel.series) {
+        for series in sheet.series() {
             let (name, ink) = (text::clean(&series.name), ink(series.role));
             let known = |entry: &Entry| entry.name == name && entry.ink == ink;
             if name.is_empty() || entries.iter().any(known) {

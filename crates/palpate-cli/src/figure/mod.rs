@@ -7,6 +7,7 @@
 
 mod axis;
 mod cut;
+mod grid;
 mod ink;
 mod legend;
 mod page;
@@ -40,6 +41,64 @@ pub struct Figure {
     pub columns: Vec<String>,
     /// The rows, from top to bottom.
     pub rows: Vec<Row>,
+}
+
+/// A figure of several grids: those of a line stand side by side, the lines below each other.
+///
+/// All panels show the same time. The frames of a line with fewer grids are as much wider as it takes
+/// to reach from edge to edge.
+#[derive(Debug, Clone, Default)]
+pub struct Sheet {
+    /// As of a [`Figure`].
+    pub title: String,
+    /// As of a [`Figure`].
+    pub footnote: Option<String>,
+    /// As of a [`Figure`].
+    pub x_label: String,
+    /// As of a [`Figure`].
+    pub x_decades: bool,
+    /// The lines of grids.
+    pub lines: Vec<Vec<Grid>>,
+}
+
+/// Rows of panels with their heads.
+#[derive(Debug, Clone, Default)]
+pub struct Grid {
+    /// Heads of the columns; may be empty where there is one column.
+    pub columns: Vec<String>,
+    /// Words above each row, at its left; may be empty.
+    pub heads: Vec<String>,
+    /// Whether all rows have the same vertical axis, the union of their own.
+    pub same_scale: bool,
+    /// The rows, from top to bottom.
+    pub rows: Vec<Row>,
+}
+
+impl From<&Figure> for Sheet {
+    fn from(figure: &Figure) -> Self {
+        Self {
+            title: figure.title.clone(),
+            footnote: figure.footnote.clone(),
+            x_label: figure.x_label.clone(),
+            x_decades: figure.x_decades,
+            lines: vec![vec![Grid {
+                columns: figure.columns.clone(),
+                rows: figure.rows.clone(),
+                ..Grid::default()
+            }]],
+        }
+    }
+}
+
+impl Sheet {
+    fn series(&self) -> impl Iterator<Item = &Series> {
+        self.lines
+            .iter()
+            .flatten()
+            .flat_map(|grid| &grid.rows)
+            .flat_map(|row| &row.panels)
+            .flat_map(|panel| &panel.series)
+    }
 }
 
 /// Panels that share a vertical axis.

@@ -253,3 +253,50 @@ fn a_png_is_the_same_each_time() {
     assert!(first.starts_with(b"\x89PNG"));
     assert_eq!(png(&figure, 2.0).unwrap(), first);
 }
+
+#[test]
+fn grids_side_by_side_keep_level_and_end_where_a_wide_one_does() {
+    let far = series("far", Role::Compared(1), Kind::Line, |x| 1e4 * x, 50);
+    let near = series("near", Role::Reference, Kind::Line, |x| x, 50);
+    let one = figure(1, 2, &[near, far]);
+    let grid = |heads: &[&str]| Grid {
+        heads: heads.iter().map(|head| (*head).to_owned()).collect(),
+        rows: one.rows.clone(),
+        ..Grid::default()
+    };
+    let sheet = |lines| Sheet {
+        title: one.title.clone(),
+        x_label: one.x_label.clone(),
+        lines,
+        ..Sheet::default()
+    };
+    let long = "a head that leaves no room for all of the note beside it";
+    let document = svg(sheet(vec![
+        vec![grid(&["first", long]), grid(&[])],
+        vec![grid(&[])],
+    ]));
+    assert_on_page(&document);
+    let tree = parse(&document);
+    let place = |words: &str| -> Vec<(f64, f64)> {
+        let number = |node: roxmltree::Node, name| node.attribute(name).unwrap().parse().unwrap();
+        tree.descendants()
+            .filter(|node| node.text() == Some(words) && node.has_tag_name("text"))
+            .map(|node| (number(node, "x"), number(node, "y")))
+            .collect()
+    };
+    assert_eq!(place("first").len(), 1);
+    // Six panels, six notes: where a head takes the room, a short one.
+    let (full, short) = (
+        place("off scale: far \u{25b2}"),
+        place("\u{25b2} off scale: 1 of 2 series"),
+    );
+    assert_eq!((full.len(), short.len()), (5, 1), "{full:?} {short:?}");
+    // Notes end where their frames do. In each line of grids the first rows are level.
+    let head = place("first")[0];
+    assert_eq!(full[0].1, head.1);
+    let (left, right, wide) = (full[0], full[1], full[3]);
+    assert_eq!(left.1, right.1, "{full:?}");
+    // Each in the frame of its own grid; 16 px stand right of each frame.
+    let end = left.0 + 16.0 + right.0;
+    assert!((wide.0 - end).abs() < 0.1, "{full:?}");
+}

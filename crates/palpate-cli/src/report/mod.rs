@@ -1,5 +1,6 @@
 //! What a command reports: the same facts as a table or as JSON.
 
+pub mod compare;
 mod parameters;
 mod text;
 mod timing;
@@ -37,6 +38,8 @@ pub struct Report {
     #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
     timing: serde_json::Map<String, Value>,
     #[serde(skip)]
+    delay_fraction: f64,
+    #[serde(skip)]
     timing_in_words: String,
     /// Samples that were taken, the one that closes the window included.
     samples: usize,
@@ -46,6 +49,9 @@ pub struct Report {
     ideal_collisions: usize,
     /// Error of the ideal's impulses relative to the largest; 0 where it is exact.
     ideal_error: f64,
+    /// When the ideal leaves the safety box that it does not have.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ideal_leaves_box_at_s: Option<f64>,
     methods: Vec<MethodReport>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     files: Vec<String>,
@@ -75,6 +81,8 @@ struct MethodReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     jammed_at_s: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    left_box_at_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     diverged: Option<bool>,
     faults: usize,
     limited: usize,
@@ -92,6 +100,10 @@ struct CollisionReport {
     peak_force_error_percent: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     rebound_energy_error_percent: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ideal_rebound_speed_m_per_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rebound_speed_error_percent: Option<f64>,
 }
 
 /// What a report says of the scene or the replay it is about.
@@ -149,6 +161,7 @@ impl Report {
             object_kappa: difficulty.map_or(0.0, |difficulty| difficulty.object_kappa),
             delay_samples: subject.delay,
             timing: timing::of(&subject.timing),
+            delay_fraction: subject.timing.delay_fraction,
             timing_in_words: timing::in_words(&subject.timing),
             samples: runs.first().map_or(0, |run| run.ticks.len()),
             window_periods,
@@ -159,6 +172,7 @@ impl Report {
                 .map(|fidelity| fidelity.hold_floor),
             ideal_collisions: profile.collisions().len(),
             ideal_error: reference.error,
+            ideal_leaves_box_at_s: reference.leaves_box_at,
             methods: runs
                 .iter()
                 .map(|run| MethodReport::new(run, subject.contact.side.sign()))
@@ -206,6 +220,7 @@ impl MethodReport {
                 .and_then(|energy| energy.energy_drift)
                 .map(in_percent),
             jammed_at_s: run.jammed_at,
+            left_box_at_s: run.left_box_at,
             diverged: run.diverged,
             faults: run.faults(),
             limited: run.limited(),
@@ -217,6 +232,7 @@ impl MethodReport {
                 .enumerate()
                 .map(|(number, collision)| {
                     let rendered = collision.rendered.as_ref();
+                    let rebound = run.rebounds.get(number);
                     CollisionReport {
                         start_s: collision.ideal.start,
                         ideal_impulse_n_s: collision.ideal.impulse,
@@ -233,6 +249,10 @@ impl MethodReport {
                             Some(Rebound::EnergyError(error)) => Some(in_percent(*error)),
                             _ => None,
                         },
+                        ideal_rebound_speed_m_per_s: rebound.map(|speed| speed.ideal),
+                        rebound_speed_error_percent: rebound
+                            .and_then(|speed| speed.error)
+                            .map(in_percent),
                     }
                 })
                 .collect(),

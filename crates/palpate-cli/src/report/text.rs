@@ -6,7 +6,7 @@ use comfy_table::presets::NOTHING;
 use comfy_table::{Cell, CellAlignment, Table, TableComponent};
 use palpate::Mass;
 
-use super::{MethodReport, Report};
+use super::{CollisionReport, MethodReport, Report};
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -40,6 +40,36 @@ impl fmt::Display for Report {
 }
 
 impl Report {
+    /// The delay, after a comma; nothing if there is none.
+    fn delay(&self) -> String {
+        match (self.delay_samples, self.delay_fraction) {
+            (0, 0.0) => String::new(),
+            (samples, 0.0) => format!(", delay {}", counted(samples, "sample")),
+            (samples, fraction) => format!(", delay {} periods", samples as f64 + fraction),
+        }
+    }
+
+    /// Difficulty, loop and floor in a line.
+    pub(super) fn in_short(&self) -> String {
+        let kappa = self
+            .kappa
+            .map_or_else(String::new, |kappa| format!("kappa {}, ", digits(kappa)));
+        let delay = self.delay();
+        let timing = match self.timing_in_words.as_str() {
+            "" => String::new(),
+            words => format!("\n  {words}"),
+        };
+        let floor = self.hold_floor_percent.map_or_else(
+            || "no contact".into(),
+            |floor| format!("floor {floor:.1} %"),
+        );
+        format!(
+            "{kappa}Kc {}, {} Hz{delay}; {floor}{timing}",
+            digits(self.object_kappa),
+            (1e3 / self.period_s).round() / 1e3
+        )
+    }
+
     fn conditions(&self) -> String {
         let object = match self.object_mass_kg {
             Mass::Finite(mass) => format!("object {mass} kg"),
@@ -53,10 +83,7 @@ impl Report {
             }
             _ => String::new(),
         };
-        let delay = match self.delay_samples {
-            0 => String::new(),
-            samples => format!(", delay {}", counted(samples, "sample")),
-        };
+        let delay = self.delay();
         format!(
             "{object}, {} N/m, period {} s (Kc {}){device}{delay}",
             self.stiffness_n_per_m,
@@ -78,8 +105,11 @@ impl Report {
         } else {
             String::new()
         };
+        let outside = self.ideal_leaves_box_at_s.map_or_else(String::new, |time| {
+            format!(". The ideal itself leaves the safety box at {time:.2} s")
+        });
         format!(
-            "{}, {}{integrated}; {floor}",
+            "{}, {}{integrated}; {floor}{outside}",
             counted(self.window_periods, "period"),
             counted(self.ideal_collisions, "ideal collision")
         )
@@ -135,12 +165,16 @@ impl Report {
 }
 
 impl MethodReport {
-    fn remarks(&self) -> String {
+    pub(super) fn remarks(&self) -> String {
         let mut remarks = Vec::new();
         if self.diverged == Some(true) {
             remarks.push("diverged".into());
         }
-        if let Some(time) = self.jammed_at_s {
+        if let Some(time) = self.left_box_at_s {
+            remarks.push(format!("left the safety box at {time:.2} s"));
+        }
+        // Behind the box a device without motors runs on to where its links end.
+        if let Some(time) = self.jammed_at_s.filter(|_| self.left_box_at_s.is_none()) {
             remarks.push(format!("jammed at {time:.2} s"));
         }
         if self.faults > 0 {
@@ -155,13 +189,17 @@ impl MethodReport {
 
 fn collision_table(method: &MethodReport, most: usize) -> Table {
     let mut header = vec!["start s", "impulse N s", "error %", "peak N", "error %"];
-    // A recorded device does not rebound, and friction takes its share of a rebound.
-    let rebounds = method
-        .collisions
-        .iter()
-        .any(|collision| collision.rebound_energy_error_percent.is_some());
-    if rebounds {
-        header.push("rebound energy error %");
+    // A recorded device does not rebound, and friction takes its share of a rebound's energy.
+    let has = |value: fn(&CollisionReport) -> Option<f64>| {
+        method.collisions.iter().any(|each| value(each).is_some())
+    };
+    let speeds = has(|collision| collision.ideal_rebound_speed_m_per_s);
+    let energies = has(|collision| collision.rebound_energy_error_percent);
+    if speeds {
+        header.extend(["rebound m/s", "error %"]);
+    }
+    if energies {
+        header.push("energy error %");
     }
     let mut table = plain_table(CellAlignment::Right, &header);
     for collision in method.collisions.iter().take(most) {
@@ -173,7 +211,11 @@ fn collision_table(method: &MethodReport, most: usize) -> Table {
             number(Some(collision.ideal_peak_force_n), digits),
             in_percent(collision.peak_force_error_percent),
         ];
-        if rebounds {
+        if speeds {
+            cells.push(number(collision.ideal_rebound_speed_m_per_s, digits));
+            cells.push(in_percent(collision.rebound_speed_error_percent));
+        }
+        if energies {
             cells.push(in_percent(collision.rebound_energy_error_percent));
         }
         table.add_row(cells);

@@ -46,12 +46,9 @@ pub fn of(timing: &Timing) -> Map<String, Value> {
     named
 }
 
-/// The same in words, each thing after a comma.
+/// The same in words, each thing after a comma; but the delay.
 pub fn in_words(timing: &Timing) -> String {
     let mut words = Vec::new();
-    if timing.delay_fraction > 0.0 {
-        words.push(format!("delay of {} of a period", timing.delay_fraction));
-    }
     let milliseconds = |seconds: f64| super::digits(1e3 * seconds);
     match timing.jitter {
         Jitter::None => {}

@@ -3,11 +3,13 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate::{AnyParams, HfcrParams, PopcParams, PopcRefParams, SehParams, VirtualDamperParams};
+use palpate::{
+    AnyParams, CoupledParams, HfcrParams, PopcParams, PopcRefParams, SehParams, VirtualDamperParams,
+};
 use serde_json::Value;
 
 /// Every method, in the order of tables.
-pub const METHODS: [&str; 8] = [
+pub const METHODS: [&str; 9] = [
     "basic",
     "seh",
     "virtual-damper",
@@ -16,6 +18,7 @@ pub const METHODS: [&str; 8] = [
     "hfcr-mod",
     "hfcr-mod-st",
     "hfcr",
+    "coupled",
 ];
 
 /// A folder of its own for each test, gone when the test ends.
@@ -192,7 +195,12 @@ pub fn trace_text(samples: &[(f64, f64)]) -> String {
 
 /// The parameters that `--help` promises as defaults, for a device that starts out of contact
 /// with an object at rest.
-pub fn default_params(method: &str, stiffness: f64, period: f64) -> AnyParams<f64> {
+pub fn default_params(
+    method: &str,
+    stiffness: f64,
+    period: f64,
+    device_mass: f64,
+) -> AnyParams<f64> {
     let cap = 3.0 * (stiffness * period);
     match method {
         "basic" => AnyParams::Basic,
@@ -204,6 +212,7 @@ pub fn default_params(method: &str, stiffness: f64, period: f64) -> AnyParams<f6
         "popc-ref" => AnyParams::PopcRef(PopcRefParams::new(cap)),
         "hfcr-mod" => AnyParams::Hfcr(HfcrParams::modified_force_only()),
         "hfcr-mod-st" | "hfcr" => AnyParams::Hfcr(HfcrParams::default()),
+        "coupled" => AnyParams::Coupled(CoupledParams::new(device_mass)),
         other => panic!("no method {other}"),
     }
 }

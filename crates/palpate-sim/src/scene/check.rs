@@ -58,7 +58,13 @@ impl Scene {
                 "0 for a wall",
             );
         }
-        if self.linkage.is_some() {
+        if let Some(linkage) = &self.linkage {
+            let position = self.device.position;
+            let inside = |[low, high]: [f64; 2]| (low..=high).contains(&position);
+            if linkage.safety_box.is_some_and(|bounds| !inside(bounds.y)) {
+                let allowed = "inside the safety box of the device";
+                return out_of_range("device position", "m", position, allowed);
+            }
             if self.contact.side != Side::Positive {
                 return out_of_range("side", "", -1.0, "positive for a pantograph");
             }

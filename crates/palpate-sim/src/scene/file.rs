@@ -9,10 +9,12 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::beside::Files;
+use super::device_key::{DeviceFault, RawDevice};
+use super::fault::{Places, SceneError, in_plain_words};
 use super::hand::{RawHand, ReadHand};
 use super::timing::RawLoop;
-use super::{Linkage, Measure, PointMassDevice, Scene, SetupError};
-use crate::method::{Damping, MethodName, Predictor, Settings, SettingsError, nearest};
+use super::{Measure, PointMassDevice, Scene, SetupError};
+use crate::method::{Damping, MethodName, Predictor, Settings, SettingsError};
 
 /// The version of scene files this crate reads.
 const FORMAT: i64 = 1;
@@ -25,24 +27,6 @@ pub struct SceneFile {
     name: String,
     source: String,
     places: HashMap<&'static str, Range<usize>>,
-}
-
-/// A fault in a scene file, with its place.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{file}:{line}:{column}: {message}")]
-pub struct SceneError {
-    /// Name of the file.
-    pub file: String,
-    /// Line, from 1.
-    pub line: usize,
-    /// Column in characters, from 1.
-    pub column: usize,
-    /// Bytes of the file that are at fault.
-    pub span: Range<usize>,
-    /// What is wrong, and what is allowed.
-    pub message: String,
-    /// The whole text, to show the place in.
-    pub source_text: String,
 }
 
 /// The version alone: a file of another version may have keys this one does not know.
@@ -78,27 +62,6 @@ struct RawObject {
     velocity_m_per_s: Option<Spanned<f64>>,
     force_n: Option<Spanned<f64>>,
     side: Option<Side>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum DeviceKind {
-    PointMass,
-    Pantograph,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawDevice {
-    kind: Spanned<DeviceKind>,
-    preset: Option<Spanned<Linkage>>,
-    mass_kg: Option<Spanned<f64>>,
-    position_m: Option<Spanned<f64>>,
-    velocity_m_per_s: Option<Spanned<f64>>,
-    encoder_quantum_m: Option<Spanned<f64>>,
-    viscous_n_s_per_m: Option<Spanned<f64>>,
-    coulomb_n: Option<Spanned<f64>>,
-    motor_limit_n: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize)]
@@ -148,56 +111,6 @@ impl From<RawSettings> for Settings {
     }
 }
 
-/// Remembers where values stand while it takes them out of their wrapping.
-#[derive(Default)]
-pub(super) struct Places(HashMap<&'static str, Range<usize>>);
-
-impl Places {
-    pub fn take<T>(&mut self, name: &'static str, value: Spanned<T>) -> T {
-        self.0.insert(name, value.span());
-        value.into_inner()
-    }
-
-    pub fn take_or<T>(&mut self, name: &'static str, value: Option<Spanned<T>>, default: T) -> T {
-        value.map_or(default, |value| self.take(name, value))
-    }
-}
-
-/// The linkage of a device of kind `pantograph`; the place of what a kind lacks or has no use for.
-fn linkage(device: &mut RawDevice) -> Result<Option<Linkage>, (Range<usize>, &'static str)> {
-    let kind = device.kind.span();
-    match (device.kind.get_ref(), device.preset.take()) {
-        (DeviceKind::PointMass, Some(preset)) => Err((
-            preset.span(),
-            "only a device of kind pantograph has a preset",
-        )),
-        (DeviceKind::PointMass, None) if device.mass_kg.is_some() => Ok(None),
-        (DeviceKind::PointMass, None) => Err((kind, "a device of kind point-mass needs mass_kg")),
-        (DeviceKind::Pantograph, None) => Err((
-            kind,
-            "a device of kind pantograph needs a preset: paper-like, 2diy-gen1, 2diy-gen2 or \
-             2diy-gen3",
-        )),
-        (DeviceKind::Pantograph, Some(preset)) => {
-            let of_a_point_mass = [
-                &device.mass_kg,
-                &device.velocity_m_per_s,
-                &device.encoder_quantum_m,
-                &device.viscous_n_s_per_m,
-                &device.coulomb_n,
-                &device.motor_limit_n,
-            ];
-            match of_a_point_mass.into_iter().flatten().next() {
-                None => Ok(Some(preset.into_inner())),
-                Some(key) => Err((
-                    key.span(),
-                    "a pantograph's preset says this; only position_m stands beside it",
-                )),
-            }
-        }
-    }
-}
-
 impl SceneFile {
     /// Reads a scene that stands alone: as [`parse_with`](Self::parse_with), but every file that the
     /// scene names is missing.
@@ -216,7 +129,8 @@ impl SceneFile {
     /// stands in the scene; [`beside`](super::beside) looks in the scene's own folder.
     ///
     /// # Errors
-    /// The first fault, with its line and column and with what is allowed.
+    /// The first fault in the scene file or, with that file's name, in the device file; with its line
+    /// and column and with what is allowed.
     pub fn parse_with(name: &str, source: &str, files: Files<'_>) -> Result<Self, SceneError> {
         let fault =
             |span: Range<usize>, message: String| SceneError::at(name, source, span, message);
@@ -276,13 +190,16 @@ impl SceneFile {
             )
         };
         let mut device = raw.device;
-        let linkage =
-            linkage(&mut device).map_err(|(span, message)| fault(span, message.into()))?;
+        let linkage = device.linkage(name, files).map_err(|error| match error {
+            DeviceFault::Here(span, message) => fault(span, message),
+            DeviceFault::InDeviceFile(error) => error,
+        })?;
         let device_position = places.take_or("device position", device.position_m.take(), 0.0);
-        let device_mass = match linkage {
-            Some(linkage) => linkage
-                .effective_mass(device_position)
-                .map_err(|error| fault(device.kind.span(), error.to_string()))?,
+        let device_mass = match &linkage {
+            Some(linkage) => linkage.effective_mass(device_position).map_err(|error| {
+                let place = places.0.get("device position").cloned();
+                fault(place.unwrap_or(device.kind.span()), error.to_string())
+            })?,
             // Checked to be there.
             None => places.take_or("device_mass", device.mass_kg.take(), f64::NAN),
         };
@@ -391,43 +308,6 @@ impl SceneFile {
 /// Key under which the place of a method's settings is remembered.
 fn settings_place(method: MethodName) -> &'static str {
     method.name()
-}
-
-impl SceneError {
-    fn at(file: &str, source: &str, span: Range<usize>, message: String) -> Self {
-        let before = &source[..span.start.min(source.len())];
-        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-        Self {
-            file: file.into(),
-            line: before.matches('\n').count() + 1,
-            column: before[line_start..].chars().count() + 1,
-            span,
-            message,
-            source_text: source.into(),
-        }
-    }
-}
-
-/// A message of the TOML reader without Rust's names of types, and for an unknown key with the one
-/// it most likely meant. The reader names both:
-/// ``unknown field `x`, expected one of `a`, `b` ``.
-pub(crate) fn in_plain_words(message: &str) -> String {
-    let Some(rest) = message.strip_prefix("unknown field `") else {
-        return message
-            .replace("expected f64", "expected a number")
-            .replace("expected i64", "expected a whole number")
-            .replace("expected usize", "expected a whole number from 0 up")
-            .replace("expected u64", "expected a whole number from 0 up");
-    };
-    let mut quoted = rest.split('`');
-    let unknown = quoted.next().unwrap_or_default();
-    // Every second piece from here on stands between quotes.
-    let known: Vec<&str> = quoted.skip(1).step_by(2).collect();
-    let all = known.join(", ");
-    match nearest(unknown, &known) {
-        Some(near) => format!("unknown key {unknown}, did you mean {near}? Known here: {all}"),
-        None => format!("unknown key {unknown}. Known here: {all}"),
-    }
 }
 
 impl<'de> Deserialize<'de> for Damping {

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::beside::Files;
-use super::file::Places;
+use super::fault::Places;
 use super::{Grip, Wave};
 
 /// A fault and the place of the key that has it.

@@ -1,71 +1,97 @@
-//! Linkages that scenes can use by name.
+//! Linkages: pantographs that stand in place of a point mass.
 
 use palpate_testbed::InvalidParameter;
-use palpate_testbed::pantograph::kinematics::ELBOWS_OUT;
-use palpate_testbed::pantograph::{Actuation, Pantograph, PantographParams, Pid};
-use serde::Deserialize;
+use palpate_testbed::pantograph::{Actuation, Pantograph, PantographParams, Pid, SafetyBox};
 
-/// A five-bar pantograph that lies flat. The contact acts along its y axis, counted from its home
-/// pose; a PID controller holds x.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-pub enum Linkage {
-    /// As in the paper's experiments: 0.25 kg along y at home.
-    #[serde(rename = "paper-like")]
-    PaperLike,
-    /// Haply 2DIY, first generation.
-    #[serde(rename = "2diy-gen1")]
-    Haply1,
-    /// Haply 2DIY, second generation.
-    #[serde(rename = "2diy-gen2")]
-    Haply2,
-    /// Haply 2DIY, third generation.
-    #[serde(rename = "2diy-gen3")]
-    Haply3,
+/// The committed devices by the names that scenes know them by.
+const PRESETS: [(&str, &str); 4] = [
+    (
+        "paper-like",
+        include_str!("../../../../devices/paper-like.toml"),
+    ),
+    (
+        "2diy-gen1",
+        include_str!("../../../../devices/haply-2diy-gen1.toml"),
+    ),
+    (
+        "2diy-gen2",
+        include_str!("../../../../devices/haply-2diy-gen2.toml"),
+    ),
+    (
+        "2diy-gen3",
+        include_str!("../../../../devices/haply-2diy-gen3.toml"),
+    ),
+];
+
+/// A five-bar pantograph as a device file describes it. The contact acts along its y axis, counted
+/// from its home pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Linkage {
+    /// A line for tables.
+    pub title: String,
+    /// Mechanism, motors and encoders.
+    pub params: PantographParams,
+    /// The controller that holds x; its target counts from home.
+    pub hold_x: Option<Pid>,
+    /// Where the motors stay connected, counted from home.
+    pub safety_box: Option<SafetyBox>,
+    /// Every key of its file and its value, as text.
+    pub keys: Vec<(String, String)>,
 }
 
-/// Gains of the controller of x: with 0.25 kg stable from 50 Hz on.
-const HOLD_X: Pid = Pid {
-    target: 0.0,
-    proportional: 100.0,
-    integral: 50.0,
-    derivative: 3.0,
-    max_force: 5.0,
-};
-
 impl Linkage {
-    /// Its name in a scene file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::PaperLike => "paper-like",
-            Self::Haply1 => "2diy-gen1",
-            Self::Haply2 => "2diy-gen2",
-            Self::Haply3 => "2diy-gen3",
-        }
+    /// Names of the committed devices.
+    pub fn presets() -> impl Iterator<Item = &'static str> {
+        PRESETS.iter().map(|(name, _)| *name)
     }
 
-    fn params(self) -> PantographParams {
-        match self {
-            Self::PaperLike => PantographParams::paper_like(),
-            Self::Haply1 => PantographParams::haply_gen1(),
-            Self::Haply2 => PantographParams::haply_gen2(),
-            Self::Haply3 => PantographParams::haply_gen3(),
-        }
+    /// A committed device by its name.
+    ///
+    /// # Panics
+    /// Never: the committed files are read in a test.
+    pub fn preset(name: &str) -> Option<Self> {
+        let (name, source) = PRESETS.iter().find(|(known, _)| *known == name)?;
+        Some(Self::parse(name, source).expect("the committed device files are good"))
+    }
+
+    /// The same linkage with another safety box, counted from home.
+    #[must_use]
+    pub fn in_box(mut self, bounds: SafetyBox) -> Self {
+        let text = |[low, high]: [f64; 2]| format!("[{low}, {high}]");
+        self.keys.retain(|(key, _)| !key.starts_with("safety_box."));
+        self.keys.push(("safety_box.x_m".into(), text(bounds.x)));
+        self.keys.push(("safety_box.y_m".into(), text(bounds.y)));
+        self.safety_box = Some(bounds);
+        self
+    }
+
+    /// The committed device that this one is, by its name, if it is one but for its safety box; and
+    /// that box if it is another.
+    pub(crate) fn as_preset(&self) -> Option<(&'static str, Option<SafetyBox>)> {
+        PRESETS.iter().find_map(|&(name, _)| {
+            let preset = Self::preset(name)?;
+            if preset == *self {
+                return Some((name, None));
+            }
+            let bounds = self.safety_box?;
+            (preset.in_box(bounds) == *self).then_some((name, Some(bounds)))
+        })
     }
 
     /// End-point in the home pose `[m]`.
-    pub(crate) fn home(self) -> Result<[f64; 2], InvalidParameter> {
-        Ok(Pantograph::new(self.params())?.end_point())
+    pub(crate) fn home(&self) -> Result<[f64; 2], InvalidParameter> {
+        Ok(Pantograph::new(self.params)?.end_point())
     }
 
     /// The device at rest, `offset` `[m]` along y from home, pushed along y by `user_force` `[N]`.
-    /// `ideal` is without the limits of its motors.
+    /// `ideal` is without the limits of its motors and without the safety box.
     pub(crate) fn device(
-        self,
+        &self,
         offset: f64,
         user_force: f64,
         ideal: bool,
     ) -> Result<Pantograph, InvalidParameter> {
-        let mut params = self.params();
+        let mut params = self.params;
         if ideal {
             params.actuation = Actuation::Ideal;
         }
@@ -75,24 +101,37 @@ impl Linkage {
             value: offset,
             allowed: "within the linkage's reach",
         };
-        let angles = params
-            .geometry
-            .inverse([x, y + offset], ELBOWS_OUT)
-            .map_err(no_pose)?;
-        Pantograph::new(params)?
+        let at_home = Pantograph::new(params)?;
+        let angles = if offset == 0.0 {
+            params.home
+        } else {
+            let elbows = at_home.pose().elbows();
+            let inverse = params.geometry.inverse([x, y + offset], elbows);
+            inverse.map_err(no_pose)?
+        };
+        let mut device = at_home
             .starting_at(angles, [0.0, 0.0])?
-            .with_pid(Pid {
-                target: x,
-                ..HOLD_X
-            })?
-            .with_user_force([0.0, user_force])
+            .with_user_force([0.0, user_force])?;
+        if let Some(pid) = self.hold_x {
+            device = device.with_pid(Pid {
+                target: x + pid.target,
+                ..pid
+            })?;
+        }
+        if let Some(about_home) = self.safety_box.filter(|_| !ideal) {
+            device = device.with_safety_box(SafetyBox {
+                x: about_home.x.map(|bound| x + bound),
+                y: about_home.y.map(|bound| y + bound),
+            })?;
+        }
+        Ok(device)
     }
 
     /// Effective mass along y `[kg]`, `offset` `[m]` along y from home.
     ///
     /// # Errors
     /// An offset that the linkage cannot reach.
-    pub fn effective_mass(self, offset: f64) -> Result<f64, InvalidParameter> {
+    pub fn effective_mass(&self, offset: f64) -> Result<f64, InvalidParameter> {
         Ok(self.device(offset, 0.0, true)?.effective_mass_y())
     }
 }

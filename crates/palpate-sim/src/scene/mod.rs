@@ -1,10 +1,14 @@
 //! Scenes: an object, a device, a hand, a loop and a renderer, as a user writes them.
 //!
 //! A scene file is TOML with a format version; every quantity is SI and carries its unit in its
-//! key. Unknown keys are errors. See `experiments/` for the paper's scenes.
+//! key. Unknown keys are errors. See `experiments/` for the paper's scenes. A linkage is described by
+//! a device file of its own, in the same manner; see `devices/`.
 
 mod beside;
 mod check;
+mod device_file;
+mod device_key;
+mod fault;
 mod file;
 mod hand;
 mod linkage;
@@ -12,8 +16,10 @@ mod timing;
 mod write;
 
 pub use beside::beside;
-pub(crate) use file::{RawSettings, in_plain_words};
-pub use file::{SceneError, SceneFile};
+pub use fault::SceneError;
+pub(crate) use fault::in_plain_words;
+pub(crate) use file::RawSettings;
+pub use file::SceneFile;
 pub use linkage::Linkage;
 pub use timing::{Dropped, Jitter, RateCollapse, Timing};
 pub use write::Unwritable;

@@ -9,7 +9,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::Scene;
-use super::file::Places;
+use super::fault::Places;
 
 /// Imperfections of a loop besides a delay of whole samples; none by default.
 #[derive(Clone, Debug, Default, PartialEq)]

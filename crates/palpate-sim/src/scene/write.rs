@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use palpate::{Contact, LoopParams, Mass, SehEstimate, Side};
+use palpate_testbed::pantograph::SafetyBox;
 
 use super::{Dropped, Grip, Jitter, Measure, PointMassDevice, Scene, Timing, Wave};
 use crate::method::{Damping, MethodName, Predictor, Settings};
@@ -16,7 +17,7 @@ impl Scene {
     /// The scene as a file that reads back to the same bits.
     ///
     /// # Errors
-    /// A hand that follows a recording, which is a file of its own.
+    /// A hand that follows a recording, or a linkage that is no preset: files of their own.
     pub fn to_toml(&self) -> Result<String, Unwritable> {
         // Taken apart, so that what is added to a scene cannot be forgotten here.
         let Self {
@@ -80,7 +81,14 @@ impl Scene {
         match linkage {
             Some(linkage) => {
                 file.line("kind", "\"pantograph\"");
-                file.line("preset", &format!("\"{}\"", linkage.name()));
+                let (preset, safety_box) = linkage
+                    .as_preset()
+                    .ok_or(Unwritable("what stands in a device file of its own"))?;
+                file.line("preset", &format!("\"{preset}\""));
+                if let Some(SafetyBox { x, y }) = safety_box {
+                    let bounds = format!("{{ x_m = {x:?}, y_m = {y:?} }}");
+                    file.line("safety_box", &bounds);
+                }
                 file.unless_zero("position_m", device.position);
             }
             None => file.point_mass(device),

@@ -95,7 +95,14 @@ fn the_square_of_the_error_is_that_of_the_floor_and_of_the_mean_force_error() {
             let judged = bench.run(method).unwrap().force.fidelity.unwrap();
             let square = judged.hold_floor.powi(2) + judged.mean_force_error.powi(2);
             worst = worst.max((judged.force_rendering_error.powi(2) / square - 1.0).abs());
-            assert!(judged.mean_force_error > 5.0, "{name} {method}");
+            let wrong = judged.mean_force_error;
+            eprintln!("{name} {method}: E {wrong:.2e} %");
+            // Told the mass, on scenes with nothing wrong but their sampling, coupled leaves only
+            // the floor.
+            match method {
+                MethodName::Coupled => assert!(wrong < 0.001, "{name}"),
+                _ => assert!(wrong > 5.0, "{name} {method}"),
+            }
         }
     }
     eprintln!("largest relative difference {worst:.1e}");

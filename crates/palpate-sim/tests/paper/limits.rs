@@ -1,9 +1,9 @@
 //! Where every method must end up: fast loops, heavy objects, no dissipation.
 
-use palpate::{Contact, Mass};
+use palpate::{Contact, Mass, Phase};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::method::{MethodName, Settings};
-use palpate_sim::run::Run;
+use palpate_sim::run::{Run, Tick};
 use palpate_sim::scene::Measure;
 
 use crate::common::{PAPER_SCENES, damping, scene, synthetic_hand, with};
@@ -54,6 +54,9 @@ fn every_method_tends_to_the_ideal_as_the_period_goes_to_0() {
 fn every_method_on_a_heavy_object_tends_to_that_on_a_wall() {
     let mut wall = scene("wall");
     wall.settings.clear();
+    // Placement moves a heavy object for good, but a wall comes back to its place: only where
+    // nothing is placed are they the same.
+    wall.settings.insert(MethodName::Coupled, unplaced());
     let force = |run: &Run| -> Vec<f64> {
         run.ticks
             .iter()
@@ -125,9 +128,82 @@ fn a_wall_never_moves() {
         let bench = Bench::new(&scene).unwrap();
         for method in MethodName::ALL {
             let run = bench.run(method).unwrap();
-            assert!(run.ticks.iter().all(|tick| {
-                tick.output.object_position == 0.0 && tick.output.object_velocity == 0.0
-            }));
+            assert!(
+                run.ticks
+                    .iter()
+                    .all(|tick| tick.output.object_velocity == 0.0)
+            );
+            if method != MethodName::Coupled {
+                assert!(
+                    run.ticks
+                        .iter()
+                        .all(|tick| tick.output.object_position == 0.0)
+                );
+            }
         }
+    }
+}
+
+/// Source: derived here: what a held force moves the device too far or not far enough is made up
+/// for by placing the wall, and a wall that is left alone has nothing to make up for.
+#[test]
+fn coupled_places_a_wall_by_its_shifts_while_it_is_touched_and_puts_it_back() {
+    let mut scene = scene("wall");
+    scene.virtual_force = -3.0;
+    let mut put_back = 0;
+    for (stiffness, period) in [(10.0, 0.1), (1000.0, 0.01), (1e6, 1e-3)] {
+        scene.contact = Contact::wall(stiffness);
+        scene.loop_params.period = period;
+        scene.measure = Measure::Duration(100.0 * period);
+        let run = Bench::new(&scene)
+            .unwrap()
+            .run(MethodName::Coupled)
+            .unwrap();
+        let (mut shifts, mut farthest) = (0.0, 0.0_f64);
+        for tick in &run.ticks {
+            let at = tick.output.object_position;
+            shifts += tick.output.placement_shift;
+            farthest = farthest.max(at.abs());
+            assert!(
+                (at - shifts).abs() <= 1e-12 * farthest,
+                "{at} m after {shifts} m"
+            );
+        }
+        eprintln!("{stiffness} N/m at {period} s: at most {farthest:.2e} m off");
+        for three in run.ticks.windows(3) {
+            let free = |tick: &Tick| tick.output.phase == Phase::Free;
+            if free(&three[0]) && free(&three[1]) {
+                let off = |tick: &Tick| tick.output.object_position.abs() > 1e-12 * farthest;
+                assert!(!off(&three[2]), "{stiffness} N/m");
+                put_back += usize::from(off(&three[0]));
+            }
+        }
+        // It makes up for the held force, whose device moves u T in an interval.
+        let way = run
+            .ticks
+            .windows(2)
+            .map(|pair| (pair[1].device_position - pair[0].device_position).abs())
+            .fold(0.0, f64::max);
+        assert!(farthest < way, "{farthest} m for steps of {way} m");
+        // Without placement it is the wall that never moves.
+        let mut still = scene.clone();
+        still.settings.insert(MethodName::Coupled, unplaced());
+        let run = Bench::new(&still)
+            .unwrap()
+            .run(MethodName::Coupled)
+            .unwrap();
+        assert!(
+            run.ticks
+                .iter()
+                .all(|tick| tick.output.object_position == 0.0)
+        );
+    }
+    assert!(put_back > 0);
+}
+
+fn unplaced() -> Settings {
+    Settings {
+        placement: Some(false),
+        ..Settings::default()
     }
 }

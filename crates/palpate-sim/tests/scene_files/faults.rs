@@ -32,7 +32,7 @@ fn assert_faults(table: &str, rows: usize) {
 fn an_unknown_key_is_named_with_the_nearest_known_one() {
     assert_faults(
         r#"mass_kg = 0.25\n -> mass_kg = 0.25\nmas_kg = 1\n
-  15:1: unknown key mas_kg, did you mean mass_kg? Known here: kind, preset, mass_kg, position_m, velocity_m_per_s, encoder_quantum_m, viscous_n_s_per_m, coulomb_n, motor_limit_n
+  15:1: unknown key mas_kg, did you mean mass_kg? Known here: kind, preset, file, safety_box, mass_kg, position_m, velocity_m_per_s, encoder_quantum_m, viscous_n_s_per_m, coulomb_n, motor_limit_n
   mas_kg
 period_s -> perod_s
   24:1: unknown key perod_s, did you mean period_s? Known here: period_s, delay_samples, delay_fraction, jitter_s, jitter_deviation_s, drop_probability, dropped_samples, collapse, seed
@@ -47,7 +47,7 @@ collisions = 3 -> collisons = 3
   28:1: unknown key collisons, did you mean collisions? Known here: collisions, duration_s
   collisons
 damping_cap_n_s_per_m -> damping_cap
-  41:1: unknown key damping_cap, did you mean damping_cap_n_s_per_m? Known here: damping_n_s_per_m, damping_cap_n_s_per_m, speed_threshold_m_per_s, initial_energy_j, estimate
+  41:1: unknown key damping_cap, did you mean damping_cap_n_s_per_m? Known here: damping_n_s_per_m, damping_cap_n_s_per_m, speed_threshold_m_per_s, initial_energy_j, estimate, prediction, placement, correction
   damping_cap"#,
         6,
     );
@@ -216,13 +216,13 @@ fn a_method_that_is_unknown_or_cannot_use_a_setting_is_refused() {
   31:10: no method is called "hfrc"; did you mean "hfcr"?
   "hfrc"
 method = "hfcr" -> method = "magic"
-  31:10: no method is called "magic"; the methods are basic, seh, virtual-damper, popc, popc-ref, hfcr-mod, hfcr-mod-st, hfcr
+  31:10: no method is called "magic"; the methods are basic, seh, virtual-damper, popc, popc-ref, hfcr-mod, hfcr-mod-st, hfcr, coupled
   "magic"
 [methods.hfcr] -> [methods.hfrc]
   37:10: no method is called "hfrc"; did you mean "hfcr"?
   hfrc
 [methods.hfcr] -> [methods."?"]
-  37:10: no method is called "?"; the methods are basic, seh, virtual-damper, popc, popc-ref, hfcr-mod, hfcr-mod-st, hfcr
+  37:10: no method is called "?"; the methods are basic, seh, virtual-damper, popc, popc-ref, hfcr-mod, hfcr-mod-st, hfcr, coupled
   "?"
 [methods.hfcr] -> [methods.basic]
   37:10: basic has no use for damping_n_s_per_m; it is for virtual-damper, hfcr
@@ -253,8 +253,14 @@ initial_energy_j = 0 -> initial_energy_j = -1
   popc-ref
 estimate = "ab2" -> damping_n_s_per_m = 1
   45:10: seh has no use for damping_n_s_per_m; it is for virtual-damper, hfcr
+  seh
+estimate = "ab2" -> prediction = "observer"
+  45:10: seh has no use for prediction; it is for hfcr
+  seh
+estimate = "ab2" -> correction = false
+  45:10: seh has no use for correction; it is for coupled
   seh"#,
-        14,
+        16,
     );
 }
 
@@ -360,21 +366,33 @@ fn a_device_has_what_its_kind_needs_and_nothing_else() {
   13:8: a device of kind point-mass needs mass_kg
   "point-mass"
 mass_kg = 0.25\n -> preset = "paper-like"\nmass_kg = 0.25\n
-  14:10: only a device of kind pantograph has a preset
+  14:10: only a device of kind pantograph has a preset or a file
   "paper-like"
+mass_kg = 0.25\n -> mass_kg = 0.25\nfile = "mine.toml"\n
+  15:8: only a device of kind pantograph has a preset or a file
+  "mine.toml"
+mass_kg = 0.25\n -> mass_kg = 0.25\nsafety_box = { y_m = [-1, 1] }\n
+  15:14: only a device of kind pantograph has a safety box
+  { y_m = [-1, 1] }
 kind = "point-mass" -> kind = "pantograph"
-  13:8: a device of kind pantograph needs a preset: paper-like, 2diy-gen1, 2diy-gen2 or 2diy-gen3
+  13:8: a device of kind pantograph needs a preset, one of paper-like, 2diy-gen1, 2diy-gen2, 2diy-gen3, or a file
   "pantograph"
 kind = "point-mass" -> kind = "pantograph"\npreset = "paper-like"
-  15:11: a pantograph's preset says this; only position_m stands beside it
+  15:11: a pantograph's preset or file says this; only position_m and safety_box stand beside it
   0.25
 kind = "point-mass"\nmass_kg = 0.25 -> kind = "pantograph"\npreset = "paper"
-  14:10: unknown variant `paper`, expected one of `paper-like`, `2diy-gen1`, `2diy-gen2`, `2diy-gen3`
+  14:10: no preset is called "paper"; did you mean "paper-like"?
   "paper"
+kind = "point-mass"\nmass_kg = 0.25 -> kind = "pantograph"\npreset = "sigma"
+  14:10: no preset is called "sigma"; the presets are paper-like, 2diy-gen1, 2diy-gen2, 2diy-gen3
+  "sigma"
 kind = "point-mass"\nmass_kg = 0.25\nposition_m = 0\nvelocity_m_per_s = 0\nencoder_quantum_m = 0 -> kind = "pantograph"\npreset = "paper-like"\nposition_m = 1
-  13:8: device position = 1 is not allowed; allowed: within the linkage's reach
-  "pantograph""#,
-        6,
+  15:14: device position = 1 is not allowed; allowed: within the linkage's reach
+  1
+kind = "point-mass"\nmass_kg = 0.25\nposition_m = 0\nvelocity_m_per_s = 0\nencoder_quantum_m = 0 -> kind = "pantograph"\npreset = "paper-like"\nsafety_box = { x_m = [-1, 1], z_m = [-1, 1] }
+  15:31: unknown key z_m. Known here: x_m, y_m
+  z_m"#,
+        10,
     );
 }
 

@@ -6,10 +6,14 @@ mod common;
 mod faults;
 mod written;
 
+use std::path::{Path, PathBuf};
+
 use palpate::{AnyParams, HfcrParams, Mass, ParameterError, Side};
 use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_sim::method::{Damping, MethodName, UnknownMethod};
-use palpate_sim::scene::{Dropped, Jitter, Measure, RateCollapse, SceneFile, Timing};
+use palpate_sim::scene::{
+    Dropped, Jitter, Measure, RateCollapse, Scene, SceneFile, Timing, beside,
+};
 
 /// A good file with every key there is, but duration_s.
 const GOOD: &str = r#"scene_format = 1
@@ -67,28 +71,60 @@ fn edited(from: &str, to: &str) -> String {
     GOOD.replacen(from, to, 1)
 }
 
+/// The committed scenes: the paper's, those of users, and those on which coupled rendering is shown.
+fn committed() -> Vec<PathBuf> {
+    let folders = ["", "users", "coupled"].map(|name| common::experiments().join(name));
+    let entries = folders
+        .iter()
+        .flat_map(|folder| std::fs::read_dir(folder).unwrap())
+        .map(|entry| entry.unwrap().path());
+    let mut scenes: Vec<PathBuf> = entries
+        .filter(|path| path.is_file() && path.extension().unwrap() != "csv")
+        .collect();
+    scenes.sort();
+    scenes
+}
+
+fn read(path: &Path) -> Scene {
+    let text = std::fs::read_to_string(path).unwrap();
+    let name = path.file_name().unwrap().to_str().unwrap();
+    SceneFile::parse_with(name, &text, &mut beside(path))
+        .unwrap_or_else(|error| panic!("{error}"))
+        .scene
+}
+
 #[test]
 fn the_committed_scenes_are_good_and_run_by_every_method() {
-    let mut read = 0;
-    for entry in std::fs::read_dir(common::experiments()).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            continue; // the random plants, which have a test of their own
-        }
-        assert_eq!(path.extension().unwrap(), "toml");
-        let text = std::fs::read_to_string(&path).unwrap();
-        let name = path.file_name().unwrap().to_str().unwrap();
-        let file = SceneFile::parse(name, &text).unwrap_or_else(|error| panic!("{error}"));
-        let bench = Bench::new(&file.scene).unwrap();
+    let scenes = committed();
+    for path in &scenes {
+        let scene = read(path);
+        let bench = Bench::new(&scene).unwrap();
         for method in MethodName::ALL {
             let run = bench.run(method).unwrap();
-            assert_eq!(run.faults(), 0, "{name} {method}");
-            assert!(run.force.fidelity.is_some(), "{name} {method}");
+            assert_eq!(run.faults(), 0, "{path:?} {method}");
+            assert!(run.force.fidelity.is_some(), "{path:?} {method}");
         }
-        eprintln!("{name}: {}", file.scene.title);
-        read += 1;
+        eprintln!("{path:?}: {}", scene.title);
     }
-    assert!(read >= 4, "only {read} scenes");
+    assert_eq!(scenes.len(), 7 + 13 + 9);
+}
+
+#[test]
+fn the_paper_s_scenes_among_the_users_are_the_paper_s() {
+    for (copy, name) in [
+        ("s11a-fig2", "fig2"),
+        ("s11b-experiment1", "experiment1"),
+        ("s11c-experiment2", "experiment2"),
+    ] {
+        let original = common::scene(name);
+        let copy = common::scene(&format!("users/{copy}"));
+        assert_ne!(copy.title, original.title);
+        let same = Scene {
+            title: original.title.clone(),
+            ..copy
+        };
+        assert_eq!(same, original, "{name}");
+    }
 }
 
 #[test]

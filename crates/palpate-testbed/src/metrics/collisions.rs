@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::grid::Grid;
-use crate::profile::{Collision, ForceProfile};
+use crate::profile::{Collision, ForceProfile, Snapshot};
 
 /// An ideal collision and the rendered collision of the same number.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,6 +45,27 @@ pub(super) fn rendered_runs(held: &[f64]) -> Vec<Range<usize>> {
         }
     }
     runs
+}
+
+/// The first sample after `runs[number]` at which device and object have parted, if that is before
+/// the next of the runs or the window's end; and the last sample it can be found at. The runs count
+/// intervals of `grid`; samples need not lie on its edges.
+pub(super) fn parted(
+    record: &[Snapshot],
+    grid: &Grid,
+    runs: &[Range<usize>],
+    number: usize,
+) -> (Option<usize>, usize) {
+    let until = runs
+        .get(number + 1)
+        .map_or(grid.intervals(), |next| next.start);
+    let (from, until) = (grid.edge(runs[number].end), grid.edge(until));
+    let first = record.partition_point(|snapshot| snapshot.time < from);
+    let last = record
+        .partition_point(|snapshot| snapshot.time <= until)
+        .saturating_sub(1);
+    let found = (first..=last).find(|&sample| record[sample].penetration() <= 0.0);
+    (found, last)
 }
 
 /// Pairs the ideal collisions that end within the window with `runs`, in order.
@@ -89,7 +110,7 @@ fn rendered(
     }
 }
 
-fn relative_error(rendered: f64, ideal: f64) -> Option<f64> {
+pub(super) fn relative_error(rendered: f64, ideal: f64) -> Option<f64> {
     let error = (rendered - ideal) / ideal;
     error.is_finite().then_some(error)
 }

@@ -2,7 +2,7 @@
 
 use crate::ideal::Ideal;
 use crate::metrics::WindowMismatch;
-use crate::metrics::collisions::rendered_runs;
+use crate::metrics::collisions::{parted, rendered_runs};
 use crate::profile::{Collision, ForceProfile, Snapshot};
 
 /// How far above its start the energy may rise before a loop counts as diverged, in impact
@@ -127,7 +127,6 @@ fn rebounds(
     held: &[f64],
     record: &[Snapshot],
 ) -> Vec<Rebound> {
-    let grid = profile.grid();
     let runs = rendered_runs(held);
     profile
         .collisions()
@@ -135,22 +134,13 @@ fn rebounds(
         .filter(|collision| collision.end.is_some())
         .enumerate()
         .map(|(number, collision)| {
-            let Some(run) = runs.get(number) else {
+            if number >= runs.len() {
                 return Rebound::NotRendered;
-            };
-            let until = runs
-                .get(number + 1)
-                .map_or(grid.intervals(), |next| next.start);
-            let (from, until) = (grid.edge(run.end), grid.edge(until));
-            let first = record.partition_point(|snapshot| snapshot.time < from);
-            let parted = record[first..]
-                .iter()
-                .take_while(|snapshot| snapshot.time <= until)
-                .find(|snapshot| snapshot.penetration() <= 0.0);
-            let Some(parted) = parted else {
+            }
+            let (Some(sample), _) = parted(record, profile.grid(), &runs, number) else {
                 return Rebound::NotReleased;
             };
-            let gain = ideal.energy_without_spring(parted) - ideal.energy(&record[0]);
+            let gain = ideal.energy_without_spring(&record[sample]) - ideal.energy(&record[0]);
             let error = gain / ideal.impact_energy(collision);
             if error.is_finite() {
                 Rebound::EnergyError(error)

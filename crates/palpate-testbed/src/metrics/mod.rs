@@ -1,8 +1,8 @@
 //! What a rendering is judged by: the force held over each period against the ideal force.
 //!
 //! [`ForceJudgement`] needs the held forces alone and applies to closed loops and open-loop
-//! replays. [`EnergyJudgement`] needs the motion that these forces made, so it applies to closed
-//! loops only. All of it looks at one window, that of the [`ForceProfile`].
+//! replays. [`EnergyJudgement`] and [`ReboundSpeed`] need the motion that these forces made, so they
+//! apply to closed loops only, the former to such as the forces alone can change the energy of. All of it looks at one window, that of the [`ForceProfile`].
 //!
 //! Errors of the force are in percent, after the literature; errors of single collisions and of
 //! energy are plain ratios.
@@ -10,10 +10,12 @@
 mod collisions;
 mod energy;
 mod fidelity;
+mod rebound;
 
 pub use collisions::{CollisionJudgement, RenderedCollision};
 pub use energy::{EnergyJudgement, Rebound};
 pub use fidelity::Fidelity;
+pub use rebound::ReboundSpeed;
 
 use thiserror::Error;
 

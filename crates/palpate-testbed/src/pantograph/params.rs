@@ -1,6 +1,6 @@
-//! What a pantograph is made of, and presets.
+//! What a pantograph is made of.
 
-use super::kinematics::{Assembly, Geometry, Origin};
+use super::kinematics::Geometry;
 use crate::InvalidParameter;
 use crate::error::{finite, positive};
 
@@ -82,10 +82,21 @@ impl PantographParams {
         for angle in self.home {
             finite("home", angle, "finite [rad]")?;
         }
-        for link in self.proximal.iter().chain(&self.distal) {
-            at_least_zero("mass", link.mass, "finite and at least 0 kg")?;
-            finite("centre", link.centre, "finite, a fraction of the length")?;
-            at_least_zero("inertia", link.inertia, "finite and at least 0 kg m²")?;
+        for (links, [mass, centre, inertia]) in [
+            (
+                self.proximal,
+                ["proximal mass", "proximal centre", "proximal inertia"],
+            ),
+            (
+                self.distal,
+                ["distal mass", "distal centre", "distal inertia"],
+            ),
+        ] {
+            for link in links {
+                at_least_zero(mass, link.mass, "finite and at least 0 kg")?;
+                finite(centre, link.centre, "finite, a fraction of the length")?;
+                at_least_zero(inertia, link.inertia, "finite and at least 0 kg m²")?;
+            }
         }
         at_least_zero(
             "rotor_inertia",
@@ -139,103 +150,6 @@ impl PantographParams {
             ..self
         }
     }
-
-    /// A desktop pantograph of 0.25 kg along y at its home pose, as in the experiments on
-    /// coarsely sampled contact rendering.
-    ///
-    /// Only the 0.25 kg is published. Everything else is our choice: links of 0.12 m and 0.16 m
-    /// with motors 0.05 m apart, at home with the proximal links at 130° and 50°; aluminium rods of
-    /// 60 g and 50 g; rotors of 3e-5 kg m²; 20 000 counts/rev; 1 N m; little friction. The handle's
-    /// mass is what is missing to 0.25 kg: in the symmetric pose it adds to the effective mass
-    /// one for one.
-    #[must_use]
-    pub const fn paper_like() -> Self {
-        let (l, distal) = (0.12, 0.16);
-        Self {
-            geometry: geometry(l, distal, 0.05, Origin::Centre),
-            home: [degrees(130.0), degrees(50.0)],
-            proximal: [Link::rod(0.060, l); 2],
-            distal: [Link::rod(0.050, distal); 2],
-            rotor_inertia: 3e-5,
-            end_point_mass: 0.1525,
-            viscous_friction: 5e-4,
-            coulomb_friction: 1e-3,
-            max_torque: 1.0,
-            counts_per_rev: Some(20_000.0),
-            actuation: Actuation::MotorsAtMeasuredPose,
-            gravity: [0.0, 0.0],
-        }
-    }
-
-    /// Haply 2DIY, first generation (kit of 2018), fully retracted.
-    ///
-    /// Published by the vendor's configuration code: l = 0.05 m, L = 0.07 m, d = 0.02 m, power-on
-    /// angles 180° and 0°, 13 824 counts/rev, 0.123 N m. Masses and friction: see
-    /// [`haply_gen3`](Self::haply_gen3).
-    #[must_use]
-    pub const fn haply_gen1() -> Self {
-        haply(0.05, 0.07, 0.02, [180.0, 0.0], 13_824.0)
-    }
-
-    /// Haply 2DIY, second generation (motors on one axis), fully retracted.
-    ///
-    /// Published by the vendor's configuration code: l = 0.07 m, L = 0.09 m, d = 0, power-on angles
-    /// 241° and −61°, 10 752 counts/rev, 0.123 N m. Masses and friction: see
-    /// [`haply_gen3`](Self::haply_gen3).
-    #[must_use]
-    pub const fn haply_gen2() -> Self {
-        haply(0.07, 0.09, 0.0, [241.0, -61.0], 10_752.0)
-    }
-
-    /// Haply 2DIY, generation 3, fully retracted, on its M0 board.
-    ///
-    /// Published by the vendor's configuration code: l = 0.07 m, L = 0.09 m, d = 0.038 m, power-on
-    /// angles 168° and 12°, 0.123 N m, and 4880 counts/rev, of which the M0 board counts half.
-    ///
-    /// Masses and friction are not published. Ours are plausible for printed arms on direct-drive
-    /// motors, and no more than that: rods of 0.3 kg/m, a handle of 15 g, rotors of 2e-6 kg m²,
-    /// 2 mN m of Coulomb and 1e-4 N m s/rad of viscous friction.
-    #[must_use]
-    pub const fn haply_gen3() -> Self {
-        haply(0.07, 0.09, 0.038, [168.0, 12.0], 2440.0)
-    }
-}
-
-const fn haply(
-    l: f64,
-    distal: f64,
-    base: f64,
-    home_deg: [f64; 2],
-    counts: f64,
-) -> PantographParams {
-    PantographParams {
-        geometry: geometry(l, distal, base, Origin::Motor1),
-        home: [degrees(home_deg[0]), degrees(home_deg[1])],
-        proximal: [Link::rod(0.3 * l, l); 2],
-        distal: [Link::rod(0.3 * distal, distal); 2],
-        rotor_inertia: 2e-6,
-        end_point_mass: 0.015,
-        viscous_friction: 1e-4,
-        coulomb_friction: 2e-3,
-        max_torque: 0.123,
-        counts_per_rev: Some(counts),
-        actuation: Actuation::MotorsAtMeasuredPose,
-        gravity: [0.0, 0.0],
-    }
-}
-
-const fn geometry(proximal: f64, distal: f64, base: f64, origin: Origin) -> Geometry {
-    Geometry {
-        proximal,
-        distal,
-        base,
-        assembly: Assembly::Far,
-        origin,
-    }
-}
-
-const fn degrees(angle: f64) -> f64 {
-    angle * (std::f64::consts::PI / 180.0)
 }
 
 fn at_least_zero(

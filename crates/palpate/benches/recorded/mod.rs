@@ -4,8 +4,8 @@
 use std::hint::black_box;
 
 use palpate::{
-    AnyMemory, AnyParams, AnyRenderer, Contact, HfcrParams, LoopParams, ObjectState, Phase,
-    PopcParams, PopcRefParams, Renderer, Sample, SehParams, State, VirtualDamperParams,
+    AnyMemory, AnyParams, AnyRenderer, Contact, CoupledParams, HfcrParams, LoopParams, ObjectState,
+    Phase, PopcParams, PopcRefParams, Renderer, Sample, SehParams, State, VirtualDamperParams,
 };
 
 const PERIOD: f64 = 0.01;
@@ -16,7 +16,7 @@ const TICK_COUNT: usize = 300;
 /// What a tick is about.
 pub const CLASSES: [&str; 6] = ["free", "contact", "enters", "leaves", "late", "fault"];
 
-pub const METHODS: [&str; 7] = [
+pub const METHODS: [&str; 8] = [
     "basic",
     "virtual-damper",
     "seh",
@@ -24,6 +24,7 @@ pub const METHODS: [&str; 7] = [
     "popc-ref",
     "hfcr-mod",
     "hfcr",
+    "coupled",
 ];
 
 /// One tick, ready to be run again and again.
@@ -59,6 +60,7 @@ impl Recorded {
             "popc-ref" => AnyParams::PopcRef(PopcRefParams::new(6.0)),
             "hfcr-mod" => AnyParams::Hfcr(HfcrParams::modified_force_only()),
             "hfcr" => AnyParams::Hfcr(HfcrParams::with_damping(0.02)),
+            "coupled" => AnyParams::Coupled(CoupledParams::new(0.1)),
             other => panic!("no method {other}"),
         };
         let contact = Contact::object(100.0, 0.1);

@@ -1,0 +1,101 @@
+//! `palpate compare`: many scenes and methods in one table.
+
+use std::path::Path;
+
+use palpate_sim::closed_loop::{Bench, LoopError};
+use palpate_sim::method::MethodName;
+use palpate_sim::scene::SetupError;
+
+use super::simulate::{explain, read_scene, subject};
+use crate::arguments::{CompareArguments, Flags, TimingFlags};
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::report::compare::{COLUMNS, Comparison, SceneRows};
+use crate::results::print;
+
+/// Runs every method on every scene.
+pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
+    let methods = match &arguments.method {
+        Some(methods) => methods.0.clone(),
+        None => MethodName::ALL.to_vec(),
+    };
+    if let Some(out) = &arguments.out {
+        check_out(out, &arguments.scenes)?;
+    }
+    // Every file is read before any work is done.
+    let files = arguments
+        .scenes
+        .iter()
+        .map(|path| Ok((path, read_scene(path)?)))
+        .collect::<Result<Vec<_>, Failure>>()?;
+    let progress = Progress::new(files.len() * methods.len());
+    let mut scenes = Vec::with_capacity(files.len());
+    for (path, file) in &files {
+        let scene = &file.scene;
+        let no_flags = (&Flags::default(), &TimingFlags::default());
+        progress.begin(&format!("ideal of {}", path.display()));
+        let bench =
+            Bench::new(scene).map_err(|error| explain(no_flags, file, scene.method, error))?;
+        let mut outcomes = Vec::with_capacity(methods.len());
+        for &method in &methods {
+            progress.begin(&format!("{method} on {}", path.display()));
+            let outcome = match bench.run(method) {
+                Ok(run) => Ok(run),
+                Err(LoopError::Setup(error)) => Err(cannot(&error)),
+                Err(error) => return Err(explain(no_flags, file, method, error)),
+            };
+            outcomes.push((method, outcome));
+            progress.advance();
+        }
+        scenes.push(SceneRows::of(
+            path.display().to_string(),
+            &subject(scene),
+            bench.reference(),
+            outcomes,
+        ));
+    }
+    drop(progress);
+    let mut comparison = Comparison::of(scenes);
+    if let Some(out) = &arguments.out {
+        write(out, &comparison)?;
+        comparison.wrote(out);
+    }
+    print(&if arguments.json {
+        comparison.json() + "\n"
+    } else {
+        comparison.to_string()
+    })
+}
+
+fn cannot(error: &SetupError) -> String {
+    match error {
+        SetupError::Parameter(parameter) => parameter.to_string(),
+        SetupError::Settings(settings) => settings.to_string(),
+    }
+}
+
+/// Refuses a table that would take the place of a scene.
+fn check_out(out: &Path, scenes: &[std::path::PathBuf]) -> Result<(), Failure> {
+    let taken = out.canonicalize().ok();
+    for scene in scenes {
+        if taken.is_some() && scene.canonicalize().ok() == taken {
+            return Err(Failure::Arguments(format!(
+                "--out would overwrite the scene {}",
+                scene.display()
+            )));
+        }
+    }
+    Ok(())
+}
+
+fn write(out: &Path, comparison: &Comparison) -> Result<(), Failure> {
+    palpate_io::atomic::write(out, |writer| {
+        let mut csv = csv::Writer::from_writer(writer);
+        csv.write_record(COLUMNS)?;
+        for row in comparison.rows() {
+            csv.write_record(row)?;
+        }
+        csv.flush()
+    })
+    .map_err(|error| Failure::System(error.to_string()))
+}

@@ -1,0 +1,78 @@
+//! Faults of scene and device files, and the places they are found at.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use toml::Spanned;
+
+use crate::method::nearest;
+
+/// A fault in a scene file or in the device file it names, with its place.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{file}:{line}:{column}: {message}")]
+pub struct SceneError {
+    /// Name of the file.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+    /// Bytes of the file that are at fault.
+    pub span: Range<usize>,
+    /// What is wrong, and what is allowed.
+    pub message: String,
+    /// The whole text, to show the place in.
+    pub source_text: String,
+}
+
+impl SceneError {
+    pub(super) fn at(file: &str, source: &str, span: Range<usize>, message: String) -> Self {
+        let before = &source[..span.start.min(source.len())];
+        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        Self {
+            file: file.into(),
+            line: before.matches('\n').count() + 1,
+            column: before[line_start..].chars().count() + 1,
+            span,
+            message,
+            source_text: source.into(),
+        }
+    }
+}
+
+/// Remembers where values stand while it takes them out of their wrapping.
+#[derive(Default)]
+pub(super) struct Places(pub HashMap<&'static str, Range<usize>>);
+
+impl Places {
+    pub fn take<T>(&mut self, name: &'static str, value: Spanned<T>) -> T {
+        self.0.insert(name, value.span());
+        value.into_inner()
+    }
+
+    pub fn take_or<T>(&mut self, name: &'static str, value: Option<Spanned<T>>, default: T) -> T {
+        value.map_or(default, |value| self.take(name, value))
+    }
+}
+
+/// A message of the TOML reader without Rust's names of types, and for an unknown key with the one
+/// it most likely meant. The reader names both:
+/// ``unknown field `x`, expected one of `a`, `b` ``.
+pub(crate) fn in_plain_words(message: &str) -> String {
+    let Some(rest) = message.strip_prefix("unknown field `") else {
+        return message
+            .replace("expected f64", "expected a number")
+            .replace("expected i64", "expected a whole number")
+            .replace("expected usize", "expected a whole number from 0 up")
+            .replace("expected u64", "expected a whole number from 0 up");
+    };
+    let mut quoted = rest.split('`');
+    let unknown = quoted.next().unwrap_or_default();
+    // Every second piece from here on stands between quotes.
+    let known: Vec<&str> = quoted.skip(1).step_by(2).collect();
+    let all = known.join(", ");
+    match nearest(unknown, &known) {
+        Some(near) => format!("unknown key {unknown}, did you mean {near}? Known here: {all}"),
+        None => format!("unknown key {unknown}. Known here: {all}"),
+    }
+}

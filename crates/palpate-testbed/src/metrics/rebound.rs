@@ -1,0 +1,106 @@
+//! How fast device and object part after a collision, whatever the device.
+
+use std::ops::Range;
+
+use crate::metrics::WindowMismatch;
+use crate::metrics::collisions::{parted, relative_error, rendered_runs};
+use crate::profile::{ForceProfile, Snapshot};
+
+/// The speeds at which device and object part after a collision, ideal and rendered.
+///
+/// Unlike a rebound's [energy](crate::metrics::Rebound) this asks nothing of the device: friction
+/// and the hand are in the ideal's speed as they are in the rendered one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReboundSpeed {
+    /// Speed at the end of the ideal collision \[m/s\].
+    pub ideal: f64,
+    /// Speed of the rendered one \[m/s\]; `None` if there was no rendered collision of this number,
+    /// or device and object had not parted by the next one or by the window's end.
+    ///
+    /// Samples see them part late by up to a period, in which gravity and the hand have changed the
+    /// speed. So it is carried back to where they touched: with the gap −p and the relative velocity
+    /// v at the first sample out of contact, and the relative acceleration a of the free interval
+    /// nearest to it, those after it first, the speed is √(v² − 2 a p).
+    pub rendered: Option<f64>,
+    /// (rendered − ideal)/ideal; `None` if that is not a finite number.
+    pub error: Option<f64>,
+}
+
+impl ReboundSpeed {
+    /// The rebound after each ideal collision that ends within the window, from the record of a
+    /// perfect closed loop as for [`EnergyJudgement`](crate::metrics::EnergyJudgement::of).
+    ///
+    /// # Errors
+    ///
+    /// `record` does not have one entry more than `profile` has intervals.
+    pub fn of(profile: &ForceProfile, record: &[Snapshot]) -> Result<Vec<Self>, WindowMismatch> {
+        let window = profile.intervals();
+        WindowMismatch::unless_equal(record.len(), window + 1)?;
+        let held: Vec<f64> = record[..window]
+            .iter()
+            .map(|snapshot| snapshot.force_on_object)
+            .collect();
+        Self::sampled(profile, &held, record)
+    }
+
+    /// The same of a loop by the force it `held` over each interval \[N\] and the `record` of its
+    /// states at the samples, as for [`EnergyJudgement`](crate::metrics::EnergyJudgement::sampled).
+    ///
+    /// # Errors
+    ///
+    /// `held` does not have one force for each interval of `profile`, or `record` no entry.
+    pub fn sampled(
+        profile: &ForceProfile,
+        held: &[f64],
+        record: &[Snapshot],
+    ) -> Result<Vec<Self>, WindowMismatch> {
+        WindowMismatch::unless_equal(held.len(), profile.intervals())?;
+        WindowMismatch::unless_equal(record.len().min(1), 1)?;
+        let runs = rendered_runs(held);
+        let grid = profile.grid();
+        let pressed: Vec<Range<f64>> = runs
+            .iter()
+            .map(|run| grid.edge(run.start)..grid.edge(run.end))
+            .collect();
+        Ok(profile
+            .collisions()
+            .iter()
+            .filter_map(|collision| collision.release_speed)
+            .enumerate()
+            .map(|(number, ideal)| {
+                let rendered = (number < runs.len())
+                    .then(|| parted(record, grid, &runs, number))
+                    .and_then(|(sample, until)| {
+                        Some(parting_speed(record, sample?, until, &pressed))
+                    })
+                    .filter(|speed| speed.is_finite());
+                Self {
+                    ideal,
+                    rendered,
+                    error: rendered.and_then(|speed| relative_error(speed, ideal)),
+                }
+            })
+            .collect())
+    }
+}
+
+/// Speed \[m/s\] at which the two were in touch before `sample`, the first out of contact; the next
+/// collision begins at `until`. Forces were held in the times `pressed` \[s\].
+fn parting_speed(record: &[Snapshot], sample: usize, until: usize, pressed: &[Range<f64>]) -> f64 {
+    let velocity = |at: &Snapshot| at.device_velocity - at.object_velocity;
+    let is_free = |&i: &usize| {
+        let (begin, end) = (&record[i], &record[i + 1]);
+        let apart = begin.penetration() <= 0.0 && end.penetration() <= 0.0;
+        let before_or_after = |held: &Range<f64>| held.end <= begin.time || held.start >= end.time;
+        apart && begin.force_on_object == 0.0 && pressed.iter().all(before_or_after)
+    };
+    let mut near = (sample..until).chain((0..sample).rev());
+    let acceleration = near.find(is_free).map_or(0.0, |i| {
+        let (begin, end) = (&record[i], &record[i + 1]);
+        (velocity(end) - velocity(begin)) / (end.time - begin.time)
+    });
+    let here = &record[sample];
+    (velocity(here).powi(2) - 2.0 * acceleration * here.penetration())
+        .max(0.0)
+        .sqrt()
+}
