@@ -1,6 +1,7 @@
 //! The contact and the loop it is rendered in: what a user states, checked once.
 
 use crate::Scalar;
+use crate::guard::Guard;
 use crate::parameter::{ParameterError, positive};
 
 /// Mass of the virtual object.
@@ -124,6 +125,13 @@ impl<S: Scalar> Contact<S> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: Scalar + serde::Serialize",
+        deserialize = "S: Scalar + serde::Deserialize<'de>"
+    ))
+)]
 pub struct LoopParams<S> {
     /// Nominal period T between samples `[s]`, greater than 0.
     pub period: S,
@@ -148,6 +156,9 @@ pub struct LoopParams<S> {
     /// methods that predict look that far ahead.
     #[cfg_attr(feature = "serde", serde(default))]
     pub delay: usize,
+    /// Whether the energy that held forces give out is bounded. Default: it is not.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub guard: Guard<S>,
 }
 
 /// Most samples of delay that a loop can state.
@@ -164,6 +175,7 @@ impl<S: Scalar> LoopParams<S> {
             force_limit: None,
             slew_limit: None,
             delay: 0,
+            guard: Guard::Off,
         }
     }
 
@@ -199,7 +211,7 @@ impl<S: Scalar> LoopParams<S> {
             self.delay as f64,
             "0 to 8",
         )?;
-        Ok(())
+        self.guard.check()
     }
 }
 

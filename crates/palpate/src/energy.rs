@@ -74,6 +74,12 @@ impl<S: Scalar> Ledger<S> {
         }
     }
 
+    /// Energy that may still be given out if nothing is to be created: what was stored at the start
+    /// and put in since, less what has come out `[J]`.
+    pub fn balance(&self) -> S {
+        self.stored - self.held_leak.accumulated
+    }
+
     /// Books one interval; false, and nothing booked, if an entry would overflow.
     #[must_use]
     pub(crate) fn close(&mut self, interval: &Closing<S>) -> bool {

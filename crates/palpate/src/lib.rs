@@ -50,6 +50,7 @@
 mod contact;
 mod difficulty;
 mod energy;
+mod guard;
 mod motion;
 mod parameter;
 mod placement;
@@ -63,6 +64,7 @@ mod transition;
 pub use contact::{Contact, LARGEST_DELAY, LoopParams, Mass, Side};
 pub use difficulty::Difficulty;
 pub use energy::{Leak, Ledger};
+pub use guard::{Guard, GuardParams};
 pub use motion::{Displacement, ObjectMotion, ObjectState, Rule, Start};
 pub use parameter::ParameterError;
 pub use placement::Placement;

@@ -136,13 +136,15 @@ pub struct Limited {
     pub force: bool,
     /// It changed faster than the slew limit.
     pub slew: bool,
+    /// It could give out more energy than there is: the [`Guard`](crate::Guard)'s bound.
+    pub guard: bool,
 }
 
 impl Limited {
     /// Whether any limit acted.
     #[inline]
     pub fn any(self) -> bool {
-        self.pull || self.force || self.slew
+        self.pull || self.force || self.slew || self.guard
     }
 }
 

@@ -133,6 +133,8 @@ const FIRST_MOBILITY: f64 = 0.5;
 const MOBILITY_RANGE: f64 = 20.0;
 /// Innovations whose square is beyond this multiple of what is expected put the mass in doubt.
 const SURPRISE: f64 = 25.0;
+/// Square of the standard deviations that are left of a surprise when a kick has been reckoned with.
+const EXPLAINED: f64 = 4.0;
 /// Standard deviation of a mobility in doubt, as a part of it.
 const DOUBT: f64 = 0.25;
 /// How fast the jerk's variance follows the innovations, per sample.
@@ -143,6 +145,15 @@ const JERK_GAIN: f64 = 0.2;
 const JERK_TARGET: f64 = 1.2;
 /// Innovation variances beyond this multiple of the expected one count as this.
 const JERK_CAP: f64 = 9.0;
+
+/// What a sample is expected to tell before it comes.
+struct Foreseen<S> {
+    /// Variance of the innovation `[m^2]`.
+    variance: S,
+    /// Covariance of the innovation with position, velocity and external acceleration at the
+    /// interval's beginning.
+    cross: [S; 3],
+}
 
 impl<S: Scalar> Observer<S> {
     pub fn new(params: &ObserverParams<S>) -> Self {
@@ -179,29 +190,26 @@ impl<S: Scalar> Observer<S> {
         let (travel, gained) = before.under(f, h);
         let innovation = moved - (before.offset + travel);
 
-        // The covariance of the state at the beginning with the innovation: C a with C = U D U'
-        // and a the first row of the transition.
         let half_square = S::HALF * h * h;
-        let row = [S::ONE, h, half_square, -(f * half_square)];
-        let [[u01, u02, u03], [_, u12, u13], [_, _, u23]] = self.upper;
-        let [d0, d1, d2, d3] = self.diagonal;
-        let w = [
-            row[0],
-            u01 + row[1],
-            u02 + row[1] * u12 + row[2],
-            u03 + row[1] * u13 + row[2] * u23 + row[3],
-        ];
-        let dw = [d0 * w[0], d1 * w[1], d2 * w[2], d3 * w[3]];
-        let cross = [
-            dw[0] + u01 * dw[1] + u02 * dw[2] + u03 * dw[3],
-            dw[1] + u12 * dw[2] + u13 * dw[3],
-            dw[2] + u23 * dw[3],
-        ];
-        let known =
-            dw[0] * w[0] + dw[1] * w[1] + dw[2] * w[2] + dw[3] * w[3] + params.measurement_variance;
         let jerk = [half_square * h * S::from_f64(1.0 / 3.0), half_square, h];
         let jerk_variance = self.jerk_variance;
-        let expected = known + jerk_variance * jerk[0] * jerk[0];
+        let unseen = params.measurement_variance + jerk_variance * jerk[0] * jerk[0];
+        let row = [h, half_square, -(f * half_square)];
+        let mut foreseen = self.foreseen(row, unseen);
+        let square = innovation * innovation;
+        let surprised = square > S::from_f64(SURPRISE) * foreseen.variance;
+        if surprised {
+            // Nothing the filter reckons with: something kicked the device, or it was grabbed. Let
+            // the kick come first in the interval, which makes the velocity that of the last step.
+            self.kick((square / S::from_f64(EXPLAINED) - foreseen.variance) / (h * h));
+            foreseen = self.foreseen(row, unseen);
+        }
+        let Foreseen {
+            variance: expected,
+            cross,
+        } = foreseen;
+        let [[u01, u02, u03], [_, u12, u13], [_, _, u23]] = self.upper;
+        let [d0, d1, d2, d3] = self.diagonal;
 
         let [u01, u02, u03, u12, u13, u23, d0, d1, d2] = {
             // Time step: U over the transition, D, and the jerk as a fifth column, orthogonalised
@@ -290,15 +298,14 @@ impl<S: Scalar> Observer<S> {
             mobility,
         };
 
-        let surprise = innovation * innovation / expected;
-        let new_d3 = if surprise > S::from_f64(SURPRISE) {
+        let new_d3 = if surprised {
             // The device may have been grabbed or let go.
             let doubt = S::from_f64(DOUBT) * mobility;
             new_d3.max(doubt * doubt)
         } else {
             new_d3
         };
-        let ratio = surprise.min(S::from_f64(JERK_CAP));
+        let ratio = (square / expected).min(S::from_f64(JERK_CAP));
         let factor = (S::from_f64(JERK_GAIN) * (ratio - S::from_f64(JERK_TARGET))).exp();
         let adapted = Self {
             motion: after,
@@ -319,6 +326,42 @@ impl<S: Scalar> Observer<S> {
             *self = Self::new(params);
             self.motion
         }
+    }
+
+    /// What the next sample is expected to add to what is known, by the state's covariance C = U D U'
+    /// and the transition's first row `(1, row)`.
+    #[inline]
+    fn foreseen(&self, row: [S; 3], unseen: S) -> Foreseen<S> {
+        let [[u01, u02, u03], [_, u12, u13], [_, _, u23]] = self.upper;
+        let [d0, d1, d2, d3] = self.diagonal;
+        let w1 = u01 + row[0];
+        let w2 = u02 + row[0] * u12 + row[1];
+        let w3 = u03 + row[0] * u13 + row[1] * u23 + row[2];
+        let (v1, v2, v3) = (d1 * w1, d2 * w2, d3 * w3);
+        Foreseen {
+            variance: d0 + v1 * w1 + v2 * w2 + v3 * w3 + unseen,
+            cross: [
+                d0 + u01 * v1 + u02 * v2 + u03 * v3,
+                v1 + u12 * v2 + u13 * v3,
+                v2 + u23 * v3,
+            ],
+        }
+    }
+
+    /// Adds `variance` `[m^2/s^2]` to that of the velocity, by no doing of the other parts of the
+    /// state.
+    fn kick(&mut self, variance: S) {
+        let (u01, d1) = (self.upper[0][0], self.diagonal[1]);
+        let kicked = d1 + variance.max(S::ZERO);
+        // As long as the position has a variance there is a quotient.
+        let left = if kicked > S::ZERO {
+            d1 / kicked
+        } else {
+            S::ONE
+        };
+        self.upper[0][0] = u01 * left;
+        self.diagonal[0] += d1 * u01 * u01 * (S::ONE - left);
+        self.diagonal[1] = kicked;
     }
 
     fn is_finite(&self) -> bool {

@@ -31,6 +31,7 @@ pub use virtual_damper::{VirtualDamper, VirtualDamperParams};
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams};
 use crate::energy::Closing;
+use crate::guard::Guard;
 use crate::motion::{ObjectMotion, ObjectState, Rule, Start};
 use crate::parameter::{ParameterError, finite};
 use crate::sample::{Fault, Limited, Output, Phase, Sample};
@@ -320,7 +321,20 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         if !finite {
             return Err(Fault::Overflow);
         }
-        let (commanded, limited) = self.limit(plan.force, state.commanded);
+        let (mut commanded, mut limited) = self.limit(plan.force, state.commanded);
+        let claims = || {
+            let ahead = situation.on_their_way.iter();
+            ahead.fold(S::ZERO, |sum, force| sum + force.commanded.abs())
+        };
+        let balance = state.ledger.balance();
+        if let Some((bound, kept)) = self.guard_bound(balance, claims)
+            && commanded.abs() > bound
+        {
+            limited.guard = true;
+            if kept {
+                commanded = commanded.within(bound);
+            }
+        }
 
         let original_force = situation.spring_force(&self.motion);
         let start = situation.start;
@@ -401,6 +415,16 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             limited.slew = true;
         }
         (force, limited)
+    }
+
+    /// Largest force that the guard lets pass, and whether it keeps to it.
+    #[inline]
+    fn guard_bound(&self, balance: S, claims: impl FnOnce() -> S) -> Option<(S, bool)> {
+        if self.loop_params.guard == Guard::Off {
+            return None;
+        }
+        let period = self.motion.period();
+        self.loop_params.guard.bound(balance, claims(), period)
     }
 
     /// A sample that cannot be used: no force, and the object waits where it is.

@@ -140,6 +140,7 @@ fn in_both_precisions(
             force_limit: None,
             slew_limit: None,
             delay: double.delay,
+            guard: palpate::Guard::Off,
         },
         |here| {
             let sample = bad(here.to_f64());

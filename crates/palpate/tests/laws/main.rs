@@ -8,6 +8,7 @@ mod coupled;
 mod damper;
 mod faults;
 mod geometry;
+mod guard;
 mod hfcr;
 mod limits;
 mod measured_period;

@@ -4,8 +4,8 @@ use std::fmt::Debug;
 
 use crate::common::methods;
 use palpate::{
-    AnyParams, Contact, HfcrParams, LeakDissipation, LoopParams, Mass, ObjectState, PopcParams,
-    PopcRefParams, SehEstimate, SehParams, Side, VirtualDamperParams,
+    AnyParams, Contact, Guard, GuardParams, HfcrParams, LeakDissipation, LoopParams, Mass,
+    ObjectState, PopcParams, PopcRefParams, SehEstimate, SehParams, Side, VirtualDamperParams,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -42,6 +42,10 @@ fn every_parameter_type_comes_back_from_json_and_toml() {
         force_limit: Some(5.0),
         slew_limit: Some(1e3),
         delay: 2,
+        guard: Guard::Limit(GuardParams {
+            largest_speed: 1.0,
+            allowance: 1e-3,
+        }),
     });
     for mass in [Mass::Finite(0.1), Mass::Infinite] {
         comes_back(mass);

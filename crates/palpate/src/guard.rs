@@ -1,0 +1,86 @@
+//! The guard: a bound on the energy that a held force can give out before anybody can know.
+//!
+//! A force is fixed before the user moves. Over one interval it can give out as much as
+//! `|f| v T` at a device speed v, whatever it was computed from. So whoever wants a guarantee and
+//! not an estimate has to limit the force itself:
+//!
+//! ```text
+//! |f_i| <= (balance_i + allowance - on their way) / (v_max T)
+//! balance_i = what was stored at the start + work of f_V + outside work + port work
+//! ```
+//!
+//! The balance is the energy that may still be given out; the forces on their way in a loop with a
+//! delay have claims on it. While the device keeps below v_max and samples come within the nominal
+//! period, what has been given out at the end of an interval with a held force never exceeds what
+//! was stored, what f_V and changes from outside put in, and the allowance.
+
+use crate::Scalar;
+use crate::parameter::{ParameterError, not_negative, positive};
+
+/// Whether the energy given out is bounded, and how.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: Scalar + serde::Serialize",
+        deserialize = "S: Scalar + serde::Deserialize<'de>"
+    ))
+)]
+pub enum Guard<S> {
+    /// No bound.
+    #[default]
+    Off,
+    /// Forces beyond the bound are held, and reported in
+    /// [`Limited::guard`](crate::Limited::guard).
+    Report(GuardParams<S>),
+    /// No force exceeds the bound.
+    Limit(GuardParams<S>),
+}
+
+/// What the guard reckons with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: Scalar + serde::Serialize",
+        deserialize = "S: Scalar + serde::Deserialize<'de>"
+    ))
+)]
+pub struct GuardParams<S> {
+    /// Fastest device motion against which the bound holds, v_max `[m/s]`, greater than 0.
+    pub largest_speed: S,
+    /// Energy that may be given out beyond the balance, epsilon `[J]`, not below 0. Without any, a
+    /// contact that has stored nothing yet could not begin to push.
+    pub allowance: S,
+}
+
+impl<S: Scalar> Guard<S> {
+    pub(crate) fn check(&self) -> Result<(), ParameterError> {
+        match self {
+            Self::Off => Ok(()),
+            Self::Report(params) | Self::Limit(params) => {
+                positive("guard speed", "m/s", params.largest_speed)?;
+                not_negative("guard allowance", "J", params.allowance)?;
+                Ok(())
+            }
+        }
+    }
+
+    /// Largest force `[N]` over one `period` `[s]` from a `balance` `[J]`, with `claims`, the sum of
+    /// the absolute forces on their way `[N]`; and whether it is to be kept.
+    #[inline]
+    pub(crate) fn bound(&self, balance: S, claims: S, period: S) -> Option<(S, bool)> {
+        let (params, kept) = match self {
+            Self::Off => return None,
+            Self::Report(params) => (params, false),
+            Self::Limit(params) => (params, true),
+        };
+        let per_force = params.largest_speed * period;
+        let free = (balance + params.allowance) / per_force - claims;
+        Some((free.max(S::ZERO), kept))
+    }
+}

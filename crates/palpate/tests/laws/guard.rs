@@ -1,0 +1,192 @@
+//! The guard, attacked by an adversary who moves the device as it suits him.
+
+use palpate::{
+    AnyParams, AnyRenderer, Contact, CoupledParams, Guard, GuardParams, HfcrParams, LoopParams,
+    Mass, ObjectState, Renderer, Sample,
+};
+
+use crate::common::{Random, methods};
+
+const ALLOWANCE: f64 = 1e-3;
+const SPEED: f64 = 1.0;
+const GUARD: GuardParams<f64> = GuardParams {
+    largest_speed: SPEED,
+    allowance: ALLOWANCE,
+};
+const WEIGHT: f64 = -0.5;
+/// Moves of an attack.
+const LENGTH: usize = 60;
+
+/// One attack: a device motion in parts of the largest step.
+type Moves = [f64; LENGTH];
+
+struct Target {
+    renderer: AnyRenderer<f64>,
+    contact: Contact<f64>,
+    period: f64,
+    gap: f64,
+}
+
+impl Target {
+    fn new(
+        method: AnyParams<f64>,
+        contact: Contact<f64>,
+        period: f64,
+        delay: usize,
+        guard: Guard<f64>,
+    ) -> Self {
+        let l = LoopParams {
+            delay,
+            guard,
+            ..LoopParams::new(period)
+        };
+        Self {
+            renderer: Renderer::new(contact, l, method).unwrap(),
+            contact,
+            period,
+            gap: 0.5 * SPEED * period,
+        }
+    }
+
+    /// The most that an attack has taken out beyond what was there, at any end of an interval with a
+    /// held force `[J]`, and in how many samples the guard acted. Kept from outside, with what the
+    /// motor really held.
+    fn taken_by(&self, moves: &Moves) -> (f64, usize) {
+        let delay = self.renderer.loop_params().delay;
+        let mut state = self.renderer.start(ObjectState::at_rest(self.gap)).unwrap();
+        let moves_object = f64::from(matches!(self.contact.object_mass, Mass::Finite(_)));
+        let mut device = 0.0;
+        let mut commands = [0.0; LENGTH + 1];
+        let mut put_in = [0.0; LENGTH + 1];
+        let (mut given_out, mut worst, mut acted) = (0.0, f64::NEG_INFINITY, 0);
+        let mut last_object = self.gap;
+        for i in 0..=LENGTH {
+            let sample = Sample::at(device).with_virtual_force(WEIGHT);
+            let output = self.renderer.step(&mut state, sample);
+            assert_eq!(output.fault, None);
+            commands[i] = output.force_on_object;
+            acted += usize::from(output.limited.guard);
+            put_in[i] = moves_object * WEIGHT * (output.object_position - last_object)
+                + if i > 0 { put_in[i - 1] } else { 0.0 };
+            last_object = output.object_position;
+            if i > delay && commands[i - 1 - delay] != 0.0 {
+                // What f_V had put in by the sample that the held force was computed from.
+                worst = worst.max(given_out - put_in[i - 1 - delay]);
+            }
+            if i < LENGTH {
+                let step = moves[i] * SPEED * self.period;
+                let held = if i >= delay { commands[i - delay] } else { 0.0 };
+                given_out -= held * step;
+                device += step;
+            }
+        }
+        (worst, acted)
+    }
+
+    /// The best of many attacks, each improved move by move as long as that pays.
+    fn attacked(&self, seed: u64) -> (f64, usize) {
+        let mut random = Random(seed);
+        let (mut most, mut acted) = (f64::NEG_INFINITY, 0);
+        for attempt in 0..12 {
+            let mut moves = [0.0; LENGTH];
+            let turn = 1 + attempt % 6;
+            for (i, step) in moves.iter_mut().enumerate() {
+                // Poke and run, with another rhythm each time, or at random.
+                *step = if attempt < 6 {
+                    if (i / turn) % 2 == 0 { 1.0 } else { -1.0 }
+                } else {
+                    random.between(-1.0, 1.0)
+                };
+            }
+            let (mut best, _) = self.taken_by(&moves);
+            for _ in 0..400 {
+                let mut other = moves;
+                let from = (random.between(0.0, 1.0) * LENGTH as f64) as usize % LENGTH;
+                let many = 1 + (random.between(0.0, 1.0) * 5.0) as usize;
+                let to = [-1.0, 0.0, 1.0, random.between(-1.0, 1.0)]
+                    [(random.between(0.0, 1.0) * 4.0) as usize % 4];
+                for step in other.iter_mut().skip(from).take(many) {
+                    *step = to;
+                }
+                let (taken, _) = self.taken_by(&other);
+                if taken >= best {
+                    (best, moves) = (taken, other);
+                }
+            }
+            let (taken, times) = self.taken_by(&moves);
+            acted += times;
+            most = most.max(taken);
+        }
+        (most, acted)
+    }
+}
+
+/// By difficulty, so that the object's own motion is one at every period.
+fn contacts(period: f64) -> [Contact<f64>; 3] {
+    let per_period = 1.0 / (period * period);
+    [
+        Contact::object(0.05 * 0.1 * per_period, 0.1),
+        Contact::object(1.5 * 0.02 * per_period, 0.02),
+        Contact::wall(0.2 * 0.25 * per_period),
+    ]
+}
+
+#[test]
+fn nobody_takes_out_more_than_there_is_and_the_allowance() {
+    for (name, method) in methods() {
+        for (period, delay) in [(0.02, 0), (0.004, 0), (0.000_25, 0), (0.004, 2)] {
+            for (which, contact) in contacts(period).into_iter().enumerate() {
+                let target = Target::new(method, contact, period, delay, Guard::Limit(GUARD));
+                let (taken, _) = target.attacked(17 + which as u64);
+                assert!(
+                    taken <= ALLOWANCE * (1.0 + 1e-9),
+                    "{name}, contact {which}, {period} s, delay {delay}: {taken} J"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn without_a_guard_the_same_adversary_takes_more() {
+    // The attack is worth its name: unguarded, every method of note gives out many times the
+    // allowance, and a reporting guard sees it without changing a force.
+    for (name, method) in [
+        ("basic", AnyParams::Basic),
+        ("hfcr", AnyParams::Hfcr(HfcrParams::default())),
+        ("coupled", AnyParams::Coupled(CoupledParams::new(0.25))),
+    ] {
+        for (which, contact) in contacts(0.004).into_iter().enumerate() {
+            let open = Target::new(method, contact, 0.004, 0, Guard::Off);
+            let (taken, acted) = open.attacked(17 + which as u64);
+            println!("{name}, contact {which}: {taken:.4} J without a guard");
+            assert!(taken > 5.0 * ALLOWANCE, "{name}, contact {which}: {taken}");
+            assert_eq!(acted, 0);
+            let watched = Target::new(method, contact, 0.004, 0, Guard::Report(GUARD));
+            let (seen, reported) = watched.attacked(17 + which as u64);
+            assert_eq!(taken.to_bits(), seen.to_bits(), "{name}");
+            assert!(reported > 0, "{name}");
+        }
+    }
+}
+
+#[test]
+fn a_guard_without_meaning_is_refused() {
+    for (largest_speed, allowance, what) in [
+        (0.0, 1e-3, "guard speed"),
+        (f64::NAN, 1e-3, "guard speed"),
+        (1.0, -1e-9, "guard allowance"),
+        (1.0, f64::INFINITY, "guard allowance"),
+    ] {
+        let guard = Guard::Limit(GuardParams {
+            largest_speed,
+            allowance,
+        });
+        let l = LoopParams {
+            guard,
+            ..LoopParams::new(0.01)
+        };
+        let error = Renderer::new(Contact::wall(100.0), l, AnyParams::Basic).unwrap_err();
+        assert_eq!(error.parameter, what);
+    }
+}
