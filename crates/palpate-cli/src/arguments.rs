@@ -6,8 +6,9 @@ use clap::builder::styling::{AnsiColor, Styles};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueHint};
 use palpate::{SehEstimate, Side};
 use palpate_sim::method::{Damping, Predictor};
+use palpate_sim::scene::GuardMode;
 
-use crate::values::{Methods, damping, estimate, methods, number, predictor, samples, side};
+use crate::values::{Methods, damping, estimate, guard, methods, number, predictor, samples, side};
 
 const STYLES: Styles = Styles::styled()
     .header(AnsiColor::Green.on_default().bold())
@@ -535,6 +536,31 @@ pub struct Flags {
         help_heading = "Loop"
     )]
     pub largest_gap: Option<f64>,
+    /// Guard of the energy that held forces give out beyond what is there: off, report, or limit,
+    /// which keeps the force to what no device speed up to --guard-speed can turn into more
+    /// [default: off, or the scene's]
+    #[arg(long, value_name = "MODE", value_parser = guard, help_heading = "Loop")]
+    pub guard: Option<GuardMode>,
+    /// Fastest device motion that the guard reckons with [m/s] [default: 1]
+    #[arg(
+        long,
+        value_name = "m/s",
+        value_parser = number,
+        allow_hyphen_values = true,
+        requires = "guard",
+        help_heading = "Loop"
+    )]
+    pub guard_speed: Option<f64>,
+    /// Energy that the guard lets out on top [J] [default: 0.001]
+    #[arg(
+        long,
+        value_name = "J",
+        value_parser = number,
+        allow_hyphen_values = true,
+        requires = "guard",
+        help_heading = "Loop"
+    )]
+    pub guard_allowance: Option<f64>,
 
     /// Method: all, or one or more, separated by commas, of basic, seh, virtual-damper, popc,
     /// popc-ref, hfcr-mod, hfcr-mod-st, hfcr, coupled [default: hfcr, or the scene's]

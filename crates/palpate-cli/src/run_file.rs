@@ -45,6 +45,7 @@ pub fn write(
                 (output.limited.pull, "pull"),
                 (output.limited.force, "force"),
                 (output.limited.slew, "slew"),
+                (output.limited.guard, "guard"),
             ]
             .into_iter()
             .filter_map(|(acted, name)| acted.then_some(name))

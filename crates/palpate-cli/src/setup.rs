@@ -2,11 +2,11 @@
 
 use std::collections::HashMap;
 
-use palpate::{Contact, LoopParams, Mass, ObjectState, ParameterError};
+use palpate::{Contact, Guard, LoopParams, Mass, ObjectState, ParameterError};
 use palpate_sim::method::{MethodName, Setting, Settings, SettingsError};
 use palpate_sim::replay::ReplaySetup;
 use palpate_sim::run::Run;
-use palpate_sim::scene::{Dropped, Jitter, Scene, SetupError};
+use palpate_sim::scene::{Dropped, GUARD_ALLOWANCE, GUARD_SPEED, Jitter, Scene, SetupError};
 use palpate_testbed::InvalidParameter;
 
 use crate::arguments::{Flags, TimingFlags};
@@ -14,7 +14,7 @@ use crate::failure::Failure;
 use crate::report::{Subject, parameters_of, timing_of};
 
 /// Flag of a parameter, by the name that parameter errors use.
-const FLAG_OF: [(&str, &str); 20] = [
+const FLAG_OF: [(&str, &str); 22] = [
     ("stiffness", "--stiffness"),
     ("object_mass", "--mass"),
     ("virtual force", "--force"),
@@ -26,6 +26,8 @@ const FLAG_OF: [(&str, &str); 20] = [
     ("slew_limit", "--slew-limit"),
     ("speed_limit", "--speed-limit"),
     ("largest_gap", "--largest-gap"),
+    ("guard speed", "--guard-speed"),
+    ("guard allowance", "--guard-allowance"),
     ("damping", "--damping"),
     ("damping_cap", "--damping-cap"),
     ("speed_threshold", "--speed-threshold"),
@@ -176,6 +178,12 @@ impl Flags {
             speed_limit: self.speed_limit.or(others.speed_limit),
             force_limit: self.force_limit.or(others.force_limit),
             slew_limit: self.slew_limit.or(others.slew_limit),
+            guard: self.guard.map_or(others.guard, |mode| {
+                mode.guard(
+                    self.guard_speed.unwrap_or(GUARD_SPEED),
+                    self.guard_allowance.unwrap_or(GUARD_ALLOWANCE),
+                )
+            }),
             ..others
         }
     }
@@ -232,6 +240,8 @@ impl Flags {
             ("slew_limit", self.slew_limit.is_some()),
             ("speed_limit", self.speed_limit.is_some()),
             ("largest_gap", self.largest_gap.is_some()),
+            ("guard speed", self.guard_speed.is_some()),
+            ("guard allowance", self.guard_allowance.is_some()),
             ("damping", self.damping.is_some()),
             ("damping_cap", self.damping_cap.is_some()),
             ("speed_threshold", self.speed_threshold.is_some()),
@@ -357,6 +367,18 @@ pub fn receipt(
         ("force_limit_n".to_owned(), optional(limits.force_limit)),
         ("slew_limit_n_per_s".to_owned(), optional(limits.slew_limit)),
         ("largest_gap_s".to_owned(), limits.bridged_gap().to_string()),
+        (
+            "guard".to_owned(),
+            match limits.guard {
+                Guard::Off => "off".into(),
+                Guard::Report(guard) => {
+                    format!("report, {} m/s, {} J", guard.largest_speed, guard.allowance)
+                }
+                Guard::Limit(guard) => {
+                    format!("limit, {} m/s, {} J", guard.largest_speed, guard.allowance)
+                }
+            },
+        ),
         (
             "speed_limit_m_per_s".to_owned(),
             optional(limits.speed_limit),

@@ -2,6 +2,7 @@
 
 use palpate::{SehEstimate, Side};
 use palpate_sim::method::{Damping, MethodName, Predictor};
+use palpate_sim::scene::GuardMode;
 use palpate_testbed::hold::DelayedHold;
 
 /// The methods a command is to run.
@@ -76,5 +77,15 @@ pub fn predictor(text: &str) -> Result<Predictor, String> {
         "constant-velocity" => Ok(Predictor::ConstantVelocity),
         "observer" => Ok(Predictor::Observer),
         _ => Err("the predictions are constant-velocity and observer".into()),
+    }
+}
+
+/// What a guard does.
+pub fn guard(text: &str) -> Result<GuardMode, String> {
+    match text {
+        "off" => Ok(GuardMode::Off),
+        "report" => Ok(GuardMode::Report),
+        "limit" => Ok(GuardMode::Limit),
+        _ => Err("the guard is off, report or limit".into()),
     }
 }

@@ -4,7 +4,9 @@ use std::collections::HashMap;
 use std::io;
 use std::ops::Range;
 
-use palpate::{Contact, LoopParams, ObjectState, ParameterError, SehEstimate, Side};
+use palpate::{
+    Contact, Guard, GuardParams, LoopParams, ObjectState, ParameterError, SehEstimate, Side,
+};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -81,7 +83,49 @@ struct RawRenderer {
     slew_limit_n_per_s: Option<Spanned<f64>>,
     speed_limit_m_per_s: Option<Spanned<f64>>,
     largest_gap_s: Option<Spanned<f64>>,
+    guard: Option<RawGuard>,
 }
+
+/// A bound on the energy that held forces give out.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawGuard {
+    mode: GuardMode,
+    speed_m_per_s: Option<Spanned<f64>>,
+    allowance_j: Option<Spanned<f64>>,
+}
+
+/// What a guard does with a force beyond its bound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GuardMode {
+    /// There is no guard.
+    Off,
+    /// It says so.
+    Report,
+    /// It keeps the force to the bound.
+    Limit,
+}
+
+impl GuardMode {
+    /// The guard against device speeds up to `largest_speed` `[m/s]`, with an `allowance` `[J]`.
+    pub fn guard(self, largest_speed: f64, allowance: f64) -> Guard<f64> {
+        let params = GuardParams {
+            largest_speed,
+            allowance,
+        };
+        match self {
+            Self::Off => Guard::Off,
+            Self::Report => Guard::Report(params),
+            Self::Limit => Guard::Limit(params),
+        }
+    }
+}
+
+/// Device speed that a guard reckons with where none is stated `[m/s]`: a brisk hand.
+pub const GUARD_SPEED: f64 = 1.0;
+/// Allowance of a guard where none is stated `[J]`.
+pub const GUARD_ALLOWANCE: f64 = 1e-3;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -226,6 +270,12 @@ impl SceneFile {
                 force_limit: limit(&mut places, "force_limit", raw.renderer.force_limit_n),
                 slew_limit: limit(&mut places, "slew_limit", raw.renderer.slew_limit_n_per_s),
                 largest_gap: limit(&mut places, "largest_gap", raw.renderer.largest_gap_s),
+                guard: raw.renderer.guard.map_or(Guard::Off, |guard| {
+                    guard.mode.guard(
+                        places.take_or("guard speed", guard.speed_m_per_s, GUARD_SPEED),
+                        places.take_or("guard allowance", guard.allowance_j, GUARD_ALLOWANCE),
+                    )
+                }),
                 ..LoopParams::new(period)
             },
             object: ObjectState {

@@ -19,7 +19,7 @@ pub use beside::beside;
 pub use fault::SceneError;
 pub(crate) use fault::in_plain_words;
 pub(crate) use file::RawSettings;
-pub use file::SceneFile;
+pub use file::{GUARD_ALLOWANCE, GUARD_SPEED, GuardMode, SceneFile};
 pub use linkage::Linkage;
 pub use timing::{Dropped, Jitter, RateCollapse, Timing};
 pub use write::Unwritable;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use palpate::{Contact, LoopParams, Mass, SehEstimate, Side};
+use palpate::{Contact, Guard, LoopParams, Mass, SehEstimate, Side};
 use palpate_testbed::pantograph::SafetyBox;
 
 use super::{Dropped, Grip, Jitter, Measure, PointMassDevice, Scene, Timing, Wave};
@@ -53,6 +53,7 @@ impl Scene {
             slew_limit,
             // Of a scene it is `delay`.
             delay: _,
+            guard,
         } = *loop_params;
         if grip.as_ref().is_some_and(|grip| grip.intention.is_some()) {
             return Err(Unwritable("where a hand wants to be at every instant"));
@@ -123,6 +124,7 @@ impl Scene {
         file.if_given("slew_limit_n_per_s", slew_limit);
         file.if_given("speed_limit_m_per_s", speed_limit);
         file.if_given("largest_gap_s", largest_gap);
+        file.guard(guard);
 
         for method in MethodName::ALL {
             if let Some(settings) = settings.get(&method) {
@@ -228,6 +230,21 @@ impl File {
         if *seed > 0 {
             self.line("seed", &seed.to_string());
         }
+    }
+
+    fn guard(&mut self, guard: Guard<f64>) {
+        let (mode, params) = match guard {
+            Guard::Off => return,
+            Guard::Report(params) => ("report", params),
+            Guard::Limit(params) => ("limit", params),
+        };
+        let (speed, allowance) = (params.largest_speed, params.allowance);
+        self.line(
+            "guard",
+            &format!(
+                "{{ mode = \"{mode}\", speed_m_per_s = {speed:?}, allowance_j = {allowance:?} }}"
+            ),
+        );
     }
 
     fn settings(&mut self, settings: &Settings) {
