@@ -6,7 +6,7 @@ use palpate_io::run::{RunWriteError, RunWriter};
 use palpate_sim::run::Run;
 
 /// Columns of a run file. Leaks and works are accumulated over the intervals before the sample.
-pub const COLUMNS: [&str; 21] = [
+pub const COLUMNS: [&str; 22] = [
     "t_s",
     "device_position_m",
     "object_position_m",
@@ -25,6 +25,7 @@ pub const COLUMNS: [&str; 21] = [
     "outside_work_j",
     "phase",
     "transition_after_s",
+    "placement_shift_m",
     "limited",
     "fault",
     "method",
@@ -70,6 +71,7 @@ pub fn write(
                 ledger.outside_work.into(),
                 output.phase.name().into(),
                 output.transition_after.into(),
+                output.placement_shift.into(),
                 limited.as_str().into(),
                 output.fault.map_or("", |fault| fault.name()).into(),
                 run.method.name().into(),

@@ -63,6 +63,11 @@ fn every_figure_is_that_of_the_simulation() {
 fn the_table_marks_the_best_and_the_broken_in_a_hundred_columns() {
     let folder = folder();
     let text = folder.succeed("compare fig2.toml experiment2.toml");
+    assert_eq!(text.matches("\n * coupled").count(), 2, "{text}");
+    let text = folder.succeed(
+        "compare fig2.toml experiment2.toml \
+         --method basic,seh,virtual-damper,popc,popc-ref,hfcr-mod,hfcr-mod-st,hfcr",
+    );
     assert!(
         text.lines().all(|line| line.chars().count() <= 100),
         "{text}"

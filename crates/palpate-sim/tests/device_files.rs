@@ -377,6 +377,26 @@ fn a_device_file_that_is_missing_or_bad_is_named() {
 }
 
 #[test]
+fn a_scene_on_a_preset_is_written_with_its_box_and_one_on_a_file_is_not() {
+    for keys in [
+        "preset = \"2diy-gen1\"",
+        "preset = \"paper-like\"\nposition_m = 0.001",
+        "preset = \"paper-like\"\nsafety_box = { y_m = [-0.05, 0.006] }",
+        "preset = \"2diy-gen3\"\nsafety_box = { x_m = [-0.1, 0.01], y_m = [-0.05, inf] }",
+    ] {
+        let read = scene(keys, "").unwrap();
+        let written = read.to_toml().unwrap();
+        let again = SceneFile::parse("written", &written).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(again.scene, read, "{written}");
+    }
+    let own = scene("file = \"small.toml\"", GOOD).unwrap();
+    assert_eq!(
+        own.to_toml().unwrap_err().to_string(),
+        "a scene file cannot say what stands in a device file of its own"
+    );
+}
+
+#[test]
 fn leaving_the_safety_box_ends_the_forces_and_is_reported() {
     // A wide box is left by neither; in the scene's own narrow one both end.
     let wide = scene("preset = \"paper-like\"", "").unwrap();

@@ -3,7 +3,7 @@
 
 mod common;
 
-use palpate::{Contact, LoopParams, Mass, ObjectState, Side};
+use palpate::{Contact, CoupledParams, LoopParams, Mass, ObjectState, Renderer, Side};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::method::{MethodName, Settings};
 use palpate_sim::replay::{Replay, ReplaySetup};
@@ -296,6 +296,52 @@ proptest! {
             prop_assert_eq!(one.bench_port_work, other.bench_port_work);
         }
     }
+}
+
+/// Coupled rendering plans past the forces that are on their way, so what it is told shows.
+#[test]
+fn a_replay_tells_the_renderer_its_delay() {
+    let hand = common::synthetic_hand(2);
+    let setup = ReplaySetup {
+        contact: Contact::object(400.0, 0.1),
+        loop_params: LoopParams::new(0.005),
+        object: ObjectState::at_rest(0.004),
+        virtual_force: -0.981,
+        delay: 2,
+        device_mass: None,
+        encoder_quantum: 0.0,
+    };
+    let run = Replay::new(setup, &hand.times, &hand.positions)
+        .unwrap()
+        .run(MethodName::Coupled, &Settings::default())
+        .unwrap();
+    let answers = |delay| -> Vec<f64> {
+        let loop_params = LoopParams {
+            delay,
+            ..setup.loop_params
+        };
+        let params = CoupledParams::new(f64::INFINITY);
+        let renderer = Renderer::new(setup.contact, loop_params, params).unwrap();
+        let mut state = renderer.start(setup.object).unwrap();
+        let mut hold = DelayedHold::new(setup.delay).unwrap();
+        run.ticks
+            .iter()
+            .map(|tick| {
+                let sample = palpate::Sample::at(tick.device_position);
+                let sample = sample.with_virtual_force(setup.virtual_force);
+                let output = renderer.step(&mut state, sample);
+                renderer.report_held(&mut state, hold.exchange(output.force_on_object));
+                output.force_on_object
+            })
+            .collect()
+    };
+    let found: Vec<f64> = run
+        .ticks
+        .iter()
+        .map(|tick| tick.output.force_on_object)
+        .collect();
+    assert_eq!(found, answers(2));
+    assert_ne!(found, answers(0));
 }
 
 /// A replay has no bench to integrate the port's work: its books are compared with those kept here.

@@ -15,7 +15,7 @@ use super::{MethodReport, Report, Subject};
 const FORMAT: &str = "palpate compare 1";
 
 /// Columns of the table as CSV.
-pub const COLUMNS: [&str; 14] = [
+pub const COLUMNS: [&str; 15] = [
     "scene",
     "title",
     "method",
@@ -27,6 +27,7 @@ pub const COLUMNS: [&str; 14] = [
     "peak_over_ideal",
     "absolute_leak_held_j",
     "diverged",
+    "left_box_at_s",
     "jammed_at_s",
     "refused_samples",
     "cannot",
@@ -81,6 +82,7 @@ struct Figures {
     peak_over_ideal: Option<f64>,
     absolute_leak_held_j: f64,
     diverged: Option<bool>,
+    left_box_at_s: Option<f64>,
     jammed_at_s: Option<f64>,
     refused_samples: usize,
 }
@@ -186,10 +188,11 @@ impl SceneRows {
                 row[8] = text(run.peak_over_ideal);
                 row[9] = run.absolute_leak_held_j.to_string();
                 row[10] = run.diverged.map_or_else(String::new, |it| it.to_string());
-                row[11] = text(run.jammed_at_s);
-                row[12] = run.refused_samples.to_string();
+                row[11] = text(run.left_box_at_s);
+                row[12] = text(run.jammed_at_s);
+                row[13] = run.refused_samples.to_string();
             }
-            Result::Cannot { cannot } => row[13].clone_from(cannot),
+            Result::Cannot { cannot } => row[14].clone_from(cannot),
         }
         row
     }
@@ -205,14 +208,15 @@ impl Figures {
             peak_over_ideal: (ideal_peak > 0.0).then_some(report.peak_force_n / ideal_peak),
             absolute_leak_held_j: report.absolute_leak_held_j,
             diverged: report.diverged,
+            left_box_at_s: report.left_box_at_s,
             jammed_at_s: report.jammed_at_s,
             refused_samples: report.faults,
         }
     }
 
-    /// Whether it neither ran away nor ran into the end of a mechanism.
+    /// Whether it neither ran away nor ran out of a safety box or into the end of a mechanism.
     fn is_whole(&self) -> bool {
-        self.diverged != Some(true) && self.jammed_at_s.is_none()
+        self.diverged != Some(true) && self.left_box_at_s.is_none() && self.jammed_at_s.is_none()
     }
 }
 
@@ -281,8 +285,8 @@ impl fmt::Display for Comparison {
         }
         writeln!(
             f,
-            "\n{LEAST} least E of those that held together, {BROKEN} diverged or jammed. E: what a \
-             method answers for.\nWithout a setting in the scene a method has its default; see \
+            "\n{LEAST} least E of those that held together, {BROKEN} diverged, left the safety box or \
+             jammed. E: what a method answers for.\nWithout a setting in the scene a method has its default; see \
              --json for every parameter."
         )?;
         for file in &self.files {

@@ -1,7 +1,5 @@
 //! How fast device and object part after a collision, whatever the device.
 
-use std::ops::Range;
-
 use crate::metrics::WindowMismatch;
 use crate::metrics::collisions::{parted, relative_error, rendered_runs};
 use crate::profile::{ForceProfile, Snapshot};
@@ -57,11 +55,6 @@ impl ReboundSpeed {
         WindowMismatch::unless_equal(held.len(), profile.intervals())?;
         WindowMismatch::unless_equal(record.len().min(1), 1)?;
         let runs = rendered_runs(held);
-        let grid = profile.grid();
-        let pressed: Vec<Range<f64>> = runs
-            .iter()
-            .map(|run| grid.edge(run.start)..grid.edge(run.end))
-            .collect();
         Ok(profile
             .collisions()
             .iter()
@@ -69,10 +62,8 @@ impl ReboundSpeed {
             .enumerate()
             .map(|(number, ideal)| {
                 let rendered = (number < runs.len())
-                    .then(|| parted(record, grid, &runs, number))
-                    .and_then(|(sample, until)| {
-                        Some(parting_speed(record, sample?, until, &pressed))
-                    })
+                    .then(|| parted(record, profile.grid(), &runs, number))
+                    .and_then(|(sample, until)| Some(parting_speed(record, sample?, until)))
                     .filter(|speed| speed.is_finite());
                 Self {
                     ideal,
@@ -85,14 +76,12 @@ impl ReboundSpeed {
 }
 
 /// Speed \[m/s\] at which the two were in touch before `sample`, the first out of contact; the next
-/// collision begins at `until`. Forces were held in the times `pressed` \[s\].
-fn parting_speed(record: &[Snapshot], sample: usize, until: usize, pressed: &[Range<f64>]) -> f64 {
+/// collision begins at `until`.
+fn parting_speed(record: &[Snapshot], sample: usize, until: usize) -> f64 {
     let velocity = |at: &Snapshot| at.device_velocity - at.object_velocity;
     let is_free = |&i: &usize| {
         let (begin, end) = (&record[i], &record[i + 1]);
-        let apart = begin.penetration() <= 0.0 && end.penetration() <= 0.0;
-        let before_or_after = |held: &Range<f64>| held.end <= begin.time || held.start >= end.time;
-        apart && begin.force_on_object == 0.0 && pressed.iter().all(before_or_after)
+        begin.force_on_object == 0.0 && begin.penetration() <= 0.0 && end.penetration() <= 0.0
     };
     let mut near = (sample..until).chain((0..sample).rev());
     let acceleration = near.find(is_free).map_or(0.0, |i| {

@@ -121,11 +121,13 @@ impl<S: Scalar> Method<S> for AnyMethod<S> {
     }
 
     #[inline]
-    fn begin_anew(&self, memory: &mut AnyMemory<S>, device_known: bool) {
+    fn begin_anew(&self, memory: &mut AnyMemory<S>, device_known: bool, object_known: bool) {
         match self {
-            Self::Coupled(method) => method.begin_anew(&mut memory.coupled, device_known),
-            Self::Seh(method) => method.begin_anew(&mut memory.seh, device_known),
-            Self::Hfcr(method) => method.begin_anew(&mut memory.hfcr, device_known),
+            Self::Coupled(method) => {
+                method.begin_anew(&mut memory.coupled, device_known, object_known)
+            }
+            Self::Seh(method) => method.begin_anew(&mut memory.seh, device_known, object_known),
+            Self::Hfcr(method) => method.begin_anew(&mut memory.hfcr, device_known, object_known),
             _ => {}
         }
     }

@@ -352,10 +352,16 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         Plan { force, rule, moved }
     }
 
-    fn begin_anew(&self, memory: &mut CoupledMemory<S>, device_known: bool) {
+    fn begin_anew(&self, memory: &mut CoupledMemory<S>, device_known: bool, object_known: bool) {
         let observer = memory.observer.filter(|_| device_known);
         *memory = CoupledMemory {
             observer,
+            // A wall that waited for a sample still has to go back to its place.
+            wall_offset: if object_known {
+                memory.wall_offset
+            } else {
+                S::ZERO
+            },
             ..CoupledMemory::default()
         };
     }

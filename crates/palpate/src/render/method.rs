@@ -51,10 +51,10 @@ pub trait Method<S: Scalar>: Copy + Debug {
     }
 
     /// Something from outside changed the contact, so that past forces and motions no longer say
-    /// anything about it. `device_known`: the device has been followed all the time, and only the
-    /// object was put elsewhere.
+    /// anything about it. `device_known`: the device has been followed all the time. `object_known`:
+    /// the object is where the last interval has left it, and was not put elsewhere.
     #[inline]
-    fn begin_anew(&self, memory: &mut Self::Memory, _device_known: bool) {
+    fn begin_anew(&self, memory: &mut Self::Memory, _device_known: bool, _object_known: bool) {
         *memory = Self::Memory::default();
     }
 

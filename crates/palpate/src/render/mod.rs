@@ -293,7 +293,8 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                     return Err(Fault::Overflow);
                 }
                 let device_known = previous_penetration.is_some();
-                self.method.begin_anew(&mut state.memory, device_known);
+                self.method
+                    .begin_anew(&mut state.memory, device_known, !teleported);
                 penetration
             }
         };

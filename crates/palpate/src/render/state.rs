@@ -122,7 +122,7 @@ impl<S: Scalar, Memory: Default> State<S, Memory> {
 
     /// The device was found at `position` `[m]`, or nowhere, by a sample that is not to be used.
     /// The object finishes the interval it is in as planned, then waits; it stays where the
-    /// interval began if the plan's energy is not a finite number. A position that is not trusted
+    /// interval began if it is a wall, or the plan's energy is not a finite number. A position that is not trusted
     /// moves no energy, so nothing is booked: the next contact accounts for it all.
     pub(super) fn lose_track(&mut self, motion: &ObjectMotion<S>, position: Option<S>) {
         let mut traces = Traces {
@@ -141,7 +141,8 @@ impl<S: Scalar, Memory: Default> State<S, Memory> {
                 velocity: interval.planned.velocity,
             };
             let kinetic_energy = motion.stored_energy(S::ZERO, finished.velocity);
-            if finished.position.is_finite() && kinetic_energy.is_finite() {
+            let finite = finished.position.is_finite() && kinetic_energy.is_finite();
+            if finite && !motion.is_wall() {
                 self.object = finished;
             }
         }

@@ -252,3 +252,39 @@ fn single_precision_follows_double() {
     println!("f32 against f64: {relative:e} of the force");
     assert!(relative < 2e-3, "{relative}");
 }
+
+#[test]
+fn a_wall_that_waited_for_a_sample_goes_back_to_its_place() {
+    let renderer = renderer(Contact::wall(400.0), 0.25, 0.0);
+    let mut state = renderer.start(ObjectState::at_rest(0.0)).unwrap();
+    let (mut farthest, mut waited) = (0.0_f64, 0);
+    for visit in 0..100 {
+        let mut device = PointMass {
+            position: -0.02,
+            ..device(0.25)
+        };
+        for i in 0..60 {
+            // The encoder fails now and then, most often while the wall is pressed.
+            let pressed = device.position > 0.0;
+            let fails = i % 7 == visit % 7;
+            let at = if fails { f64::NAN } else { device.position };
+            let output = renderer.step(&mut state, Sample::at(at));
+            device.hold(output.force_on_device, PERIOD);
+            device.velocity *= 0.99;
+            farthest = farthest.max(output.object_position.abs());
+            waited += usize::from(fails && pressed && output.object_position != 0.0);
+        }
+        // The hand takes it away.
+        for _ in 0..2 {
+            renderer.step(&mut state, Sample::at(-0.02));
+        }
+        let output = renderer.step(&mut state, Sample::at(-0.02));
+        assert!(
+            output.object_position.abs() < 1e-15,
+            "{} m off after {visit} visits",
+            output.object_position
+        );
+    }
+    assert!(waited > 100, "{waited}");
+    assert!((1e-5..5e-3).contains(&farthest), "{farthest}");
+}
