@@ -171,6 +171,24 @@ fn without_a_guard_the_same_adversary_takes_more() {
 }
 
 #[test]
+fn what_coupled_rendering_predicts_cannot_be_turned_against_it() {
+    // It believes in masses and accelerations; an adversary shows it motions that no mass makes.
+    for (which, contact) in contacts(0.004).into_iter().enumerate() {
+        let taken = |method| {
+            let open = Target::new(method, contact, 0.004, 0, Guard::Off);
+            open.attacked(5 + which as u64).0
+        };
+        let hfcr = taken(AnyParams::Hfcr(HfcrParams::default()));
+        let coupled = taken(AnyParams::Coupled(CoupledParams::new(0.25)));
+        println!("contact {which}: hfcr {hfcr:.3} J, coupled {coupled:.3} J");
+        assert!(
+            coupled < 2.0 * hfcr,
+            "contact {which}: {coupled} J, hfcr {hfcr} J"
+        );
+    }
+}
+
+#[test]
 fn a_guard_without_meaning_is_refused() {
     for (largest_speed, allowance, what) in [
         (0.0, 1e-3, "guard speed"),
