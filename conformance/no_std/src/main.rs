@@ -130,8 +130,8 @@ pub extern "C" fn main(_count: c_int, _arguments: *const *const u8) -> c_int {
         report(c"hfcr, f64", double[0], 1e-9),
         report(c"hfcr, f32", single[0], 1e-3),
         // What the observer does not know of the device after ten free ticks.
-        report(c"coupled, f64", double[1], 1e-6),
-        report(c"coupled, f32", single[1], 2e-2),
+        report(c"coupled, f64", double[1], 1e-7),
+        report(c"coupled, f32", single[1], 1e-4),
     ];
     c_int::from(agree.contains(&false))
 }

@@ -63,7 +63,12 @@ fn every_figure_is_that_of_the_simulation() {
 fn the_table_marks_the_best_and_the_broken_in_a_hundred_columns() {
     let folder = folder();
     let text = folder.succeed("compare fig2.toml experiment2.toml");
-    assert_eq!(text.matches("\n * coupled").count(), 2, "{text}");
+    let best: Vec<&str> = text
+        .lines()
+        .filter(|line| line.starts_with(" * "))
+        .collect();
+    assert!(best.iter().all(|line| line.contains(" coupled ")), "{text}");
+    assert_eq!(best.len(), 2, "{text}");
     let text = folder.succeed(
         "compare fig2.toml experiment2.toml \
          --method basic,seh,virtual-damper,popc,popc-ref,hfcr-mod,hfcr-mod-st,hfcr",
@@ -81,7 +86,7 @@ fn the_table_marks_the_best_and_the_broken_in_a_hundred_columns() {
             .map(|line| line.split_whitespace().nth(1).unwrap().to_owned())
             .collect()
     };
-    assert_eq!(marked(first, "*"), ["coupled"]);
+    assert_eq!(marked(first, "*"), ["hfcr"]);
     assert!(marked(first, "!").is_empty());
     assert_eq!(
         marked(second, "!"),
@@ -150,7 +155,7 @@ fn the_table_is_written_as_csv() {
         lines[3]
     );
     assert!(lines[3].contains(",basic,0.64,35."), "{}", lines[3]);
-    assert!(lines[3].contains(",true,,0,"), "{}", lines[3]);
+    assert!(lines[3].contains(",true,,,0,"), "{}", lines[3]);
     folder.fail(
         "compare fig2.toml --out fig2.toml",
         2,

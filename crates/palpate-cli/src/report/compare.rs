@@ -286,8 +286,8 @@ impl fmt::Display for Comparison {
         writeln!(
             f,
             "\n{LEAST} least E of those that held together, {BROKEN} diverged, left the safety box or \
-             jammed. E: what a method answers for.\nWithout a setting in the scene a method has its default; see \
-             --json for every parameter."
+             jammed.\nE: what a method answers for. Without a setting in the scene a method has its \
+             default; see --json\nfor every parameter."
         )?;
         for file in &self.files {
             writeln!(f, "wrote {file}")?;
