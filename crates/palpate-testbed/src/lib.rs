@@ -77,5 +77,7 @@ pub mod recorded_path;
 pub mod reference;
 pub mod relative_motion;
 pub mod schedule;
+pub mod viscous_ideal;
+pub mod viscous_mass;
 
 pub use error::InvalidParameter;

@@ -13,7 +13,7 @@ mod fidelity;
 
 pub use collisions::{CollisionJudgement, RenderedCollision};
 pub use energy::{EnergyJudgement, Rebound};
-pub use fidelity::Fidelity;
+pub use fidelity::{Fidelity, FidelityMeter};
 
 use thiserror::Error;
 
