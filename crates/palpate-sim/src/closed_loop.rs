@@ -9,11 +9,12 @@ use palpate_testbed::metrics::{EnergyJudgement, ForceJudgement};
 use palpate_testbed::profile::Snapshot;
 use palpate_testbed::reference::{self, ReferenceScene, Stop};
 
-use palpate::{Mass, Sample};
+use palpate::Mass;
 
 use crate::method::{MethodName, with_derived_values};
 use crate::plant::{Plant, is_free};
 use crate::run::{MOST_PERIODS, Reference, Run, Tick};
+use crate::sampled_loop::SampledLoop;
 use crate::scene::{Measure, Scene, SetupError};
 
 /// Why a scene cannot be run.
@@ -156,13 +157,22 @@ impl<'a> Bench<'a> {
         let sign = self.sign;
         let period = scene.loop_params.period;
         let renderer = scene.renderer(method)?;
-        let mut state = renderer.start(scene.object).map_err(SetupError::from)?;
-        let mut device = self.plant.clone();
-        let mut hold = DelayedHold::new(scene.delay)?;
-        let sampler = if scene.device.encoder_quantum > 0.0 {
-            Sampler::quantum(scene.device.encoder_quantum)?
-        } else {
-            Sampler::Ideal
+        let mut in_progress = SampledLoop {
+            sampler: if scene.device.encoder_quantum > 0.0 {
+                Sampler::quantum(scene.device.encoder_quantum)?
+            } else {
+                Sampler::Ideal
+            },
+            sign,
+            virtual_force: scene.virtual_force,
+            ..SampledLoop::new(
+                &renderer,
+                scene.object,
+                self.plant.clone(),
+                DelayedHold::new(scene.delay)?,
+                period,
+            )
+            .map_err(SetupError::from)?
         };
 
         let mut ticks = Vec::with_capacity(self.intervals + 1);
@@ -171,33 +181,27 @@ impl<'a> Bench<'a> {
         let mut jammed_at = None;
         for i in 0..=self.intervals {
             let time = i as f64 * period;
-            device.sample(period);
-            let measured = sign * device.measured(&sampler);
-            let output = renderer.step(
-                &mut state,
-                Sample::at(measured).with_virtual_force(scene.virtual_force),
-            );
-            let held = sign * device.given_force(sign * hold.exchange(output.force_on_object));
-            renderer.report_held(&mut state, held);
+            let sampled = in_progress.sample();
+            let device = &in_progress.device;
             ticks.push(Tick {
                 time,
-                device_position: measured,
+                device_position: sampled.measured,
                 true_device_position: sign * device.position(),
-                output,
-                held_force_on_object: held,
-                ledger: *state.ledger(),
+                output: sampled.output,
+                held_force_on_object: sampled.held,
+                ledger: *in_progress.state.ledger(),
             });
             record.push(Snapshot {
                 time,
                 device_position: device.position(),
                 device_velocity: device.velocity(),
-                object_position: sign * output.object_position,
-                object_velocity: sign * output.object_velocity,
-                force_on_object: sign * held,
+                object_position: sign * sampled.output.object_position,
+                object_velocity: sign * sampled.output.object_velocity,
+                force_on_object: sign * sampled.held,
             });
             if i < self.intervals {
-                port_work += device.advance(sign * held, period);
-                if jammed_at.is_none() && device.is_jammed() {
+                port_work += in_progress.advance(&sampled);
+                if jammed_at.is_none() && in_progress.device.is_jammed() {
                     jammed_at = Some(time + period);
                 }
             }

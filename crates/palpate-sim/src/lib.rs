@@ -3,12 +3,15 @@
 //! This crate puts the renderers of [`palpate`] on the bench of [`palpate_testbed`]: it reads what
 //! a scene is ([`scene`]), runs it closed loop ([`closed_loop`]) or on recorded motion
 //! ([`replay`]) by any method ([`method`]), and hands the bench's judgement back with the run.
-//! [`tune`] asks how a method's damping changes that judgement.
+//! [`tune`] asks how a method's damping changes that judgement, [`map`] what can be rendered at
+//! all.
 
 pub mod closed_loop;
+pub mod map;
 pub mod method;
 mod plant;
 pub mod replay;
 pub mod run;
+mod sampled_loop;
 pub mod scene;
 pub mod tune;
