@@ -25,6 +25,8 @@ fn main() -> ExitCode {
         Command::Simulate(arguments) => commands::simulate::run(&arguments),
         Command::Pipe(arguments) => commands::pipe::run(&arguments),
         Command::Tune(arguments) => commands::tune::run(&arguments),
+        Command::Map(arguments) => commands::map::run(&arguments),
+        Command::Advise(arguments) => commands::advise::run(&arguments),
         Command::Figure(arguments) => commands::figure::run(&arguments),
         Command::Demo(arguments) => commands::demo::run(&arguments),
         Command::Completions(arguments) => commands::completions::run(&arguments),

@@ -4,11 +4,13 @@ mod common;
 
 use common::{Folder, taps, trace_text};
 
-const COMMANDS: [&str; 7] = [
+const COMMANDS: [&str; 9] = [
     "render",
     "simulate",
     "pipe",
     "tune",
+    "map",
+    "advise",
     "figure",
     "demo",
     "completions",
@@ -68,7 +70,11 @@ fn the_examples_of_the_help_are_understood() {
         folder.write(trace, trace_text(&taps(0.001, 0.5)));
     }
     let mut tried = 0;
-    for command in ["", "render", "simulate", "pipe", "tune", "figure", "demo"] {
+    for command in COMMANDS
+        .iter()
+        .chain(&[""])
+        .filter(|command| **command != "completions")
+    {
         let help = folder.succeed(&format!("{command} --help"));
         let examples = help.split("Example").last().unwrap();
         for line in examples.lines().filter(|line| line.contains("palpate ")) {
@@ -85,7 +91,7 @@ fn the_examples_of_the_help_are_understood() {
             tried += 1;
         }
     }
-    assert!(tried >= 17, "{tried} examples");
+    assert!(tried >= 22, "{tried} examples");
 }
 
 #[test]

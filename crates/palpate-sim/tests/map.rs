@@ -7,10 +7,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::map::{
-    Bounce, CellResult, Class, Done, Entry, Forces, MapParams, PHASES, Plant, bounds, compute,
+    Bounce, CellResult, Class, Done, Entry, Forces, Limit, MapParams, PHASES, Plant, bounds,
+    compute,
 };
 use palpate_sim::method::{Damping, MethodName, Settings};
 use palpate_sim::scene::Measure;
+use palpate_testbed::pantograph::{Pantograph, PantographParams};
 
 fn params(cells: usize) -> MapParams {
     MapParams {
@@ -238,4 +240,93 @@ fn a_bounce_that_never_meets_is_refused() {
         error.to_string(),
         "the object never meets the device: no force drives them together"
     );
+}
+
+#[test]
+fn the_stiffest_wall_of_the_best_damper_is_near_the_classical_one_and_not_above() {
+    let bounce = wall(0.1, 0.0);
+    let beta = 2.0 * (2.0_f64.sqrt() - 1.0);
+    let settings = Settings {
+        damping: Some(Damping::Value(beta * bounce.device.mass / bounce.period)),
+        ..Settings::default()
+    };
+    let found = bounce
+        .stiffest(MethodName::VirtualDamper, settings)
+        .unwrap();
+    let most = bounds::stiffest_undamped_wall() * bounce.device.mass / bounce.period.powi(2);
+    println!("found {found:?}, classical {most} N/m");
+    let Limit::At(found) = found else {
+        panic!("{found:?}");
+    };
+    assert!(found > 0.8 * most && found < 1.1 * most, "{found} {most}");
+}
+
+#[test]
+fn limits_agree_with_the_cells_of_the_map() {
+    let params = params(9);
+    let settings = Settings::default();
+    let method = MethodName::HfcrModSt;
+    let bounce = params
+        .cell(2 * params.columns() + 5)
+        .bounce
+        .on(Plant::Undamped);
+    let stable = |stiffness: f64, object_mass: f64| {
+        let bounce = Bounce {
+            stiffness,
+            object_mass,
+            ..bounce
+        };
+        let (entries, _) = bounce
+            .judge(Plant::Undamped, &[(method, settings)])
+            .unwrap();
+        entries[0].class() == Class::Stable
+    };
+    let Limit::At(stiffest) = bounce.stiffest(method, settings).unwrap() else {
+        panic!("no limit");
+    };
+    assert!(stable(stiffest, bounce.object_mass));
+    assert!(!stable(1.02 * stiffest, bounce.object_mass));
+    let hard = Bounce {
+        stiffness: 0.1 * bounce.device.mass / bounce.period.powi(2),
+        ..bounce
+    };
+    let lightest = hard.lightest(MethodName::Seh, settings).unwrap();
+    assert_eq!(lightest, Limit::None);
+    let Limit::At(lightest) = hard
+        .on(Plant::Undamped)
+        .lightest(MethodName::PopcRef, settings)
+        .unwrap()
+    else {
+        panic!("no limit");
+    };
+    assert!(lightest > 0.0);
+}
+
+#[test]
+fn coulomb_friction_takes_energy_and_has_an_ideal() {
+    let mut bounce = params(5).cell(0).bounce;
+    (bounce.stiffness, bounce.object_mass) = (100.0, 0.1);
+    bounce.device.viscous_friction = 0.0;
+    let settings = [(MethodName::HfcrModSt, Settings::default())];
+    let without = bounce.judge(Plant::Damped, &settings).unwrap().0[0];
+    bounce.device.coulomb_friction = 0.1;
+    let with = bounce.judge(Plant::Damped, &settings).unwrap().0[0];
+    println!("without {:?}, with {:?}", without.growth, with.growth);
+    assert!(with.growth.worst < without.growth.worst - 0.02);
+    // Judged against its own ideal, it is no worse than without.
+    assert!(with.error.worst < without.error.worst + 3.0, "{with:?}");
+}
+
+#[test]
+fn the_damped_device_has_the_friction_of_the_virtual_pantograph_along_y() {
+    let params = PantographParams::paper_like();
+    let home = Pantograph::new(params).unwrap();
+    let [[a, b], [c, d]] = home.pose().jacobian();
+    // Rates of the motors for 1 m/s along y and none along x.
+    let determinant = a * d - b * c;
+    let rates = [-b / determinant, a / determinant];
+    let friction = params.viscous_friction * (rates[0].powi(2) + rates[1].powi(2));
+    let ours = MapParams::default().device.viscous_friction;
+    println!("{friction} N s/m at the home pose; the map has {ours}");
+    assert!((friction / ours - 1.0).abs() < 2e-3, "{friction}");
 }

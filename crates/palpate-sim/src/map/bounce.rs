@@ -200,7 +200,7 @@ impl Bounce {
 
 /// Settings that a map gives a method: its defaults, but for hfcr, which without a damping would be
 /// `hfcr-mod-st` once more.
-pub(super) fn default_settings(method: MethodName) -> Settings {
+pub fn default_settings(method: MethodName) -> Settings {
     Settings {
         damping: (method == MethodName::Hfcr).then_some(Damping::Auto),
         ..Settings::default()

@@ -33,9 +33,14 @@ pub fn undamped_wall(virtual_damping: f64) -> f64 {
     (2.0 * beta * (2.0 - beta) / (2.0 + beta)).max(0.0)
 }
 
-/// The most that [`undamped_wall`] allows, 4 (3 − 2√2) at β = 2 (√2 − 1).
+/// The damping that allows most of [`undamped_wall`], β = 2 (√2 − 1).
+pub fn best_undamped_damping() -> f64 {
+    2.0 * (2.0_f64.sqrt() - 1.0)
+}
+
+/// The most that [`undamped_wall`] allows, 4 (3 − 2√2).
 pub fn stiffest_undamped_wall() -> f64 {
-    undamped_wall(2.0 * (2.0_f64.sqrt() - 1.0))
+    undamped_wall(best_undamped_damping())
 }
 
 #[cfg(test)]

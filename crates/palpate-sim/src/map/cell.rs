@@ -6,7 +6,7 @@ use super::PHASES;
 use super::bounce::{Bounce, BounceError, Plant, default_settings};
 use super::grid::MapParams;
 use super::growth::{Class, classify};
-use super::trial::{Course, Outcome};
+use super::trial::{Course, Judged, Outcome};
 use crate::method::{MethodName, Settings};
 
 /// Median and worst over the start heights.
@@ -97,7 +97,7 @@ impl Bounce {
             .collect::<Result<_, _>>()?;
         let mut outcomes: Vec<Vec<Outcome>> = vec![Vec::with_capacity(PHASES); methods.len()];
         for phase in 0..PHASES {
-            let course = Course::new(self, phase)?;
+            let course = Course::new(self, phase, Judged::Force)?;
             for (renderer, outcomes) in renderers.iter().zip(&mut outcomes) {
                 outcomes.push(course.run(self, renderer)?);
             }
@@ -109,6 +109,24 @@ impl Bounce {
             .map(|((method, _), outcomes)| Entry::new(plant, *method, outcomes))
             .collect();
         Ok((entries, ticks))
+    }
+
+    /// The largest growth over the start heights; it stops at the first that diverges.
+    pub(super) fn worst_growth(
+        &self,
+        method: MethodName,
+        settings: Settings,
+    ) -> Result<f64, BounceError> {
+        let renderer = self.renderer(method, settings)?;
+        let mut worst = 0.0;
+        for phase in 0..PHASES {
+            let outcome = Course::new(self, phase, Judged::Growth)?.run(self, &renderer)?;
+            worst = outcome.growth.max(worst);
+            if worst.is_infinite() {
+                break;
+            }
+        }
+        Ok(worst)
     }
 }
 

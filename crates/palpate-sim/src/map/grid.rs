@@ -62,7 +62,7 @@ impl Default for MapParams {
                 mass: 0.25,
                 // What the joints of the virtual pantograph of `experiments/fig4.toml` come to
                 // along y at its home pose.
-                viscous_friction: 0.0426,
+                viscous_friction: 0.0425,
                 coulomb_friction: 0.0,
                 encoder_quantum: 0.0,
                 told_mass: 1.0,

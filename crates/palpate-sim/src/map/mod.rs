@@ -15,13 +15,16 @@ mod cell;
 mod compute;
 mod grid;
 mod growth;
+mod limits;
 mod trial;
 
+pub use bounce::default_settings;
 pub use bounce::{Bounce, BounceDevice, BounceError, Forces, Plant};
 pub use cell::{CellResult, Entry, Summary};
 pub use compute::{Done, compute};
 pub use grid::{Cell, MapParams, ParamsError};
 pub use growth::{Class, STABLE_UP_TO, classify};
+pub use limits::{Limit, SEARCHED};
 pub use trial::Outcome;
 
 /// Start heights of every cell, evenly spaced.
