@@ -143,8 +143,8 @@ scene, an object that bounces on the device in a hand without damping, searched 
 and mass. Classical bounds of walls stand below.")]
     #[command(after_help = "\
 Examples:
-  palpate advise --device-mass 0.3 --period 0.002 --encoder-quantum 1e-5 --stiffness 2000 --mass 0.05
-  palpate advise --device-mass 0.25 --period 0.02 --viscous-friction 0.5 --method hfcr,basic --json")]
+  palpate advise --device-mass 0.3 --period 0.002 --stiffness 2000 --mass 0.05
+  palpate advise --device-mass 0.25 --period 0.02 --viscous-friction 0.5 --json")]
     Advise(AdviseArguments),
     /// Draw a figure of the paper
     #[command(after_help = "\
