@@ -8,6 +8,8 @@ use palpate::{SehEstimate, Side};
 use palpate_sim::method::{Damping, Predictor};
 use palpate_sim::scene::GuardMode;
 
+use crate::commands::advise::AdviseArguments;
+use crate::commands::map::MapArguments;
 use crate::values::{Methods, damping, estimate, guard, methods, number, predictor, samples, side};
 
 const STYLES: Styles = Styles::styled()
@@ -33,7 +35,8 @@ Exit codes:
   0  done
   1  a file could not be read or written
   2  the arguments are wrong
-  3  an input file is wrong; the message says where")]
+  3  an input file is wrong; the message says where
+  130  stopped by ctrl-C; what is done is kept")]
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
@@ -161,6 +164,36 @@ Examples:
   palpate heights experiments/fig2.toml experiments/experiment1.toml --told-mass-factor 1.5
   palpate heights experiments/experiment2.toml --method hfcr,hfcr-mod-st --json")]
     Heights(HeightsArguments),
+    /// Map which stiffness and mass each method can render
+    #[command(long_about = "\
+Map which stiffness and mass each method can render.
+
+Each cell is a scene of its own: an object that bounces on the device, with kappa = K T²/m and \
+Kc = K T²/M from 0.001 to 10, from 16 start heights, by every method, on a device without friction \
+and on one with. What is mapped is the growth of the bounce's energy per collision, and how near \
+the force comes to the ideal's. Ctrl-C keeps what is done; --resume goes on with it. Any part can \
+be computed by itself, on any machine.")]
+    #[command(after_help = "\
+Examples:
+  palpate map --cells 9
+  palpate map --cells 9 --delay 1 --method hfcr,basic --out delayed.csv --json
+  palpate map --cells 9 --shard 1/3 --resume")]
+    Map(MapArguments),
+    /// Ask whether a device can render a contact, and by which method
+    #[command(override_usage = "\
+palpate advise --device-mass <kg> --period <s> [OPTIONS]")]
+    #[command(long_about = "\
+Ask whether a device can render a contact, and by which method.
+
+Answers in words, then in tables: what each method does with the stiffness and the mass you would \
+like, with which damping, and how stiff and how light it can go on this device. It is the map's own \
+scene, an object that bounces on the device in a hand without damping, searched along stiffness \
+and mass. Classical bounds of walls stand below.")]
+    #[command(after_help = "\
+Examples:
+  palpate advise --device-mass 0.3 --period 0.002 --stiffness 2000 --mass 0.05
+  palpate advise --device-mass 0.25 --period 0.02 --viscous-friction 0.5 --json")]
+    Advise(AdviseArguments),
     /// Draw a figure of the paper
     #[command(after_help = "\
 Examples:

@@ -18,6 +18,8 @@ pub enum Failure {
     Arguments(String),
     /// An input file is wrong: exit code 3.
     Input(Box<InputFault>),
+    /// The user ended it before its end: exit code 130, as the shell's for ctrl-C.
+    Interrupted(String),
 }
 
 /// A fault in a file of the user's.
@@ -64,6 +66,10 @@ impl Failure {
                 3,
             ),
             Self::Input(fault) => (fault.message.clone(), 3),
+            Self::Interrupted(message) => {
+                tell(message);
+                return ExitCode::from(130);
+            }
         };
         tell(format_args!("error: {message}"));
         ExitCode::from(code)

@@ -21,7 +21,7 @@ impl Progress {
     pub fn new(steps: usize) -> Self {
         let bar = ProgressBar::with_draw_target(Some(steps as u64), ProgressDrawTarget::hidden());
         let template = if steps > 1 {
-            "{spinner} {bar:40} {pos}/{len} {msg} ({elapsed})"
+            "{spinner} {bar:40} {pos}/{len} {msg} ({elapsed}, {eta} left)"
         } else {
             "{spinner} {msg} ({elapsed})"
         };

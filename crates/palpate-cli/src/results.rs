@@ -7,7 +7,7 @@ use palpate_sim::run::Run;
 
 use crate::arguments::Results;
 use crate::failure::{Failure, tell};
-use crate::figure::{Figure, Sheet};
+use crate::figure::{Figure, Picture};
 use crate::progress::Progress;
 use crate::report::Report;
 use crate::run_file;
@@ -142,7 +142,7 @@ pub fn check_picture(path: &Path) -> Result<(), Failure> {
 }
 
 /// Draws a figure into a file, whole or not at all.
-pub fn draw(path: &Path, figure: impl Into<Sheet>) -> Result<(), Failure> {
+pub fn draw(path: &Path, figure: &impl Picture) -> Result<(), Failure> {
     let bytes = match picture_format(path)? {
         PictureFormat::Svg => crate::figure::svg(figure).into_bytes(),
         #[cfg(feature = "png")]

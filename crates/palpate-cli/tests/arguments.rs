@@ -4,7 +4,7 @@ mod common;
 
 use common::{Folder, taps, trace_text};
 
-const COMMANDS: [&str; 10] = [
+const COMMANDS: [&str; 12] = [
     "render",
     "simulate",
     "compare",
@@ -12,6 +12,8 @@ const COMMANDS: [&str; 10] = [
     "tune",
     "suite",
     "heights",
+    "map",
+    "advise",
     "figure",
     "demo",
     "completions",
@@ -99,7 +101,7 @@ fn the_examples_of_the_help_are_understood() {
             tried += 1;
         }
     }
-    assert!(tried >= 24, "{tried} examples");
+    assert!(tried >= 29, "{tried} examples");
 }
 
 #[test]

@@ -69,11 +69,18 @@ pub fn write<T>(
     } else {
         replace(path, write)
     };
-    outcome.map_err(|source| WriteError {
-        path: path.to_owned(),
-        fault: fault(path, &source),
-        source,
-    })
+    outcome.map_err(|source| WriteError::new(path, source))
+}
+
+impl WriteError {
+    /// What the system said when the file at `path` was to be written.
+    pub(crate) fn new(path: &Path, source: io::Error) -> Self {
+        Self {
+            path: path.to_owned(),
+            fault: fault(path, &source),
+            source,
+        }
+    }
 }
 
 /// Whether `path` leads to something that bytes go into but that cannot be replaced.

@@ -3,6 +3,8 @@
 //! - [`trace`] reads a recorded motion: when the device was where.
 //! - [`run`] writes and reads run files: what a rendering did, sample by sample, with the
 //!   configuration that made it.
+//! - [`map`]: what each method can render, in parts or as a whole; [`journal`] keeps such work while
+//!   it is in progress.
 //! - [`atomic`] puts a file on disk whole or not at all.
 //!
 //! Everything is SI; the unit of a column stands in its name (`t_s`, `position_m`). Readers take
@@ -10,6 +12,9 @@
 //! [`Place`]: file, line, column, byte span and the text around it.
 
 pub mod atomic;
+mod checksum;
+pub mod journal;
+pub mod map;
 mod place;
 pub mod run;
 pub mod trace;

@@ -9,11 +9,12 @@ use palpate_testbed::profile::{ForceProfile, Snapshot};
 use palpate_testbed::reference::{self, ReferenceScene, Stop};
 use palpate_testbed::timeline::Timeline;
 
-use palpate::{Mass, Sample};
+use palpate::Mass;
 
 use crate::method::{MethodName, with_derived_values};
 use crate::plant::{Plant, is_free};
 use crate::run::{Held, IdealPoint, MOST_PERIODS, Reference, Run, Tick};
+use crate::sampled_loop::{Sampled, SampledLoop};
 use crate::scene::{Measure, Scene, SetupError};
 
 /// Why a scene cannot be run.
@@ -187,12 +188,16 @@ impl<'a> Bench<'a> {
     ) -> Result<Run, LoopError> {
         let sign = self.sign;
         let renderer = scene.renderer(method)?;
-        let mut state = renderer.start(scene.object).map_err(SetupError::from)?;
-        let mut device = self.plant.clone();
-        let sampler = if scene.device.encoder_quantum > 0.0 {
-            Sampler::quantum(scene.device.encoder_quantum)?
-        } else {
-            Sampler::Ideal
+        let mut in_progress = SampledLoop {
+            sampler: if scene.device.encoder_quantum > 0.0 {
+                Sampler::quantum(scene.device.encoder_quantum)?
+            } else {
+                Sampler::Ideal
+            },
+            sign,
+            virtual_force: scene.virtual_force,
+            ..SampledLoop::new(&renderer, scene.object, self.plant.clone())
+                .map_err(SetupError::from)?
         };
 
         let samples = timeline.samples();
@@ -209,31 +214,29 @@ impl<'a> Bench<'a> {
                 let sample = samples[index];
                 time = sample.time;
                 if let Some(force) = since_sample.mean() {
-                    renderer.report_held(&mut state, force);
+                    in_progress.report_held(force);
                 }
                 since_sample = HeldSince::default();
-                device.sample(sample.elapsed);
-                if left_box_at.is_none() && device.has_left_box() {
+                // Nothing was measured before the first sample.
+                let measured_time = (index > 0).then_some(sample.elapsed);
+                let sampled = in_progress.sample(sample.elapsed, measured_time);
+                if left_box_at.is_none() && in_progress.device.has_left_box() {
                     left_box_at = Some(time);
                 }
-                let measured = sign * device.measured(&sampler);
-                let taken = Sample::at(measured).with_virtual_force(scene.virtual_force);
-                let taken = if index == 0 {
-                    taken
-                } else {
-                    taken.after(sample.elapsed)
-                };
-                Some((index, measured, renderer.step(&mut state, taken)))
+                Some((index, sampled))
             } else {
                 None
             };
             let command = match (stretch.command, &answer) {
                 (None, _) => 0.0,
-                (Some(own), Some((index, _, output))) if own == *index => output.force_on_object,
+                (Some(own), Some((index, sampled))) if own == *index => {
+                    sampled.output.force_on_object
+                }
                 (Some(earlier), _) => ticks[earlier].output.force_on_object,
             };
-            let force = sign * device.given_force(sign * command);
-            if let Some((index, measured, output)) = answer {
+            let force = in_progress.given_force(command);
+            let device = &in_progress.device;
+            if let Some((index, Sampled { measured, output })) = answer {
                 ticks.push(Tick {
                     time,
                     device_position: measured,
@@ -241,7 +244,7 @@ impl<'a> Bench<'a> {
                     output,
                     held_force_on_object: force,
                     command_from: samples[index].command_from,
-                    ledger: *state.ledger(),
+                    ledger: *in_progress.state.ledger(),
                 });
                 record.push(Snapshot {
                     time,
@@ -259,10 +262,10 @@ impl<'a> Bench<'a> {
                 });
             }
             if stretch.duration > 0.0 {
-                port_work += device.advance(sign * force, stretch.duration);
+                port_work += in_progress.advance(force, stretch.duration);
                 since_sample.add(force, stretch.duration);
                 time += stretch.duration;
-                if jammed_at.is_none() && device.is_jammed() {
+                if jammed_at.is_none() && in_progress.device.is_jammed() {
                     jammed_at = Some(time);
                 }
             }

@@ -4,14 +4,17 @@
 //! a scene is ([`scene`]), runs it closed loop ([`closed_loop`]) or on recorded motion
 //! ([`replay`]) by any method ([`method`]), and hands the bench's judgement back with the run.
 //! [`tune`] asks how a method's damping changes that judgement, [`heights`] how the start height
-//! does, and [`suite`] judges methods on plants drawn at random.
+//! does, [`suite`] judges methods on plants drawn at random, and [`map`] asks what can be rendered
+//! at all.
 
 pub mod closed_loop;
 pub mod heights;
+pub mod map;
 pub mod method;
 mod plant;
 pub mod replay;
 pub mod run;
+mod sampled_loop;
 pub mod scene;
 pub mod suite;
 pub mod tune;

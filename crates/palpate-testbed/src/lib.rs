@@ -79,5 +79,7 @@ pub mod reference;
 pub mod relative_motion;
 pub mod schedule;
 pub mod timeline;
+pub mod viscous_ideal;
+pub mod viscous_mass;
 
 pub use error::InvalidParameter;

@@ -59,7 +59,7 @@ pub fn run(arguments: &FigureArguments) -> Result<(), Failure> {
         FigureName::Fig5 => experiment(FIG5, &MEASURED_2)?,
     };
     drop(progress);
-    draw(&path, figure)?;
+    draw(&path, &figure)?;
     report.wrote(&path);
     print(&if arguments.json {
         report.json() + "\n"

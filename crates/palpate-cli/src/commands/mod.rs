@@ -1,10 +1,12 @@
-//! The commands, one file each.
+//! The commands, one file or folder each.
 
+pub mod advise;
 pub mod compare;
 pub mod completions;
 pub mod demo;
 pub mod figure;
 pub mod heights;
+pub mod map;
 pub mod pipe;
 pub mod render;
 pub mod simulate;

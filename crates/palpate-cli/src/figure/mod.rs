@@ -7,6 +7,7 @@
 
 mod axis;
 mod cut;
+mod field;
 mod grid;
 mod ink;
 mod legend;
@@ -22,9 +23,34 @@ mod thin;
 #[cfg(test)]
 mod tests;
 
+pub use field::{Bound, FieldFigure, FieldPanel, FieldRow, Scale};
 #[cfg(feature = "png")]
 pub use png::png;
 pub use svg::svg;
+
+/// What can be drawn on a page.
+pub trait Picture {
+    /// The page.
+    fn page(&self) -> kuva::render::render::Scene;
+}
+
+impl Picture for Figure {
+    fn page(&self) -> kuva::render::render::Scene {
+        page::scene(&Sheet::from(self))
+    }
+}
+
+impl Picture for Sheet {
+    fn page(&self) -> kuva::render::render::Scene {
+        page::scene(self)
+    }
+}
+
+impl Picture for FieldFigure {
+    fn page(&self) -> kuva::render::render::Scene {
+        field::scene(self)
+    }
+}
 
 /// A figure: rows of panels over one time axis.
 #[derive(Debug, Clone, Default)]

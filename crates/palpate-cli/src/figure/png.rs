@@ -4,15 +4,15 @@ use kuva::backend::raster::RasterBackend;
 use kuva::render::color::Color;
 use kuva::render::render::Primitive;
 
-use super::{Sheet, page};
+use super::Picture;
 
 /// Draws `figure` as a PNG image with `scale` pixels for each pixel of the SVG.
 ///
 /// # Errors
 ///
 /// What the drawing library says where it cannot encode the image.
-pub fn png(figure: impl Into<Sheet>, scale: f32) -> Result<Vec<u8>, String> {
-    let mut scene = page::scene(&figure.into());
+pub fn png(figure: &impl Picture, scale: f32) -> Result<Vec<u8>, String> {
+    let mut scene = figure.page();
     let elements = std::mem::take(&mut scene.elements);
     scene.elements = elements.into_iter().flat_map(solid).collect();
     RasterBackend::new().with_scale(scale).render_scene(&scene)

@@ -5,11 +5,11 @@ use std::fmt::Write;
 use kuva::backend::svg::SvgBackend;
 use kuva::render::render::{PathData, Primitive, Scene};
 
-use super::{Sheet, page};
+use super::Picture;
 
 /// Draws `figure` as an SVG document; the same figure gives the same bytes.
-pub fn svg(figure: impl Into<Sheet>) -> String {
-    let mut scene = page::scene(&figure.into());
+pub fn svg(figure: &impl Picture) -> String {
+    let mut scene = figure.page();
     number_clips(&mut scene);
     for element in &mut scene.elements {
         shorten(element);

@@ -271,7 +271,7 @@ fn grids_side_by_side_keep_level_and_end_where_a_wide_one_does() {
         ..Sheet::default()
     };
     let long = "a head that leaves no room for all of the note beside it";
-    let document = svg(sheet(vec![
+    let document = svg(&sheet(vec![
         vec![grid(&["first", long]), grid(&[])],
         vec![grid(&[])],
     ]));

@@ -19,7 +19,7 @@
 //! can be kept.
 
 mod read;
-mod receipt;
+pub(crate) mod receipt;
 mod write;
 
 pub use read::{Run, RunError, RunFault, read};

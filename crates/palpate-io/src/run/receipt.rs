@@ -6,7 +6,7 @@ use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserializer, Serializer};
 
 /// The JSON object of `entries`, on one line; the key at fault where one is not allowed.
-pub(super) fn to_json<K: AsRef<str>, V: AsRef<str>>(entries: &[(K, V)]) -> Result<String, &str> {
+pub(crate) fn to_json<K: AsRef<str>, V: AsRef<str>>(entries: &[(K, V)]) -> Result<String, &str> {
     for (at, (key, _)) in entries.iter().enumerate() {
         if !is_allowed(key.as_ref(), &entries[..at]) {
             return Err(key.as_ref());
@@ -20,7 +20,7 @@ pub(super) fn to_json<K: AsRef<str>, V: AsRef<str>>(entries: &[(K, V)]) -> Resul
 }
 
 /// The entries of the JSON object `json`, in its order.
-pub(super) fn from_json(json: &str) -> serde_json::Result<Vec<(String, String)>> {
+pub(crate) fn from_json(json: &str) -> serde_json::Result<Vec<(String, String)>> {
     let mut parser = serde_json::Deserializer::from_str(json);
     let entries = parser.deserialize_map(Entries)?;
     parser.end()?;

@@ -36,20 +36,72 @@ pub struct Fidelity {
 impl Fidelity {
     /// `None` if the ideal force is 0 throughout. The lengths have been compared by the caller.
     pub(super) fn of(held: &[f64], profile: &ForceProfile) -> Option<Self> {
-        let period = profile.period();
-        let ideal: f64 = profile.squared_forces().iter().sum();
+        let mut meter = FidelityMeter::new(profile);
+        for force in held {
+            meter.hold(*force);
+        }
+        meter.fidelity()
+    }
+}
+
+/// The [`Fidelity`] of forces that come one after the other, without a record of them.
+#[derive(Debug, Clone)]
+pub struct FidelityMeter<'a> {
+    profile: &'a ForceProfile,
+    interval: usize,
+    ideal: f64,
+    total: f64,
+    floor: f64,
+    mean: f64,
+}
+
+impl<'a> FidelityMeter<'a> {
+    /// A meter at the start of the window of `profile`.
+    #[must_use]
+    pub fn new(profile: &'a ForceProfile) -> Self {
+        Self {
+            profile,
+            interval: 0,
+            ideal: 0.0,
+            total: 0.0,
+            floor: 0.0,
+            mean: 0.0,
+        }
+    }
+
+    /// The force \[N\] held over the next interval; those after the window are not looked at.
+    #[inline]
+    pub fn hold(&mut self, force: f64) {
+        let (impulses, squares) = (self.profile.impulses(), self.profile.squared_forces());
+        let (Some(impulse), Some(squared)) =
+            (impulses.get(self.interval), squares.get(self.interval))
+        else {
+            return;
+        };
+        let period = self.profile.period();
+        let duration = self.profile.grid().duration(self.interval);
+        self.interval += 1;
+        self.ideal += squared;
+        // (f h − 2 J) first: a huge force then overflows to +∞ and not to a NaN.
+        self.total += force * (force * duration - 2.0 * impulse) + squared;
+        self.floor += squared - impulse * impulse / duration;
+        // In periods: the factor is then exactly 1 in a perfect loop.
+        self.mean += duration / period * (force - impulse / duration).powi(2);
+    }
+
+    /// Whether every interval of the window has had its force.
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        self.interval == self.profile.intervals()
+    }
+
+    /// The errors of the forces so far, over the intervals they were held; `None` if the ideal
+    /// force is 0 in all of them.
+    #[must_use]
+    pub fn fidelity(&self) -> Option<Fidelity> {
+        let ideal = self.ideal;
         if ideal <= 0.0 {
             return None;
-        }
-        let (mut total, mut floor, mut mean) = (0.0, 0.0, 0.0);
-        let intervals = profile.impulses().iter().zip(profile.squared_forces());
-        let intervals = intervals.zip(profile.grid().durations());
-        for (force, ((impulse, squared), duration)) in held.iter().zip(intervals) {
-            // (f h − 2 J) first: a huge force then overflows to +∞ and not to a NaN.
-            total += force * (force * duration - 2.0 * impulse) + squared;
-            floor += squared - impulse * impulse / duration;
-            // In periods: the factor is then exactly 1 in a perfect loop.
-            mean += duration / period * (force - impulse / duration).powi(2);
         }
         let percent = |sum: f64| {
             if sum.is_nan() {
@@ -58,12 +110,12 @@ impl Fidelity {
                 100.0 * (sum.max(0.0) / ideal).sqrt()
             }
         };
-        let force_rendering_error = percent(total);
-        let hold_floor = percent(floor);
-        Some(Self {
+        let force_rendering_error = percent(self.total);
+        let hold_floor = percent(self.floor);
+        Some(Fidelity {
             force_rendering_error,
             hold_floor,
-            mean_force_error: percent(period * mean),
+            mean_force_error: percent(self.profile.period() * self.mean),
             error_over_floor: (hold_floor > 0.0).then(|| force_rendering_error / hold_floor),
         })
     }

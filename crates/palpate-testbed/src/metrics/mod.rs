@@ -14,7 +14,7 @@ mod rebound;
 
 pub use collisions::{CollisionJudgement, RenderedCollision};
 pub use energy::{EnergyJudgement, Rebound};
-pub use fidelity::Fidelity;
+pub use fidelity::{Fidelity, FidelityMeter};
 pub use rebound::ReboundSpeed;
 
 use thiserror::Error;

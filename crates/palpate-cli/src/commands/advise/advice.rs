@@ -1,0 +1,344 @@
+//! What is found out for an advice.
+
+use palpate_sim::map::{Bounce, BounceError, Class, Entry, Limit, Plant, bounds, default_settings};
+use palpate_sim::method::{Damping, MethodName, Setting, Settings};
+use palpate_sim::tune::tunable;
+use serde::Serialize;
+
+/// Largest mean-force error of a faithful rendering, E `[%]`.
+pub const FAITHFUL_PERCENT: f64 = 20.0;
+
+/// Dampings that are tried for each method that has one.
+const TRIED: usize = 24;
+
+/// The advice on a device, and on a contact where one is asked for.
+#[derive(Debug, Serialize)]
+pub struct Advice {
+    format: &'static str,
+    pub device: DeviceReport,
+    /// What is asked for; none where only limits are.
+    pub contact: Option<ContactReport>,
+    pub verdict: Verdict,
+    pub methods: Vec<MethodAdvice>,
+    pub bounds: Bounds,
+}
+
+#[derive(Debug, Serialize)]
+pub struct DeviceReport {
+    pub mass_kg: f64,
+    pub period_s: f64,
+    pub viscous_friction_n_s_per_m: f64,
+    pub coulomb_friction_n: f64,
+    pub encoder_quantum_m: f64,
+    pub delay_samples: usize,
+    /// M of the object whose limits are looked for; none for a wall.
+    pub object_mass_kg: Option<f64>,
+    pub gap_m: f64,
+    pub start_heights: usize,
+}
+
+#[derive(Debug, Serialize)]
+pub struct ContactReport {
+    pub stiffness_n_per_m: f64,
+    pub kappa: f64,
+    pub object_kappa: f64,
+    /// What one count of the encoder changes of the spring's force.
+    pub force_per_count_n: f64,
+    pub hold_floor_percent: f64,
+}
+
+/// The answer in one word, and by which method.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case", tag = "answer")]
+pub enum Verdict {
+    /// Stable and faithful.
+    Yes {
+        method: &'static str,
+        damping_n_s_per_m: Option<f64>,
+    },
+    /// Stable, but with a large error.
+    StableOnly {
+        method: &'static str,
+        damping_n_s_per_m: Option<f64>,
+    },
+    /// No method is stable.
+    No {
+        method: &'static str,
+        growth: Option<f64>,
+    },
+    /// No contact was asked for.
+    NotAsked,
+}
+
+#[derive(Debug, Serialize)]
+pub struct MethodAdvice {
+    pub method: &'static str,
+    /// With the settings it has by itself.
+    pub by_itself: Option<Judged>,
+    /// With the best of the dampings that were tried.
+    pub tuned: Option<Judged>,
+    pub stiffest_n_per_m: Reach,
+    pub lightest_kg: Option<Reach>,
+}
+
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Judged {
+    /// The damping B, b or cap that was set; none where the method chose.
+    pub damping_n_s_per_m: Option<f64>,
+    pub class: &'static str,
+    /// Median and worst over the start heights; none where a loop diverged.
+    pub growth: [Option<f64>; 2],
+    pub error_percent: [Option<f64>; 2],
+    #[serde(skip)]
+    rank: (Class, f64),
+}
+
+/// A limit of a method.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Reach {
+    /// None where not even the easiest is stable.
+    pub value: Option<f64>,
+    /// Whether all that was tried is stable, so that the limit lies beyond.
+    pub or_beyond: bool,
+}
+
+#[derive(Debug, Serialize)]
+pub struct Bounds {
+    pub colgate_schenkel_n_per_m: f64,
+    pub gil_n_per_m: f64,
+    pub abbott_okamura_n_per_m: f64,
+    /// Of an undamped device with the best virtual damper.
+    pub undamped_wall_n_per_m: f64,
+    pub undamped_wall_damping_n_s_per_m: f64,
+}
+
+impl Advice {
+    /// Finds out what `methods` can do on the device of `bounce`, and at its own stiffness if that
+    /// is `asked`; `done` hears of each method.
+    pub fn on(
+        bounce: &Bounce,
+        asked: bool,
+        methods: &[MethodName],
+        done: impl Fn(),
+    ) -> Result<Self, BounceError> {
+        let device = &bounce.device;
+        let (m, t) = (device.mass, bounce.period);
+        let mut advice = Self {
+            format: "palpate advise 1",
+            device: DeviceReport {
+                mass_kg: m,
+                period_s: t,
+                viscous_friction_n_s_per_m: device.viscous_friction,
+                coulomb_friction_n: device.coulomb_friction,
+                encoder_quantum_m: device.encoder_quantum,
+                delay_samples: bounce.delay,
+                object_mass_kg: Some(bounce.object_mass).filter(|mass| mass.is_finite()),
+                gap_m: bounce.gap,
+                start_heights: palpate_sim::map::PHASES,
+            },
+            contact: None,
+            verdict: Verdict::NotAsked,
+            methods: Vec::new(),
+            bounds: Bounds::of(bounce),
+        };
+        for method in methods {
+            let settings = default_settings(*method);
+            advice.methods.push(MethodAdvice {
+                method: method.name(),
+                by_itself: None,
+                tuned: None,
+                stiffest_n_per_m: bounce.stiffest(*method, settings)?.into(),
+                lightest_kg: if asked {
+                    Some(bounce.lightest(*method, settings)?.into())
+                } else {
+                    None
+                },
+            });
+            done();
+        }
+        if asked {
+            advice.judge(bounce, methods)?;
+        }
+        Ok(advice)
+    }
+
+    /// Judges the contact that is asked for.
+    fn judge(&mut self, bounce: &Bounce, methods: &[MethodName]) -> Result<(), BounceError> {
+        let impedance = bounce.stiffness * bounce.period;
+        let mut trials = Vec::new();
+        for method in methods {
+            trials.push((*method, default_settings(*method), None));
+            for (settings, damping) in dampings(*method, impedance) {
+                trials.push((*method, settings, Some(damping)));
+            }
+        }
+        let settings: Vec<_> = trials.iter().map(|(m, s, _)| (*m, *s)).collect();
+        let (entries, _) = bounce.judge(Plant::Damped, &settings)?;
+        let judged: Vec<(MethodName, Judged)> = trials
+            .iter()
+            .zip(&entries)
+            .map(|((method, _, damping), entry)| (*method, Judged::of(entry, *damping)))
+            .collect();
+        for advice in &mut self.methods {
+            let of_method = judged.iter().filter(|(m, _)| m.name() == advice.method);
+            let (tuned, by_itself): (Vec<Judged>, Vec<Judged>) = of_method
+                .map(|(_, judged)| *judged)
+                .partition(|judged| judged.damping_n_s_per_m.is_some());
+            advice.by_itself = by_itself.first().copied();
+            advice.tuned = best(tuned.iter().map(|judged| (advice.method, *judged))).map(|b| b.1);
+        }
+        let (period, floor) = (bounce.period, entries[0].hold_floor.median);
+        self.contact = Some(ContactReport {
+            stiffness_n_per_m: bounce.stiffness,
+            kappa: bounce.stiffness * period * period / bounce.device.mass,
+            object_kappa: bounce.stiffness * period * period / bounce.object_mass,
+            force_per_count_n: bounce.stiffness * bounce.device.encoder_quantum,
+            hold_floor_percent: floor,
+        });
+        if let Some((method, found)) = recommended(judged.iter().map(|(m, j)| (m.name(), *j))) {
+            let damping_n_s_per_m = found.damping_n_s_per_m;
+            self.verdict = match found.rank {
+                _ if found.is_faithful() => Verdict::Yes {
+                    method,
+                    damping_n_s_per_m,
+                },
+                (Class::Stable, _) => Verdict::StableOnly {
+                    method,
+                    damping_n_s_per_m,
+                },
+                _ => Verdict::No {
+                    method,
+                    growth: found.growth[1],
+                },
+            };
+        }
+        Ok(())
+    }
+
+    /// The judgement that the verdict rests on.
+    pub fn chosen(&self) -> Option<(&'static str, Judged)> {
+        recommended(self.judged())
+    }
+
+    /// The judgement that is nearest to the ideal, if that is not the chosen one.
+    pub fn nearer(&self) -> Option<(&'static str, Judged)> {
+        let (_, chosen) = self.chosen()?;
+        best(self.judged()).filter(|(_, judged)| judged.rank.1 < chosen.rank.1)
+    }
+
+    fn judged(&self) -> impl Iterator<Item = (&'static str, Judged)> + Clone {
+        self.methods.iter().flat_map(|advice| {
+            let judged = advice.by_itself.iter().chain(&advice.tuned);
+            judged.map(|judged| (advice.method, *judged))
+        })
+    }
+
+    /// The advice as JSON.
+    pub fn json(&self) -> String {
+        serde_json::to_string_pretty(self).expect("an advice has string keys only")
+    }
+}
+
+/// Coupled rendering as it is, where it renders the object: it needs no tuning, so that it holds
+/// away from this one scene, too. Elsewhere the best.
+fn recommended(
+    judged: impl Iterator<Item = (&'static str, Judged)> + Clone,
+) -> Option<(&'static str, Judged)> {
+    let coupled = MethodName::Coupled.name();
+    let mut by_itself = judged.clone().filter(|(method, _)| *method == coupled);
+    by_itself
+        .find(|(_, judged)| judged.is_faithful())
+        .or_else(|| best(judged))
+}
+
+/// The stablest, and of those the one with the least error from the worst start height.
+fn best(judged: impl Iterator<Item = (&'static str, Judged)>) -> Option<(&'static str, Judged)> {
+    judged.min_by(|(_, a), (_, b)| (a.rank.0.cmp(&b.rank.0)).then(a.rank.1.total_cmp(&b.rank.1)))
+}
+
+/// The dampings to try, up to where they are known to be too much.
+fn dampings(method: MethodName, impedance: f64) -> Vec<(Settings, f64)> {
+    let Some(setting) = tunable(method) else {
+        return Vec::new();
+    };
+    let (most, first) = match (setting, method) {
+        (Setting::DampingCap, _) => (8.0 * impedance, 1),
+        (_, MethodName::VirtualDamper) => (2.0 * impedance, 1),
+        _ => (impedance, 0),
+    };
+    (first..=TRIED)
+        .map(|step| {
+            // Closer together where they are small.
+            let share = step as f64 / TRIED as f64;
+            let value = most * share * share;
+            let settings = match setting {
+                Setting::DampingCap => Settings {
+                    damping_cap: Some(value),
+                    ..Settings::default()
+                },
+                _ => Settings {
+                    damping: Some(Damping::Value(value)),
+                    ..Settings::default()
+                },
+            };
+            (settings, value)
+        })
+        .collect()
+}
+
+impl Judged {
+    fn of(entry: &Entry, damping: Option<f64>) -> Self {
+        let finite = |value: f64| Some(value).filter(|value| value.is_finite());
+        let class = entry.class();
+        Self {
+            damping_n_s_per_m: damping,
+            class: match class {
+                Class::Stable => "stable",
+                Class::Growing => "growing",
+                Class::Diverged => "diverged",
+            },
+            growth: [finite(entry.growth.median), finite(entry.growth.worst)],
+            error_percent: [finite(entry.error.median), finite(entry.error.worst)],
+            rank: (class, entry.error.worst),
+        }
+    }
+}
+
+impl Judged {
+    /// Whether it is stable with a small error, from every start height.
+    fn is_faithful(&self) -> bool {
+        self.rank.0 == Class::Stable && self.rank.1 < FAITHFUL_PERCENT
+    }
+}
+
+impl From<Limit> for Reach {
+    fn from(limit: Limit) -> Self {
+        let (value, or_beyond) = match limit {
+            Limit::None => (None, false),
+            Limit::At(value) => (Some(value), false),
+            Limit::Beyond(value) => (Some(value), true),
+        };
+        Self { value, or_beyond }
+    }
+}
+
+impl Bounds {
+    fn of(bounce: &Bounce) -> Self {
+        let device = &bounce.device;
+        let (m, t) = (device.mass, bounce.period);
+        let per_kappa = m / (t * t);
+        let damping = device.viscous_friction * t / m;
+        Self {
+            colgate_schenkel_n_per_m: per_kappa * bounds::colgate_schenkel(damping, 0.0),
+            gil_n_per_m: per_kappa * bounds::gil(damping, 0.0, bounce.delay as f64),
+            abbott_okamura_n_per_m: bounds::abbott_okamura(
+                device.viscous_friction,
+                device.coulomb_friction,
+                t,
+                device.encoder_quantum,
+            ),
+            undamped_wall_n_per_m: per_kappa * bounds::stiffest_undamped_wall(),
+            undamped_wall_damping_n_s_per_m: bounds::best_undamped_damping() * m / t,
+        }
+    }
+}

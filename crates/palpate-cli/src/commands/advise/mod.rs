@@ -1,0 +1,102 @@
+//! `palpate advise`: can this be rendered, and by what?
+
+mod advice;
+mod arguments;
+mod text;
+
+pub use arguments::AdviseArguments;
+
+use palpate_sim::map::{Bounce, BounceDevice, BounceError, MapParams};
+use palpate_sim::scene::SetupError;
+
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::results::print;
+use crate::setup::{wrong_flag, wrong_on_bench};
+use advice::Advice;
+
+/// Looks, and answers.
+pub fn run(arguments: &AdviseArguments) -> Result<(), Failure> {
+    let bounce = bounce(arguments)?;
+    let methods = &arguments.method.0;
+    let progress = Progress::new(methods.len());
+    progress.begin("looking for limits");
+    let advice = Advice::on(&bounce, arguments.stiffness.is_some(), methods, || {
+        progress.advance();
+    })
+    .map_err(|error| refused(&error))?;
+    drop(progress);
+    print(&if arguments.json {
+        advice.json() + "\n"
+    } else {
+        advice.to_string()
+    })
+}
+
+/// The scene that is asked about; a softest stiffness stands in where none is.
+fn bounce(arguments: &AdviseArguments) -> Result<Bounce, Failure> {
+    let positive = |flag: &str, value: f64, unit: &str| {
+        if value.is_finite() && value > 0.0 {
+            Ok(value)
+        } else {
+            Err(Failure::Arguments(format!(
+                "{flag} is {value} {unit}, but must be finite and greater than 0"
+            )))
+        }
+    };
+    let not_negative = |flag: &str, value: f64, unit: &str| {
+        if value.is_finite() && value >= 0.0 {
+            Ok(value)
+        } else {
+            Err(Failure::Arguments(format!(
+                "{flag} is {value} {unit}, but must be finite and not below 0"
+            )))
+        }
+    };
+    let defaults = MapParams::default();
+    let mass = positive("--device-mass", arguments.device_mass, "kg")?;
+    let period = positive("--period", arguments.period, "s")?;
+    let object_mass = match arguments.mass {
+        None => f64::INFINITY,
+        Some(mass) if mass == f64::INFINITY => mass,
+        Some(mass) => positive("--mass", mass, "kg")?,
+    };
+    let stiffness = match arguments.stiffness {
+        Some(stiffness) => positive("--stiffness", stiffness, "N/m")?,
+        None => palpate_sim::map::SEARCHED.0 * mass / (period * period),
+    };
+    Ok(Bounce {
+        device: BounceDevice {
+            mass,
+            viscous_friction: not_negative(
+                "--viscous-friction",
+                arguments.viscous_friction,
+                "N s/m",
+            )?,
+            coulomb_friction: not_negative("--coulomb-friction", arguments.coulomb_friction, "N")?,
+            encoder_quantum: not_negative("--encoder-quantum", arguments.encoder_quantum, "m")?,
+            told_mass: 1.0,
+        },
+        stiffness,
+        object_mass,
+        forces: defaults.forces,
+        gap: defaults.gap,
+        period,
+        told_period: 1.0,
+        delay: arguments.delay,
+    })
+}
+
+fn refused(error: &BounceError) -> Failure {
+    match error {
+        BounceError::Bench(error) => wrong_on_bench(error),
+        BounceError::Method {
+            error: SetupError::Parameter(error),
+            ..
+        } => wrong_flag(error),
+        BounceError::TooLong(_) => Failure::Arguments(format!(
+            "--stiffness: {error}; a stiffer contact or a longer period is needed"
+        )),
+        other => Failure::Arguments(other.to_string()),
+    }
+}

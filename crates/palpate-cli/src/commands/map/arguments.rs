@@ -1,0 +1,157 @@
+//! Arguments of `map`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand, ValueEnum, ValueHint};
+
+use crate::values::{Methods, methods, number, samples};
+
+/// Arguments of `map`.
+#[derive(Args, Debug)]
+#[command(args_conflicts_with_subcommands = true)]
+pub struct MapArguments {
+    /// Something else than computing.
+    #[command(subcommand)]
+    pub action: Option<MapAction>,
+    /// What is mapped.
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// How it is computed.
+    #[command(flatten)]
+    pub work: WorkArguments,
+    /// Where it goes.
+    #[command(flatten)]
+    pub results: MapResults,
+}
+
+/// What else can be done with maps.
+#[derive(Subcommand, Debug)]
+pub enum MapAction {
+    /// Join the parts of a map, or draw a whole one again
+    #[command(after_help = "\
+Examples:
+  palpate map merge map-1-of-3.csv map-2-of-3.csv map-3-of-3.csv --out map.csv
+  palpate map merge map.csv --plot map.svg --show error")]
+    Merge(MergeArguments),
+}
+
+/// Arguments of `map merge`.
+#[derive(Args, Debug)]
+pub struct MergeArguments {
+    /// Parts of one map, in any order, or a whole map
+    #[arg(value_name = "PART.csv", required = true, value_hint = ValueHint::FilePath)]
+    pub parts: Vec<PathBuf>,
+    /// Where it goes.
+    #[command(flatten)]
+    pub results: MapResults,
+}
+
+/// The scene of every cell.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Scene")]
+pub struct SceneArguments {
+    /// Cells along each axis, from 0.001 to 10; a column of walls comes besides
+    #[arg(long, value_name = "COUNT", default_value_t = 65,
+          value_parser = clap::value_parser!(u16).range(2..=1000))]
+    pub cells: u16,
+    /// Methods, separated by commas, or all
+    #[arg(long, value_name = "NAME", value_parser = methods, default_value = "all")]
+    pub method: Methods,
+    /// Viscous friction of the damped device [N s/m] [default: 0.0394, that of the virtual
+    /// pantograph of fig4]
+    #[arg(long, value_name = "N s/m", value_parser = number, allow_hyphen_values = true)]
+    pub viscous_friction: Option<f64>,
+    /// Quantum of the device's position sensor [m]
+    #[arg(long, value_name = "m", value_parser = number, default_value_t = 0.0,
+          allow_hyphen_values = true)]
+    pub encoder_quantum: f64,
+    /// Samples between measuring and actuating
+    #[arg(long, value_name = "SAMPLES", value_parser = samples, default_value = "0")]
+    pub delay: usize,
+    /// Device mass that the renderer is told, over the true one
+    #[arg(long, value_name = "FACTOR", value_parser = number, default_value_t = 1.0,
+          allow_hyphen_values = true)]
+    pub told_mass: f64,
+    /// Period that the renderer is told, over the true one
+    #[arg(long, value_name = "FACTOR", value_parser = number, default_value_t = 1.0,
+          allow_hyphen_values = true)]
+    pub told_period: f64,
+    /// What drives device and object together
+    #[arg(long, value_enum, default_value_t = ForcesName::Balanced)]
+    pub forces: ForcesName,
+}
+
+/// What drives device and object together.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ForcesName {
+    /// A hand that holds the weight: equal and opposite forces, approaching at 13.81 m/s²
+    Balanced,
+    /// A hand of 1 N and gravity, whatever the masses
+    Weight,
+}
+
+/// How a map is computed.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Work")]
+pub struct WorkArguments {
+    /// Compute only part I of N; the parts are joined by `map merge`
+    #[arg(long, value_name = "I/N", value_parser = shard)]
+    pub shard: Option<Shard>,
+    /// Go on with what an interrupted run has left, if it has left anything
+    #[arg(long)]
+    pub resume: bool,
+    /// Threads [default: all cores]
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+}
+
+/// Where a map goes.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Results")]
+pub struct MapResults {
+    /// The map, or the part [default: map.csv, or map-I-of-N.csv]
+    #[arg(long, value_name = "MAP.csv", value_hint = ValueHint::FilePath)]
+    pub out: Option<PathBuf>,
+    /// The figure of a whole map, .svg (or .png where built with the feature png) [default: the
+    /// name of the map with .svg]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub plot: Option<PathBuf>,
+    /// What the figure shows, separated by commas
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Quantity::Growth, Quantity::Error])]
+    pub show: Vec<Quantity>,
+    /// The map as Parquet, too, where built with the feature parquet
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub parquet: Option<PathBuf>,
+    /// Print the report as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A quantity of a map.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Growth of the energy per collision
+    Growth,
+    /// Mean-force error E
+    Error,
+    /// Force rendering error over the hold floor
+    OverFloor,
+}
+
+/// Part `number` of `of`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// Counted from 1.
+    pub number: usize,
+    /// How many there are.
+    pub of: usize,
+}
+
+fn shard(text: &str) -> Result<Shard, String> {
+    let parsed = text.split_once('/').and_then(|(number, of)| {
+        let (number, of) = (number.parse().ok()?, of.parse().ok()?);
+        (1 <= number && number <= of && of <= 10_000).then_some(Shard { number, of })
+    });
+    parsed
+        .ok_or_else(|| "a part is written I/N, such as 2/3, with I from 1 to N up to 10000".into())
+}

@@ -1,0 +1,158 @@
+//! `palpate map`: which (kappa, Kc) each method can render.
+
+mod arguments;
+mod compute;
+mod merge;
+mod picture;
+mod receipt;
+mod report;
+
+pub use arguments::MapArguments;
+
+use std::path::{Path, PathBuf};
+
+use palpate_io::map::Map;
+use palpate_sim::map::{Forces, MapParams};
+use palpate_sim::method::MethodName;
+
+use crate::failure::Failure;
+use crate::results::{check_picture, draw, print};
+use arguments::{ForcesName, MapAction, MapResults, SceneArguments, Shard};
+use compute::Speed;
+use report::Report;
+
+/// The whole of a map.
+const WHOLE: Shard = Shard { number: 1, of: 1 };
+
+/// Computes a map, or does with maps what is asked for.
+pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
+    if let Some(MapAction::Merge(merge)) = &arguments.action {
+        return merge::run(merge);
+    }
+    let results = &arguments.results;
+    let shard = arguments.work.shard.unwrap_or(WHOLE);
+    if shard.of > 1 && results.plot.is_some() {
+        return Err(Failure::Arguments(
+            "--plot: a part of a map cannot be drawn; join all parts with map merge".into(),
+        ));
+    }
+    results.check()?;
+    let params = params(&arguments.scene)?;
+    let out = results.out.clone().unwrap_or_else(|| {
+        PathBuf::from(if shard.of == 1 {
+            "map.csv".into()
+        } else {
+            format!("map-{}-of-{}.csv", shard.number, shard.of)
+        })
+    });
+    let (map, speed) = compute::run(&params, shard, &arguments.work, &out)?;
+    deliver(results, &map, &out, speed, shard.of == 1)
+}
+
+/// Draws a whole map, and reports.
+fn deliver(
+    results: &MapResults,
+    map: &Map,
+    out: &Path,
+    speed: Option<Speed>,
+    whole: bool,
+) -> Result<(), Failure> {
+    let mut report = Report::new(map, speed)?;
+    report.wrote(out);
+    if let Some(path) = &results.parquet {
+        write_parquet(map, path)?;
+        report.wrote(path);
+    }
+    if whole {
+        let path = results
+            .plot
+            .clone()
+            .unwrap_or_else(|| out.with_extension("svg"));
+        draw(&path, &picture::figure(map, &results.show)?)?;
+        report.wrote(&path);
+    }
+    print(&if results.json {
+        report.json() + "\n"
+    } else {
+        report.to_string()
+    })
+}
+
+impl MapResults {
+    /// Refuses, before any work is done, files that cannot be.
+    fn check(&self) -> Result<(), Failure> {
+        if let Some(plot) = &self.plot {
+            check_picture(plot)?;
+        }
+        if self.parquet.is_some() && cfg!(not(feature = "parquet")) {
+            return Err(Failure::Arguments(
+                "--parquet: this build writes CSV only; for Parquet build with --features parquet"
+                    .into(),
+            ));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(feature = "parquet")]
+fn write_parquet(map: &Map, path: &Path) -> Result<(), Failure> {
+    palpate_io::atomic::write(path, |writer| palpate_io::map::write_parquet(map, writer))
+        .map_err(|error| Failure::System(error.to_string()))
+}
+
+#[cfg(not(feature = "parquet"))]
+fn write_parquet(_: &Map, _: &Path) -> Result<(), Failure> {
+    unreachable!("refused by check")
+}
+
+fn params(scene: &SceneArguments) -> Result<MapParams, Failure> {
+    let defaults = MapParams::default();
+    let not_below = |flag: &str, value: f64, least: f64, unit: &str| {
+        if value.is_finite() && value >= least {
+            Ok(value)
+        } else {
+            Err(Failure::Arguments(format!(
+                "{flag} is {value}{unit}, but must be finite and not below {least}"
+            )))
+        }
+    };
+    let factor = |flag: &str, value: f64| {
+        if (1e-3..=1e3).contains(&value) {
+            Ok(value)
+        } else {
+            Err(Failure::Arguments(format!(
+                "{flag} is {value}, but must be a factor from 0.001 to 1000"
+            )))
+        }
+    };
+    let mut device = defaults.device;
+    if let Some(friction) = scene.viscous_friction {
+        device.viscous_friction = not_below("--viscous-friction", friction, 0.0, " N s/m")?;
+    }
+    device.encoder_quantum = not_below("--encoder-quantum", scene.encoder_quantum, 0.0, " m")?;
+    device.told_mass = factor("--told-mass", scene.told_mass)?;
+    let named = &scene.method.0;
+    let params = MapParams {
+        cells: usize::from(scene.cells),
+        // In their own order, so that the same methods make the same map.
+        methods: MethodName::ALL
+            .into_iter()
+            .filter(|method| named.contains(method))
+            .collect(),
+        device,
+        delay: scene.delay,
+        told_period: factor("--told-period", scene.told_period)?,
+        forces: match scene.forces {
+            ForcesName::Balanced => defaults.forces,
+            ForcesName::Weight => Forces::Weight {
+                user_force: 1.0,
+                gravity: 9.81,
+            },
+        },
+        ..defaults
+    };
+    params
+        .check()
+        .map_err(|error| Failure::Arguments(error.to_string()))?;
+    Ok(params)
+}

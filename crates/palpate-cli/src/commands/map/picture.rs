@@ -1,0 +1,253 @@
+//! A map as a figure: a column for each method, a row for each quantity and plant.
+
+use palpate_io::map::{Map, Row};
+use palpate_sim::map::{Plant, STABLE_UP_TO, bounds};
+use palpate_sim::method::MethodName;
+
+use super::arguments::Quantity;
+use super::receipt;
+use super::report::{FAITHFUL_PERCENT, is_faithful, is_stable};
+use crate::failure::Failure;
+use crate::figure::{Bound, FieldFigure, FieldPanel, FieldRow, Scale};
+
+/// How far on the axis of Kc the bounds of walls are drawn.
+const NEARLY_A_WALL: f64 = 0.03;
+
+/// The figure of a whole map.
+pub fn figure(map: &Map, show: &[Quantity]) -> Result<FieldFigure, Failure> {
+    let columns = map.value("methods").unwrap_or_default();
+    let columns: Vec<&str> = columns.split(' ').collect();
+    let loop_numbers = LoopNumbers::of(map)?;
+    let mut rows = Vec::new();
+    for quantity in show {
+        for plant in Plant::ALL {
+            rows.push(FieldRow {
+                name: plant.name().into(),
+                scale: scale(*quantity),
+                panels: columns
+                    .iter()
+                    .map(|method| panel(map, *quantity, plant, method, &loop_numbers))
+                    .collect(),
+            });
+        }
+    }
+    Ok(FieldFigure {
+        title: "What each method can render: stiffness against the inertia of device and object"
+            .into(),
+        footnote: footnote(map, &loop_numbers),
+        x_label: "Kc = K T²/M".into(),
+        y_label: "κ = K T²/m".into(),
+        zero_label: "wall".into(),
+        range: (1e-3, 10.0),
+        columns: columns.into_iter().map(str::to_owned).collect(),
+        rows,
+    })
+}
+
+/// What the bounds depend on.
+struct LoopNumbers {
+    /// b T/m of the damped plant.
+    damping: f64,
+    delay: f64,
+    /// T²/m `[s²/kg]`
+    per_stiffness: f64,
+    friction: f64,
+    period: f64,
+    quantum: f64,
+}
+
+impl LoopNumbers {
+    fn of(map: &Map) -> Result<Self, Failure> {
+        let number = |key| receipt::number(map, key);
+        let (mass, period) = (number("device_mass_kg")?, number("period_s")?);
+        let friction = number("viscous_friction_n_s_per_m")?;
+        Ok(Self {
+            damping: friction * period / mass,
+            delay: number("delay_samples")?,
+            per_stiffness: period * period / mass,
+            friction,
+            period,
+            quantum: number("encoder_quantum_m")?,
+        })
+    }
+}
+
+fn panel(
+    map: &Map,
+    quantity: Quantity,
+    plant: Plant,
+    method: &str,
+    numbers: &LoopNumbers,
+) -> FieldPanel {
+    let of_panel = |row: &&Row| row.plant == plant.name() && row.method == method;
+    let rows: Vec<&Row> = map.rows.iter().filter(of_panel).collect();
+    let columns = rows
+        .iter()
+        .take_while(|row| row.kappa == rows[0].kappa)
+        .count();
+    let marked = |row: &Row| match quantity {
+        Quantity::Growth => is_stable(row),
+        Quantity::Error | Quantity::OverFloor => is_faithful(row),
+    };
+    FieldPanel {
+        columns,
+        values: rows
+            .iter()
+            .map(|row| match quantity {
+                Quantity::Growth => row.growth[0],
+                Quantity::Error => row.error[0],
+                Quantity::OverFloor => row.error_over_floor[0],
+            })
+            .collect(),
+        marked: rows.iter().map(|row| marked(row)).collect(),
+        bounds: if quantity == Quantity::Growth {
+            bounds_on(plant, method, numbers)
+        } else {
+            Vec::new()
+        },
+    }
+}
+
+/// The classical bounds of walls, each where it says something.
+fn bounds_on(plant: Plant, method: &str, numbers: &LoopNumbers) -> Vec<Bound> {
+    let bound = |name: &str, at: f64, look| Bound {
+        name: name.into(),
+        at,
+        to: NEARLY_A_WALL,
+        look,
+    };
+    if plant == Plant::Undamped {
+        // Of any virtual damper, whatever its B; the methods are beside it.
+        let name = "undamped wall with the best virtual damper: κ = 0.686";
+        return vec![bound(name, bounds::stiffest_undamped_wall(), 0)];
+    }
+    let mut drawn = Vec::new();
+    if method == MethodName::VirtualDamper.name() {
+        // The map's B is K T/2, so beta_B is kappa/2: kappa < 2 (beta_b - kappa/2).
+        let name = "Colgate-Schenkel with B = K T/2: κ = b T/m";
+        drawn.push(bound(name, numbers.damping, 3));
+        return drawn;
+    }
+    let name = "Colgate-Schenkel: κ = 2 b T/m";
+    drawn.push(bound(
+        name,
+        bounds::colgate_schenkel(numbers.damping, 0.0),
+        1,
+    ));
+    let colgate = drawn[0].at;
+    let mut unless_equal = |name: &str, at: f64, look| {
+        if (at / colgate - 1.0).abs() > 1e-6 {
+            drawn.push(bound(name, at, look));
+        }
+    };
+    let gil = bounds::gil(numbers.damping, 0.0, numbers.delay);
+    unless_equal("Gil: κ = (b T/m)/(1/2 + delay)", gil, 2);
+    let coulomb = 0.0;
+    let abbott = numbers.per_stiffness
+        * bounds::abbott_okamura(numbers.friction, coulomb, numbers.period, numbers.quantum);
+    if abbott > 0.0 {
+        unless_equal("Abbott-Okamura", abbott, 0);
+    }
+    drawn
+}
+
+fn scale(quantity: Quantity) -> Scale {
+    match quantity {
+        Quantity::Growth => Scale {
+            name: "Energy growth per collision, median start".into(),
+            steps: steps(&[
+                ("#08306b", "≤ 0.5"),
+                ("#3b7dbc", "≤ 0.9"),
+                ("#9ecae1", "≤ 0.99"),
+                ("#deebf7", "≤ 1.01: stable"),
+                ("#fee391", "≤ 1.03"),
+                ("#fe9929", "more: growing"),
+                ("#7f2704", "diverged"),
+            ]),
+            limits: vec![0.5, 0.9, 0.99, STABLE_UP_TO, 1.03, f64::MAX],
+            border: "border of stability from the worst start".into(),
+        },
+        Quantity::Error => Scale {
+            name: "Mean-force error E [%], median start".into(),
+            steps: steps(&[
+                ("#00224e", "≤ 1"),
+                ("#1f3f6e", "≤ 5"),
+                ("#575d6d", "≤ 10"),
+                ("#8a8779", "≤ 20"),
+                ("#c3b369", "≤ 50"),
+                ("#e8d35a", "≤ 100"),
+                ("#fff3b0", "more: no force would be nearer"),
+            ]),
+            limits: vec![1.0, 5.0, 10.0, FAITHFUL_PERCENT, 50.0, 100.0],
+            border: "border of E < 20 % and stable, from the worst start".into(),
+        },
+        Quantity::OverFloor => Scale {
+            name: "Force rendering error over the hold floor, median start".into(),
+            steps: steps(&[
+                ("#00224e", "≤ 1.05"),
+                ("#1f3f6e", "≤ 1.2"),
+                ("#575d6d", "≤ 1.5"),
+                ("#8a8779", "≤ 2"),
+                ("#c3b369", "≤ 5"),
+                ("#e8d35a", "≤ 10"),
+                ("#fff3b0", "more"),
+            ]),
+            limits: vec![1.05, 1.2, 1.5, 2.0, 5.0, 10.0],
+            border: "border of E < 20 % and stable, from the worst start".into(),
+        },
+    }
+}
+
+fn steps(steps: &[(&'static str, &str)]) -> Vec<(&'static str, String)> {
+    steps
+        .iter()
+        .map(|(colour, says)| (*colour, (*says).to_owned()))
+        .collect()
+}
+
+fn footnote(map: &Map, numbers: &LoopNumbers) -> String {
+    let value = |key: &str| map.value(key).unwrap_or("?");
+    let forces = if value("forces") == "balanced" {
+        format!(
+            "equal and opposite forces ({} m/s² of approach)",
+            value("approach_m_per_s2")
+        )
+    } else {
+        format!(
+            "a hand of {} N and gravity of {} m/s²",
+            value("user_force_n"),
+            value("gravity_m_per_s2")
+        )
+    };
+    let mut unusual = String::new();
+    for (key, usual, name) in [
+        ("encoder_quantum_m", "0", "encoder quantum [m]"),
+        ("delay_samples", "0", "delay [samples]"),
+        (
+            "told_mass_factor",
+            "1",
+            "mass told to the renderer over the true one",
+        ),
+        (
+            "told_period_factor",
+            "1",
+            "period told to the renderer over the true one",
+        ),
+    ] {
+        if value(key) != usual {
+            unusual.push_str(&format!(", {name} {}", value(key)));
+        }
+    }
+    format!(
+        "An object bounces on a point-mass device ({} kg, {} s, gap {} m ± 5 % in {} start heights) \
+         under {forces}{unusual}. Damped: viscous friction b T/m = {:.4} of the device. Growth: over \
+         {} ideal collisions; E: over the first {}. Bounds are of walls; they are drawn up to Kc = 0.03.",
+        value("device_mass_kg"),
+        value("period_s"),
+        value("gap_m"),
+        value("start_heights"),
+        numbers.damping,
+        value("growth_collisions"),
+        value("error_collisions"),
+    )
+}

@@ -1,0 +1,264 @@
+//! What a map says, method by method.
+
+use std::fmt;
+use std::path::Path;
+
+use comfy_table::CellAlignment;
+use palpate_io::map::{Map, Row};
+use palpate_sim::map::{Class, Plant, classify};
+use serde::Serialize;
+
+use super::compute::Speed;
+use super::receipt;
+use crate::failure::Failure;
+use crate::report::{digits, lines, number, percent, plain_table};
+
+/// Largest error of a faithful rendering, E `[%]`.
+pub const FAITHFUL_PERCENT: f64 = 20.0;
+
+/// The report on a map, or a part of one.
+#[derive(Debug, Serialize)]
+pub struct Report {
+    format: &'static str,
+    palpate_version: String,
+    shard: String,
+    cells_per_axis: usize,
+    cells: usize,
+    scene: Scene,
+    methods: Vec<MethodReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    work: Option<Work>,
+    files: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct Scene {
+    device_mass_kg: f64,
+    period_s: f64,
+    gap_m: f64,
+    forces: String,
+    viscous_friction_n_s_per_m: f64,
+    encoder_quantum_m: f64,
+    delay_samples: f64,
+    told_mass_factor: f64,
+    told_period_factor: f64,
+    start_heights: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct MethodReport {
+    plant: &'static str,
+    method: String,
+    /// Share of the cells from whose every start height the loop is stable.
+    stable_percent: f64,
+    /// Share of the cells whose error is below 20 % from every start height, stable ones only.
+    faithful_percent: f64,
+    /// Stiffest wall up to which all walls of the map are stable; none where not even the softest is.
+    stable_wall_kappa: Option<f64>,
+    /// The same for stable walls with an error below 20 %.
+    faithful_wall_kappa: Option<f64>,
+    /// The same, of objects with Kc nearest to 1.
+    stable_light_object_kappa: Option<f64>,
+}
+
+#[derive(Debug, Serialize)]
+struct Work {
+    ticks: u64,
+    seconds: f64,
+    threads: usize,
+    ticks_per_second_and_thread: f64,
+}
+
+impl Report {
+    /// The report on `map`.
+    pub fn new(map: &Map, speed: Option<Speed>) -> Result<Self, Failure> {
+        let value = |key: &str| map.value(key).unwrap_or("unknown").to_owned();
+        let number = |key: &str| receipt::number(map, key);
+        let forces = match map.value("forces") {
+            Some("balanced") => format!(
+                "equal and opposite, approaching at {} m/s²",
+                value("approach_m_per_s2")
+            ),
+            _ => format!(
+                "hand {} N, gravity {} m/s²",
+                value("user_force_n"),
+                value("gravity_m_per_s2")
+            ),
+        };
+        let methods = value("methods");
+        let mut reports = Vec::new();
+        for plant in Plant::ALL {
+            for method in methods.split(' ') {
+                let of_method = |row: &&Row| row.plant == plant.name() && row.method == method;
+                let rows: Vec<&Row> = map.rows.iter().filter(of_method).collect();
+                reports.push(MethodReport::new(plant, method, &rows));
+            }
+        }
+        let lines_per_cell = receipt::count(map, palpate_io::map::LINES_PER_CELL)?;
+        Ok(Self {
+            format: "palpate map report 1",
+            palpate_version: value("palpate_version"),
+            shard: value(palpate_io::map::SHARD),
+            cells_per_axis: receipt::count(map, "cells_per_axis")?,
+            cells: map.rows.len() / lines_per_cell.max(1),
+            scene: Scene {
+                device_mass_kg: number("device_mass_kg")?,
+                period_s: number("period_s")?,
+                gap_m: number("gap_m")?,
+                forces,
+                viscous_friction_n_s_per_m: number("viscous_friction_n_s_per_m")?,
+                encoder_quantum_m: number("encoder_quantum_m")?,
+                delay_samples: number("delay_samples")?,
+                told_mass_factor: number("told_mass_factor")?,
+                told_period_factor: number("told_period_factor")?,
+                start_heights: number("start_heights")?,
+            },
+            methods: reports,
+            work: speed.map(|speed| Work {
+                ticks: speed.ticks,
+                seconds: speed.seconds,
+                threads: speed.threads,
+                ticks_per_second_and_thread: speed.ticks as f64
+                    / (speed.seconds * speed.threads as f64),
+            }),
+            files: Vec::new(),
+        })
+    }
+
+    /// Adds a file that was written.
+    pub fn wrote(&mut self, path: &Path) {
+        self.files.push(path.display().to_string());
+    }
+
+    /// The report as JSON.
+    pub fn json(&self) -> String {
+        serde_json::to_string_pretty(self).expect("a report has string keys only")
+    }
+}
+
+/// Whether the loop is stable from every start height.
+pub fn is_stable(row: &Row) -> bool {
+    classify(row.growth[1]) == Class::Stable
+}
+
+/// Whether it is that, and near to the ideal.
+pub fn is_faithful(row: &Row) -> bool {
+    is_stable(row) && row.error[1] < FAITHFUL_PERCENT
+}
+
+impl MethodReport {
+    fn new(plant: Plant, method: &str, rows: &[&Row]) -> Self {
+        let share = |holds: fn(&Row) -> bool| {
+            let count = rows.iter().filter(|row| holds(row)).count();
+            100.0 * count as f64 / rows.len().max(1) as f64
+        };
+        // Rows come by increasing kappa within a column.
+        let up_to = |object_kappa: f64, holds: fn(&Row) -> bool| {
+            rows.iter()
+                .filter(|row| row.object_kappa == object_kappa)
+                .take_while(|row| holds(row))
+                .last()
+                .map(|row| row.kappa)
+        };
+        let near_one = rows
+            .iter()
+            .map(|row| row.object_kappa)
+            .filter(|kappa| *kappa > 0.0)
+            .min_by(|a, b| a.ln().abs().total_cmp(&b.ln().abs()));
+        Self {
+            plant: plant.name(),
+            method: method.to_owned(),
+            stable_percent: share(is_stable),
+            faithful_percent: share(is_faithful),
+            stable_wall_kappa: up_to(0.0, is_stable),
+            faithful_wall_kappa: up_to(0.0, is_faithful),
+            stable_light_object_kappa: near_one.and_then(|kappa| up_to(kappa, is_stable)),
+        }
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let scene = &self.scene;
+        let part = if self.shard == "1/1" {
+            String::new()
+        } else {
+            format!(", part {}", self.shard)
+        };
+        writeln!(
+            f,
+            "Map of kappa = K T²/m and Kc = K T²/M from 0.001 to 10, {n} x {n} cells and walls{part}",
+            n = self.cells_per_axis
+        )?;
+        writeln!(
+            f,
+            "device {} kg, period {} s, gap {} m ± 5 % in {} start heights",
+            scene.device_mass_kg, scene.period_s, scene.gap_m, scene.start_heights
+        )?;
+        write!(
+            f,
+            "forces {}; damped: {} N s/m",
+            scene.forces, scene.viscous_friction_n_s_per_m
+        )?;
+        for (name, value, usual) in [
+            ("encoder quantum [m]", scene.encoder_quantum_m, 0.0),
+            ("delay [samples]", scene.delay_samples, 0.0),
+            ("told mass x", scene.told_mass_factor, 1.0),
+            ("told period x", scene.told_period_factor, 1.0),
+        ] {
+            if value != usual {
+                write!(f, "; {name} {value}")?;
+            }
+        }
+        writeln!(f, "\n")?;
+        if part.is_empty() {
+            let header = [
+                "method",
+                "device",
+                "stable % of cells",
+                "and E < 20 %",
+                "walls to kappa",
+                "and E < 20 %",
+                "Kc = 1 to kappa",
+            ];
+            let mut table = plain_table(CellAlignment::Left, &header);
+            for method in &self.methods {
+                table.add_row(vec![
+                    (&*method.method).into(),
+                    comfy_table::Cell::new(method.plant).set_alignment(CellAlignment::Right),
+                    number(Some(method.stable_percent), percent),
+                    number(Some(method.faithful_percent), percent),
+                    number(method.stable_wall_kappa, digits),
+                    number(method.faithful_wall_kappa, digits),
+                    number(method.stable_light_object_kappa, digits),
+                ]);
+            }
+            writeln!(f, "{}\n", lines(&table))?;
+            writeln!(
+                f,
+                "Stable: from every start height, energy grows by at most 1 % per collision. A dash: \
+                 not\neven the softest of the map.\n"
+            )?;
+        } else {
+            writeln!(
+                f,
+                "{} cells; join all parts with palpate map merge\n",
+                self.cells
+            )?;
+        }
+        if let Some(work) = &self.work {
+            writeln!(
+                f,
+                "{:.3e} ticks in {:.1} s on {}: {:.2e} ticks/s each\n",
+                work.ticks as f64,
+                work.seconds,
+                crate::report::counted(work.threads as f64, "thread"),
+                work.ticks_per_second_and_thread
+            )?;
+        }
+        for file in &self.files {
+            writeln!(f, "wrote {file}")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,158 @@
+//! Fields over two logarithmic axes, as small multiples: filled contours, the border of a region,
+//! and horizontal bounds. A strip left of the axis holds what lies at zero.
+
+mod page;
+mod panel;
+mod region;
+
+pub(super) use page::scene;
+
+/// A page of fields: rows of panels over the same axes.
+#[derive(Debug, Clone, Default)]
+pub struct FieldFigure {
+    /// Line above everything.
+    pub title: String,
+    /// Small print below everything.
+    pub footnote: String,
+    /// Quantity of the horizontal axis.
+    pub x_label: String,
+    /// Quantity of the vertical axis.
+    pub y_label: String,
+    /// What lies in the strip at zero.
+    pub zero_label: String,
+    /// Both axes reach from one to the other.
+    pub range: (f64, f64),
+    /// Heads of the columns.
+    pub columns: Vec<String>,
+    /// The rows, from top to bottom.
+    pub rows: Vec<FieldRow>,
+}
+
+/// Panels of one quantity.
+#[derive(Debug, Clone)]
+pub struct FieldRow {
+    /// What sets this row apart from others of the same quantity.
+    pub name: String,
+    /// The quantity and its colours.
+    pub scale: Scale,
+    /// One panel per column.
+    pub panels: Vec<FieldPanel>,
+}
+
+/// A quantity and its colours.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scale {
+    /// The quantity and its unit.
+    pub name: String,
+    /// Colour of each step, from small to large, and what it says.
+    pub steps: Vec<(&'static str, String)>,
+    /// The limits between the steps; a value on a limit belongs below it.
+    pub limits: Vec<f64>,
+    /// What the border of the marked region says.
+    pub border: String,
+}
+
+/// One field.
+#[derive(Debug, Clone, Default)]
+pub struct FieldPanel {
+    /// Values along the horizontal axis, the one at zero first.
+    pub columns: usize,
+    /// Values, row by row from the lower end of the vertical axis; a NaN is left blank.
+    pub values: Vec<f64>,
+    /// The region whose border is drawn.
+    pub marked: Vec<bool>,
+    /// Horizontal bounds.
+    pub bounds: Vec<Bound>,
+}
+
+/// A horizontal line from zero to where it stops to apply.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bound {
+    /// Name in the legend.
+    pub name: String,
+    /// Where it stands on the vertical axis.
+    pub at: f64,
+    /// Where it ends on the horizontal axis.
+    pub to: f64,
+    /// Which of the looks it has.
+    pub look: usize,
+}
+
+impl Scale {
+    /// The step of a value.
+    fn step(&self, value: f64) -> Option<usize> {
+        (!value.is_nan()).then(|| self.limits.partition_point(|limit| *limit < value))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use kuva::render::render::Primitive;
+
+    fn figure() -> FieldFigure {
+        let scale = Scale {
+            name: "growth".into(),
+            steps: vec![("#0072b2", "small".into()), ("#e69f00", "large".into())],
+            limits: vec![1.0],
+            border: "stable".into(),
+        };
+        let panel = FieldPanel {
+            columns: 3,
+            values: vec![0.5, 0.5, 2.0, 0.5, 2.0, f64::NAN],
+            marked: vec![true, true, false, true, false, false],
+            bounds: vec![Bound {
+                name: "a bound".into(),
+                at: 0.1,
+                to: 0.1,
+                look: 0,
+            }],
+        };
+        FieldFigure {
+            title: "A map".into(),
+            range: (1e-3, 10.0),
+            columns: vec!["one".into(), "two".into()],
+            rows: vec![FieldRow {
+                name: "undamped".into(),
+                scale,
+                panels: vec![panel.clone(), panel],
+            }],
+            ..FieldFigure::default()
+        }
+    }
+
+    #[test]
+    fn a_value_on_a_limit_belongs_below_and_what_is_no_number_nowhere() {
+        let figure = figure();
+        let scale = &figure.rows[0].scale;
+        assert_eq!(scale.step(1.0), Some(0));
+        assert_eq!(scale.step(1.0 + 1e-12), Some(1));
+        assert_eq!(scale.step(f64::INFINITY), Some(1));
+        assert_eq!(scale.step(f64::NAN), None);
+    }
+
+    #[test]
+    fn everything_that_is_drawn_lies_on_the_page() {
+        let scene = scene(&figure());
+        let mut texts = Vec::new();
+        for element in &scene.elements {
+            let (x, y) = match element {
+                Primitive::Text { x, y, content, .. } => {
+                    texts.push(content.clone());
+                    (*x, *y)
+                }
+                Primitive::Line { x2, y2, .. } => (*x2, *y2),
+                Primitive::Rect { x, y, .. } => (*x, *y),
+                _ => continue,
+            };
+            assert!(0.0 <= x && x <= scene.width, "{element:?}");
+            assert!(0.0 <= y && y <= scene.height, "{element:?}");
+        }
+        for word in ["A map", "one", "two", "small", "large", "stable", "a bound"] {
+            assert!(
+                texts.iter().any(|text| text.contains(word)),
+                "{word}: {texts:?}"
+            );
+        }
+    }
+}

@@ -1,0 +1,255 @@
+//! One field with its frame.
+
+use kuva::render::color::Color;
+use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
+
+use super::super::ink;
+use super::region::Grid;
+use super::{Bound, FieldFigure, FieldPanel, Scale};
+
+/// Width and height of the field \[px\].
+pub(super) const SIZE: f64 = 112.0;
+/// Width of the strip at zero \[px\].
+pub(super) const STRIP: f64 = 7.0;
+/// Between strip and field \[px\].
+pub(super) const SPLIT: f64 = 3.0;
+/// Size of the numbers at the ticks \[px\].
+const TICK_SIZE: u32 = 9;
+const TICK: f64 = 3.0;
+
+/// Looks of bounds: colour and dashes.
+const LOOKS: [(&str, &str); 4] = [
+    ("#000000", "2 2"),
+    ("#a3195b", "6 2"),
+    ("#a3195b", "2 1.5"),
+    ("#000000", "7 2 1.5 2"),
+];
+
+/// Where a panel stands, and which of its axes have numbers.
+pub(super) struct Place {
+    pub left: f64,
+    pub top: f64,
+    pub x_numbers: bool,
+    pub y_numbers: bool,
+}
+
+/// Draws a panel.
+pub(super) fn draw(
+    page: &mut Scene,
+    figure: &FieldFigure,
+    scale: &Scale,
+    panel: &FieldPanel,
+    place: &Place,
+) {
+    let columns = panel.columns;
+    if columns < 2 || panel.values.len() < columns {
+        return;
+    }
+    let rows = panel.values.len() / columns;
+    let grid = grid(place, columns, rows);
+    let at = |row: usize, column: usize| row * columns + column;
+    let step = |row, column| scale.step(panel.values[at(row, column)]);
+    // Each step is painted over the ones below it, so that no paper shows between two.
+    for (index, (colour, _)) in scale.steps.iter().enumerate() {
+        let path = grid.fill(|row, column| step(row, column).is_some_and(|step| step >= index));
+        if !path.is_empty() {
+            page.add(filled(path, colour));
+        }
+    }
+    // The strip stands apart.
+    page.add(Primitive::Rect {
+        x: place.left + STRIP,
+        y: place.top,
+        width: SPLIT,
+        height: SIZE,
+        fill: Color::from("#ffffff"),
+        stroke: None,
+        stroke_width: None,
+        opacity: None,
+    });
+    let marked = |row: usize, column: usize| panel.marked.get(at(row, column)) == Some(&true);
+    // Casing and line: the border is seen on every colour.
+    let border = grid.border(marked);
+    if !border.is_empty() {
+        page.add(stroked(border.clone(), "#ffffff", 2.6, None));
+        page.add(stroked(border, "#000000", 1.2, None));
+    }
+    for bound in &panel.bounds {
+        draw_bound(page, figure, bound, place, (columns - 1, rows));
+    }
+    for (left, width) in [(place.left, STRIP), (place.left + STRIP + SPLIT, SIZE)] {
+        page.add(Primitive::Rect {
+            x: left,
+            y: place.top,
+            width,
+            height: SIZE,
+            fill: Color::None,
+            stroke: Some(Color::from(ink::FRAME)),
+            stroke_width: Some(0.8),
+            opacity: None,
+        });
+    }
+    ticks(page, figure, place, (columns - 1, rows));
+}
+
+fn grid(place: &Place, columns: usize, rows: usize) -> Grid {
+    let field = place.left + STRIP + SPLIT;
+    let width = SIZE / (columns - 1) as f64;
+    let mut x = vec![place.left];
+    x.extend((0..columns).map(|column| field + column as f64 * width));
+    // The strip's cells end where the field begins; the gap is painted over.
+    let bottom = place.top + SIZE;
+    let height = SIZE / rows as f64;
+    Grid {
+        x,
+        y: (0..=rows).map(|row| bottom - row as f64 * height).collect(),
+    }
+}
+
+/// Distance of a value from the axis' lower end \[px\]: cells stand around their values.
+fn distance(range: (f64, f64), cells: usize, value: f64) -> f64 {
+    let share = (value / range.0).ln() / (range.1 / range.0).ln();
+    SIZE * (share * (cells - 1) as f64 + 0.5) / cells as f64
+}
+
+fn draw_bound(
+    page: &mut Scene,
+    figure: &FieldFigure,
+    bound: &Bound,
+    place: &Place,
+    cells: (usize, usize),
+) {
+    let y = distance(figure.range, cells.1, bound.at);
+    if !(0.0..=SIZE).contains(&y) {
+        return;
+    }
+    let y = place.top + SIZE - y;
+    let field = place.left + STRIP + SPLIT;
+    let to = field + distance(figure.range, cells.0, bound.to).clamp(0.0, SIZE);
+    page.add(line((place.left, y), (to, y), "#ffffff", 2.8, None));
+    let (colour, dashes) = LOOKS[bound.look % LOOKS.len()];
+    page.add(line((place.left, y), (to, y), colour, 1.5, Some(dashes)));
+}
+
+/// A bound as it looks in the legend.
+pub(super) fn swatch(look: usize, from: (f64, f64), to: (f64, f64)) -> Primitive {
+    let (colour, dashes) = LOOKS[look % LOOKS.len()];
+    line(from, to, colour, 1.5, Some(dashes))
+}
+
+fn ticks(page: &mut Scene, figure: &FieldFigure, place: &Place, cells: (usize, usize)) {
+    let field = place.left + STRIP + SPLIT;
+    let bottom = place.top + SIZE;
+    for (number, value) in decades(figure.range).into_iter().enumerate() {
+        let x = field + distance(figure.range, cells.0, value);
+        let y = bottom - distance(figure.range, cells.1, value);
+        page.add(line((x, bottom), (x, bottom + TICK), ink::FRAME, 0.8, None));
+        page.add(line(
+            (place.left - TICK, y),
+            (place.left, y),
+            ink::FRAME,
+            0.8,
+            None,
+        ));
+        // Numbers at every second decade, and not at the ends, leave room between them.
+        if place.x_numbers && number % 2 == 1 {
+            page.add(words(
+                &value.to_string(),
+                (x, bottom + 12.0),
+                TextAnchor::Middle,
+            ));
+        }
+        if place.y_numbers {
+            page.add(words(
+                &value.to_string(),
+                (place.left - 5.0, y + 3.0),
+                TextAnchor::End,
+            ));
+        }
+    }
+}
+
+/// Powers of ten on the axis.
+fn decades(range: (f64, f64)) -> Vec<f64> {
+    let exponent = |value: f64| value.log10();
+    let (mut power, last) = ((exponent(range.0) - 1e-9).ceil(), exponent(range.1) + 1e-9);
+    let mut decades = Vec::new();
+    while power <= last {
+        #[expect(clippy::cast_possible_truncation, reason = "an exponent of ten")]
+        let value = format!("1e{}", power as i32).parse().unwrap_or(f64::NAN);
+        decades.push(value);
+        power += 1.0;
+    }
+    decades
+}
+
+fn words(content: &str, at: (f64, f64), anchor: TextAnchor) -> Primitive {
+    Primitive::Text {
+        x: at.0,
+        y: at.1,
+        content: content.to_owned(),
+        size: TICK_SIZE,
+        anchor,
+        rotate: None,
+        bold: false,
+        color: None,
+    }
+}
+
+pub(super) fn line(
+    from: (f64, f64),
+    to: (f64, f64),
+    colour: &str,
+    width: f64,
+    dashes: Option<&str>,
+) -> Primitive {
+    Primitive::Line {
+        x1: from.0,
+        y1: from.1,
+        x2: to.0,
+        y2: to.1,
+        stroke: Color::from(colour),
+        stroke_width: width,
+        stroke_dasharray: dashes.map(str::to_owned),
+    }
+}
+
+fn filled(d: String, colour: &str) -> Primitive {
+    Primitive::Path(Box::new(PathData {
+        d,
+        fill: Some(Color::from(colour)),
+        stroke: Color::None,
+        stroke_width: 0.0,
+        opacity: None,
+        stroke_dasharray: None,
+    }))
+}
+
+fn stroked(d: String, colour: &str, width: f64, dashes: Option<String>) -> Primitive {
+    Primitive::Path(Box::new(PathData {
+        d,
+        fill: None,
+        stroke: Color::from(colour),
+        stroke_width: width,
+        opacity: None,
+        stroke_dasharray: dashes,
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decades_are_exact_and_within_the_axis() {
+        assert_eq!(decades((1e-3, 10.0)), [1e-3, 0.01, 0.1, 1.0, 10.0]);
+        assert_eq!(decades((0.5, 30.0)), [1.0, 10.0]);
+    }
+
+    #[test]
+    fn a_value_stands_in_the_middle_of_its_cell() {
+        let cell = SIZE / 5.0;
+        assert!((distance((1e-3, 10.0), 5, 1e-3) - 0.5 * cell).abs() < 1e-9);
+        assert!((distance((1e-3, 10.0), 5, 0.1) - 2.5 * cell).abs() < 1e-9);
+    }
+}

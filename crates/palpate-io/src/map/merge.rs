@@ -1,0 +1,265 @@
+//! Parts of a map, joined.
+
+use std::collections::BTreeMap;
+
+use thiserror::Error;
+
+use super::{CELLS, LINES_PER_CELL, Map, Row, SHARD};
+
+/// Why parts do not make a map.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum MergeError {
+    /// No part at all.
+    #[error("there are no parts to merge")]
+    NoParts,
+    /// Two parts are not of one map.
+    #[error(
+        "{first} and {other} are not parts of one map: {key} is {expected} in the first and {found} in the other"
+    )]
+    Differ {
+        /// The first part.
+        first: String,
+        /// The part that differs from it.
+        other: String,
+        /// What differs.
+        key: String,
+        /// Its value in the first part.
+        expected: String,
+        /// Its value in the other.
+        found: String,
+    },
+    /// A part does not say what a map must.
+    #[error("{file}: the receipt has no number under {key}")]
+    Receipt {
+        /// The part.
+        file: String,
+        /// The key.
+        key: &'static str,
+    },
+    /// A cell is in two parts.
+    #[error("cell {cell} is in {first} and in {other}; name each part once")]
+    Doubled {
+        /// The cell.
+        cell: u64,
+        /// One part that has it.
+        first: String,
+        /// The other.
+        other: String,
+    },
+    /// A cell that the map does not have, or not with so many lines.
+    #[error("{file}: cell {cell} has {lines} lines, but must have {expected}")]
+    Lines {
+        /// The part.
+        file: String,
+        /// The cell.
+        cell: u64,
+        /// Its lines.
+        lines: usize,
+        /// How many it must have; 0 for a cell beyond the last.
+        expected: usize,
+    },
+    /// Cells are in no part.
+    #[error("{missing} of {cells} cells are missing{}", parts_in_words(.parts))]
+    Missing {
+        /// How many.
+        missing: u64,
+        /// How many there should be.
+        cells: u64,
+        /// The parts that are not there, `2/3`.
+        parts: Vec<String>,
+    },
+}
+
+fn parts_in_words(parts: &[String]) -> String {
+    match parts {
+        [] => String::new(),
+        [part] => format!(": part {part} is not among the files"),
+        parts => format!(": parts {} are not among the files", parts.join(", ")),
+    }
+}
+
+/// Joins parts, each with the name to call it by, in any order.
+///
+/// # Errors
+/// [`MergeError`], which names the part.
+pub fn merge(parts: Vec<(String, Map)>) -> Result<Map, MergeError> {
+    let (first, reference) = parts.first().ok_or(MergeError::NoParts)?;
+    for (other, part) in &parts {
+        same_map(first, reference, other, part)?;
+    }
+    let count = |key: &'static str| {
+        let value = reference.value(key).and_then(|value| value.parse().ok());
+        value.ok_or_else(|| MergeError::Receipt {
+            file: first.clone(),
+            key,
+        })
+    };
+    let cells: u64 = count(CELLS)?;
+    let lines = usize::try_from(count(LINES_PER_CELL)?).unwrap_or(usize::MAX);
+    let mut receipt = reference.receipt.clone();
+    for (key, value) in &mut receipt {
+        if key == SHARD {
+            *value = "1/1".to_owned();
+        }
+    }
+
+    let given: Vec<String> = parts
+        .iter()
+        .filter_map(|(_, part)| part.value(SHARD).map(str::to_owned))
+        .collect();
+    let mut by_cell: BTreeMap<u64, (usize, Vec<Row>)> = BTreeMap::new();
+    let names: Vec<String> = parts.iter().map(|(name, _)| name.clone()).collect();
+    for (number, (name, part)) in parts.into_iter().enumerate() {
+        for row in part.rows {
+            let (owner, rows) = by_cell.entry(row.cell).or_insert((number, Vec::new()));
+            if *owner != number {
+                return Err(MergeError::Doubled {
+                    cell: row.cell,
+                    first: names[*owner].clone(),
+                    other: name,
+                });
+            }
+            rows.push(row);
+        }
+    }
+    for (cell, (owner, rows)) in &by_cell {
+        let expected = if *cell < cells { lines } else { 0 };
+        if rows.len() != expected {
+            return Err(MergeError::Lines {
+                file: names[*owner].clone(),
+                cell: *cell,
+                lines: rows.len(),
+                expected,
+            });
+        }
+    }
+    let missing = cells - by_cell.len() as u64;
+    if missing > 0 {
+        return Err(MergeError::Missing {
+            missing,
+            cells,
+            parts: absent(&given),
+        });
+    }
+    let rows = by_cell.into_values().flat_map(|(_, rows)| rows).collect();
+    Ok(Map { receipt, rows })
+}
+
+/// The parts of a series that are not among the given ones.
+fn absent(given: &[String]) -> Vec<String> {
+    let Some(of) = given
+        .first()
+        .and_then(|shard| shard.split_once('/'))
+        .and_then(|(_, of)| of.parse::<usize>().ok())
+    else {
+        return Vec::new();
+    };
+    (1..=of.min(10_000))
+        .map(|shard| format!("{shard}/{of}"))
+        .filter(|shard| !given.contains(shard))
+        .collect()
+}
+
+fn same_map(first: &str, reference: &Map, other: &str, part: &Map) -> Result<(), MergeError> {
+    let keys = reference.receipt.iter().chain(&part.receipt);
+    for (key, _) in keys.filter(|(key, _)| key != SHARD) {
+        let (expected, found) = (reference.value(key), part.value(key));
+        if expected != found {
+            let shown = |value: Option<&str>| value.unwrap_or("missing").to_owned();
+            return Err(MergeError::Differ {
+                first: first.to_owned(),
+                other: other.to_owned(),
+                key: key.clone(),
+                expected: shown(expected),
+                found: shown(found),
+            });
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{bytes, part};
+    use super::*;
+
+    fn parts(of: usize) -> Vec<(String, Map)> {
+        (1..=of)
+            .map(|shard| (format!("p{shard}.csv"), part(shard, of)))
+            .collect()
+    }
+
+    #[test]
+    fn any_number_of_parts_in_any_order_gives_the_same_bytes() {
+        let whole = bytes(&part(1, 1));
+        for of in [1, 2, 3, 5, 12] {
+            let mut parts = parts(of);
+            parts.reverse();
+            assert_eq!(bytes(&merge(parts).unwrap()), whole, "{of}");
+        }
+    }
+
+    #[test]
+    fn a_missing_part_is_named() {
+        let mut given = parts(3);
+        given.remove(1);
+        assert_eq!(
+            merge(given).unwrap_err().to_string(),
+            "4 of 12 cells are missing: part 2/3 is not among the files"
+        );
+        assert_eq!(
+            merge(parts(5).split_off(4)).unwrap_err().to_string(),
+            "10 of 12 cells are missing: parts 1/5, 2/5, 3/5, 4/5 are not among the files"
+        );
+        assert_eq!(merge(Vec::new()), Err(MergeError::NoParts));
+    }
+
+    #[test]
+    fn a_doubled_part_is_named() {
+        let mut given = parts(3);
+        given.push(("again.csv".into(), part(2, 3)));
+        assert_eq!(
+            merge(given).unwrap_err().to_string(),
+            "cell 1 is in p2.csv and in again.csv; name each part once"
+        );
+    }
+
+    #[test]
+    fn parts_of_different_maps_or_versions_are_told_apart() {
+        let mut given = parts(2);
+        given[1].1.receipt[0].1 = "0.2.0".into();
+        assert_eq!(
+            merge(given).unwrap_err().to_string(),
+            "p1.csv and p2.csv are not parts of one map: palpate_version is 0.1.0 in the first \
+             and 0.2.0 in the other"
+        );
+        let mut given = parts(2);
+        given[0]
+            .1
+            .receipt
+            .push(("delay_samples".into(), "1".into()));
+        let error = merge(given).unwrap_err().to_string();
+        assert!(
+            error.contains("delay_samples is 1 in the first and missing"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn a_cell_with_too_few_lines_or_beyond_the_last_is_named() {
+        let mut given = parts(2);
+        given[1].1.rows.pop();
+        assert_eq!(
+            merge(given).unwrap_err().to_string(),
+            "p2.csv: cell 11 has 1 lines, but must have 2"
+        );
+        let mut given = parts(2);
+        given[0].1.rows[0].cell = 40;
+        given[0].1.rows[1].cell = 40;
+        let error = merge(given).unwrap_err().to_string();
+        assert!(
+            error.contains("cell 40 has 2 lines, but must have 0"),
+            "{error}"
+        );
+    }
+}

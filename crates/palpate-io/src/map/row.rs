@@ -1,0 +1,191 @@
+//! A line of a map.
+
+/// One method on one plant in one cell; `[median, worst]` over the start heights.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// Index of the cell, counted from 0.
+    pub cell: u64,
+    /// K T²/m
+    pub kappa: f64,
+    /// K T²/M; 0 for a wall.
+    pub object_kappa: f64,
+    /// K \[N/m\]
+    pub stiffness: f64,
+    /// M \[kg\]; infinite for a wall.
+    pub object_mass: f64,
+    /// `undamped` or `damped`.
+    pub plant: String,
+    /// Name of the method.
+    pub method: String,
+    /// Growth of the energy per collision; infinite where the loop diverged.
+    pub growth: [f64; 2],
+    /// Mean-force error E \[%\].
+    pub error: [f64; 2],
+    /// Force rendering error over the hold floor.
+    pub error_over_floor: [f64; 2],
+    /// Hold floor \[%\].
+    pub hold_floor: [f64; 2],
+    /// Start heights from which the loop was stable, grew, diverged.
+    pub classes: [u64; 3],
+}
+
+/// The columns of a line, in order.
+pub(super) const COLUMNS: [&str; 18] = [
+    "cell",
+    "kappa",
+    "object_kappa",
+    "stiffness_n_per_m",
+    "object_mass_kg",
+    "plant",
+    "method",
+    "growth_median",
+    "growth_worst",
+    "error_percent_median",
+    "error_percent_worst",
+    "error_over_floor_median",
+    "error_over_floor_worst",
+    "hold_floor_percent_median",
+    "hold_floor_percent_worst",
+    "stable",
+    "growing",
+    "diverged",
+];
+
+/// The fields of the columns, and what follows them.
+pub(super) fn split(line: &str) -> Option<(&str, &str)> {
+    let (at, _) = line.match_indices(',').nth(COLUMNS.len() - 1)?;
+    Some((&line[..at], &line[at + 1..]))
+}
+
+impl Row {
+    /// The numbers of the columns after the names, in order.
+    pub(super) fn numbers(&self) -> [f64; 8] {
+        let ([a, b], [c, d]) = (self.growth, self.error);
+        let ([e, f], [g, h]) = (self.error_over_floor, self.hold_floor);
+        [a, b, c, d, e, f, g, h]
+    }
+
+    /// The row as text, fields separated by commas.
+    #[must_use]
+    pub fn to_line(&self) -> String {
+        let mut line = self.cell.to_string();
+        let mut add = |field: &str| {
+            line.push(',');
+            line.push_str(field);
+        };
+        for number in [
+            self.kappa,
+            self.object_kappa,
+            self.stiffness,
+            self.object_mass,
+        ] {
+            add(&text(number));
+        }
+        add(&self.plant);
+        add(&self.method);
+        for number in self.numbers() {
+            add(&text(number));
+        }
+        for count in self.classes {
+            add(&count.to_string());
+        }
+        line
+    }
+
+    /// Reads what [`to_line`](Self::to_line) wrote.
+    ///
+    /// # Errors
+    /// Which column does not hold what it should.
+    pub fn from_line(line: &str) -> Result<Self, String> {
+        let fields: Vec<&str> = line.split(',').collect();
+        if fields.len() != COLUMNS.len() {
+            return Err(format!(
+                "{} fields where {} should be",
+                fields.len(),
+                COLUMNS.len()
+            ));
+        }
+        let wrong = |at: usize, needed: &str| {
+            format!("{} is `{}`, but must be {needed}", COLUMNS[at], fields[at])
+        };
+        let number = |at: usize| match fields[at].parse::<f64>() {
+            Ok(number) if !number.is_nan() => Ok(number),
+            _ => Err(wrong(at, "a number")),
+        };
+        let count = |at: usize| fields[at].parse().map_err(|_| wrong(at, "a count"));
+        let pair = |at: usize| Ok::<_, String>([number(at)?, number(at + 1)?]);
+        Ok(Self {
+            cell: count(0)?,
+            kappa: number(1)?,
+            object_kappa: number(2)?,
+            stiffness: number(3)?,
+            object_mass: number(4)?,
+            plant: fields[5].to_owned(),
+            method: fields[6].to_owned(),
+            growth: pair(7)?,
+            error: pair(9)?,
+            error_over_floor: pair(11)?,
+            hold_floor: pair(13)?,
+            classes: [count(15)?, count(16)?, count(17)?],
+        })
+    }
+}
+
+/// The fewest digits that read back to the same bits.
+fn text(number: f64) -> String {
+    let size = number.abs();
+    if size == 0.0 || (1e-5..1e15).contains(&size) || !size.is_finite() {
+        number.to_string()
+    } else {
+        format!("{number:e}")
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    pub fn row(cell: u64, plant: &str) -> Row {
+        Row {
+            cell,
+            kappa: 0.125,
+            object_kappa: 0.0,
+            stiffness: 1.0 / 3.0,
+            object_mass: f64::INFINITY,
+            plant: plant.to_owned(),
+            method: "hfcr".to_owned(),
+            growth: [0.999, f64::INFINITY],
+            error: [1e-9, 1.7e300],
+            error_over_floor: [1.0, 2.5],
+            hold_floor: [11.0, 12.0],
+            classes: [14, 1, 1],
+        }
+    }
+
+    #[test]
+    fn every_bit_comes_back() {
+        let row = row(17, "damped");
+        let line = row.to_line();
+        assert_eq!(Row::from_line(&line).unwrap(), row);
+        assert_eq!(
+            line,
+            "17,0.125,0,0.3333333333333333,inf,damped,hfcr,0.999,inf,1e-9,1.7e300,1,2.5,11,12,14,1,1"
+        );
+    }
+
+    #[test]
+    fn a_wrong_field_is_named() {
+        let line = row(1, "damped").to_line();
+        let fault = |from: &str, to: &str| Row::from_line(&line.replace(from, to)).unwrap_err();
+        assert_eq!(
+            fault("0.999", "fast"),
+            "growth_median is `fast`, but must be a number"
+        );
+        assert_eq!(
+            fault("0.999", "NaN"),
+            "growth_median is `NaN`, but must be a number"
+        );
+        assert_eq!(fault(",14", ",-1"), "stable is `-1`, but must be a count");
+        assert_eq!(fault(",14", ""), "17 fields where 18 should be");
+    }
+}

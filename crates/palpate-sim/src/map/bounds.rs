@@ -1,0 +1,74 @@
+//! Classical bounds of stability and passivity, to draw beside a map.
+//!
+//! All are about a wall and a mass m with viscous friction b, in the numbers of the map:
+//! kappa = K T²/m, and βb = b T/m, βB = B T/m for the device's and the virtual damping.
+
+/// Colgate and Schenkel: passive for b > K T/2 + |B|, that is kappa < 2 (βb − βB); 0 where no
+/// stiffness is.
+pub fn colgate_schenkel(device: f64, virtual_damping: f64) -> f64 {
+    (2.0 * (device - virtual_damping.abs())).max(0.0)
+}
+
+/// Gil: stable for K < (b + B)/(T/2 + t_d), that is kappa < (βb + βB)/(1/2 + t_d/T), for a delay of
+/// t_d/T periods. A bound for small damping of a light device.
+pub fn gil(device: f64, virtual_damping: f64, delay: f64) -> f64 {
+    (device + virtual_damping) / (0.5 + delay)
+}
+
+/// Abbott and Okamura: passive for K ≤ min(2 b/T, 2 f_c/q) `[N/m]`, with the Coulomb friction
+/// f_c `[N]` and the encoder's quantum q `[m]`; without a quantum the second does not bind.
+pub fn abbott_okamura(viscous: f64, coulomb: f64, period: f64, quantum: f64) -> f64 {
+    let by_sampling = 2.0 * viscous / period;
+    if quantum > 0.0 {
+        by_sampling.min(2.0 * coulomb / quantum)
+    } else {
+        by_sampling
+    }
+}
+
+/// An undamped mass pressed against a wall with a backward-difference damper: stable for
+/// kappa < 2 β (2 − β)/(2 + β), β = B T/m below 2; no B = 0 is stable.
+pub fn undamped_wall(virtual_damping: f64) -> f64 {
+    let beta = virtual_damping;
+    (2.0 * beta * (2.0 - beta) / (2.0 + beta)).max(0.0)
+}
+
+/// The damping that allows most of [`undamped_wall`], β = 2 (√2 − 1).
+pub fn best_undamped_damping() -> f64 {
+    2.0 * (2.0_f64.sqrt() - 1.0)
+}
+
+/// The most that [`undamped_wall`] allows, 4 (3 − 2√2).
+pub fn stiffest_undamped_wall() -> f64 {
+    undamped_wall(best_undamped_damping())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_stiffest_undamped_wall_is_a_maximum() {
+        let most = stiffest_undamped_wall();
+        assert!((most - 0.686_291_501).abs() < 1e-9);
+        let best = (1..2000)
+            .map(|i| undamped_wall(f64::from(i) * 1e-3))
+            .fold(0.0, f64::max);
+        assert!(best <= most && most - best < 1e-6);
+        assert_eq!(undamped_wall(0.0), 0.0);
+        assert_eq!(undamped_wall(3.0), 0.0);
+    }
+
+    #[test]
+    fn bounds_agree_with_their_dimensional_forms() {
+        let (m, t, b, big_b) = (0.25, 0.02, 3.0, 1.0);
+        let kappa = |stiffness: f64| stiffness * t * t / m;
+        let of = |damping: f64| damping * t / m;
+        assert!((colgate_schenkel(of(b), of(big_b)) - kappa(2.0 * (b - big_b) / t)).abs() < 1e-12);
+        assert!((gil(of(b), of(big_b), 1.0) - kappa((b + big_b) / (1.5 * t))).abs() < 1e-12);
+        assert_eq!(colgate_schenkel(0.1, -0.2), 0.0);
+        assert_eq!(abbott_okamura(1.0, 0.1, 0.001, 1e-4), 2000.0);
+        assert_eq!(abbott_okamura(1.0, 0.01, 0.001, 1e-4), 200.0);
+        assert_eq!(abbott_okamura(1.0, 0.0, 0.001, 0.0), 2000.0);
+    }
+}

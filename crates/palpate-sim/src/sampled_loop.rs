@@ -1,0 +1,108 @@
+//! One step of the sampled-data loop: sample, render, hold, advance. Every study of closed loops
+//! takes its steps here; when it takes them is its own affair.
+
+use palpate::{AnyMemory, AnyRenderer, ObjectState, Output, ParameterError, Sample, State};
+use palpate_testbed::device::{Device, PointMass};
+use palpate_testbed::measure::Sampler;
+use palpate_testbed::viscous_mass::ViscousMass;
+
+use crate::plant::Plant;
+
+/// A device, as the loop meets it.
+pub(crate) trait LoopDevice: Device {
+    /// Position as the loop's sensor reports it `[m]`.
+    #[inline]
+    fn measured(&self, sampler: &Sampler) -> f64 {
+        sampler.sample(self.position())
+    }
+
+    /// Force on the object that the motor really holds when it is to hold `force` `[N]`.
+    #[inline]
+    fn given_force(&self, force: f64) -> f64 {
+        force
+    }
+}
+
+impl LoopDevice for PointMass {}
+impl LoopDevice for ViscousMass {}
+
+impl LoopDevice for Plant {
+    fn measured(&self, sampler: &Sampler) -> f64 {
+        Plant::measured(self, sampler)
+    }
+
+    fn given_force(&self, force: f64) -> f64 {
+        Plant::given_force(self, force)
+    }
+}
+
+/// A loop in progress. The device lives on the canonical side, the renderer in the user's frame;
+/// `sign` is between them.
+pub(crate) struct SampledLoop<'a, D> {
+    pub renderer: &'a AnyRenderer<f64>,
+    pub state: State<f64, AnyMemory<f64>>,
+    pub device: D,
+    pub sampler: Sampler,
+    pub sign: f64,
+    pub virtual_force: f64,
+}
+
+/// What a sample showed, in the user's frame.
+pub(crate) struct Sampled {
+    /// Position as the renderer saw it `[m]`.
+    pub measured: f64,
+    pub output: Output<f64>,
+}
+
+impl<'a, D: LoopDevice> SampledLoop<'a, D> {
+    /// A loop before its first sample.
+    pub fn new(
+        renderer: &'a AnyRenderer<f64>,
+        object: ObjectState<f64>,
+        device: D,
+    ) -> Result<Self, ParameterError> {
+        Ok(Self {
+            renderer,
+            state: renderer.start(object)?,
+            device,
+            sampler: Sampler::Ideal,
+            sign: 1.0,
+            virtual_force: 0.0,
+        })
+    }
+
+    /// Samples the device `elapsed` `[s]` after the last sample, and renders. The renderer is told
+    /// the time that has been measured; where it is told none, it counts on its period.
+    #[inline]
+    pub fn sample(&mut self, elapsed: f64, measured_time: Option<f64>) -> Sampled {
+        self.device.sample(elapsed);
+        let measured = self.sign * self.device.measured(&self.sampler);
+        let taken = Sample {
+            elapsed: measured_time,
+            ..Sample::at(measured).with_virtual_force(self.virtual_force)
+        };
+        Sampled {
+            measured,
+            output: self.renderer.step(&mut self.state, taken),
+        }
+    }
+
+    /// Force on the object that is really held where `command` is to be `[N]`.
+    #[inline]
+    pub fn given_force(&self, command: f64) -> f64 {
+        self.sign * self.device.given_force(self.sign * command)
+    }
+
+    /// Tells the renderer the force, or its mean, that is held from its last sample to its next `[N]`.
+    #[inline]
+    pub fn report_held(&mut self, force: f64) {
+        self.renderer.report_held(&mut self.state, force);
+    }
+
+    /// Lets the device move while `force` is held for `duration` `[s]`; the work through the port
+    /// `[J]`.
+    #[inline]
+    pub fn advance(&mut self, force: f64, duration: f64) -> f64 {
+        self.device.advance(self.sign * force, duration)
+    }
+}
