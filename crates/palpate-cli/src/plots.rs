@@ -240,11 +240,11 @@ pub fn method_by_method(
 pub fn role(method: MethodName) -> Role {
     Role::Compared(match method {
         MethodName::Hfcr => 0,
-        MethodName::Coupled => 9,
+        MethodName::Coupled => 4,
         MethodName::Basic => 1,
         MethodName::VirtualDamper => 2,
         MethodName::PopcRef => 3,
-        MethodName::Seh => 4,
+        MethodName::Seh => 9,
         MethodName::HfcrModSt => 5,
         MethodName::HfcrMod => 6,
         MethodName::Popc => 7,
