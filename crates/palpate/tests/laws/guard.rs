@@ -20,6 +20,11 @@ const LENGTH: usize = 60;
 /// One attack: a device motion in parts of the largest step.
 type Moves = [f64; LENGTH];
 
+/// A whole number below `bound`.
+fn below(random: &mut Random, bound: usize) -> usize {
+    usize::try_from(random.bits() >> 32).unwrap() % bound
+}
+
 struct Target {
     renderer: AnyRenderer<f64>,
     contact: Contact<f64>,
@@ -101,10 +106,9 @@ impl Target {
             let (mut best, _) = self.taken_by(&moves);
             for _ in 0..400 {
                 let mut other = moves;
-                let from = (random.between(0.0, 1.0) * LENGTH as f64) as usize % LENGTH;
-                let many = 1 + (random.between(0.0, 1.0) * 5.0) as usize;
-                let to = [-1.0, 0.0, 1.0, random.between(-1.0, 1.0)]
-                    [(random.between(0.0, 1.0) * 4.0) as usize % 4];
+                let from = below(&mut random, LENGTH);
+                let many = 1 + below(&mut random, 5);
+                let to = [-1.0, 0.0, 1.0, random.between(-1.0, 1.0)][below(&mut random, 4)];
                 for step in other.iter_mut().skip(from).take(many) {
                     *step = to;
                 }
