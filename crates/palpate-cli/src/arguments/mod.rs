@@ -1,16 +1,17 @@
 //! Command-line arguments. The flags of contact, method and device are the same on every command.
 
+mod flags;
+
+pub use flags::{Flags, TimingFlags};
+
 use std::path::PathBuf;
 
 use clap::builder::styling::{AnsiColor, Styles};
-use clap::{ArgAction, Args, Parser, Subcommand, ValueHint};
-use palpate::{SehEstimate, Side};
-use palpate_sim::method::{Damping, Predictor};
-use palpate_sim::scene::GuardMode;
+use clap::{Args, Parser, Subcommand, ValueHint};
 
 use crate::commands::advise::AdviseArguments;
 use crate::commands::map::MapArguments;
-use crate::values::{Methods, damping, estimate, guard, methods, number, predictor, samples, side};
+use crate::values::{Methods, methods, number};
 
 const STYLES: Styles = Styles::styled()
     .header(AnsiColor::Green.on_default().bold())
@@ -261,26 +262,6 @@ pub struct CompareArguments {
     pub json: bool,
 }
 
-/// What is not perfect about the loop of a scene.
-#[derive(Args, Debug, Default)]
-#[command(next_help_heading = "Loop")]
-pub struct TimingFlags {
-    /// Fraction of a period, below 1, on top of --delay [default: 0, or the scene's]
-    #[arg(long, value_name = "FRACTION", value_parser = number, allow_hyphen_values = true)]
-    pub delay_fraction: Option<f64>,
-    /// Samples lie evenly spread within this much of their instant, below half a period [s]
-    /// [default: 0, or the scene's]
-    #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true)]
-    pub jitter: Option<f64>,
-    /// Probability, below 1, that a sample is not taken; the force stays held [default: 0, or the
-    /// scene's]
-    #[arg(long, value_name = "PROBABILITY", value_parser = number, allow_hyphen_values = true)]
-    pub drop: Option<f64>,
-    /// Seed of the random numbers of --jitter and --drop [default: 0, or the scene's]
-    #[arg(long, value_name = "NUMBER")]
-    pub seed: Option<u64>,
-}
-
 /// Arguments of `pipe`.
 #[derive(Args, Debug)]
 pub struct PipeArguments {
@@ -457,220 +438,4 @@ pub struct Results {
     /// Print the report as JSON
     #[arg(long)]
     pub json: bool,
-}
-
-/// Flags of every command that renders, in SI units.
-#[derive(Args, Debug, Default)]
-pub struct Flags {
-    /// Contact stiffness K [N/m]
-    #[arg(
-        long,
-        value_name = "N/m",
-        value_parser = number,
-        allow_hyphen_values = true,
-        help_heading = "Contact"
-    )]
-    pub stiffness: Option<f64>,
-    /// Mass M of the object [kg]; inf is a wall
-    #[arg(
-        long,
-        value_name = "kg|inf",
-        value_parser = number,
-        allow_hyphen_values = true,
-        help_heading = "Contact"
-    )]
-    pub mass: Option<f64>,
-    /// Virtual force f_V on the object [N], such as its weight [default: 0, or the scene's]
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = number,
-        allow_hyphen_values = true,
-        help_heading = "Contact"
-    )]
-    pub force: Option<f64>,
-    /// Position of the object at the start [m] [default: 0, or the scene's]
-    #[arg(
-        long,
-        value_name = "m",
-        value_parser = number,
-        allow_hyphen_values = true,
-        help_heading = "Contact"
-    )]
-    pub object_position: Option<f64>,
-    /// Velocity of the object at the start [m/s] [default: 0, or the scene's]
-    #[arg(
-        long,
-        value_name = "m/s",
-        value_parser = number,
-        allow_hyphen_values = true,
-        help_heading = "Contact"
-    )]
-    pub object_velocity: Option<f64>,
-    /// Side of the device on which the object lies: positive or negative [default:
-    /// positive, or the scene's]
-    #[arg(long, value_name = "SIDE", value_parser = side, help_heading = "Contact")]
-    pub side: Option<Side>,
-    /// Never pull: clamp the force where a method would
-    #[arg(long, action = ArgAction::SetTrue, help_heading = "Contact")]
-    pub unilateral: bool,
-
-    /// Nominal period T of the loop [s]
-    #[arg(
-        long,
-        value_name = "s",
-        value_parser = number,
-        allow_hyphen_values = true,
-        help_heading = "Loop"
-    )]
-    pub period: Option<f64>,
-    /// Whole samples between measuring and actuating [default: 0, or the scene's]
-    #[arg(
-        long,
-        value_name = "SAMPLES",
-        value_parser = samples,
-        allow_hyphen_values = true,
-        help_heading = "Loop"
-    )]
-    pub delay: Option<usize>,
-    /// Largest force that is held [N] [default: no limit]
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = number,
-        allow_hyphen_values = true,
-        help_heading = "Loop"
-    )]
-    pub force_limit: Option<f64>,
-    /// Fastest change of the force [N/s] [default: no limit]
-    #[arg(
-        long,
-        value_name = "N/s",
-        value_parser = number,
-        allow_hyphen_values = true,
-        help_heading = "Loop"
-    )]
-    pub slew_limit: Option<f64>,
-    /// Device speed above which a sample is refused [m/s] [default: 100; no limit in simulate]
-    #[arg(
-        long,
-        value_name = "m/s",
-        value_parser = number,
-        allow_hyphen_values = true,
-        help_heading = "Loop"
-    )]
-    pub speed_limit: Option<f64>,
-    /// Longest time between samples that is bridged [s] [default: 20 periods]
-    #[arg(
-        long,
-        value_name = "s",
-        value_parser = number,
-        allow_hyphen_values = true,
-        help_heading = "Loop"
-    )]
-    pub largest_gap: Option<f64>,
-    /// Guard of the energy that held forces give out beyond what is there: off, report, or limit,
-    /// which keeps the force to what no device speed up to --guard-speed can turn into more
-    /// [default: off, or the scene's]
-    #[arg(long, value_name = "MODE", value_parser = guard, help_heading = "Loop")]
-    pub guard: Option<GuardMode>,
-    /// Fastest device motion that the guard reckons with [m/s] [default: 1]
-    #[arg(
-        long,
-        value_name = "m/s",
-        value_parser = number,
-        allow_hyphen_values = true,
-        requires = "guard",
-        help_heading = "Loop"
-    )]
-    pub guard_speed: Option<f64>,
-    /// Energy that the guard lets out on top [J] [default: 0.001]
-    #[arg(
-        long,
-        value_name = "J",
-        value_parser = number,
-        allow_hyphen_values = true,
-        requires = "guard",
-        help_heading = "Loop"
-    )]
-    pub guard_allowance: Option<f64>,
-
-    /// Method: all, or one or more, separated by commas, of basic, seh, virtual-damper, popc,
-    /// popc-ref, hfcr-mod, hfcr-mod-st, hfcr, coupled [default: hfcr, or the scene's]
-    #[arg(long, value_name = "NAMES", value_parser = methods, help_heading = "Method")]
-    pub method: Option<Methods>,
-    /// B of virtual-damper [default: K T/2], or b of hfcr [default: 0; auto derives it] [N s/m]
-    #[arg(long, value_name = "N s/m|auto", value_parser = damping, allow_hyphen_values = true,
-          help_heading = "Method")]
-    pub damping: Option<Damping>,
-    /// Largest damping alpha_max that popc and popc-ref inject [N s/m] [default: 3 K T]
-    #[arg(
-        long,
-        value_name = "N s/m",
-        value_parser = number,
-        allow_hyphen_values = true,
-        help_heading = "Method"
-    )]
-    pub damping_cap: Option<f64>,
-    /// Device speed v_eps up to which popc and popc-ref do not act [m/s] [default: 1e-4]
-    #[arg(
-        long,
-        value_name = "m/s",
-        value_parser = number,
-        allow_hyphen_values = true,
-        help_heading = "Method"
-    )]
-    pub speed_threshold: Option<f64>,
-    /// Energy E_0 that popc lets out [J] [default: what the object stores at the start]
-    #[arg(
-        long,
-        value_name = "J",
-        value_parser = number,
-        allow_hyphen_values = true,
-        help_heading = "Method"
-    )]
-    pub initial_energy: Option<f64>,
-    /// Extrapolation of seh: ab2, differences or ab3 [default: ab2]
-    #[arg(long, value_name = "NAME", value_parser = estimate, help_heading = "Method")]
-    pub estimate: Option<SehEstimate>,
-    /// Where hfcr takes the device to be at the next sample: constant-velocity or observer
-    /// [default: constant-velocity]
-    #[arg(long, value_name = "NAME", value_parser = predictor, help_heading = "Method")]
-    pub prediction: Option<Predictor>,
-    /// Let the object of coupled keep its own momentum: a step of the method, to compare with
-    #[arg(long, action = ArgAction::SetTrue, help_heading = "Method")]
-    pub no_placement: bool,
-    /// Let coupled keep to what it predicted: a step of the method, to compare with
-    #[arg(long, action = ArgAction::SetTrue, help_heading = "Method")]
-    pub no_correction: bool,
-
-    /// Effective mass of the device [kg]
-    #[arg(
-        long,
-        value_name = "kg",
-        value_parser = number,
-        allow_hyphen_values = true,
-        help_heading = "Device"
-    )]
-    pub device_mass: Option<f64>,
-    /// Mass of the device as the renderer is told [kg]; simulate and tune only, whose device has a
-    /// mass of its own [default: the effective mass, or the scene's]
-    #[arg(
-        long,
-        value_name = "kg",
-        value_parser = number,
-        allow_hyphen_values = true,
-        help_heading = "Device"
-    )]
-    pub told_device_mass: Option<f64>,
-    /// Quantum of the device's position sensor [m]; simulate measures with it, a recording or a
-    /// pipe brings its own
-    #[arg(
-        long,
-        value_name = "m",
-        value_parser = number,
-        allow_hyphen_values = true,
-        help_heading = "Device"
-    )]
-    pub encoder_quantum: Option<f64>,
 }
