@@ -194,7 +194,7 @@ fn momentum_of_the_object_is_the_impulse_it_got() {
     let gained = 0.1 * output.object_velocity;
     let given = impulse + WEIGHT * PERIOD * f64::from(samples);
     assert!(
-        (gained - given).abs() < 0.01 * impulse,
+        (gained - given).abs() < 1e-4 * impulse,
         "gained {gained}, was given {given}, of that {impulse} by contact"
     );
 }
