@@ -5,6 +5,7 @@
 //!   configuration that made it.
 //! - [`map`]: what each method can render, in parts or as a whole; [`journal`] keeps such work while
 //!   it is in progress.
+//! - [`recording`] writes and reads what a device really did, tick by tick, as it happens.
 //! - [`atomic`] puts a file on disk whole or not at all.
 //!
 //! Everything is SI; the unit of a column stands in its name (`t_s`, `position_m`). Readers take
@@ -16,6 +17,7 @@ mod checksum;
 pub mod journal;
 pub mod map;
 mod place;
+pub mod recording;
 pub mod run;
 pub mod trace;
 

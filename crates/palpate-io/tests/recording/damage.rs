@@ -1,0 +1,198 @@
+//! Files that are cut off, or not what was written.
+
+use palpate_io::recording::{Recording, RecordingWriter};
+
+use super::common::{Scratch, bits, content, event, receipt, small, tick};
+
+/// Ticks that are whole in the first `length` bytes: those of chunks that end there. `sizes` counts
+/// the index behind each chunk, which is not needed to read it.
+fn whole_ticks(length: usize, sizes: &[usize]) -> u64 {
+    3 * sizes[1..].iter().filter(|size| **size <= length).count() as u64
+}
+
+#[test]
+fn cut_anywhere_it_reads_what_was_flushed_and_says_that_there_is_no_end() {
+    for finished in [false, true] {
+        let (bytes, sizes) = small(finished);
+        let scratch = Scratch::new();
+        let (mut opened, mut torn) = (0, 0);
+        for length in 0..bytes.len() {
+            let recording = match scratch.open(&bytes[..length]) {
+                Ok(recording) => recording,
+                Err(error) => {
+                    // Only before the first tick can be there.
+                    assert!(length < sizes[0], "{length}: {error}");
+                    continue;
+                }
+            };
+            opened += 1;
+            assert!(!recording.complete && !recording.is_whole(), "{length}");
+            let tail = recording.tail.as_ref().unwrap();
+            torn += usize::from(tail.starts_with("cut off"));
+            assert!(
+                tail.starts_with("cut off") || tail.starts_with("never finished"),
+                "{tail}"
+            );
+            let (ticks, events) = content(&recording);
+            assert!(recording.ticks >= whole_ticks(length, &sizes), "{length}");
+            assert_eq!(recording.ticks % 3, 0, "a chunk is whole or not there");
+            assert_eq!(recording.events, u64::from(recording.ticks >= 6));
+            for (sequence, read) in (0..).zip(&ticks) {
+                assert_eq!(bits(read), bits(&tick(sequence)), "{length}");
+            }
+            assert!(events.iter().all(|read| *read == event(4)));
+            assert_eq!(recording.lost(), 0);
+        }
+        assert!(
+            opened > 2_000 && torn > opened * 9 / 10,
+            "{torn} of {opened}"
+        );
+    }
+}
+
+#[test]
+fn a_changed_bit_in_any_byte_of_a_finished_recording_is_noticed_and_no_wrong_tick_is_believed() {
+    let (bytes, _) = small(true);
+    let scratch = Scratch::new();
+    for at in 0..bytes.len() {
+        let mut changed = bytes.clone();
+        changed[at] ^= 1 << (at % 8);
+        if let Ok(recording) = scratch.open(&changed) {
+            assert!(!recording.is_whole(), "byte {at} is not what it was");
+            assert_true_ticks(&recording, at);
+        }
+    }
+}
+
+#[test]
+fn of_an_unfinished_recording_no_wrong_tick_is_believed_either() {
+    let (bytes, sizes) = small(false);
+    let scratch = Scratch::new();
+    for at in 0..bytes.len() {
+        let mut changed = bytes.clone();
+        changed[at] ^= 1 << (at % 8);
+        match scratch.open(&changed) {
+            Ok(recording) => assert_true_ticks(&recording, at),
+            Err(_) => assert!(at < sizes[0], "byte {at}: the receipt is sound"),
+        }
+    }
+}
+
+fn assert_true_ticks(recording: &Recording, at: usize) {
+    let (ticks, events) = content(recording);
+    for read in &ticks {
+        assert!(read.sequence < 9, "byte {at}");
+        assert_eq!(bits(read), bits(&tick(read.sequence)), "byte {at}");
+    }
+    assert!(events.iter().all(|read| *read == event(4)), "byte {at}");
+}
+
+#[test]
+fn a_damaged_chunk_is_left_out_and_what_follows_is_read() {
+    let (mut bytes, sizes) = small(true);
+    let within = sizes[1] + 200;
+    bytes[within] ^= 1;
+    let scratch = Scratch::new();
+    let recording = scratch.open(&bytes).unwrap();
+    assert!(recording.complete && !recording.is_whole());
+    assert_eq!(
+        recording.damage[0],
+        format!(
+            "the chunk at byte {}: its checksum does not fit its bytes",
+            sizes[1]
+        )
+    );
+    assert_eq!((recording.ticks, recording.lost()), (6, 3));
+    let (ticks, _) = content(&recording);
+    let numbers: Vec<u64> = ticks.iter().map(|tick| tick.sequence).collect();
+    assert_eq!(numbers, [0, 1, 2, 6, 7, 8]);
+}
+
+#[test]
+fn a_recording_whose_first_chunk_is_damaged_still_has_its_ticks() {
+    let (mut bytes, sizes) = small(true);
+    // The chunk that says what the channels are.
+    bytes[sizes[0] - 20] ^= 1;
+    let recording = Scratch::new().open(&bytes).unwrap();
+    assert_eq!((recording.ticks, recording.damage.len()), (9, 2));
+}
+
+#[test]
+fn bytes_after_the_end_are_not_the_end() {
+    let (mut bytes, _) = small(true);
+    bytes.push(0);
+    let recording = Scratch::new().open(&bytes).unwrap();
+    assert_eq!((recording.complete, recording.ticks), (false, 9));
+    assert_eq!(
+        recording.tail.as_deref(),
+        Some("the index at its end is damaged")
+    );
+}
+
+#[test]
+fn what_is_no_recording_is_refused_by_name() {
+    let scratch = Scratch::new();
+    let path = scratch.path.display().to_string();
+    let message = |bytes: &[u8]| scratch.open(bytes).unwrap_err().to_string();
+    for other in [&b""[..], b"t_s,position_m\n0,0\n", &[0; 64]] {
+        assert_eq!(
+            message(other),
+            format!("{path}: not an MCAP file, so no recording")
+        );
+    }
+    let (bytes, _) = small(true);
+    assert_eq!(
+        message(&bytes[..100]),
+        format!("{path}: cut off within its receipt: nothing was recorded in it yet")
+    );
+    let mut other = mcap::Writer::new(std::io::Cursor::new(Vec::new())).unwrap();
+    other.finish().unwrap();
+    let other = other.into_inner().into_inner();
+    assert_eq!(
+        message(&other),
+        format!("{path}: an MCAP file, but not a recording of palpate")
+    );
+    let missing = scratch.path.with_file_name("missing.mcap");
+    let error = Recording::open(&missing).unwrap_err().to_string();
+    assert!(error.contains("missing.mcap: cannot be read: "), "{error}");
+}
+
+#[test]
+fn a_recording_of_a_newer_format_is_refused_by_its_number() {
+    let (bytes, _) = small(true);
+    let from = b"recording_format\x01\x00\x00\x001";
+    let at = bytes.windows(from.len()).position(|window| window == from);
+    let mut newer = bytes;
+    newer[at.unwrap() + from.len() - 1] = b'2';
+    let error = Scratch::new().open(&newer).unwrap_err().to_string();
+    assert!(
+        error.ends_with("a recording of format 2; this version of palpate reads format 1"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_writer_that_is_dropped_leaves_no_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("r.mcap");
+    let part = {
+        let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+        writer.append(&tick(0)).unwrap();
+        writer.part().to_owned()
+    };
+    assert!(!path.exists());
+    let recording = Recording::open(&part).unwrap();
+    assert_eq!((recording.ticks, recording.complete), (1, false));
+}
+
+proptest::proptest! {
+    #[test]
+    fn no_bytes_make_the_reader_panic(at in 0..2_000_usize, tail: Vec<u8>) {
+        let (bytes, _) = small(true);
+        let mut changed = bytes[..at.min(bytes.len())].to_vec();
+        changed.extend(tail);
+        if let Ok(recording) = Scratch::new().open(&changed) {
+            assert_true_ticks(&recording, at);
+        }
+    }
+}

@@ -1,0 +1,8 @@
+//! Recordings as files: what is written is read, and what is not there is said.
+
+mod common;
+mod damage;
+mod files;
+mod golden;
+mod kill;
+mod whole;
