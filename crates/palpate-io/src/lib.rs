@@ -16,6 +16,8 @@ pub mod atomic;
 mod checksum;
 pub mod journal;
 pub mod map;
+#[cfg(feature = "parquet")]
+mod parquet_table;
 mod place;
 pub mod recording;
 pub mod run;

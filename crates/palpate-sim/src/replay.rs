@@ -10,13 +10,14 @@ use palpate::{
 };
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::driven::{DrivenIdeal, DrivenScene};
+use palpate_testbed::grid::Grid;
 use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::metrics::ForceJudgement;
 use palpate_testbed::recorded_path::{PathError, RecordedPath};
 
 use crate::method::{Basis, MethodName, Settings, SettingsError, with_derived_values};
 use crate::run::{Held, MOST_PERIODS, Reference, Run, Tick};
-use crate::scene::{SetupError, stored_energy};
+use crate::scene::{Scene, SetupError, stored_energy};
 
 /// What to render on a recorded motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,6 +62,20 @@ impl ReplaySetup {
         method.params(settings, &basis)
     }
 
+    /// What a scene says of contact, loop, object and renderer; its device and its hand are in the
+    /// recording.
+    pub fn of_scene(scene: &Scene) -> Self {
+        Self {
+            contact: scene.contact,
+            loop_params: scene.loop_params,
+            object: scene.object,
+            virtual_force: scene.virtual_force,
+            delay: scene.delay,
+            device_mass: Some(scene.told_device_mass.unwrap_or(scene.device.mass)),
+            encoder_quantum: scene.device.encoder_quantum,
+        }
+    }
+
     /// The loop as the renderer is told: with as much of the delay as it can know.
     pub fn known_loop(&self) -> LoopParams<f64> {
         LoopParams {
@@ -103,8 +118,11 @@ pub enum ReplayError {
 pub struct Replay {
     setup: ReplaySetup,
     sign: f64,
-    start: f64,
-    /// Recorded positions at the loop's instants, in the user's frame `[m]`.
+    /// The loop's instants `[s]`.
+    times: Vec<f64>,
+    /// Whether the renderer is told the time between them; else it counts on its period.
+    measured: bool,
+    /// Recorded positions at these instants, in the user's frame `[m]`.
     positions: Vec<f64>,
     reference: Reference,
 }
@@ -120,11 +138,7 @@ impl Replay {
     /// # Errors
     /// A recording that is no motion or lasts less than one period; a parameter out of range.
     pub fn new(setup: ReplaySetup, times: &[f64], positions: &[f64]) -> Result<Self, ReplayError> {
-        // Checks contact and loop, whatever the method.
-        Renderer::new(setup.contact, setup.loop_params, palpate::BasicParams)
-            .and_then(|renderer| renderer.start(setup.object))
-            .map_err(SetupError::from)?;
-        let sign: f64 = setup.contact.side.sign();
+        check(&setup)?;
         let period = setup.loop_params.period;
         let recorded = RecordedPath::new(times, positions)?;
         let periods = recorded.whole_periods(period)?;
@@ -139,7 +153,45 @@ impl Replay {
                 period,
             });
         }
-        let mirrored: Vec<f64> = positions.iter().map(|x| sign * x).collect();
+        let start = recorded.start();
+        let instants = (0..=intervals).map(|i| start + i as f64 * period).collect();
+        let grid = Grid::even(start, period, intervals);
+        Self::along(setup, &recorded, grid, (instants, resampled, false))
+    }
+
+    /// A loop that samples when the recorded one did: at `times` `[s]`, where the device was at
+    /// `positions` `[m]`. The renderer is told the time between them, as it was measured.
+    ///
+    /// # Errors
+    /// As those of [`new`](Self::new).
+    pub fn at_recorded_instants(
+        setup: ReplaySetup,
+        times: &[f64],
+        positions: &[f64],
+    ) -> Result<Self, ReplayError> {
+        check(&setup)?;
+        let recorded = RecordedPath::new(times, positions)?;
+        if times.len() - 1 > MOST_PERIODS {
+            return Err(ReplayError::TooLong(times.len() - 1));
+        }
+        let grid = Grid::cut_at(times.to_vec(), setup.loop_params.period)?;
+        let samples = (times.to_vec(), positions.to_vec(), true);
+        Self::along(setup, &recorded, grid, samples)
+    }
+
+    /// With the ideal object driven by all of a recording, over the grid of the loop.
+    fn along(
+        setup: ReplaySetup,
+        recorded: &RecordedPath,
+        grid: Grid,
+        (times, positions, measured): (Vec<f64>, Vec<f64>, bool),
+    ) -> Result<Self, ReplayError> {
+        let sign: f64 = setup.contact.side.sign();
+        let path = if sign < 0.0 {
+            recorded.mirrored()
+        } else {
+            recorded.clone()
+        };
         let ideal = DrivenIdeal::new(
             DrivenScene {
                 stiffness: setup.contact.stiffness,
@@ -151,18 +203,22 @@ impl Replay {
                 object_position: sign * setup.object.position,
                 object_velocity: sign * setup.object.velocity,
             },
-            RecordedPath::new(times, &mirrored)?,
+            path,
         )?;
-        let start = recorded.start();
-        let profile = ideal.profile(period, intervals)?;
+        let profile = if grid.is_even() {
+            ideal.profile(grid.period(), grid.intervals())?
+        } else {
+            ideal.profile_on(grid)?
+        };
         if !profile.squared_forces().iter().sum::<f64>().is_finite() {
             return Err(ReplayError::Overflow);
         }
         Ok(Self {
             setup,
             sign,
-            start,
-            positions: resampled,
+            times,
+            measured,
+            positions,
             reference: Reference::new(profile, 0.0, sign, |time| ideal.at(time)),
         })
     }
@@ -178,7 +234,6 @@ impl Replay {
     /// Settings that do not make this method, or a parameter out of range.
     pub fn run(&self, method: MethodName, settings: &Settings) -> Result<Run, ReplayError> {
         let setup = &self.setup;
-        let period = setup.loop_params.period;
         let params = setup
             .params(method, settings, self.positions[0], true)
             .map_err(SetupError::from)?;
@@ -191,17 +246,17 @@ impl Replay {
             .iter()
             .enumerate()
             .map(|(i, &position)| {
-                let output = renderer.step(
-                    &mut state,
-                    Sample::at(position).with_virtual_force(setup.virtual_force),
-                );
+                let sample = Sample {
+                    // Nothing was measured before the first sample.
+                    elapsed: (self.measured && i > 0).then(|| self.times[i] - self.times[i - 1]),
+                    ..Sample::at(position).with_virtual_force(setup.virtual_force)
+                };
+                let output = renderer.step(&mut state, sample);
                 let held = hold.exchange(output.force_on_object);
                 renderer.report_held(&mut state, held);
-                let arrives = i + setup.delay;
                 Tick {
-                    time: self.start + i as f64 * period,
-                    command_from: (arrives < self.positions.len())
-                        .then_some(self.start + arrives as f64 * period),
+                    time: self.times[i],
+                    command_from: self.times.get(i + setup.delay).copied(),
                     device_position: position,
                     true_device_position: position,
                     output,
@@ -236,4 +291,11 @@ impl Replay {
             bench_port_work: None,
         })
     }
+}
+
+/// Checks contact, loop and object, whatever the method.
+fn check(setup: &ReplaySetup) -> Result<(), SetupError> {
+    Renderer::new(setup.contact, setup.loop_params, palpate::BasicParams)
+        .and_then(|renderer| renderer.start(setup.object))?;
+    Ok(())
 }

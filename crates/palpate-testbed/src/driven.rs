@@ -92,6 +92,23 @@ impl DrivenIdeal {
         ))
     }
 
+    /// The ideal force over a `grid` of any intervals.
+    ///
+    /// # Errors
+    ///
+    /// The grid begins before the path does, or ends after it.
+    pub fn profile_on(&self, grid: Grid) -> Result<ForceProfile, InvalidParameter> {
+        for (name, time) in [("grid start", grid.start()), ("grid end", grid.end())] {
+            InvalidParameter::unless(
+                (self.path.start()..=self.path.end()).contains(&time),
+                name,
+                time,
+                "within the path",
+            )?;
+        }
+        Ok(ForceProfile::from_arcs(&self.arcs, grid))
+    }
+
     /// Device, object and force at a time \[s\] of the path; before its start or after its end,
     /// those at its start or end.
     #[must_use]

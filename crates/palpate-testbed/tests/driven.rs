@@ -4,6 +4,7 @@ mod common;
 
 use common::{HEAVY_DEVICE, STIFF_CONTACT, WALL, assert_close, midpoint};
 use palpate_testbed::driven::{DrivenIdeal, DrivenScene};
+use palpate_testbed::grid::Grid;
 use palpate_testbed::ideal::{Ideal, PointMassScene};
 use palpate_testbed::recorded_path::{PathError, RecordedPath};
 
@@ -302,4 +303,25 @@ fn a_broken_recording_says_where() {
         hand(),
     );
     assert_eq!(error.unwrap_err().name, "stiffness");
+}
+
+#[test]
+fn on_a_grid_of_its_own_it_is_the_same_force() {
+    let ideal = DrivenIdeal::new(OBJECT, hand()).unwrap();
+    let even = ideal.profile(0.01, 150).unwrap();
+    // Every third instant is missing: two intervals in one.
+    let kept: Vec<usize> = (0..=150).filter(|i| i % 3 != 1).collect();
+    let edges: Vec<f64> = kept.iter().map(|&i| even.grid().edge(i)).collect();
+    let grid = Grid::cut_at(edges, 0.01).unwrap();
+    let cut = ideal.profile_on(grid).unwrap();
+    for (interval, ends) in kept.windows(2).enumerate() {
+        let sum = |values: &[f64]| values[ends[0]..ends[1]].iter().sum::<f64>();
+        assert_close("J", cut.impulses()[interval], sum(even.impulses()), 1e-15);
+        let squared = sum(even.squared_forces());
+        assert_close("Q", cut.squared_forces()[interval], squared, 1e-14);
+    }
+    for (edges, name) in [([-0.1, 1.0], "grid start"), ([0.0, 1.6], "grid end")] {
+        let outside = Grid::cut_at(edges.to_vec(), 0.01).unwrap();
+        assert_eq!(ideal.profile_on(outside).unwrap_err().name, name);
+    }
 }

@@ -1,98 +1,24 @@
 //! A map as Parquet: the columns of the CSV file, the receipt as the file's metadata.
 
 use std::io::{self, Write};
-use std::sync::Arc;
 
-use parquet::basic::{LogicalType, Repetition, Type as Physical};
-use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
-use parquet::errors::ParquetError;
-use parquet::file::metadata::KeyValue;
-use parquet::file::properties::WriterProperties;
-use parquet::file::writer::SerializedFileWriter;
-use parquet::schema::types::Type;
+use parquet::data_type::ByteArray;
 
 use super::row::COLUMNS;
 use super::{FORMAT_COLUMN, Map, Row};
-
-/// The values of a column.
-enum Column {
-    Counts(Vec<i64>),
-    Numbers(Vec<f64>),
-    Names(Vec<ByteArray>),
-}
+use crate::parquet_table::{self, Column, count};
 
 /// Writes a map as Parquet.
 ///
 /// # Errors
 /// What the writer says.
 pub fn write_parquet(map: &Map, out: &mut dyn Write) -> io::Result<()> {
-    write(map, out).map_err(|error| match error {
-        ParquetError::External(inner) => match inner.downcast::<io::Error>() {
-            Ok(error) => *error,
-            Err(other) => io::Error::other(other),
-        },
-        other => io::Error::other(other),
-    })
-}
-
-fn write(map: &Map, out: &mut dyn Write) -> Result<(), ParquetError> {
-    // The library's writer must be `Send`, and a map fits into memory.
-    let mut bytes = Vec::new();
-    let columns = columns(&map.rows);
-    let fields = COLUMNS
-        .iter()
-        .zip(&columns)
-        .map(|(name, column)| column.field(name))
-        .collect::<Result<Vec<_>, _>>()?;
-    let schema = Type::group_type_builder("map")
-        .with_fields(fields)
-        .build()?;
     let receipt = [(FORMAT_COLUMN.to_owned(), "1".to_owned())]
         .into_iter()
         .chain(map.receipt.iter().cloned())
-        .map(|(key, value)| KeyValue::new(key, value))
         .collect();
-    let properties = WriterProperties::builder()
-        .set_created_by("palpate".to_owned())
-        .set_key_value_metadata(Some(receipt))
-        .build();
-    let mut file = SerializedFileWriter::new(&mut bytes, Arc::new(schema), Arc::new(properties))?;
-    let mut group = file.next_row_group()?;
-    for column in &columns {
-        if let Some(mut writer) = group.next_column()? {
-            match column {
-                Column::Counts(values) => writer
-                    .typed::<Int64Type>()
-                    .write_batch(values, None, None)?,
-                Column::Numbers(values) => writer
-                    .typed::<DoubleType>()
-                    .write_batch(values, None, None)?,
-                Column::Names(values) => writer
-                    .typed::<ByteArrayType>()
-                    .write_batch(values, None, None)?,
-            };
-            writer.close()?;
-        }
-    }
-    group.close()?;
-    file.close()?;
-    out.write_all(&bytes)?;
-    Ok(())
-}
-
-impl Column {
-    fn field(&self, name: &str) -> Result<Arc<Type>, ParquetError> {
-        let (physical, logical) = match self {
-            Self::Counts(_) => (Physical::INT64, None),
-            Self::Numbers(_) => (Physical::DOUBLE, None),
-            Self::Names(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
-        };
-        Type::primitive_type_builder(name, physical)
-            .with_repetition(Repetition::REQUIRED)
-            .with_logical_type(logical)
-            .build()
-            .map(Arc::new)
-    }
+    let rows = [Ok(columns(&map.rows))];
+    parquet_table::write(out, "map", &COLUMNS, receipt, rows)
 }
 
 fn columns(rows: &[Row]) -> Vec<Column> {
@@ -100,10 +26,8 @@ fn columns(rows: &[Row]) -> Vec<Column> {
     let names = |of: &dyn Fn(&Row) -> &str| {
         Column::Names(rows.iter().map(|row| ByteArray::from(of(row))).collect())
     };
-    let counts = |of: &dyn Fn(&Row) -> u64| {
-        let value = |row| i64::try_from(of(row)).unwrap_or(i64::MAX);
-        Column::Counts(rows.iter().map(value).collect())
-    };
+    let counts =
+        |of: &dyn Fn(&Row) -> u64| Column::Counts(rows.iter().map(|row| count(of(row))).collect());
     let mut columns = vec![
         counts(&|row| row.cell),
         numbers(&|row| row.kappa),

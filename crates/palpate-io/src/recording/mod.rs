@@ -31,9 +31,13 @@
 //! ```
 
 mod cdr;
+mod csv;
 mod event;
+mod export;
 mod frames;
 mod loss;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod read;
 mod receipt;
 mod state;

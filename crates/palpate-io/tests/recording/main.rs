@@ -2,6 +2,7 @@
 
 mod common;
 mod damage;
+mod export;
 mod files;
 mod golden;
 mod kill;
