@@ -18,6 +18,8 @@ pub enum Failure {
     Arguments(String),
     /// An input file is wrong: exit code 3.
     Input(Box<InputFault>),
+    /// The command is done, but the recording it read is not whole, as has been said: exit code 4.
+    NotWhole,
     /// The user ended it before its end: exit code 130, as the shell's for ctrl-C.
     Interrupted(String),
 }
@@ -66,6 +68,7 @@ impl Failure {
                 3,
             ),
             Self::Input(fault) => (fault.message.clone(), 3),
+            Self::NotWhole => return ExitCode::from(4),
             Self::Interrupted(message) => {
                 tell(message);
                 return ExitCode::from(130);

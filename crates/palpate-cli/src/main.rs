@@ -7,6 +7,7 @@ mod figure;
 mod hand;
 mod plots;
 mod progress;
+mod recorded;
 mod report;
 mod results;
 mod run_file;
@@ -25,6 +26,9 @@ fn main() -> ExitCode {
         Command::Simulate(arguments) => commands::simulate::run(&arguments),
         Command::Compare(arguments) => commands::compare::run(&arguments),
         Command::Pipe(arguments) => commands::pipe::run(&arguments),
+        Command::Info(arguments) => commands::info::run(&arguments),
+        Command::Convert(arguments) => commands::convert::run(&arguments),
+        Command::Replay(arguments) => commands::replay::run(&arguments),
         Command::Tune(arguments) => commands::tune::run(&arguments),
         Command::Suite(arguments) => commands::suite::run(&arguments),
         Command::Heights(arguments) => commands::heights::run(&arguments),

@@ -66,6 +66,52 @@ pub fn overlay(title: &str, reference: &Reference, runs: &[Run]) -> Figure {
     }
 }
 
+/// What a recording has beside the motion, tick by tick.
+#[derive(Debug, Default)]
+pub struct Recorded {
+    /// Time `[s]`.
+    pub time: Vec<f64>,
+    /// Object position `[m]`.
+    pub object_position: Vec<f64>,
+    /// Force on the object that was really held `[N]`.
+    pub force_on_object: Vec<f64>,
+    /// Leak of the held force since the first tick `[J]`.
+    pub held_leak: Vec<f64>,
+}
+
+/// A motion replay: all runs over each other, and what was recorded beside them.
+pub fn motion_replay(
+    title: &str,
+    reference: &Reference,
+    runs: &[Run],
+    recorded: &Recorded,
+) -> Figure {
+    let mut figure = overlay(title, reference, runs);
+    let curves = [
+        (&recorded.object_position, METRE_TO_MILLIMETRE, Kind::Line),
+        (&recorded.force_on_object, 1.0, Kind::Step),
+        (&recorded.held_leak, JOULE_TO_MILLIJOULE, Kind::Line),
+    ];
+    for (row, (values, scale, kind)) in figure.rows.iter_mut().zip(curves) {
+        for panel in &mut row.panels {
+            panel.series.push(Series {
+                name: "recorded".into(),
+                kind,
+                role: RECORDED,
+                x: recorded.time.clone(),
+                y: values.iter().map(|value| scale * value).collect(),
+            });
+        }
+    }
+    figure.footnote = Some(
+        "Motion replay: the device moves as recorded, whatever the force. Ideal: the object in \
+         continuous time, on that motion. Recorded: what the recorded loop did. Leak: energy \
+         created by the held force, accumulated."
+            .into(),
+    );
+    figure
+}
+
 /// The paper's Fig. 2: one column for each step of the method.
 pub fn step_by_step(title: &str, reference: &Reference, steps: &[(&str, &Run)]) -> Figure {
     let curve = |run: &Run, value: fn(&Tick) -> f64| Series {
@@ -255,6 +301,8 @@ pub fn role(method: MethodName) -> Role {
 const DEVICE: Role = Role::Compared(8);
 /// The basic model at a high rate, beside what it is to judge.
 const FINE: Role = Role::Compared(14);
+/// What was recorded, beside what is replayed.
+const RECORDED: Role = Role::Compared(22);
 /// The end of the motors.
 const END: Role = Role::Compared(10);
 

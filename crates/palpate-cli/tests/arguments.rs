@@ -1,14 +1,18 @@
 //! Help, completions, and what the program says of arguments it does not know.
 
 mod common;
+mod recordings;
 
 use common::{Folder, taps, trace_text};
 
-const COMMANDS: [&str; 12] = [
+const COMMANDS: [&str; 15] = [
     "render",
     "simulate",
     "compare",
     "pipe",
+    "info",
+    "convert",
+    "replay",
     "tune",
     "suite",
     "heights",
@@ -77,6 +81,7 @@ fn the_examples_of_the_help_are_understood() {
     for trace in ["tap.csv", "hand.csv"] {
         folder.write(trace, trace_text(&taps(0.001, 0.5)));
     }
+    recordings::record(&folder.path("tap.mcap"));
     let mut tried = 0;
     for command in COMMANDS
         .iter()
@@ -89,6 +94,7 @@ fn the_examples_of_the_help_are_understood() {
             let example = line.split("palpate ").nth(1).unwrap();
             // A remark stands behind a wide gap.
             let arguments = example.split("   ").next().unwrap();
+            let arguments = arguments.split(" > ").next().unwrap();
             // A shell would find this file.
             let arguments = &arguments.replace("users/*.toml", "users/wall.toml");
             let input = if example.contains(" - ") {
@@ -101,7 +107,7 @@ fn the_examples_of_the_help_are_understood() {
             tried += 1;
         }
     }
-    assert!(tried >= 29, "{tried} examples");
+    assert!(tried >= 37, "{tried} examples");
 }
 
 #[test]

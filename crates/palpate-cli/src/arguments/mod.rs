@@ -10,7 +10,10 @@ use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Args, Parser, Subcommand, ValueHint};
 
 use crate::commands::advise::AdviseArguments;
+use crate::commands::convert::ConvertArguments;
+use crate::commands::info::InfoArguments;
 use crate::commands::map::MapArguments;
+use crate::commands::replay::ReplayArguments;
 use crate::values::{Methods, methods, number};
 
 const STYLES: Styles = Styles::styled()
@@ -37,6 +40,7 @@ Exit codes:
   1  a file could not be read or written
   2  the arguments are wrong
   3  an input file is wrong; the message says where
+  4  done, but the recording that was read is not whole; standard error says what is missing
   130  stopped by ctrl-C; what is done is kept")]
 pub struct Arguments {
     /// What to do.
@@ -120,6 +124,46 @@ Examples:
   my-device | palpate pipe --stiffness 400 --mass 0.1 --period 0.001 --force -0.981
   printf '0\\n0.001\\n0.002\\n' | palpate pipe --stiffness 1000 --mass inf --period 0.001")]
     Pipe(PipeArguments),
+    /// Say what is in a recording, and what is missing from it
+    #[command(long_about = "\
+Say what is in a recording, and what is missing from it.
+
+A recording is an MCAP file that a loop with a device has written; one that was cut off, or that is \
+being written (NAME.part), is read as far as it goes. Lost ticks are counted from the numbers of \
+those that are there, and no chunk is believed whose checksum does not fit.")]
+    #[command(after_help = "\
+Examples:
+  palpate info tap.mcap
+  palpate info tap.mcap --text scene > scene.toml
+  palpate info tap.mcap --json")]
+    Info(InfoArguments),
+    /// Write a recording as a table
+    #[command(long_about = "\
+Write a recording as a table: one line per tick, and one per event in a table of their own.
+
+What is missing from the recording is said on standard error, in the table's receipt, and by exit \
+code 4; the table is written all the same.")]
+    #[command(after_help = "\
+Examples:
+  palpate convert tap.mcap
+  palpate convert tap.mcap --to csv --out table.csv")]
+    Convert(ConvertArguments),
+    /// Render the motion of a recording by another method
+    #[command(override_usage = "palpate replay <REC.mcap> --method <NAMES> [OPTIONS]")]
+    #[command(long_about = "\
+Render the motion of a recording by another method.
+
+Motion replay: the device goes where it went, when it went there, whatever the force. That tells \
+the force law on real motion and the energy it would have leaked, not how the hand would have \
+answered. Contact, loop and settings are those of the scene in the recording's receipt; flags \
+change them. The object starts as it was at the first tick. The recorded forces are drawn beside \
+those of the methods.")]
+    #[command(after_help = "\
+Examples:
+  palpate replay tap.mcap --method hfcr
+  palpate replay tap.mcap --method basic,coupled --plot replay.svg --out replay.csv
+  palpate replay tap.mcap --method all --json")]
+    Replay(ReplayArguments),
     /// Find the damping of a method that suits a scene, and draw the whole curve
     #[command(long_about = "\
 Find the damping of a method that suits a scene, and draw the whole curve.

@@ -3,12 +3,15 @@
 pub mod advise;
 pub mod compare;
 pub mod completions;
+pub mod convert;
 pub mod demo;
 pub mod figure;
 pub mod heights;
+pub mod info;
 pub mod map;
 pub mod pipe;
 pub mod render;
+pub mod replay;
 pub mod simulate;
 pub mod suite;
 pub mod tune;

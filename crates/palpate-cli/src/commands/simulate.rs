@@ -155,7 +155,7 @@ fn not_utf8(name: &str, error: &FromUtf8Error) -> Failure {
     Failure::input_at(message, name, &text, at..text.len())
 }
 
-fn in_file(error: SceneError) -> Failure {
+pub(super) fn in_file(error: SceneError) -> Failure {
     Failure::input_at(&error, &error.file, &error.source_text, error.span.clone())
 }
 

@@ -2,10 +2,12 @@
 
 pub mod compare;
 mod parameters;
+mod replayed;
 mod text;
 mod timing;
 
 pub use parameters::of as parameters_of;
+pub use replayed::MotionReplay;
 pub use text::{counted, digits, lines, number, percent, plain_table, short};
 pub use timing::of as timing_of;
 
@@ -24,6 +26,9 @@ const FORMAT: &str = "palpate report 1";
 pub struct Report {
     format: &'static str,
     title: String,
+    /// What was replayed, if anything was.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    replay: Option<MotionReplay>,
     stiffness_n_per_m: f64,
     object_mass_kg: Mass<f64>,
     side: Side,
@@ -149,6 +154,7 @@ impl Report {
         Self {
             format: FORMAT,
             title: subject.title.clone(),
+            replay: None,
             stiffness_n_per_m: subject.contact.stiffness,
             object_mass_kg: subject.contact.object_mass,
             side: subject.contact.side,
@@ -178,6 +184,14 @@ impl Report {
                 .map(|run| MethodReport::new(run, subject.contact.side.sign()))
                 .collect(),
             files: Vec::new(),
+        }
+    }
+
+    /// The report, as one of a motion replay.
+    pub fn of_motion_replay(self, replay: MotionReplay) -> Self {
+        Self {
+            replay: Some(replay),
+            ..self
         }
     }
 

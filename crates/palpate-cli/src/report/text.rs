@@ -11,6 +11,9 @@ use super::{CollisionReport, MethodReport, Report};
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", self.title)?;
+        if let Some(replay) = &self.replay {
+            writeln!(f, "{replay}")?;
+        }
         writeln!(f, "{}", self.conditions())?;
         if !self.timing_in_words.is_empty() {
             let samples = counted(self.samples, "sample");

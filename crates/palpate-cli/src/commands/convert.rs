@@ -1,0 +1,142 @@
+//! `palpate convert`: a recording as a table.
+
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum, ValueHint};
+use palpate_io::recording::Recording;
+
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::recorded::{open, whole_or_said};
+use crate::report::counted;
+use crate::results::print;
+
+/// Arguments of `convert`.
+#[derive(Args, Debug)]
+pub struct ConvertArguments {
+    /// Recording (MCAP)
+    #[arg(value_name = "REC.mcap", value_hint = ValueHint::FilePath)]
+    pub recording: PathBuf,
+    /// What kind of table; parquet where built with the feature parquet
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t = Format::Csv)]
+    pub to: Format,
+    /// File to write, - for standard output; events go to a CSV file beside it, NAME-events.csv
+    /// [default: that of the recording, with .csv or .parquet]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub out: Option<PathBuf>,
+}
+
+/// Kinds of tables.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Comma-separated text
+    Csv,
+    /// Apache Parquet
+    Parquet,
+}
+
+/// Writes the tables.
+pub fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
+    if arguments.to == Format::Parquet && cfg!(not(feature = "parquet")) {
+        return Err(Failure::Arguments(
+            "--to parquet: this build writes CSV only; for Parquet build with --features parquet"
+                .into(),
+        ));
+    }
+    let path = &arguments.recording;
+    let out = arguments
+        .out
+        .clone()
+        .unwrap_or_else(|| beside(path, arguments.to));
+    if let (Ok(out), Ok(path)) = (out.canonicalize(), path.canonicalize())
+        && out == path
+    {
+        return Err(Failure::Arguments(format!(
+            "--out would overwrite the recording {}",
+            path.display()
+        )));
+    }
+    let progress = Progress::new(1);
+    progress.begin(&format!("reading {}", path.display()));
+    let recording = open(path)?;
+    if recording.ticks == 0 {
+        drop(progress);
+        // What is wrong with it may be why.
+        let _ = whole_or_said(&recording);
+        return Err(Failure::input(format_args!(
+            "{}: the recording has no tick, so there is no table",
+            path.display()
+        )));
+    }
+    let mut wrote = String::new();
+    if out == Path::new("-") {
+        drop(progress);
+        let mut output = BufWriter::new(io::stdout().lock());
+        let written = write(&recording, arguments.to, &mut output).and_then(|()| output.flush());
+        match written {
+            Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+                return Err(Failure::System(format!("standard output: {error}")));
+            }
+            _ => {}
+        }
+        if recording.events > 0 {
+            crate::failure::tell(format_args!(
+                "{}: {} left out; they go to a file beside --out FILE",
+                path.display(),
+                counted(recording.events, "event")
+            ));
+        }
+    } else {
+        progress.begin(&format!("writing {}", out.display()));
+        file(&out, |writer| write(&recording, arguments.to, writer))?;
+        wrote += &format!(
+            "wrote {}: {}\n",
+            out.display(),
+            counted(recording.ticks, "tick")
+        );
+        if recording.events > 0 {
+            let events = events_beside(&out);
+            file(&events, |writer| recording.write_events_csv(writer))?;
+            let count = counted(recording.events, "event");
+            wrote += &format!("wrote {}: {count}\n", events.display());
+        }
+        drop(progress);
+    }
+    print(&wrote)?;
+    whole_or_said(&recording)
+}
+
+fn file(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
+    palpate_io::atomic::write(path, write).map_err(|error| Failure::System(error.to_string()))
+}
+
+fn write(recording: &Recording, to: Format, out: &mut dyn Write) -> io::Result<()> {
+    match to {
+        Format::Csv => recording.write_csv(out),
+        #[cfg(feature = "parquet")]
+        Format::Parquet => recording.write_parquet(out),
+        #[cfg(not(feature = "parquet"))]
+        Format::Parquet => unreachable!("refused above"),
+    }
+}
+
+/// The name of a table beside its recording: that of an unfinished one is without its `.part`.
+fn beside(recording: &Path, to: Format) -> PathBuf {
+    let finished = match recording.extension() {
+        Some(extension) if extension == "part" => recording.with_extension(""),
+        _ => recording.to_owned(),
+    };
+    finished.with_extension(match to {
+        Format::Csv => "csv",
+        Format::Parquet => "parquet",
+    })
+}
+
+/// The name of the table of events beside that of ticks.
+fn events_beside(out: &Path) -> PathBuf {
+    let stem = out.file_stem().unwrap_or_default();
+    let mut name = stem.to_owned();
+    name.push("-events.csv");
+    out.with_file_name(name)
+}

@@ -1,0 +1,221 @@
+//! `palpate info`: what is in a recording, and what is not.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::PathBuf;
+
+use clap::{Args, ValueHint};
+use palpate_io::recording::{Entry, Flags, Recording};
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::recorded::{open, shortcomings, whole_or_code};
+use crate::report::{counted, digits};
+use crate::results::print;
+
+/// Arguments of `info`.
+#[derive(Args, Debug)]
+pub struct InfoArguments {
+    /// Recording (MCAP)
+    #[arg(value_name = "REC.mcap", value_hint = ValueHint::FilePath)]
+    pub recording: PathBuf,
+    /// Print a text of the receipt, such as scene, and nothing else
+    #[arg(long, value_name = "NAME", conflicts_with = "json")]
+    pub text: Option<String>,
+    /// Print the report as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Reports on a recording.
+pub fn run(arguments: &InfoArguments) -> Result<(), Failure> {
+    let progress = Progress::new(1);
+    progress.begin(&format!("reading {}", arguments.recording.display()));
+    let recording = open(&arguments.recording)?;
+    if let Some(name) = &arguments.text {
+        drop(progress);
+        let texts = &recording.receipt.texts;
+        let text = texts.get(name).ok_or_else(|| {
+            let names: Vec<&str> = texts.keys().map(String::as_str).collect();
+            Failure::Arguments(format!(
+                "--text: the receipt has no text called {name}; it has {}",
+                if names.is_empty() {
+                    "none".into()
+                } else {
+                    names.join(", ")
+                }
+            ))
+        })?;
+        return print(text);
+    }
+    let report = Report::new(&recording)?;
+    drop(progress);
+    print(&if arguments.json {
+        serde_json::to_string_pretty(&report).expect("a report has string keys only") + "\n"
+    } else {
+        report.to_string()
+    })?;
+    whole_or_code(&recording)
+}
+
+/// What there is to say of a recording.
+#[derive(Debug, Serialize)]
+struct Report {
+    format: &'static str,
+    recording: String,
+    palpate_version: String,
+    complete: bool,
+    whole: bool,
+    /// What is not as it should be, in words.
+    shortcomings: Vec<String>,
+    ticks: u64,
+    ticks_lost: u64,
+    gaps: Vec<GapReport>,
+    first_s: Option<f64>,
+    duration_s: Option<f64>,
+    /// Ticks per second of the loop, those that were lost among them.
+    rate_hz: Option<f64>,
+    largest_lateness_s: Option<f64>,
+    longest_period_s: Option<f64>,
+    longest_tick_s: Option<f64>,
+    longest_round_trip_s: Option<f64>,
+    parameter_changes: u32,
+    /// Ticks with each flag.
+    flags: BTreeMap<&'static str, u64>,
+    /// Events of each kind.
+    events: BTreeMap<String, u64>,
+    /// Length of each text of the receipt.
+    receipt_bytes: BTreeMap<String, usize>,
+}
+
+#[derive(Debug, Serialize)]
+struct GapReport {
+    after_tick: Option<u64>,
+    ticks: u64,
+}
+
+impl Report {
+    fn new(recording: &Recording) -> Result<Self, Failure> {
+        let mut flags = BTreeMap::new();
+        let mut events = BTreeMap::new();
+        let [mut lateness, mut period, mut tick_duration, mut round_trip] = [None; 4];
+        let entries = recording.entries().map_err(Failure::input)?;
+        for entry in entries {
+            match entry.map_err(Failure::input)? {
+                Entry::Event(event) => *events.entry(event.kind).or_insert(0) += 1,
+                Entry::Tick(tick) => {
+                    raise(&mut lateness, tick.lateness);
+                    raise(&mut period, tick.period);
+                    raise(&mut tick_duration, tick.tick_duration);
+                    raise(&mut round_trip, tick.device_round_trip);
+                    let set = Flags::NAMED
+                        .iter()
+                        .filter(|(flag, _)| tick.flags.has(*flag));
+                    for (_, name) in set {
+                        *flags.entry(*name).or_insert(0) += 1;
+                    }
+                }
+            }
+        }
+        let ends = recording.first.zip(recording.last);
+        let duration = ends.map(|(first, last)| last.time - first.time);
+        let steps = ends.map(|(first, last)| (last.sequence - first.sequence) as f64);
+        let texts = recording.receipt.texts.iter();
+        Ok(Self {
+            format: "palpate info 1",
+            recording: recording.path().display().to_string(),
+            palpate_version: recording.receipt.palpate_version.clone(),
+            complete: recording.complete,
+            whole: recording.is_whole(),
+            shortcomings: shortcomings(recording),
+            ticks: recording.ticks,
+            ticks_lost: recording.lost(),
+            gaps: recording
+                .missing
+                .iter()
+                .map(|gap| GapReport {
+                    after_tick: gap.after,
+                    ticks: gap.count,
+                })
+                .collect(),
+            first_s: recording.first.map(|tick| tick.time),
+            duration_s: duration,
+            rate_hz: steps
+                .zip(duration)
+                .map(|(steps, duration)| steps / duration)
+                .filter(|rate| rate.is_finite()),
+            largest_lateness_s: lateness,
+            longest_period_s: period,
+            longest_tick_s: tick_duration,
+            longest_round_trip_s: round_trip,
+            parameter_changes: recording.generation,
+            flags,
+            events,
+            receipt_bytes: texts
+                .map(|(name, text)| (name.clone(), text.len()))
+                .collect(),
+        })
+    }
+}
+
+/// The largest of all; what is no number does not count.
+fn raise(largest: &mut Option<f64>, value: f64) {
+    if !value.is_nan() {
+        *largest = Some(largest.map_or(value, |largest| largest.max(value)));
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "{}, recorded by palpate {}",
+            self.recording, self.palpate_version
+        )?;
+        if self.whole {
+            writeln!(f, "complete, nothing lost")?;
+        }
+        for words in &self.shortcomings {
+            writeln!(f, "{words}")?;
+        }
+        writeln!(f)?;
+        let over = match (self.duration_s, self.rate_hz) {
+            (Some(duration), Some(rate)) => {
+                format!(" over {duration:.3} s, {} Hz", digits(rate))
+            }
+            _ => String::new(),
+        };
+        writeln!(f, "{}{over}", counted(self.ticks, "tick"))?;
+        for (name, seconds) in [
+            ("latest sample", self.largest_lateness_s),
+            ("longest period", self.longest_period_s),
+            ("longest tick", self.longest_tick_s),
+            ("longest answer of the device", self.longest_round_trip_s),
+        ] {
+            if let Some(seconds) = seconds {
+                writeln!(f, "  {name}: {} ms", digits(1e3 * seconds))?;
+            }
+        }
+        for (name, count) in &self.flags {
+            writeln!(f, "  {name}: {count}")?;
+        }
+        if self.parameter_changes > 0 {
+            writeln!(f, "  changes of parameters: {}", self.parameter_changes)?;
+        }
+        let total: u64 = self.events.values().sum();
+        writeln!(f, "{}", counted(total, "event"))?;
+        for (kind, count) in &self.events {
+            writeln!(f, "  {kind}: {count}")?;
+        }
+        writeln!(
+            f,
+            "{} in the receipt",
+            counted(self.receipt_bytes.len() as u64, "text")
+        )?;
+        for (name, bytes) in &self.receipt_bytes {
+            writeln!(f, "  {name}: {}", counted(*bytes as u64, "byte"))?;
+        }
+        Ok(())
+    }
+}

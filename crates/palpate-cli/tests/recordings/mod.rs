@@ -1,0 +1,86 @@
+//! Recordings to test with: simulated loops, recorded as a live one is.
+#![allow(dead_code, reason = "each test program uses its own part")]
+
+use std::path::Path;
+
+use palpate_io::recording::{Event, Flags, Phase, Receipt, RecordingWriter, Tick};
+use palpate_sim::closed_loop::Bench;
+use palpate_sim::method::MethodName;
+use palpate_sim::run::Run;
+use palpate_sim::scene::{Jitter, SceneFile};
+
+/// A committed scene whose loop comes early and late, run by a method; its text and what it did.
+pub fn loop_of(name: &str, method: MethodName) -> (String, Run) {
+    let text = super::common::experiment_text(name);
+    let mut scene = SceneFile::parse(name, &text).unwrap().scene;
+    scene.timing.jitter = Jitter::Uniform {
+        bound: 0.2 * scene.loop_params.period,
+    };
+    let run = Bench::new(&scene).unwrap().run(method).unwrap();
+    (text, run)
+}
+
+/// A tick of a run as a recorder sees it.
+pub fn tick(run: &Run, at: usize) -> Tick {
+    let tick = &run.ticks[at];
+    let period = at
+        .checked_sub(1)
+        .map(|before| tick.time - run.ticks[before].time);
+    let ledger = &tick.ledger;
+    Tick {
+        sequence: at as u64,
+        time: tick.time,
+        lateness: 1e-5 * (at % 7) as f64,
+        period: period.unwrap_or(f64::NAN),
+        device_axes: [0.0, tick.device_position, f64::NAN],
+        device_position: tick.device_position,
+        object_position: tick.output.object_position,
+        object_velocity: tick.output.object_velocity,
+        penetration: tick.output.penetration,
+        placement_shift: tick.output.placement_shift,
+        force_on_object: tick.output.force_on_object,
+        force_on_device: tick.output.force_on_device,
+        stored_energy: ledger.stored,
+        port_work: ledger.port_work,
+        virtual_force_work: ledger.virtual_force_work,
+        outside_work: ledger.outside_work,
+        original_leak: ledger.original_leak.accumulated,
+        held_leak: ledger.held_leak.accumulated,
+        tick_duration: 2e-5,
+        device_round_trip: f64::NAN,
+        generation: 0,
+        flags: Flags::default().with(Flags::CONTACT, tick.output.penetration > 0.0),
+        phase: Phase::ALL
+            .into_iter()
+            .find(|phase| phase.name() == tick.output.phase.name())
+            .unwrap(),
+    }
+}
+
+/// Records a run, but for the ticks that `keeps` leaves out.
+pub fn write(path: &Path, text: &str, run: &Run, keeps: impl Fn(usize) -> bool) {
+    let receipt = Receipt::new("0.1.0").with("scene", text);
+    let mut writer = RecordingWriter::create(path, &receipt).unwrap();
+    for at in (0..run.ticks.len()).filter(|&at| keeps(at)) {
+        writer.append(&tick(run, at)).unwrap();
+    }
+    let end = run.ticks.len() - 1;
+    let event = |kind: &str, text: &str| Event {
+        sequence: end as u64,
+        time: run.ticks[end].time,
+        kind: kind.into(),
+        text: text.into(),
+    };
+    writer
+        .event(&event("safety", "the force limit acted"))
+        .unwrap();
+    writer.event(&event("end", "ctrl-C")).unwrap();
+    writer.finish().unwrap();
+}
+
+/// A whole recording of a loop by hfcr.
+pub fn record(path: &Path) -> Run {
+    let (text, run) = loop_of("experiment1", MethodName::Hfcr);
+    write(path, &text, &run, |_| true);
+    run
+}
