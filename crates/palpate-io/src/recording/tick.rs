@@ -285,20 +285,43 @@ pub(super) mod tests {
         let mut message = Vec::new();
         tick.encode(&mut message);
         let fields = by_schema(&message);
-        let mut names = vec!["sequence"];
-        names.extend(NUMBERS);
-        names.extend(["generation", "flags", "phase"]);
-        let mut values = vec![7.0];
-        values.extend(tick.numbers());
-        values.extend([3.0, 257.0, 3.0]);
-        assert_eq!(fields.len(), names.len());
-        for ((field, value), (name, expected)) in fields.iter().zip(names.iter().zip(values)) {
-            assert_eq!(field, *name);
+        let expected = [
+            ("sequence", 7.0),
+            ("t_s", tick.time),
+            ("lateness_s", tick.lateness),
+            ("period_s", tick.period),
+            ("device_axis_1_m", tick.device_axes[0]),
+            ("device_axis_2_m", tick.device_axes[1]),
+            ("device_axis_3_m", tick.device_axes[2]),
+            ("device_position_m", tick.device_position),
+            ("object_position_m", tick.object_position),
+            ("object_velocity_m_per_s", tick.object_velocity),
+            ("penetration_m", tick.penetration),
+            ("placement_shift_m", tick.placement_shift),
+            ("force_on_object_n", tick.force_on_object),
+            ("force_on_device_n", tick.force_on_device),
+            ("stored_energy_j", tick.stored_energy),
+            ("port_work_j", tick.port_work),
+            ("virtual_force_work_j", tick.virtual_force_work),
+            ("outside_work_j", tick.outside_work),
+            ("leak_original_j", tick.original_leak),
+            ("leak_held_j", tick.held_leak),
+            ("tick_duration_s", tick.tick_duration),
+            ("device_round_trip_s", tick.device_round_trip),
+            ("generation", 3.0),
+            ("flags", 257.0),
+            ("phase", 3.0),
+        ];
+        assert_eq!(fields.len(), expected.len());
+        for ((field, value), (name, expected)) in fields.iter().zip(expected) {
+            assert_eq!(field, name);
             assert!(
                 value.to_bits() == expected.to_bits(),
                 "{name}: {value} for {expected}"
             );
         }
+        let numbers: Vec<&str> = fields[1..22].iter().map(|(name, _)| &name[..]).collect();
+        assert_eq!(numbers, NUMBERS);
     }
 
     #[test]

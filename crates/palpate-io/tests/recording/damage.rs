@@ -109,6 +109,27 @@ fn a_damaged_chunk_is_left_out_and_what_follows_is_read() {
 }
 
 #[test]
+fn a_chunk_whose_numbers_do_not_rise_is_left_out_and_counted() {
+    let (bytes, sizes) = small(false);
+    // The second flush twice.
+    let twice = [&bytes[..sizes[2]], &bytes[sizes[1]..]].concat();
+    let scratch = Scratch::new();
+    let recording = scratch.open(&twice).unwrap();
+    assert_eq!(
+        (recording.ticks, recording.events, recording.lost()),
+        (9, 1, 0)
+    );
+    assert_eq!(
+        recording.damage,
+        [format!(
+            "the chunk at byte {}: tick 3 does not come after the one before it",
+            sizes[2]
+        )]
+    );
+    assert_true_ticks(&recording, sizes[2]);
+}
+
+#[test]
 fn a_recording_whose_first_chunk_is_damaged_still_has_its_ticks() {
     let (mut bytes, sizes) = small(true);
     // The chunk that says what the channels are.

@@ -19,6 +19,12 @@ fn a_recording_gets_its_name_when_it_is_finished() {
 }
 
 #[test]
+fn a_writer_can_go_to_a_thread_of_its_own() {
+    fn moves<T: Send + 'static>() {}
+    moves::<RecordingWriter>();
+}
+
+#[test]
 fn a_recording_overwrites_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tap.mcap");
