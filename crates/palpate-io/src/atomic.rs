@@ -74,7 +74,7 @@ pub fn write<T>(
 
 impl WriteError {
     /// What the system said when the file at `path` was to be written.
-    pub(crate) fn new(path: &Path, source: io::Error) -> Self {
+    pub fn new(path: &Path, source: io::Error) -> Self {
         Self {
             path: path.to_owned(),
             fault: fault(path, &source),

@@ -3,7 +3,7 @@
 //! This crate puts the renderers of [`palpate`] on the bench of [`palpate_testbed`]: it reads what
 //! a scene is ([`scene`]), runs it closed loop ([`closed_loop`]) or on recorded motion
 //! ([`replay`]) by any method ([`method`]), and hands the bench's judgement back with the run.
-//! [`tune`] asks how a method's damping changes that judgement, [`heights`] how the start height
+//! [`VirtualDevice`] is a scene's device for a loop outside this crate. [`tune`] asks how a method's damping changes that judgement, [`heights`] how the start height
 //! does, [`suite`] judges methods on plants drawn at random, and [`map`] asks what can be rendered
 //! at all.
 
@@ -18,3 +18,6 @@ mod sampled_loop;
 pub mod scene;
 pub mod suite;
 pub mod tune;
+mod virtual_device;
+
+pub use virtual_device::VirtualDevice;

@@ -93,6 +93,13 @@ impl<S: Scalar, Memory: Default> State<S, Memory> {
         }
     }
 
+    /// Forgets what the method remembers of past forces and of the device, for a state that another
+    /// method is to [`adopt`](super::Renderer::adopt): what its own method remembered does not
+    /// describe the interval in progress. The object, its plan and the books stay.
+    pub fn forget_past(&mut self) {
+        self.memory = Memory::default();
+    }
+
     /// What the method remembers.
     pub fn memory(&self) -> &Memory {
         &self.memory

@@ -1,0 +1,421 @@
+//! The loop itself: sleep, sample, render, pass through safety, command, note down.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use palpate::{Output, Placement};
+use palpate_io::recording::{Flags, Tick};
+
+use crate::clock::Clock;
+use crate::deadlines::Deadlines;
+use crate::device::{Device, DeviceErrorKind, Reading, Vector};
+use crate::held::HeldSince;
+use crate::note::{Ending, Note, Noted};
+use crate::rendering::{Parameters, Rendered, Rendering, parameters};
+use crate::safety::{self, Heartbeat, Safety, SafetyParams, Supervisor, Trip, Verdict};
+use crate::setup::SetupError;
+use crate::statistics::LoopStatistics;
+use crate::stop::StopFlag;
+use crate::tap::Tap;
+use crate::wire::phase;
+
+/// A haptic loop on one device. Everything that it needs is there before its first tick; a tick
+/// allocates nothing, locks nothing and waits for nobody but the clock and the device.
+///
+/// When it goes, whatever the reason, it commands the device no force.
+pub struct ControlLoop<D: Device, C: Clock> {
+    device: D,
+    clock: C,
+    placement: Placement<f64, 3>,
+    rendered: Rendered,
+    parameters: Option<Parameters>,
+    safety: Safety,
+    rearm: Arc<AtomicBool>,
+    deadlines: Option<Deadlines>,
+    started: Duration,
+    period: Duration,
+    held: HeldSince,
+    last: Option<(Reading, Output<f64>)>,
+    heartbeat: Arc<Heartbeat>,
+    cuts: u64,
+    statistics: LoopStatistics,
+    tap: Option<Tap>,
+    sequence: u64,
+    lost: bool,
+}
+
+/// What a sample came to.
+enum Sampled {
+    Fresh(Reading),
+    Missing,
+    Gone(Trip),
+}
+
+impl<D: Device, C: Clock> ControlLoop<D, C> {
+    /// A loop that renders `rendering` on `device`, along its first axis. It ticks from the first
+    /// call of [`tick`](Self::tick) on.
+    ///
+    /// # Errors
+    /// A parameter of the rendering or a limit of the safety outside its range; a period that is no
+    /// whole number of nanoseconds above 0.
+    pub fn new(
+        device: D,
+        clock: C,
+        rendering: Rendering,
+        limits: SafetyParams,
+    ) -> Result<Self, SetupError> {
+        let seconds = rendering.loop_params.period;
+        let (parameters, rendered) = parameters(rendering)?;
+        let period = Duration::try_from_secs_f64(seconds)
+            .ok()
+            .filter(|period| *period > Duration::ZERO)
+            .ok_or(SetupError::Period(seconds))?;
+        Ok(Self {
+            device,
+            clock,
+            placement: Placement::new([0.0; 3], [1.0, 0.0, 0.0])?,
+            rendered,
+            parameters: Some(parameters),
+            safety: Safety::new(limits, seconds)?,
+            rearm: Arc::default(),
+            deadlines: None,
+            started: Duration::ZERO,
+            period,
+            held: HeldSince::default(),
+            last: None,
+            heartbeat: Arc::default(),
+            cuts: 0,
+            statistics: LoopStatistics::new(),
+            tap: None,
+            sequence: 0,
+            lost: false,
+        })
+    }
+
+    /// The same loop, its contact's axis placed elsewhere in the device's space.
+    #[must_use]
+    pub fn along(mut self, placement: Placement<f64, 3>) -> Self {
+        self.placement = placement;
+        self
+    }
+
+    /// The same loop, telling `tap` what it does.
+    #[must_use]
+    pub fn tapped(mut self, tap: Tap) -> Self {
+        self.tap = Some(tap);
+        self
+    }
+
+    /// The other end of the parameters; there is one, for whoever asks first.
+    pub fn parameters(&mut self) -> Option<Parameters> {
+        self.parameters.take()
+    }
+
+    /// Raising it ends a trip that stays, with the next tick.
+    pub fn rearm(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.rearm)
+    }
+
+    /// A supervisor for another thread; none if the device has no second way to command no force.
+    pub fn supervisor(&mut self) -> Option<Supervisor> {
+        let zero = self.device.zero_writer()?;
+        let limit = self.safety.params().stall_after(self.period);
+        Some(Supervisor::new(Arc::clone(&self.heartbeat), zero, limit))
+    }
+
+    /// The period of the deadlines.
+    pub fn period(&self) -> Duration {
+        self.period
+    }
+
+    /// The device.
+    pub fn device(&self) -> &D {
+        &self.device
+    }
+
+    /// How the loop kept time so far.
+    pub fn statistics(&self) -> &LoopStatistics {
+        &self.statistics
+    }
+
+    /// How often a supervisor has commanded no force.
+    pub fn cuts(&self) -> u64 {
+        self.heartbeat.cuts()
+    }
+
+    /// The trip that holds the force at none, if one does.
+    pub fn trip(&self) -> Option<Trip> {
+        self.safety.trip()
+    }
+
+    /// Ticks until `stop` is raised, `most` ticks are made or the device is gone, then commands no
+    /// force. It can go on afterwards.
+    pub fn run(&mut self, stop: &StopFlag, most: Option<u64>) -> Ending {
+        let ending = loop {
+            if stop.is_raised() {
+                break Ending::Stopped;
+            }
+            if most.is_some_and(|most| self.statistics.ticks >= most) {
+                break Ending::Complete;
+            }
+            self.tick();
+            if self.lost {
+                break Ending::DeviceLost;
+            }
+        };
+        self.let_go();
+        ending
+    }
+
+    /// Tells the tap why the loop has ended, and that nothing more will come.
+    pub(crate) fn close_tap(&mut self, ending: Ending) {
+        self.note(Note::Ended(ending));
+        self.tap = None;
+    }
+
+    /// Commands the device no force, and stands the supervisor down.
+    pub fn let_go(&mut self) {
+        // A device that does not take it is asked again once; more cannot be done here.
+        if self.device.write([0.0; 3]).is_err() {
+            let _ = self.device.write([0.0; 3]);
+        }
+        self.held.change(0.0, self.clock.now());
+        self.heartbeat.end();
+    }
+
+    /// One period: sleeps until its deadline, then samples, renders and commands.
+    pub fn tick(&mut self) -> Tick {
+        let deadline = self.deadline();
+        self.clock.sleep_until(deadline);
+        let woke = self.clock.now();
+        let was_cut = self.was_cut();
+        self.heartbeat.beat(woke);
+        if self.rearm.swap(false, Ordering::AcqRel) {
+            self.safety.rearm();
+            self.note(Note::Rearmed);
+        }
+        if let Some(generation) = self.rendered.take_change() {
+            self.note(Note::Changed(generation));
+        }
+
+        let sampled = self.sample();
+        let answered = self.clock.now();
+        let elapsed = match (&sampled, &self.last) {
+            (Sampled::Fresh(now), Some((before, _))) => {
+                Some(now.time.as_secs_f64() - before.time.as_secs_f64())
+            }
+            _ => None,
+        };
+        let mut fault = None;
+        let mut verdict = match sampled {
+            Sampled::Fresh(reading) => {
+                if let Some(mean) = self.held.take(reading.time) {
+                    self.rendered.report_held(-mean);
+                }
+                let output = self
+                    .rendered
+                    .step(self.placement.coordinate(reading.position), elapsed);
+                fault = output.fault;
+                self.last = Some((reading, output));
+                self.safety.judge(&safety::Rendered {
+                    elapsed,
+                    position: reading.position,
+                    force: output.force_on_device,
+                    created_energy: self.rendered.ledger().held_leak.accumulated,
+                })
+            }
+            Sampled::Missing => {
+                self.statistics.without_sample += 1;
+                self.safety.missing()
+            }
+            Sampled::Gone(trip) => self.safety.trip_on(trip),
+        };
+        if was_cut {
+            verdict = self.safety.trip_on(Trip::Stalled);
+        }
+        self.notes_of(&verdict);
+        if let Some(fault) = fault {
+            self.note(Note::Fault(fault));
+        }
+        let sent = self.command(verdict.force);
+
+        let ended = self.clock.now();
+        let missed = self.deadlines.as_mut().map_or(0, |d| d.ended(woke, ended));
+        if missed > 0 {
+            self.note(Note::MissedDeadlines(missed));
+        }
+        let is_fresh = matches!(sampled, Sampled::Fresh(_));
+        let flags = Flags::default()
+            .with(Flags::FAULT, fault.is_some())
+            .with(Flags::SAFETY_LIMITED, verdict.bounded.any())
+            .with(Flags::SAFETY_TRIPPED, self.safety.trip().is_some())
+            .with(Flags::MISSED_DEADLINE, missed > 0)
+            .with(Flags::DEVICE_FAULT, !is_fresh);
+        let tick = Tick {
+            lateness: woke.as_secs_f64() - deadline.as_secs_f64(),
+            period: elapsed.unwrap_or(f64::NAN),
+            force_on_device: sent,
+            tick_duration: (ended - answered).as_secs_f64(),
+            device_round_trip: (answered - woke).as_secs_f64(),
+            ..self.account(woke, flags)
+        };
+        self.statistics.ticks += 1;
+        self.statistics.missed_deadlines += missed;
+        self.statistics.lateness.add(woke - deadline.min(woke));
+        self.statistics.tick.add(ended - answered);
+        self.statistics.round_trip.add(answered - woke);
+        if let Some(tap) = &mut self.tap {
+            tap.tick(&tick);
+        }
+        self.sequence += 1;
+        tick
+    }
+
+    fn deadline(&mut self) -> Duration {
+        if let Some(deadlines) = &self.deadlines {
+            return deadlines.next();
+        }
+        self.started = self.clock.now();
+        self.deadlines = Some(Deadlines::new(self.period, self.started));
+        self.started
+    }
+
+    /// Whether the supervisor has commanded no force since the last tick; the books are told.
+    fn was_cut(&mut self) -> bool {
+        let cuts = self.heartbeat.cuts();
+        let was_cut = cuts != self.cuts;
+        self.cuts = cuts;
+        if was_cut && let Some((reading, _)) = &self.last {
+            let limit = self.safety.params().stall_after(self.period);
+            self.held.change(0.0, reading.time + limit);
+        }
+        was_cut
+    }
+
+    fn sample(&mut self) -> Sampled {
+        match self.device.read() {
+            Ok(reading) => {
+                let last = self.last.as_ref().map(|(last, _)| last.time);
+                if last.is_some_and(|last| reading.time <= last) {
+                    Sampled::Missing
+                } else {
+                    Sampled::Fresh(reading)
+                }
+            }
+            Err(error) => {
+                if self.safety.trip() != Some(Trip::DeviceRefused)
+                    && error.kind != DeviceErrorKind::NothingNew
+                {
+                    self.note(Note::Device(error));
+                }
+                match error.kind {
+                    DeviceErrorKind::NothingNew => Sampled::Missing,
+                    DeviceErrorKind::Refused => Sampled::Gone(Trip::DeviceRefused),
+                    DeviceErrorKind::Disconnected => {
+                        self.lost = true;
+                        Sampled::Gone(Trip::DeviceLost)
+                    }
+                }
+            }
+        }
+    }
+
+    /// Commands a force along the contact's axis; the one that is held from now on `[N]`.
+    fn command(&mut self, force: f64) -> f64 {
+        let written = self.device.write(self.placement.vector(force));
+        let sent = match written {
+            Ok(sent) => dot(sent, self.placement.vector(1.0)),
+            Err(error) => {
+                self.note(Note::Device(error));
+                let trip = if error.kind == DeviceErrorKind::Disconnected {
+                    self.lost = true;
+                    Trip::DeviceLost
+                } else {
+                    Trip::DeviceRefused
+                };
+                let verdict = self.safety.trip_on(trip);
+                self.notes_of(&verdict);
+                // It may take none where it does not take some.
+                let _ = self.device.write([0.0; 3]);
+                0.0
+            }
+        };
+        self.held.change(sent, self.clock.now());
+        sent
+    }
+
+    /// What is to be said of the last sample.
+    fn account(&self, woke: Duration, flags: Flags) -> Tick {
+        let ledger = self.rendered.ledger();
+        let mut tick = Tick {
+            sequence: self.sequence,
+            time: (woke - self.started).as_secs_f64(),
+            device_axes: [f64::NAN; 3],
+            device_position: f64::NAN,
+            stored_energy: ledger.stored,
+            port_work: ledger.port_work,
+            virtual_force_work: ledger.virtual_force_work,
+            outside_work: ledger.outside_work,
+            original_leak: ledger.original_leak.accumulated,
+            held_leak: ledger.held_leak.accumulated,
+            generation: self.rendered.generation(),
+            flags,
+            ..Tick::default()
+        };
+        let Some((reading, output)) = &self.last else {
+            return tick;
+        };
+        let axes = self.device.capabilities().axes;
+        for (given, read) in tick.device_axes.iter_mut().zip(reading.position).take(axes) {
+            *given = read;
+        }
+        let limited = output.limited;
+        Tick {
+            time: (reading.time.saturating_sub(self.started)).as_secs_f64(),
+            device_position: self.placement.coordinate(reading.position),
+            object_position: output.object_position,
+            object_velocity: output.object_velocity,
+            penetration: output.penetration,
+            placement_shift: output.placement_shift,
+            force_on_object: output.force_on_object,
+            phase: phase(output.phase),
+            flags: flags
+                .with(Flags::CONTACT, output.penetration > 0.0)
+                .with(Flags::LIMITED_PULL, limited.pull)
+                .with(Flags::LIMITED_FORCE, limited.force)
+                .with(Flags::LIMITED_SLEW, limited.slew)
+                .with(Flags::LIMITED_GUARD, limited.guard),
+            ..tick
+        }
+    }
+
+    fn notes_of(&mut self, verdict: &Verdict) {
+        if let Some(trip) = verdict.recovered {
+            self.note(Note::Recovered(trip));
+        }
+        if let Some(trip) = verdict.tripped {
+            self.note(Note::Tripped(trip));
+        }
+    }
+
+    fn note(&mut self, note: Note) {
+        if let Some(tap) = &mut self.tap {
+            tap.note(&Noted {
+                sequence: self.sequence,
+                time: (self.clock.now().saturating_sub(self.started)).as_secs_f64(),
+                note,
+            });
+        }
+    }
+}
+
+impl<D: Device, C: Clock> Drop for ControlLoop<D, C> {
+    fn drop(&mut self) {
+        self.let_go();
+    }
+}
+
+fn dot(a: Vector, b: Vector) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

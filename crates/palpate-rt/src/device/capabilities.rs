@@ -1,0 +1,46 @@
+//! What a device can do.
+
+use super::Vector;
+
+/// What a device can do, as far as its maker or a measurement says; `None` is not known, and no
+/// limit follows from it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Capabilities {
+    /// The device's name, for reports and recordings.
+    pub name: String,
+    /// Number of axes, 1 to 3.
+    pub axes: usize,
+    /// Largest force in every pose `[N]`.
+    pub largest_force: Option<f64>,
+    /// Largest stiffness that the maker advises `[N/m]`.
+    pub largest_stiffness: Option<f64>,
+    /// Largest damping that the maker advises `[N s/m]`.
+    pub largest_damping: Option<f64>,
+    /// Corners of the workspace `[m]`, lower and upper on each axis.
+    pub workspace: Option<[Vector; 2]>,
+    /// Effective mass at the end-point `[kg]`.
+    pub effective_mass: Option<f64>,
+    /// Quantum of the position `[m]`; 0 for a sensor without one.
+    pub encoder_quantum: Option<f64>,
+}
+
+impl Capabilities {
+    /// A device of which only its name and its axes are known.
+    ///
+    /// # Panics
+    /// The number of axes is not 1, 2 or 3.
+    #[must_use]
+    pub fn unknown(name: &str, axes: usize) -> Self {
+        assert!((1..=3).contains(&axes), "{axes} axes; allowed: 1 to 3");
+        Self {
+            name: name.to_owned(),
+            axes,
+            largest_force: None,
+            largest_stiffness: None,
+            largest_damping: None,
+            workspace: None,
+            effective_mass: None,
+            encoder_quantum: None,
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! Devices: what gives positions and takes forces.
+
+mod capabilities;
+mod null;
+mod replay;
+mod scripted;
+mod simulated;
+
+use std::fmt;
+use std::time::Duration;
+
+pub use capabilities::Capabilities;
+pub use null::NullDevice;
+pub use replay::ReplayDevice;
+pub use scripted::{Script, ScriptedDevice, Step};
+pub use simulated::SimulatedDevice;
+
+/// A position `[m]` or a force `[N]` in the device's frame. A device with fewer than three axes
+/// uses the first ones and leaves the others at 0.
+pub type Vector = [f64; 3];
+
+/// What a device says of where it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// Position of the end-point `[m]`.
+    pub position: Vector,
+    /// When it was there, on the loop's clock: measured by the device if it can, else when the
+    /// answer came. A device that repeats a time stamp has nothing new to say.
+    pub time: Duration,
+}
+
+/// A haptic device with one end-point and up to three axes.
+///
+/// Each period the loop reads once and writes once, in this order. The device holds a written force
+/// until the next write. Neither call may allocate, lock or panic, and both return well within a
+/// period: a device that answers by request does its round trip in [`read`](Self::read), repeating
+/// the force that it holds; one that sends on its own returns what came last.
+pub trait Device: Send {
+    /// What the device can do; it stays the same while the device lives.
+    fn capabilities(&self) -> &Capabilities;
+
+    /// Where the end-point is.
+    ///
+    /// # Errors
+    /// [`DeviceErrorKind::NothingNew`]: there was no sample in this period; go on with the last force
+    /// for a period, then with none. [`DeviceErrorKind::Disconnected`]: the device is gone, and only
+    /// opening it again helps. [`DeviceErrorKind::Refused`]: the device is there and does not do what
+    /// it was asked; whoever runs it has to look at it.
+    fn read(&mut self) -> Result<Reading, DeviceError>;
+
+    /// Commands `force` on the end-point `[N]`, and says which force is held from now on as far as
+    /// is known: a driver that clamps, rounds or delays returns what it really gives. 0 is always
+    /// taken, and on any doubt.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read). The force that is held is then not known.
+    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError>;
+
+    /// A second way to command no force, for a supervisor on another thread while this one is not
+    /// answering. `None`: there is none, and a stalled loop leaves the last force on.
+    fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
+        None
+    }
+}
+
+/// Commands no force, apart from the device that it belongs to.
+pub trait ZeroWriter: Send {
+    /// Commands no force at the first moment possible. Returns at once, whatever the device does.
+    fn write_zero(&mut self);
+}
+
+/// What a caller can do about an error of a device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DeviceErrorKind {
+    /// No new sample yet: try again in the next period.
+    NothingNew,
+    /// The device is gone: command no force, open it anew.
+    Disconnected,
+    /// The device does not do what it is asked: command no force, look at it.
+    Refused,
+}
+
+/// Why a device did not do what it was asked. It carries no text of its own making: errors arise in
+/// the loop, where nothing may be allocated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub struct DeviceError {
+    /// What can be done about it.
+    pub kind: DeviceErrorKind,
+    /// What happened, in a few words.
+    pub what: &'static str,
+}
+
+impl DeviceError {
+    /// An error of this kind.
+    #[must_use]
+    pub fn new(kind: DeviceErrorKind, what: &'static str) -> Self {
+        Self { kind, what }
+    }
+}
+
+impl fmt::Display for DeviceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.what)
+    }
+}
+
+impl<D: Device + ?Sized> Device for Box<D> {
+    fn capabilities(&self) -> &Capabilities {
+        (**self).capabilities()
+    }
+
+    fn read(&mut self) -> Result<Reading, DeviceError> {
+        (**self).read()
+    }
+
+    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
+        (**self).write(force)
+    }
+
+    fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
+        (**self).zero_writer()
+    }
+}

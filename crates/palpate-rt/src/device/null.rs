@@ -1,0 +1,50 @@
+//! No device at all.
+
+use super::{Capabilities, Device, DeviceError, Reading, Vector, ZeroWriter};
+use crate::clock::Clock;
+
+/// A device that rests at the origin and gives every force to nobody: for measuring the loop itself.
+#[derive(Clone, Debug)]
+pub struct NullDevice<C> {
+    clock: C,
+    capabilities: Capabilities,
+}
+
+impl<C: Clock> NullDevice<C> {
+    /// A null device with one axis, whose time stamps are of `clock`.
+    #[must_use]
+    pub fn new(clock: C) -> Self {
+        Self {
+            clock,
+            capabilities: Capabilities {
+                encoder_quantum: Some(0.0),
+                ..Capabilities::unknown("null", 1)
+            },
+        }
+    }
+}
+
+impl<C: Clock> Device for NullDevice<C> {
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    fn read(&mut self) -> Result<Reading, DeviceError> {
+        Ok(Reading {
+            position: [0.0; 3],
+            time: self.clock.now(),
+        })
+    }
+
+    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
+        Ok(force)
+    }
+
+    fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
+        struct Nobody;
+        impl ZeroWriter for Nobody {
+            fn write_zero(&mut self) {}
+        }
+        Some(Box::new(Nobody))
+    }
+}

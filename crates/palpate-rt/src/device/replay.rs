@@ -1,0 +1,150 @@
+//! A device that moves as it was recorded.
+
+use std::time::Duration;
+
+use super::{Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector};
+use crate::clock::Clock;
+
+/// A device that is moved through recorded positions by nobody's force: motion replay. It is where
+/// the recording has it, between two samples on the straight line between them; behind the end it is
+/// disconnected.
+#[derive(Clone, Debug)]
+pub struct ReplayDevice<C> {
+    clock: C,
+    capabilities: Capabilities,
+    samples: Vec<(Duration, Vector)>,
+    passed: usize,
+    started: Option<Duration>,
+}
+
+impl<C: Clock> ReplayDevice<C> {
+    /// Replays `samples`: times since the first, strictly increasing, and positions `[m]`.
+    ///
+    /// # Errors
+    /// Fewer than two samples, a time that does not increase, a position that is not finite; names
+    /// the sample.
+    pub fn new(
+        clock: C,
+        axes: usize,
+        samples: Vec<(Duration, Vector)>,
+    ) -> Result<Self, ReplayError> {
+        if samples.len() < 2 {
+            return Err(ReplayError::TooShort(samples.len()));
+        }
+        for (index, pair) in samples.windows(2).enumerate() {
+            if pair[1].0 <= pair[0].0 {
+                return Err(ReplayError::TimeNotIncreasing(index + 1));
+            }
+        }
+        if let Some(index) = samples
+            .iter()
+            .position(|(_, at)| at.iter().any(|x| !x.is_finite()))
+        {
+            return Err(ReplayError::PositionNotFinite(index));
+        }
+        Ok(Self {
+            clock,
+            capabilities: Capabilities::unknown("replay", axes),
+            samples,
+            passed: 0,
+            started: None,
+        })
+    }
+}
+
+/// Why a recording cannot be replayed. Samples count from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ReplayError {
+    /// Nothing to move along.
+    #[error("{0} samples; a replay needs two or more")]
+    TooShort(usize),
+    /// Time stands still or runs backwards.
+    #[error("the time of sample {0} is not after that of the sample before")]
+    TimeNotIncreasing(usize),
+    /// A position is NaN or infinite.
+    #[error("the position of sample {0} is not a finite number")]
+    PositionNotFinite(usize),
+}
+
+impl<C: Clock> Device for ReplayDevice<C> {
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    fn read(&mut self) -> Result<Reading, DeviceError> {
+        let time = self.clock.now();
+        let started = *self.started.get_or_insert(time);
+        let at = self.samples[0].0 + (time - started);
+        // Amortised: each sample is passed once.
+        while self
+            .samples
+            .get(self.passed + 1)
+            .is_some_and(|next| next.0 <= at)
+        {
+            self.passed += 1;
+        }
+        let (before, from) = self.samples[self.passed];
+        let position = match self.samples.get(self.passed + 1) {
+            Some((after, to)) => {
+                let part = (at - before).as_secs_f64() / (*after - before).as_secs_f64();
+                [0, 1, 2].map(|axis| from[axis] + part * (to[axis] - from[axis]))
+            }
+            None if at == before => from,
+            None => {
+                return Err(DeviceError::new(
+                    DeviceErrorKind::Disconnected,
+                    "the recording has ended",
+                ));
+            }
+        };
+        Ok(Reading { position, time })
+    }
+
+    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
+        Ok(force)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clock::SteppedClock;
+
+    #[test]
+    fn it_is_where_it_was_and_on_the_line_between() {
+        let clock = SteppedClock::new();
+        let ms = Duration::from_millis;
+        let samples = vec![
+            (ms(100), [0.0; 3]),
+            (ms(110), [1.0, 0.0, 0.0]),
+            (ms(130), [2.0, 4.0, 0.0]),
+        ];
+        let mut device = ReplayDevice::new(clock.clone(), 3, samples).unwrap();
+        clock.advance(ms(7));
+        assert_eq!(device.read().unwrap().position, [0.0; 3]);
+        clock.advance(ms(5));
+        assert_eq!(device.read().unwrap().position, [0.5, 0.0, 0.0]);
+        clock.advance(ms(10));
+        assert_eq!(device.read().unwrap().position, [1.25, 1.0, 0.0]);
+        clock.advance(ms(15));
+        assert_eq!(device.read().unwrap().position, [2.0, 4.0, 0.0]);
+        clock.advance(ms(1));
+        let error = device.read().unwrap_err();
+        assert_eq!(error.kind, DeviceErrorKind::Disconnected);
+    }
+
+    #[test]
+    fn what_cannot_be_replayed_is_named() {
+        let new = |samples| ReplayDevice::new(SteppedClock::new(), 1, samples).unwrap_err();
+        let ms = Duration::from_millis;
+        assert_eq!(new(vec![(ms(0), [0.0; 3])]), ReplayError::TooShort(1));
+        assert_eq!(
+            new(vec![(ms(0), [0.0; 3]), (ms(0), [0.0; 3])]),
+            ReplayError::TimeNotIncreasing(1)
+        );
+        assert_eq!(
+            new(vec![(ms(0), [0.0; 3]), (ms(1), [f64::NAN, 0.0, 0.0])]),
+            ReplayError::PositionNotFinite(1)
+        );
+    }
+}

@@ -1,0 +1,138 @@
+//! The device of a scene, in real time or as fast as the clock goes.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use palpate_sim::VirtualDevice;
+use palpate_sim::scene::Scene;
+use palpate_testbed::InvalidParameter;
+
+use super::{Capabilities, Device, DeviceError, Reading, Vector, ZeroWriter};
+use crate::clock::Clock;
+
+/// No cut.
+const NEVER: u64 = u64::MAX;
+
+/// A virtual device with its hand, moved by the time that passes on the loop's clock: between two
+/// calls it moves under the force that was written last. Its one axis is the contact's.
+#[derive(Clone, Debug)]
+pub struct SimulatedDevice<C> {
+    clock: C,
+    capabilities: Capabilities,
+    device: VirtualDevice,
+    moved_until: Option<Duration>,
+    sampled: Option<Duration>,
+    /// Force on the device that the motor holds `[N]`.
+    held: f64,
+    /// Forces on their way to the motor, oldest first.
+    on_their_way: Vec<f64>,
+    /// When a zero writer commanded no force, in nanoseconds of the clock.
+    cut: Arc<AtomicU64>,
+}
+
+impl<C: Clock> SimulatedDevice<C> {
+    /// The device and the hand of `scene`. Its delay of whole samples is the device's: what is
+    /// written is held after as many further writes.
+    ///
+    /// # Errors
+    /// A quantity of the device or the hand outside its range.
+    pub fn of(scene: &Scene, clock: C) -> Result<Self, InvalidParameter> {
+        let linkage = scene.linkage.is_some();
+        let name = if linkage {
+            "simulated linkage"
+        } else {
+            "simulated"
+        };
+        Ok(Self {
+            clock,
+            capabilities: Capabilities {
+                largest_force: scene.device.largest_force,
+                effective_mass: Some(scene.device.mass),
+                encoder_quantum: (!linkage).then_some(scene.device.encoder_quantum),
+                ..Capabilities::unknown(name, 1)
+            },
+            device: VirtualDevice::of(scene)?,
+            moved_until: None,
+            sampled: None,
+            held: 0.0,
+            on_their_way: vec![0.0; scene.delay],
+            cut: Arc::new(AtomicU64::new(NEVER)),
+        })
+    }
+
+    /// The virtual device, moved up to the last call.
+    #[must_use]
+    pub fn device(&self) -> &VirtualDevice {
+        &self.device
+    }
+
+    /// Moves on to now, and returns that.
+    fn move_on(&mut self) -> Duration {
+        let now = self.clock.now();
+        let mut from = *self.moved_until.get_or_insert(now);
+        let cut = self.cut.load(Ordering::Acquire);
+        if cut != NEVER {
+            let cut = Duration::from_nanos(cut).clamp(from, now);
+            self.device.hold(self.held, (cut - from).as_secs_f64());
+            self.held = 0.0;
+            self.on_their_way.fill(0.0);
+            from = cut;
+        }
+        if now > from {
+            self.device.hold(self.held, (now - from).as_secs_f64());
+        }
+        self.moved_until = Some(now);
+        now
+    }
+}
+
+impl<C: Clock> Device for SimulatedDevice<C> {
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    fn read(&mut self) -> Result<Reading, DeviceError> {
+        let time = self.move_on();
+        let elapsed = self.sampled.map_or(Duration::ZERO, |last| time - last);
+        self.sampled = Some(time);
+        Ok(Reading {
+            position: [self.device.sample(elapsed.as_secs_f64()), 0.0, 0.0],
+            time,
+        })
+    }
+
+    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
+        self.move_on();
+        self.cut.store(NEVER, Ordering::Release);
+        self.held = force[0];
+        if let Some(oldest) = self.on_their_way.first().copied() {
+            self.on_their_way.rotate_left(1);
+            if let Some(newest) = self.on_their_way.last_mut() {
+                *newest = force[0];
+            }
+            self.held = oldest;
+        }
+        Ok([self.device.given_force(self.held), 0.0, 0.0])
+    }
+
+    fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
+        struct Cut<C> {
+            clock: C,
+            cut: Arc<AtomicU64>,
+        }
+        impl<C: Clock> ZeroWriter for Cut<C> {
+            fn write_zero(&mut self) {
+                let now = u64::try_from(self.clock.now().as_nanos()).unwrap_or(NEVER - 1);
+                // The first of several cuts counts.
+                let _ = self
+                    .cut
+                    .compare_exchange(NEVER, now, Ordering::AcqRel, Ordering::Acquire);
+            }
+        }
+        Some(Box::new(Cut {
+            clock: self.clock.clone(),
+            cut: Arc::clone(&self.cut),
+        }))
+    }
+}

@@ -1,0 +1,62 @@
+//! The real-time loop of palpate: something to put a device into.
+//!
+//! ```text
+//! clock -> device -> renderer -> safety -> device
+//!                        |          |
+//!                        +-- tap ---+--> recorder
+//! ```
+//!
+//! A [`ControlLoop`] ticks at absolute deadlines of a [`Clock`](clock::Clock), reads a
+//! [`Device`](device::Device), renders, and commands what [`Safety`](safety::Safety) lets through. It
+//! allocates nothing, locks nothing and waits for nobody else once it runs; what it does goes
+//! through a [`tap`] to whoever listens, for instance a [`Recorder`]. [`realtime`] asks the
+//! machine for the loop's thread to be served first, and says what was refused. [`LoopThread`] puts
+//! all of it on a thread with a supervisor beside it.
+//!
+//! ```
+//! use palpate_rt::clock::SteppedClock;
+//! use palpate_rt::device::SimulatedDevice;
+//! use palpate_rt::safety::SafetyParams;
+//! use palpate_rt::{ControlLoop, Rendering};
+//! use palpate_sim::method::MethodName;
+//! use palpate_sim::scene::SceneFile;
+//!
+//! # let text = include_str!("../../../experiments/fig2.toml");
+//! let scene = SceneFile::parse("fig2.toml", text)?.scene;
+//! let clock = SteppedClock::new();
+//! let device = SimulatedDevice::of(&scene, clock.clone())?;
+//! let rendering = Rendering::of(&scene, MethodName::Coupled)?;
+//! let mut control = ControlLoop::new(device, clock, rendering, SafetyParams::default())?;
+//! for _ in 0..100 {
+//!     let tick = control.tick();
+//!     assert!(tick.force_on_device.is_finite()); // [N]
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod clock;
+mod control_loop;
+mod deadlines;
+pub mod device;
+mod held;
+mod note;
+pub mod realtime;
+mod recorder;
+mod rendering;
+pub mod safety;
+mod setup;
+mod statistics;
+mod stop;
+mod tap;
+mod thread;
+mod wire;
+
+pub use control_loop::ControlLoop;
+pub use note::{Ending, Note, Noted};
+pub use recorder::{Recorded, Recorder};
+pub use rendering::{ChangeError, Parameters, Rendering};
+pub use setup::SetupError;
+pub use statistics::{Durations, LoopStatistics};
+pub use stop::StopFlag;
+pub use tap::{Listener, Tap, Told, tap};
+pub use thread::{LoopEnd, LoopThread};

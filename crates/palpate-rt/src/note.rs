@@ -1,0 +1,103 @@
+//! What happens beside the ticks, without a word allocated in the loop.
+
+use palpate::Fault;
+use palpate_io::recording::Event;
+
+use crate::device::DeviceError;
+use crate::safety::Trip;
+
+/// Something that happened in the loop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Note {
+    /// Safety has tripped: no force is sent.
+    Tripped(Trip),
+    /// What had tripped has passed.
+    Recovered(Trip),
+    /// Somebody rearmed.
+    Rearmed,
+    /// The renderer refused a sample.
+    Fault(Fault),
+    /// The device did not do what it was asked.
+    Device(DeviceError),
+    /// Other parameters came into force, by number.
+    Changed(u32),
+    /// Deadlines were missed, and skipped.
+    MissedDeadlines(u64),
+    /// The loop has ended; the device was commanded no force.
+    Ended(Ending),
+}
+
+/// Why a loop has ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ending {
+    /// It was asked to.
+    Stopped,
+    /// As many ticks as it was to make.
+    Complete,
+    /// The device is gone.
+    DeviceLost,
+    /// The tick panicked.
+    Panicked,
+}
+
+impl Ending {
+    /// What ended it, in words.
+    #[must_use]
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Stopped => "it was asked to stop",
+            Self::Complete => "it was complete",
+            Self::DeviceLost => "the device is gone",
+            Self::Panicked => "a tick panicked",
+        }
+    }
+}
+
+/// A note, with its tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noted {
+    /// Number of the tick.
+    pub sequence: u64,
+    /// When, since the loop's start `[s]`.
+    pub time: f64,
+    /// What happened.
+    pub note: Note,
+}
+
+impl Noted {
+    /// The note as recordings have it.
+    #[must_use]
+    pub fn event(&self) -> Event {
+        let (kind, text) = match self.note {
+            Note::Tripped(trip) => (format!("trip-{}", trip.name()), trip.to_string()),
+            Note::Recovered(trip) => (
+                "recovered".to_owned(),
+                format!("no longer: {trip}; the force comes back"),
+            ),
+            Note::Rearmed => (
+                "rearmed".to_owned(),
+                "somebody rearmed the safety".to_owned(),
+            ),
+            Note::Fault(fault) => (format!("fault-{}", fault.name()), fault.to_string()),
+            Note::Device(error) => ("device-error".to_owned(), error.to_string()),
+            Note::Changed(generation) => (
+                "parameters".to_owned(),
+                format!("parameters number {generation} from here on"),
+            ),
+            Note::MissedDeadlines(number) => (
+                "missed-deadline".to_owned(),
+                format!("deadlines missed and skipped: {number}"),
+            ),
+            Note::Ended(ending) => (
+                "ended".to_owned(),
+                format!("the loop ended: {}", ending.text()),
+            ),
+        };
+        Event {
+            sequence: self.sequence,
+            time: self.time,
+            kind,
+            text,
+        }
+    }
+}

@@ -1,0 +1,15 @@
+//! Systems that nobody has taught this crate to ask.
+
+const WHY: &str = "only asked for on Linux";
+
+pub fn run_first(_priority: u8) -> Result<(), String> {
+    Err(WHY.to_owned())
+}
+
+pub fn lock_memory() -> Result<(), String> {
+    Err(WHY.to_owned())
+}
+
+pub fn stay_on(_processor: usize) -> Result<(), String> {
+    Err(WHY.to_owned())
+}

@@ -1,0 +1,107 @@
+//! What the machine itself does to a loop's timing.
+
+use std::fs;
+
+/// Something about the machine that matters to a loop.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Finding {
+    /// What was looked at.
+    pub what: &'static str,
+    /// What it is.
+    pub found: String,
+    /// What it does to a loop and what can be done, where it does harm.
+    pub advice: Option<&'static str>,
+}
+
+/// Looks at the machine. What it does not say is left out.
+#[must_use]
+pub fn machine() -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let mut add = |what, found: Option<String>, advice: &dyn Fn(&str) -> Option<&'static str>| {
+        if let Some(found) = found {
+            let advice = advice(&found);
+            findings.push(Finding {
+                what,
+                found,
+                advice,
+            });
+        }
+    };
+    add("kernel", kernel(), &|found| {
+        (!found.contains("PREEMPT_RT")).then_some(
+            "not a real-time kernel: wake-ups are late by tens of microseconds now and then, and \
+             nobody bounds by how much",
+        )
+    });
+    let processors = std::thread::available_parallelism().ok();
+    add(
+        "processors",
+        processors.map(|number| number.to_string()),
+        &|found| (found == "1").then_some("the loop shares its processor with everything else"),
+    );
+    add("share for real-time threads", runtime_share(), &|found| {
+        (found != "all").then_some("a loop that spins all the time is stopped for the rest of it")
+    });
+    add(
+        "frequency governor",
+        read("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor"),
+        &|found| {
+            (found != "performance").then_some(
+                "clock rates change: `cpupower frequency-set -g performance` keeps them up",
+            )
+        },
+    );
+    add("isolated processors", isolated(), &|found| {
+        (found == "none").then_some("none is kept free for the loop (kernel option `isolcpus`)")
+    });
+    add("virtual machine", hypervisor(), &|found| {
+        (found != "no").then_some("the host may take the processor away at any time")
+    });
+    findings
+}
+
+fn read(path: &str) -> Option<String> {
+    let text = fs::read_to_string(path).ok()?;
+    Some(text.trim().to_owned())
+}
+
+fn kernel() -> Option<String> {
+    let release = read("/proc/sys/kernel/osrelease")?;
+    let version = read("/proc/sys/kernel/version")?;
+    let is_realtime = read("/sys/kernel/realtime").is_some_and(|text| text == "1")
+        || version.contains("PREEMPT_RT");
+    let preemption = if is_realtime {
+        "PREEMPT_RT"
+    } else if version.contains("PREEMPT") {
+        "preemptible"
+    } else {
+        "not preemptible"
+    };
+    Some(format!("{release}, {preemption}"))
+}
+
+fn runtime_share() -> Option<String> {
+    let runtime: f64 = read("/proc/sys/kernel/sched_rt_runtime_us")?.parse().ok()?;
+    let period: f64 = read("/proc/sys/kernel/sched_rt_period_us")?.parse().ok()?;
+    Some(if runtime < 0.0 {
+        "all".to_owned()
+    } else {
+        format!("{:.0} %", 100.0 * runtime / period)
+    })
+}
+
+fn isolated() -> Option<String> {
+    let list = read("/sys/devices/system/cpu/isolated")?;
+    Some(if list.is_empty() {
+        "none".to_owned()
+    } else {
+        list
+    })
+}
+
+fn hypervisor() -> Option<String> {
+    let processor = read("/proc/cpuinfo")?;
+    let flags = processor.lines().find(|line| line.starts_with("flags"))?;
+    let is_guest = flags.split_whitespace().any(|flag| flag == "hypervisor");
+    Some(if is_guest { "yes" } else { "no" }.to_owned())
+}

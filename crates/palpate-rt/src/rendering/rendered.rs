@@ -1,0 +1,133 @@
+//! The contact as it is rendered, tick by tick.
+
+use std::mem::discriminant;
+
+use palpate::{AnyMemory, AnyRenderer, Ledger, Output, ParameterError, Sample, State};
+
+use super::blend::Blend;
+use super::{Change, Rendering};
+
+/// A contact in the loop: renderer, state, and the changes that come in.
+#[derive(Debug)]
+pub(crate) struct Rendered {
+    changes: triple_buffer::Output<Change>,
+    rendering: Rendering,
+    renderer: AnyRenderer<f64>,
+    state: State<f64, AnyMemory<f64>>,
+    virtual_force: f64,
+    blend: Option<Blend>,
+    generation: u32,
+    /// Whether the method has just become another one.
+    other_method: bool,
+}
+
+impl Rendered {
+    pub fn new(
+        first: Change,
+        changes: triple_buffer::Output<Change>,
+    ) -> Result<Self, ParameterError> {
+        let Change {
+            rendering,
+            renderer,
+            generation,
+        } = first;
+        Ok(Self {
+            changes,
+            state: renderer.start(rendering.object)?,
+            virtual_force: rendering.virtual_force,
+            rendering,
+            renderer,
+            blend: None,
+            generation,
+            other_method: false,
+        })
+    }
+
+    /// Number of the parameters in force.
+    pub fn generation(&self) -> u32 {
+        self.generation
+    }
+
+    /// Books up to the last sample.
+    pub fn ledger(&self) -> &Ledger<f64> {
+        self.state.ledger()
+    }
+
+    /// Takes a change, if one has come in. Its number.
+    pub fn take_change(&mut self) -> Option<u32> {
+        if !self.changes.update() {
+            return None;
+        }
+        let change = *self.changes.output_buffer();
+        let from = self.blend.map_or(self.rendering, |blend| blend.now());
+        self.other_method = discriminant(&from.params) != discriminant(&change.rendering.params)
+            || from.is_wall() != change.rendering.is_wall();
+        self.blend = Some(Blend::new(from, change));
+        self.rendering = change.rendering;
+        self.generation = change.generation;
+        Some(self.generation)
+    }
+
+    /// Tells the renderer the force on the object that was held since the last sample, or its mean
+    /// `[N]`.
+    pub fn report_held(&mut self, force_on_object: f64) {
+        self.renderer.report_held(&mut self.state, force_on_object);
+    }
+
+    /// One tick, at `position` `[m]`, `elapsed` `[s]` after the last; the force on the device `[N]`
+    /// passes over from what was rendered before.
+    pub fn step(&mut self, position: f64, elapsed: Option<f64>) -> Output<f64> {
+        let sample = |virtual_force| Sample {
+            elapsed,
+            ..Sample::at(position).with_virtual_force(virtual_force)
+        };
+        let mut remainder = 0.0;
+        if let Some(mut blend) = self.blend {
+            // What the method before makes of this sample, on a copy.
+            let before = self.other_method.then(|| {
+                let mut state = self.state;
+                self.renderer.step(&mut state, sample(self.virtual_force))
+            });
+            let between = blend.advance();
+            if before.is_some() {
+                self.state.forget_past();
+                if self.rendering.is_wall() {
+                    // Another method may have placed it.
+                    let _ = self
+                        .renderer
+                        .teleport(&mut self.state, self.rendering.object);
+                }
+            }
+            self.renderer = between.renderer;
+            self.virtual_force = between.virtual_force;
+            self.renderer.adopt(&mut self.state);
+            remainder = between.remainder;
+            self.blend = (!between.is_over).then_some(blend);
+            if let Some(before) = before {
+                self.other_method = false;
+                let mut output = self
+                    .renderer
+                    .step(&mut self.state, sample(self.virtual_force));
+                let step = before.force_on_device - output.force_on_device;
+                if let Some(blend) = &mut self.blend {
+                    blend.step = step;
+                    add(&mut output, step);
+                }
+                return output;
+            }
+        }
+        let mut output = self
+            .renderer
+            .step(&mut self.state, sample(self.virtual_force));
+        // Nothing is left on a device that has come free, or whose sample was refused.
+        if output.force_on_device != 0.0 {
+            add(&mut output, remainder);
+        }
+        output
+    }
+}
+
+fn add(output: &mut Output<f64>, force: f64) {
+    output.force_on_device += force;
+    output.force_on_object -= force;
+}

@@ -1,0 +1,257 @@
+//! Safety between renderer and device: what a renderer asks for passes through here, always.
+//!
+//! Limits shape a force that is asked for; a trip replaces it by none. Trips on what passes by
+//! itself (a sample that is missing, a number that is none) end when it has passed, and the force
+//! comes back softly. Trips on what does not (the device has left its box, the loop makes energy)
+//! stay until somebody rearms.
+
+mod oscillation;
+mod params;
+mod supervisor;
+mod trip;
+
+pub use oscillation::OscillationParams;
+pub use params::{SafetyError, SafetyParams};
+pub use supervisor::{Heartbeat, Supervisor};
+pub use trip::Trip;
+
+use crate::device::Vector;
+use oscillation::Oscillation;
+
+/// Limits that changed a force on its way to the device.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Bounded {
+    /// It exceeded the largest force.
+    pub force: bool,
+    /// It changed faster than the slew limit.
+    pub slew: bool,
+    /// It was still coming back after a start or a trip.
+    pub soft_start: bool,
+}
+
+impl Bounded {
+    /// Whether any limit acted.
+    #[must_use]
+    pub fn any(self) -> bool {
+        self.force || self.slew || self.soft_start
+    }
+}
+
+/// A fresh sample and what the renderer made of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Rendered {
+    /// Time since the last fresh sample `[s]`; `None` for the first.
+    pub elapsed: Option<f64>,
+    /// Position of the end-point `[m]`.
+    pub position: Vector,
+    /// Force on the device that the renderer asks for, along the contact's axis `[N]`.
+    pub force: f64,
+    /// Energy that held forces have created so far: the ledger's accumulated leak `[J]`.
+    pub created_energy: f64,
+}
+
+/// What is to be commanded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Verdict {
+    /// Force on the device along the contact's axis `[N]`; finite whatever was asked for.
+    pub force: f64,
+    /// Limits that changed it.
+    pub bounded: Bounded,
+    /// A trip that began with this sample.
+    pub tripped: Option<Trip>,
+    /// A trip that ended with this sample.
+    pub recovered: Option<Trip>,
+}
+
+/// The limits and the memory they need. One for each device; it lives in the loop's thread.
+#[derive(Clone, Debug)]
+pub struct Safety {
+    params: SafetyParams,
+    period: f64,
+    /// Force commanded last `[N]`.
+    commanded: f64,
+    last_position: Option<Vector>,
+    trip: Option<Trip>,
+    /// How far the force has come back, 0 to 1; `None`: all of it, or nothing to bring back yet.
+    soft: Option<f64>,
+    /// Whether the force has to come back softly should the next sample find contact.
+    fresh: bool,
+    missing: u32,
+    oscillation: Oscillation,
+}
+
+impl Safety {
+    /// Safety for a loop of `period` `[s]`.
+    ///
+    /// # Errors
+    /// The first parameter outside its range, by name, with what is allowed.
+    pub fn new(params: SafetyParams, period: f64) -> Result<Self, SafetyError> {
+        params.check()?;
+        Ok(Self {
+            oscillation: Oscillation::new(params.oscillation),
+            params,
+            period,
+            commanded: 0.0,
+            last_position: None,
+            trip: None,
+            soft: None,
+            fresh: true,
+            missing: 0,
+        })
+    }
+
+    /// The limits.
+    #[must_use]
+    pub fn params(&self) -> &SafetyParams {
+        &self.params
+    }
+
+    /// The trip that holds the force at none, if one does.
+    #[must_use]
+    pub fn trip(&self) -> Option<Trip> {
+        self.trip
+    }
+
+    /// What to command for a fresh sample.
+    pub fn judge(&mut self, rendered: &Rendered) -> Verdict {
+        self.missing = 0;
+        let found = self.find(rendered);
+        self.last_position = Some(rendered.position).filter(is_finite);
+        let before = self.trip;
+        let (mut tripped, mut recovered) = (None, None);
+        match (before, found) {
+            (Some(trip), None) if trip.is_passing() => {
+                recovered = before;
+                self.trip = None;
+                self.fresh = true;
+            }
+            // Of two, the one that stays is the one to know.
+            (Some(trip), Some(new)) if trip.is_passing() && !new.is_passing() => {
+                tripped = Some(new);
+                self.trip = tripped;
+            }
+            (None, Some(new)) => {
+                tripped = Some(new);
+                self.trip = tripped;
+            }
+            _ => {}
+        }
+        if self.trip.is_some() {
+            return self.none(tripped, recovered);
+        }
+        let mut bounded = Bounded::default();
+        let mut force = rendered.force;
+        if self.fresh {
+            self.fresh = false;
+            // A force that begins at 0 by itself need not be brought in.
+            self.soft = (force != 0.0 && self.params.soft_start > 0.0).then_some(0.0);
+        }
+        if let Some(part) = self.soft {
+            force *= part;
+            bounded.soft_start = true;
+            let part = part + self.period / self.params.soft_start;
+            self.soft = (part < 1.0).then_some(part);
+        }
+        if force.abs() > self.params.largest_force {
+            force = self.params.largest_force.copysign(force);
+            bounded.force = true;
+        }
+        let largest_change = self.params.slew_limit * self.period;
+        let change = force - self.commanded;
+        if change.abs() > largest_change {
+            force = self.commanded + largest_change.copysign(change);
+            bounded.slew = true;
+        }
+        self.commanded = force;
+        Verdict {
+            force,
+            bounded,
+            tripped,
+            recovered,
+        }
+    }
+
+    /// What to command when there is no fresh sample: the last force for one period, then none.
+    pub fn missing(&mut self) -> Verdict {
+        self.missing += 1;
+        if self.missing < self.params.stale_after && self.trip.is_none() {
+            return Verdict {
+                force: self.commanded,
+                bounded: Bounded::default(),
+                tripped: None,
+                recovered: None,
+            };
+        }
+        self.trip_on(Trip::StaleSample)
+    }
+
+    /// Trips for a reason that was found elsewhere.
+    pub fn trip_on(&mut self, trip: Trip) -> Verdict {
+        let stays = self.trip.is_some_and(|held| !held.is_passing());
+        let new = self.trip != Some(trip) && !stays;
+        if new {
+            self.trip = Some(trip);
+        }
+        self.none(new.then_some(trip), None)
+    }
+
+    /// Lets the force come back after a trip that stays; a reason that still holds trips again.
+    pub fn rearm(&mut self) {
+        self.trip = None;
+        self.fresh = true;
+        self.last_position = None;
+        self.oscillation = Oscillation::new(self.params.oscillation);
+    }
+
+    fn none(&mut self, tripped: Option<Trip>, recovered: Option<Trip>) -> Verdict {
+        self.commanded = 0.0;
+        self.soft = None;
+        Verdict {
+            force: 0.0,
+            bounded: Bounded::default(),
+            tripped,
+            recovered,
+        }
+    }
+
+    fn find(&mut self, rendered: &Rendered) -> Option<Trip> {
+        let found = self.find_in_motion(rendered);
+        let elapsed = rendered.elapsed.unwrap_or(self.period);
+        if found.is_some() || self.trip.is_some() {
+            // What a position that is no good makes of the energy says nothing, nor what a force
+            // would have made that is not held.
+            self.oscillation.pass_over(rendered.created_energy);
+            return found;
+        }
+        self.oscillation
+            .watch(rendered.created_energy, elapsed)
+            .then_some(Trip::Oscillation)
+    }
+
+    fn find_in_motion(&self, rendered: &Rendered) -> Option<Trip> {
+        if !is_finite(&rendered.position) || !rendered.force.is_finite() {
+            return Some(Trip::NotANumber);
+        }
+        if let Some([lower, upper]) = self.params.workspace
+            && (0..3).any(|axis| {
+                let x = rendered.position[axis];
+                x < lower[axis] || x > upper[axis]
+            })
+        {
+            return Some(Trip::OutsideWorkspace);
+        }
+        if let (Some(last), Some(elapsed)) = (self.last_position, rendered.elapsed) {
+            let square: f64 = (0..3)
+                .map(|axis| (rendered.position[axis] - last[axis]).powi(2))
+                .sum();
+            if square.sqrt() > self.params.largest_speed * elapsed {
+                return Some(Trip::TooFast);
+            }
+        }
+        None
+    }
+}
+
+fn is_finite(position: &Vector) -> bool {
+    position.iter().all(|x| x.is_finite())
+}

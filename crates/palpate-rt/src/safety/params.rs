@@ -1,0 +1,133 @@
+//! Limits of what may reach a device.
+
+use std::time::Duration;
+
+use crate::device::{Capabilities, Vector};
+use crate::safety::OscillationParams;
+
+/// Limits of what may reach a device. The default lets through what a desktop device can do;
+/// [`for_device`](Self::for_device) fits it to one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SafetyParams {
+    /// Largest force along the contact's axis `[N]`.
+    pub largest_force: f64,
+    /// Largest change of the force per second `[N/s]`; infinite: none.
+    pub slew_limit: f64,
+    /// Box of the end-point, lower and upper corner `[m]`; outside it the motors are off.
+    pub workspace: Option<[Vector; 2]>,
+    /// Largest speed of the end-point `[m/s]`.
+    pub largest_speed: f64,
+    /// Periods without a fresh sample after which the force is none: 1 at once, 2 after having held
+    /// the last force for a period.
+    pub stale_after: u32,
+    /// Time over which a force comes in when a start or a recovery finds contact `[s]`.
+    pub soft_start: f64,
+    /// When a contact counts as oscillating.
+    pub oscillation: OscillationParams,
+    /// How long the loop's thread may be late before a supervisor commands no force, in periods.
+    /// It looks twice a period, so a limit of 1.5 acts within 2.
+    pub stall_after_periods: f64,
+}
+
+impl Default for SafetyParams {
+    fn default() -> Self {
+        Self {
+            largest_force: 20.0,
+            slew_limit: f64::INFINITY,
+            workspace: None,
+            largest_speed: 5.0,
+            stale_after: 2,
+            soft_start: 0.2,
+            oscillation: OscillationParams::default(),
+            stall_after_periods: 1.5,
+        }
+    }
+}
+
+impl SafetyParams {
+    /// The default limits, tightened to the largest force and the workspace of a device that says
+    /// what these are.
+    #[must_use]
+    pub fn for_device(device: &Capabilities) -> Self {
+        let limits = Self::default();
+        Self {
+            largest_force: device.largest_force.map_or(limits.largest_force, |force| {
+                limits.largest_force.min(force)
+            }),
+            workspace: device.workspace,
+            ..limits
+        }
+    }
+
+    /// How long the loop's thread may be late before a supervisor commands no force.
+    pub(crate) fn stall_after(&self, period: Duration) -> Duration {
+        period.mul_f64(self.stall_after_periods)
+    }
+
+    pub(super) fn check(&self) -> Result<(), SafetyError> {
+        let named = |name, value: f64, fine: bool, allowed| {
+            if fine {
+                Ok(())
+            } else {
+                Err(SafetyError {
+                    name,
+                    value,
+                    allowed,
+                })
+            }
+        };
+        let positive = |name, value: f64| named(name, value, value > 0.0, "above 0");
+        named(
+            "largest force",
+            self.largest_force,
+            self.largest_force > 0.0 && self.largest_force.is_finite(),
+            "finite and above 0 [N]",
+        )?;
+        positive("slew limit", self.slew_limit)?;
+        positive("largest speed", self.largest_speed)?;
+        positive("energy of an oscillation", self.oscillation.energy)?;
+        positive("window of an oscillation", self.oscillation.window)?;
+        named(
+            "periods without a sample",
+            self.stale_after.into(),
+            (1..=2).contains(&self.stale_after),
+            "1 or 2: after two periods no force may be left on",
+        )?;
+        named(
+            "soft start",
+            self.soft_start,
+            (0.0..=60.0).contains(&self.soft_start),
+            "0 to 60 [s]",
+        )?;
+        named(
+            "periods until a stall",
+            self.stall_after_periods,
+            (1.0..=1000.0).contains(&self.stall_after_periods),
+            "1 to 1000",
+        )?;
+        if let Some([lower, upper]) = self.workspace {
+            for (low, high) in lower.iter().zip(upper) {
+                let extent = high - low;
+                named(
+                    "extent of the workspace",
+                    extent,
+                    extent >= 0.0,
+                    "0 or above [m]",
+                )?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A limit that cannot be kept.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("safety: {name} is {value}; allowed: {allowed}")]
+pub struct SafetyError {
+    /// Which.
+    pub name: &'static str,
+    /// What it was.
+    pub value: f64,
+    /// What it may be.
+    pub allowed: &'static str,
+}

@@ -1,0 +1,79 @@
+//! Why no force is commanded.
+
+use std::fmt;
+
+/// Why safety holds the force at none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trip {
+    /// A position or a force was NaN or infinite.
+    NotANumber,
+    /// No fresh sample for too long.
+    StaleSample,
+    /// The end-point moved faster than the largest speed.
+    TooFast,
+    /// The loop's thread did not tick, and the supervisor commanded no force.
+    Stalled,
+    /// The end-point was outside the workspace.
+    OutsideWorkspace,
+    /// Held forces created more energy than a contact that is well rendered can.
+    Oscillation,
+    /// The device did not take a force.
+    DeviceRefused,
+    /// The device is gone.
+    DeviceLost,
+}
+
+impl Trip {
+    /// Every trip.
+    pub const ALL: [Self; 8] = [
+        Self::NotANumber,
+        Self::StaleSample,
+        Self::TooFast,
+        Self::Stalled,
+        Self::OutsideWorkspace,
+        Self::Oscillation,
+        Self::DeviceRefused,
+        Self::DeviceLost,
+    ];
+
+    /// Whether it ends by itself once its reason has passed; the others stay until somebody rearms.
+    #[must_use]
+    pub fn is_passing(self) -> bool {
+        match self {
+            Self::NotANumber | Self::StaleSample | Self::TooFast | Self::Stalled => true,
+            Self::OutsideWorkspace | Self::Oscillation | Self::DeviceRefused | Self::DeviceLost => {
+                false
+            }
+        }
+    }
+
+    /// Short name in kebab case, as recordings spell it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::NotANumber => "not-a-number",
+            Self::StaleSample => "stale-sample",
+            Self::TooFast => "too-fast",
+            Self::Stalled => "stalled",
+            Self::OutsideWorkspace => "outside-workspace",
+            Self::Oscillation => "oscillation",
+            Self::DeviceRefused => "device-refused",
+            Self::DeviceLost => "device-lost",
+        }
+    }
+}
+
+impl fmt::Display for Trip {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NotANumber => "a position or a force was not a finite number",
+            Self::StaleSample => "the device gave no fresh sample",
+            Self::TooFast => "the device moved faster than the largest speed",
+            Self::Stalled => "the loop did not tick in time",
+            Self::OutsideWorkspace => "the device left its workspace",
+            Self::Oscillation => "held forces created energy: the contact oscillates",
+            Self::DeviceRefused => "the device did not take a force",
+            Self::DeviceLost => "the device is gone",
+        })
+    }
+}

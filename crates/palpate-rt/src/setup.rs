@@ -1,0 +1,19 @@
+//! Why a loop cannot be set up.
+
+use palpate::ParameterError;
+
+use crate::safety::SafetyError;
+
+/// Why a loop cannot be set up.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum SetupError {
+    /// A parameter of what is rendered.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// A limit of the safety.
+    #[error(transparent)]
+    Safety(#[from] SafetyError),
+    /// A period that no clock can keep `[s]`.
+    #[error("the period is {0} s; allowed: a nanosecond or more")]
+    Period(f64),
+}

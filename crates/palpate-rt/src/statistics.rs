@@ -1,0 +1,72 @@
+//! How the loop kept time.
+
+use std::time::Duration;
+
+use hdrhistogram::Histogram;
+
+/// Longest time that is told apart: 10 s.
+const LONGEST: u64 = 10_000_000_000;
+
+/// A histogram of durations that never allocates once it is made: three digits of every duration
+/// up to 10 s, and what is longer counts as that.
+#[derive(Clone, Debug)]
+pub struct Durations(Histogram<u64>);
+
+impl Durations {
+    fn new() -> Self {
+        Self(Histogram::new_with_bounds(1, LONGEST, 3).expect("the bounds are in order"))
+    }
+
+    pub(crate) fn add(&mut self, duration: Duration) {
+        let nanoseconds = u64::try_from(duration.as_nanos()).unwrap_or(LONGEST);
+        self.0.saturating_record(nanoseconds);
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        self.0.len()
+    }
+
+    /// The duration that `part` of all do not exceed, 0 to 1.
+    #[must_use]
+    pub fn quantile(&self, part: f64) -> Duration {
+        Duration::from_nanos(self.0.value_at_quantile(part))
+    }
+
+    /// The longest.
+    #[must_use]
+    pub fn longest(&self) -> Duration {
+        Duration::from_nanos(self.0.max())
+    }
+}
+
+/// How the loop kept time, since its start.
+#[derive(Clone, Debug)]
+pub struct LoopStatistics {
+    /// Ticks.
+    pub ticks: u64,
+    /// Deadlines that were missed, and skipped.
+    pub missed_deadlines: u64,
+    /// Ticks that found no fresh sample.
+    pub without_sample: u64,
+    /// How long after its deadline a tick began.
+    pub lateness: Durations,
+    /// How long a tick took, from the sample's arrival to the force's.
+    pub tick: Durations,
+    /// How long the device took to give its sample.
+    pub round_trip: Durations,
+}
+
+impl LoopStatistics {
+    pub(crate) fn new() -> Self {
+        Self {
+            ticks: 0,
+            missed_deadlines: 0,
+            without_sample: 0,
+            lateness: Durations::new(),
+            tick: Durations::new(),
+            round_trip: Durations::new(),
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! A loop on a thread of its own, with a supervisor beside it.
+
+use std::any::Any;
+use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::{Builder, JoinHandle};
+
+use crate::clock::Clock;
+use crate::control_loop::ControlLoop;
+use crate::device::Device;
+use crate::note::Ending;
+use crate::realtime::{Answer, Request};
+use crate::rendering::Parameters;
+use crate::safety::Trip;
+use crate::statistics::LoopStatistics;
+use crate::stop::StopFlag;
+
+/// A loop that runs on its own thread. Dropping it stops the loop and waits for the device to be
+/// commanded no force.
+pub struct LoopThread<D: Device, C: Clock> {
+    thread: Option<JoinHandle<LoopEnd<D, C>>>,
+    stop: StopFlag,
+    rearm: Arc<AtomicBool>,
+    parameters: Option<Parameters>,
+    supervisor: Option<JoinHandle<()>>,
+    ended: Arc<AtomicBool>,
+    answers: Vec<Answer>,
+}
+
+/// What a loop has left behind.
+pub struct LoopEnd<D: Device, C: Clock> {
+    /// Why it ended.
+    pub ending: Ending,
+    /// How it kept time.
+    pub statistics: LoopStatistics,
+    /// The trip that held the force at none at the end, if one did.
+    pub trip: Option<Trip>,
+    /// How often the supervisor had to command no force.
+    pub cuts: u64,
+    /// What the panic said, if a tick panicked.
+    pub panic: Option<String>,
+    /// The loop itself, which has let go of its device.
+    pub control: ControlLoop<D, C>,
+}
+
+impl<D: Device + 'static, C: Clock> LoopThread<D, C> {
+    /// Starts `control` on a thread for which the machine is asked `request`, and runs it until
+    /// `stop` is raised, `most` ticks are made or the device is gone.
+    ///
+    /// # Errors
+    /// The system gives no thread.
+    pub fn start(
+        mut control: ControlLoop<D, C>,
+        clock: &C,
+        request: Request,
+        stop: &StopFlag,
+        most: Option<u64>,
+    ) -> io::Result<Self> {
+        let parameters = control.parameters();
+        let rearm = control.rearm();
+        let ended = Arc::new(AtomicBool::new(false));
+        let supervisor = control
+            .supervisor()
+            .map(|supervisor| {
+                let (clock, ended) = (clock.clone(), Arc::clone(&ended));
+                let interval = control.period() / 2;
+                // Before the loop in line, or a loop that never sleeps could not be cut.
+                let priority = request.priority.map(|priority| (priority + 1).min(99));
+                Builder::new()
+                    .name("palpate supervisor".to_owned())
+                    .spawn(move || {
+                        let _ = Request {
+                            priority,
+                            ..Request::nothing()
+                        }
+                        .ask();
+                        supervisor.watch(&clock, interval, &ended);
+                    })
+            })
+            .transpose()?;
+        let (told, answered) = std::sync::mpsc::channel();
+        let (stopped, over) = (stop.clone(), Arc::clone(&ended));
+        let thread = Builder::new()
+            .name("palpate loop".to_owned())
+            .spawn(move || {
+                let _ = told.send(request.ask());
+                let end = run(control, &stopped, most);
+                over.store(true, Ordering::Release);
+                end
+            });
+        let thread = thread.inspect_err(|_| ended.store(true, Ordering::Release))?;
+        Ok(Self {
+            answers: answered.recv().unwrap_or_default(),
+            thread: Some(thread),
+            stop: stop.clone(),
+            rearm,
+            parameters,
+            supervisor,
+            ended,
+        })
+    }
+}
+
+impl<D: Device, C: Clock> LoopThread<D, C> {
+    /// What the machine granted, and what not.
+    #[must_use]
+    pub fn answers(&self) -> &[Answer] {
+        &self.answers
+    }
+
+    /// The other end of the loop's parameters.
+    pub fn parameters(&mut self) -> Option<&mut Parameters> {
+        self.parameters.as_mut()
+    }
+
+    /// Ends a trip that stays, with the next tick.
+    pub fn rearm(&self) {
+        self.rearm.store(true, Ordering::Release);
+    }
+
+    /// Whether the loop has ended.
+    #[must_use]
+    pub fn has_ended(&self) -> bool {
+        self.ended.load(Ordering::Acquire)
+    }
+
+    /// Asks the loop to end.
+    pub fn stop(&self) {
+        self.stop.raise();
+    }
+
+    /// Waits for the loop to end.
+    ///
+    /// # Panics
+    /// The thread could not even say how it ended.
+    #[must_use]
+    pub fn join(mut self) -> LoopEnd<D, C> {
+        let end = self.thread.take().map(JoinHandle::join);
+        self.finish();
+        match end {
+            Some(Ok(end)) => end,
+            _ => panic!("the loop's thread is gone without a word"),
+        }
+    }
+
+    fn finish(&mut self) {
+        self.ended.store(true, Ordering::Release);
+        if let Some(supervisor) = self.supervisor.take() {
+            let _ = supervisor.join();
+        }
+    }
+}
+
+impl<D: Device, C: Clock> Drop for LoopThread<D, C> {
+    fn drop(&mut self) {
+        if let Some(thread) = self.thread.take() {
+            self.stop.raise();
+            let _ = thread.join();
+        }
+        self.finish();
+    }
+}
+
+/// Runs the loop; whatever happens in it, the device is commanded no force.
+fn run<D: Device, C: Clock>(
+    mut control: ControlLoop<D, C>,
+    stop: &StopFlag,
+    most: Option<u64>,
+) -> LoopEnd<D, C> {
+    let ran = catch_unwind(AssertUnwindSafe(|| control.run(stop, most)));
+    let (ending, panic) = match ran {
+        Ok(ending) => (ending, None),
+        Err(payload) => {
+            control.let_go();
+            (Ending::Panicked, Some(words(payload.as_ref())))
+        }
+    };
+    control.close_tap(ending);
+    LoopEnd {
+        ending,
+        statistics: control.statistics().clone(),
+        trip: control.trip(),
+        cuts: control.cuts(),
+        panic,
+        control,
+    }
+}
+
+fn words(payload: &(dyn Any + Send)) -> String {
+    payload
+        .downcast_ref::<&str>()
+        .map(|text| (*text).to_owned())
+        .or_else(|| payload.downcast_ref::<String>().cloned())
+        .unwrap_or_else(|| "it did not say why".to_owned())
+}

@@ -1,0 +1,154 @@
+//! What is rendered changes while the loop runs.
+
+use palpate::{AnyParams, CoupledParams, HfcrParams, Side};
+use palpate_rt::{ChangeError, Rendering};
+use palpate_sim::method::MethodName;
+
+use crate::{at, scene, scripted, simulated, wide};
+
+/// A device that is held 1 mm deep in a wall of 1000 N/m.
+fn pressed() -> crate::Scripted {
+    let (mut control, _) = scripted(vec![at(1.0)], wide());
+    for _ in 0..10 {
+        control.tick();
+    }
+    control
+}
+
+#[test]
+fn another_stiffness_comes_in_without_a_step_in_the_force() {
+    let mut control = pressed();
+    let mut parameters = control.parameters().unwrap();
+    assert!(control.parameters().is_none());
+    let mut stiffer = *parameters.current();
+    stiffer.contact.stiffness = 4000.0;
+    assert_eq!(parameters.change(stiffer), Ok(1));
+    let before = control.tick();
+    let mut last = before;
+    let mut largest_step: f64 = 0.0;
+    for _ in 0..150 {
+        let tick = control.tick();
+        assert!(tick.force_on_object >= last.force_on_object - 1e-12);
+        largest_step = largest_step.max(tick.force_on_object - last.force_on_object);
+        last = tick;
+    }
+    println!("largest step {largest_step:.4} N of 3 N");
+    assert_eq!(before.generation, 1);
+    assert!((before.force_on_object - 1.0).abs() < 0.05, "{before:?}");
+    assert!(largest_step < 0.06, "{largest_step}");
+    assert!((last.force_on_object - 4.0).abs() < 1e-9, "{last:?}");
+    // From 1000 to 4000 N/m at 1 mm: 1.5 mJ that nobody pressed in.
+    assert!((last.outside_work - before.outside_work - 1.5e-3).abs() < 1e-4);
+    assert!(
+        (last.outside_work - 1.5e-3).abs() < 1e-9,
+        "{}",
+        last.outside_work
+    );
+    assert_eq!(last.held_leak, 0.0);
+}
+
+#[test]
+fn of_two_changes_the_second_goes_on_from_where_the_first_has_come() {
+    let mut control = pressed();
+    let mut parameters = control.parameters().unwrap();
+    let first = *parameters.current();
+    let mut stiffer = first;
+    stiffer.contact.stiffness = 4000.0;
+    parameters.change(stiffer).unwrap();
+    for _ in 0..50 {
+        control.tick();
+    }
+    let halfway = control.tick().force_on_object;
+    assert!(halfway > 1.9 && halfway < 2.2, "{halfway}");
+    assert_eq!(parameters.change(first), Ok(2));
+    let back = control.tick().force_on_object;
+    assert!((back - halfway).abs() < 0.05, "{halfway}, {back}");
+    for _ in 0..100 {
+        control.tick();
+    }
+    assert!((control.tick().force_on_object - 1.0).abs() < 1e-9);
+}
+
+/// A mass that is pressed against the device by a virtual force, with a hand that holds on.
+#[test]
+fn another_method_takes_over_at_the_force_of_the_one_before() {
+    let mut held = scene("experiment1_in_a_hand.toml");
+    held.loop_params.period = 0.001;
+    let methods = [MethodName::Basic, MethodName::Hfcr, MethodName::Coupled];
+    for from in methods {
+        for to in methods {
+            if from == to {
+                continue;
+            }
+            let (mut control, _) = simulated(&held, from, wide());
+            let mut parameters = control.parameters().unwrap();
+            let mut last = control.tick();
+            while last.force_on_object < 0.3 {
+                last = control.tick();
+                assert!(last.time < 5.0, "no contact");
+            }
+            parameters
+                .change(Rendering::of(&held, to).unwrap())
+                .unwrap();
+            let steps: Vec<f64> = (0..20)
+                .map(|_| {
+                    let tick = control.tick();
+                    let step = (tick.force_on_object - last.force_on_object).abs();
+                    last = tick;
+                    step
+                })
+                .collect();
+            let at_change = steps[0];
+            let after = steps[1..]
+                .iter()
+                .fold(0.0_f64, |most, step| most.max(*step));
+            println!("{from} to {to}: {at_change:.4} N at the change, {after:.4} N after it");
+            assert!(at_change <= 1.5 * after + 1e-3, "{from} to {to}: {steps:?}");
+        }
+    }
+}
+
+#[test]
+fn a_wall_that_coupled_rendering_had_placed_goes_back() {
+    let mut pressed = scene("coupled/wall-1000.toml");
+    pressed.loop_params.period = 0.001;
+    let (mut control, _) = simulated(&pressed, MethodName::Coupled, wide());
+    let mut parameters = control.parameters().unwrap();
+    for _ in 0..300 {
+        control.tick();
+    }
+    let hfcr = Rendering {
+        params: AnyParams::Hfcr(HfcrParams::default()),
+        ..*parameters.current()
+    };
+    parameters.change(hfcr).unwrap();
+    assert_eq!(control.tick().object_position, pressed.object.position);
+}
+
+#[test]
+fn what_cannot_change_is_refused_and_nothing_changes() {
+    let mut control = pressed();
+    let mut parameters = control.parameters().unwrap();
+    let running = *parameters.current();
+    let mut other = running;
+    other.loop_params.period = 0.002;
+    assert_eq!(
+        parameters.change(other).unwrap_err().to_string(),
+        "the period is 0.002 s, and the loop runs at 0.001 s; stop it to change that"
+    );
+    let mut other = running;
+    other.contact.side = Side::Negative;
+    assert_eq!(parameters.change(other), Err(ChangeError::Side));
+    let mut other = running;
+    other.contact.stiffness = -1.0;
+    let error = parameters.change(other).unwrap_err().to_string();
+    assert!(
+        error.contains("stiffness") && error.contains("-1"),
+        "{error}"
+    );
+    let mut other = running;
+    other.params = AnyParams::Coupled(CoupledParams::new(f64::NAN));
+    assert!(parameters.change(other).is_err());
+    let tick = control.tick();
+    assert_eq!((tick.generation, tick.force_on_object), (0, 1.0));
+}

@@ -1,0 +1,289 @@
+//! Faults put into the loop one by one: how long until no force is commanded, and what is lost.
+
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+use palpate_io::recording::Flags;
+use palpate_rt::clock::{Clock, SteppedClock};
+use palpate_rt::device::{DeviceErrorKind, Step};
+use palpate_rt::safety::{SafetyParams, Trip};
+use palpate_rt::{Listener, Note, StopFlag, Told, tap};
+use palpate_sim::method::MethodName;
+
+use crate::{Scripted, at, scene, scripted, simulated, wide};
+
+/// Samples before a fault.
+const BEFORE: usize = 20;
+
+fn limits() -> SafetyParams {
+    SafetyParams {
+        workspace: Some([[-0.05, -1.0, -1.0], [0.05, 1.0, 1.0]]),
+        largest_speed: 2.0,
+        ..SafetyParams::default()
+    }
+}
+
+/// A loop that has touched the wall softly and is 1 mm in it, then meets `fault`, then is in it
+/// again.
+fn meets(fault: &[Step]) -> (Scripted, SteppedClock, Listener) {
+    let mut script = vec![at(-1.0), at(0.0)];
+    script.extend([at(1.0); BEFORE - 2]);
+    script.extend_from_slice(fault);
+    script.push(at(1.0));
+    let (control, clock) = scripted(script, limits());
+    let (tap, listener) = tap(10_000);
+    let mut control = control.tapped(tap);
+    for _ in 0..BEFORE {
+        control.tick();
+    }
+    (control, clock, listener)
+}
+
+fn notes(listener: &mut Listener) -> Vec<Note> {
+    listener
+        .by_ref()
+        .filter_map(|told| match told {
+            Told::Note(noted) => Some(noted.note),
+            Told::Tick(_) => None,
+        })
+        .collect()
+}
+
+/// Periods until no force is commanded, from the one that meets the fault; 1 is at once.
+fn periods_to_zero(control: &mut Scripted) -> usize {
+    for period in 1..=10 {
+        if control.tick().force_on_device == 0.0 {
+            return period;
+        }
+    }
+    panic!("the force stays on");
+}
+
+#[test]
+fn every_fault_of_a_device_leaves_no_force_within_two_periods() {
+    let nan = Step::At([f64::NAN, 0.0, 0.0]);
+    let infinite = Step::At([f64::INFINITY, 0.0, 0.0]);
+    use DeviceErrorKind::{Disconnected, NothingNew, Refused};
+    let table: [(&str, Step, Trip); 9] = [
+        ("position NaN", nan, Trip::NotANumber),
+        ("position infinite", infinite, Trip::NotANumber),
+        ("repeated sample", Step::Stale, Trip::StaleSample),
+        ("no sample", Step::Fails(NothingNew), Trip::StaleSample),
+        ("out of the box", at(60.0), Trip::OutsideWorkspace),
+        ("too fast", at(40.0), Trip::TooFast),
+        ("read refused", Step::Fails(Refused), Trip::DeviceRefused),
+        ("device gone", Step::Fails(Disconnected), Trip::DeviceLost),
+        (
+            "force refused",
+            Step::RefusesForce([1e-3, 0.0, 0.0]),
+            Trip::DeviceRefused,
+        ),
+    ];
+    println!("fault              injected  periods to zero  force after it has passed");
+    for (name, fault, trip) in table {
+        let mut worst = 0;
+        let times = 5;
+        let mut force_after = 0.0;
+        for length in 2..2 + times {
+            let (mut control, _, mut listener) = meets(&vec![fault; length]);
+            assert_eq!(notes(&mut listener), [], "{name}: tripped before");
+            worst = worst.max(periods_to_zero(&mut control));
+            assert_eq!(control.trip(), Some(trip), "{name}");
+            let mut last = control.tick();
+            for _ in 0..1000 {
+                last = control.tick();
+                if control.trip().is_some() {
+                    assert_eq!(last.force_on_device, 0.0, "{name}");
+                    assert!(last.flags.has(Flags::SAFETY_TRIPPED), "{name}");
+                }
+            }
+            force_after = last.force_on_object - (last.force_on_object + last.force_on_device);
+            let notes = notes(&mut listener);
+            assert!(notes.contains(&Note::Tripped(trip)), "{name}: {notes:?}");
+            let recovered = notes.iter().any(|note| matches!(note, Note::Recovered(_)));
+            assert_eq!(recovered, trip.is_passing(), "{name}: {notes:?}");
+        }
+        println!("{name:<18} {times:>8}  {worst:>15}  {force_after:.3} N");
+        assert!(worst <= 2, "{name}: {worst} periods");
+        let expected = if trip.is_passing() { 1.0 } else { 0.0 };
+        assert!(
+            (force_after - expected).abs() < 1e-9,
+            "{name}: {force_after} N"
+        );
+    }
+}
+
+#[test]
+fn one_missing_sample_is_bridged_and_the_time_of_it_told() {
+    let (mut control, _, mut listener) = meets(&[Step::Stale]);
+    let missing = control.tick();
+    assert_eq!(missing.force_on_device, -1.0);
+    assert!(missing.flags.has(Flags::DEVICE_FAULT));
+    let next = control.tick();
+    assert_eq!(next.force_on_device, -1.0);
+    assert!((next.period - 0.002).abs() < 1e-9);
+    assert_eq!(notes(&mut listener), []);
+    assert_eq!(control.statistics().without_sample, 1);
+}
+
+#[test]
+fn a_trip_that_stays_stays_until_somebody_rearms() {
+    let (mut control, _, mut listener) = meets(&[at(60.0)]);
+    for _ in 0..500 {
+        assert_eq!(control.tick().force_on_device, 0.0);
+    }
+    control.rearm().store(true, Ordering::Release);
+    let forces: Vec<f64> = (0..300).map(|_| -control.tick().force_on_device).collect();
+    // It comes back over a fifth of a second, never by more than that.
+    assert_eq!(forces[0], 0.0);
+    assert!(
+        forces.windows(2).all(|pair| pair[1] - pair[0] < 0.0051),
+        "{forces:?}"
+    );
+    assert!((forces[299] - 1.0).abs() < 1e-9);
+    assert!(notes(&mut listener).contains(&Note::Rearmed));
+}
+
+#[test]
+fn a_run_that_begins_in_contact_begins_softly_and_one_that_touches_later_does_not() {
+    let (mut control, _) = scripted(vec![at(1.0)], SafetyParams::default());
+    let forces: Vec<f64> = (0..300).map(|_| -control.tick().force_on_device).collect();
+    assert_eq!(forces[0], 0.0);
+    assert!((forces[100] - 0.5).abs() < 0.02, "{}", forces[100]);
+    assert!((forces[299] - 1.0).abs() < 1e-9);
+    let (mut control, _) = scripted(vec![at(-0.5), at(0.0), at(1.0)], SafetyParams::default());
+    let forces: Vec<f64> = (0..3).map(|_| -control.tick().force_on_device).collect();
+    assert_eq!(forces, [0.0, 0.0, 1.0]);
+}
+
+#[test]
+fn forces_are_clamped_and_slewed() {
+    let clamp = SafetyParams {
+        largest_force: 0.7,
+        ..wide()
+    };
+    let (mut control, _) = scripted(vec![at(0.0), at(1.0)], clamp);
+    control.tick();
+    let tick = control.tick();
+    assert_eq!((tick.force_on_device, tick.force_on_object), (-0.7, 1.0));
+    assert!(tick.flags.has(Flags::SAFETY_LIMITED));
+    let slew = SafetyParams {
+        slew_limit: 100.0,
+        ..wide()
+    };
+    let (mut control, _) = scripted(vec![at(0.0), at(1.0)], slew);
+    let forces: Vec<f64> = (0..12).map(|_| -control.tick().force_on_device).collect();
+    for (index, force) in forces.iter().enumerate() {
+        let expected = (0.1 * index as f64).min(1.0);
+        assert!((force - expected).abs() < 1e-12, "{forces:?}");
+    }
+}
+
+/// The books count what was sent: on a device that is clamped to 0.7 N, 0.7 N does the work.
+#[test]
+fn the_ledger_uses_the_force_really_sent() {
+    let clamp = SafetyParams {
+        largest_force: 0.7,
+        ..wide()
+    };
+    let (mut control, _) = scripted(vec![at(0.0), at(1.0), at(2.0), at(2.0)], clamp);
+    let work: Vec<f64> = (0..4).map(|_| control.tick().port_work).collect();
+    assert_eq!(work[1], 0.0);
+    assert!((work[2] - 0.7e-3).abs() < 1e-12, "{work:?}");
+}
+
+#[test]
+fn a_contact_that_creates_energy_trips_and_well_rendered_ones_do_not() {
+    let mut buzzing = scene("experiment2.toml");
+    buzzing.contact.stiffness *= 4.0;
+    let (mut control, _) = simulated(&buzzing, MethodName::Basic, SafetyParams::default());
+    let mut worst_before: f64 = 0.0;
+    let tripped = (0..2000).find(|_| {
+        let tick = control.tick();
+        worst_before = worst_before.max(tick.held_leak);
+        control.trip().is_some()
+    });
+    println!("basic at kappa 2.6 trips at period {tripped:?}, {worst_before:.3} J created");
+    assert_eq!(control.trip(), Some(Trip::Oscillation));
+    for name in [
+        "fig2.toml",
+        "experiment1.toml",
+        "coupled/wall-100.toml",
+        "coupled/wall-1000.toml",
+    ] {
+        let scene = scene(name);
+        for method in [MethodName::Hfcr, MethodName::Coupled] {
+            let (mut control, _) = simulated(&scene, method, SafetyParams::default());
+            for _ in 0..1000 {
+                control.tick();
+            }
+            assert_eq!(control.trip(), None, "{name}, {method}");
+        }
+    }
+}
+
+/// The loop's thread stands still: the supervisor acts, and the loop finds out when it comes back.
+#[test]
+fn a_stalled_loop_is_cut_within_two_periods_and_comes_back_softly() {
+    let (mut control, clock, mut listener) = meets(&[at(1.0)]);
+    let zeroed = control.device().times_zeroed();
+    let mut supervisor = control.supervisor().unwrap();
+    control.tick();
+    let half = Duration::from_micros(500);
+    // It sleeps until the next deadline in the next tick, so the period itself is on time.
+    let mut halves = 0;
+    while zeroed.load(Ordering::SeqCst) == 0 {
+        clock.advance(half);
+        supervisor.look(clock.now());
+        halves += 1;
+        assert!(halves <= 4, "not cut after two periods");
+    }
+    println!("cut after {} periods", f64::from(halves) / 2.0);
+    for _ in 0..20 {
+        clock.advance(half);
+        assert!(!supervisor.look(clock.now()), "cut once is enough");
+    }
+    assert_eq!(zeroed.load(Ordering::SeqCst), 1);
+    let back = control.tick();
+    assert_eq!(back.force_on_device, 0.0);
+    assert_eq!(control.trip(), Some(Trip::Stalled));
+    let forces: Vec<f64> = (0..300).map(|_| -control.tick().force_on_device).collect();
+    assert!(forces[0] < 0.01 && (forces[299] - 1.0).abs() < 1e-9);
+    let notes = notes(&mut listener);
+    assert!(notes.contains(&Note::Tripped(Trip::Stalled)));
+    assert!(notes.contains(&Note::Recovered(Trip::Stalled)), "{notes:?}");
+    // On time, it is left alone.
+    for _ in 0..100 {
+        control.tick();
+        assert!(!supervisor.look(clock.now()));
+    }
+}
+
+#[test]
+fn the_supervisor_leaves_alone_a_loop_that_has_ended() {
+    let (mut control, clock, _listener) = meets(&[]);
+    let mut supervisor = control.supervisor().unwrap();
+    let stop = StopFlag::new();
+    stop.raise();
+    control.run(&stop, None);
+    clock.advance(Duration::from_secs(1));
+    assert!(!supervisor.look(clock.now()));
+    assert_eq!(control.device().forces().last(), Some(&[0.0; 3]));
+}
+
+#[test]
+fn a_late_loop_skips_deadlines_and_says_so() {
+    let (mut control, clock, mut listener) = meets(&[at(1.0)]);
+    let on_time = control.tick();
+    assert_eq!(on_time.lateness, 0.0);
+    clock.oversleep_once(Duration::from_micros(3400));
+    let late = control.tick();
+    assert!((late.lateness - 3.4e-3).abs() < 1e-12);
+    assert!((late.period - 4.4e-3).abs() < 1e-9);
+    assert!(late.flags.has(Flags::MISSED_DEADLINE));
+    let next = control.tick();
+    assert_eq!(next.lateness, 0.0);
+    assert!((next.period - 0.6e-3).abs() < 1e-9, "{}", next.period);
+    assert_eq!(control.statistics().missed_deadlines, 3);
+    assert!(notes(&mut listener).contains(&Note::MissedDeadlines(3)));
+}

@@ -1,0 +1,79 @@
+//! The loop on a clock that is moved by hand: every run of it is the same.
+
+#![allow(clippy::print_stdout)] // tests show what they measured
+
+mod change;
+mod faults;
+mod simulated;
+
+use std::path::Path;
+
+use palpate_rt::clock::SteppedClock;
+use palpate_rt::device::{ScriptedDevice, SimulatedDevice, Step};
+use palpate_rt::safety::{OscillationParams, SafetyParams};
+use palpate_rt::{ControlLoop, Rendering};
+use palpate_sim::method::MethodName;
+use palpate_sim::scene::{Scene, SceneFile, beside};
+
+/// A scene of `experiments/`.
+pub(crate) fn scene(name: &str) -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../experiments")
+        .join(name);
+    let text = std::fs::read_to_string(&path).unwrap();
+    SceneFile::parse_with(name, &text, &mut beside(&path))
+        .unwrap()
+        .scene
+}
+
+/// Limits that no scene of the paper reaches.
+pub(crate) fn wide() -> SafetyParams {
+    SafetyParams {
+        largest_force: 1e6,
+        largest_speed: 1e6,
+        soft_start: 0.0,
+        oscillation: OscillationParams {
+            energy: f64::INFINITY,
+            window: 1.0,
+        },
+        ..SafetyParams::default()
+    }
+}
+
+pub(crate) fn simulated(
+    scene: &Scene,
+    method: MethodName,
+    limits: SafetyParams,
+) -> (
+    ControlLoop<SimulatedDevice<SteppedClock>, SteppedClock>,
+    SteppedClock,
+) {
+    let clock = SteppedClock::new();
+    let device = SimulatedDevice::of(scene, clock.clone()).unwrap();
+    let rendering = Rendering::of(scene, method).unwrap();
+    let control = ControlLoop::new(device, clock.clone(), rendering, limits).unwrap();
+    (control, clock)
+}
+
+pub(crate) type Scripted = ControlLoop<ScriptedDevice<SteppedClock>, SteppedClock>;
+
+/// A pressed wall of 1000 N/m at 1 kHz by the plain spring law, on a device that follows `script`:
+/// 1 N for each millimetre.
+pub(crate) fn scripted(script: Vec<Step>, limits: SafetyParams) -> (Scripted, SteppedClock) {
+    let mut pressed = scene("wall.toml");
+    pressed.contact.stiffness = 1000.0;
+    pressed.object.position = 0.0;
+    pressed.loop_params.period = 0.001;
+    pressed.loop_params.largest_gap = None;
+    pressed.virtual_force = 0.0;
+    let clock = SteppedClock::new();
+    let device = ScriptedDevice::new(clock.clone(), 1, script);
+    let rendering = Rendering::of(&pressed, MethodName::Basic).unwrap();
+    let control = ControlLoop::new(device, clock.clone(), rendering, limits).unwrap();
+    (control, clock)
+}
+
+/// At `millimetres`.
+pub(crate) fn at(millimetres: f64) -> Step {
+    Step::At([millimetres * 1e-3, 0.0, 0.0])
+}

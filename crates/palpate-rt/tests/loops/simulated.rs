@@ -1,0 +1,66 @@
+//! What the loop makes of a virtual device is what the simulator makes of it.
+
+use palpate_sim::closed_loop::Bench;
+use palpate_sim::method::MethodName;
+
+use crate::{scene, simulated, wide};
+
+/// A clock of whole nanoseconds cuts 0.02 s into the same periods as a number does, to within
+/// rounding: loops that are not chaotic follow.
+#[test]
+fn it_is_the_loop_of_the_simulator() {
+    for name in [
+        "fig2.toml",
+        "experiment1.toml",
+        "experiment2.toml",
+        "experiment1_in_a_hand.toml",
+        "coupled/wall-1000.toml",
+        "users/s03-heavy-cup.toml",
+    ] {
+        let scene = scene(name);
+        let bench = Bench::new(&scene).unwrap();
+        for method in MethodName::ALL {
+            let expected = bench.run(method).unwrap();
+            if expected.diverged == Some(true) {
+                continue;
+            }
+            let (mut control, _) = simulated(&scene, method, wide());
+            let scale = expected.ticks.iter().fold(1e-3, |most: f64, tick| {
+                most.max(tick.output.force_on_object.abs())
+            });
+            for expected in &expected.ticks {
+                let tick = control.tick();
+                let off = tick.force_on_object - expected.output.force_on_object;
+                assert!(
+                    off.abs() < 1e-6 * scale,
+                    "{name}, {method}, {} s: {} N, simulated {} N",
+                    expected.time,
+                    tick.force_on_object,
+                    expected.output.force_on_object
+                );
+                assert_eq!(
+                    tick.force_on_device, -tick.force_on_object,
+                    "{name}, {method}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_device_with_a_delay_holds_its_forces_later() {
+    let mut delayed = scene("experiment1.toml");
+    delayed.delay = 2;
+    let bench = Bench::new(&delayed).unwrap();
+    let expected = bench.run(MethodName::Coupled).unwrap();
+    let (mut control, _) = simulated(&delayed, MethodName::Coupled, wide());
+    let mut held = Vec::new();
+    for expected in &expected.ticks {
+        let tick = control.tick();
+        held.push(tick.force_on_device);
+        let off = tick.force_on_object - expected.output.force_on_object;
+        assert!(off.abs() < 1e-6, "{} s: {off} N", expected.time);
+        assert_eq!(tick.force_on_device, -expected.held_force_on_object + 0.0);
+    }
+    assert!(held.iter().any(|force| *force != 0.0));
+}

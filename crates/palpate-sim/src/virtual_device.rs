@@ -1,0 +1,71 @@
+//! The device and the hand of a scene, to be driven from outside: by a loop in real time.
+
+use palpate_testbed::InvalidParameter;
+use palpate_testbed::device::Device;
+use palpate_testbed::measure::Sampler;
+
+use crate::plant::Plant;
+use crate::scene::Scene;
+
+/// The device of a scene with the hand that holds it, in the user's frame. It knows no loop: it
+/// moves when it is told how long which force has been held.
+#[derive(Clone, Debug)]
+pub struct VirtualDevice {
+    plant: Plant,
+    sampler: Sampler,
+    sign: f64,
+}
+
+impl VirtualDevice {
+    /// The device of `scene`, where it is at the start.
+    ///
+    /// # Errors
+    /// A quantity of the device or the hand outside its range.
+    pub fn of(scene: &Scene) -> Result<Self, InvalidParameter> {
+        let sign: f64 = scene.contact.side.sign();
+        Ok(Self {
+            plant: Plant::of(scene, sign)?,
+            sampler: if scene.device.encoder_quantum > 0.0 {
+                Sampler::quantum(scene.device.encoder_quantum)?
+            } else {
+                Sampler::Ideal
+            },
+            sign,
+        })
+    }
+
+    /// A sample instant, `elapsed` `[s]` after the last one: the device's own controllers run, and
+    /// its sensor reports this position along the contact's axis `[m]`.
+    pub fn sample(&mut self, elapsed: f64) -> f64 {
+        self.plant.sample(elapsed);
+        self.sign * self.plant.measured(&self.sampler)
+    }
+
+    /// Moves on for `duration` `[s]` while the motor is to hold `force` on the device `[N]`; what
+    /// it gives may be less. The work of that force on the device `[J]`.
+    pub fn hold(&mut self, force: f64, duration: f64) -> f64 {
+        -self
+            .plant
+            .advance(-self.sign * self.given_force(force), duration)
+    }
+
+    /// Force on the device that the motor gives where it is to hold `force` `[N]`.
+    pub fn given_force(&self, force: f64) -> f64 {
+        -self.sign * self.plant.given_force(-self.sign * force)
+    }
+
+    /// True position along the contact's axis `[m]`.
+    pub fn position(&self) -> f64 {
+        self.sign * self.plant.position()
+    }
+
+    /// True velocity along the contact's axis `[m/s]`.
+    pub fn velocity(&self) -> f64 {
+        self.sign * self.plant.velocity()
+    }
+
+    /// Whether a linkage's own safety box has switched its motors off.
+    pub fn is_disconnected(&self) -> bool {
+        self.plant.has_left_box()
+    }
+}
