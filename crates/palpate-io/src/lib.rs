@@ -5,7 +5,8 @@
 //!   configuration that made it.
 //! - [`map`]: what each method can render, in parts or as a whole; [`journal`] keeps such work while
 //!   it is in progress.
-//! - [`recording`] writes and reads what a device really did, tick by tick, as it happens.
+//! - `recording`, with the feature of that name, writes and reads what a device really did, tick by
+//!   tick, as it happens.
 //! - [`atomic`] puts a file on disk whole or not at all.
 //!
 //! Everything is SI; the unit of a column stands in its name (`t_s`, `position_m`). Readers take
@@ -19,6 +20,7 @@ pub mod map;
 #[cfg(feature = "parquet")]
 mod parquet_table;
 mod place;
+#[cfg(feature = "recording")]
 pub mod recording;
 pub mod run;
 pub mod trace;

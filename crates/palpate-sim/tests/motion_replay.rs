@@ -3,6 +3,7 @@
 mod common;
 
 use common::scene;
+use palpate::Side;
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::method::{MethodName, Settings};
 use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
@@ -19,6 +20,22 @@ fn imperfect() -> Scene {
     scene
 }
 
+/// The same on the device's other side.
+fn mirrored(mut scene: Scene) -> Scene {
+    scene.contact.side = Side::Negative;
+    for value in [
+        &mut scene.object.position,
+        &mut scene.object.velocity,
+        &mut scene.virtual_force,
+        &mut scene.device.position,
+        &mut scene.device.velocity,
+        &mut scene.user_force,
+    ] {
+        *value = -*value;
+    }
+    scene
+}
+
 fn recorded(run: &Run) -> (Vec<f64>, Vec<f64>) {
     let ticks = run.ticks.iter();
     ticks.map(|tick| (tick.time, tick.device_position)).unzip()
@@ -31,14 +48,13 @@ fn replay(scene: &Scene, run: &Run) -> Replay {
 
 #[test]
 fn the_method_that_was_recorded_gives_the_forces_that_were_recorded() {
-    let scene = imperfect();
-    let bench = Bench::new(&scene).unwrap();
-    for method in [
-        MethodName::Basic,
-        MethodName::Hfcr,
-        MethodName::VirtualDamper,
+    for (scene, method) in [
+        (imperfect(), MethodName::Basic),
+        (imperfect(), MethodName::Hfcr),
+        (imperfect(), MethodName::VirtualDamper),
+        (mirrored(imperfect()), MethodName::Hfcr),
     ] {
-        let run = bench.run(method).unwrap();
+        let run = Bench::new(&scene).unwrap().run(method).unwrap();
         let settings = scene.settings.get(&method).copied().unwrap_or_default();
         let again = replay(&scene, &run).run(method, &settings).unwrap();
         assert_eq!(again.ticks.len(), run.ticks.len());

@@ -182,6 +182,10 @@ impl<R: Read> Walk<R> {
         let mut entries = Vec::new();
         let mut loss = self.loss.clone();
         for (opcode, record) in records(&data).ok_or_else(no_records)? {
+            // Nothing else is of interest, and the library does not expect everything everywhere.
+            if ![op::CHANNEL, op::MESSAGE].contains(&opcode) {
+                continue;
+            }
             match parse_record(opcode, record).map_err(|_| no_records())? {
                 Record::Channel(channel) => {
                     let known = match channel.topic.as_str() {

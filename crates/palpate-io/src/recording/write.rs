@@ -145,6 +145,8 @@ impl RecordingWriter {
             out.into_inner().map_err(io::IntoInnerError::into_error)?;
             file.sync_all()?;
             let bytes = file.metadata()?.len();
+            // Some systems do not rename what is open.
+            drop(file);
             let part = TempPath::try_from_path(&part)?;
             part.persist_noclobber(&path).map_err(|failed| {
                 // Else it would be removed.

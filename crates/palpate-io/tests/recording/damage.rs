@@ -1,5 +1,7 @@
 //! Files that are cut off, or not what was written.
 
+use std::sync::LazyLock;
+
 use palpate_io::recording::{Recording, RecordingWriter};
 
 use super::common::{Scratch, bits, content, event, receipt, small, tick};
@@ -206,11 +208,66 @@ fn a_writer_that_is_dropped_leaves_no_end() {
     assert_eq!((recording.ticks, recording.complete), (1, false));
 }
 
+/// A chunk with these records, as another program might write it.
+fn chunk(records: &[(u8, Vec<u8>)]) -> Vec<u8> {
+    let mut data = Vec::new();
+    for (opcode, body) in records {
+        data.push(*opcode);
+        data.extend((body.len() as u64).to_le_bytes());
+        data.extend(body);
+    }
+    let mut body = vec![0; 16];
+    body.extend((data.len() as u64).to_le_bytes());
+    body.extend(crc32fast::hash(&data).to_le_bytes());
+    body.extend([0; 4]);
+    body.extend((data.len() as u64).to_le_bytes());
+    body.extend(&data);
+    let mut chunk = vec![6];
+    chunk.extend((body.len() as u64).to_le_bytes());
+    chunk.extend(&body);
+    chunk
+}
+
+#[test]
+fn records_of_others_are_passed_over() {
+    let (mut bytes, _) = small(false);
+    // An attachment that is too short for one, where none can be, and a record of nobody's.
+    bytes.extend(chunk(&[(9, vec![0; 2]), (0x80, vec![1, 2, 3])]));
+    let scratch = Scratch::new();
+    let recording = scratch.open(&bytes).unwrap();
+    assert_eq!((recording.ticks, recording.damage.len()), (9, 0));
+    // A message on a channel of nobody's, and one that is no tick on ours.
+    let message = |channel: u8| {
+        let mut message = vec![channel, 0];
+        message.extend([0; 20]);
+        (5, message)
+    };
+    bytes.extend(chunk(&[message(7)]));
+    let at = bytes.len();
+    bytes.extend(chunk(&[message(1)]));
+    let recording = scratch.open(&bytes).unwrap();
+    assert_eq!(recording.ticks, 9);
+    assert_eq!(
+        recording.damage,
+        [format!("the chunk at byte {at}: a message is not a tick")]
+    );
+}
+
 proptest::proptest! {
     #[test]
-    fn no_bytes_make_the_reader_panic(at in 0..2_000_usize, tail: Vec<u8>) {
-        let (bytes, _) = small(true);
-        let mut changed = bytes[..at.min(bytes.len())].to_vec();
+    fn no_chunk_makes_the_reader_panic(
+        records in proptest::collection::vec((0..20_u8, proptest::prelude::any::<Vec<u8>>()), 0..4),
+    ) {
+        static SOUND: LazyLock<Vec<u8>> = LazyLock::new(|| small(false).0);
+        let bytes = [&SOUND[..], &chunk(&records)].concat();
+        let recording = Scratch::new().open(&bytes).unwrap();
+        proptest::prop_assert_eq!(recording.ticks, 9);
+    }
+
+    #[test]
+    fn no_bytes_make_the_reader_panic(at in 0..9_000_usize, tail: Vec<u8>) {
+        static SOUND: LazyLock<Vec<u8>> = LazyLock::new(|| small(true).0);
+        let mut changed = SOUND[..at.min(SOUND.len())].to_vec();
         changed.extend(tail);
         if let Ok(recording) = Scratch::new().open(&changed) {
             assert_true_ticks(&recording, at);
