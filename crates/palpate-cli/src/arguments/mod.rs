@@ -97,7 +97,8 @@ Examples:
     Compare(CompareArguments),
     /// Render live: positions in, forces on the device out, line by line
     #[command(override_usage = "\
-palpate pipe --stiffness <N/m> --mass <kg|inf> --period <s> [OPTIONS]")]
+palpate pipe --stiffness <N/m> --mass <kg|inf> --period <s> --device-mass <kg> [OPTIONS]
+       palpate pipe --scene <SCENE.toml> [OPTIONS]")]
     #[command(long_about = "\
 Render live: positions in, forces on the device out, line by line.
 
@@ -110,6 +111,10 @@ the motor as it is and held until the next line.
      <--------|
   force on the device: negative while the object pushes back
 
+The default method, coupled, predicts the device together with the object, so it has to know about how \
+heavy your device is where you hold it: --device-mass within a factor of 2, or the device of a --scene. \
+The other methods need no mass.
+
 With times, the measured period is used; without, each line comes one --period after the last. A \
 first line that is the header `position_m` or `t_s,position_m` gets no answer. A line that is not a \
 sample is answered by 0 and a message on standard error, and the pipe lives on. So is a line whose \
@@ -117,8 +122,9 @@ time does not come after that of the line before; the clock goes on from there. 
 many lines later the force really acts; it is printed at once all the same. When the input ends, a summary of the energy ledger goes to standard error.")]
     #[command(after_help = "\
 Examples:
-  my-device | palpate pipe --stiffness 400 --mass 0.1 --period 0.001 --force -0.981
-  printf '0\\n0.001\\n0.002\\n' | palpate pipe --stiffness 1000 --mass inf --period 0.001")]
+  my-device | palpate pipe --stiffness 400 --mass 0.1 --period 0.001 --device-mass 0.2
+  my-device | palpate pipe --scene experiments/experiment1.toml --method coupled
+  printf '0\\n0.001\\n' | palpate pipe --stiffness 1000 --mass inf --period 0.001 --method hfcr")]
     Pipe(PipeArguments),
     /// Find the damping of a method that suits a scene, and draw the whole curve
     #[command(long_about = "\
@@ -265,6 +271,9 @@ pub struct CompareArguments {
 /// Arguments of `pipe`.
 #[derive(Args, Debug)]
 pub struct PipeArguments {
+    /// Scene file (TOML) for contact, loop, method and device mass; flags change its values
+    #[arg(long, value_name = "SCENE.toml", value_hint = ValueHint::FilePath)]
+    pub scene: Option<PathBuf>,
     /// Contact, loop, method and device.
     #[command(flatten)]
     pub flags: Flags,

@@ -24,7 +24,7 @@ const STANDARD_INPUT: &str = "-";
 /// Renders a recorded motion by the methods that were named.
 pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let flags = &arguments.flags;
-    let methods = flags.methods(MethodName::Hfcr);
+    let methods = flags.methods(MethodName::default());
     flags.check_settings(&methods)?;
     let setup = flags.replay_setup("render")?;
     arguments.results.check(&arguments.trace)?;

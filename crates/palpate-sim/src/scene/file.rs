@@ -301,7 +301,7 @@ impl SceneFile {
             delay,
             timing,
             measure,
-            method: raw.renderer.method.unwrap_or(MethodName::Hfcr),
+            method: raw.renderer.method.unwrap_or_default(),
             settings,
         };
         let file = Self {

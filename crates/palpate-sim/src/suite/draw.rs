@@ -136,7 +136,7 @@ fn draw(chance: &mut Chance) -> RandomPlant {
             delay: 0,
             timing: Timing::default(),
             measure: Measure::Collisions(COLLISIONS),
-            method: MethodName::Hfcr,
+            method: MethodName::default(),
             settings: std::collections::HashMap::new(),
         },
     }
