@@ -298,6 +298,7 @@ impl SceneFile {
             tremor,
             release,
             grip,
+            recorded_hand: None,
             delay,
             timing,
             measure,

@@ -131,6 +131,7 @@ fn draw(chance: &mut Chance) -> RandomPlant {
             user_force,
             linkage: None,
             grip: is_held.then_some(grip),
+            recorded_hand: None,
             tremor: trembles.then_some(tremor),
             release: None,
             delay: 0,
