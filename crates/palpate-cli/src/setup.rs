@@ -2,7 +2,9 @@
 
 use std::collections::HashMap;
 
-use palpate::{Contact, Guard, LoopParams, Mass, ObjectState, ParameterError};
+use palpate::{
+    BasicParams, Contact, Guard, LoopParams, Mass, ObjectState, ParameterError, Renderer,
+};
 use palpate_sim::method::{MethodName, Setting, Settings, SettingsError};
 use palpate_sim::replay::ReplaySetup;
 use palpate_sim::run::Run;
@@ -287,6 +289,14 @@ impl Flags {
         .into();
         given.get(parameter).copied().unwrap_or(false)
     }
+}
+
+/// Refuses a contact, a loop or an object that is wrong whatever the method.
+pub fn check_contact(setup: &ReplaySetup) -> Result<(), Failure> {
+    Renderer::new(setup.contact, setup.known_loop(), BasicParams)
+        .and_then(|renderer| renderer.start(setup.object))
+        .map(|_| ())
+        .map_err(|error| wrong_flag(&error))
 }
 
 /// A value that a flag cannot have.

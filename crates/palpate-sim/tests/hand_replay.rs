@@ -511,7 +511,7 @@ fn recorded_people_are_given_back() {
             positions: &human.positions,
             forces_on_device: None,
         };
-        let hand = RecordedHand::estimate(&recording, &HandModel::force_on(0.1)).unwrap();
+        let hand = RecordedHand::estimate(&recording, &HandModel::force_on(0.28)).unwrap();
         let said = hand.uncertainty();
         eprintln!("{}: {said:?}", human.name);
         // Within a few deviations of its sensor, over the whole recording, and with a force that

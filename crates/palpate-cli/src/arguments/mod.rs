@@ -1,8 +1,10 @@
 //! Command-line arguments. The flags of contact, method and device are the same on every command.
 
 mod flags;
+mod replay;
 
 pub use flags::{Flags, TimingFlags};
+pub use replay::{ReplayFlags, ReplayKind};
 
 use std::path::PathBuf;
 
@@ -53,16 +55,25 @@ palpate render <TRACE.csv> --stiffness <N/m> --mass <kg|inf> --period <s> [OPTIO
     #[command(long_about = "\
 Render a recorded motion.
 
-The recording drives the virtual object; it cannot be pushed back. Each sample gets the force the \
-method would have held, and the energy ledger says what that force would have leaked on this very \
-motion. The ideal it is held against is the same object, driven in continuous time by the \
-recording at its full rate, straight lines between its samples. Where the loop's period is a \
-multiple of the recording's, samples are taken exactly; else they are interpolated on the same \
-lines.")]
+Motion replay, the default: the recording drives the virtual object; it cannot be pushed back. Each \
+sample gets the force the method would have held, and the energy ledger says what that force would \
+have leaked on this very motion. The ideal it is held against is the same object, driven in continuous \
+time by the recording at its full rate, straight lines between its samples. Where the loop's period is \
+a multiple of the recording's, samples are taken exactly; else they are interpolated on the same \
+lines.
+
+Hand replay, --replay hand: the force of the hand on a device of --device-mass is estimated from the \
+motion, and the loop is closed again: the device moves under that hand and the new force. What force \
+the motor held while the motion was recorded stands in the column force_on_device_n of the trace, from \
+each sample until the next; without the column it is taken to have been off. The report says how well \
+the hand is known. Nothing in a recording says what the hand would have done elsewhere: by default its \
+force stays what it was, and a push that it did not have carries the device off for good; \
+--hand-stiffness and --hand-damping let it hold on to its motion. Times count from the first sample.")]
     #[command(after_help = "\
 Examples:
   palpate render tap.csv --stiffness 400 --mass 0.1 --period 0.01 --force -0.981 --out run.csv
   palpate render tap.csv --stiffness 400 --mass inf --period 0.001 --method all --plot tap.svg
+  palpate render tap.csv --stiffness 400 --mass 0.1 --period 0.01 --replay hand --device-mass 0.2
   record | palpate render - --stiffness 400 --mass 0.1 --period 0.01 --json")]
     Render(RenderArguments),
     /// Simulate a scene in closed loop, and compare it with its ideal
@@ -229,6 +240,9 @@ pub struct RenderArguments {
     /// Contact, loop, method and device.
     #[command(flatten)]
     pub flags: Flags,
+    /// Motion or hand.
+    #[command(flatten)]
+    pub replay: ReplayFlags,
     /// Where results go.
     #[command(flatten)]
     pub results: Results,

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::io::{self, BufRead, Read, Write};
 
-use palpate::{AnyMemory, AnyRenderer, BasicParams, Output, Renderer, Sample, State};
+use palpate::{AnyMemory, AnyRenderer, Output, Renderer, Sample, State};
 use palpate_sim::method::MethodName;
 use palpate_testbed::hold::DelayedHold;
 use serde::Serialize;
@@ -12,7 +12,7 @@ use super::simulate::read_scene;
 use crate::arguments::PipeArguments;
 use crate::failure::{Failure, tell};
 use crate::report::{counted, digits};
-use crate::setup::{wrong_flag, wrong_setup};
+use crate::setup::{check_contact, wrong_flag, wrong_setup};
 
 /// Longest line that is read as a sample `[bytes]`; the rest of a longer one is skipped.
 const LONGEST_LINE: u64 = 4096;
@@ -37,9 +37,7 @@ pub fn run(arguments: &PipeArguments) -> Result<(), Failure> {
         None => (flags.replay_setup("pipe")?, flags.settings()),
     };
     // Contact and loop first: what is wrong with them is wrong whatever the method.
-    Renderer::new(setup.contact, setup.known_loop(), BasicParams)
-        .and_then(|renderer| renderer.start(setup.object))
-        .map_err(|error| wrong_flag(&error))?;
+    check_contact(&setup)?;
     // The first line says where the device is; until then the object is taken as untouched.
     let params = setup
         .params(method, &settings, setup.object.position, false)

@@ -2,10 +2,12 @@
 
 pub mod compare;
 mod parameters;
+mod replayed;
 mod text;
 mod timing;
 
 pub use parameters::of as parameters_of;
+pub use replayed::Replayed;
 pub use text::{counted, digits, lines, number, percent, plain_table, short};
 pub use timing::of as timing_of;
 
@@ -34,6 +36,9 @@ pub struct Report {
     kappa: Option<f64>,
     object_kappa: f64,
     delay_samples: usize,
+    /// Of a recording.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    replay: Option<Replayed>,
     /// What else is not perfect about the loop.
     #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
     timing: serde_json::Map<String, Value>,
@@ -160,6 +165,7 @@ impl Report {
                 .map(|difficulty| difficulty.kappa),
             object_kappa: difficulty.map_or(0.0, |difficulty| difficulty.object_kappa),
             delay_samples: subject.delay,
+            replay: None,
             timing: timing::of(&subject.timing),
             delay_fraction: subject.timing.delay_fraction,
             timing_in_words: timing::in_words(&subject.timing),
@@ -179,6 +185,11 @@ impl Report {
                 .collect(),
             files: Vec::new(),
         }
+    }
+
+    /// Says what of a recording was replayed.
+    pub fn replayed(&mut self, replayed: Replayed) {
+        self.replay = Some(replayed);
     }
 
     /// Adds a file that was written.

@@ -12,6 +12,9 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", self.title)?;
         writeln!(f, "{}", self.conditions())?;
+        if let Some(replayed) = &self.replay {
+            writeln!(f, "{}", replayed.in_words())?;
+        }
         if !self.timing_in_words.is_empty() {
             let samples = counted(self.samples, "sample");
             writeln!(f, "{}: {samples}", self.timing_in_words)?;

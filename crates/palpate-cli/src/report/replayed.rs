@@ -1,0 +1,112 @@
+//! What of a recording was replayed, and how well it is known.
+
+use palpate_sim::hand_replay::RecordedHand;
+use serde::Serialize;
+
+use super::digits;
+
+/// A recorded motion, or the hand that made it.
+#[derive(Debug, Clone, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Replayed {
+    /// The device goes where it went.
+    Motion,
+    /// The device moves under the new force.
+    Hand(HandReport),
+}
+
+/// The estimate of a hand.
+#[derive(Debug, Clone, Serialize)]
+pub struct HandReport {
+    /// Whether the recording says what force was held.
+    force_recorded: bool,
+    hand_bandwidth_hz: f64,
+    position_noise_m: f64,
+    hand_force_n: f64,
+    hand_force_deviation_n: f64,
+    given_back_within_m: f64,
+    hand_stiffness_n_per_m: f64,
+    hand_damping_n_s_per_m: f64,
+    /// How far each method's device got from its recorded motion.
+    largest_departure_m: Vec<f64>,
+}
+
+impl Replayed {
+    /// A hand whose device got so far from its recorded motion `[m]`, method by method.
+    pub fn hand(hand: &RecordedHand, force_recorded: bool, departures: Vec<f64>) -> Self {
+        let (known, model) = (hand.uncertainty(), hand.model());
+        Self::Hand(HandReport {
+            force_recorded,
+            hand_bandwidth_hz: known.bandwidth,
+            position_noise_m: known.position_noise,
+            hand_force_n: known.force,
+            hand_force_deviation_n: known.force_deviation,
+            given_back_within_m: known.given_back_within,
+            hand_stiffness_n_per_m: model.stiffness,
+            hand_damping_n_s_per_m: model.damping,
+            largest_departure_m: departures,
+        })
+    }
+
+    /// In words, for a terminal.
+    pub(super) fn in_words(&self) -> String {
+        let hand = match self {
+            Self::Motion => {
+                return "motion replay: the device goes where it went, whatever the force (1/m = 0)".into();
+            }
+            Self::Hand(hand) => hand,
+        };
+        let micrometres = |metres: f64| digits(1e6 * metres);
+        let motor = if hand.force_recorded {
+            "recorded force"
+        } else {
+            "motor off"
+        };
+        let holds_on = match (hand.hand_stiffness_n_per_m, hand.hand_damping_n_s_per_m) {
+            (0.0, 0.0) => "its force is the same wherever the device goes".into(),
+            (stiffness, damping) => {
+                format!("it holds on to its motion with {stiffness} N/m and {damping} N s/m")
+            }
+        };
+        let departed = hand.largest_departure_m.iter().copied().fold(0.0, f64::max);
+        format!(
+            "hand replay ({motor}): the hand's force, {} N rms, is known to ±{} N (1 sigma, up to {} Hz);\n\
+             it gives the recorded motion back within {} um; {holds_on};\n\
+             the device leaves the recorded motion by up to {} mm",
+            digits(hand.hand_force_n),
+            digits(hand.hand_force_deviation_n),
+            digits(hand.hand_bandwidth_hz),
+            micrometres(hand.given_back_within_m),
+            digits(1e3 * departed),
+        )
+    }
+
+    /// For the receipt of a run file.
+    pub fn receipt(&self) -> Vec<(String, String)> {
+        let hand = match self {
+            Self::Motion => return vec![("replay".into(), "motion".into())],
+            Self::Hand(hand) => hand,
+        };
+        let mut lines = vec![("replay".to_owned(), "hand".to_owned())];
+        lines.extend(
+            [
+                ("force_recorded", hand.force_recorded.to_string()),
+                ("hand_bandwidth_hz", hand.hand_bandwidth_hz.to_string()),
+                (
+                    "hand_force_deviation_n",
+                    hand.hand_force_deviation_n.to_string(),
+                ),
+                (
+                    "hand_stiffness_n_per_m",
+                    hand.hand_stiffness_n_per_m.to_string(),
+                ),
+                (
+                    "hand_damping_n_s_per_m",
+                    hand.hand_damping_n_s_per_m.to_string(),
+                ),
+            ]
+            .map(|(name, value)| (name.to_owned(), value)),
+        );
+        lines
+    }
+}
