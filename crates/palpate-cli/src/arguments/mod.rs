@@ -163,7 +163,10 @@ the number of plants; so is every digit of the results, whatever the number of t
 (RAYON_NUM_THREADS).
 
 --columns names variants of methods to compare: a TOML file with a table for each, its name that \
-of the column, with `method` and the settings that scenes have under [methods.NAME].")]
+of the column, with `method` and the settings that scenes have under [methods.NAME]. In place of a \
+damping may stand a list of dampings, or `damping_over_k_t`, one number or a list: of a list the one \
+that is best on each plant counts, which is found with knowledge of the ideal. A column may have a \
+`guard`, too.")]
     #[command(after_help = "\
 Examples:
   palpate suite --plants 40
