@@ -366,19 +366,30 @@ fn of_a_list_of_dampings_the_best_on_each_plant_counts() {
 
 #[test]
 fn over_heights_the_damping_of_least_median_is_the_scene_s() {
-    let ratios: Vec<f64> = (0..8).map(|i| 0.05 * f64::from(i)).collect();
+    // The scene's own B is the best at its own height, and far from it at others.
+    let scene = scene("fig2");
+    let impedance = scene.contact.stiffness * scene.loop_params.period;
+    let Some(Damping::Value(own)) = scene.settings[&MethodName::VirtualDamper].damping else {
+        panic!("a tuned damper");
+    };
+    let ratios = [0.0, 0.2, 0.38, own / impedance, 0.7];
     let text = format!(
         "[each]\nmethod = \"virtual-damper\"\ndamping_over_k_t = {ratios:?}\n\n\
          [coupled]\nmethod = \"coupled\"\n"
     );
-    let scene = common::scene("fig2");
     let found = over_heights(&scene, &Column::parse(&text).unwrap(), || ()).unwrap();
-    let impedance = scene.contact.stiffness * scene.loop_params.period;
     let values: Vec<f64> = ratios.iter().map(|ratio| ratio * impedance).collect();
     let points = tune(&scene, MethodName::VirtualDamper, &values, || ()).unwrap();
     let best = tuned_best(&points, Objective::Error).unwrap();
     assert_eq!(found[0].damping, Some(best.value));
     assert_eq!(found[0].error, best.mean_force_error);
+    let own = |point: &palpate_sim::tune::TunedPoint| point.mean_force_error.own;
+    let at_own = points.iter().min_by(|a, b| own(a).total_cmp(&own(b)));
+    assert_ne!(
+        at_own.unwrap().value,
+        best.value,
+        "another would be best there"
+    );
     assert_eq!(found[1].damping, None);
 }
 
