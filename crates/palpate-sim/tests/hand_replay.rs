@@ -484,7 +484,8 @@ fn a_scene_has_one_hand() {
     let hand = Arc::new(RecordedHand::estimate(&recording, &model()).unwrap());
     let plain = scene(hand, &setup(block(), 0.01)).unwrap();
     assert!(Bench::new(&plain).is_ok());
-    let changes: [(&str, fn(&mut Scene)); 3] = [
+    type Change = fn(&mut Scene);
+    let changes: [(&str, Change); 3] = [
         ("user force", |scene| scene.user_force = 1.0),
         ("viscous friction", |scene| {
             scene.device.viscous_friction = 0.1;
