@@ -368,6 +368,51 @@ fn a_stated_bandwidth_is_kept_and_costs_what_it_leaves_out() {
 }
 
 #[test]
+fn a_hand_that_lets_go_is_smeared_over_its_bandwidth_and_no_further() {
+    // It pushes with 0.3 N against a spring of its own, and lets go at 1 s.
+    const RELEASE: f64 = 1.0;
+    let (mut position, mut velocity) = (0.0, 0.0);
+    let (mut times, mut positions, mut truth) = (Vec::new(), Vec::new(), Vec::new());
+    for i in 0..2000 {
+        let time = f64::from(i) * STEP;
+        // Held over each step, which makes the truth a staircase; its steps are far below its error.
+        let force = if time < RELEASE {
+            0.3 - 20.0 * position - 0.5 * velocity
+        } else {
+            0.0
+        };
+        times.push(time);
+        positions.push((position / QUANTUM).round() * QUANTUM);
+        truth.push(force);
+        position += STEP * (velocity + 0.5 * STEP * force / MASS);
+        velocity += STEP * force / MASS;
+    }
+    let recording = Recording {
+        times: &times,
+        positions: &positions,
+        forces_on_device: None,
+    };
+    let hand = RecordedHand::estimate(&recording, &model()).unwrap();
+    let bandwidth = hand.uncertainty().bandwidth;
+    let largest = |near: &dyn Fn(f64) -> bool| {
+        hand.forces()
+            .zip(&truth)
+            .filter(|(at, _)| near(at.time))
+            .map(|(at, truth)| (at.force - truth).abs() / at.deviation)
+            .fold(0.0, f64::max)
+    };
+    let from_release = |time: f64| (time - RELEASE).abs() * bandwidth;
+    let at_jumps = largest(&|time| from_release(time) < 0.5);
+    // It begins with a jump, too.
+    let away = largest(&|time| from_release(time) > 1.5 && time * bandwidth > 1.5);
+    eprintln!(
+        "{bandwidth:.1} Hz: at the release {at_jumps:.1} deviations off, away from it {away:.1}"
+    );
+    assert!(away < 4.0, "{away}");
+    assert!(at_jumps > away, "a jump is what a smoother cannot follow");
+}
+
+#[test]
 fn uneven_steps_are_taken_as_they_are() {
     let mut random = Random(3);
     let mut t = 0.0;
