@@ -2,7 +2,9 @@
 
 use std::collections::HashMap;
 
-use palpate::{Contact, Guard, LoopParams, Mass, ObjectState, ParameterError};
+use palpate::{
+    BasicParams, Contact, Guard, LoopParams, Mass, ObjectState, ParameterError, Renderer,
+};
 use palpate_sim::method::{MethodName, Setting, Settings, SettingsError};
 use palpate_sim::replay::ReplaySetup;
 use palpate_sim::run::Run;
@@ -129,18 +131,53 @@ impl Flags {
         }
     }
 
+    /// `--told-device-mass` where no device is simulated that could have another mass.
+    fn refuse_told_mass(&self, command: &str) -> Result<(), Failure> {
+        if self.told_device_mass.is_none() {
+            return Ok(());
+        }
+        Err(Failure::Arguments(format!(
+            "--told-device-mass is for simulate and tune; what {command} tells the renderer is \
+             --device-mass"
+        )))
+    }
+
+    /// Contact, loop, object and settings of `method` for a real device, from a scene and the flags
+    /// that change it. The device's mass is what the scene tells its renderer.
+    pub fn live_setup(
+        &self,
+        mut scene: Scene,
+        method: MethodName,
+    ) -> Result<(ReplaySetup, Settings), Failure> {
+        self.refuse_told_mass("pipe")?;
+        self.change(&mut scene, &[method])?;
+        let told = self.device_mass.or(scene.told_device_mass);
+        // A simulated device does not glitch; a real one does.
+        let of_real_devices = LoopParams::new(scene.loop_params.period).speed_limit;
+        let setup = ReplaySetup {
+            contact: scene.contact,
+            loop_params: LoopParams {
+                speed_limit: scene.loop_params.speed_limit.or(of_real_devices),
+                ..scene.loop_params
+            },
+            object: scene.object,
+            virtual_force: scene.virtual_force,
+            delay: scene.delay,
+            device_mass: told.or(Some(scene.device.mass)),
+            encoder_quantum: scene.device.encoder_quantum,
+        };
+        scene.check().map_err(|error| wrong_flag(&error))?;
+        let settings = scene.settings.remove(&method).unwrap_or_default();
+        Ok((setup, settings))
+    }
+
     /// Contact, loop and object of `command`, which needs stiffness, mass and period.
     pub fn replay_setup(&self, command: &str) -> Result<ReplaySetup, Failure> {
         let needed = |value: Option<f64>, flag: &str, unit: &str| {
             value.ok_or_else(|| Failure::Arguments(format!("{command} needs {flag} <{unit}>")))
         };
         self.check_device()?;
-        if self.told_device_mass.is_some() {
-            return Err(Failure::Arguments(format!(
-                "--told-device-mass is for simulate and tune; what {command} tells the renderer is \
-                 --device-mass"
-            )));
-        }
+        self.refuse_told_mass(command)?;
         let mut contact = Contact::object(
             needed(self.stiffness, "--stiffness", "N/m")?,
             needed(self.mass, "--mass", "kg|inf")?,
@@ -254,6 +291,14 @@ impl Flags {
     }
 }
 
+/// Refuses a contact, a loop or an object that is wrong whatever the method.
+pub fn check_contact(setup: &ReplaySetup) -> Result<(), Failure> {
+    Renderer::new(setup.contact, setup.known_loop(), BasicParams)
+        .and_then(|renderer| renderer.start(setup.object))
+        .map(|_| ())
+        .map_err(|error| wrong_flag(&error))
+}
+
 /// A value that a flag cannot have.
 fn not_allowed(
     flag: &'static str,
@@ -311,9 +356,17 @@ pub fn wrong_setup(error: &SetupError) -> Failure {
         SetupError::Settings(SettingsError::NoDeviceMass) => {
             Failure::Arguments("--damping auto needs --device-mass <kg>".into())
         }
-        SetupError::Settings(SettingsError::NoPushedMass(method)) => Failure::Arguments(format!(
-            "{method} needs --device-mass <kg>, within a factor of 2"
-        )),
+        SetupError::Settings(SettingsError::NoPushedMass(method)) => {
+            let without = match method {
+                MethodName::Coupled => "--method hfcr",
+                _ => "--prediction constant-velocity",
+            };
+            Failure::Arguments(format!(
+                "{method} needs --device-mass <kg>: what your device weighs where it is held, above 0 \
+                 and right within a factor of 2; or --scene <SCENE.toml>, whose device has a mass; \
+                 or {without}, which needs none"
+            ))
+        }
         SetupError::Settings(other) => Failure::Arguments(format!("--damping auto: {other}")),
     }
 }

@@ -116,7 +116,11 @@ fn the_demo_tells_the_story_and_leaves_its_files() {
         assert!(demo.join(file).is_file(), "{file}");
     }
     assert_eq!(std::fs::read_dir(demo).unwrap().count(), 3);
-    drawn(&folder, "palpate-demo/fig2.svg", &["basic model"]);
+    drawn(
+        &folder,
+        "palpate-demo/fig2.svg",
+        &["basic model", "+ leak dissipation", "coupled rendering"],
+    );
     drawn(
         &folder,
         "palpate-demo/hand.svg",
@@ -148,7 +152,12 @@ fn where_to_go_next_is_a_way() {
     // The hand in the file is the hand of the demonstration.
     let report = folder.json(arguments);
     let demo = folder.json("demo --out-dir first");
-    let error = |report| number(of_method(report, "hfcr"), "force_rendering_error_percent");
+    let error = |report| {
+        number(
+            of_method(report, "coupled"),
+            "force_rendering_error_percent",
+        )
+    };
     assert!((error(&report) - error(&demo["hand"])).abs() < 1e-3);
 }
 
@@ -167,7 +176,7 @@ fn the_demo_reports_both_parts_as_json() {
     let folder = Folder::new();
     let report = parse(&folder.succeed("demo --json"));
     assert_eq!(report["format"], "palpate demo 1");
-    for (part, methods) in [("simulation", 4), ("hand", 5)] {
+    for (part, methods) in [("simulation", 5), ("hand", 6)] {
         let part = &report[part];
         assert_eq!(part["format"], "palpate report 1");
         assert_eq!(part["methods"].as_array().unwrap().len(), methods);
@@ -180,6 +189,14 @@ fn the_demo_reports_both_parts_as_json() {
         leak("hfcr"),
         leak("basic")
     );
+    // In closed loop and on the hand alike, coupled rendering is at the floor.
+    for part in ["simulation", "hand"] {
+        let error = |method| {
+            let entry = of_method(&report[part], method);
+            number(entry, "mean_force_error_percent")
+        };
+        assert!(error("coupled") < 0.2 * error("hfcr"), "{part}");
+    }
 }
 
 #[test]

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use common::{Folder, METHODS, default_params, number, parse, taps};
 use palpate::{AnyRenderer, Contact, LoopParams, ObjectState, Renderer, Sample};
 
-const WALL: &str = "pipe --stiffness 1000 --mass inf --period 0.001";
+const WALL: &str = "pipe --stiffness 1000 --mass inf --period 0.001 --device-mass 0.2";
 
 /// Forces and messages of a pipe that is given a whole input at once, and its summary.
 fn answers(arguments: &str, input: impl AsRef<[u8]>) -> (Vec<f64>, Vec<String>, String) {
@@ -154,11 +154,14 @@ fn measured_times_are_used_as_they_are() {
         samples.push((last.map(|last| t - last), x));
         last = Some(t);
     }
-    let arguments = "pipe --stiffness 400 --mass 0.1 --period 0.01 --force -0.981";
-    let found = forces(arguments, &input);
-    assert_eq!(found, by_library("hfcr", 0.1, &samples));
+    let arguments =
+        "pipe --stiffness 400 --mass 0.1 --period 0.01 --force -0.981 --device-mass 0.25";
     let unmeasured: Vec<_> = samples.iter().map(|&(_, x)| (None, x)).collect();
-    assert_ne!(found, by_library("hfcr", 0.1, &unmeasured));
+    for (flag, method) in [("", "coupled"), (" --method hfcr", "hfcr")] {
+        let found = forces(&format!("{arguments}{flag}"), &input);
+        assert_eq!(found, by_library(method, 0.1, &samples), "{method}");
+        assert_ne!(found, by_library(method, 0.1, &unmeasured), "{method}");
+    }
 }
 
 #[test]
@@ -329,7 +332,10 @@ fn a_hundred_thousand_lines_take_seconds() {
         .map(|i| format!("{}\n", 0.01 * (f64::from(i) * 0.01).sin()))
         .collect();
     let begun = Instant::now();
-    let forces = forces("pipe --stiffness 400 --mass 0.1 --period 0.001", input);
+    let forces = forces(
+        "pipe --stiffness 400 --mass 0.1 --period 0.001 --device-mass 0.25",
+        input,
+    );
     assert_eq!(forces.len(), 100_000);
     assert!(
         begun.elapsed() < Duration::from_secs(10),
@@ -405,5 +411,72 @@ fn one_method_and_the_contact_are_needed() {
         "pipe --stiffness 1 --mass inf",
         2,
         &["pipe needs --period <s>"],
+    );
+}
+
+#[test]
+fn coupled_asks_for_the_mass_it_needs() {
+    let contact = "pipe --stiffness 1000 --mass inf --period 0.001";
+    let folder = Folder::new();
+    folder.fail(
+        contact,
+        2,
+        &[
+            "coupled needs --device-mass <kg>",
+            "above 0 and right within a factor of 2",
+            "--scene <SCENE.toml>",
+            "--method hfcr, which needs none",
+        ],
+    );
+    folder.fail(
+        &format!("{contact} --method hfcr --prediction observer"),
+        2,
+        &["hfcr needs --device-mass", "--prediction constant-velocity"],
+    );
+    folder.fail(
+        &format!("{contact} --device-mass 0"),
+        2,
+        &["--device-mass is 0 kg", "finite and greater than 0"],
+    );
+    assert_eq!(forces(&format!("{contact} --method hfcr"), "0\n"), [0.0]);
+}
+
+#[test]
+fn a_scene_says_what_flags_would() {
+    let positions: Vec<f64> = taps(0.01, 1.0).iter().map(|&(_, x)| x).collect();
+    let input: String = positions.iter().map(|x| format!("{x}\n")).collect();
+    let folder = Folder::new();
+    let scene = "scene_format = 1\ntitle = \"A block\"\n\n[object]\nstiffness_n_per_m = 400\n\
+                 mass_kg = 0.1\nposition_m = 0.001\nforce_n = -0.981\n\n[device]\n\
+                 kind = \"point-mass\"\nmass_kg = 0.25\nencoder_quantum_m = 1e-5\n\n[loop]\n\
+                 period_s = 0.01\ndelay_samples = 1\n\n[measure]\nduration_s = 1\n";
+    folder.write("block.toml", scene);
+    folder.write(
+        "told.toml",
+        format!("{scene}\n[renderer]\nmethod = \"hfcr\"\ndevice_mass_kg = 0.3\n"),
+    );
+    let flags = "pipe --stiffness 400 --mass 0.1 --object-position 0.001 --force -0.981 \
+                 --encoder-quantum 1e-5 --period 0.01 --delay 1";
+    let same = |by_scene: &str, by_flags: &str| {
+        let by_scene = folder.palpate_reading(&input, by_scene);
+        let by_flags = folder.palpate_reading(&input, &format!("{flags} {by_flags}"));
+        assert_eq!(by_scene.code, 0, "{by_scene:?}");
+        assert_eq!(
+            (&by_scene.stdout, &by_scene.stderr),
+            (&by_flags.stdout, &by_flags.stderr)
+        );
+        by_scene.stdout
+    };
+    let block = same("pipe --scene block.toml", "--device-mass 0.25");
+    let told = same(
+        "pipe --scene told.toml --method coupled",
+        "--device-mass 0.3",
+    );
+    assert_ne!(block, told);
+    same("pipe --scene told.toml", "--device-mass 0.3 --method hfcr");
+    // Flags change what the scene says.
+    same(
+        "pipe --scene told.toml --method coupled --device-mass 0.2",
+        "--device-mass 0.2",
     );
 }

@@ -96,7 +96,7 @@ fn what_is_lost_is_said_and_has_an_exit_code() {
     }
     // A replay says so, too.
     let report = folder.palpate("replay tap.mcap --method basic --json");
-    assert_eq!(parse(&report.stdout)["replay"]["ticks_lost"], 7);
+    assert_eq!(parse(&report.stdout)["recording"]["ticks_lost"], 7);
 }
 
 #[test]
@@ -182,7 +182,7 @@ fn a_replay_by_the_recorded_method_gives_the_recorded_forces() {
     let arguments = "replay tap.mcap --method hfcr,basic --out replay.csv --plot replay.svg";
     let report = folder.json(arguments);
     assert_eq!(report["replay"]["kind"], "motion");
-    assert_eq!(report["replay"]["recorded_method"], "hfcr");
+    assert_eq!(report["recording"]["recorded_method"], "hfcr");
     assert_eq!(report["title"], "Motion replay: tap.mcap");
     let table = folder.run_file("replay.csv");
     let forces = table.numbers("force_on_object_n").unwrap();
@@ -206,7 +206,7 @@ fn a_replay_by_the_recorded_method_gives_the_recorded_forces() {
         (said("replay"), said("recording")),
         ("motion".into(), "tap.mcap".into())
     );
-    let peak = number(&report["replay"], "recorded_peak_force_n");
+    let peak = number(&report["recording"], "recorded_peak_force_n");
     let replayed = number(of_method(&report, "hfcr"), "peak_force_n");
     assert!(
         (peak / replayed - 1.0).abs() < 1e-9,
@@ -220,7 +220,7 @@ fn a_replay_by_the_recorded_method_gives_the_recorded_forces() {
     }
     let text = folder.succeed("replay tap.mcap --method basic");
     assert!(
-        text.contains("motion replay: the device moves as recorded, whatever the force"),
+        text.contains("motion replay: the device goes where it went, whatever the force"),
         "{text}"
     );
 }
@@ -273,7 +273,7 @@ fn ticks_without_a_position_are_passed_over_and_counted() {
     writer.finish().unwrap();
     let without = (0..run.ticks.len()).filter(|at| at % 10 == 3).count();
     let report = folder.json("replay tap.mcap --method hfcr");
-    assert_eq!(report["replay"]["ticks_without_position"], without);
+    assert_eq!(report["recording"]["ticks_without_position"], without);
     assert_eq!(report["samples"], run.ticks.len() - without);
 }
 

@@ -355,9 +355,9 @@ fn limits_act_and_are_counted() {
     let folder = with_taps();
     let arguments = format!("render tap.csv {FLAGS} --force-limit 1.5");
     let report = folder.json(&format!("{arguments} --out run.csv"));
-    let hfcr = of_method(&report, "hfcr");
-    assert_eq!(number(hfcr, "peak_force_n"), 1.5);
-    let limited = hfcr["limited"].as_u64().unwrap();
+    let coupled = of_method(&report, "coupled");
+    assert_eq!(number(coupled, "peak_force_n"), 1.5);
+    let limited = coupled["limited"].as_u64().unwrap();
     let run = folder.run_file("run.csv");
     let marked = run
         .texts("limited")

@@ -150,6 +150,79 @@ fn variants_of_a_method_are_columns_of_their_own() {
     }
 }
 
+/// A committed file of columns.
+fn committed(name: &str) -> String {
+    let path = common::experiment(&format!("columns/{name}"));
+    std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path:?}: {e}"))
+}
+
+#[test]
+fn a_column_may_choose_its_damping_and_says_which() {
+    let folder = Folder::new();
+    folder.write("damper.toml", committed("damper"));
+    folder.write("fig2.toml", common::experiment_text("fig2"));
+    let suite = "suite --plants 3 --columns damper.toml";
+    let report = folder.json(&format!("{suite} --out rows.csv"));
+    for delay in 0..2 {
+        let error = |name| {
+            let found = &column(&report, name)["delays"][delay]["mean_force_error_percent"];
+            number(found, "largest")
+        };
+        assert!(error("damper, best B") <= error("damper, one B"));
+        assert!(error("hfcr, best b") <= error("hfcr"));
+    }
+    let rows = folder.run_file("rows.csv");
+    let dampings = rows.numbers("damping_n_s_per_m").unwrap();
+    for (name, damping) in rows.texts("column").unwrap().iter().zip(dampings) {
+        let chooses = name.contains(',');
+        assert_eq!(damping.is_finite(), chooses, "{name}: {damping}");
+    }
+    let heights = "heights fig2.toml --columns damper.toml";
+    let table = folder.succeed(heights);
+    assert!(table.contains("best B"), "{table}");
+    let report = folder.json(heights);
+    let chosen = &report["scenes"][0]["columns"][1];
+    assert_eq!(chosen["name"], "damper, best B");
+    let damping = number(chosen, "damping_n_s_per_m");
+    let alone = folder.json(&format!(
+        "simulate fig2.toml --method virtual-damper --damping {damping}"
+    ));
+    let own = number(&chosen["mean_force_error_percent"], "own");
+    let error = number(
+        common::of_method(&alone, "virtual-damper"),
+        "mean_force_error_percent",
+    );
+    assert!((own - error).abs() < 1e-9 * own);
+    // Where nothing is chosen, nothing is said of it.
+    let plain = folder.succeed("heights fig2.toml --method hfcr");
+    assert!(!plain.contains("best B"), "{plain}");
+}
+
+#[test]
+fn the_other_committed_columns_are_understood() {
+    let folder = Folder::new();
+    for name in ["ablation", "damper-scan", "guard"] {
+        folder.write("columns.toml", committed(name));
+        folder.succeed("suite --plants 1 --columns columns.toml");
+    }
+}
+
+#[test]
+fn what_a_guard_held_back_is_counted() {
+    let folder = Folder::new();
+    folder.write("guard.toml", committed("guard"));
+    let suite = "suite --plants 6 --columns guard.toml";
+    let report = folder.json(suite);
+    let of = |name, what| number(&column(&report, name)["delays"][0], what);
+    assert_eq!(of("coupled", "limited_plants"), 0.0);
+    assert!(of("coupled, guarded", "limited_plants") >= 1.0);
+    assert!(of("coupled, guarded", "limited_samples_percent") > 0.0);
+    let table = folder.succeed(suite);
+    assert!(table.contains("limited plants"), "{table}");
+    let plain = folder.succeed("suite --plants 1 --method hfcr");
+    assert!(!plain.contains("limited plants"), "{plain}");
+}
+
 #[test]
 fn what_a_suite_cannot_do_is_an_error_that_says_why() {
     let folder = Folder::new();

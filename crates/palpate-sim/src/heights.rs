@@ -18,6 +18,8 @@ pub struct OverHeights {
     pub own: Fidelity,
     /// Heights at which the loop diverged.
     pub diverged: usize,
+    /// The damping of least median `[N s/m]`, of a column that chooses.
+    pub damping: Option<f64>,
 }
 
 /// Why a column cannot be judged on a scene.
@@ -50,7 +52,15 @@ pub fn over_heights(
     columns: &[Column],
     done: impl Fn() + Sync,
 ) -> Result<Vec<OverHeights>, HeightsError> {
-    let heights: Vec<Vec<(Fidelity, bool)>> = (0..HEIGHTS)
+    // A choice is the scene's, not that of a height.
+    let chosen: Vec<Vec<Option<f64>>> = columns
+        .iter()
+        .map(|column| {
+            let of_scene = column.candidates(scene).into_iter();
+            of_scene.map(|(damping, _)| damping).collect()
+        })
+        .collect();
+    let heights: Vec<Vec<Vec<(Fidelity, bool)>>> = (0..HEIGHTS)
         .into_par_iter()
         .map(|height| {
             let judged = at_one(&at_height(scene, height), columns);
@@ -59,32 +69,43 @@ pub fn over_heights(
         })
         .collect::<Result<_, _>>()?;
     Ok((0..columns.len())
-        .map(|column| OverHeights {
-            error: spread(heights.iter().map(|one| one[column].0.mean_force_error)),
-            own: heights[HEIGHTS / 2][column].0,
-            diverged: heights.iter().filter(|one| one[column].1).count(),
+        .map(|column| {
+            let candidates = chosen[column].iter().enumerate();
+            candidates
+                .map(|(candidate, damping)| {
+                    let of = |one: &[Vec<(Fidelity, bool)>]| one[column][candidate];
+                    OverHeights {
+                        error: spread(heights.iter().map(|one| of(one).0.mean_force_error)),
+                        own: of(&heights[HEIGHTS / 2]).0,
+                        diverged: heights.iter().filter(|one| of(one).1).count(),
+                        damping: *damping,
+                    }
+                })
+                .min_by(|a, b| a.error.median.total_cmp(&b.error.median))
+                .expect("one candidate at least")
         })
         .collect())
 }
 
-/// Errors of every column, and whether it diverged.
-fn at_one(scene: &Scene, columns: &[Column]) -> Result<Vec<(Fidelity, bool)>, HeightsError> {
+/// Errors of every column's candidates, and whether they diverged.
+fn at_one(scene: &Scene, columns: &[Column]) -> Result<Vec<Vec<(Fidelity, bool)>>, HeightsError> {
     let bench = Bench::new(scene).map_err(HeightsError::Scene)?;
+    let judged = |column: &Column, varied: &Scene| {
+        let run = bench
+            .run_as(varied, column.method)
+            .map_err(|error| HeightsError::Column {
+                column: column.name.clone(),
+                error,
+            })?;
+        let fidelity = run.force.fidelity.ok_or(HeightsError::NoContact)?;
+        Ok((fidelity, run.diverged == Some(true)))
+    };
     columns
         .iter()
         .map(|column| {
-            let mut varied = scene.clone();
-            let settings = varied.settings.entry(column.method).or_default();
-            *settings = column.settings.or(*settings);
-            let run =
-                bench
-                    .run_as(&varied, column.method)
-                    .map_err(|error| HeightsError::Column {
-                        column: column.name.clone(),
-                        error,
-                    })?;
-            let fidelity = run.force.fidelity.ok_or(HeightsError::NoContact)?;
-            Ok((fidelity, run.diverged == Some(true)))
+            let candidates = column.candidates(scene);
+            let runs = candidates.iter().map(|(_, varied)| judged(column, varied));
+            runs.collect()
         })
         .collect()
 }

@@ -10,7 +10,7 @@ use palpate::{
 use serde::Deserialize;
 
 /// A rendering method of the program, by its name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum MethodName {
     /// Spring force of the sampled penetration.
     Basic,
@@ -29,7 +29,9 @@ pub enum MethodName {
     HfcrModSt,
     /// HFCR with leak dissipation.
     Hfcr,
-    /// Device and object predicted together, the mean of the contact force held.
+    /// Device and object predicted together, the mean of the contact force held: what renders where
+    /// no method is named.
+    #[default]
     Coupled,
 }
 

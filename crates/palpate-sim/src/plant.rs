@@ -9,6 +9,7 @@ use palpate_testbed::held_mass::HeldMass;
 use palpate_testbed::measure::Sampler;
 use palpate_testbed::pantograph::Pantograph;
 
+use crate::hand_replay::HeldByRecording;
 use crate::scene::{Scene, Wave};
 
 /// Device and hand of a scene, on the canonical side.
@@ -18,6 +19,8 @@ pub(crate) enum Plant {
     Free(PointMass),
     /// With friction, a limit of its motor, or a hand of its own.
     Held(Box<HeldMass>),
+    /// In a recorded hand.
+    Recorded(Box<HeldByRecording>),
     /// A linkage; positions count from its home.
     Linkage {
         /// The mechanism.
@@ -36,6 +39,10 @@ impl Plant {
                 device: Box::new(device),
                 home: linkage.home()?[1],
             });
+        }
+        if let Some(hand) = &scene.recorded_hand {
+            return HeldByRecording::new(Arc::clone(hand), sign)
+                .map(|device| Self::Recorded(Box::new(device)));
         }
         let device = &scene.device;
         let (position, velocity) = (sign * device.position, sign * device.velocity);
@@ -91,7 +98,7 @@ impl Plant {
             // A linkage's motors give torques; what they give at the end-point varies over the
             // interval. Once the safety box has switched them off, it is nothing.
             Self::Linkage { device, .. } if device.is_disconnected() => 0.0,
-            Self::Free(_) | Self::Linkage { .. } => force,
+            Self::Free(_) | Self::Recorded(_) | Self::Linkage { .. } => force,
             Self::Held(held) => held.given_force(force),
         }
     }
@@ -143,6 +150,7 @@ pub(crate) fn is_free(scene: &Scene) -> bool {
         && scene.device.viscous_friction == 0.0
         && scene.device.coulomb_friction == 0.0
         && scene.grip.is_none()
+        && scene.recorded_hand.is_none()
         && scene.tremor.is_none()
         && scene.release.is_none()
 }
@@ -152,6 +160,7 @@ impl Device for Plant {
         match self {
             Self::Free(device) => device.position(),
             Self::Held(device) => device.position(),
+            Self::Recorded(device) => device.position(),
             Self::Linkage { device, home } => device.position() - home,
         }
     }
@@ -160,6 +169,7 @@ impl Device for Plant {
         match self {
             Self::Free(device) => device.velocity(),
             Self::Held(device) => device.velocity(),
+            Self::Recorded(device) => device.velocity(),
             Self::Linkage { device, .. } => device.velocity(),
         }
     }
@@ -168,6 +178,7 @@ impl Device for Plant {
         match self {
             Self::Free(device) => device.advance(force_on_object, duration),
             Self::Held(device) => device.advance(force_on_object, duration),
+            Self::Recorded(device) => device.advance(force_on_object, duration),
             Self::Linkage { device, .. } => device.advance(force_on_object, duration),
         }
     }
@@ -182,6 +193,7 @@ impl Device for Plant {
         match self {
             Self::Free(device) => device.stored_energy(),
             Self::Held(device) => device.stored_energy(),
+            Self::Recorded(device) => device.stored_energy(),
             Self::Linkage { device, .. } => device.stored_energy(),
         }
     }

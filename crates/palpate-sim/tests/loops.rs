@@ -75,6 +75,7 @@ prop_compose! {
             },
             linkage: None,
             told_device_mass: None,
+            recorded_hand: None,
             grip: None,
             tremor: None,
             release: None,

@@ -10,6 +10,7 @@ use palpate_sim::heights::over_heights;
 use palpate_sim::method::{Damping, MethodName, Settings};
 use palpate_sim::scene::SceneFile;
 use palpate_sim::suite::{Column, DELAYS, Judged, RandomPlant, quantile, run, summary};
+use palpate_sim::tune::{Objective, best as tuned_best, tune};
 use rayon::prelude::*;
 
 fn plants(seed: u64, count: usize) -> Vec<RandomPlant> {
@@ -293,6 +294,30 @@ method = \"hfcr\"
             "column a: damping_n_s_per_m: seh cannot use it; it is for virtual-damper, hfcr",
         ),
         ("[a", "TOML parse error at line 1"),
+        (
+            "[a]\nmethod = \"coupled\"\ndamping_over_k_t = 1",
+            "column a: coupled has no damping; virtual-damper, hfcr have",
+        ),
+        (
+            "[a]\nmethod = \"hfcr\"\ndamping_over_k_t = []",
+            "damping_over_k_t is one number or a list of them, finite and not below 0",
+        ),
+        (
+            "[a]\nmethod = \"hfcr\"\ndamping_n_s_per_m = [1, -2]",
+            "damping_n_s_per_m is one number or a list of them, finite and not below 0",
+        ),
+        (
+            "[a]\nmethod = \"hfcr\"\ndamping_n_s_per_m = 1\ndamping_over_k_t = 1",
+            "damping_n_s_per_m and damping_over_k_t are both its damping; one of them is needed",
+        ),
+        (
+            "[a]\nmethod = \"hfcr\"\nguard = { mod = \"limit\" }",
+            "column a: guard: unknown key mod",
+        ),
+        (
+            "[a]\nmethod = \"hfcr\"\nguard = { mode = \"on\" }",
+            "column a: guard: ",
+        ),
     ] {
         let error = Column::parse(text).unwrap_err().to_string();
         assert!(error.contains(message), "{text:?}: {error}");
@@ -300,11 +325,110 @@ method = \"hfcr\"
 }
 
 #[test]
+fn of_a_list_of_dampings_the_best_on_each_plant_counts() {
+    let ratios = [0.0, 0.3, 1.0];
+    let mut text: String = ratios
+        .iter()
+        .map(|ratio| {
+            format!("[\"{ratio}\"]\nmethod = \"virtual-damper\"\ndamping_over_k_t = {ratio}\n")
+        })
+        .collect();
+    text.push_str("[best]\nmethod = \"virtual-damper\"\ndamping_over_k_t = [0, 0.3, 1]\n");
+    text.push_str("[given]\nmethod = \"virtual-damper\"\ndamping_n_s_per_m = [2.5, 1]\n");
+    let columns = Column::parse(&text).unwrap();
+    let judged = run(1, 12, &columns, || ()).unwrap();
+    let mut chosen = std::collections::BTreeSet::new();
+    for one in &judged {
+        let scene = &one.plant.scene;
+        let impedance = scene.contact.stiffness * scene.loop_params.period;
+        for trials in one.trials.chunks(columns.len()) {
+            let error = |column: usize| trials[column].fidelity.mean_force_error;
+            let least = (0..3)
+                .min_by(|a, b| error(*a).total_cmp(&error(*b)))
+                .unwrap();
+            assert_eq!(trials[3].fidelity, trials[least].fidelity);
+            assert_eq!(trials[3].damping, Some(ratios[least] * impedance));
+            assert_eq!(trials[3].force, trials[least].force);
+            assert!([Some(2.5), Some(1.0)].contains(&trials[4].damping));
+            chosen.insert(least);
+        }
+    }
+    assert_eq!(chosen.len(), 3, "no ratio is best everywhere");
+    // A single ratio is a setting like others.
+    let plain = Column {
+        settings: common::damping(judged[0].trials[1].damping.unwrap()),
+        ..Column::of(MethodName::VirtualDamper)
+    };
+    let same = run(1, 1, &[plain], || ()).unwrap();
+    assert_eq!(same[0].trials[0].fidelity, judged[0].trials[1].fidelity);
+    assert_eq!(same[0].trials[0].damping, None);
+}
+
+#[test]
+fn over_heights_the_damping_of_least_median_is_the_scene_s() {
+    // The scene's own B is the best at its own height, and far from it at others.
+    let scene = scene("fig2");
+    let impedance = scene.contact.stiffness * scene.loop_params.period;
+    let Some(Damping::Value(own)) = scene.settings[&MethodName::VirtualDamper].damping else {
+        panic!("a tuned damper");
+    };
+    let ratios = [0.0, 0.2, 0.38, own / impedance, 0.7];
+    let text = format!(
+        "[each]\nmethod = \"virtual-damper\"\ndamping_over_k_t = {ratios:?}\n\n\
+         [coupled]\nmethod = \"coupled\"\n"
+    );
+    let found = over_heights(&scene, &Column::parse(&text).unwrap(), || ()).unwrap();
+    let values: Vec<f64> = ratios.iter().map(|ratio| ratio * impedance).collect();
+    let points = tune(&scene, MethodName::VirtualDamper, &values, || ()).unwrap();
+    let best = tuned_best(&points, Objective::Error).unwrap();
+    assert_eq!(found[0].damping, Some(best.value));
+    assert_eq!(found[0].error, best.mean_force_error);
+    let own = |point: &palpate_sim::tune::TunedPoint| point.mean_force_error.own;
+    let at_own = points.iter().min_by(|a, b| own(a).total_cmp(&own(b)));
+    assert_ne!(
+        at_own.unwrap().value,
+        best.value,
+        "another would be best there"
+    );
+    assert_eq!(found[1].damping, None);
+}
+
+#[test]
+fn a_guard_of_a_column_holds_back_and_is_counted() {
+    let text = "\
+[bare]
+method = \"coupled\"
+
+[seen]
+method = \"coupled\"
+guard = { mode = \"report\" }
+
+[guarded]
+method = \"coupled\"
+guard = { mode = \"limit\", speed_m_per_s = 2 }
+";
+    let columns = Column::parse(text).unwrap();
+    let judged = run(1, 10, &columns, || ()).unwrap();
+    let of = |column| summary(&judged, column, 0).unwrap();
+    let (bare, seen, guarded) = (of(0), of(1), of(2));
+    assert_eq!((bare.held_back, bare.limited), (0, 0.0));
+    assert_eq!(seen.error, bare.error);
+    assert!(
+        guarded.held_back > 2 && guarded.limited > 0.0,
+        "{guarded:?}"
+    );
+    assert!(guarded.error[2] > bare.error[2]);
+    let counted: usize = judged.iter().map(|one| one.trials[2].limited).sum();
+    let samples: usize = judged.iter().map(|one| one.trials[2].samples).sum();
+    assert!((guarded.limited - counted as f64 / samples as f64).abs() < 1e-15);
+}
+
+#[test]
 fn a_column_that_cannot_be_run_is_named() {
     let column = Column {
         name: "wrong".into(),
-        method: MethodName::Hfcr,
         settings: common::damping(-1.0),
+        ..Column::of(MethodName::Hfcr)
     };
     let error = run(1, 1, &[column], || ()).unwrap_err().to_string();
     assert!(

@@ -164,7 +164,7 @@ pub struct Flags {
     pub guard_allowance: Option<f64>,
 
     /// Method: all, or one or more, separated by commas, of basic, seh, virtual-damper, popc,
-    /// popc-ref, hfcr-mod, hfcr-mod-st, hfcr, coupled [default: hfcr, or the scene's]
+    /// popc-ref, hfcr-mod, hfcr-mod-st, hfcr, coupled [default: coupled, or the scene's]
     #[arg(long, value_name = "NAMES", value_parser = methods, help_heading = "Method")]
     pub method: Option<Methods>,
     /// B of virtual-damper [default: K T/2], or b of hfcr [default: 0; auto derives it] [N s/m]

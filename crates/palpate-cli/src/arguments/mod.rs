@@ -1,8 +1,10 @@
 //! Command-line arguments. The flags of contact, method and device are the same on every command.
 
 mod flags;
+mod replay;
 
 pub use flags::{Flags, TimingFlags};
+pub use replay::{ReplayFlags, ReplayKind};
 
 use std::path::PathBuf;
 
@@ -57,16 +59,25 @@ palpate render <TRACE.csv> --stiffness <N/m> --mass <kg|inf> --period <s> [OPTIO
     #[command(long_about = "\
 Render a recorded motion.
 
-The recording drives the virtual object; it cannot be pushed back. Each sample gets the force the \
-method would have held, and the energy ledger says what that force would have leaked on this very \
-motion. The ideal it is held against is the same object, driven in continuous time by the \
-recording at its full rate, straight lines between its samples. Where the loop's period is a \
-multiple of the recording's, samples are taken exactly; else they are interpolated on the same \
-lines.")]
+Motion replay, the default: the recording drives the virtual object; it cannot be pushed back. Each \
+sample gets the force the method would have held, and the energy ledger says what that force would \
+have leaked on this very motion. The ideal it is held against is the same object, driven in continuous \
+time by the recording at its full rate, straight lines between its samples. Where the loop's period is \
+a multiple of the recording's, samples are taken exactly; else they are interpolated on the same \
+lines.
+
+Hand replay, --replay hand: the force of the hand on a device of --device-mass is estimated from the \
+motion, and the loop is closed again: the device moves under that hand and the new force. What force \
+the motor held while the motion was recorded stands in the column force_on_device_n of the trace, from \
+each sample until the next; without the column it is taken to have been off. The report says how well \
+the hand is known. Nothing in a recording says what the hand would have done elsewhere: by default its \
+force stays what it was, and a push that it did not have carries the device off for good; \
+--hand-stiffness and --hand-damping let it hold on to its motion. Times count from the first sample.")]
     #[command(after_help = "\
 Examples:
   palpate render tap.csv --stiffness 400 --mass 0.1 --period 0.01 --force -0.981 --out run.csv
   palpate render tap.csv --stiffness 400 --mass inf --period 0.001 --method all --plot tap.svg
+  palpate render tap.csv --stiffness 400 --mass 0.1 --period 0.01 --replay hand --device-mass 0.2
   record | palpate render - --stiffness 400 --mass 0.1 --period 0.01 --json")]
     Render(RenderArguments),
     /// Simulate a scene in closed loop, and compare it with its ideal
@@ -101,7 +112,8 @@ Examples:
     Compare(CompareArguments),
     /// Render live: positions in, forces on the device out, line by line
     #[command(override_usage = "\
-palpate pipe --stiffness <N/m> --mass <kg|inf> --period <s> [OPTIONS]")]
+palpate pipe --stiffness <N/m> --mass <kg|inf> --period <s> --device-mass <kg> [OPTIONS]
+       palpate pipe --scene <SCENE.toml> [OPTIONS]")]
     #[command(long_about = "\
 Render live: positions in, forces on the device out, line by line.
 
@@ -114,6 +126,10 @@ the motor as it is and held until the next line.
      <--------|
   force on the device: negative while the object pushes back
 
+The default method, coupled, predicts the device together with the object, so it has to know about how \
+heavy your device is where you hold it: --device-mass within a factor of 2, or the device of a --scene. \
+The other methods need no mass.
+
 With times, the measured period is used; without, each line comes one --period after the last. A \
 first line that is the header `position_m` or `t_s,position_m` gets no answer. A line that is not a \
 sample is answered by 0 and a message on standard error, and the pipe lives on. So is a line whose \
@@ -121,8 +137,9 @@ time does not come after that of the line before; the clock goes on from there. 
 many lines later the force really acts; it is printed at once all the same. When the input ends, a summary of the energy ledger goes to standard error.")]
     #[command(after_help = "\
 Examples:
-  my-device | palpate pipe --stiffness 400 --mass 0.1 --period 0.001 --force -0.981
-  printf '0\\n0.001\\n0.002\\n' | palpate pipe --stiffness 1000 --mass inf --period 0.001")]
+  my-device | palpate pipe --stiffness 400 --mass 0.1 --period 0.001 --device-mass 0.2
+  my-device | palpate pipe --scene experiments/experiment1.toml --method coupled
+  printf '0\\n0.001\\n' | palpate pipe --stiffness 1000 --mass inf --period 0.001 --method hfcr")]
     Pipe(PipeArguments),
     /// Say what is in a recording, and what is missing from it
     #[command(long_about = "\
@@ -190,7 +207,10 @@ the number of plants; so is every digit of the results, whatever the number of t
 (RAYON_NUM_THREADS).
 
 --columns names variants of methods to compare: a TOML file with a table for each, its name that \
-of the column, with `method` and the settings that scenes have under [methods.NAME].")]
+of the column, with `method` and the settings that scenes have under [methods.NAME]. In place of a \
+damping may stand a list of dampings, or `damping_over_k_t`, one number or a list: of a list the one \
+that is best on each plant counts, which is found with knowledge of the ideal. A column may have a \
+`guard`, too.")]
     #[command(after_help = "\
 Examples:
   palpate suite --plants 40
@@ -267,6 +287,9 @@ pub struct RenderArguments {
     /// Contact, loop, method and device.
     #[command(flatten)]
     pub flags: Flags,
+    /// Motion or hand.
+    #[command(flatten)]
+    pub replay: ReplayFlags,
     /// Where results go.
     #[command(flatten)]
     pub results: Results,
@@ -309,6 +332,9 @@ pub struct CompareArguments {
 /// Arguments of `pipe`.
 #[derive(Args, Debug)]
 pub struct PipeArguments {
+    /// Scene file (TOML) for contact, loop, method and device mass; flags change its values
+    #[arg(long, value_name = "SCENE.toml", value_hint = ValueHint::FilePath)]
+    pub scene: Option<PathBuf>,
     /// Contact, loop, method and device.
     #[command(flatten)]
     pub flags: Flags,

@@ -54,7 +54,9 @@ pub fn run(arguments: &FigureArguments) -> Result<(), Failure> {
     let progress = Progress::new(1);
     progress.begin(name);
     let (mut report, figure, comparison) = match arguments.figure {
-        FigureName::Fig2 => fig2().map(|(report, figure)| (report, Sheet::from(&figure), None))?,
+        FigureName::Fig2 => {
+            fig2(&[]).map(|(report, figure)| (report, Sheet::from(&figure), None))?
+        }
         FigureName::Fig4 => experiment(FIG4, &MEASURED_1)?,
         FigureName::Fig5 => experiment(FIG5, &MEASURED_2)?,
     };
@@ -68,17 +70,20 @@ pub fn run(arguments: &FigureArguments) -> Result<(), Failure> {
     })
 }
 
-/// Fig. 2: the block on the light device, step by step from the basic model to HFCR.
-pub fn fig2() -> Result<(Report, Figure), Failure> {
+/// Fig. 2: the block on the light device, step by step from the basic model to HFCR,
+/// and then what is shown `besides`.
+pub fn fig2(besides: &[(MethodName, &'static str)]) -> Result<(Report, Figure), Failure> {
     const STEPS: [(MethodName, &str); 4] = [
         (MethodName::Basic, "basic model"),
         (MethodName::HfcrMod, "modified force"),
         (MethodName::HfcrModSt, "+ smooth transitions"),
         (MethodName::Hfcr, "+ leak dissipation"),
     ];
+    let columns = [&STEPS, besides].concat();
+    let methods: Vec<MethodName> = columns.iter().map(|(method, _)| *method).collect();
     let file = SceneFile::parse("fig2.toml", FIG2).map_err(Failure::input)?;
-    let (bench, runs) = simulate(&file.scene, &STEPS.map(|(method, _)| method))?;
-    let steps: Vec<_> = STEPS
+    let (bench, runs) = simulate(&file.scene, &methods)?;
+    let steps: Vec<_> = columns
         .iter()
         .zip(&runs)
         .map(|((_, name), run)| (*name, run))

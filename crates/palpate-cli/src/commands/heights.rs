@@ -12,7 +12,7 @@ use super::simulate::{explain, read_scene};
 use crate::arguments::{Flags, HeightsArguments, TimingFlags};
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::report::{lines, number, percent, plain_table};
+use crate::report::{digits, lines, number, percent, plain_table};
 use crate::results::print;
 
 /// Judges every column on every scene.
@@ -88,6 +88,9 @@ struct ColumnReport {
     force_rendering_error_percent: f64,
     error_over_floor: Option<f64>,
     diverged: usize,
+    /// Of a column that chooses.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    damping_n_s_per_m: Option<f64>,
 }
 
 #[derive(Serialize)]
@@ -117,6 +120,7 @@ impl SceneReport {
                     force_rendering_error_percent: found.own.force_rendering_error,
                     error_over_floor: found.own.error_over_floor,
                     diverged: found.diverged,
+                    damping_n_s_per_m: found.damping,
                 })
                 .collect(),
         }
@@ -145,12 +149,18 @@ impl fmt::Display for Report {
                 "worst",
                 "FRE % own",
                 "diverged",
+                "best B",
             ];
-            let mut table = plain_table(CellAlignment::Left, &header);
+            let chosen = scene
+                .columns
+                .iter()
+                .any(|column| column.damping_n_s_per_m.is_some());
+            let header = &header[..header.len() - usize::from(!chosen)];
+            let mut table = plain_table(CellAlignment::Left, header);
             for column in &scene.columns {
                 let error = &column.mean_force_error_percent;
                 let hundredths = |value: f64| number(Some(value), |value| format!("{value:.2}"));
-                table.add_row(vec![
+                let mut cells = vec![
                     (&*column.name).into(),
                     hundredths(error.own),
                     hundredths(error.median),
@@ -159,7 +169,11 @@ impl fmt::Display for Report {
                     number(Some(column.diverged as f64), |count| {
                         format!("{count} of {}", self.start_heights)
                     }),
-                ]);
+                ];
+                if chosen {
+                    cells.push(number(column.damping_n_s_per_m, digits));
+                }
+                table.add_row(cells);
             }
             writeln!(f, "{}", lines(&table))?;
         }

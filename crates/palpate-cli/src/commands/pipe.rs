@@ -8,10 +8,11 @@ use palpate_sim::method::MethodName;
 use palpate_testbed::hold::DelayedHold;
 use serde::Serialize;
 
+use super::simulate::read_scene;
 use crate::arguments::PipeArguments;
 use crate::failure::{Failure, tell};
 use crate::report::{counted, digits};
-use crate::setup::{wrong_flag, wrong_setup};
+use crate::setup::{check_contact, wrong_flag, wrong_setup};
 
 /// Longest line that is read as a sample `[bytes]`; the rest of a longer one is skipped.
 const LONGEST_LINE: u64 = 4096;
@@ -19,17 +20,27 @@ const LONGEST_LINE: u64 = 4096;
 /// Answers every line of standard input until it ends.
 pub fn run(arguments: &PipeArguments) -> Result<(), Failure> {
     let flags = &arguments.flags;
-    let methods = flags.methods(MethodName::Hfcr);
+    let scene = arguments.scene.as_deref().map(read_scene).transpose()?;
+    let methods = flags.methods(
+        scene
+            .as_ref()
+            .map_or_else(MethodName::default, |file| file.scene.method),
+    );
     let &[method] = methods.as_slice() else {
         return Err(Failure::Arguments(
             "pipe renders by one method; name it with --method".into(),
         ));
     };
     flags.check_settings(&methods)?;
-    let setup = flags.replay_setup("pipe")?;
+    let (setup, settings) = match scene {
+        Some(file) => flags.live_setup(file.scene, method)?,
+        None => (flags.replay_setup("pipe")?, flags.settings()),
+    };
+    // Contact and loop first: what is wrong with them is wrong whatever the method.
+    check_contact(&setup)?;
     // The first line says where the device is; until then the object is taken as untouched.
     let params = setup
-        .params(method, &flags.settings(), setup.object.position, false)
+        .params(method, &settings, setup.object.position, false)
         .map_err(|error| wrong_setup(&error.into()))?;
     let renderer: AnyRenderer<f64> = Renderer::new(setup.contact, setup.known_loop(), params)
         .map_err(|error| wrong_flag(&error))?;

@@ -14,7 +14,7 @@ use crate::failure::Failure;
 use crate::plots::{self, Recorded};
 use crate::progress::Progress;
 use crate::recorded::{open, whole_or_said};
-use crate::report::{MotionReplay, Report, Subject};
+use crate::report::{FromRecording, Replayed, Report, Subject};
 use crate::results::deliver;
 use crate::setup::{receipt, wrong_flag, wrong_on_bench, wrong_setup};
 
@@ -96,9 +96,10 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
         delay: setup.delay,
         timing: Timing::default(),
     };
-    let report = Report::new(&subject, replay.reference(), &runs).of_motion_replay(MotionReplay {
-        kind: "motion",
-        recording: name.clone(),
+    let mut report = Report::new(&subject, replay.reference(), &runs);
+    report.replayed(Replayed::Motion);
+    report.from_recording(FromRecording {
+        file: name.clone(),
         recorded_method: file.scene.method.name(),
         complete: recording.complete,
         ticks: recording.ticks,

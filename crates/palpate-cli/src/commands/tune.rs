@@ -28,8 +28,10 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
         ));
     };
     flags.check_settings(&methods)?;
-    let setting = tune::tunable(method)
-        .ok_or_else(|| Failure::Arguments(TuneError::NothingToTune(method).to_string()))?;
+    let setting = tune::tunable(method).ok_or_else(|| {
+        let nothing = TuneError::NothingToTune(method);
+        Failure::Arguments(format!("{nothing}; name one with --method"))
+    })?;
     if flags.settings().has(setting) {
         return Err(Failure::Arguments(format!(
             "{} is what tune looks for; say where with --from and --to",

@@ -2,12 +2,14 @@
 
 pub mod compare;
 mod parameters;
+mod recording;
 mod replayed;
 mod text;
 mod timing;
 
 pub use parameters::of as parameters_of;
-pub use replayed::MotionReplay;
+pub use recording::FromRecording;
+pub use replayed::Replayed;
 pub use text::{counted, digits, lines, number, percent, plain_table, short};
 pub use timing::of as timing_of;
 
@@ -26,9 +28,6 @@ const FORMAT: &str = "palpate report 1";
 pub struct Report {
     format: &'static str,
     title: String,
-    /// What was replayed, if anything was.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    replay: Option<MotionReplay>,
     stiffness_n_per_m: f64,
     object_mass_kg: Mass<f64>,
     side: Side,
@@ -39,6 +38,12 @@ pub struct Report {
     kappa: Option<f64>,
     object_kappa: f64,
     delay_samples: usize,
+    /// Of a recording.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    replay: Option<Replayed>,
+    /// Of a recording that a loop has made.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    recording: Option<FromRecording>,
     /// What else is not perfect about the loop.
     #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
     timing: serde_json::Map<String, Value>,
@@ -154,7 +159,6 @@ impl Report {
         Self {
             format: FORMAT,
             title: subject.title.clone(),
-            replay: None,
             stiffness_n_per_m: subject.contact.stiffness,
             object_mass_kg: subject.contact.object_mass,
             side: subject.contact.side,
@@ -166,6 +170,8 @@ impl Report {
                 .map(|difficulty| difficulty.kappa),
             object_kappa: difficulty.map_or(0.0, |difficulty| difficulty.object_kappa),
             delay_samples: subject.delay,
+            replay: None,
+            recording: None,
             timing: timing::of(&subject.timing),
             delay_fraction: subject.timing.delay_fraction,
             timing_in_words: timing::in_words(&subject.timing),
@@ -187,12 +193,14 @@ impl Report {
         }
     }
 
-    /// The report, as one of a motion replay.
-    pub fn of_motion_replay(self, replay: MotionReplay) -> Self {
-        Self {
-            replay: Some(replay),
-            ..self
-        }
+    /// Says what of a recording was replayed.
+    pub fn replayed(&mut self, replayed: Replayed) {
+        self.replay = Some(replayed);
+    }
+
+    /// Says which recording that was.
+    pub fn from_recording(&mut self, recording: FromRecording) {
+        self.recording = Some(recording);
     }
 
     /// Adds a file that was written.

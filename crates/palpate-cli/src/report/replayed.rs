@@ -1,58 +1,112 @@
-//! What a report says of the recording whose motion was replayed.
+//! What of a recording was replayed, and how well it is known.
 
-use std::fmt;
-
+use palpate_sim::hand_replay::RecordedHand;
 use serde::Serialize;
 
-use super::text::{counted, digits};
+use super::digits;
 
-/// A motion replay, and what it is a replay of.
-#[derive(Debug, Serialize)]
-pub struct MotionReplay {
-    /// What was replayed: the motion, not the hand that made it.
-    pub kind: &'static str,
-    /// The recording.
-    pub recording: String,
-    /// Method of the scene in its receipt.
-    pub recorded_method: &'static str,
-    /// Whether it is complete.
-    pub complete: bool,
-    /// Ticks that it has.
-    pub ticks: u64,
-    /// Ticks that it has not.
-    pub ticks_lost: u64,
-    /// Ticks that have no position to replay.
-    pub ticks_without_position: u64,
-    /// Changes of parameters while it was made, none of which the replay makes.
-    pub parameter_changes: u32,
-    /// Strongest force that was sent `[N]`.
-    pub recorded_peak_force_n: f64,
-    /// Leak of the held force, as the recorded loop booked it `[J]`.
-    pub recorded_leak_held_j: f64,
+/// A recorded motion, or the hand that made it.
+#[derive(Debug, Clone, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Replayed {
+    /// The device goes where it went.
+    Motion,
+    /// The device moves under the new force.
+    Hand(HandReport),
 }
 
-impl fmt::Display for MotionReplay {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "motion replay: the device moves as recorded, whatever the force\nrecorded by {} in {}: \
-             peak {} N, leak {} mJ",
-            self.recorded_method,
-            counted(self.ticks, "tick"),
-            digits(self.recorded_peak_force_n),
-            digits(1e3 * self.recorded_leak_held_j),
-        )?;
-        if self.ticks_lost > 0 {
-            write!(f, "; {} lost", counted(self.ticks_lost, "tick"))?;
-        }
-        if self.ticks_without_position > 0 {
-            let count = counted(self.ticks_without_position, "tick");
-            write!(f, "; {count} without a position, passed over")?;
-        }
-        if self.parameter_changes > 0 {
-            let count = counted(self.parameter_changes, "change");
-            write!(f, "; {count} of parameters, not made here")?;
-        }
-        Ok(())
+/// The estimate of a hand.
+#[derive(Debug, Clone, Serialize)]
+pub struct HandReport {
+    /// Whether the recording says what force was held.
+    force_recorded: bool,
+    hand_bandwidth_hz: f64,
+    position_noise_m: f64,
+    hand_force_n: f64,
+    hand_force_deviation_n: f64,
+    given_back_within_m: f64,
+    hand_stiffness_n_per_m: f64,
+    hand_damping_n_s_per_m: f64,
+    /// How far each method's device got from its recorded motion.
+    largest_departure_m: Vec<f64>,
+}
+
+impl Replayed {
+    /// A hand whose device got so far from its recorded motion `[m]`, method by method.
+    pub fn hand(hand: &RecordedHand, force_recorded: bool, departures: Vec<f64>) -> Self {
+        let (known, model) = (hand.uncertainty(), hand.model());
+        Self::Hand(HandReport {
+            force_recorded,
+            hand_bandwidth_hz: known.bandwidth,
+            position_noise_m: known.position_noise,
+            hand_force_n: known.force,
+            hand_force_deviation_n: known.force_deviation,
+            given_back_within_m: known.given_back_within,
+            hand_stiffness_n_per_m: model.stiffness,
+            hand_damping_n_s_per_m: model.damping,
+            largest_departure_m: departures,
+        })
+    }
+
+    /// In words, for a terminal.
+    pub(super) fn in_words(&self) -> String {
+        let hand = match self {
+            Self::Motion => {
+                return "motion replay: the device goes where it went, whatever the force (1/m = 0)".into();
+            }
+            Self::Hand(hand) => hand,
+        };
+        let micrometres = |metres: f64| digits(1e6 * metres);
+        let motor = if hand.force_recorded {
+            "recorded force"
+        } else {
+            "motor off"
+        };
+        let holds_on = match (hand.hand_stiffness_n_per_m, hand.hand_damping_n_s_per_m) {
+            (0.0, 0.0) => "its force is the same wherever the device goes".into(),
+            (stiffness, damping) => {
+                format!("it holds on to its motion with {stiffness} N/m and {damping} N s/m")
+            }
+        };
+        let departed = hand.largest_departure_m.iter().copied().fold(0.0, f64::max);
+        format!(
+            "hand replay ({motor}): the hand's force, {} N rms, is known to ±{} N (1 sigma, up to {} Hz);\n\
+             it gives the recorded motion back within {} um; {holds_on};\n\
+             the device leaves the recorded motion by up to {} mm",
+            digits(hand.hand_force_n),
+            digits(hand.hand_force_deviation_n),
+            digits(hand.hand_bandwidth_hz),
+            micrometres(hand.given_back_within_m),
+            digits(1e3 * departed),
+        )
+    }
+
+    /// For the receipt of a run file.
+    pub fn receipt(&self) -> Vec<(String, String)> {
+        let hand = match self {
+            Self::Motion => return vec![("replay".into(), "motion".into())],
+            Self::Hand(hand) => hand,
+        };
+        let mut lines = vec![("replay".to_owned(), "hand".to_owned())];
+        lines.extend(
+            [
+                ("force_recorded", hand.force_recorded.to_string()),
+                ("hand_bandwidth_hz", hand.hand_bandwidth_hz.to_string()),
+                (
+                    "hand_force_deviation_n",
+                    hand.hand_force_deviation_n.to_string(),
+                ),
+                (
+                    "hand_stiffness_n_per_m",
+                    hand.hand_stiffness_n_per_m.to_string(),
+                ),
+                (
+                    "hand_damping_n_s_per_m",
+                    hand.hand_damping_n_s_per_m.to_string(),
+                ),
+            ]
+            .map(|(name, value)| (name.to_owned(), value)),
+        );
+        lines
     }
 }

@@ -11,10 +11,13 @@ use super::{CollisionReport, MethodReport, Report};
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", self.title)?;
-        if let Some(replay) = &self.replay {
-            writeln!(f, "{replay}")?;
+        if let Some(recording) = &self.recording {
+            writeln!(f, "{recording}")?;
         }
         writeln!(f, "{}", self.conditions())?;
+        if let Some(replayed) = &self.replay {
+            writeln!(f, "{}", replayed.in_words())?;
+        }
         if !self.timing_in_words.is_empty() {
             let samples = counted(self.samples, "sample");
             writeln!(f, "{}: {samples}", self.timing_in_words)?;

@@ -172,6 +172,7 @@ impl Bounce {
             user_force: self.user_force(),
             linkage: None,
             grip: None,
+            recorded_hand: None,
             tremor: None,
             release: None,
             told_device_mass: None,

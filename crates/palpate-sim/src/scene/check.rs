@@ -77,6 +77,31 @@ impl Scene {
                 );
             }
         }
+        if self.recorded_hand.is_some() {
+            let amplitude = |wave: super::Wave| wave.amplitude;
+            let other_hand = [
+                ("user force", "N", self.user_force),
+                ("viscous friction", "N s/m", self.device.viscous_friction),
+                ("Coulomb friction", "N", self.device.coulomb_friction),
+                ("motor limit", "N", self.device.largest_force.unwrap_or(0.0)),
+                ("tremor", "N", self.tremor.map_or(0.0, amplitude)),
+                ("release", "s", self.release.map_or(0.0, f64::abs)),
+                (
+                    "hand stiffness",
+                    "N/m",
+                    self.grip.as_ref().map_or(0.0, |grip| grip.stiffness),
+                ),
+            ];
+            for (parameter, unit, value) in other_hand {
+                if value != 0.0 {
+                    return out_of_range(parameter, unit, value, "left out beside a recorded hand");
+                }
+            }
+            if self.linkage.is_some() {
+                let allowed = "that of a point mass beside a recorded hand";
+                return out_of_range("device_mass", "kg", self.device.mass, allowed);
+            }
+        }
         if let Some(release) = self.release {
             if self.linkage.is_some() {
                 let allowed = "left out for a pantograph";

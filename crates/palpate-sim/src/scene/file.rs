@@ -298,10 +298,11 @@ impl SceneFile {
             tremor,
             release,
             grip,
+            recorded_hand: None,
             delay,
             timing,
             measure,
-            method: raw.renderer.method.unwrap_or(MethodName::Hfcr),
+            method: raw.renderer.method.unwrap_or_default(),
             settings,
         };
         let file = Self {

@@ -34,6 +34,7 @@ use palpate::{
 
 use palpate_testbed::recorded_path::RecordedPath;
 
+use crate::hand_replay::RecordedHand;
 use crate::method::{Basis, MethodName, Settings, SettingsError};
 
 /// A closed loop to simulate: everything but the choice of the method is fixed.
@@ -60,6 +61,8 @@ pub struct Scene {
     pub linkage: Option<Linkage>,
     /// The hand's own mass, spring and damper, if it has any.
     pub grip: Option<Grip>,
+    /// A recorded hand in place of every other ([`hand_replay`](crate::hand_replay)); no scene file has one.
+    pub recorded_hand: Option<Arc<RecordedHand>>,
     /// Tremor force of the hand, its amplitude in `[N]`.
     pub tremor: Option<Wave>,
     /// When the hand lets go of the device, for good `[s]`.

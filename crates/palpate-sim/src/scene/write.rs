@@ -31,6 +31,7 @@ impl Scene {
             user_force,
             linkage,
             grip,
+            recorded_hand,
             tremor,
             release,
             delay,
@@ -55,6 +56,9 @@ impl Scene {
             delay: _,
             guard,
         } = *loop_params;
+        if recorded_hand.is_some() {
+            return Err(Unwritable("what a recorded hand did"));
+        }
         if grip.as_ref().is_some_and(|grip| grip.intention.is_some()) {
             return Err(Unwritable("where a hand wants to be at every instant"));
         }

@@ -4,8 +4,10 @@ use std::collections::HashMap;
 
 use serde::Deserialize;
 
-use crate::method::{MethodName, Settings, SettingsError};
-use crate::scene::{RawSettings, in_plain_words};
+use palpate::Guard;
+
+use crate::method::{Damping, MethodName, Setting, Settings, SettingsError};
+use crate::scene::{GUARD_ALLOWANCE, GUARD_SPEED, GuardMode, RawSettings, Scene, in_plain_words};
 
 /// A method with settings, under a name of its own.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +18,33 @@ pub struct Column {
     pub method: MethodName,
     /// Its settings; what is missing takes its default.
     pub settings: Settings,
+    /// Dampings to choose from in place of that of the settings: on each scene the best counts,
+    /// which is found with knowledge of the ideal.
+    pub dampings: Option<Dampings>,
+    /// A guard in place of the scene's.
+    pub guard: Option<Guard<f64>>,
+}
+
+/// Values of a method's damping.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Dampings {
+    /// As they are `[N s/m]`.
+    Given(Vec<f64>),
+    /// Over the scene's stiffness times its period.
+    OverImpedance(Vec<f64>),
+}
+
+impl Dampings {
+    /// The dampings on a scene `[N s/m]`.
+    fn on(&self, scene: &Scene) -> Vec<f64> {
+        match self {
+            Self::Given(dampings) => dampings.clone(),
+            Self::OverImpedance(ratios) => {
+                let impedance = scene.contact.stiffness * scene.loop_params.period;
+                ratios.iter().map(|ratio| ratio * impedance).collect()
+            }
+        }
+    }
 }
 
 /// A fault in a file of columns.
@@ -44,11 +73,40 @@ impl Column {
             name: method.name().into(),
             method,
             settings: Settings::default(),
+            dampings: None,
+            guard: None,
         }
     }
 
+    /// What it may be on `scene`, whose settings count where the column leaves them open: the scene
+    /// once for each of its dampings, and that damping `[N s/m]` if there is a choice.
+    pub(crate) fn candidates(&self, scene: &Scene) -> Vec<(Option<f64>, Scene)> {
+        let with = |settings: Settings| {
+            let mut varied = scene.clone();
+            varied.loop_params.guard = self.guard.unwrap_or(varied.loop_params.guard);
+            let entry = varied.settings.entry(self.method).or_default();
+            *entry = settings.or(*entry);
+            varied
+        };
+        let Some(dampings) = &self.dampings else {
+            return vec![(None, with(self.settings))];
+        };
+        let values = dampings.on(scene).into_iter();
+        values
+            .map(|value| {
+                let settings = Settings {
+                    damping: Some(Damping::Value(value)),
+                    ..self.settings
+                };
+                (Some(value), with(settings))
+            })
+            .collect()
+    }
+
     /// Reads columns from TOML: a table each, its name that of the column, with a `method` and the
-    /// keys that scenes have under `[methods.NAME]`. They keep the order of the file.
+    /// keys that scenes have under `[methods.NAME]`. In place of a damping may stand a list of them, or
+    /// `damping_over_k_t`, one or a list; of a list the best on each scene counts. `guard` is as under
+    /// `[renderer]`. They keep the order of the file.
     ///
     /// # Errors
     /// Text that is no TOML, no column, a method that is missing or unknown, a key that no method
@@ -84,6 +142,18 @@ impl Column {
             .ok_or_else(|| wrong("its method is a name in quotes".into()))?
             .parse::<MethodName>()
             .map_err(|error| wrong(error.to_string()))?;
+        let dampings = dampings(&mut keys).map_err(wrong)?;
+        if dampings.is_some() && !method.uses(Setting::Damping) {
+            return Err(wrong(format!(
+                "{method} has no damping; {} have",
+                Setting::Damping.users()
+            )));
+        }
+        let guard = keys
+            .remove("guard")
+            .map(RawGuard::deserialize)
+            .transpose()
+            .map_err(|error| wrong(format!("guard: {}", in_plain_words(error.message()))))?;
         let settings: Settings = RawSettings::deserialize(keys)
             .map_err(|error| wrong(in_plain_words(error.message())))?
             .into();
@@ -99,6 +169,66 @@ impl Column {
             name: name.into(),
             method,
             settings,
+            dampings,
+            guard: guard.map(RawGuard::guard),
         })
+    }
+}
+
+/// A guard, as scenes have it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawGuard {
+    mode: GuardMode,
+    speed_m_per_s: Option<f64>,
+    allowance_j: Option<f64>,
+}
+
+impl RawGuard {
+    fn guard(self) -> Guard<f64> {
+        self.mode.guard(
+            self.speed_m_per_s.unwrap_or(GUARD_SPEED),
+            self.allowance_j.unwrap_or(GUARD_ALLOWANCE),
+        )
+    }
+}
+
+/// Takes the dampings to choose from out of the keys of a column.
+fn dampings(keys: &mut toml::Table) -> Result<Option<Dampings>, String> {
+    const GIVEN: &str = "damping_n_s_per_m";
+    const RATIO: &str = "damping_over_k_t";
+    if keys.contains_key(GIVEN) && keys.contains_key(RATIO) {
+        return Err(format!(
+            "{GIVEN} and {RATIO} are both its damping; one of them is needed"
+        ));
+    }
+    let numbers = |name: &str, values: &[toml::Value]| -> Result<Vec<f64>, String> {
+        let number = |value: &toml::Value| {
+            value
+                .as_float()
+                .or_else(|| value.as_integer().map(|whole| whole as f64))
+                .filter(|number| number.is_finite() && *number >= 0.0)
+        };
+        let read: Option<Vec<f64>> = values.iter().map(number).collect();
+        read.filter(|read| !read.is_empty()).ok_or_else(|| {
+            format!("{name} is one number or a list of them, finite and not below 0")
+        })
+    };
+    match (keys.get(GIVEN), keys.get(RATIO)) {
+        (Some(toml::Value::Array(values)), _) => {
+            let values = numbers(GIVEN, values)?;
+            keys.remove(GIVEN);
+            Ok(Some(Dampings::Given(values)))
+        }
+        (_, Some(value)) => {
+            let values = match value {
+                toml::Value::Array(values) => numbers(RATIO, values),
+                one => numbers(RATIO, std::slice::from_ref(one)),
+            }?;
+            keys.remove(RATIO);
+            Ok(Some(Dampings::OverImpedance(values)))
+        }
+        // One number is a setting like others.
+        _ => Ok(None),
     }
 }

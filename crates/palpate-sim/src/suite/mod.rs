@@ -10,7 +10,7 @@ mod column;
 mod draw;
 mod spread;
 
-pub use column::{Column, ColumnError};
+pub use column::{Column, ColumnError, Dampings};
 pub use draw::{DrawError, RandomPlant};
 pub use spread::{Summary, quantile, summary};
 
@@ -18,6 +18,7 @@ use palpate_testbed::metrics::{Fidelity, ForceJudgement};
 use rayon::prelude::*;
 
 use crate::closed_loop::{Bench, LoopError};
+use crate::scene::Scene;
 
 /// Delays that every plant is judged with `[samples]`.
 pub const DELAYS: [usize; 2] = [0, 1];
@@ -47,6 +48,12 @@ pub struct Trial {
     pub column: usize,
     /// Delay between measuring and actuating `[samples]`.
     pub delay: usize,
+    /// The damping that was best here `[N s/m]`, of a column that chooses.
+    pub damping: Option<f64>,
+    /// Samples that were taken.
+    pub samples: usize,
+    /// Samples whose force a limit or a guard changed.
+    pub limited: usize,
     /// Errors over the window.
     pub fidelity: Fidelity,
     /// The verdict on the force, collision by collision.
@@ -113,23 +120,40 @@ fn judge(plant: RandomPlant, columns: &[Column]) -> Result<Judged, SuiteError> {
     let mut trials = Vec::with_capacity(DELAYS.len() * columns.len());
     for delay in DELAYS {
         for (number, column) in columns.iter().enumerate() {
-            let mut scene = plant.scene.clone();
-            scene.delay = delay;
-            scene.settings.insert(column.method, column.settings);
-            let run = bench
-                .run_as(&scene, column.method)
-                .map_err(|error| SuiteError::Column {
-                    column: column.name.clone(),
-                    plant: index,
-                    error,
-                })?;
-            trials.push(Trial {
-                column: number,
+            let delayed = Scene {
                 delay,
-                fidelity: run.force.fidelity.expect("collisions have a force"),
-                force: run.force,
-                diverged: run.diverged == Some(true),
-            });
+                ..plant.scene.clone()
+            };
+            let mut best: Option<Trial> = None;
+            for (damping, scene) in column.candidates(&delayed) {
+                let run =
+                    bench
+                        .run_as(&scene, column.method)
+                        .map_err(|error| SuiteError::Column {
+                            column: column.name.clone(),
+                            plant: index,
+                            error,
+                        })?;
+                let fidelity = run.force.fidelity.expect("collisions have a force");
+                let error = |trial: &Trial| trial.fidelity.mean_force_error;
+                if best
+                    .as_ref()
+                    .is_some_and(|best| error(best) <= fidelity.mean_force_error)
+                {
+                    continue;
+                }
+                best = Some(Trial {
+                    column: number,
+                    delay,
+                    damping,
+                    fidelity,
+                    diverged: run.diverged == Some(true),
+                    samples: run.ticks.len(),
+                    limited: run.limited(),
+                    force: run.force,
+                });
+            }
+            trials.extend(best);
         }
     }
     let reference = bench.reference();

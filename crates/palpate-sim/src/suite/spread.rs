@@ -15,6 +15,10 @@ pub struct Summary {
     pub error_over_floor: [f64; 2],
     /// Plants on which the loop ran away.
     pub diverged: usize,
+    /// Plants on which a limit or a guard changed a force.
+    pub held_back: usize,
+    /// Share of all samples whose force a limit or a guard changed.
+    pub limited: f64,
     /// Largest held force over the largest of the ideal: median and largest.
     pub peak_ratio: [f64; 2],
 }
@@ -50,6 +54,11 @@ pub fn summary(judged: &[Judged], column: usize, delay: usize) -> Option<Summary
         ],
         error_over_floor: [quantile(&ratios, 0.5)?, quantile(&ratios, 0.9)?],
         diverged: trials().filter(|(_, trial)| trial.diverged).count(),
+        held_back: trials().filter(|(_, trial)| trial.limited > 0).count(),
+        limited: {
+            let sum = |of: fn(&Trial) -> usize| trials().map(|(_, trial)| of(trial)).sum::<usize>();
+            sum(|trial| trial.limited) as f64 / sum(|trial| trial.samples) as f64
+        },
         peak_ratio: [quantile(&peaks, 0.5)?, quantile(&peaks, 1.0)?],
     })
 }

@@ -227,7 +227,7 @@ fn what_is_left_out_takes_its_documented_default() {
         text = text.replace(line, "");
     }
     let scene = SceneFile::parse("s", &text).unwrap().scene;
-    assert_eq!((scene.delay, scene.method), (0, MethodName::Hfcr));
+    assert_eq!((scene.delay, scene.method), (0, MethodName::Coupled));
     assert_eq!(scene.loop_params.force_limit, None);
     // K T = 8 N s/m; the object rests out of contact and stores nothing.
     let reference = palpate::PopcRefParams::new(24.0);

@@ -43,6 +43,10 @@ struct DelayReport {
     error_over_floor: Quantiles,
     peak_over_ideal_peak: Quantiles,
     diverged: usize,
+    /// Plants on which a limit or a guard changed a force.
+    limited_plants: usize,
+    /// Share of all samples at which one did.
+    limited_samples_percent: f64,
 }
 
 /// An infinite one is `null` in JSON.
@@ -79,6 +83,8 @@ impl From<Summary> for DelayReport {
                 ..Quantiles::default()
             },
             diverged: summary.diverged,
+            limited_plants: summary.held_back,
+            limited_samples_percent: 100.0 * summary.limited,
         }
     }
 }
@@ -139,13 +145,20 @@ impl fmt::Display for Report {
                 "peak/ideal median",
                 "max",
                 "diverged",
+                "limited plants",
+                "samples %",
             ];
-            let mut table = plain_table(CellAlignment::Left, &header);
+            let limited = self
+                .columns
+                .iter()
+                .any(|column| column.delays[place].limited_plants > 0);
+            let header = &header[..header.len() - if limited { 0 } else { 2 }];
+            let mut table = plain_table(CellAlignment::Left, header);
             let ratio = |value: Option<f64>| number(value, |ratio| short(ratio, 2));
             for column in &self.columns {
                 let found = &column.delays[place];
                 let error = &found.mean_force_error_percent;
-                table.add_row(vec![
+                let mut cells = vec![
                     (&*column.name).into(),
                     number(Some(error.median), percent),
                     number(error.quantile_75, percent),
@@ -156,7 +169,13 @@ impl fmt::Display for Report {
                     ratio(Some(found.peak_over_ideal_peak.median)),
                     ratio(found.peak_over_ideal_peak.largest),
                     number(Some(found.diverged as f64), |count| count.to_string()),
-                ]);
+                ];
+                if limited {
+                    let count = |count: f64| count.to_string();
+                    cells.push(number(Some(found.limited_plants as f64), count));
+                    cells.push(number(Some(found.limited_samples_percent), percent));
+                }
+                table.add_row(cells);
             }
             writeln!(f, "{}", lines(&table))?;
         }

@@ -35,10 +35,13 @@ const PLANT: [&str; 24] = [
 ];
 
 /// What is said of a column on a plant, before its collisions.
-const TRIAL: [&str; 8] = [
+const TRIAL: [&str; 11] = [
     "delay_samples",
     "column",
     "method",
+    "damping_n_s_per_m",
+    "samples",
+    "limited",
     "mean_force_error_percent",
     "force_rendering_error_percent",
     "error_over_floor",
@@ -127,6 +130,10 @@ fn trial_cells<'a>(trial: &Trial, columns: &'a [Column]) -> Vec<Cell<'a>> {
         Cell::from(trial.delay as f64),
         Cell::from(column.name.as_str()),
         Cell::from(column.method.name()),
+        // Empty where there is no choice.
+        trial.damping.unwrap_or(f64::NAN).into(),
+        Cell::from(trial.samples as f64),
+        Cell::from(trial.limited as f64),
         trial.fidelity.mean_force_error.into(),
         trial.fidelity.force_rendering_error.into(),
         trial.fidelity.error_over_floor.unwrap_or(f64::NAN).into(),

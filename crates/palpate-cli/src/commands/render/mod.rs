@@ -1,4 +1,7 @@
-//! `palpate render`: a recorded motion, rendered open loop.
+//! `palpate render`: a recording, rendered: its motion as it was, or its hand under the new force.
+
+mod hand;
+mod held_force;
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -10,11 +13,12 @@ use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
 use palpate_sim::run::Run;
 use palpate_sim::scene::Timing;
 
-use crate::arguments::RenderArguments;
+use self::hand::HandRuns;
+use crate::arguments::{RenderArguments, ReplayKind};
 use crate::failure::Failure;
 use crate::plots;
 use crate::progress::Progress;
-use crate::report::{Report, Subject};
+use crate::report::{Replayed, Report, Subject};
 use crate::results::deliver;
 use crate::setup::{receipt, wrong_on_bench, wrong_setup};
 
@@ -24,17 +28,47 @@ const STANDARD_INPUT: &str = "-";
 /// Renders a recorded motion by the methods that were named.
 pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let flags = &arguments.flags;
-    let methods = flags.methods(MethodName::Hfcr);
+    let methods = flags.methods(MethodName::default());
     flags.check_settings(&methods)?;
     let setup = flags.replay_setup("render")?;
+    if let (ReplayKind::Motion, Some(flag)) =
+        (arguments.replay.replay, arguments.replay.of_a_hand())
+    {
+        return Err(Failure::Arguments(format!(
+            "{flag} is for --replay hand; a motion is replayed as it was"
+        )));
+    }
     arguments.results.check(&arguments.trace)?;
     let progress = Progress::new(methods.len());
     let name = name(&arguments.trace);
     progress.begin(&format!("reading {name}"));
-    let trace = read_trace(&arguments.trace, &name)?;
-    let (replay, runs) = render(setup, &trace, &methods, &flags.settings(), &progress)
-        .map_err(|error| in_trace(&name, error))?;
-    let title = format!("Recorded motion: {name}");
+    let (trace, text) = read_trace(&arguments.trace, &name)?;
+    let settings = flags.settings();
+    let (reference, runs, replayed, what) = match arguments.replay.replay {
+        ReplayKind::Motion => {
+            let (replay, runs) = render(setup, &trace, &methods, &settings, &progress)
+                .map_err(|error| in_trace(&name, error))?;
+            let reference = replay.reference().clone();
+            (reference, runs, Replayed::Motion, "motion")
+        }
+        ReplayKind::Hand => {
+            let forces = held_force::read(&name, &text)?;
+            let recorded = (&trace, forces.as_deref());
+            let HandRuns {
+                reference,
+                runs,
+                replayed,
+            } = hand::render(
+                &name,
+                recorded,
+                (&setup, &arguments.replay),
+                (&methods, &settings),
+                &progress,
+            )?;
+            (reference, runs, replayed, "hand")
+        }
+    };
+    let title = format!("Recorded {what}: {name}");
     let subject = Subject {
         title: title.clone(),
         contact: &setup.contact,
@@ -43,15 +77,17 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         delay: setup.delay,
         timing: Timing::default(),
     };
-    let report = Report::new(&subject, replay.reference(), &runs);
+    let mut report = Report::new(&subject, &reference, &runs);
+    report.replayed(replayed.clone());
     let mut receipt = receipt(&subject, setup.object, setup.virtual_force, &runs);
     receipt.push(("trace".into(), name));
+    receipt.extend(replayed.receipt());
     deliver(
         &arguments.results,
         report,
         &receipt,
         &runs,
-        || plots::overlay(&title, replay.reference(), &runs),
+        || plots::overlay(&title, &reference, &runs),
         progress,
     )
 }
@@ -94,18 +130,20 @@ fn in_trace(name: &str, error: ReplayError) -> Failure {
     }
 }
 
-fn read_trace(path: &Path, name: &str) -> Result<Trace, Failure> {
-    let reader: Box<dyn Read> = if path == Path::new(STANDARD_INPUT) {
-        Box::new(io::stdin().lock())
+/// The trace at `path`, and its text.
+fn read_trace(path: &Path, name: &str) -> Result<(Trace, String), Failure> {
+    let mut bytes = Vec::new();
+    if path == Path::new(STANDARD_INPUT) {
+        io::stdin().lock().read_to_end(&mut bytes)
     } else {
-        let file = File::open(path)
-            .map_err(|error| Failure::System(format!("{}: {error}", path.display())))?;
-        Box::new(file)
-    };
-    trace::read(reader, name).map_err(|error| match &error {
+        File::open(path).and_then(|mut file| file.read_to_end(&mut bytes))
+    }
+    .map_err(|error| Failure::System(format!("{name}: {error}")))?;
+    let trace = trace::read(bytes.as_slice(), name).map_err(|error| match &error {
         TraceError::Unreadable { .. } => Failure::System(error.to_string()),
         TraceError::Invalid { place, .. } => {
             Failure::input_at(&error, place.file(), place.text(), place.span())
         }
-    })
+    })?;
+    Ok((trace, String::from_utf8_lossy(&bytes).into_owned()))
 }

@@ -1,0 +1,46 @@
+//! Arguments that say what a recording is: a motion, or a hand.
+
+use clap::{Args, ValueEnum};
+
+use crate::values::number;
+
+/// How a recording is replayed.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Replay")]
+pub struct ReplayFlags {
+    /// What is replayed: the recorded motion, or the hand that made it
+    #[arg(long, value_name = "KIND", value_enum, default_value_t = ReplayKind::Motion)]
+    pub replay: ReplayKind,
+    /// Bandwidth of the hand's force [Hz] [default: the one under which the recording is most likely]
+    #[arg(long, value_name = "Hz", value_parser = number, allow_hyphen_values = true)]
+    pub hand_bandwidth: Option<f64>,
+    /// Stiffness with which the hand holds on to its recorded motion [N/m] [default: 0, a hand whose
+    /// force is the recorded one wherever the device goes]
+    #[arg(long, value_name = "N/m", value_parser = number, allow_hyphen_values = true)]
+    pub hand_stiffness: Option<f64>,
+    /// Damping with which it does [N s/m] [default: 0]
+    #[arg(long, value_name = "N s/m", value_parser = number, allow_hyphen_values = true)]
+    pub hand_damping: Option<f64>,
+}
+
+/// What is replayed of a recording.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReplayKind {
+    /// The motion: the device goes where it went, whatever the force
+    Motion,
+    /// The hand: its force is estimated from the motion, and the device moves under the new force
+    Hand,
+}
+
+impl ReplayFlags {
+    /// The first of the flags that is for a hand only, if one was given.
+    pub fn of_a_hand(&self) -> Option<&'static str> {
+        [
+            ("--hand-bandwidth", self.hand_bandwidth),
+            ("--hand-stiffness", self.hand_stiffness),
+            ("--hand-damping", self.hand_damping),
+        ]
+        .into_iter()
+        .find_map(|(flag, value)| value.map(|_| flag))
+    }
+}

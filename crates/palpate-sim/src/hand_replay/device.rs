@@ -1,0 +1,124 @@
+//! A device in a recorded hand, under another force than the recorded one.
+//!
+//! The recorded force gave the recorded motion x̂. Under a force that differs from it, the device
+//! differs from that motion by d, and the hand's own force drops out:
+//!
+//! ```text
+//! m d″ = f_recorded − f − k_h d − b_h d′        (forces on the object)
+//! ```
+//!
+//! So what is not known of the hand does not add up: a wrong estimate of its force shifts the device by
+//! no more than it shifts x̂.
+
+use std::sync::Arc;
+
+use palpate_testbed::InvalidParameter;
+use palpate_testbed::device::{Device, PointMass};
+use palpate_testbed::hand::{Hand, Intention};
+use palpate_testbed::held_mass::HeldMass;
+
+use super::hand::RecordedHand;
+
+/// A device in a recorded hand, on the canonical side.
+#[derive(Clone, Debug)]
+pub(crate) struct HeldByRecording {
+    hand: Arc<RecordedHand>,
+    sign: f64,
+    /// The interval of the recording.
+    piece: usize,
+    /// Since the first sample `[s]`.
+    time: f64,
+    departure: Departure,
+}
+
+/// How far the device has left its recorded motion, as a mass of its own.
+#[derive(Clone, Debug)]
+enum Departure {
+    /// The hand lets it go where it goes.
+    Free(PointMass),
+    /// The hand holds on to the recorded motion.
+    Held(Box<HeldMass>),
+}
+
+impl Departure {
+    fn of(hand: &RecordedHand) -> Result<Self, InvalidParameter> {
+        let model = hand.model();
+        if model.stiffness == 0.0 && model.damping == 0.0 {
+            return PointMass::new(model.device_mass, 0.0).map(Self::Free);
+        }
+        let holds_on = Hand::Impedance {
+            mass: 0.0,
+            stiffness: model.stiffness,
+            damping: model.damping,
+            intention: Intention::constant(0.0),
+            force: 0.0,
+            tremor: None,
+        };
+        HeldMass::new(model.device_mass, holds_on).map(|held| Self::Held(Box::new(held)))
+    }
+
+    fn device(&self) -> &dyn Device {
+        match self {
+            Self::Free(device) => device,
+            Self::Held(device) => &**device,
+        }
+    }
+}
+
+impl HeldByRecording {
+    /// The device at the start of the recording; `sign` mirrors it to the canonical side.
+    pub fn new(hand: Arc<RecordedHand>, sign: f64) -> Result<Self, InvalidParameter> {
+        Ok(Self {
+            departure: Departure::of(&hand)?,
+            hand,
+            sign,
+            piece: 0,
+            time: 0.0,
+        })
+    }
+
+    /// The recorded motion now, position `[m]` and velocity `[m/s]`.
+    fn recorded(&self) -> (f64, f64) {
+        let (position, velocity, _) = self
+            .hand
+            .along(self.piece, self.time - self.hand.start_of(self.piece));
+        (self.sign * position, self.sign * velocity)
+    }
+}
+
+impl Device for HeldByRecording {
+    fn position(&self) -> f64 {
+        self.recorded().0 + self.departure.device().position()
+    }
+
+    fn velocity(&self) -> f64 {
+        self.recorded().1 + self.departure.device().velocity()
+    }
+
+    fn advance(&mut self, force_on_object: f64, duration: f64) -> f64 {
+        let before = self.position();
+        let end = self.time + duration;
+        while self.time < end {
+            let bend = self.hand.end_of(self.piece);
+            let until = bend.min(end);
+            // What the motor had on the device then, it has no more.
+            let force = force_on_object + self.sign * self.hand.held_force(self.piece);
+            match &mut self.departure {
+                Departure::Free(device) => device.advance(force, until - self.time),
+                Departure::Held(device) => device.advance(force, until - self.time),
+            };
+            self.time = until;
+            if until == bend {
+                self.piece += 1;
+            }
+        }
+        // The force is held, so the integral of power is force times travel.
+        force_on_object * (self.position() - before)
+    }
+
+    /// m x′²/2 `[J]`; what the hand stores is not known.
+    fn stored_energy(&self) -> f64 {
+        let velocity = self.velocity();
+        0.5 * self.hand.model().device_mass * velocity * velocity
+    }
+}

@@ -1,0 +1,377 @@
+//! The hand of a recording: the force that it must have had on the device.
+
+use palpate_testbed::InvalidParameter;
+use palpate_testbed::recorded_path::{PathError, RecordedPath};
+
+use super::smoother::{Motion, Smoothed};
+
+/// Fewest samples from which a force can be estimated.
+const FEWEST_SAMPLES: usize = 8;
+
+/// A position is never taken to be known better than this `[m]`.
+const LEAST_NOISE: f64 = 1e-9;
+
+/// What was recorded of a device in a hand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Recording<'a> {
+    /// Times `[s]`, increasing; steps need not be even.
+    pub times: &'a [f64],
+    /// Positions of the device `[m]`.
+    pub positions: &'a [f64],
+    /// Force on the device, held by its motor from each sample to the next `[N]`; `None` if it was
+    /// off.
+    pub forces_on_device: Option<&'a [f64]>,
+}
+
+/// The device of a recording, and how its hand is to be understood.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HandModel {
+    /// Mass that the force of motor and hand moved `[kg]`.
+    pub device_mass: f64,
+    /// Quantum of the position sensor, 0 if it is not known to have one `[m]`.
+    pub encoder_quantum: f64,
+    /// Bandwidth of the hand's force `[Hz]`; `None` takes the one under which the recording is most
+    /// likely.
+    pub bandwidth: Option<f64>,
+    /// Stiffness with which the hand holds on to its recorded motion `[N/m]`; 0 for a hand whose
+    /// force is the recorded one wherever the device goes.
+    pub stiffness: f64,
+    /// Damping with which it does `[N s/m]`.
+    pub damping: f64,
+}
+
+impl HandModel {
+    /// A hand whose force is the recorded one wherever the device of this mass `[kg]` goes.
+    pub fn force_on(device_mass: f64) -> Self {
+        Self {
+            device_mass,
+            encoder_quantum: 0.0,
+            bandwidth: None,
+            stiffness: 0.0,
+            damping: 0.0,
+        }
+    }
+
+    fn check(&self) -> Result<(), InvalidParameter> {
+        let refused = |name, value, allowed| {
+            Err(InvalidParameter {
+                name,
+                value,
+                allowed,
+            })
+        };
+        let above_zero = "finite and greater than 0";
+        let mass = self.device_mass;
+        if !(mass.is_finite() && mass > 0.0) {
+            return refused("device_mass", mass, above_zero);
+        }
+        for (name, value) in [
+            ("encoder_quantum", self.encoder_quantum),
+            ("hand_stiffness", self.stiffness),
+            ("hand_damping", self.damping),
+        ] {
+            if !(value.is_finite() && value >= 0.0) {
+                return refused(name, value, "finite and not below 0");
+            }
+        }
+        match self.bandwidth {
+            Some(bandwidth) if !(bandwidth.is_finite() && bandwidth > 0.0) => {
+                refused("hand_bandwidth", bandwidth, above_zero)
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// How well the force of a hand is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HandUncertainty {
+    /// Bandwidth of the estimate `[Hz]`: what the hand did faster than this is not in it.
+    pub bandwidth: f64,
+    /// Standard deviation of a recorded position, as the recording shows it `[m]`.
+    pub position_noise: f64,
+    /// Standard deviation of the force, root mean square over the recording `[N]`.
+    pub force_deviation: f64,
+    /// The force itself, root mean square `[N]`.
+    pub force: f64,
+    /// How far the device is from a recorded position, at most, when the estimated force and the
+    /// recorded one move it from its start to the end of the recording `[m]`.
+    pub given_back_within: f64,
+}
+
+/// Why a recording shows no hand.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum HandError {
+    /// The recording is no motion.
+    #[error(transparent)]
+    Path(#[from] PathError),
+    /// A value of the model is out of range.
+    #[error(transparent)]
+    Model(#[from] InvalidParameter),
+    /// Not as many forces as positions.
+    #[error("the recording has {positions} positions but {forces} forces")]
+    UnequalLengths {
+        /// Positions.
+        positions: usize,
+        /// Forces.
+        forces: usize,
+    },
+    /// A force is not a finite number.
+    #[error("the force of sample {index} is {value} N, but must be finite")]
+    ForceNotFinite {
+        /// Index of the sample.
+        index: usize,
+        /// The force `[N]`.
+        value: f64,
+    },
+    /// Too few samples.
+    #[error("the force of a hand needs at least {FEWEST_SAMPLES} samples, not {0}")]
+    TooFewSamples(usize),
+    /// The recording is shorter than a period.
+    #[error("the recording lasts {recorded} s, less than one period of {period} s")]
+    TooShort {
+        /// Length of the recording `[s]`.
+        recorded: f64,
+        /// Period of the loop `[s]`.
+        period: f64,
+    },
+    /// Numbers so large that the estimate is no number.
+    #[error("the force of the hand is not a finite number: a position or a force is too large")]
+    Overflow,
+}
+
+/// The force of a hand at a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HandForce {
+    /// Time since the first sample `[s]`.
+    pub time: f64,
+    /// Force of the hand on the device `[N]`, friction of the device included.
+    pub force: f64,
+    /// Its standard deviation `[N]`.
+    pub deviation: f64,
+}
+
+/// The hand of a recording, and the motion in which it was recorded.
+///
+/// Between two samples the hand's force is a straight line and the recorded one is held, so the motion
+/// is a cubic in closed form.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RecordedHand {
+    model: HandModel,
+    /// Since the first sample `[s]`.
+    times: Vec<f64>,
+    positions: Vec<f64>,
+    velocities: Vec<f64>,
+    /// By the hand `[m/s²]`.
+    accelerations: Vec<f64>,
+    /// Their standard deviations `[m/s²]`.
+    deviations: Vec<f64>,
+    /// By the recorded force, held from each sample on `[m/s²]`.
+    held: Vec<f64>,
+    uncertainty: HandUncertainty,
+}
+
+impl RecordedHand {
+    /// Estimates the hand's force from all samples of `recording` at once.
+    ///
+    /// # Errors
+    /// A recording that is no motion, has too few samples or other forces than positions; a value of
+    /// the model out of range.
+    pub fn estimate(recording: &Recording, model: &HandModel) -> Result<Self, HandError> {
+        model.check()?;
+        let path = RecordedPath::new(recording.times, recording.positions)?;
+        let samples = recording.times.len();
+        if samples < FEWEST_SAMPLES {
+            return Err(HandError::TooFewSamples(samples));
+        }
+        let times: Vec<f64> = path.times().iter().map(|t| t - path.start()).collect();
+        let held = held_accelerations(recording, model.device_mass)?;
+        let motion = Motion {
+            times: &times,
+            positions: recording.positions,
+            known: &held,
+            // Evenly spread within the quantum.
+            least_noise: (model.encoder_quantum / 12.0_f64.sqrt()).max(LEAST_NOISE),
+        };
+        let Smoothed {
+            states,
+            deviations,
+            noise,
+            bandwidth,
+        } = motion.smoothed(
+            model
+                .bandwidth
+                .unwrap_or_else(|| motion.likeliest_bandwidth()),
+        );
+        let of = |from: &[[f64; 3]], which: usize| from.iter().map(|one| one[which]).collect();
+        let mut hand = Self {
+            model: *model,
+            positions: of(&states, 0),
+            velocities: of(&states, 1),
+            accelerations: of(&states, 2),
+            deviations: of(&deviations, 2),
+            times,
+            held,
+            uncertainty: HandUncertainty {
+                bandwidth,
+                position_noise: noise,
+                force_deviation: 0.0,
+                force: 0.0,
+                given_back_within: 0.0,
+            },
+        };
+        let mean_square = |values: &[f64]| {
+            let sum: f64 = values.iter().map(|value| value * value).sum();
+            model.device_mass * (sum / samples as f64).sqrt()
+        };
+        hand.uncertainty.force = mean_square(&hand.accelerations);
+        hand.uncertainty.force_deviation = mean_square(&hand.deviations);
+        hand.uncertainty.given_back_within = hand.given_back_within(recording.positions);
+        let found = &hand.uncertainty;
+        let sound = [found.force, found.force_deviation, found.given_back_within];
+        if !(sound.into_iter().all(f64::is_finite)) {
+            return Err(HandError::Overflow);
+        }
+        Ok(hand)
+    }
+
+    /// How well the force is known.
+    pub fn uncertainty(&self) -> &HandUncertainty {
+        &self.uncertainty
+    }
+
+    /// The device, and how the hand holds it.
+    pub fn model(&self) -> &HandModel {
+        &self.model
+    }
+
+    /// Length of the recording `[s]`.
+    pub fn duration(&self) -> f64 {
+        self.times[self.times.len() - 1]
+    }
+
+    /// The force of the hand at every sample.
+    pub fn forces(&self) -> impl Iterator<Item = HandForce> + '_ {
+        let mass = self.model.device_mass;
+        let of = self.accelerations.iter().zip(&self.deviations);
+        self.times
+            .iter()
+            .zip(of)
+            .map(move |(&time, (acceleration, deviation))| HandForce {
+                time,
+                force: mass * acceleration,
+                deviation: mass * deviation,
+            })
+    }
+
+    /// The recorded motion without its noise at `time` since the first sample `[s]`: position `[m]`
+    /// and velocity `[m/s]`.
+    pub fn motion(&self, time: f64) -> (f64, f64) {
+        let piece = self.piece(time);
+        let (position, velocity, _) = self.along(piece, time - self.times[piece]);
+        (position, velocity)
+    }
+
+    /// Step between the last two samples `[s]`.
+    pub(super) fn last_step(&self) -> f64 {
+        self.duration() - self.times[self.times.len() - 2]
+    }
+
+    /// When sample `piece` was taken `[s]`.
+    pub(super) fn start_of(&self, piece: usize) -> f64 {
+        self.times[piece]
+    }
+
+    /// Force that was recorded on the device from sample `piece` on `[N]`.
+    pub(super) fn held_force(&self, piece: usize) -> f64 {
+        self.model.device_mass * self.held[piece]
+    }
+
+    /// When the interval that begins with sample `piece` ends `[s]`; never, for the last.
+    pub(super) fn end_of(&self, piece: usize) -> f64 {
+        match self.times.get(piece + 1) {
+            Some(end) if piece + 2 < self.times.len() => *end,
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// Position `[m]`, velocity `[m/s]` and the hand's acceleration `[m/s²]`, `after` sample `piece`
+    /// `[s]`.
+    pub(super) fn along(&self, piece: usize, after: f64) -> (f64, f64, f64) {
+        let jerk = self.jerk(piece);
+        let from = (self.positions[piece], self.velocities[piece]);
+        moved(
+            from,
+            self.accelerations[piece],
+            jerk,
+            self.held[piece],
+            after,
+        )
+    }
+
+    fn jerk(&self, piece: usize) -> f64 {
+        (self.accelerations[piece + 1] - self.accelerations[piece])
+            / (self.times[piece + 1] - self.times[piece])
+    }
+
+    fn piece(&self, time: f64) -> usize {
+        let after = self.times.partition_point(|&sample| sample <= time);
+        after.clamp(1, self.times.len() - 1) - 1
+    }
+
+    /// Moves a device from the first state to the end by the forces alone, and says how far from
+    /// `recorded` `[m]` it gets.
+    fn given_back_within(&self, recorded: &[f64]) -> f64 {
+        let mut state = (self.positions[0], self.velocities[0]);
+        let mut farthest = (state.0 - recorded[0]).abs();
+        for piece in 0..self.times.len() - 1 {
+            let step = self.times[piece + 1] - self.times[piece];
+            let (position, velocity, _) = moved(
+                state,
+                self.accelerations[piece],
+                self.jerk(piece),
+                self.held[piece],
+                step,
+            );
+            state = (position, velocity);
+            farthest = farthest.max((position - recorded[piece + 1]).abs());
+        }
+        farthest
+    }
+}
+
+/// Where a device is `after` a while `[s]` under an acceleration that has a jerk, and one that is held.
+fn moved(
+    (position, velocity): (f64, f64),
+    acceleration: f64,
+    jerk: f64,
+    held: f64,
+    after: f64,
+) -> (f64, f64, f64) {
+    let all = acceleration + held;
+    (
+        position + after * (velocity + after * (0.5 * all + after * jerk / 6.0)),
+        velocity + after * (all + 0.5 * after * jerk),
+        acceleration + after * jerk,
+    )
+}
+
+fn held_accelerations(recording: &Recording, mass: f64) -> Result<Vec<f64>, HandError> {
+    let positions = recording.positions.len();
+    let Some(forces) = recording.forces_on_device else {
+        return Ok(vec![0.0; positions]);
+    };
+    if forces.len() != positions {
+        return Err(HandError::UnequalLengths {
+            positions,
+            forces: forces.len(),
+        });
+    }
+    if let Some(index) = forces.iter().position(|force| !force.is_finite()) {
+        return Err(HandError::ForceNotFinite {
+            index,
+            value: forces[index],
+        });
+    }
+    Ok(forces.iter().map(|force| force / mass).collect())
+}
