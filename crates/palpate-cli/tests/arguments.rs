@@ -5,11 +5,15 @@ mod recordings;
 
 use common::{Folder, taps, trace_text};
 
-const COMMANDS: [&str; 15] = [
+const COMMANDS: [&str; 19] = [
     "render",
     "simulate",
     "compare",
     "pipe",
+    "run",
+    "record",
+    "doctor",
+    "bench",
     "info",
     "convert",
     "replay",

@@ -170,6 +170,8 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
 
     /// Tells the tap why the loop has ended, and that nothing more will come.
     pub(crate) fn close_tap(&mut self, ending: Ending) {
+        // It belongs to the last tick: the next one never was.
+        self.sequence = self.sequence.saturating_sub(1);
         self.note(Note::Ended(ending));
         self.tap = None;
     }

@@ -53,7 +53,7 @@ mod wire;
 
 pub use control_loop::ControlLoop;
 pub use note::{Ending, Note, Noted};
-pub use recorder::{Recorded, Recorder};
+pub use recorder::{Account, Recorder};
 pub use rendering::{ChangeError, Parameters, Rendering};
 pub use setup::SetupError;
 pub use statistics::{Durations, LoopStatistics};

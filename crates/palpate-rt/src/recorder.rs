@@ -1,11 +1,12 @@
 //! The thread that writes down what a loop tells.
 
-use std::path::{Path, PathBuf};
+use std::io;
+use std::path::Path;
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
 use palpate_io::atomic::WriteError;
-use palpate_io::recording::{Receipt, RecordingWriter, Summary};
+use palpate_io::recording::{Event, Receipt, RecordingWriter, Summary, Tick};
 
 use crate::tap::{Listener, Tap, Told, tap};
 
@@ -15,62 +16,89 @@ const FLUSH_EVERY: Duration = Duration::from_millis(250);
 const REST: Duration = Duration::from_millis(2);
 /// Things that may wait for the disk: 16 s at 4 kHz.
 const ROOM: usize = 1 << 16;
+/// Events that are kept in memory; a recording has all of them.
+const EVENTS_KEPT: usize = 1000;
 
-/// A recording in progress, on a thread of its own. The loop never waits for it: what finds no room
-/// is lost, counted, and missing from the recording by its number.
+/// Listens to a loop on a thread of its own, and writes a recording of it if it is to. The loop never
+/// waits for it: what finds no room is lost, counted, and missing from the recording by its number.
 #[derive(Debug)]
 pub struct Recorder {
-    thread: JoinHandle<Result<Recorded, WriteError>>,
-    path: PathBuf,
+    thread: JoinHandle<Result<Account, WriteError>>,
 }
 
-/// What was recorded.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Recorded {
-    /// What the file holds.
-    pub summary: Summary,
+/// What a loop has told.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Account {
+    /// What the recording holds, if one was written.
+    pub recording: Option<Summary>,
     /// Ticks and events that found no room on their way here.
     pub lost: u64,
+    /// The first events, up to a thousand.
+    pub events: Vec<Event>,
+    /// How many events there were.
+    pub all_events: u64,
+    /// Strongest force that was sent `[N]`.
+    pub peak_force: f64,
+    /// Deepest penetration `[m]`.
+    pub deepest: f64,
+    /// The last tick.
+    pub last: Option<Tick>,
 }
 
 impl Recorder {
-    /// Begins a recording at `path` and gives the tap for its loop. It ends when the loop does.
+    /// Begins a recording at `path` and gives the tap for its loop. It ends when the loop closes the
+    /// tap.
     ///
     /// # Errors
-    /// A file is there already, or cannot be written.
+    /// A file is there already, or cannot be written; the system gives no thread.
     pub fn begin(path: &Path, receipt: &Receipt) -> Result<(Tap, Self), WriteError> {
-        let mut writer = RecordingWriter::create(path, receipt)?;
+        let writer = RecordingWriter::create(path, receipt)?;
+        Self::on_thread(Some(writer)).map_err(|source| WriteError::new(path, source))
+    }
+
+    /// Listens only.
+    ///
+    /// # Errors
+    /// The system gives no thread.
+    pub fn without_file() -> io::Result<(Tap, Self)> {
+        Self::on_thread(None)
+    }
+
+    fn on_thread(mut writer: Option<RecordingWriter>) -> io::Result<(Tap, Self)> {
         let (tap, mut listener) = tap(ROOM);
         let thread = Builder::new()
             .name("palpate recorder".to_owned())
             .spawn(move || {
-                write_down(&mut listener, &mut writer)?;
-                Ok(Recorded {
-                    summary: writer.finish()?,
-                    lost: listener.lost(),
-                })
-            })
-            .map_err(|source| WriteError::new(path, source))?;
-        let path = path.to_owned();
-        Ok((tap, Self { thread, path }))
+                let mut account = Account::default();
+                write_down(&mut listener, &mut writer, &mut account)?;
+                account.lost = listener.lost();
+                account.recording = writer.map(RecordingWriter::finish).transpose()?;
+                Ok(account)
+            })?;
+        Ok((tap, Self { thread }))
     }
 
-    /// Waits until everything is written. Drop the loop first: it is what ends the recording.
+    /// Waits until everything is written. The loop has to close its tap first: it does when it ends
+    /// on its thread, and when it is dropped.
     ///
     /// # Errors
     /// What the system said while writing. What was flushed before stays readable.
     ///
     /// # Panics
     /// The recorder's thread panicked.
-    pub fn finish(self) -> Result<Recorded, WriteError> {
+    pub fn finish(self) -> Result<Account, WriteError> {
         match self.thread.join() {
-            Ok(recorded) => recorded,
-            Err(_) => panic!("the recorder of {} panicked", self.path.display()),
+            Ok(account) => account,
+            Err(payload) => std::panic::resume_unwind(payload),
         }
     }
 }
 
-fn write_down(listener: &mut Listener, writer: &mut RecordingWriter) -> Result<(), WriteError> {
+fn write_down(
+    listener: &mut Listener,
+    writer: &mut Option<RecordingWriter>,
+    account: &mut Account,
+) -> Result<(), WriteError> {
     let mut flushed = Instant::now();
     loop {
         // Asked first: what was told before the loop went is then still to come.
@@ -79,11 +107,29 @@ fn write_down(listener: &mut Listener, writer: &mut RecordingWriter) -> Result<(
         for told in listener.by_ref() {
             rested = false;
             match told {
-                Told::Tick(tick) => writer.append(&tick)?,
-                Told::Note(noted) => writer.event(&noted.event())?,
+                Told::Tick(tick) => {
+                    account.peak_force = account.peak_force.max(tick.force_on_device.abs());
+                    account.deepest = account.deepest.max(tick.penetration);
+                    account.last = Some(tick);
+                    if let Some(writer) = writer {
+                        writer.append(&tick)?;
+                    }
+                }
+                Told::Note(noted) => {
+                    let event = noted.event();
+                    if let Some(writer) = writer {
+                        writer.event(&event)?;
+                    }
+                    account.all_events += 1;
+                    if account.events.len() < EVENTS_KEPT {
+                        account.events.push(event);
+                    }
+                }
             }
         }
-        if flushed.elapsed() >= FLUSH_EVERY {
+        if let Some(writer) = writer
+            && flushed.elapsed() >= FLUSH_EVERY
+        {
             writer.flush()?;
             flushed = Instant::now();
         }

@@ -63,6 +63,7 @@ impl<D: Device + 'static, C: Clock> LoopThread<D, C> {
         let ended = Arc::new(AtomicBool::new(false));
         let supervisor = control
             .supervisor()
+            .filter(|_| C::RUNS)
             .map(|supervisor| {
                 let (clock, ended) = (clock.clone(), Arc::clone(&ended));
                 let interval = control.period() / 2;

@@ -12,10 +12,13 @@ use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Args, Parser, Subcommand, ValueHint};
 
 use crate::commands::advise::AdviseArguments;
+use crate::commands::bench::BenchArguments;
 use crate::commands::convert::ConvertArguments;
+use crate::commands::doctor::DoctorArguments;
 use crate::commands::info::InfoArguments;
 use crate::commands::map::MapArguments;
 use crate::commands::replay::ReplayArguments;
+use crate::commands::run::{RecordArguments, RunArguments};
 use crate::values::{Methods, methods, number};
 
 const STYLES: Styles = Styles::styled()
@@ -141,6 +144,53 @@ Examples:
   my-device | palpate pipe --scene experiments/experiment1.toml --method coupled
   printf '0\\n0.001\\n' | palpate pipe --stiffness 1000 --mass inf --period 0.001 --method hfcr")]
     Pipe(PipeArguments),
+    /// Run a loop in real time, on a device
+    #[command(override_usage = "palpate run <SCENE.toml> [OPTIONS]")]
+    #[command(long_about = "\
+Run a loop in real time, on a device.
+
+A thread of its own wakes at absolute deadlines, reads the device, renders, and commands what safety \
+lets through: it is the first to be served if the machine grants that, and says so if not. Ctrl-C \
+ends it; whatever ends it, the device is commanded no force, and while the thread does not answer a \
+supervisor does that. A deadline that is missed is counted and skipped, and the renderer is told the \
+time that really passed. Flags change values of the scene.")]
+    #[command(after_help = "\
+Examples:
+  palpate run experiments/experiment1.toml --device simulated --duration 3
+  palpate run experiments/wall.toml --method hfcr --fast --json
+  palpate run experiments/fig2.toml --duration 2 --record tap.mcap --safe-force 5")]
+    Run(RunArguments),
+    /// Run a loop in real time and record every tick of it
+    #[command(override_usage = "palpate record <SCENE.toml> <REC.mcap> [OPTIONS]")]
+    #[command(long_about = "\
+Run a loop in real time and record every tick of it.
+
+As `run`, with a recording: the loop never waits for the disk, what could not be written is missing \
+by its number and said in the end, and what was written survives whatever ends the program. While it \
+is made it is called NAME.part.")]
+    #[command(after_help = "\
+Examples:
+  palpate record experiments/experiment1.toml tap.mcap --duration 2
+  palpate record experiments/wall.toml wall.mcap --fast --duration 60")]
+    Record(RecordArguments),
+    /// Ask what this machine grants a loop, and try one
+    #[command(long_about = "\
+Ask what this machine grants a loop, and try one.
+
+What is asked for is looked up afterwards where the kernel keeps it: granted is what is, not what a \
+call returned. What is refused comes with what can be done about it. No hard bound follows from any \
+of it.")]
+    #[command(after_help = "\
+Examples:
+  palpate doctor
+  palpate doctor --priority 0 --json")]
+    Doctor(DoctorArguments),
+    /// Measure how the loop keeps time on this machine
+    #[command(after_help = "\
+Examples:
+  palpate bench loop --duration 1
+  palpate bench loop --rate 500,4000 --duration 1 --spin 0.0001 --json")]
+    Bench(BenchArguments),
     /// Say what is in a recording, and what is missing from it
     #[command(long_about = "\
 Say what is in a recording, and what is missing from it.

@@ -1,10 +1,12 @@
 //! The commands, one file or folder each.
 
 pub mod advise;
+pub mod bench;
 pub mod compare;
 pub mod completions;
 pub mod convert;
 pub mod demo;
+pub mod doctor;
 pub mod figure;
 pub mod heights;
 pub mod info;
@@ -12,6 +14,7 @@ pub mod map;
 pub mod pipe;
 pub mod render;
 pub mod replay;
+pub mod run;
 pub mod simulate;
 pub mod suite;
 pub mod tune;

@@ -13,6 +13,10 @@ pub use stepped::SteppedClock;
 
 /// A clock that never runs backwards. Clones show the same time.
 pub trait Clock: Clone + Send + 'static {
+    /// Whether time passes by itself. Where it passes only for whoever sleeps, nobody is late, and
+    /// nobody else may sleep on the clock of a loop.
+    const RUNS: bool;
+
     /// Time since the origin.
     fn now(&self) -> Duration;
 

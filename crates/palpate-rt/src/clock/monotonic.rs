@@ -38,6 +38,8 @@ impl Default for MonotonicClock {
 }
 
 impl Clock for MonotonicClock {
+    const RUNS: bool = true;
+
     #[inline]
     fn now(&self) -> Duration {
         machine::now().saturating_sub(self.origin)

@@ -36,6 +36,8 @@ impl SteppedClock {
 }
 
 impl Clock for SteppedClock {
+    const RUNS: bool = false;
+
     fn now(&self) -> Duration {
         Duration::from_nanos(self.nanoseconds.load(Ordering::SeqCst))
     }

@@ -63,6 +63,19 @@ pub struct Verdict {
     pub recovered: Option<Trip>,
 }
 
+/// A force takes this many times as long to come back as a passing trip has kept it away, up to a
+/// whole soft start: an outage of a millisecond is over before a hand has felt the wall go.
+const TIMES_AWAY: f64 = 10.0;
+
+/// A force on its way back.
+#[derive(Clone, Copy, Debug)]
+struct SoftStart {
+    /// How far it has come, 0 to 1.
+    part: f64,
+    /// How far it comes in a period.
+    step: f64,
+}
+
 /// The limits and the memory they need. One for each device; it lives in the loop's thread.
 #[derive(Clone, Debug)]
 pub struct Safety {
@@ -72,10 +85,12 @@ pub struct Safety {
     commanded: f64,
     last_position: Option<Vector>,
     trip: Option<Trip>,
-    /// How far the force has come back, 0 to 1; `None`: all of it, or nothing to bring back yet.
-    soft: Option<f64>,
-    /// Whether the force has to come back softly should the next sample find contact.
-    fresh: bool,
+    /// A force that comes back; `None`: it is all there, or there was nothing to bring back.
+    soft: Option<SoftStart>,
+    /// How long a force has to take to come back should the next sample find one `[s]`.
+    fresh: Option<f64>,
+    /// How long a trip has kept the force away `[s]`.
+    away: f64,
     missing: u32,
     oscillation: Oscillation,
 }
@@ -89,13 +104,14 @@ impl Safety {
         params.check()?;
         Ok(Self {
             oscillation: Oscillation::new(params.oscillation),
+            fresh: Some(params.soft_start),
+            away: 0.0,
             params,
             period,
             commanded: 0.0,
             last_position: None,
             trip: None,
             soft: None,
-            fresh: true,
             missing: 0,
         })
     }
@@ -115,6 +131,9 @@ impl Safety {
     /// What to command for a fresh sample.
     pub fn judge(&mut self, rendered: &Rendered) -> Verdict {
         self.missing = 0;
+        if self.trip.is_some() {
+            self.away += rendered.elapsed.unwrap_or(self.period);
+        }
         let found = self.find(rendered);
         self.last_position = Some(rendered.position).filter(is_finite);
         let before = self.trip;
@@ -123,7 +142,7 @@ impl Safety {
             (Some(trip), None) if trip.is_passing() => {
                 recovered = before;
                 self.trip = None;
-                self.fresh = true;
+                self.fresh = Some((TIMES_AWAY * self.away).min(self.params.soft_start));
             }
             // Of two, the one that stays is the one to know.
             (Some(trip), Some(new)) if trip.is_passing() && !new.is_passing() => {
@@ -141,16 +160,19 @@ impl Safety {
         }
         let mut bounded = Bounded::default();
         let mut force = rendered.force;
-        if self.fresh {
-            self.fresh = false;
+        if let Some(duration) = self.fresh.take() {
+            self.away = 0.0;
             // A force that begins at 0 by itself need not be brought in.
-            self.soft = (force != 0.0 && self.params.soft_start > 0.0).then_some(0.0);
+            self.soft = (force != 0.0 && duration > 0.0).then(|| SoftStart {
+                part: 0.0,
+                step: self.period / duration,
+            });
         }
-        if let Some(part) = self.soft {
+        if let Some(SoftStart { part, step }) = self.soft {
             force *= part;
             bounded.soft_start = true;
-            let part = part + self.period / self.params.soft_start;
-            self.soft = (part < 1.0).then_some(part);
+            let part = part + step;
+            self.soft = (part < 1.0).then_some(SoftStart { part, step });
         }
         if force.abs() > self.params.largest_force {
             force = self.params.largest_force.copysign(force);
@@ -198,7 +220,7 @@ impl Safety {
     /// Lets the force come back after a trip that stays; a reason that still holds trips again.
     pub fn rearm(&mut self) {
         self.trip = None;
-        self.fresh = true;
+        self.fresh = Some(self.params.soft_start);
         self.last_position = None;
         self.oscillation = Oscillation::new(self.params.oscillation);
     }
@@ -217,9 +239,9 @@ impl Safety {
     fn find(&mut self, rendered: &Rendered) -> Option<Trip> {
         let found = self.find_in_motion(rendered);
         let elapsed = rendered.elapsed.unwrap_or(self.period);
-        if found.is_some() || self.trip.is_some() {
-            // What a position that is no good makes of the energy says nothing, nor what a force
-            // would have made that is not held.
+        if found.is_some() || self.trip.is_some() || self.soft.is_some() {
+            // What a position that is no good makes of the energy says nothing, nor what becomes of
+            // a contact without its force.
             self.oscillation.pass_over(rendered.created_energy);
             return found;
         }

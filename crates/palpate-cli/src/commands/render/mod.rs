@@ -131,7 +131,7 @@ fn in_trace(name: &str, error: ReplayError) -> Failure {
 }
 
 /// The trace at `path`, and its text.
-fn read_trace(path: &Path, name: &str) -> Result<(Trace, String), Failure> {
+pub(super) fn read_trace(path: &Path, name: &str) -> Result<(Trace, String), Failure> {
     let mut bytes = Vec::new();
     if path == Path::new(STANDARD_INPUT) {
         io::stdin().lock().read_to_end(&mut bytes)

@@ -1,0 +1,122 @@
+//! Arguments of the commands that run a loop.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum, ValueHint};
+
+use crate::arguments::Flags;
+use crate::values::number;
+
+/// Arguments of `run`.
+#[derive(Args, Debug)]
+pub struct RunArguments {
+    /// Scene file (TOML): contact, loop, method, and the device and hand that are simulated
+    #[arg(value_name = "SCENE.toml", value_hint = ValueHint::FilePath)]
+    pub scene: PathBuf,
+    /// Write a recording (MCAP); a file that is there is not overwritten
+    #[arg(long, value_name = "REC.mcap", value_hint = ValueHint::FilePath)]
+    pub record: Option<PathBuf>,
+    /// What is run, and on what.
+    #[command(flatten)]
+    pub session: SessionArguments,
+}
+
+/// Arguments of `record`.
+#[derive(Args, Debug)]
+pub struct RecordArguments {
+    /// Scene file (TOML): contact, loop, method, and the device and hand that are simulated
+    #[arg(value_name = "SCENE.toml", value_hint = ValueHint::FilePath)]
+    pub scene: PathBuf,
+    /// Recording to write (MCAP); a file that is there is not overwritten
+    #[arg(value_name = "REC.mcap", value_hint = ValueHint::FilePath)]
+    pub record: PathBuf,
+    /// What is run, and on what.
+    #[command(flatten)]
+    pub session: SessionArguments,
+}
+
+/// What is run, and on what.
+#[derive(Args, Debug)]
+pub struct SessionArguments {
+    /// Device
+    #[arg(long, value_name = "NAME", value_enum, default_value_t = DeviceName::Simulated)]
+    pub device: DeviceName,
+    /// Motion of the device `replay`: CSV with the columns t_s,position_m
+    #[arg(long, value_name = "TRACE.csv", value_hint = ValueHint::FilePath,
+          required_if_eq("device", "replay"))]
+    pub motion: Option<PathBuf>,
+    /// How long [s]; inf: until ctrl-C, which ends it at any time
+    #[arg(long, value_name = "s", default_value = "10", value_parser = number)]
+    pub duration: f64,
+    /// Do not wait for the time to pass: every tick follows the one before at once
+    #[arg(long)]
+    pub fast: bool,
+    /// Print the report as JSON
+    #[arg(long)]
+    pub json: bool,
+    /// What the machine is asked for.
+    #[command(flatten)]
+    pub realtime: RealtimeArguments,
+    /// Limits between renderer and device.
+    #[command(flatten)]
+    pub safety: SafetyArguments,
+    /// Contact, loop, method and device.
+    #[command(flatten)]
+    pub flags: Flags,
+}
+
+/// Devices that are always there.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DeviceName {
+    /// Device and hand of the scene
+    Simulated,
+    /// A recorded motion, whatever the force
+    Replay,
+    /// None: at rest at 0
+    Null,
+}
+
+/// What the machine is asked for.
+#[derive(Args, Debug, Clone)]
+#[command(next_help_heading = "Real time")]
+pub struct RealtimeArguments {
+    /// Priority under SCHED_FIFO, 1 to 99; 0: do not ask for one
+    #[arg(long, value_name = "1..99", default_value_t = 80,
+          value_parser = clap::value_parser!(u8).range(0..=99))]
+    pub priority: u8,
+    /// Processor to run on
+    #[arg(long, value_name = "NUMBER")]
+    pub processor: Option<usize>,
+    /// Stay awake for the last stretch before each deadline [s]
+    #[arg(long, value_name = "s", default_value = "0", value_parser = number)]
+    pub spin: f64,
+}
+
+/// Limits between renderer and device.
+#[derive(Args, Debug, Clone)]
+#[command(next_help_heading = "Safety")]
+pub struct SafetyArguments {
+    /// Largest force on the device [N] [default: 20, or what the device can give if that is less]
+    #[arg(long, value_name = "N", value_parser = number)]
+    pub safe_force: Option<f64>,
+    /// Largest change of the force [N/s] [default: none]
+    #[arg(long, value_name = "N/s", value_parser = number)]
+    pub safe_slew: Option<f64>,
+    /// Largest speed of the device [m/s] [default: 5]
+    #[arg(long, value_name = "m/s", value_parser = number)]
+    pub safe_speed: Option<f64>,
+    /// Where the device may be along the contact's axis [m] [default: anywhere]
+    #[arg(long, value_name = "FROM,TO", value_delimiter = ',', num_args = 2,
+          value_parser = number, allow_hyphen_values = true)]
+    pub safe_range: Option<Vec<f64>>,
+    /// Time over which a force comes in that a start or a recovery finds on [s] [default: 0.2]
+    #[arg(long, value_name = "s", value_parser = number)]
+    pub soft_start: Option<f64>,
+    /// Energy created within a fifth of a second that counts as oscillation [J]; inf: none does
+    /// [default: 0.05]
+    #[arg(long, value_name = "J", value_parser = number)]
+    pub oscillation: Option<f64>,
+    /// How late the loop may be before a supervisor commands no force, in periods [default: 1.5]
+    #[arg(long, value_name = "PERIODS", value_parser = number)]
+    pub stall_after: Option<f64>,
+}

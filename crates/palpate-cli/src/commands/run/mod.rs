@@ -1,0 +1,228 @@
+//! `palpate run` and `palpate record`: a loop in real time, on a device.
+
+mod arguments;
+mod report;
+mod scene_text;
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use palpate_io::recording::Receipt;
+use palpate_rt::clock::{Clock, MonotonicClock, SteppedClock};
+use palpate_rt::device::{Device, NullDevice, ReplayDevice, SimulatedDevice};
+use palpate_rt::realtime::Request;
+use palpate_rt::safety::SafetyParams;
+use palpate_rt::{ControlLoop, LoopThread, Recorder, Rendering, SetupError, StopFlag};
+use palpate_sim::method::MethodName;
+use palpate_sim::scene::{Scene, Timing};
+
+pub use arguments::{
+    DeviceName, RealtimeArguments, RecordArguments, RunArguments, SafetyArguments, SessionArguments,
+};
+use report::Report;
+pub use report::TimingReport;
+
+use crate::failure::{Failure, tell};
+use crate::progress::Progress;
+use crate::recorded::{open, whole_or_said};
+use crate::results::print;
+
+/// Runs a loop, and records it if it is to.
+pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
+    session(
+        &arguments.scene,
+        arguments.record.as_deref(),
+        &arguments.session,
+    )
+}
+
+/// Runs a loop and records it.
+pub fn record(arguments: &RecordArguments) -> Result<(), Failure> {
+    session(
+        &arguments.scene,
+        Some(&arguments.record),
+        &arguments.session,
+    )
+}
+
+fn session(
+    path: &Path,
+    record: Option<&Path>,
+    arguments: &SessionArguments,
+) -> Result<(), Failure> {
+    let file = super::simulate::read_scene(path)?;
+    let flags = &arguments.flags;
+    let methods = flags.methods(file.scene.method);
+    let [method] = methods[..] else {
+        return Err(Failure::Arguments(
+            "--method: a loop runs one method; `palpate simulate` compares several".into(),
+        ));
+    };
+    flags.check_settings(&methods)?;
+    let mut scene = file.scene.clone();
+    flags.change(&mut scene, &methods)?;
+    scene.method = method;
+    if scene.timing != Timing::default() {
+        tell(
+            "warning: the scene's jitter, drops and fractions of a delay are for the simulator; this loop has its own",
+        );
+    }
+    let session = Session {
+        scene: &scene,
+        path,
+        record,
+        arguments,
+        method,
+    };
+    if arguments.fast {
+        session.on(&SteppedClock::new(), Request::nothing())
+    } else {
+        let spin = seconds("--spin", arguments.realtime.spin)?;
+        session.on(
+            &MonotonicClock::new().with_spin(spin),
+            request(&arguments.realtime),
+        )
+    }
+}
+
+/// What the machine is asked for.
+pub fn request(arguments: &RealtimeArguments) -> Request {
+    Request {
+        priority: (arguments.priority > 0).then_some(arguments.priority),
+        lock_memory: arguments.priority > 0,
+        processor: arguments.processor,
+    }
+}
+
+/// A flag's time.
+pub fn seconds(flag: &str, value: f64) -> Result<Duration, Failure> {
+    Duration::try_from_secs_f64(value).map_err(|_| {
+        Failure::Arguments(format!("{flag}: {value} s is no time; allowed: 0 or above"))
+    })
+}
+
+struct Session<'a> {
+    scene: &'a Scene,
+    path: &'a Path,
+    record: Option<&'a Path>,
+    arguments: &'a SessionArguments,
+    method: MethodName,
+}
+
+impl Session<'_> {
+    fn on<C: Clock>(&self, clock: &C, request: Request) -> Result<(), Failure> {
+        let device: Box<dyn Device> = match self.arguments.device {
+            DeviceName::Simulated => {
+                Box::new(SimulatedDevice::of(self.scene, clock.clone()).map_err(Failure::input)?)
+            }
+            DeviceName::Null => Box::new(NullDevice::new(clock.clone())),
+            DeviceName::Replay => self.replay(clock)?,
+        };
+        let limits = limits(device.as_ref(), &self.arguments.safety);
+        let wrong = |error: SetupError| match error {
+            SetupError::Safety(error) => Failure::Arguments(error.to_string()),
+            other => Failure::input(format_args!("{}: {other}", self.path.display())),
+        };
+        let rendering = Rendering::of(self.scene, self.method).map_err(Failure::input)?;
+        let capabilities = device.capabilities().clone();
+        let control = ControlLoop::new(device, clock.clone(), rendering, limits).map_err(wrong)?;
+        let most = self.most_ticks(control.period())?;
+        let (tap, recorder) = match self.record {
+            Some(out) => {
+                let mut receipt = Receipt::new(env!("CARGO_PKG_VERSION"))
+                    .with("device", &format!("{capabilities:#?}\n"))
+                    .with("safety", &format!("{limits:#?}\n"))
+                    .with("real time", &format!("{request:#?}\n"));
+                receipt = scene_text::put(receipt, self.scene, self.path)?;
+                Recorder::begin(out, &receipt)
+                    .map_err(|error| Failure::System(error.to_string()))?
+            }
+            None => Recorder::without_file()
+                .map_err(|error| Failure::System(format!("no thread to listen: {error}")))?,
+        };
+        let stop = StopFlag::on_signals()
+            .map_err(|error| Failure::System(format!("no signals: {error}")))?;
+        let progress = Progress::new(1);
+        progress.begin("running; ctrl-C ends it");
+        let running = LoopThread::start(control.tapped(tap), clock, request, &stop, most)
+            .map_err(|error| Failure::System(format!("no thread for the loop: {error}")))?;
+        let refused = running
+            .answers()
+            .iter()
+            .filter(|answer| !answer.is_granted());
+        for answer in refused {
+            tell(format_args!("warning: {answer}"));
+        }
+        let answers = running.answers().to_vec();
+        let end = running.join();
+        let written = recorder.finish();
+        drop(progress);
+        let account = written.map_err(|error| Failure::System(error.to_string()))?;
+        let recording = self.record.map(open).transpose()?;
+        let report = Report::new(
+            self.scene,
+            self.method,
+            &capabilities,
+            &end,
+            &answers,
+            &account,
+            recording.as_ref(),
+        );
+        print(&if self.arguments.json {
+            serde_json::to_string_pretty(&report).expect("a report has string keys only") + "\n"
+        } else {
+            report.to_string()
+        })?;
+        if let Some(words) = end.panic {
+            return Err(Failure::System(format!(
+                "the loop panicked, and no force was commanded: {words}"
+            )));
+        }
+        recording.as_ref().map_or(Ok(()), whole_or_said)
+    }
+
+    fn most_ticks(&self, period: Duration) -> Result<Option<u64>, Failure> {
+        let duration = self.arguments.duration;
+        if duration == f64::INFINITY {
+            return Ok(None);
+        }
+        let ticks = seconds("--duration", duration)?
+            .as_nanos()
+            .div_ceil(period.as_nanos());
+        Ok(Some(u64::try_from(ticks).unwrap_or(u64::MAX)))
+    }
+
+    fn replay<C: Clock>(&self, clock: &C) -> Result<Box<dyn Device>, Failure> {
+        let path: &PathBuf =
+            self.arguments.motion.as_ref().ok_or_else(|| {
+                Failure::Arguments("--device replay needs --motion TRACE.csv".into())
+            })?;
+        let (trace, _) = super::render::read_trace(path, &path.display().to_string())?;
+        let first = trace.t_s.first().copied().unwrap_or(0.0);
+        let samples = trace
+            .t_s
+            .iter()
+            .zip(&trace.position_m)
+            .map(|(time, position)| Ok((seconds("--motion", time - first)?, [*position, 0.0, 0.0])))
+            .collect::<Result<Vec<_>, Failure>>()?;
+        let device = ReplayDevice::new(clock.clone(), 1, samples)
+            .map_err(|error| Failure::input(format_args!("{}: {error}", path.display())))?;
+        Ok(Box::new(device))
+    }
+}
+
+fn limits(device: &dyn Device, arguments: &SafetyArguments) -> SafetyParams {
+    let mut limits = SafetyParams::for_device(device.capabilities());
+    let set = |limit: &mut f64, flag: Option<f64>| *limit = flag.unwrap_or(*limit);
+    set(&mut limits.largest_force, arguments.safe_force);
+    set(&mut limits.slew_limit, arguments.safe_slew);
+    set(&mut limits.largest_speed, arguments.safe_speed);
+    set(&mut limits.soft_start, arguments.soft_start);
+    set(&mut limits.oscillation.energy, arguments.oscillation);
+    set(&mut limits.stall_after_periods, arguments.stall_after);
+    if let Some([from, to]) = arguments.safe_range.as_deref() {
+        let infinite = f64::INFINITY;
+        limits.workspace = Some([[*from, -infinite, -infinite], [*to, infinite, infinite]]);
+    }
+    limits
+}

@@ -1,0 +1,267 @@
+//! What a run has to say.
+
+use std::fmt;
+use std::time::Duration;
+
+use comfy_table::CellAlignment;
+use palpate_io::recording::{Event, Recording};
+use palpate_rt::clock::Clock;
+use palpate_rt::device::{Capabilities, Device};
+use palpate_rt::realtime::Answer;
+use palpate_rt::{Account, Durations, LoopEnd, LoopStatistics};
+use palpate_sim::method::MethodName;
+use palpate_sim::scene::Scene;
+use serde::Serialize;
+
+use crate::report::{counted, digits, lines, number, plain_table};
+
+/// Events that are shown; JSON and recordings have more.
+const SHOWN: usize = 8;
+
+/// A run, for people and programs.
+#[derive(Debug, Serialize)]
+pub struct Report {
+    format: &'static str,
+    title: String,
+    method: &'static str,
+    device: String,
+    period_s: f64,
+    ending: &'static str,
+    /// What was asked of the machine, and what came of it.
+    realtime: Vec<AnswerReport>,
+    timing: TimingReport,
+    /// What holds the force at none at the end, if something does.
+    trip: Option<&'static str>,
+    supervisor_cuts: u64,
+    peak_force_n: f64,
+    deepest_penetration_m: f64,
+    leak_held_j: f64,
+    port_work_j: f64,
+    outside_work_j: f64,
+    events: Vec<EventReport>,
+    all_events: u64,
+    /// Ticks and events that nobody had time to write down.
+    untold: u64,
+    recording: Option<RecordingReport>,
+}
+
+#[derive(Debug, Serialize)]
+struct AnswerReport {
+    asked: String,
+    granted: bool,
+    why_not: Option<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct EventReport {
+    tick: u64,
+    t_s: f64,
+    kind: String,
+    text: String,
+}
+
+/// What the file says, read back.
+#[derive(Debug, Serialize)]
+struct RecordingReport {
+    file: String,
+    complete: bool,
+    ticks: u64,
+    ticks_lost: u64,
+    bytes: u64,
+}
+
+/// How a loop kept time.
+#[derive(Debug, Serialize)]
+pub struct TimingReport {
+    ticks: u64,
+    missed_deadlines: u64,
+    without_sample: u64,
+    lateness_s: Percentiles,
+    tick_s: Percentiles,
+    round_trip_s: Percentiles,
+}
+
+/// Of durations `[s]`.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Percentiles {
+    median: f64,
+    p99: f64,
+    p999: f64,
+    longest: f64,
+}
+
+impl From<&Durations> for Percentiles {
+    fn from(durations: &Durations) -> Self {
+        let at = |part| seconds(durations.quantile(part));
+        Self {
+            median: at(0.5),
+            p99: at(0.99),
+            p999: at(0.999),
+            longest: seconds(durations.longest()),
+        }
+    }
+}
+
+fn seconds(duration: Duration) -> f64 {
+    duration.as_secs_f64()
+}
+
+impl From<&LoopStatistics> for TimingReport {
+    fn from(statistics: &LoopStatistics) -> Self {
+        Self {
+            ticks: statistics.ticks,
+            missed_deadlines: statistics.missed_deadlines,
+            without_sample: statistics.without_sample,
+            lateness_s: (&statistics.lateness).into(),
+            tick_s: (&statistics.tick).into(),
+            round_trip_s: (&statistics.round_trip).into(),
+        }
+    }
+}
+
+impl Report {
+    pub fn new<D: Device, C: Clock>(
+        scene: &Scene,
+        method: MethodName,
+        device: &Capabilities,
+        end: &LoopEnd<D, C>,
+        answers: &[Answer],
+        account: &Account,
+        recording: Option<&Recording>,
+    ) -> Self {
+        let last = account.last.unwrap_or_default();
+        Self {
+            format: "palpate run 1",
+            title: scene.title.clone(),
+            method: method.name(),
+            device: device.name.clone(),
+            period_s: scene.loop_params.period,
+            ending: end.ending.text(),
+            realtime: answers
+                .iter()
+                .map(|answer| AnswerReport {
+                    asked: answer.asked.clone(),
+                    granted: answer.is_granted(),
+                    why_not: answer.outcome.clone().err(),
+                })
+                .collect(),
+            timing: (&end.statistics).into(),
+            trip: end.trip.map(palpate_rt::safety::Trip::name),
+            supervisor_cuts: end.cuts,
+            peak_force_n: account.peak_force,
+            deepest_penetration_m: account.deepest,
+            leak_held_j: last.held_leak,
+            port_work_j: last.port_work,
+            outside_work_j: last.outside_work,
+            events: account.events.iter().map(event).collect(),
+            all_events: account.all_events,
+            untold: account.lost,
+            recording: recording.map(|recording| RecordingReport {
+                file: recording.path().display().to_string(),
+                complete: recording.complete,
+                ticks: recording.ticks,
+                ticks_lost: recording.lost(),
+                bytes: account.recording.map_or(0, |summary| summary.bytes),
+            }),
+        }
+    }
+}
+
+fn event(event: &Event) -> EventReport {
+    EventReport {
+        tick: event.sequence,
+        t_s: event.time,
+        kind: event.kind.clone(),
+        text: event.text.clone(),
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}", self.title)?;
+        writeln!(
+            f,
+            "{} on the device `{}` at {} Hz; {}",
+            self.method,
+            self.device,
+            digits(1.0 / self.period_s),
+            self.ending
+        )?;
+        for answer in &self.realtime {
+            let outcome = match &answer.why_not {
+                None => "granted".to_owned(),
+                Some(why) => format!("refused: {why}"),
+            };
+            writeln!(f, "{}: {outcome}", answer.asked)?;
+        }
+        writeln!(f, "\n{}", self.timing)?;
+        writeln!(
+            f,
+            "force on the device up to {} N, penetration up to {} mm; held forces created {} mJ",
+            digits(self.peak_force_n),
+            digits(1e3 * self.deepest_penetration_m),
+            digits(1e3 * self.leak_held_j),
+        )?;
+        if self.supervisor_cuts > 0 {
+            let times = counted(self.supervisor_cuts, "time");
+            writeln!(f, "the supervisor commanded no force {times}")?;
+        }
+        if let Some(trip) = self.trip {
+            writeln!(f, "safety had tripped and stayed so: {trip}")?;
+        }
+        for event in self.events.iter().take(SHOWN) {
+            writeln!(f, "  {:>10.4} s  {}: {}", event.t_s, event.kind, event.text)?;
+        }
+        let hidden = self.all_events - self.events.len().min(SHOWN) as u64;
+        if hidden > 0 {
+            writeln!(f, "  and {} more", counted(hidden, "event"))?;
+        }
+        if let Some(recording) = &self.recording {
+            let state = if recording.complete {
+                "complete"
+            } else {
+                "not complete"
+            };
+            writeln!(
+                f,
+                "{}: {state}, {}, {} lost, {} MB",
+                recording.file,
+                counted(recording.ticks, "tick"),
+                recording.ticks_lost,
+                digits(1e-6 * recording.bytes as f64),
+            )?;
+        } else if self.untold > 0 {
+            writeln!(
+                f,
+                "{} came too fast to be listened to",
+                counted(self.untold, "tick")
+            )?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for TimingReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "{}; {} missed; {} without a sample",
+            counted(self.ticks, "tick"),
+            counted(self.missed_deadlines, "deadline"),
+            self.without_sample
+        )?;
+        let header = ["", "median [us]", "99 %", "99.9 %", "longest"];
+        let mut table = plain_table(CellAlignment::Left, &header);
+        for (name, of) in [
+            ("woken late by", self.lateness_s),
+            ("device's answer", self.round_trip_s),
+            ("tick", self.tick_s),
+        ] {
+            let mut row = vec![comfy_table::Cell::new(name)];
+            let values = [of.median, of.p99, of.p999, of.longest];
+            row.extend(values.map(|value| number(Some(1e6 * value), digits)));
+            table.add_row(row);
+        }
+        writeln!(f, "{}", lines(&table))
+    }
+}

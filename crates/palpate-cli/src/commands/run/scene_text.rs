@@ -1,0 +1,43 @@
+//! The scene of a recording, for its receipt.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use palpate_io::recording::Receipt;
+use palpate_sim::scene::{Scene, SceneFile, beside};
+
+use crate::failure::Failure;
+
+/// The receipt with the scene as it is run, and with the files it names. `file` is the scene file at
+/// `path`, which `scene` comes from.
+pub fn put(receipt: Receipt, scene: &Scene, path: &Path) -> Result<Receipt, Failure> {
+    let unwritable = match scene.to_toml() {
+        Ok(text) => return Ok(receipt.with("scene", &text)),
+        Err(unwritable) => unwritable,
+    };
+    // What names other files goes in as it stands, with these.
+    let name = path.display().to_string();
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| Failure::System(format!("{name}: {error}")))?;
+    let mut named = BTreeMap::new();
+    let mut read = beside(path);
+    let mut reads = |file: &str| {
+        let text = read(file)?;
+        named.insert(file.to_owned(), text.clone());
+        Ok(text)
+    };
+    let as_it_stands = SceneFile::parse_with(&name, &text, &mut reads)
+        .map_err(super::super::simulate::in_file)?
+        .scene;
+    if as_it_stands != *scene {
+        return Err(Failure::Arguments(format!(
+            "{name}: {unwritable}, so a recording can hold this scene only as its file has it; put \
+             what the flags change into the file"
+        )));
+    }
+    Ok(named
+        .iter()
+        .fold(receipt.with("scene", &text), |receipt, (file, text)| {
+            receipt.with_file(file, text)
+        }))
+}

@@ -1,0 +1,244 @@
+//! The loop on a thread of its own, on the machine's clock.
+
+#![allow(clippy::print_stdout)] // tests show what they measured
+
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use palpate::{AnyParams, Contact, LoopParams, ObjectState};
+use palpate_io::recording::{Entry, Receipt, Recording};
+use palpate_rt::clock::{Clock, MonotonicClock};
+use palpate_rt::device::{Capabilities, Device, DeviceError, Reading, Vector, ZeroWriter};
+use palpate_rt::realtime::Request;
+use palpate_rt::safety::SafetyParams;
+use palpate_rt::{ControlLoop, Ending, LoopThread, Recorder, Rendering, StopFlag};
+
+/// What a device went through, seen from the test.
+#[derive(Default)]
+struct Seen {
+    reads: AtomicU64,
+    last_force: Mutex<f64>,
+    zeroed: AtomicUsize,
+    zeroed_at: Mutex<Option<Instant>>,
+}
+
+/// What goes wrong in a read.
+#[derive(Clone, Copy)]
+enum Trouble {
+    None,
+    Panics,
+    Hangs(Duration),
+}
+
+/// A device 1 mm in a wall of 1000 N/m, with trouble at its hundredth read.
+struct Troubled {
+    clock: MonotonicClock,
+    capabilities: Capabilities,
+    trouble: Trouble,
+    seen: Arc<Seen>,
+}
+
+impl Device for Troubled {
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    fn read(&mut self) -> Result<Reading, DeviceError> {
+        if self.seen.reads.fetch_add(1, Ordering::SeqCst) == 100 {
+            match self.trouble {
+                Trouble::None => {}
+                Trouble::Panics => panic!("the cable is on fire"),
+                Trouble::Hangs(duration) => sleep(duration),
+            }
+        }
+        Ok(Reading {
+            position: [1e-3, 0.0, 0.0],
+            time: self.clock.now(),
+        })
+    }
+
+    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
+        *self.seen.last_force.lock().unwrap() = force[0];
+        Ok(force)
+    }
+
+    fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
+        struct Zero(Arc<Seen>);
+        impl ZeroWriter for Zero {
+            fn write_zero(&mut self) {
+                self.0.zeroed.fetch_add(1, Ordering::SeqCst);
+                *self.0.zeroed_at.lock().unwrap() = Some(Instant::now());
+            }
+        }
+        Some(Box::new(Zero(Arc::clone(&self.seen))))
+    }
+}
+
+type Troubles = ControlLoop<Troubled, MonotonicClock>;
+
+fn control(trouble: Trouble, period: f64) -> (Troubles, MonotonicClock, Arc<Seen>) {
+    let clock = MonotonicClock::new();
+    let seen = Arc::new(Seen::default());
+    let device = Troubled {
+        clock,
+        capabilities: Capabilities::unknown("troubled", 1),
+        trouble,
+        seen: Arc::clone(&seen),
+    };
+    let rendering = Rendering {
+        contact: Contact::object(1000.0, f64::INFINITY),
+        loop_params: LoopParams::new(period),
+        params: AnyParams::Basic,
+        virtual_force: 0.0,
+        object: ObjectState {
+            position: 0.0,
+            velocity: 0.0,
+        },
+    };
+    let limits = SafetyParams {
+        soft_start: 0.0,
+        ..SafetyParams::default()
+    };
+    let control = ControlLoop::new(device, clock, rendering, limits).unwrap();
+    (control, clock, seen)
+}
+
+fn start(
+    control: Troubles,
+    clock: &MonotonicClock,
+    stop: &StopFlag,
+) -> LoopThread<Troubled, MonotonicClock> {
+    LoopThread::start(control, clock, Request::default(), stop, None).unwrap()
+}
+
+fn wait_for_reads(seen: &Seen, reads: u64) {
+    let begun = Instant::now();
+    while seen.reads.load(Ordering::SeqCst) < reads {
+        assert!(
+            begun.elapsed() < Duration::from_secs(20),
+            "the loop does not tick"
+        );
+        sleep(Duration::from_millis(1));
+    }
+}
+
+fn force(seen: &Seen) -> f64 {
+    *seen.last_force.lock().unwrap()
+}
+
+#[test]
+fn it_runs_until_it_is_stopped_and_leaves_no_force() {
+    let (control, clock, seen) = control(Trouble::None, 0.002);
+    let stop = StopFlag::new();
+    let running = start(control, &clock, &stop);
+    assert_eq!(running.answers().len(), 2);
+    wait_for_reads(&seen, 50);
+    // A busy machine may have made it late just now.
+    let begun = Instant::now();
+    while force(&seen) != -1.0 {
+        assert!(begun.elapsed() < Duration::from_secs(20), "no force");
+    }
+    let asked = Instant::now();
+    running.stop();
+    let end = running.join();
+    println!("ended {:?} after it was asked to", asked.elapsed());
+    assert_eq!(end.ending, Ending::Stopped);
+    assert_eq!(force(&seen), 0.0);
+    let statistics = &end.statistics;
+    assert_eq!(statistics.ticks, seen.reads.load(Ordering::SeqCst));
+    assert_eq!(statistics.lateness.count(), statistics.ticks);
+    assert!(statistics.tick.longest() >= statistics.tick.quantile(0.5));
+}
+
+#[test]
+fn a_loop_that_nobody_waits_for_leaves_no_force() {
+    let (control, clock, seen) = control(Trouble::None, 0.002);
+    let running = start(control, &clock, &StopFlag::new());
+    wait_for_reads(&seen, 20);
+    drop(running);
+    assert_eq!(force(&seen), 0.0);
+    let reads = seen.reads.load(Ordering::SeqCst);
+    sleep(Duration::from_millis(20));
+    assert_eq!(seen.reads.load(Ordering::SeqCst), reads);
+}
+
+#[test]
+fn a_loop_without_a_thread_leaves_no_force_when_it_is_dropped() {
+    let (mut control, _, seen) = control(Trouble::None, 0.001);
+    control.tick();
+    assert_eq!(force(&seen), -1.0);
+    drop(control);
+    assert_eq!(force(&seen), 0.0);
+}
+
+#[test]
+fn a_panic_leaves_no_force_and_is_told() {
+    let (control, clock, seen) = control(Trouble::Panics, 0.001);
+    let end = start(control, &clock, &StopFlag::new()).join();
+    assert_eq!(end.ending, Ending::Panicked);
+    assert_eq!(end.panic.as_deref(), Some("the cable is on fire"));
+    assert_eq!(force(&seen), 0.0);
+    assert_eq!(end.statistics.ticks, 100);
+}
+
+/// The thread itself stands still: only another one can let go of the motor.
+#[test]
+fn a_read_that_hangs_is_cut_by_the_supervisor() {
+    // At 50 Hz, so that other programs do not make the loop late.
+    let (control, clock, seen) = control(Trouble::Hangs(Duration::from_millis(200)), 0.02);
+    let running = start(control, &clock, &StopFlag::new());
+    wait_for_reads(&seen, 101);
+    let hung = Instant::now();
+    sleep(Duration::from_millis(190));
+    let cut_after = seen
+        .zeroed_at
+        .lock()
+        .unwrap()
+        .map(|at| at.saturating_duration_since(hung));
+    wait_for_reads(&seen, 105);
+    running.stop();
+    let end = running.join();
+    println!("cut {cut_after:?} after the read began to hang, at a period of 20 ms");
+    // Two periods, and what a busy machine adds to a wake-up.
+    assert!(
+        cut_after.unwrap() < Duration::from_millis(100),
+        "{cut_after:?}"
+    );
+    assert!(end.cuts >= 1);
+    assert_eq!(end.cuts, seen.zeroed.load(Ordering::SeqCst) as u64);
+}
+
+#[test]
+fn what_a_loop_does_is_recorded_tick_by_tick() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let (control, clock, _seen) = control(Trouble::None, 0.00025);
+    let (tap, recorder) = Recorder::begin(&path, &Receipt::new("test")).unwrap();
+    let running = LoopThread::start(
+        control.tapped(tap),
+        &clock,
+        Request::default(),
+        &StopFlag::new(),
+        Some(2000),
+    )
+    .unwrap();
+    let end = running.join();
+    let account = recorder.finish().unwrap();
+    assert_eq!(end.ending, Ending::Complete);
+    assert_eq!(account.recording.unwrap().ticks, 2000);
+    assert_eq!((account.lost, account.last.unwrap().sequence), (0, 1999));
+    let recording = Recording::open(&path).unwrap();
+    assert!(recording.is_whole(), "{:?}", recording.missing);
+    let mut ticks = 0;
+    let mut before = f64::NEG_INFINITY;
+    for entry in recording.entries().unwrap() {
+        if let Entry::Tick(tick) = entry.unwrap() {
+            assert!(tick.time > before);
+            before = tick.time;
+            ticks += 1;
+        }
+    }
+    assert_eq!(ticks, 2000);
+}
