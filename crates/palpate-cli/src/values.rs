@@ -31,6 +31,13 @@ pub fn number(text: &str) -> Result<f64, String> {
         .map_err(|_| "a number is needed, such as 0.01 or 1e-2".into())
 }
 
+/// From one number to another; which of them is larger is the business of what it is for.
+pub fn range(text: &str) -> Result<(f64, f64), String> {
+    text.split_once(',')
+        .and_then(|(from, to)| Some((from.trim().parse().ok()?, to.trim().parse().ok()?)))
+        .ok_or_else(|| "two numbers are needed, with a comma between, such as -0.05,0.05".into())
+}
+
 /// A delay that the bench can hold.
 pub fn samples(text: &str) -> Result<usize, String> {
     const MOST: usize = DelayedHold::LONGEST_DELAY;

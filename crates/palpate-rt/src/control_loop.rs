@@ -205,7 +205,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         let answered = self.clock.now();
         let elapsed = match (&sampled, &self.last) {
             (Sampled::Fresh(now), Some((before, _))) => {
-                Some(now.time.as_secs_f64() - before.time.as_secs_f64())
+                Some(now.time.saturating_sub(before.time).as_secs_f64())
             }
             _ => None,
         };

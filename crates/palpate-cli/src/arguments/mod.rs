@@ -158,7 +158,7 @@ time that really passed. Flags change values of the scene.")]
 Examples:
   palpate run experiments/experiment1.toml --device simulated --duration 3
   palpate run experiments/wall.toml --method hfcr --fast --json
-  palpate run experiments/fig2.toml --duration 2 --record tap.mcap --safe-force 5")]
+  palpate run experiments/fig2.toml --duration 2 --record fig2.mcap --safe-force 5")]
     Run(RunArguments),
     /// Run a loop in real time and record every tick of it
     #[command(override_usage = "palpate record <SCENE.toml> <REC.mcap> [OPTIONS]")]
@@ -170,7 +170,7 @@ by its number and said in the end, and what was written survives whatever ends t
 is made it is called NAME.part.")]
     #[command(after_help = "\
 Examples:
-  palpate record experiments/experiment1.toml tap.mcap --duration 2
+  palpate record experiments/experiment1.toml falls.mcap --duration 2
   palpate record experiments/wall.toml wall.mcap --fast --duration 60")]
     Record(RecordArguments),
     /// Ask what this machine grants a loop, and try one

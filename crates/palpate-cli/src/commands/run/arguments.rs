@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum, ValueHint};
 
 use crate::arguments::Flags;
-use crate::values::number;
+use crate::values::{number, range};
 
 /// Arguments of `run`.
 #[derive(Args, Debug)]
@@ -106,9 +106,8 @@ pub struct SafetyArguments {
     #[arg(long, value_name = "m/s", value_parser = number)]
     pub safe_speed: Option<f64>,
     /// Where the device may be along the contact's axis [m] [default: anywhere]
-    #[arg(long, value_name = "FROM,TO", value_delimiter = ',', num_args = 2,
-          value_parser = number, allow_hyphen_values = true)]
-    pub safe_range: Option<Vec<f64>>,
+    #[arg(long, value_name = "FROM,TO", value_parser = range, allow_hyphen_values = true)]
+    pub safe_range: Option<(f64, f64)>,
     /// Time over which a force comes in that a start or a recovery finds on [s] [default: 0.2]
     #[arg(long, value_name = "s", value_parser = number)]
     pub soft_start: Option<f64>,

@@ -220,9 +220,9 @@ fn limits(device: &dyn Device, arguments: &SafetyArguments) -> SafetyParams {
     set(&mut limits.soft_start, arguments.soft_start);
     set(&mut limits.oscillation.energy, arguments.oscillation);
     set(&mut limits.stall_after_periods, arguments.stall_after);
-    if let Some([from, to]) = arguments.safe_range.as_deref() {
+    if let Some((from, to)) = arguments.safe_range {
         let infinite = f64::INFINITY;
-        limits.workspace = Some([[*from, -infinite, -infinite], [*to, infinite, infinite]]);
+        limits.workspace = Some([[from, -infinite, -infinite], [to, infinite, infinite]]);
     }
     limits
 }

@@ -1,0 +1,283 @@
+//! Loops in real time, from the command line.
+
+#![cfg(unix)]
+
+mod common;
+
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use common::{Folder, experiment_text, number, parse};
+use palpate_io::recording::{Entry, Recording, Tick};
+
+fn folder_with_scenes() -> Folder {
+    let folder = Folder::new();
+    for name in ["fig2", "experiment1", "wall"] {
+        folder.write(&format!("{name}.toml"), experiment_text(name));
+    }
+    folder
+}
+
+fn ticks(folder: &Folder, name: &str) -> Vec<Tick> {
+    Recording::open(&folder.path(name))
+        .unwrap()
+        .entries()
+        .unwrap()
+        .filter_map(|entry| match entry.unwrap() {
+            Entry::Tick(tick) => Some(tick),
+            Entry::Event(_) => None,
+        })
+        .collect()
+}
+
+/// What ran on the simulated device at once is what the simulator gives.
+#[test]
+fn a_fast_run_is_a_simulation() {
+    let folder = folder_with_scenes();
+    for method in ["hfcr", "coupled"] {
+        let flags = format!("--method {method}");
+        folder.succeed(&format!(
+            "record fig2.toml {method}.mcap --fast --duration 1 {flags}"
+        ));
+        folder.succeed(&format!("simulate fig2.toml {flags} --out {method}.csv"));
+        let csv = folder.read(&format!("{method}.csv"));
+        let mut lines = csv.lines().skip_while(|line| line.starts_with('#'));
+        let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+        let column = header
+            .iter()
+            .position(|name| name.contains("force_on_object_n"))
+            .unwrap_or_else(|| panic!("{header:?}"));
+        let simulated: Vec<f64> = lines
+            .map(|line| line.split(',').nth(column).unwrap().parse().unwrap())
+            .collect();
+        let ticks = ticks(&folder, &format!("{method}.mcap"));
+        assert_eq!(ticks.len(), 100);
+        assert!(simulated.iter().any(|force| *force > 1.0));
+        for (tick, force) in ticks.iter().zip(&simulated) {
+            assert!(
+                (tick.force_on_object - force).abs() < 1e-6,
+                "{} s",
+                tick.time
+            );
+        }
+    }
+}
+
+#[test]
+fn every_fast_run_is_the_same() {
+    let folder = folder_with_scenes();
+    for name in ["a", "b"] {
+        folder.succeed(&format!(
+            "run experiment1.toml --fast --duration 5 --record {name}.mcap"
+        ));
+    }
+    // By their text: the first has no period, and NaN is not NaN.
+    let text = |name| format!("{:?}", ticks(&folder, name));
+    assert!(text("a.mcap") == text("b.mcap"));
+}
+
+#[test]
+fn a_run_in_real_time_takes_its_time_and_reports() {
+    let folder = folder_with_scenes();
+    let begun = Instant::now();
+    let answer = folder.succeed("run wall.toml --duration 0.5 --json");
+    assert!(begun.elapsed() >= Duration::from_millis(499));
+    let report = parse(&answer);
+    assert_eq!(report["timing"]["ticks"], 500);
+    assert_eq!(report["ending"], "it was complete");
+    assert!(number(&report["timing"]["lateness_s"], "longest") >= 0.0);
+    assert_eq!(report["realtime"].as_array().unwrap().len(), 2);
+    let text = folder.succeed("run wall.toml --duration 0.1 --priority 0");
+    assert!(text.contains("100 ticks;"), "{text}");
+    assert!(!text.contains("SCHED_FIFO"), "{text}");
+}
+
+#[test]
+fn a_recording_of_a_run_is_whole_and_can_be_replayed() {
+    let folder = folder_with_scenes();
+    folder.succeed("record experiment1.toml tap.mcap --duration 2 --method coupled");
+    let info = parse(&folder.succeed("info tap.mcap --json"));
+    assert_eq!(
+        (&info["ticks"], &info["ticks_lost"]),
+        (&100.into(), &0.into())
+    );
+    assert_eq!(info["events"]["ended"], 1);
+    let scene = folder.succeed("info tap.mcap --text scene");
+    assert!(scene.contains("\"coupled\""), "{scene}");
+    folder.write("back.toml", scene);
+    folder.succeed("simulate back.toml");
+    let replayed = parse(&folder.succeed("replay tap.mcap --method hfcr --json"));
+    assert_eq!(replayed["recording"]["recorded_method"], "coupled");
+    folder.succeed("convert tap.mcap");
+}
+
+#[test]
+fn a_recorded_motion_is_a_device() {
+    let folder = folder_with_scenes();
+    let line = |i: u32| format!("{},{}\n", f64::from(i) * 0.01, -0.01 + 1e-3 * f64::from(i));
+    let trace: String = (0..21).map(line).collect();
+    folder.write("push.csv", format!("t_s,position_m\n{trace}"));
+    folder.succeed(
+        "record wall.toml push.mcap --fast --device replay --motion push.csv --method basic",
+    );
+    let ticks = ticks(&folder, "push.mcap");
+    let at = |time: f64| ticks.iter().find(|tick| tick.time >= time - 1e-9).unwrap();
+    // At 0.15 s it is 5 mm in a wall of 1000 N/m.
+    assert!(
+        (at(0.15).force_on_device + 5.0).abs() < 1e-6,
+        "{:?}",
+        at(0.15)
+    );
+    // Behind its end the device is gone, and so is the force.
+    assert_eq!(ticks.last().unwrap().force_on_device, 0.0);
+    let info = folder.succeed("info push.mcap");
+    assert!(info.contains("trip-device-lost"), "{info}");
+}
+
+#[test]
+fn what_cannot_be_run_is_named() {
+    let folder = folder_with_scenes();
+    let cases = [
+        (
+            "run wall.toml --method hfcr,basic",
+            2,
+            "a loop runs one method",
+        ),
+        ("run wall.toml --device replay", 2, "--motion"),
+        (
+            "run wall.toml --safe-force 0",
+            2,
+            "largest force is 0; allowed",
+        ),
+        (
+            "run wall.toml --safe-range 0.1,-0.1",
+            2,
+            "extent of the workspace",
+        ),
+        ("run wall.toml --safe-range 0.1", 2, "two numbers"),
+        ("run wall.toml --spin=-1", 2, "--spin: -1 s is no time"),
+        ("run wall.toml --duration nan", 2, "--duration"),
+        ("run wall.toml --priority 100", 2, "100"),
+        ("run nowhere.toml", 1, "nowhere.toml"),
+        (
+            "record wall.toml wall.toml --fast",
+            1,
+            "there is a file of that name",
+        ),
+        ("bench loop --rate 0", 2, "--rate 0"),
+        ("bench", 2, "loop"),
+    ];
+    for (arguments, code, words) in cases {
+        let answer = folder.palpate(arguments);
+        assert_eq!(answer.code, code, "{arguments}: {}", answer.stderr);
+        assert!(
+            answer.stderr.contains(words),
+            "{arguments}: {}",
+            answer.stderr
+        );
+    }
+    assert_eq!(folder.read("wall.toml"), experiment_text("wall"));
+}
+
+#[test]
+fn the_doctor_and_the_bench_answer_programs() {
+    let folder = folder_with_scenes();
+    let doctor = parse(&folder.succeed("doctor --json"));
+    for asked in doctor["asked"].as_array().unwrap() {
+        let is_granted = asked["granted"].as_bool().unwrap();
+        assert_eq!(is_granted, asked["why_not"].is_null());
+        assert_eq!(is_granted, asked["remedy"].is_null());
+    }
+    assert_eq!(doctor["loop_at_1000_hz"]["timing"]["ticks"], 2000);
+    let bench = parse(&folder.succeed("bench loop --rate 200,1000 --duration 0.2 --json"));
+    assert_eq!(bench[0]["timing"]["ticks"], 40);
+    assert_eq!(bench[1]["timing"]["ticks"], 200);
+}
+
+fn spawn(folder: &Folder, arguments: &str) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_palpate"))
+        .args(arguments.split(' '))
+        .current_dir(folder.path("."))
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap()
+}
+
+fn signal(child: &Child, name: &str) {
+    let status = Command::new("kill")
+        .args([format!("-{name}"), child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(status.success());
+}
+
+fn wait_for(path: &std::path::Path) {
+    let begun = Instant::now();
+    while !path.exists() {
+        assert!(
+            begun.elapsed() < Duration::from_secs(20),
+            "{}",
+            path.display()
+        );
+        sleep(Duration::from_millis(2));
+    }
+}
+
+#[test]
+fn a_signal_ends_a_run_without_force_and_completes_the_recording() {
+    let folder = folder_with_scenes();
+    for name in ["INT", "TERM", "HUP"] {
+        let file = format!("{name}.mcap");
+        let mut child = spawn(
+            &folder,
+            &format!("record wall.toml {file} --duration inf --soft-start 0"),
+        );
+        wait_for(&folder.path(&format!("{file}.part")));
+        sleep(Duration::from_millis(300));
+        signal(&child, name);
+        assert!(child.wait().unwrap().success(), "{name}");
+        let recording = Recording::open(&folder.path(&file)).unwrap();
+        assert!(recording.is_whole());
+        assert!(recording.ticks > 50);
+        let ended = recording.entries().unwrap().any(|entry| {
+            matches!(entry.unwrap(), Entry::Event(event)
+                if event.kind == "ended" && event.text.contains("asked to stop"))
+        });
+        assert!(ended, "{name}");
+    }
+}
+
+/// Killed in the middle, at fifty instants: what was flushed is there, tick by tick.
+#[test]
+fn a_run_that_is_killed_leaves_a_recording_up_to_its_last_flush() {
+    let folder = folder_with_scenes();
+    // Spread over a second, and over the flushes every quarter of it.
+    let instants = (0..50_u64).map(|i| Duration::from_millis(300 + (i * 619) % 1000));
+    let mut fewest = u64::MAX;
+    for (batch, instants) in instants.collect::<Vec<_>>().chunks(5).enumerate() {
+        let mut children = Vec::new();
+        for (index, instant) in instants.iter().enumerate() {
+            let file = format!("{batch}-{index}.mcap");
+            let arguments = format!("record wall.toml {file} --duration inf --priority 0");
+            children.push((spawn(&folder, &arguments), file, *instant));
+        }
+        for (_, file, _) in &children {
+            wait_for(&folder.path(&format!("{file}.part")));
+        }
+        let begun = Instant::now();
+        children.sort_by_key(|(_, _, instant)| *instant);
+        for (mut child, file, instant) in children {
+            sleep(instant.saturating_sub(begun.elapsed()));
+            child.kill().unwrap();
+            child.wait().unwrap();
+            let recording = Recording::open(&folder.path(&format!("{file}.part"))).unwrap();
+            assert!(!recording.complete);
+            assert_eq!(recording.missing, [], "{file}");
+            assert!(recording.damage.is_empty(), "{:?}", recording.damage);
+            fewest = fewest.min(recording.ticks);
+        }
+    }
+    assert!(fewest > 0, "not even the first flush is there");
+}
