@@ -91,7 +91,7 @@ impl<S: Scalar> Response<S> {
     /// What a steady change of the acceleration over the interval, from nothing at its start, does
     /// to penetration and speed at its end, for each m/s^3 and with the interval's duration `h`
     /// `[s]`. Exact for a free interval.
-    pub fn to_ramp(&self, h: S) -> [S; 2] {
+    pub fn under_ramp(self, h: S) -> [S; 2] {
         [
             self.penetration[2] * h * S::from_f64(1.0 / 3.0),
             self.speed[2] * h * S::HALF,

@@ -2,6 +2,7 @@
 
 mod observer;
 mod placed;
+mod spread;
 
 pub(crate) use observer::{Motion, Observer, ObserverParams, Seen};
 pub(crate) use placed::Placed;

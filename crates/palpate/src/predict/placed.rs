@@ -8,7 +8,8 @@
 //! collision, in the form of a covariance that a Kalman filter of device and object together would
 //! have.
 
-use super::observer::{Lesson, Motion, PARTS};
+use super::observer::{Lesson, Motion};
+use super::spread::PARTS;
 use crate::Scalar;
 use crate::response::Response;
 
@@ -46,7 +47,7 @@ impl<S: Scalar> Placed<S> {
             return *self;
         }
         let h = lesson.jerk[2];
-        let ramp = response.to_ramp(h);
+        let ramp = response.under_ramp(h);
         let by = [
             -device.damping_rate,
             device.damping_rate * held_force,

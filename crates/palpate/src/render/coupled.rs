@@ -198,7 +198,7 @@ impl<S: Scalar> Coupled<S> {
         let mut ramp = S::ZERO;
         if let Some(response) = &response {
             ramp = device.ramp(ended.held_force);
-            let [farther, faster] = response.to_ramp(h).map(|by| by * ramp);
+            let [farther, faster] = response.under_ramp(h).map(|by| by * ramp);
             course.end.penetration += farther;
             course.end.speed += faster;
             if course.impulse > S::ZERO && drive.mobility > S::ZERO {
