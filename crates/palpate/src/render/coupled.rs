@@ -310,10 +310,11 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         );
         let device = if self.correction { smoothed } else { before };
         // A wall is where it is.
-        let lesson = lesson.filter(|_| self.correction && self.placement && !motion.is_wall());
-        let [object_off, object_slow] = lesson
+        let lesson = lesson
             .as_ref()
-            .map_or([S::ZERO; 2], |lesson| memory.placed.correction(lesson));
+            .filter(|_| self.correction && self.placement && !motion.is_wall());
+        let [object_off, object_slow] =
+            lesson.map_or([S::ZERO; 2], |lesson| memory.placed.correction(lesson));
         let object_velocity = ended.start.object_velocity + object_slow;
         let start = Relative {
             penetration: ended.start.penetration + device.offset - object_off,
@@ -321,7 +322,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         };
         let (interval, response) = self.interval_past(motion, &device, start, ended);
         let touched = interval.course.impulse > S::ZERO;
-        memory.placed = match (lesson, response) {
+        memory.placed = match (lesson, &response) {
             (Some(lesson), Some(response)) => {
                 let placed = if touched && start.penetration <= S::ZERO {
                     // A new collision: what the last one has left has been seen by now.
@@ -330,7 +331,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
                     memory.placed
                 };
                 let touched = touched || ended.held_force != S::ZERO;
-                placed.after(&lesson, &device, &response, touched, ended.held_force)
+                placed.after(lesson, &device, response, touched, ended.held_force)
             }
             _ => Placed::default(),
         };
