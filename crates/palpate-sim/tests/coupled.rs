@@ -31,7 +31,7 @@ fn told_the_mass_it_is_at_the_floor_of_the_paper_s_scenes() {
 
 #[test]
 fn told_half_as_much_again_it_is_as_near_from_every_height() {
-    for (name, most) in PAPER_SCENES.into_iter().zip([0.1, 0.3, 0.5]) {
+    for (name, most) in PAPER_SCENES.into_iter().zip([0.1, 0.2, 0.7]) {
         let mut scene = scene(name);
         scene.told_device_mass = Some(1.5 * scene.device.mass);
         let found = over_heights(&scene, &[Column::of(MethodName::Coupled)], || ()).unwrap();
@@ -63,8 +63,8 @@ fn a_clamped_device_is_found_out() {
 fn a_pressed_wall_is_steady_and_does_not_creep() {
     for (name, stiffness, ripple) in [
         ("coupled/wall-100", 100.0, 0.001),
-        ("coupled/wall-1000", 1000.0, 0.005),
-        ("coupled/wall-10000", 10_000.0, 0.03),
+        ("coupled/wall-1000", 1000.0, 0.004),
+        ("coupled/wall-10000", 10_000.0, 0.02),
     ] {
         // A third of the scene's minute, which is most of the time its ideal takes.
         let mut scene = scene(name);
@@ -98,6 +98,60 @@ fn a_pressed_wall_is_steady_and_does_not_creep() {
 }
 
 #[test]
+fn a_stiff_light_object_rebounds_as_it_should_though_the_encoder_is_coarse() {
+    // Half of a quantum is 0.8 N at 160 N/mm, and a rebound that is 0.2 % too fast is a collision
+    // that comes a third of a sample early.
+    for (name, median, worst) in [
+        ("coupled/stiff-40", 4.0, 15.0),
+        ("coupled/stiff-160", 8.0, 30.0),
+        ("coupled/stiff-40-hand", 8.0, 20.0),
+        ("coupled/stiff-160-hand", 18.0, 40.0),
+    ] {
+        let found = over_heights(&scene(name), &[Column::of(MethodName::Coupled)], || ()).unwrap();
+        let ratio = found[0].own.error_over_floor.unwrap();
+        let error = found[0].error;
+        println!("{name}: FRE/floor {ratio:.3}, {error:?}");
+        assert!(ratio < 1.3, "{name}: {ratio}");
+        assert!(
+            error.median < median && error.worst < worst,
+            "{name}: {error:?}"
+        );
+    }
+}
+
+#[test]
+fn a_pressed_wall_stays_steady_with_a_delay_and_any_mass_told() {
+    for told in [0.5, 1.0, 2.0] {
+        let mut scene = scene("coupled/wall-10000");
+        scene.contact.stiffness = 14_000.0;
+        scene.measure = Measure::Duration(8.0);
+        scene.delay = 1;
+        scene.told_device_mass = Some(told * scene.device.mass);
+        let late: Vec<f64> = coupled(&scene)
+            .ticks
+            .iter()
+            .filter(|tick| tick.time > 1.5)
+            .map(|tick| tick.held_force_on_object)
+            .collect();
+        let mean = late.iter().sum::<f64>() / late.len() as f64;
+        let square: f64 = late.iter().map(|force| (force - mean).powi(2)).sum();
+        let deviation = (square / late.len() as f64).sqrt() / mean;
+        println!("told {told} times the mass: {mean:.4} N, deviation {deviation:.2e}");
+        assert!(deviation < 0.03, "{told}: {deviation}");
+    }
+}
+
+#[test]
+fn what_the_motor_did_not_give_is_placed_for() {
+    // Random lateness, and a motor that gives a part of what is asked: the held force is known a
+    // sample later, and the object is placed by that one.
+    let late = fidelity(&scene("users/s09-stale-late-missing")).mean_force_error;
+    let clipped = fidelity(&scene("users/s04-clipped-200hz")).mean_force_error;
+    println!("late and missing {late:.1} %, clipped {clipped:.1} %");
+    assert!(late < 60.0 && clipped < 50.0, "{late}, {clipped}");
+}
+
+#[test]
 fn on_random_plants_each_step_takes_it_nearer() {
     let step = |placement, correction| Column {
         settings: Settings {
@@ -121,6 +175,6 @@ fn on_random_plants_each_step_takes_it_nearer() {
             medians.windows(2).all(|pair| pair[1] < 0.75 * pair[0]),
             "{medians:?}"
         );
-        assert!(medians[3] < 3.5, "{medians:?}");
+        assert!(medians[3] < 3.0, "{medians:?}");
     }
 }

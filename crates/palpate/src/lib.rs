@@ -57,6 +57,7 @@ mod placement;
 mod predict;
 mod relative_motion;
 mod render;
+mod response;
 mod sample;
 mod scalar;
 mod transition;

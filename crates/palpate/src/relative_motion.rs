@@ -12,6 +12,7 @@
 //! for its ideal by code of its own, on purpose: what judges shares nothing with what is judged.
 
 use crate::Scalar;
+use crate::response::{Part, Response};
 
 /// Penetration and its rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +57,31 @@ impl<S: Scalar> Drive<S> {
     /// The motion from `start` over `duration` `[s]`, with any number of transitions in bounded
     /// work. A spring that is merely touched is not in contact.
     pub fn over(&self, start: Relative<S>, duration: S) -> Course<S> {
+        self.follow(start, duration, |_| {})
+    }
+
+    /// The same, with how its end answers to what it starts from: none after so many bounces that
+    /// they were not followed one by one.
+    pub fn over_with_response(
+        &self,
+        start: Relative<S>,
+        duration: S,
+    ) -> (Course<S>, Option<Response<S>>) {
+        let mut response = Some(Response::none_yet());
+        let course = self.follow(start, duration, |part| {
+            response = response.and_then(|so_far| so_far.after(self, part));
+        });
+        (course, response)
+    }
+
+    /// Follows the motion part by part.
+    #[inline]
+    fn follow(
+        &self,
+        start: Relative<S>,
+        duration: S,
+        mut passed: impl FnMut(Part<S>),
+    ) -> Course<S> {
         let a = self.acceleration;
         let omega = (self.stiffness * self.mobility).sqrt();
         let mut at = start;
@@ -69,12 +95,14 @@ impl<S: Scalar> Drive<S> {
                     && (at.speed < S::ZERO || (at.speed == S::ZERO && a <= S::ZERO)));
             if free {
                 let Some((after, speed)) = self.entry(at).filter(|(after, _)| *after < left) else {
+                    passed(Part::Free(left));
                     return Course {
                         end: self.fly(at, left),
                         impulse,
                         first_transition,
                     };
                 };
+                passed(Part::Free(after));
                 first_transition = first_transition.or(Some(after));
                 left -= after;
                 at = Relative {
@@ -89,6 +117,7 @@ impl<S: Scalar> Drive<S> {
                     let period = self.contact_time(at.speed, omega) + S::TWO * at.speed / a;
                     let whole = (left / period).floor();
                     if period > S::ZERO && whole >= S::ONE && whole.is_finite() {
+                        passed(Part::Bounces);
                         let skipped = (whole * period).min(left);
                         impulse += a * skipped / self.mobility;
                         left -= skipped;
@@ -97,6 +126,7 @@ impl<S: Scalar> Drive<S> {
                 let released = self.release(at, omega, left);
                 match released {
                     None => {
+                        passed(Part::Pressed(at, left));
                         let arc = self.press(at, omega, left);
                         return Course {
                             end: arc.end,
@@ -105,6 +135,7 @@ impl<S: Scalar> Drive<S> {
                         };
                     }
                     Some((after, speed)) => {
+                        passed(Part::Pressed(at, after));
                         impulse += if omega * after < S::HALF {
                             self.press(at, omega, after).impulse
                         } else {
@@ -219,7 +250,7 @@ impl<S: Scalar> Drive<S> {
 
 /// `sin(w h)/w`, `(1 - cos(w h))/w^2` and `(w h - sin(w h))/w^3`, also for w = 0: what a velocity,
 /// an acceleration and a jerk do on a spring.
-fn circular<S: Scalar>(omega: S, h: S) -> [S; 3] {
+pub(crate) fn circular<S: Scalar>(omega: S, h: S) -> [S; 3] {
     let angle = omega * h;
     if angle < S::from_f64(0.3) {
         // Terms up to the angle's eighth power: 1e-17 of the first.

@@ -4,23 +4,21 @@
 //! # The model
 //!
 //! Over one interval the device is a mass m pushed by an acceleration a_u that changes slowly (the
-//! user, friction, gravity) and by the force f that is held. With theta = 1/m as a part of the
-//! state, one interval is linear in the state, because f is known:
+//! user, friction, gravity) and by the force f that is held. What damps it, in the hand or in the
+//! device, changes a_u when the velocity changes, at a rate lambda = b/m. Theta = 1/m and lambda are
+//! parts of the state:
 //!
 //! ```text
-//! xi+    = xi + u h + (a_u - theta f) h^2/2
-//! u+     = u + (a_u - theta f) h
-//! a_u+   = a_u + h w          w white, of variance q: the jerk of the hand
-//! theta+ = theta
+//! xi+     = xi + u h + (a_u - theta f) h^2/2 + r h^3/6
+//! u+      = u + (a_u - theta f) h + r h^2/2
+//! a_u+    = a_u + r h + h w     w white, of variance q: the jerk of the hand
+//! theta+  = theta
+//! lambda+ = lambda              r = -lambda (a_u - theta f), the ramp of a_u
 //! ```
 //!
-//! # The form
+//! The force is known, so but for the products with lambda one interval is linear.
 //!
-//! The covariance is kept as U D U' with U unit upper triangular and D diagonal (Bierman,
-//! *Factorization Methods for Discrete Sequential Estimation*, 1977; the time step after
-//! Thornton). It cannot lose its symmetry or its sign, in single precision as in double, however
-//! small a sensor's quantum is against the motion. The last diagonal entry is the variance of
-//! theta itself.
+//! Its covariance is kept in factors: see [`Spread`].
 //!
 //! # What it adapts to
 //!
@@ -29,6 +27,7 @@
 //!   could not have done as well, and then the variance of theta stays what it is, for hours. A
 //!   sample far from what was expected puts theta in doubt again: a hand may have grabbed the device.
 
+use super::spread::{DAMPING_RATE, MOBILITY, PARTS, Spread, VELOCITY};
 use crate::Scalar;
 use crate::contact::Mass;
 use crate::parameter::{ParameterError, not_negative, positive};
@@ -89,6 +88,8 @@ pub(crate) struct Motion<S> {
     pub external: S,
     /// theta = 1/m `[1/kg]`.
     pub mobility: S,
+    /// lambda: damping of hand and device over their mass `[1/s]`.
+    pub damping_rate: S,
 }
 
 impl<S: Scalar> Motion<S> {
@@ -96,8 +97,34 @@ impl<S: Scalar> Motion<S> {
     #[inline]
     pub fn under(&self, force: S, h: S) -> (S, S) {
         let gained = (self.external - self.mobility * force) * h;
-        ((self.velocity + S::HALF * gained) * h, gained)
+        let ramped = S::HALF * self.ramp(force) * h * h;
+        let travel = self.velocity + S::HALF * gained + ramped * S::from_f64(1.0 / 3.0);
+        (travel * h, gained + ramped)
     }
+
+    /// Rate at which the external acceleration changes under `force` `[N]` on the object `[m/s^3]`.
+    #[inline]
+    pub fn ramp(&self, force: S) -> S {
+        self.damping_rate * (self.mobility * force - self.external)
+    }
+}
+
+/// What a sample has told of the interval it ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lesson<S> {
+    /// Innovation over its variance `[1/m]`.
+    pub weight: S,
+    /// Covariance at the interval's beginning, before the sample.
+    pub before: Spread<S>,
+    /// How position, velocity and external acceleration at the interval's end come from the state
+    /// at its beginning.
+    pub transition: [[S; PARTS]; 3],
+    /// What a unit of innovation adds to the state.
+    pub gain: [S; PARTS],
+    /// What a unit of jerk does to position, velocity and acceleration.
+    pub jerk: [S; 3],
+    /// Variance of the jerk `[m^2/s^6]`.
+    pub jerk_variance: S,
 }
 
 /// The state of the observer. Positions count from the last sample, so that an origin far away
@@ -106,10 +133,7 @@ impl<S: Scalar> Motion<S> {
 pub(crate) struct Observer<S> {
     /// The device at the last sample.
     pub motion: Motion<S>,
-    /// U above its diagonal of ones: rows 0 to 2, columns 1 to 3.
-    upper: [[S; 3]; 3],
-    /// D.
-    diagonal: [S; 4],
+    spread: Spread<S>,
     /// q `[m^2/s^6]`.
     jerk_variance: S,
 }
@@ -119,7 +143,7 @@ const FINEST_QUANTUM: f64 = 1e-9;
 /// Standard deviation of a hand's jerk to begin with `[m/s^3]`.
 const FIRST_JERK: f64 = 50.0;
 /// Standard deviation of the jerk that is always reckoned with `[m/s^3]`.
-const LEAST_JERK: f64 = 1.0;
+const LEAST_JERK: f64 = 0.1;
 /// Largest standard deviation of the jerk that innovations are put down to `[m/s^3]`. Beyond it the
 /// filter would follow every quantum.
 const MOST_JERK: f64 = 2e4;
@@ -129,8 +153,14 @@ const FIRST_SPEED: f64 = 0.1;
 const FIRST_ACCELERATION: f64 = 20.0;
 /// Standard deviation of 1/m to begin with, as a part of what was told.
 const FIRST_MOBILITY: f64 = 0.5;
-/// The estimate of 1/m stays within this factor of what was told.
-const MOBILITY_RANGE: f64 = 20.0;
+/// Standard deviation of lambda to begin with `[1/s]`: a hand of some 0.3 kg damps with 1 or 2 N s/m.
+const FIRST_DAMPING_RATE: f64 = 4.0;
+/// The estimate of lambda stays within this `[1/s]`.
+const MOST_DAMPING_RATE: f64 = 100.0;
+/// The device is taken for no lighter than this part of what was told,
+const LIGHTEST: f64 = 0.05;
+/// and for no heavier than this multiple of it: a device may be clamped.
+const HEAVIEST: f64 = 1e3;
 /// Innovations whose square is beyond this multiple of what is expected put the mass in doubt.
 const SURPRISE: f64 = 25.0;
 /// Square of the standard deviations that are left of a surprise when a kick has been reckoned with.
@@ -139,21 +169,8 @@ const EXPLAINED: f64 = 4.0;
 const DOUBT: f64 = 0.25;
 /// How fast the jerk's variance follows the innovations, per sample.
 const JERK_GAIN: f64 = 0.2;
-/// Innovations are kept at this multiple of the variance that is expected of them. Above 1, because
-/// where the sensor's quantum hides the motion the innovations say nothing of the jerk, and it is
-/// then to be taken for small.
-const JERK_TARGET: f64 = 1.2;
 /// Innovation variances beyond this multiple of the expected one count as this.
 const JERK_CAP: f64 = 9.0;
-
-/// What a sample is expected to tell before it comes.
-struct Foreseen<S> {
-    /// Variance of the innovation `[m^2]`.
-    variance: S,
-    /// Covariance of the innovation with position, velocity and external acceleration at the
-    /// interval's beginning.
-    cross: [S; 3],
-}
 
 impl<S: Scalar> Observer<S> {
     pub fn new(params: &ObserverParams<S>) -> Self {
@@ -165,22 +182,31 @@ impl<S: Scalar> Observer<S> {
                 velocity: S::ZERO,
                 external: S::ZERO,
                 mobility,
+                damping_rate: S::ZERO,
             },
-            upper: [[S::ZERO; 3]; 3],
-            diagonal: [
-                params.measurement_variance,
-                square(FIRST_SPEED),
-                square(FIRST_ACCELERATION),
-                square(FIRST_MOBILITY) * mobility * mobility,
-            ],
+            spread: Spread {
+                upper: [[S::ZERO; PARTS - 1]; PARTS - 1],
+                diagonal: [
+                    params.measurement_variance,
+                    square(FIRST_SPEED),
+                    square(FIRST_ACCELERATION),
+                    square(FIRST_MOBILITY) * mobility * mobility,
+                    square(FIRST_DAMPING_RATE),
+                ],
+            },
             jerk_variance: params.jerk_variance,
         }
     }
 
-    /// Takes the sample at the end of an interval, and returns the device at its beginning as the
-    /// sample makes it look now: the one-step smoothed state, but for theta, which is the same at
-    /// both ends.
-    pub fn see(&mut self, params: &ObserverParams<S>, seen: &Seen<S>) -> Motion<S> {
+    /// Takes the sample at the end of an interval. Returns the device at the interval's beginning as
+    /// the sample makes it look now (the one-step smoothed state, but for theta and lambda, which are
+    /// the same at both ends), and what else it tells: nothing, where its numbers overflow and it
+    /// begins anew.
+    pub fn see(
+        &mut self,
+        params: &ObserverParams<S>,
+        seen: &Seen<S>,
+    ) -> (Motion<S>, Option<Lesson<S>>) {
         let Seen {
             moved,
             elapsed: h,
@@ -190,178 +216,103 @@ impl<S: Scalar> Observer<S> {
         let (travel, gained) = before.under(f, h);
         let innovation = moved - (before.offset + travel);
 
-        let half_square = S::HALF * h * h;
-        let jerk = [half_square * h * S::from_f64(1.0 / 3.0), half_square, h];
-        let jerk_variance = self.jerk_variance;
-        let unseen = params.measurement_variance + jerk_variance * jerk[0] * jerk[0];
-        let row = [h, half_square, -(f * half_square)];
-        let mut foreseen = self.foreseen(row, unseen);
+        let half = S::HALF * h * h;
+        let sixth = half * h * S::from_f64(1.0 / 3.0);
+        let jerk = [sixth, half, h];
+        let q = self.jerk_variance;
+        // Of the ramp by a_u, theta and lambda.
+        let by_a = -before.damping_rate;
+        let by_theta = before.damping_rate * f;
+        let by_lambda = before.mobility * f - before.external;
+        let (o, l) = (S::ZERO, S::ONE);
+        let transition = [
+            [
+                l,
+                h,
+                half + sixth * by_a,
+                sixth * by_theta - half * f,
+                sixth * by_lambda,
+            ],
+            [
+                o,
+                l,
+                h + half * by_a,
+                half * by_theta - h * f,
+                half * by_lambda,
+            ],
+            [o, o, l + h * by_a, h * by_theta, h * by_lambda],
+        ];
+        let unseen = params.measurement_variance + q * sixth * sixth;
+        let mut spread = self.spread;
+        let mut foreseen = spread.foreseen(&transition[0], unseen);
         let square = innovation * innovation;
         let surprised = square > S::from_f64(SURPRISE) * foreseen.variance;
         if surprised {
             // Nothing the filter reckons with: something kicked the device, or it was grabbed. Let
             // the kick come first in the interval, which makes the velocity that of the last step.
-            self.kick((square / S::from_f64(EXPLAINED) - foreseen.variance) / (h * h));
-            foreseen = self.foreseen(row, unseen);
+            let kick = square / S::from_f64(EXPLAINED) - foreseen.variance;
+            spread.doubt(VELOCITY, kick / (h * h));
+            foreseen = spread.foreseen(&transition[0], unseen);
         }
-        let Foreseen {
-            variance: expected,
-            cross,
-        } = foreseen;
-        let [[u01, u02, u03], [_, u12, u13], [_, _, u23]] = self.upper;
-        let [d0, d1, d2, d3] = self.diagonal;
+        let (mut known, gain) = spread
+            .stepped(&transition, &foreseen.row, jerk, q)
+            .measured(params.measurement_variance);
 
-        let [u01, u02, u03, u12, u13, u23, d0, d1, d2] = {
-            // Time step: U over the transition, D, and the jerk as a fifth column, orthogonalised
-            // from the last row up.
-            let mut r0 = [
-                u01 + h,
-                u02 + h * u12 + half_square,
-                u03 + h * u13 + half_square * (u23 - f),
-            ];
-            let r1 = [u12 + h, u13 + h * (u23 - f)];
-            let q = jerk_variance;
-            let [mut g0, mut g1, g2] = jerk;
-
-            let e2 = d2 + q * g2 * g2;
-            let c1 = (r1[0] * d2 + q * g1 * g2) / e2;
-            let c0 = (r0[1] * d2 + q * g0 * g2) / e2;
-            let left1 = r1[0] - c1;
-            g1 -= c1 * g2;
-            r0[1] -= c0;
-            g0 -= c0 * g2;
-
-            let e1 = d1 + d2 * left1 * left1 + q * g1 * g1;
-            let b0 = (r0[0] * d1 + r0[1] * d2 * left1 + q * g0 * g1) / e1;
-            let rest0 = r0[0] - b0;
-            let rest1 = r0[1] - b0 * left1;
-            g0 -= b0 * g1;
-            let e0 = d0 + rest0 * rest0 * d1 + rest1 * rest1 * d2 + q * g0 * g0;
-            [b0, c0, r0[2], c1, r1[1], u23, e0, e1, e2]
-        };
-
-        // Measurement step (Bierman).
-        let mut alpha = params.measurement_variance;
-        let v0 = d0;
-        alpha += v0;
-        let new_d0 = d0 * params.measurement_variance / alpha;
-        let mut gain = [v0, S::ZERO, S::ZERO, S::ZERO];
-
-        let v1 = d1 * u01;
-        let beta = alpha;
-        alpha += v1 * u01;
-        let new_d1 = d1 * beta / alpha;
-        let new_u01 = u01 - (u01 / beta) * gain[0];
-        gain[0] += v1 * u01;
-        gain[1] = v1;
-
-        let v2 = d2 * u02;
-        let beta = alpha;
-        alpha += v2 * u02;
-        let new_d2 = d2 * beta / alpha;
-        let lambda = -(u02 / beta);
-        let new_u02 = u02 + lambda * gain[0];
-        let new_u12 = u12 + lambda * gain[1];
-        gain[0] += v2 * u02;
-        gain[1] += v2 * u12;
-        gain[2] = v2;
-
-        let v3 = d3 * u03;
-        let beta = alpha;
-        alpha += v3 * u03;
-        let new_d3 = d3 * beta / alpha;
-        let lambda = -(u03 / beta);
-        let new_u03 = u03 + lambda * gain[0];
-        let new_u13 = u13 + lambda * gain[1];
-        let new_u23 = u23 + lambda * gain[2];
-        gain[0] += v3 * u03;
-        gain[1] += v3 * u13;
-        gain[2] += v3 * u23;
-        gain[3] = v3;
-
-        let step = innovation / alpha;
+        let within = |x: S, least: S, most: S| x.min(most).max(least);
         let told = params.mobility;
-        let range = S::from_f64(MOBILITY_RANGE);
-        let mobility = (before.mobility + gain[3] * step)
-            .min(told * range)
-            .max(told / range);
-        let after = Motion {
-            offset: innovation * (gain[0] / alpha - S::ONE),
-            velocity: before.velocity + gained + gain[1] * step,
-            external: before.external + gain[2] * step,
-            mobility,
-        };
-        let smoothed = Motion {
-            offset: before.offset + cross[0] * innovation / expected,
-            velocity: before.velocity + cross[1] * innovation / expected,
-            external: before.external + cross[2] * innovation / expected,
-            mobility,
-        };
-
-        let new_d3 = if surprised {
+        let mobility = within(
+            before.mobility + gain[3] * innovation,
+            told / S::from_f64(HEAVIEST),
+            told / S::from_f64(LIGHTEST),
+        );
+        let most = S::from_f64(MOST_DAMPING_RATE);
+        let damping_rate = within(before.damping_rate + gain[4] * innovation, -most, most);
+        if surprised {
             // The device may have been grabbed or let go.
-            let doubt = S::from_f64(DOUBT) * mobility;
-            new_d3.max(doubt * doubt)
-        } else {
-            new_d3
+            let deviation = S::from_f64(DOUBT) * mobility;
+            let u = known.upper[MOBILITY][DAMPING_RATE - 1];
+            let has = known.diagonal[MOBILITY] + u * u * known.diagonal[DAMPING_RATE];
+            known.doubt(MOBILITY, deviation * deviation - has);
+        }
+        let weight = innovation / foreseen.variance;
+        let smoothed = Motion {
+            offset: before.offset + foreseen.cross[0] * weight,
+            velocity: before.velocity + foreseen.cross[1] * weight,
+            external: before.external + foreseen.cross[2] * weight,
+            mobility,
+            damping_rate,
         };
-        let ratio = (square / expected).min(S::from_f64(JERK_CAP));
-        let factor = (S::from_f64(JERK_GAIN) * (ratio - S::from_f64(JERK_TARGET))).exp();
+        let ratio = (square / foreseen.variance).min(S::from_f64(JERK_CAP));
+        let factor = (S::from_f64(JERK_GAIN) * (ratio - S::ONE)).exp();
         let adapted = Self {
-            motion: after,
-            upper: [
-                [new_u01, new_u02, new_u03],
-                [S::ZERO, new_u12, new_u13],
-                [S::ZERO, S::ZERO, new_u23],
-            ],
-            diagonal: [new_d0, new_d1, new_d2, new_d3],
-            jerk_variance: (jerk_variance * factor)
-                .max(params.least_jerk_variance)
-                .min(S::from_f64(MOST_JERK * MOST_JERK)),
+            motion: Motion {
+                offset: innovation * (gain[0] - S::ONE),
+                velocity: before.velocity + gained + gain[1] * innovation,
+                external: before.external + before.ramp(f) * h + gain[2] * innovation,
+                mobility,
+                damping_rate,
+            },
+            spread: known,
+            jerk_variance: within(
+                q * factor,
+                params.least_jerk_variance,
+                S::from_f64(MOST_JERK * MOST_JERK),
+            ),
         };
-        if adapted.is_finite() {
-            *self = adapted;
-            smoothed
-        } else {
+        if !adapted.is_finite() {
             *self = Self::new(params);
-            self.motion
+            return (self.motion, None);
         }
-    }
-
-    /// What the next sample is expected to add to what is known, by the state's covariance C = U D U'
-    /// and the transition's first row `(1, row)`.
-    #[inline]
-    fn foreseen(&self, row: [S; 3], unseen: S) -> Foreseen<S> {
-        let [[u01, u02, u03], [_, u12, u13], [_, _, u23]] = self.upper;
-        let [d0, d1, d2, d3] = self.diagonal;
-        let w1 = u01 + row[0];
-        let w2 = u02 + row[0] * u12 + row[1];
-        let w3 = u03 + row[0] * u13 + row[1] * u23 + row[2];
-        let (v1, v2, v3) = (d1 * w1, d2 * w2, d3 * w3);
-        Foreseen {
-            variance: d0 + v1 * w1 + v2 * w2 + v3 * w3 + unseen,
-            cross: [
-                d0 + u01 * v1 + u02 * v2 + u03 * v3,
-                v1 + u12 * v2 + u13 * v3,
-                v2 + u23 * v3,
-            ],
-        }
-    }
-
-    /// Adds `variance` `[m^2/s^2]` to that of the velocity, by no doing of the other parts of the
-    /// state.
-    fn kick(&mut self, variance: S) {
-        let (u01, d1) = (self.upper[0][0], self.diagonal[1]);
-        let kicked = d1 + variance.max(S::ZERO);
-        // As long as the position has a variance there is a quotient.
-        let left = if kicked > S::ZERO {
-            d1 / kicked
-        } else {
-            S::ONE
+        let lesson = Lesson {
+            weight,
+            before: spread,
+            transition,
+            gain,
+            jerk,
+            jerk_variance: q,
         };
-        self.upper[0][0] = u01 * left;
-        self.diagonal[0] += d1 * u01 * u01 * (S::ONE - left);
-        self.diagonal[1] = kicked;
+        *self = adapted;
+        (smoothed, Some(lesson))
     }
 
     fn is_finite(&self) -> bool {
@@ -370,14 +321,16 @@ impl<S: Scalar> Observer<S> {
             velocity,
             external,
             mobility,
+            damping_rate,
         } = self.motion;
-        let mut sum = offset.abs() + velocity.abs() + external.abs() + mobility.abs();
-        for row in self.upper {
+        let mut sum =
+            offset.abs() + velocity.abs() + external.abs() + mobility.abs() + damping_rate.abs();
+        for row in self.spread.upper {
             for entry in row {
                 sum += entry.abs();
             }
         }
-        for entry in self.diagonal {
+        for entry in self.spread.diagonal {
             sum += entry.abs();
         }
         (sum + self.jerk_variance).is_finite()

@@ -161,7 +161,7 @@ fn a_device_that_is_grabbed_or_let_go_is_learned_anew() {
         }
         let learned = state.memory().device_mass().unwrap();
         // As far as the estimate may go from what was told.
-        let reachable = after.min(20.0 * 0.25);
+        let reachable = after.min(1000.0 * 0.25);
         println!("{before} -> {after} kg: learned {learned:.3} kg");
         assert!(
             learned / reachable > 0.7 && learned / reachable < 1.4,

@@ -1,0 +1,98 @@
+//! How well the place of an object is known that is placed by the device.
+//!
+//! While device and object touch, the object is put where it belongs against the device as it is
+//! known then. Its position is what it is; what is uncertain is whether it belongs there. That
+//! error hangs together with the errors in the device's motion: a device that was faster than was
+//! thought has met the object sooner, and both should part faster. So when later samples tell the
+//! velocity better, they tell where the object belongs as well. This is the smoothing of a past
+//! collision, in the form of a covariance that a Kalman filter of device and object together would
+//! have.
+
+use super::observer::{Lesson, Motion};
+use super::spread::PARTS;
+use crate::Scalar;
+use crate::response::Response;
+
+/// Covariance of the errors of the object's position and velocity with those of the device's motion:
+/// zero, the default, where the object is by definition.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Placed<S>([[S; PARTS]; 2]);
+
+impl<S: Scalar> Placed<S> {
+    /// By how much position `[m]` and velocity `[m/s]` of the object should have been others at the
+    /// beginning of the interval.
+    #[inline]
+    pub fn correction(&self, lesson: &Lesson<S>) -> [S; 2] {
+        self.0.map(|row| {
+            let mut sum = S::ZERO;
+            for (entry, by) in row.into_iter().zip(lesson.transition[0]) {
+                sum += entry * by;
+            }
+            sum * lesson.weight
+        })
+    }
+
+    /// At the end of the interval, with the sample that ends it. `device`: its motion at the
+    /// beginning, `touched`: whether there was contact or a force.
+    pub fn after(
+        &self,
+        lesson: &Lesson<S>,
+        device: &Motion<S>,
+        response: &Response<S>,
+        touched: bool,
+        held_force: S,
+    ) -> Self {
+        let exact = self.0.iter().flatten().all(|entry| *entry == S::ZERO);
+        if exact && !touched {
+            return *self;
+        }
+        let h = lesson.jerk[2];
+        let ramp = response.under_ramp(h);
+        let by = [
+            -device.damping_rate,
+            device.damping_rate * held_force,
+            device.mobility * held_force - device.external,
+        ];
+        let before = if touched {
+            lesson.before.covariance()
+        } else {
+            [[S::ZERO; PARTS]; PARTS]
+        };
+        let mut after = [[S::ZERO; PARTS]; 2];
+        for (i, answer) in [response.penetration, response.speed].iter().enumerate() {
+            // Where the relative motion ends is that of device and object at the beginning; the
+            // object is the device less it.
+            let own = lesson.transition[i];
+            let unlike = [
+                own[0] - answer[0],
+                own[1] - answer[1],
+                own[2] - (answer[2] + ramp[i] * by[0]),
+                own[3] - (answer[3] + ramp[i] * by[1]),
+                own[4] - ramp[i] * by[2],
+            ];
+            let mut row = [S::ZERO; PARTS];
+            for (j, entry) in row.iter_mut().enumerate() {
+                *entry = answer[0] * self.0[0][j] + answer[1] * self.0[1][j];
+                if touched {
+                    for (k, difference) in unlike.iter().enumerate() {
+                        *entry += *difference * before[k][j];
+                    }
+                }
+            }
+            let jerked = (lesson.jerk[i] - ramp[i]) * lesson.jerk_variance;
+            let mut next = row;
+            for (j, transition) in lesson.transition.iter().enumerate() {
+                next[j] = jerked * lesson.jerk[j];
+                for (entry, by) in row.into_iter().zip(*transition) {
+                    next[j] += entry * by;
+                }
+            }
+            let seen = next[0];
+            for (entry, gain) in next.iter_mut().zip(lesson.gain) {
+                *entry -= seen * gain;
+            }
+            after[i] = next;
+        }
+        Self(after)
+    }
+}
