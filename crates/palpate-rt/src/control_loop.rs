@@ -288,7 +288,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         self.cuts = cuts;
         if was_cut && let Some((reading, _)) = &self.last {
             let limit = self.safety.params().stall_after(self.period);
-            self.held.change(0.0, reading.time + limit);
+            self.held.change(0.0, reading.time.saturating_add(limit));
         }
         was_cut
     }
