@@ -181,6 +181,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             let _ = self.device.write([0.0; 3]);
         }
         self.held.change(0.0, self.clock.now());
+        self.safety.let_go();
         self.heartbeat.end();
     }
 
