@@ -183,6 +183,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             let _ = self.device.write([0.0; 3]);
         }
         self.held.change(0.0, self.clock.now());
+        self.safety.let_go();
         self.heartbeat.end();
     }
 
@@ -290,7 +291,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         self.cuts = cuts;
         if was_cut && let Some((reading, _)) = &self.last {
             let limit = self.safety.params().stall_after(self.period);
-            self.held.change(0.0, reading.time + limit);
+            self.held.change(0.0, reading.time.saturating_add(limit));
         }
         was_cut
     }

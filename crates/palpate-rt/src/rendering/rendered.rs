@@ -89,10 +89,12 @@ impl Rendered {
                 self.renderer.step(&mut state, sample(self.virtual_force))
             });
             let between = blend.advance();
-            if before.is_some() {
+            if let Some(before) = &before {
                 self.state.forget_past();
-                if self.rendering.is_wall() {
-                    // Another method may have placed it.
+                let place = self.rendering.object.position;
+                if self.rendering.is_wall() && before.object_position != place {
+                    // Another method has placed it. Where none has, what is known of the device
+                    // would be lost, and with it a damper's velocity.
                     let _ = self
                         .renderer
                         .teleport(&mut self.state, self.rendering.object);

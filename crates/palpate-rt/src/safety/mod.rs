@@ -225,6 +225,13 @@ impl Safety {
         self.oscillation = Oscillation::new(self.params.oscillation);
     }
 
+    /// No force is held any more, by the loop's own will: should it go on, the next one comes in softly.
+    pub fn let_go(&mut self) {
+        self.commanded = 0.0;
+        self.soft = None;
+        self.fresh = true;
+    }
+
     fn none(&mut self, tripped: Option<Trip>, recovered: Option<Trip>) -> Verdict {
         self.commanded = 0.0;
         self.soft = None;

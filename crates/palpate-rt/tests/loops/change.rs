@@ -1,6 +1,6 @@
 //! What is rendered changes while the loop runs.
 
-use palpate::{AnyParams, CoupledParams, HfcrParams, Side};
+use palpate::{AnyParams, CoupledParams, HfcrParams, Side, VirtualDamperParams};
 use palpate_rt::{ChangeError, Rendering};
 use palpate_sim::method::MethodName;
 
@@ -105,6 +105,50 @@ fn another_method_takes_over_at_the_force_of_the_one_before() {
             println!("{from} to {to}: {at_change:.4} N at the change, {after:.4} N after it");
             assert!(at_change <= 1.5 * after + 1e-3, "{from} to {to}: {steps:?}");
         }
+    }
+}
+
+/// A device that moves in at 50 mm/s, 0.05 N per period against the spring alone: the 0.2 N of a
+/// damper of 4 N s/m come and go little by little.
+#[test]
+fn what_another_method_adds_fades_over_the_change() {
+    let damper = AnyParams::VirtualDamper(VirtualDamperParams { damping: 4.0 });
+    for (from, to) in [(damper, AnyParams::Basic), (AnyParams::Basic, damper)] {
+        let script = (-20..400).map(|period| at(0.05 * f64::from(period)));
+        let (mut control, _) = scripted(script.collect(), wide());
+        let mut parameters = control.parameters().unwrap();
+        let basic = *parameters.current();
+        parameters
+            .change(Rendering {
+                params: from,
+                ..basic
+            })
+            .unwrap();
+        let mut last = control.tick();
+        for _ in 0..200 {
+            last = control.tick();
+        }
+        parameters
+            .change(Rendering {
+                params: to,
+                ..basic
+            })
+            .unwrap();
+        let mut largest: f64 = 0.0;
+        for _ in 0..150 {
+            let tick = control.tick();
+            let step = tick.force_on_object - last.force_on_object;
+            largest = largest.max((step - 0.05).abs());
+            last = tick;
+        }
+        println!("to {to:?}: {largest:.4} N beyond the spring in one period");
+        assert!(largest < 0.01, "{from:?} to {to:?}: {largest} N");
+        let added = last.force_on_object - 1e3 * last.penetration;
+        let expected = if to == damper { 0.2 } else { 0.0 };
+        assert!(
+            (added - expected).abs() < 1e-9,
+            "{from:?} to {to:?}: {added} N"
+        );
     }
 }
 

@@ -259,6 +259,21 @@ fn a_stalled_loop_is_cut_within_two_periods_and_comes_back_softly() {
     }
 }
 
+/// The loop did not run when it was cut: the books take the moment at which a supervisor acts. 1 N for
+/// 1.5 of 5 ms did the work over the millimetre.
+#[test]
+fn the_ledger_counts_no_force_from_the_cut_on() {
+    let (mut control, clock, _listener) = meets(&[at(1.0), at(2.0)]);
+    let mut supervisor = control.supervisor().unwrap();
+    let before = control.tick();
+    clock.advance(Duration::from_millis(5));
+    assert!(supervisor.look(clock.now()));
+    let after = control.tick();
+    assert!((after.period - 5e-3).abs() < 1e-12);
+    let work = after.port_work - before.port_work;
+    assert!((work - 0.3e-3).abs() < 1e-12, "{work}");
+}
+
 #[test]
 fn the_supervisor_leaves_alone_a_loop_that_has_ended() {
     let (mut control, clock, _listener) = meets(&[]);

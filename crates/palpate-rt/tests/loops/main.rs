@@ -4,6 +4,8 @@
 
 mod change;
 mod faults;
+mod letting_go;
+mod safety;
 mod simulated;
 
 use std::path::Path;

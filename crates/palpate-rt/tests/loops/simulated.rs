@@ -1,5 +1,9 @@
 //! What the loop makes of a virtual device is what the simulator makes of it.
 
+use std::time::Duration;
+
+use palpate_rt::clock::SteppedClock;
+use palpate_rt::device::{Device, SimulatedDevice};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::method::MethodName;
 
@@ -63,4 +67,30 @@ fn a_device_with_a_delay_holds_its_forces_later() {
         assert_eq!(tick.force_on_device, -expected.held_force_on_object + 0.0);
     }
     assert!(held.iter().any(|force| *force != 0.0));
+}
+
+/// A cut holds from its own instant on, not from when the loop finds out.
+#[test]
+fn a_simulated_device_that_is_cut_holds_no_force_from_then_on() {
+    let scene = scene("wall.toml");
+    let clock = SteppedClock::new();
+    let mut devices = [0, 1].map(|_| SimulatedDevice::of(&scene, clock.clone()).unwrap());
+    let mut zero = devices[0].zero_writer().unwrap();
+    for device in &mut devices {
+        device.read().unwrap();
+        device.write([-3.0, 0.0, 0.0]).unwrap();
+    }
+    clock.advance(Duration::from_millis(3));
+    zero.write_zero();
+    devices[1].write([0.0; 3]).unwrap();
+    clock.advance(Duration::from_millis(5));
+    // It was done; a second time changes nothing.
+    zero.write_zero();
+    clock.advance(Duration::from_millis(2));
+    let positions = devices.each_mut().map(|device| {
+        let reading = device.read().unwrap();
+        assert_eq!(reading.time, Duration::from_millis(10));
+        reading.position
+    });
+    assert_eq!(positions[0], positions[1]);
 }

@@ -1,0 +1,139 @@
+//! What a tick may not do, done on purpose: a device commits it when the loop reads.
+
+use std::hint::black_box;
+use std::str::FromStr;
+use std::sync::{Arc, Mutex, mpsc};
+use std::thread;
+use std::time::Duration;
+
+use palpate_rt::clock::SteppedClock;
+use palpate_rt::device::{
+    Capabilities, Device, DeviceError, NullDevice, Reading, Vector, ZeroWriter,
+};
+use palpate_rt::safety::SafetyParams;
+use palpate_rt::{ControlLoop, Rendering};
+use palpate_sim::method::MethodName;
+
+use crate::situations::{Watch, scene};
+
+/// How long a lock is held by another thread, and how long a sleep lasts.
+const WHILE: Duration = Duration::from_millis(100);
+
+/// Something that a tick may not do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Misdeed {
+    /// Nothing: the measure of the others.
+    Nothing,
+    /// Takes memory and gives it back.
+    Allocate,
+    /// Prints a line.
+    Print,
+    /// Takes a lock that is free.
+    LockFree,
+    /// Takes a lock that another thread holds.
+    LockHeld,
+    /// Sleeps by `std`.
+    Sleep,
+    /// Sleeps by a system call of its own, without the C library.
+    SleepRaw,
+    /// Opens a file.
+    Open,
+}
+
+impl Misdeed {
+    /// All of them.
+    pub const ALL: [Self; 8] = [
+        Self::Nothing,
+        Self::Allocate,
+        Self::Print,
+        Self::LockFree,
+        Self::LockHeld,
+        Self::Sleep,
+        Self::SleepRaw,
+        Self::Open,
+    ];
+}
+
+impl FromStr for Misdeed {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        Self::ALL
+            .into_iter()
+            .find(|misdeed| format!("{misdeed:?}") == name)
+            .ok_or_else(|| format!("no misdeed {name}; there are {:?}", Self::ALL))
+    }
+}
+
+/// Ten ticks of a loop whose device commits `misdeed` in each.
+pub fn commit(misdeed: Misdeed, watch: &mut Watch) {
+    let clock = SteppedClock::new();
+    let rendering = Rendering::of(&scene("wall.toml"), MethodName::Coupled).unwrap();
+    let device = Misbehaving {
+        misdeed,
+        device: NullDevice::new(clock.clone()),
+        lock: Arc::default(),
+    };
+    let mut control = ControlLoop::new(device, clock, rendering, SafetyParams::default()).unwrap();
+    for _ in 0..10 {
+        let holder = (misdeed == Misdeed::LockHeld).then(|| hold(&control.device().lock));
+        watch(&mut || {
+            black_box(control.tick());
+        });
+        if let Some(holder) = holder {
+            holder.join().unwrap();
+        }
+    }
+}
+
+/// A thread that holds `lock` for a while; it does already.
+fn hold(lock: &Arc<Mutex<u32>>) -> thread::JoinHandle<()> {
+    let lock = Arc::clone(lock);
+    let (told, holds) = mpsc::channel();
+    let holder = thread::spawn(move || {
+        let _held = lock.lock().unwrap();
+        told.send(()).unwrap();
+        thread::sleep(WHILE);
+    });
+    holds.recv().unwrap();
+    holder
+}
+
+struct Misbehaving {
+    misdeed: Misdeed,
+    device: NullDevice<SteppedClock>,
+    lock: Arc<Mutex<u32>>,
+}
+
+impl Device for Misbehaving {
+    fn capabilities(&self) -> &Capabilities {
+        self.device.capabilities()
+    }
+
+    fn read(&mut self) -> Result<Reading, DeviceError> {
+        match self.misdeed {
+            Misdeed::Nothing => {}
+            Misdeed::Allocate => drop(black_box(Box::new([0_u8; 64]))),
+            Misdeed::Print => println!("a tick prints"),
+            Misdeed::LockFree | Misdeed::LockHeld => *self.lock.lock().unwrap() += 1,
+            Misdeed::Sleep => thread::sleep(WHILE / 100),
+            Misdeed::SleepRaw => {
+                let time = rustix::thread::Timespec {
+                    tv_sec: 0,
+                    tv_nsec: 1_000_000,
+                };
+                let _ = rustix::thread::nanosleep(&time);
+            }
+            Misdeed::Open => drop(std::fs::File::open("/dev/null").unwrap()),
+        }
+        self.device.read()
+    }
+
+    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
+        self.device.write(force)
+    }
+
+    fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
+        self.device.zero_writer()
+    }
+}

@@ -1,0 +1,127 @@
+//! However a loop ends, its device is left without a force.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+
+use palpate_rt::clock::{Clock, SteppedClock};
+use palpate_rt::device::{
+    Capabilities, Device, DeviceError, DeviceErrorKind, NullDevice, Reading, Step, Vector,
+};
+use palpate_rt::safety::{SafetyParams, Trip};
+use palpate_rt::{ControlLoop, Ending, Rendering, StopFlag, Told, tap};
+use palpate_sim::method::MethodName;
+
+use crate::{at, scene, scripted, wide};
+
+/// A device that is pressed 2 mm into the wall of `wall.toml`, and tells outside what it holds.
+struct Pressed {
+    device: NullDevice<SteppedClock>,
+    held: Arc<AtomicU64>,
+    /// How many more times it does not take 0.
+    refusals: Arc<AtomicUsize>,
+}
+
+impl Device for Pressed {
+    fn capabilities(&self) -> &Capabilities {
+        self.device.capabilities()
+    }
+
+    fn read(&mut self) -> Result<Reading, DeviceError> {
+        let reading = self.device.read()?;
+        Ok(Reading {
+            position: [2e-3, 0.0, 0.0],
+            ..reading
+        })
+    }
+
+    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
+        let left = self.refusals.load(Ordering::SeqCst);
+        if force == [0.0; 3] && left > 0 {
+            self.refusals.store(left - 1, Ordering::SeqCst);
+            return Err(DeviceError::new(DeviceErrorKind::Refused, "not now"));
+        }
+        self.held.store(force[0].to_bits(), Ordering::SeqCst);
+        Ok(force)
+    }
+}
+
+#[test]
+fn a_loop_that_is_dropped_commands_no_force_and_asks_twice() {
+    for refuses in [0, 1] {
+        let clock = SteppedClock::new();
+        let held = Arc::new(AtomicU64::new(0));
+        let refusals = Arc::new(AtomicUsize::new(0));
+        let device = Pressed {
+            device: NullDevice::new(clock.clone()),
+            held: Arc::clone(&held),
+            refusals: Arc::clone(&refusals),
+        };
+        let rendering = Rendering::of(&scene("wall.toml"), MethodName::Basic).unwrap();
+        let mut control = ControlLoop::new(device, clock, rendering, wide()).unwrap();
+        for _ in 0..5 {
+            control.tick();
+        }
+        assert_eq!(f64::from_bits(held.load(Ordering::SeqCst)), -2.0);
+        refusals.store(refuses, Ordering::SeqCst);
+        drop(control);
+        assert_eq!(f64::from_bits(held.load(Ordering::SeqCst)), 0.0);
+    }
+}
+
+#[test]
+fn a_run_ends_when_the_device_is_gone() {
+    let gone = Step::Fails(DeviceErrorKind::Disconnected);
+    let (mut control, _) = scripted(vec![at(1.0), at(1.0), gone], wide());
+    let ending = control.run(&StopFlag::new(), Some(100));
+    assert_eq!(ending, Ending::DeviceLost);
+    assert_eq!(control.statistics().ticks, 3);
+    assert_eq!(control.trip(), Some(Trip::DeviceLost));
+    assert_eq!(control.device().forces().last(), Some(&[0.0; 3]));
+}
+
+/// The device has been without a force in between: it comes back as it does after a start.
+#[test]
+fn a_loop_that_goes_on_begins_softly_again() {
+    let limits = SafetyParams {
+        soft_start: 0.2,
+        slew_limit: 500.0,
+        ..wide()
+    };
+    let (mut control, clock) = scripted(vec![at(-1.0), at(0.0), at(1.0)], limits);
+    let stop = StopFlag::new();
+    assert_eq!(control.run(&stop, Some(50)), Ending::Complete);
+    let forces = control.device().forces();
+    assert_eq!(forces[49], [-1.0, 0.0, 0.0]);
+    assert_eq!(forces[50], [0.0; 3]);
+    let before = clock.now();
+    let forces: Vec<f64> = (0..300).map(|_| -control.tick().force_on_device).collect();
+    assert!(clock.now() > before);
+    assert_eq!(forces[0], 0.0);
+    assert!(
+        forces.windows(2).all(|pair| pair[1] - pair[0] < 0.0051),
+        "{forces:?}"
+    );
+    assert!((forces[299] - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn what_finds_no_room_in_a_tap_is_lost_and_counted() {
+    let (control, _) = scripted(vec![at(1.0)], wide());
+    let (tap, mut listener) = tap(4);
+    let mut control = control.tapped(tap);
+    for _ in 0..10 {
+        control.tick();
+    }
+    assert_eq!(listener.lost(), 6);
+    let numbers: Vec<u64> = listener
+        .by_ref()
+        .map(|told| match told {
+            Told::Tick(tick) => tick.sequence,
+            Told::Note(noted) => noted.sequence,
+        })
+        .collect();
+    assert_eq!(numbers, [0, 1, 2, 3]);
+    // There is room again.
+    control.tick();
+    assert_eq!((listener.by_ref().count(), listener.lost()), (1, 6));
+}
