@@ -6,6 +6,7 @@ pub mod completions;
 pub mod convert;
 pub mod demo;
 pub mod figure;
+mod hand_replay;
 pub mod heights;
 pub mod info;
 pub mod map;
