@@ -4,6 +4,7 @@ use palpate_sim::method::MethodName;
 use palpate_sim::run::{Reference, Run, Tick};
 
 use crate::figure::{Figure, Grid, Kind, Limits, Panel, Role, Row, Series, Sheet};
+use crate::report::Replayed;
 
 const METRE_TO_MILLIMETRE: f64 = 1e3;
 const JOULE_TO_MILLIJOULE: f64 = 1e3;
@@ -71,6 +72,8 @@ pub fn overlay(title: &str, reference: &Reference, runs: &[Run]) -> Figure {
 pub struct Recorded {
     /// Time `[s]`.
     pub time: Vec<f64>,
+    /// Device position `[m]`.
+    pub device_position: Vec<f64>,
     /// Object position `[m]`.
     pub object_position: Vec<f64>,
     /// Force on the object that was really held `[N]`.
@@ -79,14 +82,60 @@ pub struct Recorded {
     pub held_leak: Vec<f64>,
 }
 
-/// A motion replay: all runs over each other, and what was recorded beside them.
-pub fn motion_replay(
+impl Recorded {
+    /// Lets time count from `start` `[s]`.
+    pub fn count_from(&mut self, start: f64) {
+        self.time.iter_mut().for_each(|time| *time -= start);
+    }
+}
+
+/// A replay: all runs over each other, and what was recorded beside them.
+pub fn replay(
     title: &str,
+    replayed: &Replayed,
     reference: &Reference,
     runs: &[Run],
-    recorded: &Recorded,
+    recorded: Option<&Recorded>,
 ) -> Figure {
-    let mut figure = overlay(title, reference, runs);
+    let title = match replayed.known_to() {
+        Some(known) => format!("{title}, the hand's force known to {known}"),
+        None => title.into(),
+    };
+    let mut figure = overlay(&title, reference, runs);
+    let how = match replayed {
+        Replayed::Motion => {
+            "Motion replay: the device moves as recorded, whatever the force. Ideal: the object in \
+             continuous time, on that motion."
+        }
+        Replayed::Hand(_) => {
+            "Hand replay: the device moves under the new force and the hand's, as estimated from the \
+             recording. Ideal: object and device in continuous time, in that hand."
+        }
+    };
+    let beside = match recorded {
+        Some(recorded) => {
+            add_recorded(&mut figure, recorded);
+            // One device is shown beside the recorded one.
+            if runs.len() == 1 && matches!(replayed, Replayed::Hand(_)) {
+                let device = &recorded.device_position;
+                let series = curve_of(recorded, "", device, METRE_TO_MILLIMETRE, Kind::Line);
+                figure.rows[0].panels[0].series.push(series);
+            }
+            // What a loop that ran away leaked is no measure of what was recorded.
+            if runs.iter().all(|run| run.diverged != Some(true)) {
+                figure.rows[2].limits = Limits::Data;
+            }
+            " Recorded: what the recorded loop did."
+        }
+        None => "",
+    };
+    figure.footnote = Some(format!(
+        "{how}{beside} Leak: energy created by the held force, accumulated."
+    ));
+    figure
+}
+
+fn add_recorded(figure: &mut Figure, recorded: &Recorded) {
     let curves = [
         (&recorded.object_position, METRE_TO_MILLIMETRE, Kind::Line),
         (&recorded.force_on_object, 1.0, Kind::Step),
@@ -94,22 +143,20 @@ pub fn motion_replay(
     ];
     for (row, (values, scale, kind)) in figure.rows.iter_mut().zip(curves) {
         for panel in &mut row.panels {
-            panel.series.push(Series {
-                name: "recorded".into(),
-                kind,
-                role: RECORDED,
-                x: recorded.time.clone(),
-                y: values.iter().map(|value| scale * value).collect(),
-            });
+            let series = curve_of(recorded, "recorded", values, scale, kind);
+            panel.series.push(series);
         }
     }
-    figure.footnote = Some(
-        "Motion replay: the device moves as recorded, whatever the force. Ideal: the object in \
-         continuous time, on that motion. Recorded: what the recorded loop did. Leak: energy \
-         created by the held force, accumulated."
-            .into(),
-    );
-    figure
+}
+
+fn curve_of(recorded: &Recorded, name: &str, values: &[f64], scale: f64, kind: Kind) -> Series {
+    Series {
+        name: name.into(),
+        kind,
+        role: RECORDED,
+        x: recorded.time.clone(),
+        y: values.iter().map(|value| scale * value).collect(),
+    }
 }
 
 /// The paper's Fig. 2: one column for each step of the method.
@@ -301,8 +348,8 @@ pub fn role(method: MethodName) -> Role {
 const DEVICE: Role = Role::Compared(8);
 /// The basic model at a high rate, beside what it is to judge.
 const FINE: Role = Role::Compared(14);
-/// What was recorded, beside what is replayed.
-const RECORDED: Role = Role::Compared(22);
+/// What was recorded, in dots: what is replayed shows between them.
+const RECORDED: Role = Role::Compared(38);
 /// The end of the motors.
 const END: Role = Role::Compared(10);
 

@@ -154,7 +154,7 @@ fn what_is_missing_or_wrong_is_named() {
     folder.fail(
         &format!("render short.csv {CONTACT} {HAND}"),
         3,
-        &["short.csv: ", "at least 8 samples, not 3"],
+        &["short.csv: ", "at least 8 samples with a position, not 3"],
     );
     folder.write(
         "bad.csv",

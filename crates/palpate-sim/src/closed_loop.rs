@@ -91,7 +91,7 @@ impl<'a> Bench<'a> {
         let timeline = |periods: usize| {
             let shortest = scene.timing.shortest_period(period);
             too_long((periods as f64 * period / shortest).floor())?;
-            Ok::<_, LoopError>(Timeline::new(scene.schedule(), periods)?)
+            Ok::<_, LoopError>(scene.timeline(periods)?)
         };
         let (timeline, profile, error, motion) = if is_free(scene) {
             let ideal = exact_ideal(scene, sign)?;
@@ -171,7 +171,7 @@ impl<'a> Bench<'a> {
         if scene.delay == self.scene.delay {
             return self.run_along(&self.timeline, scene, method);
         }
-        let delayed = Timeline::new(scene.schedule(), self.timeline.samples().len() - 1)?;
+        let delayed = scene.timeline(self.timeline.samples().len() - 1)?;
         assert_eq!(
             delayed.grid(),
             self.timeline.grid(),

@@ -488,7 +488,7 @@ fn what_shows_no_hand_is_refused_by_name() {
         positions: &positions[..7],
         ..recording
     };
-    assert!(refused(&short, &model()).contains("at least 8 samples, not 7"));
+    assert!(refused(&short, &model()).contains("at least 8 samples with a position, not 7"));
     let fewer = Recording {
         forces_on_device: Some(&positions[..19]),
         ..recording

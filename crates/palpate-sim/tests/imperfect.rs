@@ -46,6 +46,7 @@ fn imperfect(name: &str, seed: u64) -> Scene {
             period: random.between(1.0, 3.0) * period,
         }),
         seed,
+        as_recorded: false,
     };
     scene
 }

@@ -5,6 +5,7 @@
 //! stretches, so that a loop is one pass over them whatever is wrong with its timing.
 
 use crate::InvalidParameter;
+use crate::error::positive;
 use crate::grid::Grid;
 use crate::schedule::{Schedule, ScheduleParams};
 
@@ -76,13 +77,59 @@ impl Timeline {
         }
         samples.push(taken(samples.last(), end, period));
         arrivals.push(last);
+        Self::built(samples, &arrivals, period, periods)
+    }
 
+    /// The timeline of a loop that sampled at `instants` \[s\], of which the first is 0 and each comes
+    /// after the one before it, over so many of its nominal periods \[s\]. A command reaches the motor
+    /// with the sample that is `delay` samples after its own.
+    ///
+    /// # Errors
+    ///
+    /// A window without a period, instants in another order.
+    pub fn at_instants(
+        instants: &[f64],
+        delay: usize,
+        period: f64,
+        periods: usize,
+    ) -> Result<Self, InvalidParameter> {
+        positive("period", period, "finite and above 0 s")?;
+        InvalidParameter::unless(periods > 0, "periods", 0.0, "at least 1")?;
+        let first = instants.first().copied().unwrap_or(f64::NAN);
+        InvalidParameter::unless(first == 0.0, "instants", first, "0 s for the first")?;
+        for pair in instants.windows(2) {
+            let rises = pair[1] > pair[0];
+            InvalidParameter::unless(rises, "instants", pair[1], "in rising order [s]")?;
+        }
+        let end = periods as f64 * period;
+        let near = SAME_INSTANT * period;
+        let within = instants.partition_point(|&instant| instant < end - near);
+        let mut samples = Vec::with_capacity(within + 1);
+        for &instant in &instants[..within] {
+            samples.push(taken(samples.last(), instant, period));
+        }
+        samples.push(taken(samples.last(), end, period));
+        let arrivals: Vec<f64> = (0..samples.len())
+            .map(|sample| {
+                let arrives = samples.get(sample.saturating_add(delay));
+                arrives.map_or(f64::INFINITY, |arrives| arrives.time)
+            })
+            .collect();
+        Self::built(samples, &arrivals, period, periods)
+    }
+
+    fn built(
+        samples: Vec<TakenSample>,
+        arrivals: &[f64],
+        period: f64,
+        periods: usize,
+    ) -> Result<Self, InvalidParameter> {
         let mut built = Self {
             samples,
             stretches: Vec::with_capacity(periods + 1),
             grid: Grid::even(0.0, period, periods),
         };
-        built.fill(&arrivals, near);
+        built.fill(arrivals, SAME_INSTANT * period);
         built.cut(period, periods)?;
         Ok(built)
     }
@@ -243,6 +290,53 @@ mod tests {
                 assert_eq!(sample.command_from, expected);
             }
         }
+    }
+
+    #[test]
+    fn instants_of_a_schedule_make_its_timeline() {
+        for (delay, seed) in [(0, 1), (1, 2), (3, 3)] {
+            let params = ScheduleParams {
+                dropped: Dropped::Probability(0.2),
+                jitter: Jitter::Uniform { bound: 0.002 },
+                seed,
+                ..ScheduleParams::perfect(0.01)
+            };
+            let scheduled = timeline(params, 40);
+            let mut instants: Vec<f64> = scheduled.samples().iter().map(|s| s.time).collect();
+            // What comes after the window does not count.
+            instants.extend([0.403, 0.41]);
+            let given = Timeline::at_instants(&instants, delay, 0.01, 40).unwrap();
+            let of = |timeline: &Timeline| -> Vec<(f64, f64)> {
+                let samples = timeline.samples().iter();
+                samples
+                    .map(|sample| (sample.time, sample.elapsed))
+                    .collect()
+            };
+            assert_eq!(of(&given), of(&scheduled));
+            for (index, stretch) in given.stretches().iter().enumerate() {
+                assert_eq!(stretch.sample, Some(index));
+                assert_eq!(stretch.command, index.checked_sub(delay));
+            }
+            if delay == 0 {
+                assert_eq!(given.grid(), scheduled.grid());
+                // The last has no length, and its command none to act in.
+                let closing = given.stretches().len() - 1;
+                assert_eq!(
+                    given.stretches()[..closing],
+                    scheduled.stretches()[..closing]
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn instants_that_cannot_be_are_refused_by_name() {
+        for instants in [&[][..], &[0.1, 0.2], &[0.0, 0.2, 0.2], &[0.0, f64::NAN]] {
+            let error = Timeline::at_instants(instants, 0, 0.1, 2).unwrap_err();
+            assert_eq!(error.name, "instants", "{instants:?}");
+        }
+        assert!(Timeline::at_instants(&[0.0, 0.1], 0, 0.1, 0).is_err());
+        assert!(Timeline::at_instants(&[0.0, 0.1], 0, 0.0, 1).is_err());
     }
 
     #[test]

@@ -215,21 +215,32 @@ Examples:
   palpate convert tap.mcap
   palpate convert tap.mcap --to csv --out table.csv")]
     Convert(ConvertArguments),
-    /// Render the motion of a recording by another method
+    /// Render a recording by another method: its motion, or its hand in closed loop
     #[command(override_usage = "palpate replay <REC.mcap> --method <NAMES> [OPTIONS]")]
     #[command(long_about = "\
-Render the motion of a recording by another method.
+Render a recording by another method.
 
-Motion replay: the device goes where it went, when it went there, whatever the force. That tells \
+Contact, loop, settings and device are those of the scene in the recording's receipt; flags change \
+them. The object starts as it was at the first tick. What was recorded is drawn beside the methods.
+
+Motion replay, the default: the device goes where it went, when it went there, whatever the force. That tells \
 the force law on real motion and the energy it would have leaked, not how the hand would have \
-answered. Contact, loop and settings are those of the scene in the recording's receipt; flags \
-change them. The object starts as it was at the first tick. The recorded forces are drawn beside \
-those of the methods.")]
+answered.
+
+Hand replay, --replay hand: the force of the hand is estimated from the motion and from the force that \
+was sent, and the loop is closed again: the device moves under that hand and the new force, sampled \
+when it was. The device has the mass of the scene's, or --device-mass. Ticks without a position and \
+ticks that were lost are bridged; the force is less well known there, and a stretch longer than \
+--largest-gap is refused. The report says how well the hand is known. Nothing in a recording says what \
+the hand would have done elsewhere: by default its force stays what it was; --hand-stiffness and \
+--hand-damping let it hold on to its motion. Times count from the first position.")]
     #[command(after_help = "\
 Examples:
   palpate replay tap.mcap --method hfcr
   palpate replay tap.mcap --method basic,coupled --plot replay.svg --out replay.csv
-  palpate replay tap.mcap --method all --json")]
+  palpate replay tap.mcap --method all --json
+  palpate replay tap.mcap --replay hand --method basic,coupled --plot hand.svg
+  palpate replay tap.mcap --replay hand --device-mass 0.3 --hand-stiffness 200 --hand-damping 5")]
     Replay(ReplayArguments),
     /// Find the damping of a method that suits a scene, and draw the whole curve
     #[command(long_about = "\

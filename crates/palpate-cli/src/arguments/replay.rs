@@ -2,6 +2,7 @@
 
 use clap::{Args, ValueEnum};
 
+use crate::failure::Failure;
 use crate::values::number;
 
 /// How a recording is replayed.
@@ -33,14 +34,22 @@ pub enum ReplayKind {
 }
 
 impl ReplayFlags {
-    /// The first of the flags that is for a hand only, if one was given.
-    pub fn of_a_hand(&self) -> Option<&'static str> {
-        [
+    /// Refuses a flag that is for a hand only where a motion is replayed.
+    pub fn check(&self) -> Result<(), Failure> {
+        if self.replay == ReplayKind::Hand {
+            return Ok(());
+        }
+        let of_a_hand = [
             ("--hand-bandwidth", self.hand_bandwidth),
             ("--hand-stiffness", self.hand_stiffness),
             ("--hand-damping", self.hand_damping),
         ]
         .into_iter()
-        .find_map(|(flag, value)| value.map(|_| flag))
+        .find_map(|(flag, value)| value.map(|_| flag));
+        of_a_hand.map_or(Ok(()), |flag| {
+            Err(Failure::Arguments(format!(
+                "{flag} is for --replay hand; a motion is replayed as it was"
+            )))
+        })
     }
 }

@@ -8,6 +8,7 @@ pub mod convert;
 pub mod demo;
 pub mod doctor;
 pub mod figure;
+mod hand_replay;
 pub mod heights;
 pub mod info;
 pub mod map;

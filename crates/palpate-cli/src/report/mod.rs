@@ -199,7 +199,7 @@ impl Report {
     }
 
     /// Says which recording that was.
-    pub fn from_recording(&mut self, recording: FromRecording) {
+    pub fn recorded(&mut self, recording: FromRecording) {
         self.recording = Some(recording);
     }
 

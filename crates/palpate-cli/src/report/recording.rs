@@ -44,7 +44,7 @@ impl fmt::Display for FromRecording {
         }
         if self.ticks_without_position > 0 {
             let count = counted(self.ticks_without_position, "tick");
-            write!(f, "; {count} without a position, passed over")?;
+            write!(f, "; {count} without a position")?;
         }
         if self.parameter_changes > 0 {
             let count = counted(self.parameter_changes, "change");

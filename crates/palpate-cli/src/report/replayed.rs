@@ -3,7 +3,7 @@
 use palpate_sim::hand_replay::RecordedHand;
 use serde::Serialize;
 
-use super::digits;
+use super::{counted, digits};
 
 /// A recorded motion, or the hand that made it.
 #[derive(Debug, Clone, Serialize)]
@@ -20,6 +20,10 @@ pub enum Replayed {
 pub struct HandReport {
     /// Whether the recording says what force was held.
     force_recorded: bool,
+    /// Mass of the device that the hand moved.
+    moved_mass_kg: f64,
+    /// Samples that the recording has no position for.
+    bridged_samples: usize,
     hand_bandwidth_hz: f64,
     position_noise_m: f64,
     hand_force_n: f64,
@@ -37,6 +41,8 @@ impl Replayed {
         let (known, model) = (hand.uncertainty(), hand.model());
         Self::Hand(HandReport {
             force_recorded,
+            moved_mass_kg: model.device_mass,
+            bridged_samples: hand.unmeasured(),
             hand_bandwidth_hz: known.bandwidth,
             position_noise_m: known.position_noise,
             hand_force_n: known.force,
@@ -46,6 +52,22 @@ impl Replayed {
             hand_damping_n_s_per_m: model.damping,
             largest_departure_m: departures,
         })
+    }
+
+    /// What kind of replay it is, as a title begins.
+    pub fn title(&self) -> &'static str {
+        match self {
+            Self::Motion => "Motion replay",
+            Self::Hand(_) => "Hand replay",
+        }
+    }
+
+    /// How well the force of a hand is known, in a few words.
+    pub fn known_to(&self) -> Option<String> {
+        match self {
+            Self::Motion => None,
+            Self::Hand(hand) => Some(format!("±{} N", digits(hand.hand_force_deviation_n))),
+        }
     }
 
     /// In words, for a terminal.
@@ -68,11 +90,20 @@ impl Replayed {
                 format!("it holds on to its motion with {stiffness} N/m and {damping} N s/m")
             }
         };
+        let bridged = match hand.bridged_samples {
+            0 => String::new(),
+            samples => format!(
+                "{} without a position bridged; ",
+                counted(samples, "sample")
+            ),
+        };
         let departed = hand.largest_departure_m.iter().copied().fold(0.0, f64::max);
         format!(
-            "hand replay ({motor}): the hand's force, {} N rms, is known to ±{} N (1 sigma, up to {} Hz);\n\
+            "hand replay ({motor}): the hand's force on {} kg, {} N rms, is known to ±{} N (1 sigma, up to \
+             {} Hz);\n\
              it gives the recorded motion back within {} um; {holds_on};\n\
-             the device leaves the recorded motion by up to {} mm",
+             {bridged}the device leaves the recorded motion by up to {} mm",
+            (hand.moved_mass_kg * 1e6).round() / 1e6,
             digits(hand.hand_force_n),
             digits(hand.hand_force_deviation_n),
             digits(hand.hand_bandwidth_hz),
@@ -91,6 +122,8 @@ impl Replayed {
         lines.extend(
             [
                 ("force_recorded", hand.force_recorded.to_string()),
+                ("moved_mass_kg", hand.moved_mass_kg.to_string()),
+                ("bridged_samples", hand.bridged_samples.to_string()),
                 ("hand_bandwidth_hz", hand.hand_bandwidth_hz.to_string()),
                 (
                     "hand_force_deviation_n",

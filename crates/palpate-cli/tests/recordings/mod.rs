@@ -12,12 +12,17 @@ use palpate_sim::scene::{Jitter, SceneFile};
 /// A committed scene whose loop comes early and late, run by a method; its text and what it did.
 pub fn loop_of(name: &str, method: MethodName) -> (String, Run) {
     let text = super::common::experiment_text(name);
-    let mut scene = SceneFile::parse(name, &text).unwrap().scene;
+    let run = loop_in(&text, method);
+    (text, run)
+}
+
+/// What a scene, whose loop comes early and late, did by a method.
+pub fn loop_in(text: &str, method: MethodName) -> Run {
+    let mut scene = SceneFile::parse("scene", text).unwrap().scene;
     scene.timing.jitter = Jitter::Uniform {
         bound: 0.2 * scene.loop_params.period,
     };
-    let run = Bench::new(&scene).unwrap().run(method).unwrap();
-    (text, run)
+    Bench::new(&scene).unwrap().run(method).unwrap()
 }
 
 /// A tick of a run as a recorder sees it.

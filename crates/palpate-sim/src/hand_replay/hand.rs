@@ -16,10 +16,10 @@ const LEAST_NOISE: f64 = 1e-9;
 pub struct Recording<'a> {
     /// Times `[s]`, increasing; steps need not be even.
     pub times: &'a [f64],
-    /// Positions of the device `[m]`.
+    /// Positions of the device `[m]`, NaN where none was measured; at both ends one was.
     pub positions: &'a [f64],
-    /// Force on the device, held by its motor from each sample to the next `[N]`; `None` if it was
-    /// off.
+    /// Force on the device, held by its motor from each sample to the next `[N]`, whether a position
+    /// was measured there or not; `None` if it was off.
     pub forces_on_device: Option<&'a [f64]>,
 }
 
@@ -125,7 +125,7 @@ pub enum HandError {
         value: f64,
     },
     /// Too few samples.
-    #[error("the force of a hand needs at least {FEWEST_SAMPLES} samples, not {0}")]
+    #[error("the force of a hand needs at least {FEWEST_SAMPLES} samples with a position, not {0}")]
     TooFewSamples(usize),
     /// The recording is shorter than a period.
     #[error("the recording lasts {recorded} s, less than one period of {period} s")]
@@ -168,6 +168,8 @@ pub struct RecordedHand {
     deviations: Vec<f64>,
     /// By the recorded force, held from each sample on `[m/s²]`.
     held: Vec<f64>,
+    /// Samples without a position.
+    unmeasured: usize,
     uncertainty: HandUncertainty,
 }
 
@@ -179,10 +181,11 @@ impl RecordedHand {
     /// the model out of range.
     pub fn estimate(recording: &Recording, model: &HandModel) -> Result<Self, HandError> {
         model.check()?;
-        let path = RecordedPath::new(recording.times, recording.positions)?;
+        let path = RecordedPath::new(recording.times, &bridged(recording.positions))?;
         let samples = recording.times.len();
-        if samples < FEWEST_SAMPLES {
-            return Err(HandError::TooFewSamples(samples));
+        let unmeasured = recording.positions.iter().filter(|x| x.is_nan()).count();
+        if samples - unmeasured < FEWEST_SAMPLES {
+            return Err(HandError::TooFewSamples(samples - unmeasured));
         }
         let times: Vec<f64> = path.times().iter().map(|t| t - path.start()).collect();
         let held = held_accelerations(recording, model.device_mass)?;
@@ -212,6 +215,7 @@ impl RecordedHand {
             deviations: of(&deviations, 2),
             times,
             held,
+            unmeasured,
             uncertainty: HandUncertainty {
                 bandwidth,
                 position_noise: noise,
@@ -243,6 +247,17 @@ impl RecordedHand {
     /// The device, and how the hand holds it.
     pub fn model(&self) -> &HandModel {
         &self.model
+    }
+
+    /// Samples that had no position: there the force follows from those around them, and is known less
+    /// well.
+    pub fn unmeasured(&self) -> usize {
+        self.unmeasured
+    }
+
+    /// When samples were taken, since the first `[s]`.
+    pub fn times(&self) -> &[f64] {
+        &self.times
     }
 
     /// Length of the recording `[s]`.
@@ -334,10 +349,24 @@ impl RecordedHand {
                 step,
             );
             state = (position, velocity);
+            // Without a position there is nothing to be far from: a NaN is no maximum.
             farthest = farthest.max((position - recorded[piece + 1]).abs());
         }
         farthest
     }
+}
+
+/// Positions with the last one that was measured where none was, to check the others by; a first or last
+/// one that is missing stays so.
+fn bridged(positions: &[f64]) -> Vec<f64> {
+    let mut last = f64::NAN;
+    let between = positions.iter().enumerate().map(|(index, &position)| {
+        if !position.is_nan() || index + 1 == positions.len() {
+            last = position;
+        }
+        last
+    });
+    between.collect()
 }
 
 /// Where a device is `after` a while `[s]` under an acceleration that has a jerk, and one that is held.

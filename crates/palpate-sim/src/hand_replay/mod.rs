@@ -110,6 +110,20 @@ pub fn scene(hand: Arc<RecordedHand>, setup: &ReplaySetup) -> Result<Scene, Hand
     })
 }
 
+/// The same loop, sampling when the recorded one did, in place of every period: at each of the hand's
+/// samples, whether it has a position or not.
+///
+/// # Errors
+/// A recording that is shorter than a period.
+pub fn scene_at_recorded_instants(
+    hand: Arc<RecordedHand>,
+    setup: &ReplaySetup,
+) -> Result<Scene, HandError> {
+    let mut scene = scene(hand, setup)?;
+    scene.timing.as_recorded = true;
+    Ok(scene)
+}
+
 /// How far from its recorded motion the device of `run` got, at most `[m]`.
 pub fn largest_departure(hand: &RecordedHand, run: &Run) -> f64 {
     run.ticks

@@ -1,5 +1,6 @@
 //! A fixed-interval smoother of a recorded motion: where the device was, how fast, and what pushed it,
-//! from all samples at once.
+//! from all samples at once. A sample may lack its position; what was known of the force counts there
+//! all the same.
 //!
 //! State: position, velocity, and the acceleration a by everything but the known force u, which is
 //! held over each interval. The jerk of a is constant over an interval and drawn anew for each, with
@@ -31,7 +32,7 @@ type Matrix = [[f64; 3]; 3];
 pub(super) struct Motion<'a> {
     /// Times `[s]`, increasing.
     pub times: &'a [f64],
-    /// Positions `[m]`.
+    /// Positions `[m]`, NaN where none was measured; the first was.
     pub positions: &'a [f64],
     /// Acceleration by the known force from each sample to the next `[m/s²]`.
     pub known: &'a [f64],
@@ -52,16 +53,18 @@ pub(super) struct Smoothed {
 }
 
 impl Motion<'_> {
+    /// Between positions that were measured `[s]`.
     fn mean_step(&self) -> f64 {
-        let last = self.times.len() - 1;
-        (self.times[last] - self.times[0]) / last as f64
+        let measured = self.positions.iter().filter(|position| !position.is_nan());
+        (self.times[self.times.len() - 1] - self.times[0]) / (measured.count() - 1) as f64
     }
 
     /// The bandwidths that can be told apart `[Hz]`: from one swing over the recording to half of the
     /// sampling rate.
     fn bandwidths(&self) -> [f64; 2] {
         let step = self.mean_step();
-        [1.0 / (step * (self.times.len() - 1) as f64), 0.5 / step]
+        let duration = self.times[self.times.len() - 1] - self.times[0];
+        [1.0 / duration, 0.5 / step]
     }
 
     /// S/σ² over the fifth power of the mean step, for a bandwidth `[Hz]`.
@@ -148,7 +151,7 @@ impl Motion<'_> {
         for (i, row) in covariance.iter_mut().enumerate() {
             row[i] = UNKNOWN;
         }
-        let (mut squares, mut logarithms, mut counted) = (0.0, 0.0, 0);
+        let (mut squares, mut logarithms, mut counted, mut measured) = (0.0, 0.0, 0, 0);
         for (index, position) in self.positions.iter().enumerate() {
             if index > 0 {
                 let h = (self.times[index] - self.times[index - 1]) / step;
@@ -166,8 +169,13 @@ impl Motion<'_> {
                     }
                 }
             }
-            let innovation = position - self.positions[0] - state[0];
-            let variance = covariance[0][0] + 1.0;
+            // A position that was not measured may be any.
+            let (innovation, variance) = if position.is_nan() {
+                (0.0, f64::INFINITY)
+            } else {
+                let innovation = position - self.positions[0] - state[0];
+                (innovation, covariance[0][0] + 1.0)
+            };
             if let Some(kept) = &mut kept {
                 kept.push(Predicted {
                     state,
@@ -176,7 +184,8 @@ impl Motion<'_> {
                     variance,
                 });
             }
-            if index >= STARTING {
+            measured += usize::from(variance.is_finite());
+            if measured > STARTING && variance.is_finite() {
                 squares += innovation * innovation / variance;
                 logarithms += variance.ln();
                 counted += 1;

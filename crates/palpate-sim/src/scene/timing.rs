@@ -3,8 +3,10 @@
 use std::ops::Range;
 
 use palpate::ParameterError;
+use palpate_testbed::InvalidParameter;
 use palpate_testbed::schedule::{ActuationDelay, Schedule, ScheduleParams};
 pub use palpate_testbed::schedule::{Dropped, Jitter, RateCollapse};
+use palpate_testbed::timeline::Timeline;
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -24,6 +26,9 @@ pub struct Timing {
     pub collapse: Option<RateCollapse>,
     /// Seed of the random numbers.
     pub seed: u64,
+    /// Samples are taken when those of the recorded hand were, in place of all of the above. No scene
+    /// file has it.
+    pub as_recorded: bool,
 }
 
 /// `[loop]` of a scene file.
@@ -95,6 +100,7 @@ impl RawLoop {
                 period: places.take("collapse.period_s", collapse.period_s),
             }),
             seed: places.take_or("seed", self.seed, 0),
+            as_recorded: false,
         };
         Ok((places.take_or("delay", self.delay_samples, 0), timing))
     }
@@ -144,8 +150,40 @@ impl Scene {
         }
     }
 
+    /// The samples and commands of the loop over so many periods.
+    pub(crate) fn timeline(&self, periods: usize) -> Result<Timeline, InvalidParameter> {
+        match &self.recorded_hand {
+            Some(hand) if self.timing.as_recorded => {
+                let period = self.loop_params.period;
+                Timeline::at_instants(hand.times(), self.delay, period, periods)
+            }
+            _ => Timeline::new(self.schedule(), periods),
+        }
+    }
+
     /// Checks the timing of a loop whose period is sound.
     pub(super) fn check_timing(&self) -> Result<(), ParameterError> {
+        let only_as_recorded = Timing {
+            as_recorded: true,
+            seed: self.timing.seed,
+            ..Timing::default()
+        };
+        if self.timing.as_recorded && self.recorded_hand.is_none() {
+            return Err(ParameterError {
+                parameter: "recorded instants",
+                value: 0.0,
+                unit: "samples",
+                allowed: "those of a recorded hand",
+            });
+        }
+        if self.timing.as_recorded && self.timing != only_as_recorded {
+            return Err(ParameterError {
+                parameter: "delay_fraction",
+                value: self.timing.delay_fraction,
+                unit: "",
+                allowed: "left out, like jitter and drops, of a loop that samples as recorded",
+            });
+        }
         let Err(error) = Schedule::new(self.schedule()) else {
             return Ok(());
         };

@@ -209,6 +209,8 @@ impl File {
             dropped,
             collapse,
             seed,
+            // A recorded hand has been refused.
+            as_recorded: _,
         } = timing;
         self.unless_zero("delay_fraction", *delay_fraction);
         match *jitter {

@@ -196,6 +196,7 @@ fn every_key_ends_up_in_the_scene() {
                 period: 0.04
             }),
             seed: 3,
+            as_recorded: false,
         }
     );
     let timing = edit(

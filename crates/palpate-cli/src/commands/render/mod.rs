@@ -1,6 +1,5 @@
 //! `palpate render`: a recording, rendered: its motion as it was, or its hand under the new force.
 
-mod hand;
 mod held_force;
 
 use std::fs::File;
@@ -8,19 +7,21 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use palpate_io::trace::{self, Trace, TraceError};
+use palpate_sim::closed_loop::LoopError;
+use palpate_sim::hand_replay::Recording as OfAHand;
 use palpate_sim::method::{MethodName, Settings};
 use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
 use palpate_sim::run::Run;
 use palpate_sim::scene::Timing;
 
-use self::hand::HandRuns;
+use super::hand_replay::{Recorded, ReplayRuns, close_loop};
 use crate::arguments::{RenderArguments, ReplayKind};
 use crate::failure::Failure;
 use crate::plots;
 use crate::progress::Progress;
 use crate::report::{Replayed, Report, Subject};
 use crate::results::deliver;
-use crate::setup::{receipt, wrong_on_bench, wrong_setup};
+use crate::setup::{check_contact, receipt, wrong_on_bench, wrong_setup};
 
 /// Name that stands for standard input.
 const STANDARD_INPUT: &str = "-";
@@ -31,44 +32,58 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let methods = flags.methods(MethodName::default());
     flags.check_settings(&methods)?;
     let setup = flags.replay_setup("render")?;
-    if let (ReplayKind::Motion, Some(flag)) =
-        (arguments.replay.replay, arguments.replay.of_a_hand())
-    {
-        return Err(Failure::Arguments(format!(
-            "{flag} is for --replay hand; a motion is replayed as it was"
-        )));
-    }
+    arguments.replay.check()?;
     arguments.results.check(&arguments.trace)?;
     let progress = Progress::new(methods.len());
     let name = name(&arguments.trace);
     progress.begin(&format!("reading {name}"));
     let (trace, text) = read_trace(&arguments.trace, &name)?;
     let settings = flags.settings();
-    let (reference, runs, replayed, what) = match arguments.replay.replay {
+    let ReplayRuns {
+        reference,
+        runs,
+        replayed,
+    } = match arguments.replay.replay {
         ReplayKind::Motion => {
             let (replay, runs) = render(setup, &trace, &methods, &settings, &progress)
                 .map_err(|error| in_trace(&name, error))?;
-            let reference = replay.reference().clone();
-            (reference, runs, Replayed::Motion, "motion")
+            ReplayRuns {
+                reference: replay.reference().clone(),
+                runs,
+                replayed: Replayed::Motion,
+            }
         }
         ReplayKind::Hand => {
             let forces = held_force::read(&name, &text)?;
-            let recorded = (&trace, forces.as_deref());
-            let HandRuns {
-                reference,
-                runs,
-                replayed,
-            } = hand::render(
-                &name,
-                recorded,
+            let device_mass = setup.device_mass.ok_or_else(|| {
+                Failure::Arguments(
+                    "--replay hand needs --device-mass <kg>, finite and above 0: what the recorded hand \
+                     moved; --replay motion needs none"
+                        .into(),
+                )
+            })?;
+            check_contact(&setup)?;
+            let recorded = Recorded {
+                name: &name,
+                recording: OfAHand {
+                    times: &trace.t_s,
+                    positions: &trace.position_m,
+                    forces_on_device: forces.as_deref(),
+                },
+                device_mass,
+                at_its_instants: false,
+            };
+            let settings = methods.iter().map(|&method| (method, settings)).collect();
+            close_loop(
+                &recorded,
                 (&setup, &arguments.replay),
                 (&methods, &settings),
                 &progress,
-            )?;
-            (reference, runs, replayed, "hand")
+                &|_, error| in_loop(&name, error),
+            )?
         }
     };
-    let title = format!("Recorded {what}: {name}");
+    let title = format!("{}: {name}", replayed.title());
     let subject = Subject {
         title: title.clone(),
         contact: &setup.contact,
@@ -78,16 +93,16 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         timing: Timing::default(),
     };
     let mut report = Report::new(&subject, &reference, &runs);
-    report.replayed(replayed.clone());
     let mut receipt = receipt(&subject, setup.object, setup.virtual_force, &runs);
     receipt.push(("trace".into(), name));
     receipt.extend(replayed.receipt());
+    report.replayed(replayed.clone());
     deliver(
         &arguments.results,
         report,
         &receipt,
         &runs,
-        || plots::overlay(&title, &reference, &runs),
+        || plots::replay(&title, &replayed, &reference, &runs, None),
         progress,
     )
 }
@@ -126,6 +141,15 @@ fn in_trace(name: &str, error: ReplayError) -> Failure {
         ReplayError::Setup(error) => wrong_setup(&error),
         ReplayError::Bench(error) => wrong_on_bench(&error),
         // The reader has checked the recording, so what is left is its length.
+        other => Failure::input(format!("{name}: {other}")),
+    }
+}
+
+/// A closed loop that cannot be made from the trace called `name`, or from flags.
+fn in_loop(name: &str, error: LoopError) -> Failure {
+    match error {
+        LoopError::Setup(error) => wrong_setup(&error),
+        LoopError::Bench(error) => wrong_on_bench(&error),
         other => Failure::input(format!("{name}: {other}")),
     }
 }

@@ -1,0 +1,199 @@
+//! `palpate replay`: a recording under another method: its motion as it was, or its hand under the new
+//! force.
+
+mod ticks;
+
+use std::io;
+use std::path::PathBuf;
+
+use clap::{Args, ValueHint};
+use palpate_io::recording::Recording;
+use palpate_sim::closed_loop::LoopError;
+use palpate_sim::hand_replay::Recording as OfAHand;
+use palpate_sim::method::MethodName;
+use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
+use palpate_sim::scene::{Scene, SceneFile, SetupError, Timing};
+
+use self::ticks::Ticks;
+use super::hand_replay::{Recorded, ReplayRuns, close_loop};
+use super::simulate::in_file;
+use crate::arguments::{Flags, ReplayFlags, ReplayKind, Results};
+use crate::failure::Failure;
+use crate::plots;
+use crate::progress::Progress;
+use crate::recorded::{open, whole_or_said};
+use crate::report::{FromRecording, Replayed, Report, Subject};
+use crate::results::deliver;
+use crate::setup::{receipt, wrong_flag, wrong_on_bench, wrong_setup};
+
+/// Text of the receipt that holds the scene.
+const SCENE: &str = "scene";
+
+/// Arguments of `replay`.
+#[derive(Args, Debug)]
+pub struct ReplayArguments {
+    /// Recording (MCAP)
+    #[arg(value_name = "REC.mcap", value_hint = ValueHint::FilePath)]
+    pub recording: PathBuf,
+    /// Contact, loop, method and device, where they are not to be those of the recording's scene.
+    #[command(flatten)]
+    pub flags: Flags,
+    /// Motion or hand.
+    #[command(flatten)]
+    pub replay: ReplayFlags,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// Replays the motion or the hand by the methods that were named, or by the scene's own.
+pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
+    let flags = &arguments.flags;
+    arguments.replay.check()?;
+    arguments.results.check(&arguments.recording)?;
+    let name = arguments.recording.display().to_string();
+    let recording = open(&arguments.recording)?;
+    let file = scene(&recording, &name)?;
+    let methods = flags.methods(file.scene.method);
+    flags.check_settings(&methods)?;
+    let mut scene = file.scene.clone();
+    flags.change(&mut scene, &methods)?;
+    let progress = Progress::new(methods.len());
+    progress.begin(&format!("reading {name}"));
+    let mut ticks = Ticks::of(&recording)?;
+    let mut setup = ReplaySetup::of_scene(&scene);
+    // A flag of its position or velocity puts it elsewhere.
+    if !flags.gives("object position") && !flags.gives("object velocity") {
+        ticks.place_object(&mut setup, arguments.replay.replay);
+    }
+    let failure = |method, error: ReplayError| match error {
+        ReplayError::Setup(SetupError::Parameter(parameter))
+            if flags.gives(parameter.parameter) =>
+        {
+            wrong_flag(&parameter)
+        }
+        ReplayError::Setup(setup) if flags.damping.is_some() => wrong_setup(&setup),
+        ReplayError::Setup(setup) => in_file(file.locate(method, &setup)),
+        ReplayError::Bench(error) => wrong_on_bench(&error),
+        other => Failure::input(format_args!("{name}: {other}")),
+    };
+    let ReplayRuns {
+        reference,
+        runs,
+        replayed,
+    } = match arguments.replay.replay {
+        ReplayKind::Motion => motion(&ticks, setup, (&scene, &methods), &progress, &failure)?,
+        ReplayKind::Hand => {
+            let delay = file.scene.delay;
+            let longest_gap = setup.loop_params.bridged_gap();
+            let period = file.scene.loop_params.period;
+            let held = ticks.held_device(&name, delay, period, longest_gap)?;
+            if let Some(start) = held.times.first() {
+                ticks.curves.count_from(*start);
+            }
+            let recorded = Recorded {
+                name: &name,
+                recording: OfAHand {
+                    times: &held.times,
+                    positions: &held.positions,
+                    forces_on_device: Some(&held.forces),
+                },
+                device_mass: scene.device.mass,
+                at_its_instants: true,
+            };
+            let failure = |method, error| match error {
+                LoopError::Setup(setup) => failure(method, ReplayError::Setup(setup)),
+                LoopError::Bench(error) => wrong_on_bench(&error),
+                other => Failure::input(format_args!("{name}: {other}")),
+            };
+            close_loop(
+                &recorded,
+                (&setup, &arguments.replay),
+                (&methods, &scene.settings),
+                &progress,
+                &failure,
+            )?
+        }
+    };
+    let title = format!("{}: {name}", replayed.title());
+    let subject = Subject {
+        title: title.clone(),
+        contact: &setup.contact,
+        loop_params: &setup.loop_params,
+        device_mass: setup.device_mass,
+        delay: setup.delay,
+        timing: Timing::default(),
+    };
+    let mut report = Report::new(&subject, &reference, &runs);
+    report.recorded(FromRecording {
+        file: name.clone(),
+        recorded_method: file.scene.method.name(),
+        complete: recording.complete,
+        ticks: recording.ticks,
+        ticks_lost: recording.lost(),
+        ticks_without_position: ticks.without_position,
+        parameter_changes: recording.generation,
+        recorded_peak_force_n: ticks.peak_force,
+        recorded_leak_held_j: ticks.curves.held_leak.last().copied().unwrap_or(0.0),
+    });
+    let mut receipt = receipt(&subject, setup.object, setup.virtual_force, &runs);
+    receipt.extend(replayed.receipt());
+    receipt.push(("recording".into(), name.clone()));
+    receipt.push(("ticks_lost".into(), recording.lost().to_string()));
+    report.replayed(replayed.clone());
+    deliver(
+        &arguments.results,
+        report,
+        &receipt,
+        &runs,
+        || plots::replay(&title, &replayed, &reference, &runs, Some(&ticks.curves)),
+        progress,
+    )?;
+    whole_or_said(&recording)
+}
+
+/// The motion as it was, rendered by each of `methods` at the instants at which it was sampled.
+fn motion(
+    ticks: &Ticks,
+    setup: ReplaySetup,
+    (scene, methods): (&Scene, &[MethodName]),
+    progress: &Progress,
+    failure: &dyn Fn(MethodName, ReplayError) -> Failure,
+) -> Result<ReplayRuns, Failure> {
+    progress.begin("ideal");
+    let motion = &ticks.curves;
+    let replay = Replay::at_recorded_instants(setup, &motion.time, &motion.device_position)
+        .map_err(|error| failure(scene.method, error))?;
+    let mut runs = Vec::with_capacity(methods.len());
+    for &method in methods {
+        progress.begin(method.name());
+        let settings = scene.settings.get(&method).copied().unwrap_or_default();
+        let run = replay.run(method, &settings);
+        runs.push(run.map_err(|error| failure(method, error))?);
+        progress.advance();
+    }
+    Ok(ReplayRuns {
+        reference: replay.reference().clone(),
+        runs,
+        replayed: Replayed::Motion,
+    })
+}
+
+/// The scene that the recording was made with.
+fn scene(recording: &Recording, name: &str) -> Result<SceneFile, Failure> {
+    let receipt = &recording.receipt;
+    let text = receipt.texts.get(SCENE).ok_or_else(|| {
+        Failure::input(format_args!(
+            "{name}: its receipt has no text called {SCENE}, so nothing says what the contact was"
+        ))
+    })?;
+    let mut files = |file: &str| {
+        receipt.file(file).map(str::to_owned).ok_or_else(|| {
+            io::Error::new(
+                io::ErrorKind::NotFound,
+                "it is not in the recording's receipt",
+            )
+        })
+    };
+    SceneFile::parse_with(&format!("{name} ({SCENE})"), text, &mut files).map_err(in_file)
+}
