@@ -229,7 +229,7 @@ impl Safety {
     pub fn let_go(&mut self) {
         self.commanded = 0.0;
         self.soft = None;
-        self.fresh = true;
+        self.fresh = Some(self.params.soft_start);
     }
 
     fn none(&mut self, tripped: Option<Trip>, recovered: Option<Trip>) -> Verdict {
