@@ -34,13 +34,30 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+// A tick does not panic, and prints nothing: what may stands in set-up only, and says why.
+#![warn(
+    clippy::expect_used,
+    clippy::indexing_slicing,
+    clippy::panic,
+    clippy::print_stderr,
+    clippy::unreachable,
+    clippy::unwrap_used
+)]
+
 pub mod clock;
 mod control_loop;
 mod deadlines;
 pub mod device;
 mod held;
 mod note;
+#[allow(clippy::disallowed_methods, reason = "asks before the first tick")]
 pub mod realtime;
+#[allow(
+    clippy::disallowed_methods,
+    clippy::disallowed_types,
+    clippy::panic,
+    reason = "the thread that may wait, so that the loop need not"
+)]
 mod recorder;
 mod rendering;
 pub mod safety;
@@ -48,6 +65,11 @@ mod setup;
 mod statistics;
 mod stop;
 mod tap;
+#[allow(
+    clippy::disallowed_methods,
+    clippy::panic,
+    reason = "starts and joins threads; ticks are made in `control_loop`"
+)]
 mod thread;
 mod wire;
 

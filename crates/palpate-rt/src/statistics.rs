@@ -13,6 +13,7 @@ const LONGEST: u64 = 10_000_000_000;
 pub struct Durations(Histogram<u64>);
 
 impl Durations {
+    #[allow(clippy::expect_used, reason = "it depends on constants only")]
     fn new() -> Self {
         Self(Histogram::new_with_bounds(1, LONGEST, 3).expect("the bounds are in order"))
     }

@@ -87,6 +87,11 @@ mod machine {
 
 /// Without absolute sleep, each sleep is as long as is left.
 #[cfg(not(target_os = "linux"))]
+#[allow(
+    clippy::disallowed_methods,
+    clippy::disallowed_types,
+    reason = "the clock itself"
+)]
 mod machine {
     use std::sync::OnceLock;
     use std::time::{Duration, Instant};

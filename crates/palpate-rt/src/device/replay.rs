@@ -13,6 +13,8 @@ pub struct ReplayDevice<C> {
     clock: C,
     capabilities: Capabilities,
     samples: Vec<(Duration, Vector)>,
+    /// Time of the first sample.
+    first: Duration,
     passed: usize,
     started: Option<Duration>,
 }
@@ -28,13 +30,12 @@ impl<C: Clock> ReplayDevice<C> {
         axes: usize,
         samples: Vec<(Duration, Vector)>,
     ) -> Result<Self, ReplayError> {
-        if samples.len() < 2 {
+        let [(first, _), _, ..] = *samples.as_slice() else {
             return Err(ReplayError::TooShort(samples.len()));
-        }
-        for (index, pair) in samples.windows(2).enumerate() {
-            if pair[1].0 <= pair[0].0 {
-                return Err(ReplayError::TimeNotIncreasing(index + 1));
-            }
+        };
+        let mut pairs = samples.iter().zip(samples.iter().skip(1));
+        if let Some(index) = pairs.position(|(before, after)| after.0 <= before.0) {
+            return Err(ReplayError::TimeNotIncreasing(index + 1));
         }
         if let Some(index) = samples
             .iter()
@@ -46,6 +47,7 @@ impl<C: Clock> ReplayDevice<C> {
             clock,
             capabilities: Capabilities::unknown("replay", axes),
             samples,
+            first,
             passed: 0,
             started: None,
         })
@@ -74,7 +76,7 @@ impl<C: Clock> Device for ReplayDevice<C> {
     fn read(&mut self) -> Result<Reading, DeviceError> {
         let time = self.clock.now();
         let started = *self.started.get_or_insert(time);
-        let at = self.samples[0].0 + (time - started);
+        let at = self.first + (time - started);
         // Amortised: each sample is passed once.
         while self
             .samples
@@ -83,20 +85,19 @@ impl<C: Clock> Device for ReplayDevice<C> {
         {
             self.passed += 1;
         }
-        let (before, from) = self.samples[self.passed];
-        let position = match self.samples.get(self.passed + 1) {
+        let ended = DeviceError::new(DeviceErrorKind::Disconnected, "the recording has ended");
+        let (before, from) = *self.samples.get(self.passed).ok_or(ended)?;
+        let mut position = from;
+        match self.samples.get(self.passed + 1) {
             Some((after, to)) => {
                 let part = (at - before).as_secs_f64() / (*after - before).as_secs_f64();
-                [0, 1, 2].map(|axis| from[axis] + part * (to[axis] - from[axis]))
+                for (x, to) in position.iter_mut().zip(to) {
+                    *x += part * (to - *x);
+                }
             }
-            None if at == before => from,
-            None => {
-                return Err(DeviceError::new(
-                    DeviceErrorKind::Disconnected,
-                    "the recording has ended",
-                ));
-            }
-        };
+            None if at == before => {}
+            None => return Err(ended),
+        }
         Ok(Reading { position, time })
     }
 

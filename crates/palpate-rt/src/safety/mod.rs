@@ -261,18 +261,15 @@ impl Safety {
         if !is_finite(&rendered.position) || !rendered.force.is_finite() {
             return Some(Trip::NotANumber);
         }
-        if let Some([lower, upper]) = self.params.workspace
-            && (0..3).any(|axis| {
-                let x = rendered.position[axis];
-                x < lower[axis] || x > upper[axis]
-            })
-        {
-            return Some(Trip::OutsideWorkspace);
+        if let Some([lower, upper]) = self.params.workspace {
+            let mut axes = rendered.position.iter().zip(lower.iter().zip(&upper));
+            if axes.any(|(x, (low, high))| x < low || x > high) {
+                return Some(Trip::OutsideWorkspace);
+            }
         }
         if let (Some(last), Some(elapsed)) = (self.last_position, rendered.elapsed) {
-            let square: f64 = (0..3)
-                .map(|axis| (rendered.position[axis] - last[axis]).powi(2))
-                .sum();
+            let moved = rendered.position.iter().zip(&last);
+            let square: f64 = moved.map(|(x, last)| (x - last).powi(2)).sum();
             if square.sqrt() > self.params.largest_speed * elapsed {
                 return Some(Trip::TooFast);
             }

@@ -22,6 +22,7 @@ pub(crate) fn scene(name: &str) -> Scene {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../experiments")
         .join(name);
+    #[allow(clippy::disallowed_methods, reason = "set-up")]
     let text = std::fs::read_to_string(&path).unwrap();
     SceneFile::parse_with(name, &text, &mut beside(&path))
         .unwrap()
