@@ -88,6 +88,8 @@ fn created_energy_counts_for_a_while_only() {
             energy: 0.05,
             window: 0.2,
         },
+        // While a force comes in, what it creates does not count.
+        soft_start: 0.0,
         ..SafetyParams::default()
     };
     let created = |period: f64| {
