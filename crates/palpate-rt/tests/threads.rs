@@ -1,6 +1,11 @@
 //! The loop on a thread of its own, on the machine's clock.
 
 #![allow(clippy::print_stdout)] // tests show what they measured
+#![allow(
+    clippy::disallowed_methods,
+    clippy::disallowed_types,
+    reason = "the test is the world around the loop: it waits, and looks at the time"
+)]
 
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
