@@ -133,6 +133,16 @@ fn a_recorded_motion_is_a_device() {
     assert_eq!(ticks.last().unwrap().force_on_device, 0.0);
     let info = folder.succeed("info push.mcap");
     assert!(info.contains("trip-device-lost"), "{info}");
+    // So is one that a loop has recorded: the same motion gives the same forces.
+    folder.succeed(
+        "record wall.toml again.mcap --fast --device replay --motion push.mcap --method basic",
+    );
+    let again = crate::ticks(&folder, "again.mcap");
+    assert!(again.len() >= 200);
+    for (before, after) in ticks.iter().zip(&again).take(200) {
+        let off = before.force_on_device - after.force_on_device;
+        assert!(off.abs() < 1e-9, "{before:?}, {after:?}");
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! `palpate replay`: a recording under another method: its motion as it was, or its hand under the new
 //! force.
 
-mod ticks;
+pub mod ticks;
 
 use std::io;
 use std::path::PathBuf;

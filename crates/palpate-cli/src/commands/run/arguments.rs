@@ -41,8 +41,8 @@ pub struct SessionArguments {
     /// Device
     #[arg(long, value_name = "NAME", value_enum, default_value_t = DeviceName::Simulated)]
     pub device: DeviceName,
-    /// Motion of the device `replay`: CSV with the columns t_s,position_m
-    #[arg(long, value_name = "TRACE.csv", value_hint = ValueHint::FilePath,
+    /// Motion of the device `replay`: a recording (.mcap), or CSV with the columns t_s,position_m
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath,
           required_if_eq("device", "replay"))]
     pub motion: Option<PathBuf>,
     /// How long [s]; inf: until ctrl-C, which ends it at any time

@@ -4,7 +4,7 @@ mod arguments;
 mod report;
 mod scene_text;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Duration;
 
 use palpate_io::recording::Receipt;
@@ -16,6 +16,7 @@ use palpate_rt::{ControlLoop, LoopThread, Recorder, Rendering, SetupError, StopF
 use palpate_sim::method::MethodName;
 use palpate_sim::scene::{Scene, Timing};
 
+use super::replay::ticks::Ticks;
 pub use arguments::{
     DeviceName, RealtimeArguments, RecordArguments, RunArguments, SafetyArguments, SessionArguments,
 };
@@ -193,22 +194,33 @@ impl Session<'_> {
     }
 
     fn replay<C: Clock>(&self, clock: &C) -> Result<Box<dyn Device>, Failure> {
-        let path: &PathBuf =
-            self.arguments.motion.as_ref().ok_or_else(|| {
-                Failure::Arguments("--device replay needs --motion TRACE.csv".into())
-            })?;
-        let (trace, _) = super::render::read_trace(path, &path.display().to_string())?;
-        let first = trace.t_s.first().copied().unwrap_or(0.0);
-        let samples = trace
-            .t_s
+        let path = self.arguments.motion.as_ref().ok_or_else(|| {
+            Failure::Arguments("--device replay needs --motion TRACE.csv or REC.mcap".into())
+        })?;
+        let (times, positions) = motion(path)?;
+        let first = times.first().copied().unwrap_or(0.0);
+        let samples = times
             .iter()
-            .zip(&trace.position_m)
+            .zip(&positions)
             .map(|(time, position)| Ok((seconds("--motion", time - first)?, [*position, 0.0, 0.0])))
             .collect::<Result<Vec<_>, Failure>>()?;
         let device = ReplayDevice::new(clock.clone(), 1, samples)
             .map_err(|error| Failure::input(format_args!("{}: {error}", path.display())))?;
         Ok(Box::new(device))
     }
+}
+
+/// Times `[s]` and positions `[m]` of a trace, or of a recording where the device was seen.
+fn motion(path: &Path) -> Result<(Vec<f64>, Vec<f64>), Failure> {
+    if path
+        .extension()
+        .is_some_and(|extension| extension == "mcap")
+    {
+        let curves = Ticks::of(&open(path)?)?.curves;
+        return Ok((curves.time, curves.device_position));
+    }
+    let (trace, _) = super::render::read_trace(path, &path.display().to_string())?;
+    Ok((trace.t_s, trace.position_m))
 }
 
 fn limits(device: &dyn Device, arguments: &SafetyArguments) -> SafetyParams {
