@@ -148,10 +148,11 @@ fn the_method_that_was_recorded_gives_its_motion_and_its_forces_back() {
             hand.uncertainty()
         );
         assert!(peak > 0.5, "{method}: {peak}");
-        assert!(moved < 15.0 * QUANTUM, "{method}: {moved}");
+        // What the device carries off for good with a delay of two samples is most of it.
+        assert!(moved < 30.0 * QUANTUM, "{method}: {moved}");
         assert!(pushed < 0.04 * peak, "{method}: {pushed} of {peak}");
         let departure = largest_departure(&hand, &closed);
-        assert!(departure < 15.0 * QUANTUM, "{method}: {departure}");
+        assert!(departure < 30.0 * QUANTUM, "{method}: {departure}");
         assert_eq!(closed.diverged, Some(false));
     }
 }
