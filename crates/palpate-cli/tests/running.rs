@@ -31,6 +31,15 @@ fn ticks(folder: &Folder, name: &str) -> Vec<Tick> {
         .collect()
 }
 
+/// However fast it runs, the disk keeps up: on a clock that stands still it can wait.
+#[test]
+fn a_fast_run_loses_nothing_of_its_recording() {
+    let folder = folder_with_scenes();
+    folder.succeed("record wall.toml long.mcap --fast --duration 300 --period 0.001");
+    let info = parse(&folder.succeed("info long.mcap --json"));
+    assert_eq!(info["ticks"], 300_000);
+}
+
 /// What ran on the simulated device at once is what the simulator gives.
 #[test]
 fn a_fast_run_is_a_simulation() {
@@ -169,6 +178,8 @@ fn what_cannot_be_run_is_named() {
         ("run wall.toml --spin=-1", 2, "--spin: -1 s is no time"),
         ("run wall.toml --duration nan", 2, "--duration"),
         ("run wall.toml --priority 100", 2, "100"),
+        ("run wall.toml --motion x.csv", 2, "--device replay"),
+        ("run wall.toml --period 11", 3, "a nanosecond to 10 s"),
         ("run nowhere.toml", 1, "nowhere.toml"),
         (
             "record wall.toml wall.toml --fast",

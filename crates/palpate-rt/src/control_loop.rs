@@ -1,5 +1,6 @@
 //! The loop itself: sleep, sample, render, pass through safety, command, note down.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -43,7 +44,12 @@ pub struct ControlLoop<D: Device, C: Clock> {
     tap: Option<Tap>,
     sequence: u64,
     lost: bool,
+    /// When the last tick began.
+    ticked: Option<Duration>,
 }
+
+/// Longest period: whoever ends a loop should not have to wait for longer.
+const LONGEST_PERIOD: Duration = Duration::from_secs(10);
 
 /// What a sample came to.
 enum Sampled {
@@ -57,8 +63,8 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
     /// call of [`tick`](Self::tick) on.
     ///
     /// # Errors
-    /// A parameter of the rendering or a limit of the safety outside its range; a period that is no
-    /// whole number of nanoseconds above 0.
+    /// A parameter of the rendering or a limit of the safety outside its range; a period below a
+    /// nanosecond or above 10 s.
     pub fn new(
         device: D,
         clock: C,
@@ -69,7 +75,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         let (parameters, rendered) = parameters(rendering)?;
         let period = Duration::try_from_secs_f64(seconds)
             .ok()
-            .filter(|period| *period > Duration::ZERO)
+            .filter(|period| *period > Duration::ZERO && *period <= LONGEST_PERIOD)
             .ok_or(SetupError::Period(seconds))?;
         Ok(Self {
             device,
@@ -90,6 +96,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             tap: None,
             sequence: 0,
             lost: false,
+            ticked: None,
         })
     }
 
@@ -168,11 +175,21 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         ending
     }
 
+    /// Commands no force in the other way that the device may have, where its own has failed.
+    pub(crate) fn cut_off(&mut self) {
+        self.heartbeat.end();
+        if let Some(mut zero) = self.device.zero_writer() {
+            zero.write_zero();
+        }
+    }
+
     /// Tells the tap why the loop has ended, and that nothing more will come.
     pub(crate) fn close_tap(&mut self, ending: Ending) {
         // It belongs to the last tick: the next one never was.
-        self.sequence = self.sequence.saturating_sub(1);
-        self.note(Note::Ended(ending));
+        if let Some(last) = self.sequence.checked_sub(1) {
+            self.sequence = last;
+            self.note(Note::Ended(ending));
+        }
         self.tap = None;
     }
 
@@ -192,10 +209,10 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         let deadline = self.deadline();
         self.clock.sleep_until(deadline);
         let woke = self.clock.now();
-        let was_cut = self.was_cut();
+        let mut stalled = self.was_cut() | self.has_overslept(woke);
         self.heartbeat.beat(woke);
-        if self.rearm.swap(false, Ordering::AcqRel) {
-            self.safety.rearm();
+        self.ticked = Some(woke);
+        if self.rearm.swap(false, Ordering::AcqRel) && self.safety.rearm() {
             self.note(Note::Rearmed);
         }
         if let Some(generation) = self.rendered.take_change() {
@@ -204,6 +221,8 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
 
         let sampled = self.sample();
         let answered = self.clock.now();
+        // The device may have been the one that stood still.
+        stalled |= self.was_cut();
         let elapsed = match (&sampled, &self.last) {
             (Sampled::Fresh(now), Some((before, _))) => {
                 Some(now.time.saturating_sub(before.time).as_secs_f64())
@@ -226,18 +245,26 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
                     position: reading.position,
                     force: output.force_on_device,
                     created_energy: self.rendered.ledger().held_leak.accumulated,
+                    refused: fault.is_some(),
+                    stalled,
                 })
             }
             Sampled::Missing => {
                 self.statistics.without_sample += 1;
-                self.safety.missing()
+                if stalled {
+                    self.safety.trip_on(Trip::Stalled)
+                } else {
+                    self.safety.missing()
+                }
             }
             Sampled::Gone(trip) => self.safety.trip_on(trip),
         };
-        if was_cut {
-            verdict = self.safety.trip_on(Trip::Stalled);
-        }
         self.notes_of(&verdict);
+        if self.was_cut() {
+            // Just now: what the supervisor has taken off is not put on again.
+            verdict = self.safety.trip_on(Trip::Stalled);
+            self.notes_of(&verdict);
+        }
         if let Some(fault) = fault {
             self.note(Note::Fault(fault));
         }
@@ -289,11 +316,17 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         let cuts = self.heartbeat.cuts();
         let was_cut = cuts != self.cuts;
         self.cuts = cuts;
-        if was_cut && let Some((reading, _)) = &self.last {
-            let limit = self.safety.params().stall_after(self.period);
-            self.held.change(0.0, reading.time.saturating_add(limit));
+        if was_cut {
+            self.held.change(0.0, self.heartbeat.cut_at());
         }
         was_cut
+    }
+
+    /// Whether the loop woke so late that a supervisor would have cut it, had there been one awake.
+    fn has_overslept(&self, woke: Duration) -> bool {
+        let limit = self.safety.params().stall_after(self.period);
+        self.ticked
+            .is_some_and(|last| woke.saturating_sub(last) > self.period.saturating_add(limit))
     }
 
     fn sample(&mut self) -> Sampled {
@@ -415,7 +448,10 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
 
 impl<D: Device, C: Clock> Drop for ControlLoop<D, C> {
     fn drop(&mut self) {
-        self.let_go();
+        // A device that panics here would end the program, and nobody else could let go of anything.
+        if catch_unwind(AssertUnwindSafe(|| self.let_go())).is_err() {
+            let _ = catch_unwind(AssertUnwindSafe(|| self.cut_off()));
+        }
     }
 }
 

@@ -104,7 +104,8 @@ fn write_down(
         // Asked first: what was told before the loop went is then still to come.
         let is_last = listener.is_abandoned();
         let mut rested = true;
-        for told in listener.by_ref() {
+        // No more than a part of the room at a time: the flush must come, whoever tells how fast.
+        for told in listener.by_ref().take(ROOM / 16) {
             rested = false;
             match told {
                 Told::Tick(tick) => {
@@ -133,7 +134,7 @@ fn write_down(
             writer.flush()?;
             flushed = Instant::now();
         }
-        if is_last {
+        if is_last && rested {
             return Ok(());
         }
         if rested {

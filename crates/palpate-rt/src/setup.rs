@@ -14,6 +14,6 @@ pub enum SetupError {
     #[error(transparent)]
     Safety(#[from] SafetyError),
     /// A period that no clock can keep `[s]`.
-    #[error("the period is {0} s; allowed: a nanosecond or more")]
+    #[error("the period is {0} s; allowed: a nanosecond to 10 s")]
     Period(f64),
 }

@@ -23,6 +23,7 @@ pub enum Told {
 pub struct Tap {
     out: rtrb::Producer<Told>,
     lost: Arc<AtomicU64>,
+    waits: bool,
 }
 
 /// The listener's end: what was told and has not been listened to. It never waits; its end may be
@@ -41,6 +42,7 @@ pub fn tap(capacity: usize) -> (Tap, Listener) {
     let tap = Tap {
         out,
         lost: Arc::clone(&lost),
+        waits: false,
     };
     (tap, Listener { incoming, lost })
 }
@@ -54,7 +56,24 @@ impl Tap {
         self.push(Told::Note(*noted));
     }
 
+    /// The same tap, waiting for room instead of losing anything: for a loop that runs as fast as it
+    /// can, on a clock that stands still meanwhile. Never for one with a motor.
+    #[must_use]
+    pub fn waiting(self) -> Self {
+        Self {
+            waits: true,
+            ..self
+        }
+    }
+
+    #[expect(
+        clippy::disallowed_methods,
+        reason = "yields only where the clock stands still meanwhile"
+    )]
     fn push(&mut self, told: Told) {
+        while self.waits && self.out.is_full() && !self.out.is_abandoned() {
+            std::thread::yield_now();
+        }
         if self.out.push(told).is_err() {
             self.lost.fetch_add(1, Ordering::Relaxed);
         }

@@ -86,10 +86,9 @@ impl<D: Device + 'static, C: Clock> LoopThread<D, C> {
         let thread = Builder::new()
             .name("palpate loop".to_owned())
             .spawn(move || {
+                let _over = Over(over);
                 let _ = told.send(request.ask());
-                let end = run(control, &stopped, most);
-                over.store(true, Ordering::Release);
-                end
+                run(control, &stopped, most)
             });
         let thread = thread.inspect_err(|_| ended.store(true, Ordering::Release))?;
         Ok(Self {
@@ -164,6 +163,15 @@ impl<D: Device, C: Clock> Drop for LoopThread<D, C> {
     }
 }
 
+/// Says that the loop has ended, however it did.
+struct Over(Arc<AtomicBool>);
+
+impl Drop for Over {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Release);
+    }
+}
+
 /// Runs the loop; whatever happens in it, the device is commanded no force.
 fn run<D: Device, C: Clock>(
     mut control: ControlLoop<D, C>,
@@ -174,7 +182,10 @@ fn run<D: Device, C: Clock>(
     let (ending, panic) = match ran {
         Ok(ending) => (ending, None),
         Err(payload) => {
-            control.let_go();
+            // The device may be what panics.
+            if catch_unwind(AssertUnwindSafe(|| control.let_go())).is_err() {
+                let _ = catch_unwind(AssertUnwindSafe(|| control.cut_off()));
+            }
             (Ending::Panicked, Some(words(payload.as_ref())))
         }
     };

@@ -74,7 +74,11 @@ impl Device for Troubled {
         impl ZeroWriter for Zero {
             fn write_zero(&mut self) {
                 self.0.zeroed.fetch_add(1, Ordering::SeqCst);
-                *self.0.zeroed_at.lock().unwrap() = Some(Instant::now());
+                self.0
+                    .zeroed_at
+                    .lock()
+                    .unwrap()
+                    .get_or_insert(Instant::now());
             }
         }
         Some(Box::new(Zero(Arc::clone(&self.seen))))
@@ -212,7 +216,8 @@ fn a_read_that_hangs_is_cut_by_the_supervisor() {
         "{cut_after:?}"
     );
     assert!(end.cuts >= 1);
-    assert_eq!(end.cuts, seen.zeroed.load(Ordering::SeqCst) as u64);
+    // It goes on while the read hangs.
+    assert!(end.cuts < seen.zeroed.load(Ordering::SeqCst) as u64);
 }
 
 #[test]

@@ -29,13 +29,18 @@ pub(super) struct Between {
 }
 
 impl Blend {
-    pub fn new(from: Rendering, to: Change) -> Self {
+    pub fn new(from: Rendering, to: Change, step: f64) -> Self {
         Self {
             from,
             to,
             part: 0.0,
-            step: 0.0,
+            step,
         }
+    }
+
+    /// What is left of the step now `[N]`.
+    pub fn remainder(&self) -> f64 {
+        self.step * (1.0 - self.part)
     }
 
     /// What is rendered in the next tick.
@@ -56,7 +61,7 @@ impl Blend {
             Ok(renderer) => Between {
                 renderer,
                 virtual_force: now.virtual_force,
-                remainder: self.step * (1.0 - self.part),
+                remainder: self.remainder(),
                 is_over: false,
             },
             // Both ends are allowed, but something between them is not.

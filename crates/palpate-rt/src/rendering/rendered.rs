@@ -17,8 +17,8 @@ pub(crate) struct Rendered {
     virtual_force: f64,
     blend: Option<Blend>,
     generation: u32,
-    /// Whether the method has just become another one.
-    other_method: bool,
+    /// What the renderer that runs was made with.
+    running: Rendering,
 }
 
 impl Rendered {
@@ -39,7 +39,7 @@ impl Rendered {
             renderer,
             blend: None,
             generation,
-            other_method: false,
+            running: rendering,
         })
     }
 
@@ -60,9 +60,9 @@ impl Rendered {
         }
         let change = *self.changes.output_buffer();
         let from = self.blend.map_or(self.rendering, |blend| blend.now());
-        self.other_method = discriminant(&from.params) != discriminant(&change.rendering.params)
-            || from.is_wall() != change.rendering.is_wall();
-        self.blend = Some(Blend::new(from, change));
+        // What was still to fade goes on fading.
+        let remainder = self.blend.map_or(0.0, |blend| blend.remainder());
+        self.blend = Some(Blend::new(from, change, remainder));
         self.rendering = change.rendering;
         self.generation = change.generation;
         Some(self.generation)
@@ -83,13 +83,18 @@ impl Rendered {
         };
         let mut remainder = 0.0;
         if let Some(mut blend) = self.blend {
-            // What the method before makes of this sample, on a copy.
-            let before = self.other_method.then(|| {
+            let (old, new) = (&self.running, &self.rendering);
+            let other_method = discriminant(&old.params) != discriminant(&new.params)
+                || old.is_wall() != new.is_wall();
+            // What the parameters before make of this sample, on a copy.
+            let before = (other_method || old.params != new.params).then(|| {
                 let mut state = self.state;
                 self.renderer.step(&mut state, sample(self.virtual_force))
             });
+            self.running = self.rendering;
+            let carried = blend.remainder();
             let between = blend.advance();
-            if let Some(before) = &before {
+            if other_method && let Some(before) = &before {
                 self.state.forget_past();
                 let place = self.rendering.object.position;
                 if self.rendering.is_wall() && before.object_position != place {
@@ -106,11 +111,10 @@ impl Rendered {
             remainder = between.remainder;
             self.blend = (!between.is_over).then_some(blend);
             if let Some(before) = before {
-                self.other_method = false;
                 let mut output = self
                     .renderer
                     .step(&mut self.state, sample(self.virtual_force));
-                let step = before.force_on_device - output.force_on_device;
+                let step = before.force_on_device + carried - output.force_on_device;
                 if let Some(blend) = &mut self.blend {
                     blend.step = step;
                     add(&mut output, step);

@@ -48,6 +48,10 @@ pub struct Rendered {
     pub force: f64,
     /// Energy that held forces have created so far: the ledger's accumulated leak `[J]`.
     pub created_energy: f64,
+    /// Whether the renderer refused the sample, and so asks for no force.
+    pub refused: bool,
+    /// Whether the loop stood still before this sample.
+    pub stalled: bool,
 }
 
 /// What is to be commanded.
@@ -131,7 +135,7 @@ impl Safety {
     /// What to command for a fresh sample.
     pub fn judge(&mut self, rendered: &Rendered) -> Verdict {
         self.missing = 0;
-        if self.trip.is_some() {
+        if self.trip.is_some() || rendered.stalled || rendered.refused {
             self.away += rendered.elapsed.unwrap_or(self.period);
         }
         let found = self.find(rendered);
@@ -142,7 +146,7 @@ impl Safety {
             (Some(trip), None) if trip.is_passing() => {
                 recovered = before;
                 self.trip = None;
-                self.fresh = Some((TIMES_AWAY * self.away).min(self.params.soft_start));
+                self.come_back_softly();
             }
             // Of two, the one that stays is the one to know.
             (Some(trip), Some(new)) if trip.is_passing() && !new.is_passing() => {
@@ -158,10 +162,19 @@ impl Safety {
         if self.trip.is_some() {
             return self.none(tripped, recovered);
         }
+        if rendered.refused {
+            self.come_back_softly();
+            return self.none(tripped, recovered);
+        }
         let mut bounded = Bounded::default();
         let mut force = rendered.force;
+        // Before it comes in: what is clamped afterwards is there at once.
+        if force.abs() > self.params.largest_force {
+            force = self.params.largest_force.copysign(force);
+            bounded.force = true;
+        }
+        self.away = 0.0;
         if let Some(duration) = self.fresh.take() {
-            self.away = 0.0;
             // A force that begins at 0 by itself need not be brought in.
             self.soft = (force != 0.0 && duration > 0.0).then(|| SoftStart {
                 part: 0.0,
@@ -173,10 +186,6 @@ impl Safety {
             bounded.soft_start = true;
             let part = part + step;
             self.soft = (part < 1.0).then_some(SoftStart { part, step });
-        }
-        if force.abs() > self.params.largest_force {
-            force = self.params.largest_force.copysign(force);
-            bounded.force = true;
         }
         let largest_change = self.params.slew_limit * self.period;
         let change = force - self.commanded;
@@ -218,11 +227,16 @@ impl Safety {
     }
 
     /// Lets the force come back after a trip that stays; a reason that still holds trips again.
-    pub fn rearm(&mut self) {
+    /// Whether there was such a trip; else nothing changes.
+    pub fn rearm(&mut self) -> bool {
+        if self.trip.is_none_or(Trip::is_passing) {
+            return false;
+        }
         self.trip = None;
         self.fresh = Some(self.params.soft_start);
         self.last_position = None;
         self.oscillation = Oscillation::new(self.params.oscillation);
+        true
     }
 
     /// No force is held any more, by the loop's own will: should it go on, the next one comes in softly.
@@ -232,9 +246,19 @@ impl Safety {
         self.fresh = Some(self.params.soft_start);
     }
 
+    /// The next force takes as long as its absence asks for, and no less than what was still to come
+    /// of an earlier soft start.
+    fn come_back_softly(&mut self) {
+        let asked = (TIMES_AWAY * self.away).min(self.params.soft_start);
+        self.fresh = Some(self.fresh.map_or(asked, |pending| pending.max(asked)));
+    }
+
     fn none(&mut self, tripped: Option<Trip>, recovered: Option<Trip>) -> Verdict {
         self.commanded = 0.0;
-        self.soft = None;
+        if let Some(SoftStart { part, step }) = self.soft.take() {
+            let to_come = (1.0 - part) / step * self.period;
+            self.fresh = Some(self.fresh.map_or(to_come, |pending| pending.max(to_come)));
+        }
         Verdict {
             force: 0.0,
             bounded: Bounded::default(),
@@ -244,7 +268,9 @@ impl Safety {
     }
 
     fn find(&mut self, rendered: &Rendered) -> Option<Trip> {
-        let found = self.find_in_motion(rendered);
+        let found = self
+            .find_in_motion(rendered)
+            .or(rendered.stalled.then_some(Trip::Stalled));
         let elapsed = rendered.elapsed.unwrap_or(self.period);
         if found.is_some() || self.trip.is_some() || self.soft.is_some() {
             // What a position that is no good makes of the energy says nothing, nor what becomes of

@@ -16,6 +16,8 @@ pub struct Heartbeat {
     live: AtomicBool,
     /// How often a supervisor has commanded no force.
     cuts: AtomicU64,
+    /// When it did so last, in nanoseconds of the loop's clock.
+    cut_at: AtomicU64,
 }
 
 impl Heartbeat {
@@ -34,6 +36,11 @@ impl Heartbeat {
     /// How often a supervisor has commanded no force.
     pub fn cuts(&self) -> u64 {
         self.cuts.load(Ordering::Acquire)
+    }
+
+    /// When a supervisor has begun to command no force last.
+    pub(crate) fn cut_at(&self) -> Duration {
+        Duration::from_nanos(self.cut_at.load(Ordering::Acquire))
     }
 }
 
@@ -59,21 +66,28 @@ impl Supervisor {
         }
     }
 
-    /// Looks once. Whether it has just commanded no force.
+    /// Looks once, and commands no force while the loop is late. Whether that has just begun.
     pub fn look(&mut self, now: Duration) -> bool {
         if !self.heartbeat.live.load(Ordering::Acquire) {
             return false;
         }
         let beat = self.heartbeat.beat.load(Ordering::Acquire);
         let late = now.saturating_sub(Duration::from_nanos(beat)) > self.limit;
-        if !late || self.cut == Some(beat) {
+        if !late {
             return false;
         }
-        // Told before it is done: a loop that comes back finds that it was cut.
-        self.heartbeat.cuts.fetch_add(1, Ordering::AcqRel);
+        let is_first = self.cut != Some(beat);
+        if is_first {
+            // Told before it is done: a loop that comes back finds that it was cut.
+            let now = u64::try_from(now.as_nanos()).unwrap_or(u64::MAX);
+            self.heartbeat.cut_at.store(now, Ordering::Release);
+            self.heartbeat.cuts.fetch_add(1, Ordering::AcqRel);
+            self.cut = Some(beat);
+        }
+        // Again and again while it lasts: the loop may have put a force on in the middle of a tick
+        // that then stood still once more.
         self.zero.write_zero();
-        self.cut = Some(beat);
-        true
+        is_first
     }
 
     /// Looks every `interval` until `ended`.

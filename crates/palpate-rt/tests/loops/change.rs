@@ -196,3 +196,63 @@ fn what_cannot_change_is_refused_and_nothing_changes() {
     let tick = control.tick();
     assert_eq!((tick.generation, tick.force_on_object), (0, 1.0));
 }
+
+/// A damper on a device that moves in at 50 mm/s, and what is changed after a while.
+fn largest_step(changes: &[(usize, AnyParams<f64>, f64)]) -> f64 {
+    let script = (0..200).map(|i| at(1.0 + 0.05 * f64::from(i))).collect();
+    let (mut control, _) = scripted(script, wide());
+    let mut parameters = control.parameters().unwrap();
+    let mut last = 0.0;
+    let mut largest: f64 = 0.0;
+    for tick in 0..190 {
+        for (when, params, stiffness) in changes {
+            if tick == *when {
+                let mut rendering = *parameters.current();
+                rendering.params = *params;
+                rendering.contact.stiffness = *stiffness;
+                parameters.change(rendering).unwrap();
+            }
+        }
+        let force = control.tick().force_on_object;
+        // The first tick of contact is a step by itself.
+        if tick > 30 {
+            largest = largest.max((force - last).abs());
+        }
+        last = force;
+    }
+    largest
+}
+
+#[test]
+fn a_change_within_a_change_and_another_damping_are_no_steps() {
+    let damper = |damping| AnyParams::VirtualDamper(VirtualDamperParams { damping });
+    // The tick at which the device of the script stands still at its end is one more.
+    let plain = largest_step(&[(0, damper(4.0), 1000.0)]);
+    println!("without a change {plain:.3} N from tick to tick");
+    for (what, changes) in [
+        (
+            "another damping",
+            vec![(5, damper(4.0), 1000.0), (60, damper(40.0), 1000.0)],
+        ),
+        (
+            "a slider within a change of method",
+            vec![
+                (5, damper(40.0), 1000.0),
+                (60, AnyParams::Basic, 1000.0),
+                (65, AnyParams::Basic, 1001.0),
+            ],
+        ),
+        (
+            "method and back",
+            vec![
+                (5, damper(40.0), 1000.0),
+                (60, AnyParams::Basic, 1000.0),
+                (65, damper(40.0), 1000.0),
+            ],
+        ),
+    ] {
+        let step = largest_step(&changes);
+        println!("{what}: {step:.3} N at most from tick to tick, {plain:.3} without");
+        assert!(step < 0.2, "{what}: {step} N");
+    }
+}

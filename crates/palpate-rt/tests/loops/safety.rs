@@ -9,6 +9,8 @@ fn sample(position: [f64; 3], force: f64) -> Rendered {
         position,
         force,
         created_energy: 0.0,
+        refused: false,
+        stalled: false,
     }
 }
 

@@ -12,7 +12,7 @@ use palpate_rt::clock::{Clock, MonotonicClock, SteppedClock};
 use palpate_rt::device::{Device, NullDevice, ReplayDevice, SimulatedDevice};
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
-use palpate_rt::{ControlLoop, LoopThread, Recorder, Rendering, SetupError, StopFlag};
+use palpate_rt::{Account, ControlLoop, LoopThread, Recorder, Rendering, SetupError, StopFlag};
 use palpate_sim::method::MethodName;
 use palpate_sim::scene::{Scene, Timing};
 
@@ -52,6 +52,11 @@ fn session(
     arguments: &SessionArguments,
 ) -> Result<(), Failure> {
     let file = super::simulate::read_scene(path)?;
+    if arguments.motion.is_some() && arguments.device != DeviceName::Replay {
+        return Err(Failure::Arguments(
+            "--motion is the motion of --device replay".into(),
+        ));
+    }
     let flags = &arguments.flags;
     let methods = flags.methods(file.scene.method);
     let [method] = methods[..] else {
@@ -141,6 +146,8 @@ impl Session<'_> {
             None => Recorder::without_file()
                 .map_err(|error| Failure::System(format!("no thread to listen: {error}")))?,
         };
+        // Nobody waits for a loop that runs as fast as it can.
+        let tap = if C::RUNS { tap } else { tap.waiting() };
         let stop = StopFlag::on_signals()
             .map_err(|error| Failure::System(format!("no signals: {error}")))?;
         let progress = Progress::new(1);
@@ -158,8 +165,15 @@ impl Session<'_> {
         let end = running.join();
         let written = recorder.finish();
         drop(progress);
-        let account = written.map_err(|error| Failure::System(error.to_string()))?;
-        let recording = self.record.map(open).transpose()?;
+        // What the run was is told whether or not it could be written.
+        let (account, unwritten) = match written {
+            Ok(account) => (account, None),
+            Err(error) => (Account::default(), Some(Failure::System(error.to_string()))),
+        };
+        let recording = match (&unwritten, self.record) {
+            (None, Some(path)) => Some(open(path)?),
+            _ => None,
+        };
         let report = Report::new(
             self.scene,
             self.method,
@@ -179,6 +193,7 @@ impl Session<'_> {
                 "the loop panicked, and no force was commanded: {words}"
             )));
         }
+        unwritten.map_or(Ok(()), Err)?;
         recording.as_ref().map_or(Ok(()), whole_or_said)
     }
 
