@@ -300,6 +300,56 @@ impl Pantograph {
         self.user_force
     }
 
+    /// Moves on for `duration` \[s\] under motor torques \[N m\], limited to the motors' range, and the
+    /// user's force: for whoever stands in for the board that drives the motors. Controller and
+    /// safety box belong to [`advance`](Device::advance) and do nothing here.
+    ///
+    /// A torque that is not finite is none, and a duration that is not finite and positive moves
+    /// nothing.
+    pub fn turn(&mut self, torques: [f64; 2], duration: f64) {
+        if self.jammed || !duration.is_finite() || duration <= 0.0 {
+            return;
+        }
+        let limit = self.params.max_torque;
+        let finite = torques.map(|torque| if torque.is_finite() { torque } else { 0.0 });
+        self.saturated = finite.iter().any(|torque| torque.abs() > limit);
+        self.torques = finite.map(|torque| torque.clamp(-limit, limit));
+        self.move_on([0.0, 0.0], duration);
+    }
+
+    /// Moves on under the torques and a force on the end-point \[N\] beside the user's; how far the
+    /// end-point came \[m\].
+    fn move_on(&mut self, direct: [f64; 2], duration: f64) -> [f64; 2] {
+        let torques = self.torques;
+        let (before, angles) = (self.pose.position, self.state.angles);
+        let motion = Motion {
+            dynamics: &self.dynamics,
+            torques,
+            force: [
+                direct[0] + self.user_force[0],
+                direct[1] + self.user_force[1],
+            ],
+            viscous: self.params.viscous_friction,
+            coulomb: self.params.coulomb_friction,
+        };
+        let moved = motion.advance(&mut self.state, duration);
+        if let Ok(pose) = self.params.geometry.forward(self.state.angles) {
+            self.pose = pose;
+        }
+        if moved.is_err() {
+            self.jammed = true;
+            let lost = self.dynamics.kinetic_energy(&self.pose, self.state.rates);
+            self.state.dissipated += lost;
+            self.state.rates = [0.0, 0.0];
+        }
+        // Forces and torques are held, so their work is force times travel.
+        let after = self.pose.position;
+        let travel = [after[0] - before[0], after[1] - before[1]];
+        let turned = [0, 1].map(|i| self.state.angles[i] - angles[i]);
+        self.motor_work += dot(direct, travel) + dot(torques, turned);
+        travel
+    }
+
     /// Disconnects the motors if the end-point is seen outside the box. What cannot be seen is
     /// outside.
     fn check_box(&mut self, measured: Option<&Pose>) {
@@ -385,32 +435,7 @@ impl Device for Pantograph {
         };
         self.torques = torques;
 
-        let (before, angles) = (self.pose.position, self.state.angles);
-        let motion = Motion {
-            dynamics: &self.dynamics,
-            torques,
-            force: [
-                direct[0] + self.user_force[0],
-                direct[1] + self.user_force[1],
-            ],
-            viscous: self.params.viscous_friction,
-            coulomb: self.params.coulomb_friction,
-        };
-        let moved = motion.advance(&mut self.state, duration);
-        if let Ok(pose) = self.params.geometry.forward(self.state.angles) {
-            self.pose = pose;
-        }
-        if moved.is_err() {
-            self.jammed = true;
-            let lost = self.dynamics.kinetic_energy(&self.pose, self.state.rates);
-            self.state.dissipated += lost;
-            self.state.rates = [0.0, 0.0];
-        }
-        // Forces and torques are held, so their work is force times travel.
-        let after = self.pose.position;
-        let travel = [after[0] - before[0], after[1] - before[1]];
-        let turned = [0, 1].map(|i| self.state.angles[i] - angles[i]);
-        self.motor_work += dot(direct, travel) + dot(torques, turned);
+        let travel = self.move_on(direct, duration);
         asked * travel[1]
     }
 
