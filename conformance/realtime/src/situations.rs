@@ -11,7 +11,8 @@ use std::time::Duration;
 use palpate_io::recording::Flags;
 use palpate_rt::clock::{Clock, MonotonicClock, SteppedClock};
 use palpate_rt::device::{
-    Device, DeviceErrorKind, NullDevice, ReplayDevice, ScriptedDevice, SimulatedDevice, Step,
+    Device, DeviceErrorKind, NullDevice, PointerDevice, PointerHand, PointerParams, ReplayDevice,
+    ScriptedDevice, SimulatedDevice, Step,
 };
 use palpate_rt::safety::{OscillationParams, SafetyParams, Trip};
 use palpate_rt::{ControlLoop, Ending, Note, Rendering, StopFlag, Told, tap};
@@ -27,9 +28,10 @@ pub type Watch<'a> = dyn FnMut(&mut dyn FnMut()) + 'a;
 pub type Situation = (&'static str, fn(&mut Watch));
 
 /// Every situation in which the clock is moved by hand.
-pub const STEPPED: [Situation; 12] = [
+pub const STEPPED: [Situation; 13] = [
     ("every method on a simulated device", every_method),
     ("no device", no_device),
+    ("a pointer that moves, lets go and takes hold", a_pointer),
     ("motion replay, past its end", replay),
     ("every fault of a device, and rearming", faults),
     ("every passing limit of safety", limits),
@@ -298,6 +300,27 @@ fn a_full_tap(watch: &mut Watch) {
     // Nor when the listener has gone.
     drop(listener);
     ticks(&mut control, 500, watch);
+}
+
+fn a_pointer(watch: &mut Watch) {
+    let scene = scene("live.toml");
+    for method in [MethodName::Basic, MethodName::Coupled] {
+        let clock = SteppedClock::new();
+        let hand = PointerHand::at(0.0);
+        let device = PointerDevice::new(PointerParams::of(&scene), &hand, clock.clone()).unwrap();
+        let rendering = Rendering::of(&scene, method).unwrap();
+        let mut control =
+            ControlLoop::new(device, clock, rendering, SafetyParams::default()).unwrap();
+        for number in 0..60 {
+            match number % 6 {
+                5 => hand.let_go(),
+                place => hand.move_to(0.01 * f64::from(place)),
+            }
+            ticks(&mut control, 10, watch);
+        }
+        assert_ne!(control.device().position(), 0.0);
+        assert_eq!(hand.target(), None);
+    }
 }
 
 fn stalls(watch: &mut Watch) {

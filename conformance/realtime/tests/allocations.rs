@@ -2,9 +2,16 @@
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
+use std::time::Duration;
 
 use palpate_conformance_realtime::misdeeds::{Misdeed, commit};
-use palpate_conformance_realtime::situations::{MONOTONIC, STEPPED, Situation};
+use palpate_conformance_realtime::situations::{MONOTONIC, STEPPED, Situation, scene};
+use palpate_haply::inverse3::emulator::{Emulator, EmulatorOptions, Fault};
+use palpate_haply::inverse3::{Inverse3, Inverse3Options};
+use palpate_rt::clock::MonotonicClock;
+use palpate_rt::safety::SafetyParams;
+use palpate_rt::{ControlLoop, Rendering};
+use palpate_sim::method::MethodName;
 
 /// The system's allocator, counting what each thread asks of it: memory taken, and given back.
 struct Counting;
@@ -71,6 +78,49 @@ fn a_tick_allocates_nothing() {
 #[test]
 fn nor_does_it_in_real_time() {
     none_in(&MONOTONIC);
+}
+
+/// JSON and WebSocket allocate, but in threads of the driver. It wakes one of them in its `write`, by
+/// a system call that does not wait; the other watches would find that one, and are not asked.
+#[test]
+fn nor_does_it_on_an_inverse3_whatever_its_service_does() {
+    let emulator = Emulator::start(&EmulatorOptions::default()).unwrap();
+    let clock = MonotonicClock::new();
+    let options = Inverse3Options {
+        service: emulator.url(),
+        ..Inverse3Options::default()
+    };
+    let device = Inverse3::open(&options, clock).unwrap();
+    let inspector = device.inspector();
+    let mut pressed = scene("wall.toml");
+    pressed.object.position = -0.001;
+    pressed.loop_params.period = 0.001;
+    let rendering = Rendering::of(&pressed, MethodName::Basic).unwrap();
+    let mut control = ControlLoop::new(device, clock, rendering, SafetyParams::default()).unwrap();
+    let stall = Fault::Stall(Duration::from_millis(30));
+    let faults = [
+        stall,
+        Fault::Garbage,
+        Fault::Twice,
+        Fault::Dropped,
+        Fault::Disconnect,
+    ];
+    for fault in faults {
+        let ticks = watched(|watch| {
+            for tick in 0..300 {
+                if tick == 100 {
+                    emulator.inject(fault);
+                }
+                watch(&mut || {
+                    control.tick();
+                });
+            }
+        });
+        println!("{fault:?}: {ticks:?}");
+        assert_eq!(ticks.allocating, 0, "{fault:?}");
+    }
+    let counts = inspector.counts();
+    assert!(counts.fresh > 100, "{counts:?}");
 }
 
 #[test]

@@ -124,6 +124,10 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         Arc::clone(&self.rearm)
     }
 
+    pub(crate) fn heartbeat(&self) -> Arc<Heartbeat> {
+        Arc::clone(&self.heartbeat)
+    }
+
     /// A supervisor for another thread; none if the device has no second way to command no force.
     pub fn supervisor(&mut self) -> Option<Supervisor> {
         let zero = self.device.zero_writer()?;
@@ -216,7 +220,11 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             self.note(Note::Rearmed);
         }
         if let Some(generation) = self.rendered.take_change() {
-            self.note(Note::Changed(generation));
+            let rendering = *self.rendered.rendering();
+            self.note(Note::Changed {
+                generation,
+                rendering,
+            });
         }
 
         let sampled = self.sample();
@@ -235,14 +243,14 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
                 if let Some(mean) = self.held.take(reading.time) {
                     self.rendered.report_held(-mean);
                 }
-                let output = self
-                    .rendered
-                    .step(self.placement.coordinate(reading.position), elapsed);
+                let coordinate = self.placement.coordinate(reading.position);
+                let output = self.rendered.step(coordinate, elapsed);
                 fault = output.fault;
                 self.last = Some((reading, output));
                 self.safety.judge(&safety::Rendered {
                     elapsed,
                     position: reading.position,
+                    coordinate,
                     force: output.force_on_device,
                     created_energy: self.rendered.ledger().held_leak.accumulated,
                     refused: fault.is_some(),

@@ -4,6 +4,7 @@ use palpate::Fault;
 use palpate_io::recording::Event;
 
 use crate::device::DeviceError;
+use crate::rendering::Rendering;
 use crate::safety::Trip;
 
 /// Something that happened in the loop.
@@ -19,8 +20,13 @@ pub enum Note {
     Fault(Fault),
     /// The device did not do what it was asked.
     Device(DeviceError),
-    /// Other parameters came into force, by number.
-    Changed(u32),
+    /// Other parameters came into force.
+    Changed {
+        /// Their number.
+        generation: u32,
+        /// What they are.
+        rendering: Rendering,
+    },
     /// Deadlines were missed, and skipped.
     MissedDeadlines(u64),
     /// The loop has ended; the device was commanded no force.
@@ -80,9 +86,12 @@ impl Noted {
             ),
             Note::Fault(fault) => (format!("fault-{}", fault.name()), fault.to_string()),
             Note::Device(error) => ("device-error".to_owned(), error.to_string()),
-            Note::Changed(generation) => (
+            Note::Changed {
+                generation,
+                rendering,
+            } => (
                 "parameters".to_owned(),
-                format!("parameters number {generation} from here on"),
+                format!("parameters number {generation} from here on: {rendering}"),
             ),
             Note::MissedDeadlines(number) => (
                 "missed-deadline".to_owned(),

@@ -45,6 +45,23 @@ pub struct Account {
     pub last: Option<Tick>,
 }
 
+impl Account {
+    /// Takes down a tick.
+    pub fn tick(&mut self, tick: &Tick) {
+        self.peak_force = self.peak_force.max(tick.force_on_device.abs());
+        self.deepest = self.deepest.max(tick.penetration);
+        self.last = Some(*tick);
+    }
+
+    /// Takes down something that happened.
+    pub fn event(&mut self, event: Event) {
+        self.all_events += 1;
+        if self.events.len() < EVENTS_KEPT {
+            self.events.push(event);
+        }
+    }
+}
+
 impl Recorder {
     /// Begins a recording at `path` and gives the tap for its loop. It ends when the loop closes the
     /// tap.
@@ -62,6 +79,13 @@ impl Recorder {
     /// The system gives no thread.
     pub fn without_file() -> io::Result<(Tap, Self)> {
         Self::on_thread(None)
+    }
+
+    /// Whether it writes no more: its tap was closed, or the system refused to write, and
+    /// [`finish`](Self::finish) says why.
+    #[must_use]
+    pub fn has_ended(&self) -> bool {
+        self.thread.is_finished()
     }
 
     fn on_thread(mut writer: Option<RecordingWriter>) -> io::Result<(Tap, Self)> {
@@ -109,9 +133,7 @@ fn write_down(
             rested = false;
             match told {
                 Told::Tick(tick) => {
-                    account.peak_force = account.peak_force.max(tick.force_on_device.abs());
-                    account.deepest = account.deepest.max(tick.penetration);
-                    account.last = Some(tick);
+                    account.tick(&tick);
                     if let Some(writer) = writer {
                         writer.append(&tick)?;
                     }
@@ -121,10 +143,7 @@ fn write_down(
                     if let Some(writer) = writer {
                         writer.event(&event)?;
                     }
-                    account.all_events += 1;
-                    if account.events.len() < EVENTS_KEPT {
-                        account.events.push(event);
-                    }
+                    account.event(event);
                 }
             }
         }

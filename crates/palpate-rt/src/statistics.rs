@@ -13,12 +13,15 @@ const LONGEST: u64 = 10_000_000_000;
 pub struct Durations(Histogram<u64>);
 
 impl Durations {
+    /// None yet.
+    #[must_use]
     #[allow(clippy::expect_used, reason = "it depends on constants only")]
-    fn new() -> Self {
+    pub fn new() -> Self {
         Self(Histogram::new_with_bounds(1, LONGEST, 3).expect("the bounds are in order"))
     }
 
-    pub(crate) fn add(&mut self, duration: Duration) {
+    /// Counts one more.
+    pub fn add(&mut self, duration: Duration) {
         let nanoseconds = u64::try_from(duration.as_nanos()).unwrap_or(LONGEST);
         self.0.saturating_record(nanoseconds);
     }
@@ -39,6 +42,12 @@ impl Durations {
     #[must_use]
     pub fn longest(&self) -> Duration {
         Duration::from_nanos(self.0.max())
+    }
+}
+
+impl Default for Durations {
+    fn default() -> Self {
+        Self::new()
     }
 }
 

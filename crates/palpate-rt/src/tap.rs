@@ -48,12 +48,20 @@ pub fn tap(capacity: usize) -> (Tap, Listener) {
 }
 
 impl Tap {
-    pub(crate) fn tick(&mut self, tick: &Tick) {
+    /// Tells a tick.
+    pub fn tick(&mut self, tick: &Tick) {
         self.push(Told::Tick(*tick));
     }
 
-    pub(crate) fn note(&mut self, noted: &Noted) {
+    /// Tells something that happened.
+    pub fn note(&mut self, noted: &Noted) {
         self.push(Told::Note(*noted));
+    }
+
+    /// How many things found no room.
+    #[must_use]
+    pub fn lost(&self) -> u64 {
+        self.lost.load(Ordering::Relaxed)
     }
 
     /// The same tap, waiting for room instead of losing anything: for a loop that runs as fast as it

@@ -13,7 +13,7 @@ use crate::device::Device;
 use crate::note::Ending;
 use crate::realtime::{Answer, Request};
 use crate::rendering::Parameters;
-use crate::safety::Trip;
+use crate::safety::{Heartbeat, Trip};
 use crate::statistics::LoopStatistics;
 use crate::stop::StopFlag;
 
@@ -23,6 +23,7 @@ pub struct LoopThread<D: Device, C: Clock> {
     thread: Option<JoinHandle<LoopEnd<D, C>>>,
     stop: StopFlag,
     rearm: Arc<AtomicBool>,
+    heartbeat: Arc<Heartbeat>,
     parameters: Option<Parameters>,
     supervisor: Option<JoinHandle<()>>,
     ended: Arc<AtomicBool>,
@@ -60,7 +61,9 @@ impl<D: Device + 'static, C: Clock> LoopThread<D, C> {
     ) -> io::Result<Self> {
         let parameters = control.parameters();
         let rearm = control.rearm();
+        let heartbeat = control.heartbeat();
         let ended = Arc::new(AtomicBool::new(false));
+        let (told_beside, answered_beside) = std::sync::mpsc::channel();
         let supervisor = control
             .supervisor()
             .filter(|_| C::RUNS)
@@ -72,15 +75,17 @@ impl<D: Device + 'static, C: Clock> LoopThread<D, C> {
                 Builder::new()
                     .name("palpate supervisor".to_owned())
                     .spawn(move || {
-                        let _ = Request {
+                        let beside = Request {
                             priority,
                             ..Request::nothing()
-                        }
-                        .ask();
+                        };
+                        let _ = told_beside.send(beside.ask());
                         supervisor.watch(&clock, interval, &ended);
                     })
             })
             .transpose()?;
+        // Before the loop begins: one that never sleeps might not let the supervisor ask.
+        let beside = answered_beside.recv().unwrap_or_default();
         let (told, answered) = std::sync::mpsc::channel();
         let (stopped, over) = (stop.clone(), Arc::clone(&ended));
         let thread = Builder::new()
@@ -91,11 +96,15 @@ impl<D: Device + 'static, C: Clock> LoopThread<D, C> {
                 run(control, &stopped, most)
             });
         let thread = thread.inspect_err(|_| ended.store(true, Ordering::Release))?;
+        let mut answers: Vec<Answer> = answered.recv().unwrap_or_default();
+        let is_refused = answers.iter().any(|answer| !answer.is_granted());
+        answers.extend(supervisors(beside, is_refused));
         Ok(Self {
-            answers: answered.recv().unwrap_or_default(),
+            answers,
             thread: Some(thread),
             stop: stop.clone(),
             rearm,
+            heartbeat,
             parameters,
             supervisor,
             ended,
@@ -113,6 +122,12 @@ impl<D: Device, C: Clock> LoopThread<D, C> {
     /// The other end of the loop's parameters.
     pub fn parameters(&mut self) -> Option<&mut Parameters> {
         self.parameters.as_mut()
+    }
+
+    /// How often the supervisor has commanded no force so far.
+    #[must_use]
+    pub fn cuts(&self) -> u64 {
+        self.heartbeat.cuts()
     }
 
     /// Ends a trip that stays, with the next tick.
@@ -161,6 +176,18 @@ impl<D: Device, C: Clock> Drop for LoopThread<D, C> {
         }
         self.finish();
     }
+}
+
+/// What the supervisor was answered, but for a refusal where the loop was refused as well: once is
+/// enough.
+fn supervisors(beside: Vec<Answer>, loop_is_refused: bool) -> impl Iterator<Item = Answer> {
+    beside
+        .into_iter()
+        .filter(move |answer| answer.is_granted() || !loop_is_refused)
+        .map(|answer| Answer {
+            asked: format!("supervisor: {}", answer.asked),
+            ..answer
+        })
 }
 
 /// Says that the loop has ended, however it did.

@@ -16,7 +16,7 @@ use palpate::{AnyParams, Contact, LoopParams, ObjectState};
 use palpate_io::recording::{Entry, Receipt, Recording};
 use palpate_rt::clock::{Clock, MonotonicClock};
 use palpate_rt::device::{Capabilities, Device, DeviceError, Reading, Vector, ZeroWriter};
-use palpate_rt::realtime::Request;
+use palpate_rt::realtime::{Answer, Request};
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, Ending, LoopThread, Recorder, Rendering, StopFlag};
 
@@ -142,7 +142,13 @@ fn it_runs_until_it_is_stopped_and_leaves_no_force() {
     let (control, clock, seen) = control(Trouble::None, 0.002);
     let stop = StopFlag::new();
     let running = start(control, &clock, &stop);
-    assert_eq!(running.answers().len(), 2);
+    let (of_loop, of_supervisor) = running.answers().split_at(2);
+    if of_loop.iter().all(Answer::is_granted) || !of_supervisor.is_empty() {
+        assert_eq!(
+            of_supervisor[0].asked,
+            "supervisor: SCHED_FIFO, priority 81"
+        );
+    }
     wait_for_reads(&seen, 50);
     // A busy machine may have made it late just now.
     let begun = Instant::now();

@@ -1,7 +1,9 @@
 //! Devices: what gives positions and takes forces.
 
 mod capabilities;
+mod cut;
 mod null;
+mod pointer;
 mod replay;
 mod scripted;
 mod simulated;
@@ -11,6 +13,7 @@ use std::time::Duration;
 
 pub use capabilities::Capabilities;
 pub use null::NullDevice;
+pub use pointer::{PointerDevice, PointerHand, PointerParams};
 pub use replay::ReplayDevice;
 pub use scripted::{Script, ScriptedDevice, Step};
 pub use simulated::SimulatedDevice;

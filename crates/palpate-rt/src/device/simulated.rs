@@ -1,18 +1,14 @@
 //! The device of a scene, in real time or as fast as the clock goes.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use palpate_sim::VirtualDevice;
 use palpate_sim::scene::Scene;
 use palpate_testbed::InvalidParameter;
 
+use super::cut::Cut;
 use super::{Capabilities, Device, DeviceError, Reading, Vector, ZeroWriter};
 use crate::clock::Clock;
-
-/// No cut.
-const NEVER: u64 = u64::MAX;
 
 /// A virtual device with its hand, moved by the time that passes on the loop's clock: between two
 /// calls it moves under the force that was written last. Its one axis is the contact's.
@@ -27,8 +23,7 @@ pub struct SimulatedDevice<C> {
     held: f64,
     /// Forces on their way to the motor, oldest first.
     on_their_way: Vec<f64>,
-    /// When a zero writer commanded no force, in nanoseconds of the clock.
-    cut: Arc<AtomicU64>,
+    cut: Cut,
 }
 
 impl<C: Clock> SimulatedDevice<C> {
@@ -57,7 +52,7 @@ impl<C: Clock> SimulatedDevice<C> {
             sampled: None,
             held: 0.0,
             on_their_way: vec![0.0; scene.delay],
-            cut: Arc::new(AtomicU64::new(NEVER)),
+            cut: Cut::none(),
         })
     }
 
@@ -71,9 +66,7 @@ impl<C: Clock> SimulatedDevice<C> {
     fn move_on(&mut self) -> Duration {
         let now = self.clock.now();
         let mut from = *self.moved_until.get_or_insert(now);
-        let cut = self.cut.load(Ordering::Acquire);
-        if cut != NEVER {
-            let cut = Duration::from_nanos(cut).clamp(from, now);
+        if let Some(cut) = self.cut.between(from, now) {
             self.device.hold(self.held, (cut - from).as_secs_f64());
             self.held = 0.0;
             self.on_their_way.fill(0.0);
@@ -104,7 +97,7 @@ impl<C: Clock> Device for SimulatedDevice<C> {
 
     fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
         self.move_on();
-        self.cut.store(NEVER, Ordering::Release);
+        self.cut.is_over();
         self.held = force[0];
         if let Some(oldest) = self.on_their_way.first().copied() {
             self.on_their_way.rotate_left(1);
@@ -117,22 +110,6 @@ impl<C: Clock> Device for SimulatedDevice<C> {
     }
 
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
-        struct Cut<C> {
-            clock: C,
-            cut: Arc<AtomicU64>,
-        }
-        impl<C: Clock> ZeroWriter for Cut<C> {
-            fn write_zero(&mut self) {
-                let now = u64::try_from(self.clock.now().as_nanos()).unwrap_or(NEVER - 1);
-                // The first of several cuts counts.
-                let _ = self
-                    .cut
-                    .compare_exchange(NEVER, now, Ordering::AcqRel, Ordering::Acquire);
-            }
-        }
-        Some(Box::new(Cut {
-            clock: self.clock.clone(),
-            cut: Arc::clone(&self.cut),
-        }))
+        Some(self.cut.writer(&self.clock))
     }
 }

@@ -14,7 +14,8 @@ pub use machine::{Finding, machine};
 /// What to ask the machine for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Request {
-    /// Priority under SCHED_FIFO, 1 to 99; `None`: stay with everybody else.
+    /// Priority under SCHED_FIFO, 1 to 99; `None`: stay with everybody else. A loop with a supervisor,
+    /// who has one more, asks for 98 at most.
     pub priority: Option<u8>,
     /// Keep the program's memory from being moved out.
     pub lock_memory: bool,

@@ -3,6 +3,8 @@
 mod blend;
 mod rendered;
 
+use std::fmt;
+
 use palpate::{
     AnyParams, AnyRenderer, Contact, LoopParams, Mass, ObjectState, ParameterError, Renderer,
 };
@@ -12,7 +14,7 @@ use palpate_sim::scene::{Scene, SetupError};
 pub(crate) use rendered::Rendered;
 
 /// What the loop renders: a contact, by a method.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rendering {
     /// The contact.
     pub contact: Contact<f64>,
@@ -52,6 +54,18 @@ impl Rendering {
 
     fn is_wall(&self) -> bool {
         self.contact.object_mass == Mass::Infinite
+    }
+}
+
+impl fmt::Display for Rendering {
+    /// What a change can change.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let stiffness = self.contact.stiffness;
+        match self.contact.object_mass {
+            Mass::Finite(mass) => write!(f, "{mass} kg behind {stiffness} N/m")?,
+            Mass::Infinite => write!(f, "a wall of {stiffness} N/m")?,
+        }
+        write!(f, ", f_V {} N, by {:?}", self.virtual_force, self.params)
     }
 }
 
@@ -95,6 +109,12 @@ impl Parameters {
     #[must_use]
     pub fn current(&self) -> &Rendering {
         &self.current
+    }
+
+    /// Number of what was handed over last, which the ticks carry from where it is in force.
+    #[must_use]
+    pub fn generation(&self) -> u32 {
+        self.generation
     }
 
     /// Renders `rendering` from the next tick on, without a step in the force: stiffness, mass and

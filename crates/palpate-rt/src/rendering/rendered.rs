@@ -2,7 +2,9 @@
 
 use std::mem::discriminant;
 
-use palpate::{AnyMemory, AnyRenderer, Ledger, Output, ParameterError, Sample, State};
+use palpate::{
+    AnyMemory, AnyRenderer, Ledger, ObjectState, Output, ParameterError, Sample, Side, State,
+};
 
 use super::blend::Blend;
 use super::{Change, Rendering};
@@ -19,6 +21,8 @@ pub(crate) struct Rendered {
     generation: u32,
     /// What the renderer that runs was made with.
     running: Rendering,
+    /// Where a wall is.
+    wall: ObjectState<f64>,
 }
 
 impl Rendered {
@@ -40,12 +44,18 @@ impl Rendered {
             blend: None,
             generation,
             running: rendering,
+            wall: rendering.object,
         })
     }
 
     /// Number of the parameters in force.
     pub fn generation(&self) -> u32 {
         self.generation
+    }
+
+    /// What is rendered once a change that has come in is through.
+    pub fn rendering(&self) -> &Rendering {
+        &self.rendering
     }
 
     /// Books up to the last sample.
@@ -83,7 +93,7 @@ impl Rendered {
         };
         let mut remainder = 0.0;
         if let Some(mut blend) = self.blend {
-            let (old, new) = (&self.running, &self.rendering);
+            let (old, new) = (self.running, self.rendering);
             let other_method = discriminant(&old.params) != discriminant(&new.params)
                 || old.is_wall() != new.is_wall();
             // What the parameters before make of this sample, on a copy.
@@ -96,13 +106,13 @@ impl Rendered {
             let between = blend.advance();
             if other_method && let Some(before) = &before {
                 self.state.forget_past();
-                let place = self.rendering.object.position;
-                if self.rendering.is_wall() && before.object_position != place {
+                if !old.is_wall() && before.fault.is_none() {
+                    self.wall = touching(&self.rendering, position);
+                }
+                if self.rendering.is_wall() && before.object_position != self.wall.position {
                     // Another method has placed it. Where none has, what is known of the device
                     // would be lost, and with it a damper's velocity.
-                    let _ = self
-                        .renderer
-                        .teleport(&mut self.state, self.rendering.object);
+                    let _ = self.renderer.teleport(&mut self.state, self.wall);
                 }
             }
             self.renderer = between.renderer;
@@ -130,6 +140,19 @@ impl Rendered {
             add(&mut output, remainder);
         }
         output
+    }
+}
+
+/// Where something that becomes a wall is: at its place, or where it touches a device that is beyond
+/// that at `position` `[m]`. There it would strike, and no spring that fades in would soften the blow.
+fn touching(rendering: &Rendering, position: f64) -> ObjectState<f64> {
+    let object = rendering.object;
+    ObjectState {
+        position: match rendering.contact.side {
+            Side::Positive => object.position.max(position),
+            Side::Negative => object.position.min(position),
+        },
+        ..object
     }
 }
 

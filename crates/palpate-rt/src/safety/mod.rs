@@ -44,6 +44,8 @@ pub struct Rendered {
     pub elapsed: Option<f64>,
     /// Position of the end-point `[m]`.
     pub position: Vector,
+    /// The same along the contact's axis `[m]`.
+    pub coordinate: f64,
     /// Force on the device that the renderer asks for, along the contact's axis `[N]`.
     pub force: f64,
     /// Energy that held forces have created so far: the ledger's accumulated leak `[J]`.
@@ -292,6 +294,11 @@ impl Safety {
             if axes.any(|(x, (low, high))| x < low || x > high) {
                 return Some(Trip::OutsideWorkspace);
             }
+        }
+        if let Some([from, to]) = self.params.range
+            && !(from..=to).contains(&rendered.coordinate)
+        {
+            return Some(Trip::OutsideWorkspace);
         }
         if let (Some(last), Some(elapsed)) = (self.last_position, rendered.elapsed) {
             let moved = rendered.position.iter().zip(&last);

@@ -15,6 +15,9 @@ pub struct SafetyParams {
     pub slew_limit: f64,
     /// Box of the end-point, lower and upper corner `[m]`; outside it the motors are off.
     pub workspace: Option<[Vector; 2]>,
+    /// Where the device may be along the contact's axis, from the first to the second `[m]`; outside
+    /// it the motors are off.
+    pub range: Option<[f64; 2]>,
     /// Largest speed of the end-point `[m/s]`.
     pub largest_speed: f64,
     /// Periods without a fresh sample after which the force is none: 1 at once, 2 after having held
@@ -35,6 +38,7 @@ impl Default for SafetyParams {
             largest_force: 20.0,
             slew_limit: f64::INFINITY,
             workspace: None,
+            range: None,
             largest_speed: 5.0,
             stale_after: 2,
             soft_start: 0.2,
@@ -105,6 +109,15 @@ impl SafetyParams {
             (1.0..=1000.0).contains(&self.stall_after_periods),
             "1 to 1000",
         )?;
+        if let Some([from, to]) = self.range {
+            let extent = to - from;
+            named(
+                "extent of the range",
+                extent,
+                extent >= 0.0,
+                "0 or above [m]",
+            )?;
+        }
         if let Some([lower, upper]) = self.workspace {
             for (low, high) in lower.iter().zip(upper) {
                 let extent = high - low;

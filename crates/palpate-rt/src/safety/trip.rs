@@ -13,7 +13,7 @@ pub enum Trip {
     TooFast,
     /// The loop's thread did not tick, and the supervisor commanded no force.
     Stalled,
-    /// The end-point was outside the workspace.
+    /// The end-point was outside the workspace, or outside the range along the contact's axis.
     OutsideWorkspace,
     /// Held forces created more energy than a contact that is well rendered can.
     Oscillation,

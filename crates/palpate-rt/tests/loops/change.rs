@@ -1,6 +1,6 @@
 //! What is rendered changes while the loop runs.
 
-use palpate::{AnyParams, CoupledParams, HfcrParams, Side, VirtualDamperParams};
+use palpate::{AnyParams, CoupledParams, HfcrParams, Mass, Side, VirtualDamperParams};
 use palpate_rt::{ChangeError, Rendering};
 use palpate_sim::method::MethodName;
 
@@ -167,6 +167,36 @@ fn a_wall_that_coupled_rendering_had_placed_goes_back() {
     };
     parameters.change(hfcr).unwrap();
     assert_eq!(control.tick().object_position, pressed.object.position);
+}
+
+/// An object has flown off, and the device stands 300 mm beyond where a wall would be: 300 N.
+#[test]
+fn what_becomes_a_wall_touches_a_device_that_is_beyond_its_place() {
+    let mut script = vec![at(300.0); 700];
+    script.extend(vec![at(302.0); 200]);
+    let (mut control, _) = scripted(script, wide());
+    let mut parameters = control.parameters().unwrap();
+    let wall = *parameters.current();
+    let mut object = wall;
+    object.contact.object_mass = Mass::Finite(0.1);
+    parameters.change(object).unwrap();
+    let last = (0..500).map(|_| control.tick()).last().unwrap();
+    assert_eq!(last.force_on_object, 0.0);
+    parameters.change(wall).unwrap();
+    for _ in 0..150 {
+        let tick = control.tick();
+        assert!(tick.force_on_object.abs() < 1e-9, "{tick:?}");
+    }
+    // It is a wall from there on, and another method finds it in the same place.
+    let damper = AnyParams::VirtualDamper(VirtualDamperParams { damping: 4.0 });
+    let params = Rendering {
+        params: damper,
+        ..wall
+    };
+    parameters.change(params).unwrap();
+    let last = (0..220).map(|_| control.tick()).last().unwrap();
+    assert_eq!(last.object_position, 0.3);
+    assert!((last.force_on_object - 2.0).abs() < 1e-6, "{last:?}");
 }
 
 #[test]

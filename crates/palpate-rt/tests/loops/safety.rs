@@ -7,6 +7,7 @@ fn sample(position: [f64; 3], force: f64) -> Rendered {
     Rendered {
         elapsed: Some(0.001),
         position,
+        coordinate: position[0],
         force,
         created_energy: 0.0,
         refused: false,
@@ -52,6 +53,32 @@ fn the_box_has_six_sides() {
             assert_eq!(verdict.force, 0.0);
             assert_eq!(verdict.tripped, Some(Trip::OutsideWorkspace));
         }
+    }
+}
+
+#[test]
+fn the_range_lies_along_the_axis_of_the_contact() {
+    let limits = SafetyParams {
+        range: Some([-0.01, 0.02]),
+        largest_speed: f64::INFINITY,
+        soft_start: 0.0,
+        ..SafetyParams::default()
+    };
+    for (coordinate, is_inside) in [
+        (-0.0101, false),
+        (-0.01, true),
+        (0.02, true),
+        (0.0201, false),
+    ] {
+        let mut safety = Safety::new(limits, 0.001).unwrap();
+        // Wherever it is in the device's own frame.
+        let verdict = safety.judge(&Rendered {
+            coordinate,
+            ..sample([0.3, -0.2, 0.1], 1.0)
+        });
+        assert_eq!(verdict.force == 1.0, is_inside, "{coordinate}");
+        let trip = (!is_inside).then_some(Trip::OutsideWorkspace);
+        assert_eq!(verdict.tripped, trip, "{coordinate}");
     }
 }
 

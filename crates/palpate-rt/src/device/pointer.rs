@@ -1,0 +1,581 @@
+//! A device in a hand that is led by a pointer: a mouse, a finger on a screen, a test.
+//!
+//! ```text
+//! a″ = ω² (target − a) − 2 ω a′                          where the hand aims
+//! (m + m_h) x″ = k_h (a − x) + b_h (a′ − x′) − b x′ + f   while it holds the device
+//! m x″ = − b x′ − F_c sgn(x′) + f                         while nobody does
+//! ```
+//!
+//! A mouse says sixty times a second where it is, and each time it is somewhere else at once. No hand
+//! moves like that: it aims at the target through a critically damped filter, whose place and speed are
+//! continuous, and so is the force of spring and damper between that aim and the device. At the
+//! default ω of 100 rad/s a hand that moves at 0.3 m/s, in steps of 5 mm, shakes the device by some
+//! 0.02 mm at 60 Hz, and lags by 2/ω = 20 ms.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use palpate_sim::scene::Scene;
+use palpate_testbed::InvalidParameter;
+use palpate_testbed::device::Device as _;
+use palpate_testbed::hand::Hand;
+use palpate_testbed::held_mass::HeldMass;
+use palpate_testbed::measure::Sampler;
+
+use super::cut::Cut;
+use super::{Capabilities, Device, DeviceError, Reading, Vector, ZeroWriter};
+use crate::clock::Clock;
+
+/// What a pointer's device is, and the hand that holds it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointerParams {
+    /// Mass m of the device `[kg]`.
+    pub device_mass: f64,
+    /// Viscous friction b of the device `[N s/m]`.
+    pub viscous_friction: f64,
+    /// Dry friction F_c of the device while nobody holds it `[N]`: what it comes to rest by, and what
+    /// carries an object that lies on it. A hand covers it.
+    pub dry_friction: f64,
+    /// Quantum of the position `[m]`; 0 for a sensor without one.
+    pub encoder_quantum: f64,
+    /// Mass m_h of the hand, which moves with the device while it holds it `[kg]`.
+    pub hand_mass: f64,
+    /// Stiffness k_h of the hand `[N/m]`.
+    pub hand_stiffness: f64,
+    /// Damping b_h of the hand `[N s/m]`.
+    pub hand_damping: f64,
+    /// Rate ω of the filter through which the hand follows its target `[rad/s]`.
+    pub aim_rate: f64,
+    /// Where the device is at the start, at rest `[m]`.
+    pub position: f64,
+}
+
+impl Default for PointerParams {
+    /// A light desktop device in a relaxed hand.
+    fn default() -> Self {
+        Self {
+            device_mass: 0.25,
+            viscous_friction: 1.0,
+            dry_friction: 1.5,
+            encoder_quantum: 0.0,
+            hand_mass: 0.1,
+            hand_stiffness: 400.0,
+            hand_damping: 20.0,
+            aim_rate: 100.0,
+            position: 0.0,
+        }
+    }
+}
+
+impl PointerParams {
+    /// The device of `scene` in a pointer's hand: its mass, its sensor and its place at the start.
+    #[must_use]
+    pub fn of(scene: &Scene) -> Self {
+        Self {
+            device_mass: scene.device.mass,
+            encoder_quantum: scene.device.encoder_quantum,
+            position: scene.device.position,
+            ..Self::default()
+        }
+    }
+
+    fn check(&self) -> Result<(), InvalidParameter> {
+        let named = |name, value: f64, holds: bool, allowed| {
+            if value.is_finite() && holds {
+                Ok(())
+            } else {
+                Err(InvalidParameter {
+                    name,
+                    value,
+                    allowed,
+                })
+            }
+        };
+        for (name, value, allowed) in [
+            ("device_mass", self.device_mass, "finite and above 0 kg"),
+            (
+                "hand_stiffness",
+                self.hand_stiffness,
+                "finite and above 0 N/m",
+            ),
+            (
+                "hand_damping",
+                self.hand_damping,
+                "finite and above 0 N s/m",
+            ),
+            ("aim_rate", self.aim_rate, "finite and above 0 rad/s"),
+        ] {
+            named(name, value, value > 0.0, allowed)?;
+        }
+        for (name, value, allowed) in [
+            (
+                "viscous_friction",
+                self.viscous_friction,
+                "finite and at least 0 N s/m",
+            ),
+            ("dry_friction", self.dry_friction, "finite and at least 0 N"),
+            (
+                "encoder_quantum",
+                self.encoder_quantum,
+                "finite and at least 0 m",
+            ),
+            ("hand_mass", self.hand_mass, "finite and at least 0 kg"),
+        ] {
+            named(name, value, value >= 0.0, allowed)?;
+        }
+        // Longest wait times this is how many spans one call may have to sum.
+        named(
+            "device_mass",
+            self.device_mass,
+            self.rate() <= 1e5,
+            "heavy enough for stiffness and damping of the hand: no faster than 1e5 rad/s together",
+        )?;
+        named("position", self.position, true, "finite [m]")
+    }
+
+    /// Bound of the rates of the held device and of the hand's aim `[rad/s]`.
+    fn rate(&self) -> f64 {
+        let mass = self.device_mass + self.hand_mass;
+        let damping = self.hand_damping + self.viscous_friction;
+        (damping / mass + (self.hand_stiffness / mass).sqrt()).max(2.0 * self.aim_rate)
+    }
+}
+
+/// Where a pointer's hand wants to be, set by any thread at any time; nobody waits. Clones are the same
+/// hand, so several devices can be in it.
+#[derive(Clone, Debug)]
+pub struct PointerHand(Arc<AtomicU64>);
+
+/// A hand that holds nothing. No target has these bits: they are those of a NaN.
+const LETS_GO: u64 = u64::MAX;
+
+impl PointerHand {
+    /// A hand that holds its device where it wants it `[m]`.
+    #[must_use]
+    pub fn at(target: f64) -> Self {
+        let hand = Self::free();
+        hand.move_to(target);
+        hand
+    }
+
+    /// A hand that holds nothing.
+    #[must_use]
+    pub fn free() -> Self {
+        Self(Arc::new(AtomicU64::new(LETS_GO)))
+    }
+
+    /// Wants to be at `target` `[m]`, and takes hold of the device if it had let go. What is not finite
+    /// is no place, and changes nothing.
+    pub fn move_to(&self, target: f64) {
+        if target.is_finite() {
+            self.0.store(target.to_bits(), Ordering::Release);
+        }
+    }
+
+    /// Lets go of the device.
+    pub fn let_go(&self) {
+        self.0.store(LETS_GO, Ordering::Release);
+    }
+
+    /// Where it wants to be `[m]`; none if it holds nothing.
+    #[must_use]
+    pub fn target(&self) -> Option<f64> {
+        let bits = self.0.load(Ordering::Acquire);
+        (bits != LETS_GO).then(|| f64::from_bits(bits))
+    }
+}
+
+/// Who holds the device.
+#[derive(Clone, Debug)]
+enum Motion {
+    Held { target: f64, state: Held },
+    Free(HeldMass),
+}
+
+/// Aim and device, each with its velocity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Held {
+    aim: f64,
+    aim_velocity: f64,
+    position: f64,
+    velocity: f64,
+}
+
+/// A device in a [`PointerHand`]. Between two calls it moves exactly as the equations above say, under
+/// the force that was written last and towards the target that was seen last. It is taken hold of
+/// without a jolt: the hand begins with place and speed of the device.
+#[derive(Clone, Debug)]
+pub struct PointerDevice<C> {
+    clock: C,
+    capabilities: Capabilities,
+    params: PointerParams,
+    sampler: Sampler,
+    hand: PointerHand,
+    /// The device by itself.
+    alone: HeldMass,
+    motion: Motion,
+    moved_until: Option<Duration>,
+    /// Force on the device that the motor holds `[N]`.
+    held: f64,
+    cut: Cut,
+}
+
+/// Nothing moves on for longer than this between two calls: whoever was away for longer finds the
+/// device where it was then.
+const LONGEST: f64 = 10.0;
+
+/// Terms of the series over a span of one radian: 1/24! is far below round-off.
+const TERMS: usize = 24;
+
+impl<C: Clock> PointerDevice<C> {
+    /// A device in `hand`, on `clock`.
+    ///
+    /// # Errors
+    /// A quantity outside its range.
+    pub fn new(
+        params: PointerParams,
+        hand: &PointerHand,
+        clock: C,
+    ) -> Result<Self, InvalidParameter> {
+        params.check()?;
+        let alone = HeldMass::new(params.device_mass, Hand::pushing(0.0))?
+            .with_friction(params.viscous_friction, params.dry_friction)?
+            .starting_at(params.position, 0.0)?;
+        Ok(Self {
+            clock,
+            capabilities: Capabilities {
+                effective_mass: Some(params.device_mass),
+                encoder_quantum: Some(params.encoder_quantum),
+                ..Capabilities::unknown("pointer", 1)
+            },
+            sampler: if params.encoder_quantum > 0.0 {
+                Sampler::quantum(params.encoder_quantum)?
+            } else {
+                Sampler::Ideal
+            },
+            params,
+            hand: hand.clone(),
+            motion: Motion::Free(alone.clone()),
+            alone,
+            moved_until: None,
+            held: 0.0,
+            cut: Cut::none(),
+        })
+    }
+
+    /// True position `[m]`, at the last call.
+    #[must_use]
+    pub fn position(&self) -> f64 {
+        match &self.motion {
+            Motion::Held { state, .. } => state.position,
+            Motion::Free(device) => device.position(),
+        }
+    }
+
+    /// True velocity `[m/s]`, at the last call.
+    #[must_use]
+    pub fn velocity(&self) -> f64 {
+        match &self.motion {
+            Motion::Held { state, .. } => state.velocity,
+            Motion::Free(device) => device.velocity(),
+        }
+    }
+
+    /// Moves on to now, and returns that.
+    fn move_on(&mut self) -> Duration {
+        let now = self.clock.now();
+        let mut from = *self.moved_until.get_or_insert(now);
+        if let Some(cut) = self.cut.between(from, now) {
+            self.advance(cut - from);
+            self.held = 0.0;
+            from = cut;
+        }
+        self.advance(now.saturating_sub(from));
+        self.moved_until = Some(now);
+        self.look_at_hand();
+        now
+    }
+
+    fn advance(&mut self, duration: Duration) {
+        let duration = duration.as_secs_f64().min(LONGEST);
+        match &mut self.motion {
+            Motion::Held { target, state } => {
+                state.advance(&self.params, *target, self.held, duration);
+            }
+            Motion::Free(device) => {
+                device.advance(-self.held, duration);
+            }
+        }
+    }
+
+    /// Takes over what the hand wants now.
+    fn look_at_hand(&mut self) {
+        let (position, velocity) = (self.position(), self.velocity());
+        match (&mut self.motion, self.hand.target()) {
+            (Motion::Held { target, .. }, Some(new)) => *target = new,
+            (Motion::Free(_), Some(target)) => {
+                self.motion = Motion::Held {
+                    target,
+                    state: Held {
+                        aim: position,
+                        aim_velocity: velocity,
+                        position,
+                        velocity,
+                    },
+                };
+            }
+            (Motion::Held { .. }, None) => {
+                // A force that is no number could have moved it nowhere: then it is at its start.
+                let alone = self.alone.clone().starting_at(position, velocity);
+                self.motion = Motion::Free(alone.unwrap_or_else(|_| self.alone.clone()));
+            }
+            (Motion::Free(_), None) => {}
+        }
+    }
+}
+
+impl Held {
+    /// Moves on for `duration` `[s]` under `force` on the device `[N]`: the equations are linear, so
+    /// their power series in time is summed, over spans of a radian of the fastest rate at most.
+    fn advance(&mut self, params: &PointerParams, target: f64, force: f64, duration: f64) {
+        let longest = 1.0 / params.rate();
+        let mut remaining = duration;
+        while remaining > 0.0 {
+            let span = remaining.min(longest);
+            self.follow(params, target, force, span);
+            remaining -= span;
+        }
+    }
+
+    fn follow(&mut self, params: &PointerParams, target: f64, force: f64, span: f64) {
+        let rate = params.aim_rate;
+        let mass = params.device_mass + params.hand_mass;
+        // What drives is constant, and so it stands in the second term only.
+        let (mut pull, mut push) = (rate * rate * target, force);
+        let mut term = *self;
+        for order in 1..TERMS {
+            let step = span / order as f64;
+            let aim_acceleration = pull - rate * (rate * term.aim + 2.0 * term.aim_velocity);
+            let by_hand = params.hand_stiffness * (term.aim - term.position)
+                + params.hand_damping * (term.aim_velocity - term.velocity);
+            let by_friction = -params.viscous_friction * term.velocity;
+            term = Self {
+                aim: step * term.aim_velocity,
+                aim_velocity: step * aim_acceleration,
+                position: step * term.velocity,
+                velocity: step * (by_hand + by_friction + push) / mass,
+            };
+            (pull, push) = (0.0, 0.0);
+            self.aim += term.aim;
+            self.aim_velocity += term.aim_velocity;
+            self.position += term.position;
+            self.velocity += term.velocity;
+        }
+    }
+}
+
+impl<C: Clock> Device for PointerDevice<C> {
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    fn read(&mut self) -> Result<Reading, DeviceError> {
+        let time = self.move_on();
+        Ok(Reading {
+            position: [self.sampler.sample(self.position()), 0.0, 0.0],
+            time,
+        })
+    }
+
+    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
+        self.move_on();
+        self.cut.is_over();
+        self.held = force[0];
+        Ok([force[0], 0.0, 0.0])
+    }
+
+    fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
+        Some(self.cut.writer(&self.clock))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clock::SteppedClock;
+
+    const MS: Duration = Duration::from_millis(1);
+
+    fn device(
+        params: PointerParams,
+        hand: &PointerHand,
+    ) -> (PointerDevice<SteppedClock>, SteppedClock) {
+        let clock = SteppedClock::new();
+        let mut device = PointerDevice::new(params, hand, clock.clone()).unwrap();
+        device.read().unwrap();
+        (device, clock)
+    }
+
+    /// m x″ = −k x − (b + b_h) x′ + f from rest: the textbook's step response.
+    #[test]
+    fn a_held_force_moves_it_as_the_closed_form_says() {
+        let params = PointerParams::default();
+        let (mut device, clock) = device(params, &PointerHand::at(0.0));
+        device.write([2.0, 0.0, 0.0]).unwrap();
+        let mass = params.device_mass + params.hand_mass;
+        let decay = 0.5 * (params.hand_damping + params.viscous_friction) / mass;
+        let swing = (params.hand_stiffness / mass - decay * decay).sqrt();
+        for millisecond in 1..=300 {
+            clock.advance(MS);
+            let time = f64::from(millisecond) * 1e-3;
+            let (sine, cosine) = (swing * time).sin_cos();
+            let left = (-decay * time).exp() * (cosine + decay / swing * sine);
+            let expected = 2.0 / params.hand_stiffness * (1.0 - left);
+            let position = device.read().unwrap().position[0];
+            assert!((position - expected).abs() < 1e-14, "{time} s: {position}");
+        }
+    }
+
+    /// With a stiff hand on hardly any mass, the device is where the hand aims.
+    #[test]
+    fn the_hand_comes_to_its_target_by_a_critically_damped_step() {
+        let params = PointerParams {
+            device_mass: 1e-3,
+            hand_mass: 0.0,
+            viscous_friction: 0.0,
+            hand_stiffness: 1e5,
+            hand_damping: 10.0,
+            ..PointerParams::default()
+        };
+        let hand = PointerHand::at(0.0);
+        let (mut device, clock) = device(params, &hand);
+        hand.move_to(0.05);
+        device.read().unwrap();
+        for millisecond in 1..=100 {
+            clock.advance(MS);
+            let turned = params.aim_rate * f64::from(millisecond) * 1e-3;
+            let expected = 0.05 * (1.0 - (1.0 + turned) * (-turned).exp());
+            let position = device.read().unwrap().position[0];
+            assert!((position - expected).abs() < 1e-5, "{position}, {expected}");
+        }
+    }
+
+    /// A clock that goes in one step or in a thousand brings it to the same place.
+    #[test]
+    fn how_often_it_is_asked_changes_nothing() {
+        let hand = PointerHand::at(0.0);
+        let mut ends = [1_u32, 1000].map(|pieces| {
+            hand.move_to(0.0);
+            let (mut device, clock) = device(PointerParams::default(), &hand);
+            hand.move_to(0.03);
+            device.write([-1.5, 0.0, 0.0]).unwrap();
+            for _ in 0..pieces {
+                clock.advance(200 * MS / pieces);
+                device.read().unwrap();
+            }
+            device.position()
+        });
+        ends.sort_by(f64::total_cmp);
+        assert!(ends[1] - ends[0] < 1e-14, "{ends:?}");
+        assert!(ends[0] > 0.02, "{ends:?}");
+    }
+
+    /// A mouse at 60 Hz: what reaches the device of its steps is a small part of them.
+    #[test]
+    fn the_steps_of_a_mouse_are_not_felt() {
+        let hand = PointerHand::at(0.0);
+        let (mut device, clock) = device(PointerParams::default(), &hand);
+        let (speed, frame) = (0.3, 16_667);
+        let mut off: f64 = 0.0;
+        let mut fastest: f64 = 0.0;
+        for microsecond in (0..800_000_u32).step_by(1000) {
+            let frames = microsecond / frame;
+            hand.move_to(speed * f64::from(frames * frame) * 1e-6);
+            clock.advance(MS);
+            device.read().unwrap();
+            if microsecond > 400_000 {
+                // Long after the start it moves along with the hand.
+                off = off.max((device.velocity() - speed).abs());
+                fastest = fastest.max(device.velocity());
+            }
+        }
+        // 0.02 mm at 377 rad/s
+        assert!(off < 0.03 * speed, "{off} m/s, {fastest} m/s");
+        assert!(off > 0.0);
+    }
+
+    #[test]
+    fn a_device_that_nobody_holds_comes_to_rest_and_is_taken_hold_of_without_a_jolt() {
+        let hand = PointerHand::at(0.1);
+        let (mut device, clock) = device(PointerParams::default(), &hand);
+        clock.advance(60 * MS);
+        device.read().unwrap();
+        let speed = device.velocity();
+        assert!(speed > 0.3, "{speed}");
+        hand.let_go();
+        device.read().unwrap();
+        assert_eq!(device.velocity(), speed);
+        clock.advance(1000 * MS);
+        device.read().unwrap();
+        assert_eq!(device.velocity(), 0.0);
+        // It carries what is lighter than its dry friction.
+        let rests = device.position();
+        device.write([-1.0, 0.0, 0.0]).unwrap();
+        clock.advance(1000 * MS);
+        device.read().unwrap();
+        assert_eq!(device.position(), rests);
+        device.write([0.0; 3]).unwrap();
+        hand.move_to(0.0);
+        device.read().unwrap();
+        assert_eq!((device.position(), device.velocity()), (rests, 0.0));
+        clock.advance(MS);
+        device.read().unwrap();
+        assert!(device.velocity().abs() < 0.05, "{}", device.velocity());
+        clock.advance(2000 * MS);
+        device.read().unwrap();
+        assert!(device.position().abs() < 1e-9, "{}", device.position());
+    }
+
+    #[test]
+    fn two_devices_are_in_the_same_hand() {
+        let hand = PointerHand::free();
+        let (mut one, clock) = device(PointerParams::default(), &hand);
+        let mut other = PointerDevice::new(PointerParams::default(), &hand, clock.clone()).unwrap();
+        other.read().unwrap();
+        for target in [0.02, f64::NAN, -0.01] {
+            hand.move_to(target);
+            clock.advance(30 * MS);
+            assert_eq!(one.read().unwrap(), other.read().unwrap());
+        }
+        assert_eq!(hand.target(), Some(-0.01));
+        assert!(one.position() != 0.0);
+    }
+
+    #[test]
+    fn what_is_no_hand_is_named() {
+        let refused = |params| {
+            let error = PointerDevice::new(params, &PointerHand::free(), SteppedClock::new());
+            error.unwrap_err().to_string()
+        };
+        let usual = PointerParams::default();
+        assert_eq!(
+            refused(PointerParams {
+                hand_stiffness: 0.0,
+                ..usual
+            }),
+            "hand_stiffness = 0 is not allowed; allowed: finite and above 0 N/m"
+        );
+        let light = PointerParams {
+            device_mass: 1e-9,
+            hand_mass: 0.0,
+            ..usual
+        };
+        assert!(refused(light).contains("no faster than 1e5 rad/s"));
+        let nowhere = PointerParams {
+            position: f64::NAN,
+            ..usual
+        };
+        assert!(refused(nowhere).starts_with("position = NaN"));
+    }
+}
