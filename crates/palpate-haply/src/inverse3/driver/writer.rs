@@ -1,0 +1,220 @@
+//! The thread that sends: the loop's last order, at once; and in between, so that the next sample
+//! is fresh and the service does not idle.
+
+use std::net::Shutdown;
+use std::sync::Arc;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use palpate_rt::clock::Clock;
+use palpate_rt::device::Vector;
+use triple_buffer::Output;
+use tungstenite::{Message, WebSocket};
+
+use super::super::command::Commands;
+use super::Pace;
+use super::address::Half;
+use super::link::{AtomicCounts, Cause, Link, Order};
+
+const NONE: Vector = [0.0; 3];
+
+/// How often the service is asked while nobody wants to know.
+const AT_REST: Duration = Duration::from_millis(5);
+
+/// How long the last answers are waited for.
+const FAREWELL: Duration = Duration::from_millis(100);
+
+/// Sends what the loop ordered last.
+pub(super) struct Writer<C> {
+    socket: WebSocket<Half>,
+    clock: C,
+    commands: Commands,
+    pace: Pace,
+    link: Arc<Link>,
+    orders: Output<Order>,
+    /// What was sent last: the order's number, the force if one was commanded, and when.
+    order: u64,
+    force: Option<Vector>,
+    at: Instant,
+    stall: Option<Stall>,
+}
+
+/// The service stands still.
+#[derive(Clone, Copy)]
+struct Stall {
+    since: Instant,
+    /// Answers that were there when it began.
+    heard: u64,
+}
+
+/// What is to be sent.
+#[derive(Clone, Copy, PartialEq)]
+enum Wanted {
+    Probe,
+    Force(Vector),
+}
+
+impl<C: Clock> Writer<C> {
+    pub fn new(
+        half: Half,
+        clock: C,
+        commands: Commands,
+        pace: Pace,
+        link: Arc<Link>,
+        orders: Output<Order>,
+    ) -> Self {
+        Self {
+            socket: half.into_writer(),
+            clock,
+            commands,
+            pace,
+            link,
+            orders,
+            order: 0,
+            force: None,
+            at: Instant::now(),
+            stall: None,
+        }
+    }
+
+    /// Sends until the device is let go of or the connection is lost. However it ends, the last
+    /// message commands no force, and the connection is closed.
+    pub fn run(mut self) {
+        while !self.link.is_ending() && !self.link.is_lost() {
+            let wait = self.step(Instant::now());
+            if !wait.is_zero() {
+                thread::park_timeout(wait);
+            }
+        }
+        if self.force.is_some_and(|force| force != NONE) || self.link.is_ending() {
+            self.send(Wanted::Force(NONE), Instant::now());
+        }
+        self.wait_for_answers();
+    }
+
+    /// Sends what is due; how long nothing will be, unless somebody wakes this thread.
+    fn step(&mut self, now: Instant) -> Duration {
+        let order = *self.orders.read();
+        let wanted = self.wanted(&order);
+        let (owed, age) = self.link.owed(now);
+        if owed == 0 {
+            self.stall = None;
+            let is_new = order.number != self.order || self.differs(wanted);
+            let due = self.at + self.every(&order);
+            if is_new || now >= due {
+                self.order = order.number;
+                self.send(wanted, now);
+                return self.pace.reply_timeout;
+            }
+            return due - now;
+        }
+        // No force does not wait for anybody's answer.
+        if wanted == Wanted::Force(NONE) && self.force.is_some_and(|force| force != NONE) {
+            self.send(wanted, now);
+            return self.pace.reply_timeout;
+        }
+        if age <= self.pace.reply_timeout {
+            return self.pace.reply_timeout - age + Duration::from_micros(1);
+        }
+        self.stalled(now, order.number > 0)
+    }
+
+    /// An answer is overdue. One more message, without a force, waits in the connection for the
+    /// service to come back; then nothing is sent until all answers are there, or until it is clear
+    /// that some will not come.
+    fn stalled(&mut self, now: Instant, commanded: bool) -> Duration {
+        let (heard, quiet) = self.link.heard(now);
+        let Some(stall) = self.stall else {
+            AtomicCounts::add(&self.link.counts.stalls);
+            self.stall = Some(Stall { since: now, heard });
+            let nothing = if commanded {
+                Wanted::Force(NONE)
+            } else {
+                Wanted::Probe
+            };
+            self.send(nothing, now);
+            return self.pace.reply_timeout;
+        };
+        let stood = now.saturating_duration_since(stall.since);
+        if heard > stall.heard && quiet > self.pace.reply_timeout {
+            self.link.write_off(heard);
+            return Duration::ZERO;
+        }
+        if stood > self.pace.give_up_after {
+            self.link.lose(Cause::Silent);
+            return Duration::ZERO;
+        }
+        self.pace.reply_timeout
+    }
+
+    fn wanted(&self, order: &Order) -> Wanted {
+        if order.number == 0 {
+            return Wanted::Probe;
+        }
+        let none = self.link.is_cut()
+            || self.link.unfit().is_some()
+            || self.stall.is_some()
+            || self.is_forsaken(order);
+        Wanted::Force(if none { NONE } else { order.force })
+    }
+
+    /// Whether the loop has said nothing for so long that its last order no longer counts.
+    fn is_forsaken(&self, order: &Order) -> bool {
+        self.clock.now().saturating_sub(order.at) > self.pace.hold
+    }
+
+    fn differs(&self, wanted: Wanted) -> bool {
+        match wanted {
+            Wanted::Probe => false,
+            Wanted::Force(force) => self.force != Some(force),
+        }
+    }
+
+    /// How long until the same is sent again.
+    fn every(&self, order: &Order) -> Duration {
+        if order.number == 0 || self.is_forsaken(order) {
+            AT_REST
+        } else {
+            self.pace.exchange_every
+        }
+    }
+
+    fn send(&mut self, wanted: Wanted, now: Instant) {
+        let message = match wanted {
+            Wanted::Probe => self.commands.probe(),
+            Wanted::Force(force) => {
+                self.force = Some(force);
+                // What is not finite has not come this far; if it had, it would be no force.
+                self.commands
+                    .force(force)
+                    .unwrap_or_else(|_| self.commands.probe())
+            }
+        };
+        self.at = now;
+        self.link.sends(now);
+        if self.socket.send(Message::text(message)).is_err() {
+            self.link.lose(Cause::Cut);
+        }
+    }
+
+    fn wait_for_answers(&mut self) {
+        let until = Instant::now() + FAREWELL;
+        while !self.link.is_lost() && self.link.owed(Instant::now()).0 > 0 {
+            let left = until.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                break;
+            }
+            thread::park_timeout(left);
+        }
+        let _ = self.socket.close(None);
+        let _ = self.socket.flush();
+    }
+}
+
+impl<C> Drop for Writer<C> {
+    /// Whatever happens to this thread: without a connection the service lets go of the device.
+    fn drop(&mut self) {
+        let _ = self.socket.get_ref().stream().shutdown(Shutdown::Both);
+        self.link.lose(Cause::Cut);
+    }
+}

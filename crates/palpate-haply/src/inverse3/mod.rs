@@ -1,0 +1,17 @@
+//! The Haply Inverse3: three axes, behind its service's JSON WebSocket.
+
+mod command;
+mod driver;
+pub mod emulator;
+mod fitness;
+mod frame;
+
+pub use command::{CommandError, Commands, Form, PROFILE};
+pub use driver::{
+    ConnectError, Counts, Found, Inspector, Inverse3, Inverse3Options, LARGEST_FORCE, OpenError,
+    Pace, SERVICE, devices,
+};
+pub use fitness::Unfit;
+pub use frame::{
+    Config, DeviceFrame, FARTHEST, FASTEST, Frame, FrameError, Model, Sample, State, Status,
+};

@@ -1,0 +1,271 @@
+//! The driver against a board that is played by hand: every answer when the test wants it.
+
+use palpate_rt::clock::MonotonicClock;
+
+use super::super::emulator::Pty;
+use super::super::packet::STATE_LENGTH;
+use super::super::serial::Serial;
+use super::*;
+use crate::two_diy::Generation;
+
+const START: [f32; 2] = [130.0, 50.0];
+
+struct Played {
+    pty: Pty,
+    device: TwoDiy<MonotonicClock>,
+}
+
+impl Played {
+    fn new() -> Self {
+        let pty = Pty::open(None).unwrap();
+        let layout = Generation::Three.layout();
+        let line = Line::new(Serial::open(pty.path()).unwrap(), layout).unwrap();
+        let device = TwoDiy::new(Ready {
+            clock: MonotonicClock::new(),
+            line,
+            layout,
+            board: Board::M0,
+            patience: Duration::from_millis(20),
+            capabilities: Capabilities::unknown("played", 2),
+            angles: START,
+        });
+        Self { pty, device }
+    }
+
+    fn answer(&self, angles: [f32; 2]) -> Vec<u8> {
+        let layout = self.device.layout();
+        let mut answer = vec![layout.device_id];
+        for angle in layout.by_encoder_port(angles) {
+            answer.extend(angle.to_le_bytes());
+        }
+        answer
+    }
+
+    fn says(&self, angles: [f32; 2]) {
+        self.pty.write(&self.answer(angles));
+    }
+
+    /// Torques on port 1 of the packets that came since the last time.
+    fn was_told(&self) -> Vec<f32> {
+        let mut bytes = Vec::new();
+        self.pty.read(&mut bytes);
+        assert_eq!(bytes.len() % STATE_LENGTH, 0);
+        bytes
+            .chunks(STATE_LENGTH)
+            .map(|packet| f32::from_le_bytes([packet[2], packet[3], packet[4], packet[5]]))
+            .collect()
+    }
+
+    /// A read during which the board answers everything that it was asked.
+    fn reads(&mut self, angles: [f32; 2]) -> Result<Reading, DeviceError> {
+        self.reads_with(angles, usize::MAX)
+    }
+
+    /// A read during which so many answers come at most.
+    fn reads_with(&mut self, angles: [f32; 2], most: usize) -> Result<Reading, DeviceError> {
+        let answer = self.answer(angles);
+        let pty = &self.pty;
+        let device = &mut self.device;
+        std::thread::scope(|scope| {
+            scope.spawn(move || {
+                pty.wait(Duration::from_millis(10));
+                let mut asked = Vec::new();
+                pty.read(&mut asked);
+                for _ in 0..(asked.len() / STATE_LENGTH).min(most) {
+                    pty.write(&answer);
+                }
+            });
+            device.read()
+        })
+    }
+
+    /// Reads until there is a sample; how often there was none.
+    fn comes_back(&mut self) -> usize {
+        for failures in 0..200 {
+            std::thread::sleep(Duration::from_millis(1));
+            if self.reads(START).is_ok() {
+                return failures;
+            }
+        }
+        panic!("it never comes back: {:?}", self.device);
+    }
+}
+
+impl Drop for Played {
+    fn drop(&mut self) {
+        // Nobody answers when it is closed.
+        self.device.closed = true;
+    }
+}
+
+#[test]
+fn a_late_answer_is_not_that_of_a_later_question() {
+    let mut played = Played::new();
+    assert!(played.device.read().is_err());
+    assert_eq!(played.was_told(), [0.0]);
+    played.says([131.0, 49.0]);
+    // That was the first question's; this one has none yet.
+    let error = played.device.read().unwrap_err();
+    assert_eq!(error.kind, DeviceErrorKind::NothingNew);
+    assert_eq!(played.was_told(), [0.0]);
+    // Both come, in their order: the last one counts.
+    played.says([132.0, 48.0]);
+    assert!(played.reads([133.0, 47.0]).is_ok());
+    assert_eq!(played.device.angles(), [133.0, 47.0]);
+    assert_eq!(played.device.counts().surplus, 0);
+}
+
+/// As it is when the late answer comes while the later question's is waited for.
+#[test]
+fn one_answer_to_two_questions_is_not_that_of_the_second() {
+    let mut played = Played::new();
+    assert!(played.device.read().is_err());
+    assert!(played.reads_with([131.0, 49.0], 1).is_err());
+    assert_eq!(played.device.angles(), START);
+}
+
+#[test]
+fn an_answer_that_nobody_asked_for_is_noticed_and_not_believed() {
+    let mut played = Played::new();
+    assert!(played.reads(START).is_ok());
+    played.says([131.0, 49.0]);
+    std::thread::sleep(Duration::from_millis(1));
+    for _ in 0..3 {
+        assert!(played.device.read().is_err());
+    }
+    assert_eq!(played.device.counts().surplus, 1);
+    assert_eq!(played.device.angles(), START);
+    assert!(played.comes_back() > 0);
+}
+
+/// It was late by more than anybody waits for: the board is tried, and found to be one behind.
+#[test]
+fn an_answer_that_was_given_up_and_comes_after_all_is_not_believed() {
+    let mut played = Played::new();
+    assert!(played.reads(START).is_ok());
+    let begun = Instant::now();
+    while !matches!(played.device.trust, Trust::Tried(None)) {
+        let _ = played.device.read();
+        assert!(begun.elapsed() < Duration::from_secs(10));
+    }
+    let questions = played.was_told().len();
+    for answer in 0..questions {
+        played.says([130.0 - answer as f32, 50.0]);
+    }
+    std::thread::sleep(Duration::from_millis(1));
+    assert!(played.device.read().is_err());
+    assert!(matches!(played.device.trust, Trust::Astray(_)));
+    assert_eq!(played.device.angles(), START);
+    played.comes_back();
+}
+
+#[test]
+fn an_answer_that_is_lost_is_not_waited_for_for_ever() {
+    let mut played = Played::new();
+    let begun = Instant::now();
+    while begun.elapsed() < LOST_AFTER + QUIET + Duration::from_millis(60) {
+        let error = played.device.read().unwrap_err();
+        assert_eq!(error.kind, DeviceErrorKind::NothingNew, "{error}");
+    }
+    // It was not asked over and over again meanwhile.
+    assert!(played.was_told().len() <= 8);
+    played.comes_back();
+}
+
+#[test]
+fn half_an_answer_and_garbage_are_waited_out() {
+    let whole = Played::new().answer(START);
+    for rubbish in [&whole[..4], &[0x77], &[0xff; 30], &whole[1..]] {
+        let mut played = Played::new();
+        assert!(played.reads(START).is_ok());
+        played.pty.write(rubbish);
+        std::thread::sleep(Duration::from_millis(1));
+        assert!(played.device.read().is_err(), "{rubbish:?}");
+        played.comes_back();
+        assert_eq!(played.device.angles(), START);
+    }
+}
+
+#[test]
+fn a_board_that_is_behind_gets_no_force_and_no_flood() {
+    let mut played = Played::new();
+    assert!(played.reads(START).is_ok());
+    let given = played.device.write([0.0, 1.0, 0.0]).unwrap();
+    assert!((given[1] - 1.0).abs() < 0.01, "{given:?}");
+    for _ in 0..20 {
+        assert!(played.device.read().is_err());
+        let given = played.device.write([0.0, 0.5, 0.0]).unwrap();
+        assert_eq!(given, [0.0; 3]);
+    }
+    let told = played.was_told();
+    assert!(told.len() <= 8, "{told:?}");
+    assert!(told[0] != 0.0 && told.last() == Some(&0.0), "{told:?}");
+}
+
+#[test]
+fn what_is_repeated_after_a_cut_is_no_torque() {
+    let mut played = Played::new();
+    assert!(played.reads(START).is_ok());
+    played.device.write([0.0, 1.0, 0.0]).unwrap();
+    let mut zero = played.device.zero_writer().unwrap();
+    zero.write_zero();
+    let told = played.was_told();
+    assert!(told[0] != 0.0 && told[1..] == [0.0], "{told:?}");
+    let _ = played.device.read();
+    assert!(played.was_told().iter().all(|torque| *torque == 0.0));
+    // And a force that is commanded afterwards is one.
+    played.comes_back();
+    played.device.write([0.0, 1.0, 0.0]).unwrap();
+    assert!(played.was_told().iter().any(|torque| *torque != 0.0));
+}
+
+/// The force's own packet takes the waiting zero along before it: the force is what is held.
+#[test]
+fn a_force_behind_a_cut_that_was_waiting_is_taken_off() {
+    let mut played = Played::new();
+    assert!(played.reads(START).is_ok());
+    played.device.line.cutter().want();
+    played.device.write([0.0, 1.0, 0.0]).unwrap();
+    let told = played.was_told();
+    assert!(told.last().is_some_and(|torque| *torque != 0.0), "{told:?}");
+    played.device.go_astray();
+    assert_eq!(played.device.write([0.0; 3]).unwrap(), [0.0; 3]);
+    assert_eq!(played.was_told(), [0.0]);
+}
+
+/// Whoever has the line may have found that nothing was wanted any more.
+#[test]
+fn no_force_that_finds_the_line_busy_goes_out_after_all() {
+    let mut played = Played::new();
+    assert!(played.reads(START).is_ok());
+    played.device.write([0.0, 1.0, 0.0]).unwrap();
+    assert!(played.was_told()[0] != 0.0);
+    let cutter = played.device.line.cutter();
+    let busy = cutter.hold();
+    assert_eq!(played.device.write([0.0; 3]).unwrap(), [0.0; 3]);
+    drop(busy);
+    played.pty.wait(Duration::from_secs(5));
+    assert_eq!(played.was_told().last(), Some(&0.0));
+}
+
+#[test]
+fn a_silent_board_is_gone_after_a_second_and_a_dead_port_at_once() {
+    let mut played = Played::new();
+    let begun = Instant::now();
+    let error = loop {
+        let error = played.device.read().unwrap_err();
+        if error.kind != DeviceErrorKind::NothingNew {
+            break error;
+        }
+        assert!(begun.elapsed() < Duration::from_secs(30));
+        std::thread::sleep(Duration::from_millis(5));
+    };
+    assert_eq!(error, SILENT);
+    assert!(begun.elapsed() >= GONE_AFTER);
+
+    let mut played = Played::new();
+    let other = Pty::open(None).unwrap();
+    drop(std::mem::replace(&mut played.pty, other));
+    assert_eq!(played.device.read().unwrap_err(), GONE);
+    assert_eq!(played.device.write([0.0; 3]).unwrap_err(), GONE);
+}

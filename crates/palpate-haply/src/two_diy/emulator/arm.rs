@@ -1,0 +1,302 @@
+//! The arm behind an emulated board: the testbed's pantograph with a hand on it, and the wires.
+
+use std::time::{Duration, Instant};
+
+use palpate_sim::scene::Linkage;
+use palpate_testbed::pantograph::{Pantograph, PantographParams};
+
+use super::firmware::{Ports, pins};
+use crate::two_diy::{Board, Generation, LARGEST_TORQUE, Layout};
+
+/// The hand's force changes this often at least.
+const LONGEST_STEP: f64 = 5e-4;
+
+/// What holds the handle.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub enum Hand {
+    /// Nothing.
+    #[default]
+    None,
+    /// A constant force `[N]`.
+    Push([f64; 2]),
+    /// A spring and a damper to a place that may go to and fro.
+    Holds {
+        /// Middle of the place `[m]`.
+        place: [f64; 2],
+        /// How far it goes to either side `[m]`.
+        sway: [f64; 2],
+        /// How long that takes there and back `[s]`.
+        period: f64,
+        /// `[N/m]`
+        stiffness: f64,
+        /// `[N s/m]`
+        damping: f64,
+    },
+}
+
+impl Hand {
+    /// A relaxed hand that stays at a place `[m]`.
+    #[must_use]
+    pub fn at(place: [f64; 2]) -> Self {
+        Self::Holds {
+            place,
+            sway: [0.0; 2],
+            period: 1.0,
+            stiffness: 200.0,
+            damping: 4.0,
+        }
+    }
+
+    /// The same hand, going `sway` `[m]` to either side of its place within `period` `[s]`.
+    #[must_use]
+    pub fn swaying(self, to: [f64; 2], within: f64) -> Self {
+        match self {
+            Self::Holds {
+                place,
+                stiffness,
+                damping,
+                ..
+            } => Self::Holds {
+                place,
+                sway: to,
+                period: within,
+                stiffness,
+                damping,
+            },
+            other => other,
+        }
+    }
+
+    fn force(&self, time: f64, position: [f64; 2], velocity: [f64; 2]) -> [f64; 2] {
+        match *self {
+            Self::None => [0.0; 2],
+            Self::Push(force) => force,
+            Self::Holds {
+                place,
+                sway,
+                period,
+                stiffness,
+                damping,
+            } => {
+                let phase = std::f64::consts::TAU * time / period;
+                [0, 1].map(|k| {
+                    let away = place[k] + sway[k] * phase.sin() - position[k];
+                    stiffness * away - damping * velocity[k]
+                })
+            }
+        }
+    }
+}
+
+/// When the hand takes hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Grip {
+    /// From the start.
+    Always,
+    /// When the device has been opened: until then the arm rests in its start pose.
+    Waits,
+    /// From this time on `[s]`; it brings the arm along from here `[m]`.
+    Since(f64, [f64; 2]),
+}
+
+/// Time in which a hand brings the arm from where it rested to its own place `[s]`.
+const BRINGS_WITHIN: f64 = 0.6;
+
+/// How the motors are wired, against the generation's own way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Wiring {
+    /// Each motor's cable is in the other's port.
+    pub swapped: bool,
+    /// A motor's wires are the wrong way round.
+    pub reversed: [bool; 2],
+    /// A motor does nothing.
+    pub dead: [bool; 2],
+}
+
+/// The arm, moved by the time that passes.
+#[derive(Clone, Debug)]
+pub struct Arm {
+    layout: Layout,
+    board: Board,
+    wiring: Wiring,
+    pub hand: Hand,
+    grip: Grip,
+    /// As it was at the start.
+    start: Pantograph,
+    pantograph: Pantograph,
+    /// A pose from which it can go on should it jam.
+    regular: Pantograph,
+    began: Instant,
+    moved: Duration,
+    torques: [f64; 2],
+    /// Encoder counts that were lost, in revolutions.
+    pub slipped: f64,
+}
+
+impl Arm {
+    /// The arm of a generation, at rest at `angles` `[degrees]`.
+    pub fn new(
+        generation: Generation,
+        board: Board,
+        wiring: Wiring,
+        hand: Hand,
+        angles: [f64; 2],
+    ) -> Result<Self, String> {
+        let name = format!("2diy-gen{}", generation.number());
+        let linkage = Linkage::preset(&name).ok_or_else(|| format!("no device {name}"))?;
+        let params = PantographParams {
+            // The board has its own.
+            counts_per_rev: None,
+            ..linkage.params
+        };
+        let pantograph = Pantograph::new(params)
+            .and_then(|device| device.starting_at(angles.map(f64::to_radians), [0.0; 2]))
+            .map_err(|error| error.to_string())?;
+        Ok(Self {
+            layout: generation.layout(),
+            board,
+            wiring,
+            hand,
+            grip: Grip::Always,
+            start: pantograph,
+            pantograph,
+            regular: pantograph,
+            began: Instant::now(),
+            moved: Duration::ZERO,
+            torques: [0.0; 2],
+            slipped: 0.0,
+        })
+    }
+
+    /// Moves on to now.
+    pub fn move_on(&mut self) {
+        let now = self.began.elapsed();
+        // A machine that stood still for long does not make the arm do all of it at once.
+        let from = self
+            .moved
+            .max(now.saturating_sub(Duration::from_millis(200)));
+        let mut time = from.as_secs_f64();
+        let mut left = now.as_secs_f64() - time;
+        while left > 0.0 {
+            let step = left.min(LONGEST_STEP);
+            let (position, velocity) = (
+                self.pantograph.end_point(),
+                self.pantograph.end_point_velocity(),
+            );
+            let force = self.grip_force(time, position, velocity);
+            if let Ok(pushed) = self.pantograph.with_user_force(force) {
+                self.pantograph = pushed;
+            }
+            self.pantograph.turn(self.torques, step);
+            if self.pantograph.is_jammed() {
+                // Stops of the real arm end it there, and a hand brings it back.
+                let angles = self.regular.pose().angles;
+                if let Ok(freed) = self.regular.starting_at(angles, [0.0; 2]) {
+                    self.pantograph = freed;
+                }
+            } else if self.pantograph.pose().sine.abs() > 0.2 {
+                self.regular = self.pantograph;
+            }
+            time += step;
+            left -= step;
+        }
+        self.moved = now;
+    }
+
+    fn grip_force(&self, time: f64, position: [f64; 2], velocity: [f64; 2]) -> [f64; 2] {
+        match self.grip {
+            Grip::Always => self.hand.force(time, position, velocity),
+            Grip::Waits => [0.0; 2],
+            Grip::Since(since, from) => {
+                let part = ((time - since) / BRINGS_WITHIN).clamp(0.0, 1.0);
+                let smooth = part * part * (3.0 - 2.0 * part);
+                // As if the place itself came from there.
+                let seen = match self.hand {
+                    Hand::Holds { place, .. } => {
+                        [0, 1].map(|k| position[k] + (1.0 - smooth) * (place[k] - from[k]))
+                    }
+                    Hand::None | Hand::Push(_) => position,
+                };
+                // It sways when it is there.
+                let swaying = (time - since - BRINGS_WITHIN).max(0.0);
+                self.hand.force(swaying, seen, velocity)
+            }
+        }
+    }
+
+    /// Lets go of the arm, and puts it into its start pose, until the device is opened.
+    pub fn wait(&mut self) {
+        self.move_on();
+        self.pantograph = self.start;
+        self.grip = Grip::Waits;
+    }
+
+    /// The device has been opened.
+    pub fn opened(&mut self) {
+        if self.grip == Grip::Waits {
+            self.move_on();
+            // A moment after, so that the first angles are those of the start pose.
+            let soon = self.moved.as_secs_f64() + 0.2;
+            self.grip = Grip::Since(soon, self.position());
+        }
+    }
+
+    /// Angles of joints 1 and 2 `[degrees]`.
+    pub fn angles(&self) -> [f64; 2] {
+        self.pantograph.pose().angles.map(f64::to_degrees)
+    }
+
+    /// End-point `[m]`.
+    pub fn position(&self) -> [f64; 2] {
+        self.pantograph.end_point()
+    }
+
+    /// Torques that the motors hold, by joint `[N m]`.
+    pub fn torques(&self) -> [f64; 2] {
+        self.torques
+    }
+
+    /// Nobody drives the motors any more.
+    pub fn lose_power(&mut self) {
+        self.move_on();
+        self.torques = [0.0; 2];
+    }
+}
+
+impl Ports for Arm {
+    fn drive(&mut self, port: u8, level: bool, duty: f64) {
+        self.move_on();
+        let Some(sold) = (0..2).find(|joint| self.layout.joints[*joint].motor_port == port) else {
+            return;
+        };
+        let joint = if self.wiring.swapped { 1 - sold } else { sold };
+        if self.wiring.dead[joint] {
+            return;
+        }
+        // As sold, the level of a positive torque turns the joint the way its angle counts.
+        let direction = self.layout.joints[sold].motor_direction.byte();
+        let (positive, _) = pins(self.board, port, direction, 1.0);
+        let sign = if (level == positive) ^ self.wiring.reversed[joint] {
+            1.0
+        } else {
+            -1.0
+        };
+        // No minus nothing.
+        self.torques[joint] = sign * duty * f64::from(LARGEST_TORQUE) + 0.0;
+    }
+
+    fn revolutions(&mut self, port: u8) -> f64 {
+        self.move_on();
+        let Some(joint) = (0..2).find(|joint| self.layout.joints[*joint].encoder_port == port)
+        else {
+            return 0.0;
+        };
+        let turned = self.pantograph.pose().angles[joint] / std::f64::consts::TAU + self.slipped;
+        // As sold, the direction that SETUP asks for is that of the angle.
+        if self.layout.joints[joint].encoder_direction.byte() == 0 {
+            -turned
+        } else {
+            turned
+        }
+    }
+}

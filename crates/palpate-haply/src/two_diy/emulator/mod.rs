@@ -1,0 +1,407 @@
+//! A 2DIY to try without one: board, arm and hand, behind a pseudo-terminal.
+//!
+//! The board does byte by byte what the firmware of the real ones does, holding its last torque
+//! included; the arm is the testbed's pantograph with the geometry of the generation (its masses
+//! and friction are estimates, see `devices/`), moved in real time. Driver and emulator share the
+//! wiring tables and nothing else.
+
+mod arm;
+mod firmware;
+mod pty;
+
+use std::collections::VecDeque;
+use std::io;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+pub use arm::{Hand, Wiring};
+pub use firmware::Did;
+
+use super::Board;
+use super::layout::Generation;
+use super::packet::REPLY_LENGTH;
+use arm::Arm;
+use firmware::{Firmware, Wire};
+pub(super) use pty::Pty;
+
+/// What is emulated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// The arm.
+    pub generation: Generation,
+    /// The board.
+    pub board: Board,
+    /// Whether single bytes that come late read as 0xFF, as on the real boards, or are waited for.
+    pub strict: bool,
+    /// How the motors are wired.
+    pub wiring: Wiring,
+    /// What holds the handle.
+    pub hand: Hand,
+    /// Whether the hand takes hold only when the device has been opened, and puts the arm back into
+    /// its start pose when the cable is pulled: as somebody does who knows where it counts from.
+    pub hand_waits: bool,
+    /// Where the arm is at the start `[degrees]`; `None`: in the generation's start pose.
+    pub angles: Option<[f64; 2]>,
+    /// A name for the port that stays when it is plugged in again.
+    pub link: Option<PathBuf>,
+}
+
+impl Settings {
+    /// A generation on a board, as sold, with nobody at the handle.
+    #[must_use]
+    pub fn of(generation: Generation, board: Board) -> Self {
+        Self {
+            generation,
+            board,
+            strict: true,
+            wiring: Wiring::default(),
+            hand: Hand::None,
+            hand_waits: false,
+            angles: None,
+            link: None,
+        }
+    }
+}
+
+/// Something that goes wrong.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Fault {
+    /// The board stands still, reads nothing and holds its torque.
+    Stall(Duration),
+    /// The cable is pulled, and put back after this long; the board loses its power meanwhile.
+    Unplug(Duration),
+    /// These bytes come before the next answer.
+    Garbage(Vec<u8>),
+    /// Half of the next answer is lost.
+    HalfAnswer,
+    /// The next answer is lost.
+    NoAnswer,
+    /// The next answer, and all behind it, come this much later.
+    LateAnswer(Duration),
+    /// The next answer comes twice.
+    TwoAnswers,
+    /// The next answer is that of another device.
+    OtherId,
+    /// The next answer has an angle that is no number.
+    NotANumber,
+    /// The encoders lose count by this much `[degrees]`.
+    Slip(f64),
+}
+
+/// Something that the board did, and when.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// When.
+    pub at: Instant,
+    /// What.
+    pub did: Did,
+    /// Torques that the motors hold from then on, by joint `[N m]`.
+    pub torques: [f64; 2],
+}
+
+/// Things that are remembered; the oldest are forgotten.
+const REMEMBERED: usize = 200_000;
+
+#[derive(Debug)]
+struct State {
+    arm: Arm,
+    faults: VecDeque<Fault>,
+    seen: VecDeque<Seen>,
+    path: PathBuf,
+}
+
+/// A running emulator; dropped, it ends.
+#[derive(Debug)]
+pub struct Emulator {
+    state: Arc<Mutex<State>>,
+    ending: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Emulator {
+    /// Starts one.
+    ///
+    /// # Errors
+    /// The system gives no terminal or no thread, or the arm cannot be at these angles.
+    pub fn start(settings: &Settings) -> io::Result<Self> {
+        let layout = settings.generation.layout();
+        let sold = layout.joints.map(|joint| f64::from(joint.start));
+        let mut arm = Arm::new(
+            settings.generation,
+            settings.board,
+            settings.wiring,
+            settings.hand,
+            settings.angles.unwrap_or(sold),
+        )
+        .map_err(io::Error::other)?;
+        if settings.hand_waits {
+            arm.wait();
+        }
+        let pty = Pty::open(settings.link.as_deref())?;
+        let state = Arc::new(Mutex::new(State {
+            arm,
+            faults: VecDeque::new(),
+            seen: VecDeque::new(),
+            path: pty.path().to_owned(),
+        }));
+        let ending = Arc::new(AtomicBool::new(false));
+        let mut running = Running {
+            state: Arc::clone(&state),
+            settings: settings.clone(),
+            pty: Some(pty),
+            incoming: VecDeque::new(),
+            outgoing: VecDeque::new(),
+            active: Instant::now(),
+        };
+        let ends = Arc::clone(&ending);
+        let thread = std::thread::Builder::new()
+            .name("emulated 2diy".to_owned())
+            .spawn(move || running.run(&ends))?;
+        Ok(Self {
+            state,
+            ending,
+            thread: Some(thread),
+        })
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Where it can be opened; another path after it was unplugged, unless it has a link.
+    #[must_use]
+    pub fn path(&self) -> PathBuf {
+        self.state().path.clone()
+    }
+
+    /// Lets something go wrong.
+    pub fn suffer(&self, fault: Fault) {
+        self.state().faults.push_back(fault);
+    }
+
+    /// Another hand at the handle.
+    pub fn take_in_hand(&self, hand: Hand) {
+        self.state().arm.hand = hand;
+    }
+
+    /// What the board did so far.
+    #[must_use]
+    pub fn seen(&self) -> Vec<Seen> {
+        self.state().seen.iter().copied().collect()
+    }
+
+    /// Torques that the motors hold, by joint `[N m]`.
+    #[must_use]
+    pub fn torques(&self) -> [f64; 2] {
+        self.state().arm.torques()
+    }
+
+    /// True angles of the joints `[degrees]`.
+    #[must_use]
+    pub fn angles(&self) -> [f64; 2] {
+        self.state().arm.angles()
+    }
+
+    /// True place of the end-point `[m]`.
+    #[must_use]
+    pub fn position(&self) -> [f64; 2] {
+        self.state().arm.position()
+    }
+}
+
+impl Drop for Emulator {
+    fn drop(&mut self) {
+        self.ending.store(true, Ordering::Release);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// The emulator's thread.
+struct Running {
+    state: Arc<Mutex<State>>,
+    settings: Settings,
+    pty: Option<Pty>,
+    incoming: VecDeque<u8>,
+    /// Answers on their way, and when they come.
+    outgoing: VecDeque<(Instant, Vec<u8>)>,
+    /// When the last byte came.
+    active: Instant,
+}
+
+/// How long the thread sleeps at most.
+const REST: Duration = Duration::from_micros(500);
+/// As the Arduino's `readBytes`.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+impl Running {
+    fn locked<T>(&self, look: impl FnOnce(&mut State) -> T) -> T {
+        look(&mut self.state.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    fn run(&mut self, ending: &AtomicBool) {
+        let mut firmware = Firmware::new(self.settings.board, self.settings.strict);
+        let mut still_until = Instant::now();
+        let mut unplugged_until = None;
+        while !ending.load(Ordering::Acquire) {
+            let now = Instant::now();
+            self.locked(|state| state.arm.move_on());
+            match self.next_board_fault() {
+                Some(Fault::Stall(duration)) => still_until = now + duration,
+                Some(Fault::Unplug(duration)) => {
+                    self.pty = None;
+                    self.incoming.clear();
+                    self.outgoing.clear();
+                    firmware = Firmware::new(self.settings.board, self.settings.strict);
+                    let hand_waits = self.settings.hand_waits;
+                    self.locked(|state| {
+                        state.arm.lose_power();
+                        if hand_waits {
+                            state.arm.wait();
+                        }
+                    });
+                    unplugged_until = Some(now + duration);
+                }
+                Some(Fault::Slip(degrees)) => {
+                    self.locked(|state| state.arm.slipped += degrees / 360.0);
+                }
+                _ => {}
+            }
+            if unplugged_until.is_some_and(|until| now >= until)
+                && let Ok(pty) = Pty::open(self.settings.link.as_deref())
+            {
+                unplugged_until = None;
+                self.locked(|state| state.path = pty.path().to_owned());
+                self.pty = Some(pty);
+            }
+            if self.pty.is_none() || now < still_until {
+                std::thread::sleep(REST);
+                continue;
+            }
+            self.deliver();
+            self.fill(REST);
+            // A board that has just been opened has a whole packet to read, and time for others.
+            for _ in 0..64 {
+                let mut arm = Remote(Arc::clone(&self.state));
+                let Some(did) = firmware.turn(self, &mut arm) else {
+                    break;
+                };
+                let at = Instant::now();
+                self.locked(|state| {
+                    if state.seen.len() == REMEMBERED {
+                        state.seen.pop_front();
+                    }
+                    if matches!(did, Did::Commanded(1..)) {
+                        state.arm.opened();
+                    }
+                    let torques = state.arm.torques();
+                    state.seen.push_back(Seen { at, did, torques });
+                });
+            }
+        }
+    }
+
+    /// The next fault if it is one of the board and not of an answer.
+    fn next_board_fault(&self) -> Option<Fault> {
+        self.locked(|state| {
+            let is_boards = |fault: &&Fault| {
+                matches!(fault, Fault::Stall(_) | Fault::Unplug(_) | Fault::Slip(_))
+            };
+            state.faults.front().filter(is_boards)?;
+            state.faults.pop_front()
+        })
+    }
+
+    /// Takes in what has come, waiting for it up to `limit`.
+    fn fill(&mut self, limit: Duration) {
+        let Some(pty) = &self.pty else { return };
+        if self.incoming.is_empty() {
+            pty.wait(limit);
+        }
+        let before = self.incoming.len();
+        pty.read(&mut self.incoming);
+        if self.incoming.len() > before {
+            self.active = Instant::now();
+        } else if self.active.elapsed() > Duration::from_millis(100) {
+            pty.let_in();
+            self.active = Instant::now();
+        }
+    }
+
+    /// Sends what is due.
+    fn deliver(&mut self) {
+        let now = Instant::now();
+        while self.outgoing.front().is_some_and(|(due, _)| *due <= now) {
+            if let (Some((_, bytes)), Some(pty)) = (self.outgoing.pop_front(), &self.pty) {
+                pty.write(&bytes);
+            }
+        }
+    }
+}
+
+impl Wire for Running {
+    fn byte_now(&mut self) -> Option<u8> {
+        if self.incoming.is_empty() {
+            self.fill(Duration::ZERO);
+        }
+        self.incoming.pop_front()
+    }
+
+    fn byte_soon(&mut self) -> Option<u8> {
+        let begun = Instant::now();
+        while self.incoming.is_empty() && begun.elapsed() < PATIENCE {
+            self.fill(REST);
+            self.deliver();
+            self.locked(|state| state.arm.move_on());
+        }
+        self.incoming.pop_front()
+    }
+
+    fn send(&mut self, bytes: &[u8]) {
+        let mut answer = bytes.to_vec();
+        let mut due = Instant::now();
+        // Faults of answers are for whole ones.
+        let fault = (bytes.len() == REPLY_LENGTH)
+            .then(|| self.locked(|state| state.faults.pop_front()))
+            .flatten();
+        match fault {
+            Some(Fault::Garbage(mut garbage)) => {
+                garbage.extend(&answer);
+                answer = garbage;
+            }
+            Some(Fault::HalfAnswer) => answer.truncate(REPLY_LENGTH / 2),
+            Some(Fault::NoAnswer) => return,
+            Some(Fault::LateAnswer(by)) => due += by,
+            Some(Fault::TwoAnswers) => answer.extend(bytes),
+            Some(Fault::OtherId) => answer[0] = answer[0].wrapping_add(1),
+            Some(Fault::NotANumber) => answer[1..5].fill(0xFF),
+            Some(other) => self.locked(|state| state.faults.push_front(other)),
+            None => {}
+        }
+        // A line keeps its order.
+        if let Some((before, _)) = self.outgoing.back() {
+            due = due.max(*before);
+        }
+        self.outgoing.push_back((due, answer));
+        self.deliver();
+    }
+}
+
+/// The arm, behind the lock that whoever watches takes too.
+struct Remote(Arc<Mutex<State>>);
+
+impl firmware::Ports for Remote {
+    fn drive(&mut self, port: u8, level: bool, duty: f64) {
+        let mut state = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        state.arm.drive(port, level, duty);
+    }
+
+    fn revolutions(&mut self, port: u8) -> f64 {
+        let mut state = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        state.arm.revolutions(port)
+    }
+}

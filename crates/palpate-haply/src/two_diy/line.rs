@@ -1,0 +1,458 @@
+//! The way to the board, shared by the loop, its supervisor and a thread that waits in their place.
+//!
+//! A packet that is cut in two by another one makes the board misread both, and it keeps the torque
+//! that it had. So there is one place from which bytes go out: whoever has it completes what was
+//! begun before anything else. Nobody waits for it: `try_lock` is an exchange of a number, and who
+//! does not get it goes away. No force is different: it must go out. If it cannot at once, it is
+//! *wanted*, and a thread beside the loop sends it at the first moment at which the port takes it.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, TryLockError};
+use std::thread::{Builder, JoinHandle, Thread};
+use std::time::{Duration, Instant};
+
+use super::layout::Layout;
+use super::packet::{SETUP_LENGTH, STATE_LENGTH, state};
+use super::serial::{Gone, Serial};
+
+/// How long the waiting thread waits at a time, so that it can be ended.
+const WAIT: Duration = Duration::from_millis(20);
+
+/// How long no force that is wanted is tried for when the line is closed.
+const LAST_TRY: Duration = Duration::from_secs(2);
+
+/// Why nothing was sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unsent {
+    /// Somebody else is sending no force right now.
+    Busy,
+    /// The port takes no bytes.
+    Full,
+    /// The port is gone.
+    Gone,
+}
+
+impl From<Gone> for Unsent {
+    fn from(Gone: Gone) -> Self {
+        Self::Gone
+    }
+}
+
+/// What is on its way out.
+#[derive(Debug)]
+struct Outgoing {
+    layout: Layout,
+    /// Torques of the last STATE that was begun `[N m]`.
+    held: [f32; 2],
+    /// A packet of which a part has gone out.
+    begun: [u8; SETUP_LENGTH],
+    /// The rest of it.
+    rest: std::ops::Range<usize>,
+    /// Whether that packet is a STATE, which is answered.
+    is_answered: bool,
+}
+
+#[derive(Debug)]
+struct Shared {
+    serial: Serial,
+    outgoing: Mutex<Outgoing>,
+    /// How often no force was wished for, and how many of these wishes are met. Counted, so that a
+    /// wish that comes while one is being met is another one, and none ever looks met before it is.
+    wished: AtomicU64,
+    met: AtomicU64,
+    /// STATE packets that went out whole: each is answered once.
+    requests: AtomicU64,
+    /// How often no force was sent because it was wanted.
+    cuts: AtomicU64,
+    closing: AtomicBool,
+}
+
+/// The loop's end of the line.
+#[derive(Debug)]
+pub struct Line {
+    shared: Arc<Shared>,
+    waiting: Option<JoinHandle<()>>,
+}
+
+/// The supervisor's end.
+#[derive(Clone, Debug)]
+pub struct Cutter {
+    shared: Arc<Shared>,
+    waiting: Option<Thread>,
+}
+
+impl Line {
+    pub fn new(serial: Serial, layout: Layout) -> std::io::Result<Self> {
+        let shared = Arc::new(Shared {
+            serial,
+            outgoing: Mutex::new(Outgoing {
+                layout,
+                held: [0.0; 2],
+                begun: [0; SETUP_LENGTH],
+                rest: 0..0,
+                is_answered: false,
+            }),
+            wished: AtomicU64::new(0),
+            met: AtomicU64::new(0),
+            requests: AtomicU64::new(0),
+            cuts: AtomicU64::new(0),
+            closing: AtomicBool::new(false),
+        });
+        let theirs = Arc::clone(&shared);
+        let waiting = Builder::new()
+            .name("palpate 2diy".to_owned())
+            .spawn(move || theirs.send_what_is_wanted())?;
+        Ok(Self {
+            shared,
+            waiting: Some(waiting),
+        })
+    }
+
+    pub fn serial(&self) -> &Serial {
+        &self.shared.serial
+    }
+
+    pub fn cutter(&self) -> Cutter {
+        Cutter {
+            shared: Arc::clone(&self.shared),
+            waiting: self.waiting.as_ref().map(|thread| thread.thread().clone()),
+        }
+    }
+
+    /// STATE packets that went out.
+    pub fn requests(&self) -> u64 {
+        self.shared.requests.load(Ordering::Acquire)
+    }
+
+    /// How often no force was begun to be sent because it was wanted.
+    pub fn cuts(&self) -> u64 {
+        self.shared.cuts.load(Ordering::Acquire)
+    }
+
+    /// Asks for the angles, repeating the torques that are held: none, if somebody has cut them.
+    pub fn ask(&self) -> Result<(), Unsent> {
+        self.shared.with_outgoing(|shared, outgoing| {
+            let held = outgoing.held;
+            shared.send_state(outgoing, held)
+        })
+    }
+
+    /// Commands torques `[N m]`. What [`cuts`](Self::cuts) was then: as long as it is that, nobody
+    /// has sent no force after these torques.
+    pub fn command(&self, torques: [f32; 2]) -> Result<u64, Unsent> {
+        self.shared.with_outgoing(|shared, outgoing| {
+            shared.send_state(outgoing, torques)?;
+            // Here, where nobody else can send: the cut that was waiting has gone out before.
+            Ok(shared.cuts.load(Ordering::Acquire))
+        })
+    }
+
+    /// Sends a packet that is not answered, with another layout from then on; waits up to `limit`.
+    /// Not for the loop.
+    pub fn send(&self, packet: &[u8], limit: Duration) -> Result<(), Unsent> {
+        self.patiently(limit, || {
+            self.shared
+                .with_outgoing(|shared, outgoing| shared.begin(outgoing, packet, false))
+        })
+    }
+
+    /// Commands torques, and waits for room up to `limit`. Not for the loop.
+    pub fn command_patiently(&self, torques: [f32; 2], limit: Duration) -> Result<(), Unsent> {
+        self.patiently(limit, || self.command(torques).map(|_| ()))
+    }
+
+    fn patiently(
+        &self,
+        limit: Duration,
+        mut send: impl FnMut() -> Result<(), Unsent>,
+    ) -> Result<(), Unsent> {
+        let begun = Instant::now();
+        loop {
+            let sent = send();
+            if matches!(sent, Ok(()) | Err(Unsent::Gone)) || begun.elapsed() >= limit {
+                return sent;
+            }
+            if sent == Err(Unsent::Full) {
+                self.shared.serial.wait_writable(Duration::from_millis(1));
+            } else {
+                std::thread::sleep(Duration::from_micros(100));
+            }
+        }
+    }
+}
+
+impl Line {
+    /// Sends no force if it is wanted, for as long as anybody can be expected to wait.
+    fn send_what_is_left(&self) {
+        let begun = Instant::now();
+        while self.shared.is_wanted() && begun.elapsed() < LAST_TRY {
+            let sent = self
+                .shared
+                .with_outgoing(|shared, outgoing| shared.send_wanted(outgoing));
+            match sent {
+                Ok(()) => {}
+                Err(Unsent::Full) => self.shared.serial.wait_writable(WAIT),
+                Err(Unsent::Busy) => std::thread::sleep(Duration::from_micros(100)),
+                Err(Unsent::Gone) => return,
+            }
+        }
+    }
+}
+
+impl Drop for Line {
+    fn drop(&mut self) {
+        self.send_what_is_left();
+        self.shared.closing.store(true, Ordering::Release);
+        if let Some(waiting) = self.waiting.take() {
+            waiting.thread().unpark();
+            let _ = waiting.join();
+        }
+    }
+}
+
+impl Cutter {
+    /// Sends no force at the first moment possible, and returns at once.
+    pub fn cut(&self) {
+        self.shared.wished.fetch_add(1, Ordering::AcqRel);
+        let sent = self
+            .shared
+            .with_outgoing(|shared, outgoing| shared.send_wanted(outgoing));
+        if sent.is_err()
+            && let Some(thread) = &self.waiting
+        {
+            thread.unpark();
+        }
+    }
+}
+
+#[cfg(test)]
+impl Cutter {
+    /// As a cut that has got no farther yet.
+    pub fn want(&self) {
+        self.shared.wished.fetch_add(1, Ordering::AcqRel);
+    }
+
+    /// As somebody who is sending.
+    pub fn hold(&self) -> impl Sized + '_ {
+        self.shared.outgoing.lock().unwrap()
+    }
+}
+
+impl Shared {
+    /// Does something with what goes out, unless somebody else does. What is wanted goes first.
+    fn with_outgoing<T>(
+        &self,
+        send: impl FnOnce(&Self, &mut Outgoing) -> Result<T, Unsent>,
+    ) -> Result<T, Unsent> {
+        let mut outgoing = match self.outgoing.try_lock() {
+            Ok(outgoing) => outgoing,
+            // Whoever panicked while it sent has left a packet and its rest, as everybody does.
+            Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
+            Err(TryLockError::WouldBlock) => return Err(Unsent::Busy),
+        };
+        self.send_wanted(&mut outgoing)?;
+        send(self, &mut outgoing)
+    }
+
+    fn send_wanted(&self, outgoing: &mut Outgoing) -> Result<(), Unsent> {
+        let wished = self.wished.load(Ordering::Acquire);
+        if wished != self.met.load(Ordering::Acquire) {
+            self.cuts.fetch_add(1, Ordering::AcqRel);
+            self.send_state(outgoing, [0.0; 2])?;
+            self.met.store(wished, Ordering::Release);
+        }
+        Ok(())
+    }
+
+    /// Whether no force is to be sent, and has not been.
+    fn is_wanted(&self) -> bool {
+        self.wished.load(Ordering::Acquire) != self.met.load(Ordering::Acquire)
+    }
+
+    fn send_state(&self, outgoing: &mut Outgoing, torques: [f32; 2]) -> Result<(), Unsent> {
+        let packet: [u8; STATE_LENGTH] = state(&outgoing.layout, torques);
+        self.complete(outgoing)?;
+        outgoing.held = torques;
+        self.begin(outgoing, &packet, true)
+    }
+
+    /// Sends a packet in one piece, if the port takes it in one; completes what was begun before.
+    fn begin(&self, outgoing: &mut Outgoing, packet: &[u8], answered: bool) -> Result<(), Unsent> {
+        self.complete(outgoing)?;
+        let written = self.serial.write(packet)?;
+        if written == 0 {
+            return Err(Unsent::Full);
+        }
+        for (place, byte) in outgoing.begun.iter_mut().zip(packet) {
+            *place = *byte;
+        }
+        outgoing.is_answered = answered;
+        outgoing.rest = written..packet.len();
+        self.complete(outgoing)
+    }
+
+    fn complete(&self, outgoing: &mut Outgoing) -> Result<(), Unsent> {
+        let rest = outgoing.begun.get(outgoing.rest.clone()).unwrap_or(&[]);
+        if !rest.is_empty() {
+            outgoing.rest.start += self.serial.write(rest)?;
+            if !outgoing.rest.is_empty() {
+                return Err(Unsent::Full);
+            }
+        }
+        if std::mem::take(&mut outgoing.is_answered) {
+            self.requests.fetch_add(1, Ordering::AcqRel);
+        }
+        Ok(())
+    }
+
+    /// The thread that waits where nobody else may.
+    fn send_what_is_wanted(&self) {
+        while !self.closing.load(Ordering::Acquire) {
+            if !self.is_wanted() {
+                std::thread::park();
+                continue;
+            }
+            let sent = self.with_outgoing(|shared, outgoing| shared.send_wanted(outgoing));
+            match sent {
+                Ok(()) => {}
+                Err(Unsent::Full) => self.serial.wait_writable(WAIT),
+                Err(Unsent::Busy) => std::thread::sleep(Duration::from_micros(100)),
+                // Nobody is there to hear it.
+                Err(Unsent::Gone) => std::thread::sleep(WAIT),
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::two_diy::Generation;
+    use crate::two_diy::emulator::Pty;
+
+    /// Every packet that came, as its torque on port 1; none may be cut.
+    fn packets(bytes: &[u8]) -> Vec<f32> {
+        assert_eq!(bytes.len() % STATE_LENGTH, 0);
+        let torque = |packet: &[u8]| {
+            assert_eq!(packet[..2], [2, 5], "{packet:?}");
+            f32::from_le_bytes([packet[2], packet[3], packet[4], packet[5]])
+        };
+        bytes.chunks(STATE_LENGTH).map(torque).collect()
+    }
+
+    #[test]
+    fn a_port_that_takes_nothing_gets_no_force_as_soon_as_it_takes_some() {
+        let pty = Pty::open(None).unwrap();
+        let serial = Serial::open(pty.path()).unwrap();
+        let line = Line::new(serial, Generation::Three.layout()).unwrap();
+        let mut sent = 0;
+        while line.command([0.1, 0.1]).is_ok() {
+            sent += 1;
+            assert!(sent < 100_000, "it takes everything");
+        }
+        assert_eq!(line.command([0.1, 0.1]), Err(Unsent::Full));
+        let begun = Instant::now();
+        line.cutter().cut();
+        assert!(begun.elapsed() < Duration::from_millis(50), "it waited");
+        let mut bytes = Vec::new();
+        while begun.elapsed() < Duration::from_secs(10) {
+            pty.read(&mut bytes);
+            let is_whole = bytes.len() % STATE_LENGTH == 0;
+            if is_whole && packets(&bytes).last() == Some(&0.0) {
+                break;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let torques = packets(&bytes);
+        assert_eq!(torques.last(), Some(&0.0));
+        assert_eq!(line.requests(), torques.len() as u64);
+        // What is repeated from now on is no force.
+        line.ask().unwrap();
+        let mut more = Vec::new();
+        while more.len() < STATE_LENGTH {
+            pty.read(&mut more);
+        }
+        assert_eq!(packets(&more), [0.0]);
+    }
+
+    #[test]
+    fn a_line_that_is_closed_while_its_port_is_full_tries_on_for_a_while() {
+        for is_read in [true, false] {
+            let pty = Pty::open(None).unwrap();
+            let serial = Serial::open(pty.path()).unwrap();
+            let line = Line::new(serial, Generation::Three.layout()).unwrap();
+            // A terminal finds some more room for a moment after it was full.
+            let mut refused = 0;
+            while refused < 50 {
+                if line.command([0.1, 0.1]).is_ok() {
+                    refused = 0;
+                } else {
+                    refused += 1;
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+            }
+            line.cutter().cut();
+            let begun = Instant::now();
+            let closing = std::thread::spawn(move || drop(line));
+            let mut bytes = Vec::new();
+            // Longer than anything else waits.
+            std::thread::sleep(Duration::from_millis(800));
+            while is_read && begun.elapsed() < Duration::from_secs(10) {
+                pty.read(&mut bytes);
+                let is_whole = !bytes.is_empty() && bytes.len() % STATE_LENGTH == 0;
+                if is_whole && packets(&bytes).last() == Some(&0.0) {
+                    break;
+                }
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            closing.join().unwrap();
+            if is_read {
+                assert_eq!(packets(&bytes).last(), Some(&0.0));
+            } else {
+                let took = begun.elapsed();
+                assert!(took >= LAST_TRY && took < 5 * LAST_TRY, "{took:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn packets_of_two_threads_stay_whole() {
+        let pty = Pty::open(None).unwrap();
+        let serial = Serial::open(pty.path()).unwrap();
+        let line = Line::new(serial, Generation::Three.layout()).unwrap();
+        let ending = AtomicBool::new(false);
+        let mut bytes = Vec::new();
+        std::thread::scope(|scope| {
+            let cutter = line.cutter();
+            scope.spawn(|| {
+                while !ending.load(Ordering::Acquire) {
+                    let _ = line.command([0.1, 0.1]);
+                    let _ = line.ask();
+                }
+            });
+            scope.spawn(|| {
+                let cutter = cutter;
+                while !ending.load(Ordering::Acquire) {
+                    cutter.cut();
+                }
+            });
+            // Slowly, so that the port is full now and then.
+            let begun = Instant::now();
+            while begun.elapsed() < Duration::from_millis(300) {
+                std::thread::sleep(Duration::from_micros(300));
+                pty.read(&mut bytes);
+            }
+            ending.store(true, Ordering::Release);
+        });
+        line.cutter().cut();
+        let begun = Instant::now();
+        while begun.elapsed() < Duration::from_millis(200) {
+            pty.read(&mut bytes);
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let torques = packets(&bytes);
+        assert!(torques.len() > 1000, "{}", torques.len());
+        assert!(torques.contains(&0.1) && torques.contains(&0.0));
+        assert_eq!(torques.last(), Some(&0.0));
+    }
+}

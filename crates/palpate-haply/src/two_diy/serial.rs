@@ -1,0 +1,116 @@
+//! A serial port that never makes anybody wait.
+
+use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
+use std::path::Path;
+use std::time::Duration;
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::fs::{Mode, OFlags, open};
+use rustix::io::Errno;
+use rustix::termios::{
+    OptionalActions, QueueSelector, SpecialCodeIndex, ioctl_tiocexcl, ioctl_tiocnxcl, tcflush,
+    tcgetattr, tcsetattr,
+};
+
+/// On native USB any speed does, but for 1200 baud, which tells the board to wait for a new program.
+const BAUD: u32 = 115_200;
+
+/// The other end is gone: unplugged, or closed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Gone;
+
+/// An open port, ours alone, in raw mode.
+#[derive(Debug)]
+pub struct Serial {
+    descriptor: OwnedFd,
+}
+
+impl Serial {
+    /// Opens the port at `path` and throws away what came before.
+    pub fn open(path: &Path) -> Result<Self, Errno> {
+        let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
+        let descriptor = open(path, flags, Mode::empty())?;
+        // Also says whether it is a terminal at all.
+        let mut mode = tcgetattr(&descriptor)?;
+        ioctl_tiocexcl(&descriptor)?;
+        mode.make_raw();
+        mode.set_speed(BAUD)?;
+        mode.special_codes[SpecialCodeIndex::VMIN] = 0;
+        mode.special_codes[SpecialCodeIndex::VTIME] = 0;
+        tcsetattr(&descriptor, OptionalActions::Now, &mode)?;
+        let serial = Self { descriptor };
+        serial.forget_input();
+        Ok(serial)
+    }
+
+    /// Throws away what has come and was not read.
+    pub fn forget_input(&self) {
+        // If that fails, whoever reads next finds out why.
+        let _ = tcflush(&self.descriptor, QueueSelector::IFlush);
+    }
+
+    /// Reads what is there; 0 bytes if nothing is.
+    pub fn read(&self, into: &mut [u8]) -> Result<usize, Gone> {
+        loop {
+            return match rustix::io::read(&self.descriptor, &mut *into) {
+                Ok(0) if self.has_hung_up() => Err(Gone),
+                Ok(read) => Ok(read),
+                Err(Errno::AGAIN) => Ok(0),
+                Err(Errno::INTR) => continue,
+                Err(_) => Err(Gone),
+            };
+        }
+    }
+
+    /// Writes what finds room; 0 bytes if nothing does.
+    pub fn write(&self, bytes: &[u8]) -> Result<usize, Gone> {
+        loop {
+            return match rustix::io::write(&self.descriptor, bytes) {
+                Ok(written) => Ok(written),
+                Err(Errno::AGAIN) => Ok(0),
+                Err(Errno::INTR) => continue,
+                Err(_) => Err(Gone),
+            };
+        }
+    }
+
+    /// Waits until there is something to read, at most `limit`.
+    pub fn wait_readable(&self, limit: Duration) {
+        self.wait(PollFlags::IN, limit);
+    }
+
+    /// Waits until there is room to write, at most `limit`.
+    pub fn wait_writable(&self, limit: Duration) {
+        self.wait(PollFlags::OUT, limit);
+    }
+
+    fn wait(&self, events: PollFlags, limit: Duration) -> PollFlags {
+        let limit = Timespec {
+            tv_sec: limit.as_secs().try_into().unwrap_or(i64::MAX),
+            tv_nsec: limit.subsec_nanos().into(),
+        };
+        let mut fds = [PollFd::new(&self.descriptor, events)];
+        // An interrupted wait is a short one.
+        let _ = poll(&mut fds, Some(&limit));
+        let [fd] = fds;
+        fd.revents()
+    }
+
+    /// A terminal that has hung up reads as its end, in raw mode as one without bytes.
+    fn has_hung_up(&self) -> bool {
+        self.wait(PollFlags::IN, Duration::ZERO)
+            .intersects(PollFlags::HUP | PollFlags::ERR | PollFlags::NVAL)
+    }
+}
+
+impl AsFd for Serial {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        self.descriptor.as_fd()
+    }
+}
+
+impl Drop for Serial {
+    fn drop(&mut self) {
+        let _ = ioctl_tiocnxcl(&self.descriptor);
+    }
+}

@@ -1,0 +1,364 @@
+//! From a path to a device that is set up, in a pose that is known.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use palpate_rt::clock::Clock;
+use palpate_rt::device::{Capabilities, DeviceError};
+use rustix::io::Errno;
+
+use super::board::{Board, LARGEST_TORQUE};
+use super::driver::{GONE, Ready, TwoDiy};
+use super::kinematics::NoPose;
+use super::layout::{Generation, Layout};
+use super::line::{Line, Unsent};
+use super::packet::{Heard, RECOVERY, RESET, Replies, setup};
+use super::serial::Serial;
+
+/// For how long the port may take no bytes while the device is opened.
+const LIMIT: Duration = Duration::from_millis(500);
+/// For how long the first answer may take: a board that was just plugged in is busy with itself.
+const FIRST_ANSWER: Duration = Duration::from_millis(1000);
+/// How often the device is set up before it is given up, and how long it is left alone between.
+const ATTEMPTS: u32 = 3;
+const COMES_TO_REST: Duration = Duration::from_millis(300);
+/// For how long a board waits at most for bytes that are missing from a packet.
+const GIVES_UP: Duration = Duration::from_millis(1100);
+
+/// In which pose the arm is while the device is opened: the encoders count from there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Calibration {
+    /// Fully retracted, the pose that Haply's examples ask for.
+    Retracted,
+    /// Fully extended; known of the third generation.
+    Extended,
+    /// These angles of joints 1 and 2 `[degrees]`.
+    At([f32; 2]),
+}
+
+/// How to open a device.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Wiring and links.
+    pub layout: Layout,
+    /// The board; `None`: found out from the first answer, where that tells.
+    pub board: Option<Board>,
+    /// What to take it for where the answer does not tell.
+    pub usual_board: Board,
+    /// How long a [`read`](palpate_rt::device::Device::read) waits for the board. Half a period
+    /// leaves room for the rest of a tick.
+    pub patience: Duration,
+    /// Its name in reports.
+    pub name: &'static str,
+}
+
+impl Options {
+    /// A generation as Haply sold it, with the arm in a known pose, for a loop of `period`.
+    ///
+    /// # Errors
+    /// The pose is not published for this generation, or is none.
+    pub fn of(
+        generation: Generation,
+        calibration: Calibration,
+        period: Duration,
+    ) -> Result<Self, OpenError> {
+        let layout = generation.layout();
+        let layout = match calibration {
+            Calibration::Retracted => layout,
+            Calibration::Extended => {
+                layout.starting_at(generation.extended().ok_or(OpenError::NotPublished)?)
+            }
+            Calibration::At(angles) => layout.starting_at(angles),
+        };
+        layout.start_pose().map_err(OpenError::StartPose)?;
+        Ok(Self {
+            layout,
+            board: None,
+            usual_board: generation.usual_board(),
+            patience: (period / 2).min(Duration::from_millis(20)),
+            name: match generation {
+                Generation::One => "Haply 2DIY, generation 1",
+                Generation::Two => "Haply 2DIY, generation 2",
+                Generation::Three => "Haply 2DIY, generation 3",
+            },
+        })
+    }
+}
+
+/// Why a device could not be opened. No torque was commanded.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// There is no such file.
+    #[error("{0}: there is no such port; `palpate devices` lists those that are there")]
+    NotThere(PathBuf),
+    /// The system does not let us.
+    #[error(
+        "{0}: no permission; on Linux, join the group that owns the port (often `dialout`) and log \
+         in again"
+    )]
+    NotAllowed(PathBuf),
+    /// Somebody else has it.
+    #[error("{0}: another program has opened this port")]
+    InUse(PathBuf),
+    /// It is a file of another kind.
+    #[error("{0}: not a serial port")]
+    NotSerial(PathBuf),
+    /// Something else that the system says.
+    #[error("{0}: {1}")]
+    System(PathBuf, std::io::Error),
+    /// The port went away meanwhile.
+    #[error("the port went away while the device was being opened")]
+    Gone,
+    /// The port takes no bytes.
+    #[error("the port takes no bytes: the board stands still; unplug it and plug it in again")]
+    TakesNothing,
+    /// No answer at all.
+    #[error("no answer: not a Haply board, or one with other firmware; it was asked as device {0}")]
+    NoAnswer(u8),
+    /// Bytes, but no answer.
+    #[error(
+        "what came back is no answer of device {asked}: it begins with {first}; another \
+         generation, or not a Haply board"
+    )]
+    WrongAnswer {
+        /// Device id that was asked.
+        asked: u8,
+        /// The first byte that came.
+        first: u8,
+    },
+    /// The first angles are those of another board.
+    #[error(
+        "the first angles, {angles:?} degrees, are those of the board `{found}`, not of `{told}`",
+        found = .found.name(), told = .told.name()
+    )]
+    OtherBoard {
+        /// What came `[degrees]`.
+        angles: [f32; 2],
+        /// The board whose angles these are.
+        found: Board,
+        /// The board that it was said to be.
+        told: Board,
+    },
+    /// The first angles are not those of the start pose.
+    #[error(
+        "the first angles, {angles:?} degrees, are not those of the start pose, {start:?}: hold the \
+         arm still while the device is opened; or the counts per revolution are others"
+    )]
+    NotInPose {
+        /// What came `[degrees]`.
+        angles: [f32; 2],
+        /// What was to come `[degrees]`.
+        start: [f32; 2],
+    },
+    /// The start pose is none.
+    #[error("the start pose cannot be: {0}")]
+    StartPose(NoPose),
+    /// Nobody has published the extended pose.
+    #[error("the angles of the extended arm are known of generation 3 only; give them in degrees")]
+    NotPublished,
+}
+
+impl<C: Clock> TwoDiy<C> {
+    /// Opens the device on the port at `path`. **The arm has to be in the start pose**, and held
+    /// still: the encoders count from there, and a device that was opened in another pose makes
+    /// forces in wrong directions. What is checked is that the first angles are those that the
+    /// board's own rounding makes of the start pose, which tells boards and counts apart; where the
+    /// arm really is nobody can see.
+    ///
+    /// A torque that the board may still hold is taken off first.
+    ///
+    /// # Errors
+    /// The port cannot be had, or what answers there is no such device.
+    pub fn open(path: &Path, options: &Options, clock: C) -> Result<Self, OpenError> {
+        let serial = Serial::open(path).map_err(|error| refused(path, error))?;
+        let line = Line::new(serial, options.layout)
+            .map_err(|error| OpenError::System(path.to_owned(), error))?;
+        let mut failure = OpenError::NoAnswer(options.layout.device_id);
+        for attempt in 0..ATTEMPTS {
+            let answered = first_angles(&line, options)
+                .and_then(|angles| Ok((angles, board(options, angles)?)));
+            failure = match answered {
+                Ok((angles, board)) => {
+                    return Ok(Self::new(Ready {
+                        clock,
+                        line,
+                        layout: options.layout,
+                        board,
+                        patience: options.patience,
+                        capabilities: capabilities(options, board),
+                        angles,
+                    }));
+                }
+                // The arm may still be coming to rest, from a torque that was just taken off.
+                Err(moved @ OpenError::NotInPose { .. }) if attempt + 1 < ATTEMPTS => {
+                    std::thread::sleep(COMES_TO_REST);
+                    moved
+                }
+                // Somebody may have left the board in the middle of a packet.
+                Err(silent @ (OpenError::NoAnswer(_) | OpenError::WrongAnswer { .. }))
+                    if attempt == 0 =>
+                {
+                    recover(&line)?;
+                    silent
+                }
+                // Bytes that came the first time say more than none.
+                Err(OpenError::NoAnswer(_)) => return Err(failure),
+                Err(error) => return Err(error),
+            };
+        }
+        Err(failure)
+    }
+}
+
+fn refused(path: &Path, error: Errno) -> OpenError {
+    let path = path.to_owned();
+    match error {
+        Errno::NOENT | Errno::NODEV | Errno::NXIO => OpenError::NotThere(path),
+        Errno::ACCESS | Errno::PERM => OpenError::NotAllowed(path),
+        Errno::BUSY => OpenError::InUse(path),
+        Errno::NOTTY | Errno::INVAL | Errno::ISDIR => OpenError::NotSerial(path),
+        other => OpenError::System(path, other.into()),
+    }
+}
+
+impl From<Unsent> for OpenError {
+    fn from(unsent: Unsent) -> Self {
+        match unsent {
+            Unsent::Gone => Self::Gone,
+            Unsent::Busy | Unsent::Full => Self::TakesNothing,
+        }
+    }
+}
+
+/// Takes the torque off and tells the board its layout, whatever it was in the middle of. Afterwards
+/// it holds no torque and the encoders count from the start pose. Takes more than a second.
+pub(super) fn begin_anew(line: &Line, layout: &Layout) -> Result<(), DeviceError> {
+    recover(line)
+        .and_then(|()| set_up(line, layout))
+        .map_err(|_| GONE)
+}
+
+/// Completes whatever packet the board is in the middle of.
+fn recover(line: &Line) -> Result<(), Unsent> {
+    line.command_patiently([0.0; 2], LIMIT)?;
+    line.send(&RECOVERY, LIMIT)?;
+    // Their number may have been odd for the board: the id that its last RESET is still waiting
+    // for must not be the beginning of what follows.
+    std::thread::sleep(GIVES_UP);
+    Ok(())
+}
+
+fn set_up(line: &Line, layout: &Layout) -> Result<(), Unsent> {
+    // First of all: once it is reset it knows no motor whose torque it could take off. To a board
+    // that knows none already these bytes are nothing and four RESETs.
+    line.command_patiently([0.0; 2], LIMIT)?;
+    line.send(&RESET, LIMIT)?;
+    line.send(&setup(layout), LIMIT)?;
+    line.command_patiently([0.0; 2], LIMIT)
+}
+
+fn first_angles(line: &Line, options: &Options) -> Result<[f32; 2], OpenError> {
+    set_up(line, &options.layout)?;
+    // The answers to all of that, if any.
+    std::thread::sleep(Duration::from_millis(20));
+    line.serial().forget_input();
+    line.command_patiently([0.0; 2], LIMIT)?;
+    let mut replies = Replies::new(options.layout);
+    let mut first = None;
+    let begun = Instant::now();
+    while begun.elapsed() < FIRST_ANSWER {
+        line.serial().wait_readable(Duration::from_millis(10));
+        let mut bytes = [0; 64];
+        let read = line
+            .serial()
+            .read(&mut bytes)
+            .map_err(|_| OpenError::Gone)?;
+        for byte in bytes.iter().take(read) {
+            first.get_or_insert(*byte);
+            if let Heard::Angles(angles) = replies.hear(*byte) {
+                return Ok(angles);
+            }
+        }
+    }
+    let asked = options.layout.device_id;
+    Err(
+        first.map_or(OpenError::NoAnswer(asked), |first| OpenError::WrongAnswer {
+            asked,
+            first,
+        }),
+    )
+}
+
+/// The board, from what its rounding made of the start pose.
+fn board(options: &Options, angles: [f32; 2]) -> Result<Board, OpenError> {
+    let joints = &options.layout.joints;
+    let is_within = |board: Board, quanta: f64| {
+        joints
+            .iter()
+            .enumerate()
+            .zip(angles)
+            .all(|((joint, told), angle)| {
+                let first = board.first_angle(told.start, told.counts_per_rev);
+                (f64::from(angle) - first).abs() <= quanta * board.quantum(&options.layout, joint)
+            })
+    };
+    // What an f32 makes of it, and not a count more.
+    let is_exact = |board: &Board| is_within(*board, 0.05);
+    let exact = Board::ALL.into_iter().find(is_exact);
+    let told = options.board.unwrap_or(options.usual_board);
+    if is_exact(&told) {
+        return Ok(told);
+    }
+    match (exact, options.board) {
+        (Some(found), None) => Ok(found),
+        (Some(found), Some(told)) => Err(OpenError::OtherBoard {
+            angles,
+            found,
+            told,
+        }),
+        // A hand moved the arm by a count or two meanwhile.
+        (None, _) if is_within(told, 3.0) => Ok(told),
+        (None, _) => Err(OpenError::NotInPose {
+            angles,
+            start: joints.map(|joint| joint.start),
+        }),
+    }
+}
+
+fn capabilities(options: &Options, board: Board) -> Capabilities {
+    let geometry = options.layout.geometry;
+    let reach = geometry.proximal + geometry.distal;
+    let middle = 0.5 * geometry.base;
+    let quantum = board.coarsest_quantum(&options.layout);
+    // Along the middle line, where the arm can make more than a trace of a force.
+    let (mut largest_force, mut encoder_quantum) = (f64::INFINITY, 0.0_f64);
+    for step in 0..=100 {
+        let opening = f64::from(step) / 100.0 * std::f64::consts::FRAC_PI_2;
+        let angles = [
+            std::f64::consts::FRAC_PI_2 + opening,
+            std::f64::consts::FRAC_PI_2 - opening,
+        ];
+        let Ok(pose) = geometry.pose(angles) else {
+            continue;
+        };
+        if pose.fading() < 1.0 {
+            continue;
+        }
+        for axis in [0, 1] {
+            let mut direction = [0.0; 2];
+            direction[axis] = 1.0;
+            largest_force = largest_force.min(pose.largest_force(direction, LARGEST_TORQUE.into()));
+            let steps = pose.columns.map(|column| column[axis].abs() * quantum);
+            encoder_quantum = encoder_quantum.max(steps[0]).max(steps[1]);
+        }
+    }
+    Capabilities {
+        largest_force: Some(largest_force).filter(|force| force.is_finite()),
+        workspace: Some([
+            [middle - reach, -0.5 * geometry.distal, 0.0],
+            [middle + reach, reach, 0.0],
+        ]),
+        encoder_quantum: Some(encoder_quantum),
+        ..Capabilities::unknown(&format!("{}, board {}", options.name, board.name()), 2)
+    }
+}

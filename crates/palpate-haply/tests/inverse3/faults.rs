@@ -1,0 +1,289 @@
+//! What the driver does when the service does not do what it should.
+
+use std::time::{Duration, Instant};
+
+use palpate_haply::inverse3::emulator::{Emulator, Fault};
+use palpate_haply::inverse3::{Counts, Form, Inverse3, Inverse3Options, Pace};
+use palpate_rt::clock::MonotonicClock;
+use palpate_rt::device::{Device, DeviceErrorKind};
+
+use crate::{ID, emulator, error_under, ms, next, open, options, wait_until};
+
+const FORCE: [f64; 3] = [1.0, 0.0, 0.0];
+
+/// A device that is read and written every millisecond for `duration`.
+fn driven(device: &mut Inverse3<MonotonicClock>, duration: Duration) {
+    let until = Instant::now() + duration;
+    while Instant::now() < until {
+        let _ = device.read();
+        let _ = device.write(FORCE);
+        std::thread::sleep(ms(1));
+    }
+}
+
+/// The counts once `fault` has come and gone, with samples coming again.
+fn after(emulator: &Emulator, fault: Fault) -> Counts {
+    let mut device = open(emulator);
+    driven(&mut device, ms(20));
+    emulator.inject(fault);
+    driven(&mut device, ms(150));
+    let before = device.inspector().counts().fresh;
+    driven(&mut device, ms(50));
+    let counts = device.inspector().counts();
+    assert!(counts.fresh > before + 5, "{fault:?}: {counts:?}");
+    wait_until("the force again", || {
+        let _ = device.write(FORCE);
+        emulator.force(ID) == Some(FORCE)
+    });
+    println!("{fault:?}: {counts:?}");
+    counts
+}
+
+#[test]
+fn an_answer_that_comes_twice_is_one_sample() {
+    let emulator = emulator(Form::V35);
+    let mut device = open(&emulator);
+    driven(&mut device, ms(20));
+    for _ in 0..20 {
+        emulator.inject(Fault::Twice);
+    }
+    let before = emulator.served();
+    driven(&mut device, ms(200));
+    let inspector = device.inspector();
+    drop(device);
+    let (counts, served) = (inspector.counts(), emulator.served());
+    println!("{counts:?}");
+    assert_eq!(
+        served.replies - before.replies,
+        served.messages - before.messages + 20
+    );
+    // 20 frames answered nothing: as many samples as messages at most.
+    assert!(counts.surplus >= 19, "{counts:?}");
+    assert!(
+        counts.fresh + counts.late + counts.lost <= counts.sent,
+        "{counts:?}"
+    );
+}
+
+#[test]
+fn an_answer_that_never_comes_is_written_off() {
+    let counts = after(&emulator(Form::V31), Fault::Dropped);
+    assert!(counts.lost >= 1 && counts.stalls >= 1, "{counts:?}");
+    assert_eq!(counts.garbage, 0);
+}
+
+#[test]
+fn an_answer_that_comes_late_is_no_sample() {
+    let counts = after(&emulator(Form::V35), Fault::Late);
+    assert!(counts.late >= 1, "{counts:?}");
+    assert_eq!(counts.lost, 0, "{counts:?}");
+    assert!(counts.longest_round_trip <= ms(10), "{counts:?}");
+}
+
+#[test]
+fn what_is_no_frame_is_no_sample_and_no_reason_to_end() {
+    for fault in [Fault::Garbage, Fault::HalfFrame] {
+        let counts = after(&emulator(Form::V35), fault);
+        assert_eq!(counts.garbage, 1, "{counts:?}");
+    }
+}
+
+#[test]
+fn frames_that_are_none_for_long_are_somebodys_business() {
+    let emulator = emulator(Form::V35);
+    let mut device = open(&emulator);
+    for _ in 0..150 {
+        emulator.inject(Fault::Garbage);
+    }
+    let error = error_under(&mut device, FORCE);
+    assert_eq!(error.kind, DeviceErrorKind::Refused);
+    assert!(error.what.contains("frames that are none"), "{error}");
+    wait_until("samples again", || device.read().is_ok());
+}
+
+#[test]
+fn a_service_that_stands_still_is_commanded_no_force_when_it_comes_back() {
+    let emulator = emulator(Form::V35);
+    let mut device = open(&emulator);
+    wait_until("the force", || {
+        device.write(FORCE).unwrap();
+        emulator.force(ID) == Some(FORCE)
+    });
+    emulator.inject(Fault::Stall(ms(100)));
+    let before = emulator.received().len();
+    let stalls = device.inspector().counts().stalls;
+    driven(&mut device, ms(60));
+    assert_eq!(emulator.received().len(), before, "it stands still");
+    let counts = device.inspector().counts();
+    assert!(counts.stalls > stalls, "{counts:?}");
+    wait_until("it is back", || emulator.received().len() > before + 5);
+    // The message on its way when it stood still, then one that commands none; forces only once it
+    // has answered those.
+    let received = emulator.received();
+    assert_eq!(received[before + 1].force, Some([0.0; 3]));
+    wait_until("the force again", || {
+        device.write(FORCE).unwrap();
+        emulator.force(ID) == Some(FORCE)
+    });
+    assert!(device.inspector().counts().late >= 1);
+}
+
+#[test]
+fn a_service_that_stands_still_for_long_is_gone() {
+    let emulator = emulator(Form::V35);
+    let mut device = Inverse3::open(
+        &Inverse3Options {
+            pace: Pace {
+                give_up_after: ms(100),
+                ..Pace::default()
+            },
+            ..options(&emulator)
+        },
+        MonotonicClock::new(),
+    )
+    .unwrap();
+    emulator.inject(Fault::Stall(ms(500)));
+    let error = error_under(&mut device, FORCE);
+    assert_eq!(error.kind, DeviceErrorKind::Disconnected);
+    assert!(error.what.contains("does not answer"), "{error}");
+    wait_until("no force", || emulator.force(ID) == Some([0.0; 3]));
+}
+
+#[test]
+fn a_connection_that_ends_is_told_and_the_device_can_be_opened_again() {
+    let emulator = emulator(Form::V35);
+    for (fault, words) in [
+        (Fault::Disconnect, "connection"),
+        (Fault::HalfBytes, "connection"),
+        (Fault::Close, "has closed the connection"),
+    ] {
+        let mut device = open(&emulator);
+        wait_until("the force", || {
+            device.write(FORCE).unwrap();
+            emulator.force(ID) == Some(FORCE)
+        });
+        emulator.inject(fault);
+        let error = error_under(&mut device, FORCE);
+        assert_eq!(error.kind, DeviceErrorKind::Disconnected, "{fault:?}");
+        assert!(error.what.contains(words), "{fault:?}: {error}");
+        // It stays so, and no force is taken.
+        assert_eq!(device.read().unwrap_err(), error);
+        assert_eq!(device.write(FORCE).unwrap_err(), error);
+        wait_until("the service to idle it", || {
+            emulator.force(ID) == Some([0.0; 3])
+        });
+        drop(device);
+        next(&mut open(&emulator));
+    }
+}
+
+#[test]
+fn a_device_that_is_unplugged_is_gone() {
+    let emulator = emulator(Form::V35);
+    let mut device = open(&emulator);
+    wait_until("the force", || {
+        device.write(FORCE).unwrap();
+        emulator.force(ID) == Some(FORCE)
+    });
+    emulator.set_present(ID, false);
+    let error = error_under(&mut device, FORCE);
+    assert_eq!(error.kind, DeviceErrorKind::Disconnected);
+    assert!(error.what.contains("no longer has the device"), "{error}");
+    drop(device);
+    emulator.set_present(ID, true);
+    next(&mut open(&emulator));
+}
+
+#[test]
+fn the_events_channel_tells_why_first() {
+    let emulator = emulator(Form::V35);
+    let listening = Inverse3Options {
+        events: Some(emulator.events_url()),
+        ..options(&emulator)
+    };
+    let open = || Inverse3::open(&listening, MonotonicClock::new()).unwrap();
+    let mut device = open();
+    emulator.trigger_safety("04BA", "ebrake_triggered");
+    driven(&mut device, ms(50));
+    emulator.trigger_safety(ID, "ebrake_triggered");
+    let error = error_under(&mut device, FORCE);
+    assert_eq!(error.kind, DeviceErrorKind::Refused);
+    assert!(error.what.contains("own safety has acted"), "{error}");
+    // Told once; a loop's safety stays tripped for it.
+    next(&mut device);
+    emulator.set_present(ID, false);
+    let error = error_under(&mut device, FORCE);
+    assert_eq!(error.kind, DeviceErrorKind::Disconnected);
+    println!("{error}");
+    drop(device);
+    emulator.set_present(ID, true);
+    next(&mut open());
+    let nobody = Inverse3Options {
+        events: Some("ws://127.0.0.1:1".into()),
+        ..options(&emulator)
+    };
+    let said = Inverse3::open(&nobody, MonotonicClock::new()).unwrap_err();
+    assert!(
+        said.to_string()
+            .contains("nobody answers at ws://127.0.0.1:1/")
+    );
+}
+
+#[test]
+fn a_device_that_loses_its_power_takes_no_force_until_it_has_it_again() {
+    let emulator = emulator(Form::V35);
+    let mut device = open(&emulator);
+    wait_until("the force", || {
+        device.write(FORCE).unwrap();
+        emulator.force(ID) == Some(FORCE)
+    });
+    emulator.set_status(ID, |status| status.power_supply = Some(false));
+    let error = error_under(&mut device, FORCE);
+    assert_eq!(error.kind, DeviceErrorKind::Refused);
+    assert!(error.what.contains("lost the power"), "{error}");
+    assert_eq!(device.write(FORCE).unwrap_err(), error);
+    wait_until("no force", || emulator.force(ID) == Some([0.0; 3]));
+    // However often one is asked for.
+    driven(&mut device, ms(50));
+    assert_eq!(emulator.force(ID), Some([0.0; 3]));
+    assert_eq!(device.write([0.0; 3]), Ok([0.0; 3]));
+    emulator.set_status(ID, |status| status.power_supply = Some(true));
+    wait_until("the force again", || {
+        let _ = device.write(FORCE);
+        emulator.force(ID) == Some(FORCE)
+    });
+}
+
+/// Nobody looked meanwhile: the force must not come back behind the loop's back.
+#[test]
+fn power_that_comes_back_between_two_looks_gives_no_force_before_the_loop_knows() {
+    let emulator = emulator(Form::V35);
+    let patient = Inverse3Options {
+        pace: Pace {
+            hold: ms(60_000),
+            ..Pace::default()
+        },
+        ..options(&emulator)
+    };
+    let mut device = Inverse3::open(&patient, MonotonicClock::new()).unwrap();
+    device.write(FORCE).unwrap();
+    wait_until("the force", || emulator.force(ID) == Some(FORCE));
+    emulator.set_status(ID, |status| status.power_supply = Some(false));
+    wait_until("no force", || emulator.force(ID) == Some([0.0; 3]));
+    emulator.set_status(ID, |status| status.power_supply = Some(true));
+    let fresh = device.inspector().counts().fresh;
+    let exchanged = |by| device.inspector().counts().fresh > fresh + by;
+    wait_until("exchanges", || exchanged(20));
+    assert_eq!(emulator.force(ID), Some([0.0; 3]));
+    let error = device.read().unwrap_err();
+    assert_eq!(error.kind, DeviceErrorKind::Refused);
+    assert!(error.what.contains("lost the power"), "{error}");
+    // The order from before it was told is none any more.
+    let fresh = device.inspector().counts().fresh;
+    let exchanged = |by| device.inspector().counts().fresh > fresh + by;
+    wait_until("exchanges", || exchanged(20));
+    assert_eq!(emulator.force(ID), Some([0.0; 3]));
+    next(&mut device);
+    device.write(FORCE).unwrap();
+    wait_until("the force again", || emulator.force(ID) == Some(FORCE));
+}

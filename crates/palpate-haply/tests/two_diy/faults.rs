@@ -1,0 +1,232 @@
+use palpate_haply::two_diy::emulator::Fault;
+use palpate_io::recording::{Flags, Tick};
+use palpate_rt::realtime::Request;
+use palpate_rt::{Ending, LoopEnd, LoopThread, Noted, StopFlag, Told, tap};
+use palpate_rt::{Note, safety::Trip};
+
+use super::*;
+
+struct Ran {
+    ticks: Vec<Tick>,
+    notes: Vec<Noted>,
+    ending: Ending,
+    trip: Option<Trip>,
+    /// When the fault struck, since the loop's start `[s]`.
+    injected: f64,
+    struck: Instant,
+    emulator: Emulator,
+}
+
+/// A hand presses into a wall; when it does, `fault` strikes.
+fn with(fault: Fault, comes_back: bool) -> Ran {
+    let name = format!("{fault:?}");
+    let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
+    // More than half of it, so that a machine that is only busy is not taken for the fault.
+    let device = open_in_the_middle(&emulator, 2 * PERIOD);
+    let (tap, listener) = tap(1 << 15);
+    let control = wall(device, 150.0, PERIOD, 100.0).tapped(tap);
+    let clock = MonotonicClock::new();
+    let stop = StopFlag::new();
+    let started = Instant::now();
+    let running = LoopThread::start(control, &clock, Request::nothing(), &stop, None).unwrap();
+    wait_until("a force", || !is_none(emulator.torques()));
+    std::thread::sleep(Duration::from_millis(100));
+    let struck = Instant::now();
+    let injected = started.elapsed().as_secs_f64();
+    emulator.suffer(fault);
+    std::thread::sleep(Duration::from_millis(500));
+    // However busy the machine is: until the force was back for a while, if it is to come back.
+    let since = Instant::now();
+    let pressed = |emulator: &Emulator| {
+        let seen = emulator.seen();
+        let later = seen.iter().filter(|seen| seen.at > since);
+        later.filter(|seen| !is_none(seen.torques)).count()
+    };
+    while comes_back && pressed(&emulator) < 60 && !running.has_ended() {
+        assert!(since.elapsed() < Duration::from_secs(20), "{name}");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    stop.raise();
+    let LoopEnd {
+        ending,
+        trip,
+        panic,
+        control,
+        ..
+    } = running.join();
+    assert_eq!(panic, None, "{name}");
+    drop(control);
+    let (mut ticks, mut notes) = (Vec::new(), Vec::new());
+    for told in listener {
+        match told {
+            Told::Tick(tick) => ticks.push(tick),
+            Told::Note(noted) => notes.push(noted),
+        }
+    }
+    Ran {
+        ticks,
+        notes,
+        ending,
+        trip,
+        injected,
+        struck,
+        emulator,
+    }
+}
+
+impl Ran {
+    /// The first error that the device told for this reason.
+    fn said(&self, words: &str) -> bool {
+        self.notes.iter().any(|noted| match noted.note {
+            Note::Device(error) => error.what.contains(words),
+            _ => false,
+        })
+    }
+
+    fn tripped(&self, trip: Trip) -> bool {
+        self.notes
+            .iter()
+            .any(|noted| noted.note == Note::Tripped(trip))
+    }
+
+    /// A period without a good sample may go on with the last force; no second one may.
+    fn no_force_after_two_periods(&self, what: &str) {
+        let is_bad = |tick: &Tick| tick.flags.has(Flags::DEVICE_FAULT);
+        for pair in self.ticks.windows(2) {
+            if is_bad(&pair[0]) && is_bad(&pair[1]) {
+                assert_eq!(pair[1].force_on_device, 0.0, "{what}: {pair:?}");
+            }
+        }
+    }
+
+    fn has_recovered(&self, what: &str) {
+        let later = self
+            .ticks
+            .iter()
+            .filter(|tick| tick.time > self.injected + 0.3);
+        let pressing = later.filter(|tick| tick.force_on_device < -0.2);
+        assert!(pressing.count() > 8, "{what}: {:?}", self.notes);
+    }
+}
+
+/// What is wrong with an answer is over after it: no force while it lasts, then the wall again.
+#[test]
+fn answers_that_are_not_right_cost_a_moment() {
+    let _alone = alone();
+    for fault in [
+        Fault::NoAnswer,
+        Fault::LateAnswer(Duration::from_millis(25)),
+        Fault::HalfAnswer,
+        Fault::OtherId,
+        Fault::Garbage(vec![0x05, 0xff, 0x00]),
+        Fault::Garbage(vec![0x77; 40]),
+        Fault::TwoAnswers,
+        // One bad sample: the last force is held for a period.
+        Fault::NotANumber,
+    ] {
+        let what = format!("{fault:?}");
+        let ran = with(fault, true);
+        assert_eq!(ran.ending, Ending::Stopped, "{what}: {:?}", ran.notes);
+        ran.no_force_after_two_periods(&what);
+        ran.has_recovered(&what);
+        let bad = ran
+            .ticks
+            .iter()
+            .filter(|tick| tick.flags.has(Flags::DEVICE_FAULT));
+        assert!(bad.count() >= 1, "{what}: {:?}", ran.notes);
+        came_whole_and_without_torque_at_resets(&ran.emulator.seen());
+        assert!(is_none(ran.emulator.torques()), "{what}");
+    }
+}
+
+/// While it stands still it cannot be reached; what it finds then ends in no force.
+#[test]
+fn a_board_that_stands_still_finds_no_force_when_it_goes_on() {
+    let _alone = alone();
+    for milliseconds in [100, 300] {
+        let stall = Duration::from_millis(milliseconds);
+        let what = format!("{stall:?}");
+        let ran = with(Fault::Stall(stall), true);
+        ran.no_force_after_two_periods(&what);
+        ran.has_recovered(&what);
+        assert!(ran.tripped(Trip::StaleSample), "{what}");
+        let seen = ran.emulator.seen();
+        came_whole_and_without_torque_at_resets(&seen);
+        let gap = seen
+            .windows(2)
+            .position(|pair| {
+                pair[1].at > ran.struck && pair[1].at - pair[0].at > stall.mul_f64(0.9)
+            })
+            .unwrap_or_else(|| panic!("{what}: it never stood still"));
+        // What was on its way when it stopped, and then none.
+        let after: Vec<_> = seen[gap + 1..].iter().take(5).collect();
+        assert!(
+            after.iter().any(|seen| is_none(seen.torques)),
+            "{what}: {after:?}"
+        );
+        let before_next = after.iter().position(|seen| is_none(seen.torques)).unwrap();
+        assert!(
+            after[before_next].at - after[0].at < Duration::from_millis(50),
+            "{what}"
+        );
+    }
+}
+
+#[test]
+fn encoders_that_lose_count_end_the_force_until_somebody_looks() {
+    let _alone = alone();
+    let ran = with(Fault::Slip(170.0), false);
+    assert_eq!(ran.trip, Some(Trip::DeviceRefused), "{:?}", ran.notes);
+    assert!(ran.said("jumped and stay"), "{:?}", ran.notes);
+    ran.no_force_after_two_periods("slip");
+    assert_eq!(ran.ticks.last().unwrap().force_on_device, 0.0);
+}
+
+#[test]
+fn a_cable_that_is_pulled_ends_the_run_and_can_be_put_back() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    let link = folder.path().join("haply");
+    let emulator = Emulator::start(&Settings {
+        link: Some(link.clone()),
+        ..in_the_middle(Hand::at(THERE))
+    })
+    .unwrap();
+    let device = open_in_the_middle(&emulator, PERIOD);
+    let (tap, listener) = tap(1 << 15);
+    let clock = MonotonicClock::new();
+    let control = wall(device, 150.0, PERIOD, 100.0).tapped(tap);
+    let stop = StopFlag::new();
+    let running = LoopThread::start(control, &clock, Request::nothing(), &stop, None).unwrap();
+    wait_until("a force", || !is_none(emulator.torques()));
+    emulator.suffer(Fault::Unplug(Duration::from_millis(100)));
+    wait_until("the end", || running.has_ended());
+    let end = running.join();
+    assert_eq!(end.ending, Ending::DeviceLost);
+    drop(end);
+    let said: Vec<_> = listener
+        .filter_map(|told| match told {
+            Told::Note(noted) => Some(noted.note),
+            Told::Tick(_) => None,
+        })
+        .collect();
+    assert!(said.contains(&Note::Tripped(Trip::DeviceLost)), "{said:?}");
+    let names_the_port =
+        |note: &Note| matches!(note, Note::Device(error) if error.what.contains("port is gone"));
+    assert!(said.iter().any(names_the_port), "{said:?}");
+    wait_until("the port", || link.exists());
+    // The arm is wherever the hand holds it: that is its start pose now.
+    let angles = emulator.angles();
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "angles on the wire are f32"
+    )]
+    let calibration = Calibration::At(angles.map(|angle| angle as f32));
+    let options = Options::of(Generation::Three, calibration, SLOW).unwrap();
+    let mut device = TwoDiy::open(&link, &options, clock).unwrap();
+    let position = device.read().unwrap().position;
+    assert!(
+        (position[1] - emulator.position()[1]).abs() < 2e-3,
+        "{position:?}"
+    );
+}

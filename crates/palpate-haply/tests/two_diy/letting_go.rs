@@ -1,0 +1,168 @@
+use palpate_rt::StopFlag;
+use palpate_rt::clock::Clock;
+use palpate_rt::device::{Capabilities, DeviceError, Reading, Vector, ZeroWriter};
+use palpate_rt::realtime::Request;
+use palpate_rt::{Ending, LoopThread};
+
+use super::*;
+
+/// A device that panics or stands still when it is told to, in the loop's own thread.
+struct Spoilt<D> {
+    device: D,
+    reads: u32,
+    panics_at: Option<u32>,
+    stands_still_at: Option<u32>,
+}
+
+impl<D: Device> Device for Spoilt<D> {
+    fn capabilities(&self) -> &Capabilities {
+        self.device.capabilities()
+    }
+    fn read(&mut self) -> Result<Reading, DeviceError> {
+        self.reads += 1;
+        assert!(self.panics_at != Some(self.reads), "so it was told");
+        if self.stands_still_at == Some(self.reads) {
+            std::thread::sleep(Duration::from_millis(300));
+        }
+        self.device.read()
+    }
+    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
+        self.device.write(force)
+    }
+    fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
+        self.device.zero_writer()
+    }
+}
+
+fn spoilt(emulator: &Emulator) -> Spoilt<TwoDiy<MonotonicClock>> {
+    Spoilt {
+        device: open_in_the_middle(emulator, 2 * PERIOD),
+        reads: 0,
+        panics_at: None,
+        stands_still_at: None,
+    }
+}
+
+fn pressing(emulator: &Emulator) {
+    wait_until("a force", || !is_none(emulator.torques()));
+}
+
+#[test]
+fn dropped_or_closed_it_holds_no_torque() {
+    let _alone = alone();
+    for closed in [true, false] {
+        let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
+        let mut device = open_in_the_middle(&emulator, SLOW);
+        device.read().unwrap();
+        device.write([0.3, -0.8, 0.0]).unwrap();
+        pressing(&emulator);
+        if closed {
+            device.close().unwrap();
+        } else {
+            drop(device);
+        }
+        assert!(is_none(emulator.torques()));
+        came_whole_and_without_torque_at_resets(&emulator.seen());
+    }
+}
+
+#[test]
+fn a_loop_that_is_stopped_or_panics_leaves_no_torque() {
+    let _alone = alone();
+    for panics in [true, false] {
+        let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
+        let mut device = spoilt(&emulator);
+        device.panics_at = panics.then_some(60);
+        let clock = MonotonicClock::new();
+        let stop = StopFlag::new();
+        let running = LoopThread::start(
+            wall(device, 150.0, PERIOD, 1.5),
+            &clock,
+            Request::nothing(),
+            &stop,
+            None,
+        )
+        .unwrap();
+        pressing(&emulator);
+        if !panics {
+            // What SIGTERM does.
+            stop.raise();
+        }
+        wait_until("the end", || running.has_ended());
+        wait_until("no force", || is_none(emulator.torques()));
+        let end = running.join();
+        let expected = if panics {
+            Ending::Panicked
+        } else {
+            Ending::Stopped
+        };
+        assert_eq!(end.ending, expected);
+    }
+}
+
+/// The loop's thread stands still with a force on: the supervisor takes it off, and what the loop
+/// repeats when it goes on is no force.
+#[test]
+fn a_loop_that_stands_still_is_cut_off() {
+    let _alone = alone();
+    let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
+    let mut device = spoilt(&emulator);
+    device.stands_still_at = Some(60);
+    let clock = MonotonicClock::new();
+    let stop = StopFlag::new();
+    let running = LoopThread::start(
+        wall(device, 150.0, PERIOD, 1.5),
+        &clock,
+        Request::nothing(),
+        &stop,
+        None,
+    )
+    .unwrap();
+    pressing(&emulator);
+    let begun = Instant::now();
+    // 300 ms in which nobody else could have done it.
+    let mut none_since = None;
+    wait_until("a long time without a force", || {
+        if is_none(emulator.torques()) {
+            let since = none_since.get_or_insert_with(Instant::now);
+            since.elapsed() > Duration::from_millis(150)
+        } else {
+            none_since = None;
+            false
+        }
+    });
+    assert!(begun.elapsed() < Duration::from_secs(15));
+    // It comes back softly, with no word on the wire in between that is not whole.
+    wait_until("the force again", || !is_none(emulator.torques()));
+    stop.raise();
+    let end = running.join();
+    assert!(end.cuts >= 1);
+    came_whole_and_without_torque_at_resets(&emulator.seen());
+}
+
+/// `write_zero` returns at once, and in the end there is none, though the board stands still.
+#[test]
+fn the_zero_writer_waits_for_nobody() {
+    let _alone = alone();
+    use palpate_haply::two_diy::emulator::Fault;
+    let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
+    let mut device = open_in_the_middle(&emulator, SLOW);
+    let mut zero = device.zero_writer().unwrap();
+    device.read().unwrap();
+    device.write([0.0, -1.0, 0.0]).unwrap();
+    pressing(&emulator);
+    emulator.suffer(Fault::Stall(Duration::from_millis(200)));
+    std::thread::sleep(Duration::from_millis(5));
+    let clock = MonotonicClock::new();
+    let begun = clock.now();
+    for _ in 0..100 {
+        zero.write_zero();
+    }
+    assert!(clock.now() - begun < Duration::from_millis(100));
+    wait_until("no force", || is_none(emulator.torques()));
+    // The device knows that it was cut: what it repeats is none.
+    let _ = device.read();
+    std::thread::sleep(Duration::from_millis(20));
+    assert!(is_none(emulator.torques()));
+    came_whole_and_without_torque_at_resets(&emulator.seen());
+}

@@ -1,0 +1,102 @@
+//! The 2DIY's driver against an emulated board and arm.
+
+#![cfg(unix)]
+
+mod faults;
+mod letting_go;
+mod motors;
+mod opening;
+mod replies;
+mod wall;
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use palpate::{AnyParams, Contact, LoopParams, ObjectState, Placement};
+use palpate_haply::two_diy::emulator::{Did, Emulator, Hand, Seen, Settings};
+use palpate_haply::two_diy::{Board, Calibration, Generation, Options, TwoDiy};
+use palpate_rt::clock::MonotonicClock;
+use palpate_rt::device::Device;
+use palpate_rt::safety::SafetyParams;
+use palpate_rt::{ControlLoop, Rendering};
+
+/// The third generation in the middle of its workspace `[degrees]`, and where that is `[m]`.
+const MIDDLE: [f32; 2] = [130.0, 50.0];
+const THERE: [f64; 2] = [0.019, 0.1169];
+
+/// A period in which even a busy machine comes round.
+const SLOW: Duration = Duration::from_millis(40);
+/// That of the loops with faults: at 1 kHz a busy machine has faults of its own.
+const PERIOD: Duration = Duration::from_millis(10);
+
+/// Boards and loops keep real time: one at a time, so that they have a processor each.
+fn alone() -> MutexGuard<'static, ()> {
+    static ONE: Mutex<()> = Mutex::new(());
+    ONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn in_the_middle(hand: Hand) -> Settings {
+    Settings {
+        angles: Some(MIDDLE.map(f64::from)),
+        hand,
+        ..Settings::of(Generation::Three, Board::M0)
+    }
+}
+
+fn open_in_the_middle(emulator: &Emulator, period: Duration) -> TwoDiy<MonotonicClock> {
+    let calibration = Calibration::At(MIDDLE);
+    let options = Options::of(Generation::Three, calibration, period).unwrap();
+    TwoDiy::open(&emulator.path(), &options, MonotonicClock::new()).unwrap()
+}
+
+/// A wall into which a hand at [`THERE`] presses by some 4 mm.
+fn wall<D: Device>(
+    device: D,
+    stiffness: f64,
+    period: Duration,
+    stall_after_periods: f64,
+) -> ControlLoop<D, MonotonicClock> {
+    let rendering = Rendering {
+        contact: Contact::object(stiffness, f64::INFINITY),
+        loop_params: LoopParams::new(period.as_secs_f64()),
+        params: AnyParams::Basic,
+        virtual_force: 0.0,
+        object: ObjectState::at_rest(0.0),
+    };
+    let limits = SafetyParams {
+        soft_start: 0.0,
+        stall_after_periods,
+        ..SafetyParams::for_device(device.capabilities())
+    };
+    let origin = [THERE[0], THERE[1] - 0.008, 0.0];
+    let placement = Placement::new(origin, [0.0, 1.0, 0.0]).unwrap();
+    ControlLoop::new(device, MonotonicClock::new(), rendering, limits)
+        .unwrap()
+        .along(placement)
+}
+
+fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
+    let begun = Instant::now();
+    while !is_so() {
+        assert!(
+            begun.elapsed() < Duration::from_secs(20),
+            "waiting for {what}"
+        );
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+fn is_none(torques: [f64; 2]) -> bool {
+    torques == [0.0; 2]
+}
+
+/// Nothing but whole packets came, and no layout was forgotten while a torque was on.
+fn came_whole_and_without_torque_at_resets(seen: &[Seen]) {
+    for seen in seen {
+        match seen.did {
+            Did::Reset | Did::SetUp => assert!(is_none(seen.torques), "{seen:?}"),
+            Did::Commanded(_) => {}
+            Did::Discarded(byte) => panic!("a byte that is no command: {byte:#x}"),
+        }
+    }
+}

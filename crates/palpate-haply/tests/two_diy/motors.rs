@@ -1,0 +1,87 @@
+use palpate_haply::two_diy::emulator::Wiring;
+use palpate_haply::two_diy::{Unchecked, Verdict};
+use palpate_rt::StopFlag;
+
+use super::*;
+
+#[test]
+fn motors_that_are_wired_wrong_are_found() {
+    let _alone = alone();
+    use Verdict::{Dead, Fine, Reversed, Swapped};
+    let sold = Wiring::default();
+    for (generation, wiring, verdicts) in [
+        (Generation::One, sold, [Fine, Fine]),
+        (Generation::Two, sold, [Fine, Fine]),
+        (Generation::Three, sold, [Fine, Fine]),
+        (
+            Generation::Three,
+            Wiring {
+                reversed: [true, false],
+                ..sold
+            },
+            [Reversed, Fine],
+        ),
+        (
+            Generation::Two,
+            Wiring {
+                dead: [false, true],
+                ..sold
+            },
+            [Fine, Dead],
+        ),
+        (
+            Generation::Three,
+            Wiring {
+                swapped: true,
+                ..sold
+            },
+            [Swapped, Swapped],
+        ),
+    ] {
+        let emulator = Emulator::start(&Settings {
+            wiring,
+            ..Settings::of(generation, generation.usual_board())
+        })
+        .unwrap();
+        let options = Options::of(generation, Calibration::Retracted, SLOW).unwrap();
+        let mut device = TwoDiy::open(&emulator.path(), &options, MonotonicClock::new()).unwrap();
+        // Where the machine is busy the emulated arm may stand still in the middle of a pulse. What is
+        // wired wrong stays so, and is found at the second or third time.
+        let mut checks = Vec::new();
+        while checks.last() != Some(&verdicts) && checks.len() < 3 {
+            let checked = device.check_motors(&StopFlag::new()).unwrap();
+            eprintln!("{generation:?} {wiring:?} {checked:?}");
+            checks.push(checked.map(|checked| checked.verdict));
+        }
+        assert_eq!(
+            checks.last(),
+            Some(&verdicts),
+            "{generation:?} {wiring:?} {checks:?}"
+        );
+        wait_until("no torque", || is_none(emulator.torques()));
+        let most = emulator
+            .seen()
+            .iter()
+            .flat_map(|seen| seen.torques)
+            .fold(0.0_f64, |most, torque| most.max(torque.abs()));
+        assert!(most < 0.031, "{most}");
+    }
+}
+
+#[test]
+fn a_check_that_is_ended_in_a_pulse_ends_it() {
+    let _alone = alone();
+    let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
+    let mut device = open_in_the_middle(&emulator, SLOW);
+    let stop = StopFlag::new();
+    std::thread::scope(|scope| {
+        let ended = scope.spawn(|| {
+            wait_until("a pulse", || !is_none(emulator.torques()));
+            stop.raise();
+        });
+        assert_eq!(device.check_motors(&stop), Err(Unchecked::Stopped));
+        ended.join().unwrap();
+    });
+    wait_until("no torque", || is_none(emulator.torques()));
+    device.close().unwrap();
+}

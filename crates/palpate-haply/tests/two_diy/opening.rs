@@ -1,0 +1,170 @@
+use palpate_haply::two_diy::emulator::Wiring;
+use palpate_haply::two_diy::{LARGEST_TORQUE, OpenError};
+use palpate_testbed::pantograph::kinematics::Geometry;
+
+use super::*;
+
+#[test]
+fn every_generation_opens_on_every_board_and_makes_the_force_it_is_asked_for() {
+    let _alone = alone();
+    for generation in Generation::ALL {
+        for board in Board::ALL {
+            for strict in [true, false] {
+                let what = format!("{generation:?} {board:?} strict {strict}");
+                let emulator = Emulator::start(&Settings {
+                    strict,
+                    ..Settings::of(generation, board)
+                })
+                .unwrap();
+                let options = Options {
+                    board: Some(board),
+                    ..Options::of(generation, Calibration::Retracted, SLOW).unwrap()
+                };
+                let mut device =
+                    TwoDiy::open(&emulator.path(), &options, MonotonicClock::new()).unwrap();
+                let quantum = board.quantum(&options.layout, 0);
+                let reading = device
+                    .read()
+                    .unwrap_or_else(|error| panic!("{what}: {error}"));
+                for (read, true_angle) in device.angles().into_iter().zip(emulator.angles()) {
+                    let off = f64::from(read) - true_angle;
+                    assert!(off.abs() <= 1.01 * quantum, "{what}: {off}");
+                }
+                // The judge's kinematics, not the driver's.
+                let links = options.layout.geometry;
+                let judge = Geometry::new(links.proximal, links.distal, links.base).unwrap();
+                let angles = device.angles().map(|angle| f64::from(angle).to_radians());
+                let pose = judge.forward(angles).unwrap();
+                for k in 0..2 {
+                    assert!(
+                        (reading.position[k] - pose.position[k]).abs() < 1e-9,
+                        "{what}"
+                    );
+                }
+                let force = [0.3, 0.2];
+                let given = device.write([force[0], force[1], 0.0]).unwrap();
+                for k in 0..2 {
+                    assert!((given[k] - force[k]).abs() < 0.01, "{what}: {given:?}");
+                }
+                let asked = pose.torques(force);
+                wait_until(&what, || !is_none(emulator.torques()));
+                let step = f64::from(LARGEST_TORQUE) / board.duty_steps();
+                for (held, asked) in emulator.torques().into_iter().zip(asked) {
+                    assert!((held - asked).abs() < 1.01 * step, "{what}: {held} {asked}");
+                }
+                device.close().unwrap();
+                assert!(is_none(emulator.torques()), "{what}");
+                came_whole_and_without_torque_at_resets(&emulator.seen());
+            }
+        }
+    }
+}
+
+#[test]
+fn the_board_is_found_by_its_first_angles() {
+    let _alone = alone();
+    for (generation, board, found) in [
+        (Generation::Three, Board::M0, Board::M0),
+        (Generation::Three, Board::M3, Board::M3),
+        // No different from an M3 for a driver.
+        (Generation::Three, Board::DevKit, Board::M3),
+        (Generation::Two, Board::M0, Board::M0),
+        (Generation::Two, Board::M3, Board::M3),
+        // 180 and 0 degrees are whole counts of all of them.
+        (Generation::One, Board::M0, Board::M3),
+    ] {
+        let emulator = Emulator::start(&Settings::of(generation, board)).unwrap();
+        let options = Options::of(generation, Calibration::Retracted, SLOW).unwrap();
+        let device = TwoDiy::open(&emulator.path(), &options, MonotonicClock::new()).unwrap();
+        assert_eq!(device.board(), found, "{generation:?} {board:?}");
+    }
+}
+
+#[test]
+fn a_board_told_wrong_and_a_device_that_is_not_there_are_named() {
+    let _alone = alone();
+    let emulator = Emulator::start(&Settings::of(Generation::Three, Board::M3)).unwrap();
+    let options = Options {
+        board: Some(Board::M0),
+        ..Options::of(Generation::Three, Calibration::Retracted, SLOW).unwrap()
+    };
+    let open = |path: &std::path::Path, options: &Options| {
+        TwoDiy::open(path, options, MonotonicClock::new()).unwrap_err()
+    };
+    let error = open(&emulator.path(), &options);
+    assert!(
+        matches!(
+            error,
+            OpenError::OtherBoard {
+                found: Board::M3,
+                ..
+            }
+        ),
+        "{error}"
+    );
+    let missing = open("/dev/tty-no-such".as_ref(), &options);
+    assert!(matches!(missing, OpenError::NotThere(_)), "{missing}");
+    let file = open(env!("CARGO_MANIFEST_PATH").as_ref(), &options);
+    assert!(matches!(file, OpenError::NotSerial(_)), "{file}");
+    let extended = Options::of(Generation::Two, Calibration::Extended, SLOW).unwrap_err();
+    assert!(matches!(extended, OpenError::NotPublished), "{extended}");
+    let unreachable = Calibration::At([180.0, 10.0]);
+    let pose = Options::of(Generation::One, unreachable, SLOW);
+    assert!(pose.is_ok(), "{pose:?}");
+    let singular = Options::of(Generation::Two, Calibration::At([90.0, 90.0]), SLOW);
+    assert!(
+        matches!(singular, Err(OpenError::StartPose(_))),
+        "{singular:?}"
+    );
+}
+
+/// Somebody was killed while a torque was on, in the middle of a packet.
+#[test]
+fn a_board_left_with_a_torque_in_the_middle_of_a_packet_is_taken_over_without_one() {
+    let _alone = alone();
+    for cut in [0, 1, 3, 9] {
+        let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
+        let mut device = open_in_the_middle(&emulator, SLOW);
+        device.read().unwrap();
+        device.write([0.0, 1.0, 0.0]).unwrap();
+        wait_until("the torque", || !is_none(emulator.torques()));
+        // Killed: nothing runs any more.
+        std::mem::forget(device);
+        let stray = palpate_haply::two_diy::packet::state(&Generation::Three.layout(), [0.1, 0.1]);
+        std::io::Write::write_all(
+            &mut std::fs::File::options()
+                .write(true)
+                .open(emulator.path())
+                .unwrap(),
+            &stray[..cut],
+        )
+        .unwrap();
+        std::thread::sleep(Duration::from_millis(50));
+        let mut device = open_in_the_middle(&emulator, SLOW);
+        device.read().unwrap();
+        assert!(is_none(emulator.torques()), "{cut}");
+        let seen = emulator.seen();
+        let resets = seen.iter().filter(|seen| seen.did == Did::Reset);
+        if cut == 0 {
+            assert!(resets.clone().count() > 0);
+            for reset in resets {
+                assert!(is_none(reset.torques), "{reset:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_wrong_start_pose_is_no_secret_of_the_wiring() {
+    let _alone = alone();
+    // The arm is elsewhere than it is said to be: nothing can tell. But a hand that moves it
+    // between SETUP and the first answer is noticed.
+    let emulator = Emulator::start(&Settings {
+        wiring: Wiring::default(),
+        ..in_the_middle(Hand::Push([30.0, 0.0]))
+    })
+    .unwrap();
+    let options = Options::of(Generation::Three, Calibration::At(MIDDLE), SLOW).unwrap();
+    let error = TwoDiy::open(&emulator.path(), &options, MonotonicClock::new()).unwrap_err();
+    assert!(matches!(error, OpenError::NotInPose { .. }), "{error}");
+}

@@ -1,0 +1,71 @@
+use palpate_io::recording::Flags;
+use palpate_rt::LoopThread;
+use palpate_rt::StopFlag;
+use palpate_rt::realtime::Request;
+use palpate_rt::{Told, tap};
+
+use super::*;
+
+const MILLISECOND: Duration = Duration::from_millis(1);
+
+/// The whole way: the hand presses, the wall holds it, at 1 kHz.
+#[test]
+fn a_wall_holds_a_hand() {
+    let _alone = alone();
+    let hand = Hand::at(THERE).swaying([0.0, 0.01], 0.5);
+    let emulator = Emulator::start(&Settings {
+        hand_waits: true,
+        ..in_the_middle(hand)
+    })
+    .unwrap();
+    let device = open_in_the_middle(&emulator, MILLISECOND);
+    let (tap, listener) = tap(1 << 13);
+    let control = wall(device, 300.0, MILLISECOND, 1.5).tapped(tap);
+    let clock = MonotonicClock::new();
+    let running = LoopThread::start(
+        control,
+        &clock,
+        Request::nothing(),
+        &StopFlag::new(),
+        Some(3000),
+    )
+    .unwrap();
+    let end = running.join();
+    assert_eq!(end.panic, None);
+    drop(end);
+    assert!(is_none(emulator.torques()));
+    let ticks: Vec<_> = listener
+        .filter_map(|told| match told {
+            Told::Tick(tick) => Some(tick),
+            Told::Note(_) => None,
+        })
+        .collect();
+    let fresh: Vec<_> = ticks
+        .iter()
+        .filter(|tick| !tick.flags.has(Flags::DEVICE_FAULT))
+        .collect();
+    // A busy machine answers late now and then.
+    assert!(
+        2 * fresh.len() > ticks.len(),
+        "{} of {}",
+        fresh.len(),
+        ticks.len()
+    );
+    let pressing = fresh.iter().filter(|tick| tick.force_on_device < -0.3);
+    assert!(pressing.count() > fresh.len() / 5);
+    // 18 mm by the hand alone; 200 N/m against 300 leave 7 of them. A busy machine makes it lose the
+    // wall now and then.
+    let mut depths: Vec<_> = fresh.iter().map(|tick| tick.penetration).collect();
+    depths.sort_by(f64::total_cmp);
+    let deep = depths[depths.len() * 9 / 10];
+    assert!((0.004..0.012).contains(&deep), "{deep}");
+    for tick in &fresh {
+        let asked = -tick.force_on_object;
+        if tick.flags.has(Flags::SAFETY_LIMITED) || tick.force_on_device == 0.0 {
+            continue;
+        }
+        // A step of the duty on each motor, and no more.
+        assert!((tick.force_on_device - asked).abs() < 0.01, "{tick:?}");
+    }
+    came_whole_and_without_torque_at_resets(&emulator.seen());
+}
