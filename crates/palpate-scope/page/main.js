@@ -1,0 +1,210 @@
+// Puts the page together.
+
+import { Banners } from "./banners.js";
+import { Charts } from "./charts.js";
+import { Contact } from "./contact.js";
+import { Hand } from "./hand.js";
+import { Link } from "./link.js";
+import { Methods } from "./methods.js";
+import { Model } from "./model.js";
+import { Pace } from "./pace.js";
+import { readSamples, say } from "./protocol.js";
+import { Scene } from "./scene.js";
+import { Status, aboutBuffer } from "./status.js";
+import { onThemeChange, readTheme } from "./theme.js";
+import { Toolbar } from "./toolbar.js";
+import { View } from "./view.js";
+
+// Somebody who wants less motion sees the charts go on this often.
+const STILL_S = 0.5;
+const READ_OUT_S = 0.1;
+
+const place = (id) => document.getElementById(id);
+const still = matchMedia("(prefers-reduced-motion: reduce)");
+const wide = matchMedia("(min-width: 900px)");
+
+readTheme();
+const model = new Model();
+const view = new View();
+const banners = new Banners(place("banners"));
+const scene = new Scene(place("scene"), model);
+const charts = new Charts(place("charts"), model, view, changed);
+const toolbar = new Toolbar(place, { model, view, scene, charts }, changed);
+const status = new Status({ table: place("status"), served: place("served"), recording: place("recording") }, model);
+
+// Of several changes of a value within a frame of the screen the last counts.
+let pending = null;
+const methods = new Methods(place("lanes"), model, send);
+const contact = new Contact(place("contact"), model, (message) => {
+  pending = { ...pending, ...message };
+});
+const hand = new Hand(place("scene"), scene, model, send);
+let fit = false;
+
+const link = new Link(location.search, {
+  open() {
+    banners.show("lost", null);
+  },
+  text: (message) => model.take(message),
+  samples: (bytes) => model.takeSamples(readSamples(bytes, model.names.length), view.keepFromS),
+  lost(why, waitMs) {
+    const wait = waitMs < 1000 ? "at once" : `in ${Math.round(waitMs / 1000)} s`;
+    const text = `The server is gone: ${why}. The curves stay; trying again ${wait}.`;
+    banners.show("lost", text, { label: "Try now", act: () => link.open() });
+    connection("lost", "not connected");
+  },
+  wrong(error) {
+    console.error(error);
+    banners.show("wrong", `What the server has said is not understood: ${error.message}.`);
+  },
+});
+
+function send(message) {
+  return link.say(message);
+}
+
+function connection(kind, text) {
+  place("connection").dataset.kind = kind;
+  place("connection").textContent = text;
+}
+
+/** Another stretch of time is to be seen. */
+function changed() {
+  fit = true;
+  toolbar.take();
+  charts.redraw();
+}
+
+model.addEventListener("hello", ({ detail: { isNew } }) => {
+  connection("live", "live");
+  banners.show("wrong", null);
+  status.anew();
+  if (isNew) {
+    build();
+  }
+});
+
+/** Makes what depends on what hello has told. */
+function build() {
+  const { title, device } = model.hello;
+  document.title = `${title} – palpate`;
+  place("title").textContent = title;
+  methods.build();
+  contact.build();
+  charts.build();
+  scene.begin();
+  toolbar.take();
+  place("let-go").hidden = !device.pointer;
+  place("keys").textContent = device.pointer
+    ? "Drag to move the hand, or use the arrow keys; Escape lets go."
+    : `${device.name}: this device is not led from here.`;
+}
+
+model.addEventListener("state", () => {
+  const { state } = model;
+  methods.take(state);
+  contact.take(state);
+  charts.name();
+  place("record").setAttribute("aria-pressed", String(state.recording !== null));
+  status.takeRecording();
+  [0, 1].forEach((lane) => {
+    const { method, trip } = state.lanes[lane] ?? {};
+    const rearm = { label: "Rearm", act: () => send(say.rearm(lane)) };
+    banners.show(`trip-${lane + 1}`, trip ? `${method}: no force, because ${trip}.` : null, rearm);
+  });
+});
+
+model.addEventListener("anew", () => {
+  view.anew();
+  status.anew();
+  changed();
+});
+
+model.addEventListener("status", () => status.take());
+
+model.addEventListener("refused", ({ detail: { about, text } }) => {
+  if (about !== "set" || !model.state) {
+    banners.show("refused", `Refused: ${text}.`, { label: "Close", act: () => banners.show("refused", null) });
+  } else if (!contact.refuse(text)) {
+    methods.refuse(text);
+  }
+});
+
+model.addEventListener("ended", ({ detail }) => {
+  const isOver = detail !== null;
+  banners.show("ended", isOver ? `The loop is over: ${detail}.` : null);
+  connection(isOver ? "ended" : "live", isOver ? "over" : "live");
+});
+
+model.addEventListener("note", ({ detail: { lane, t_s, kind, text } }) => {
+  const item = document.createElement("li");
+  const when = document.createElement("span");
+  when.className = `lane-${lane + 1}`;
+  when.textContent = `${t_s.toFixed(3)} s`;
+  item.append(when, ` ${kind}: ${text}`);
+  const list = place("note-list");
+  list.prepend(item);
+  while (list.children.length > 200) {
+    list.lastChild.remove();
+  }
+  place("note-count").textContent = `(${list.children.length})`;
+});
+
+place("record").addEventListener("click", () => send(say.record(model.state?.recording === null)));
+place("restart").addEventListener("click", () => send(say.restart()));
+place("let-go").addEventListener("click", () => hand.letGo());
+
+onThemeChange(() => charts.redraw());
+
+function fold() {
+  place("panel").open = wide.matches;
+}
+wide.addEventListener("change", fold);
+fold();
+
+const counted = { allFrames: 0, frames: 0, sinceMs: performance.now(), drawMs: 0, perSecond: NaN, drawMsEach: NaN };
+let lastMs = performance.now();
+const pace = new Pace();
+let drawnS = -Infinity;
+let readS = -Infinity;
+
+function frame(nowMs) {
+  requestAnimationFrame(frame);
+  const begun = performance.now();
+  const nowS = nowMs / 1000;
+  view.follow(model.newestS, (nowMs - lastMs) / 1000);
+  const isTurn = pace.next(nowMs - lastMs);
+  lastMs = nowMs;
+  hand.flush();
+  if (pending) {
+    send(pending);
+    pending = null;
+  }
+  scene.draw(nowS, still.matches);
+  if (model.hello && (fit || (still.matches ? nowS - drawnS >= STILL_S : isTurn))) {
+    drawnS = nowS;
+    charts.draw(nowS, fit);
+    fit = false;
+  }
+  if (model.hello && nowS - readS >= READ_OUT_S) {
+    readS = nowS;
+    charts.read();
+    hand.describe();
+    place("buffer").textContent = aboutBuffer(model, view);
+  }
+  counted.allFrames += 1;
+  counted.frames += 1;
+  counted.drawMs += performance.now() - begun;
+  const passed = nowMs - counted.sinceMs;
+  if (passed >= 1000) {
+    counted.perSecond = (1000 * counted.frames) / passed;
+    counted.drawMsEach = counted.drawMs / counted.frames;
+    Object.assign(counted, { frames: 0, drawMs: 0, sinceMs: nowMs });
+    status.screenRate = counted.perSecond;
+    status.serve();
+  }
+}
+requestAnimationFrame(frame);
+
+// To look at from the console, and for tests; nothing here reads it.
+globalThis.palpate = { model, view, scene, charts, counted, link };

@@ -1,0 +1,26 @@
+// How often the charts are drawn: as often as the screen where that is cheap. Where it is not, the scene and the hand come
+// first, and the charts leave frames out.
+
+const MOST_LEFT_OUT = 6;
+const FRAME_MS = 1000 / 60;
+
+export class Pace {
+  constructor() {
+    this.leftOut = 0;
+    this.leaveOut = 0;
+    this.drewLast = false;
+  }
+
+  /** With each frame: whether the charts are drawn in it, given how long the one before has lasted [ms]. */
+  next(lastedMs) {
+    if (this.drewLast) {
+      // A frame that took three times as long as it should leaves two to the scene.
+      const wanted = Math.max(0, Math.min(MOST_LEFT_OUT, Math.round(lastedMs / FRAME_MS) - 1));
+      this.leaveOut = wanted;
+      this.leftOut = 0;
+    }
+    this.drewLast = this.leftOut >= this.leaveOut;
+    this.leftOut += 1;
+    return this.drewLast;
+  }
+}

@@ -1,0 +1,120 @@
+// How the loop keeps time, what was lost, who looks on, and what is being recorded.
+
+import { bytes, digits, duration, quantity } from "./si.js";
+
+// The rate is taken over this many reports, two a second.
+const REPORTS = 5;
+
+/**
+ * The rate that a lane has really reached between two reports [Hz]: by the loop's own time, since reports wait on their
+ * way. NaN where there is nothing to tell it by.
+ */
+export function rate(before, after, lane) {
+  const ticks = (after?.lanes[lane]?.ticks ?? NaN) - (before?.lanes[lane]?.ticks ?? NaN);
+  const passedS = after?.atS[lane] - before?.atS[lane];
+  return ticks >= 0 && passedS > 0 ? ticks / passedS : NaN;
+}
+
+const COLUMNS = [
+  { title: "Rate", about: "ticks per second, really reached", of: (_, r) => (r === r ? `${digits(r, 4)} Hz` : "–") },
+  { title: "Late, 99 %", about: "99 of 100 ticks began no later than this", of: (lane) => seconds(lane.lateness_s?.p99) },
+  { title: "Tick, 99 %", about: "99 of 100 ticks took no longer than this", of: (lane) => seconds(lane.tick_s?.p99) },
+  { title: "Missed", about: "deadlines that were missed", of: (lane) => count(lane.missed_deadlines) },
+  { title: "No sample", about: "ticks without a fresh sample of the device", of: (lane) => count(lane.without_sample) },
+  { title: "Cut", about: "times the supervisor commanded no force", of: (lane) => count(lane.supervisor_cuts) },
+  { title: "Untold", about: "ticks that found no room on their way to the scope", of: (lane) => count(lane.untold) },
+];
+
+export class Status {
+  /** @param {{table: HTMLTableElement, served: HTMLElement, recording: HTMLElement}} places */
+  constructor(places, model) {
+    this.places = places;
+    this.model = model;
+    this.reports = [];
+    this.screenRate = NaN;
+    const head = places.table.createTHead().insertRow();
+    head.append(cell("td", ""), ...COLUMNS.map(({ title, about }) => cell("th", title, about)));
+    this.body = places.table.createTBody();
+  }
+
+  /** Forgets earlier reports: the server has begun anew. */
+  anew() {
+    this.reports = [];
+  }
+
+  take() {
+    const { model } = this;
+    this.reports.push(model.status);
+    this.reports.splice(0, this.reports.length - REPORTS);
+    const rows = model.status.lanes.map((lane, i) => {
+      const row = document.createElement("tr");
+      const name = cell("th", model.state?.lanes[i]?.method ?? "");
+      name.scope = "row";
+      name.className = `lane-${i + 1}`;
+      row.append(name, ...COLUMNS.map(({ of }) => cell("td", of(lane, rate(this.reports[0], model.status, i)))));
+      return row;
+    });
+    this.body.replaceChildren(...rows);
+    this.takeRecording();
+    this.serve();
+  }
+
+  serve() {
+    const { model, screenRate } = this;
+    const clients = model.status?.clients ?? 0;
+    const parts = [
+      `${clients} ${clients === 1 ? "page" : "pages"} looking on`,
+      `${model.droppedFrames} frames dropped on the way here`,
+      Number.isNaN(screenRate) ? "" : `${Math.round(screenRate)} pictures per second`,
+    ];
+    this.places.served.textContent = parts.filter(Boolean).join(" · ");
+  }
+
+  takeRecording() {
+    const { state, status, recordedFiles } = this.model;
+    const told = status?.recording;
+    let text = "";
+    if (state?.recording) {
+      const parts = [`Recording ${recordedFiles.join(", ")}`];
+      if (told) {
+        parts.push(`${count(told.ticks)} ticks`, `${count(told.lost)} lost`, bytes(told.bytes));
+        this.lastRecording = told;
+      }
+      text = parts.join(" · ");
+    } else if (recordedFiles.length > 0) {
+      const last = this.lastRecording;
+      text = `Recorded ${recordedFiles.join(", ")}${last?.lost ? ` · ${count(last.lost)} ticks lost` : ""}`;
+    }
+    const failed = told?.failed ?? null;
+    this.places.recording.textContent = failed ? `Recording has failed: ${failed}` : text;
+    this.places.recording.classList.toggle("refused", failed !== null);
+  }
+}
+
+function cell(kind, text, about = "") {
+  const made = document.createElement(kind);
+  made.textContent = text;
+  if (about) {
+    made.title = about;
+  }
+  return made;
+}
+
+function seconds(value) {
+  return value === undefined || value === null ? "–" : quantity(value, "s");
+}
+
+function count(value) {
+  return value === undefined || value === null ? "–" : value.toLocaleString("en").replaceAll(",", "\u202f");
+}
+
+/** How much is in the buffer, and what a pause does to it. */
+export function aboutBuffer(model, view) {
+  if (!view.paused) {
+    return "";
+  }
+  const since = Math.max(0, model.newestS - view.edgeS);
+  const more = Number.isNaN(since) ? "" : `; ${duration(since)} more have come in since`;
+  const full = model.refusedRows > 0 ? " The buffer is full: what comes now is not kept until you go on." : "";
+  return `Paused at ${digits(view.edgeS, 4)} s${more}.${full} Drag across a chart to zoom, double-click to see all.`;
+}

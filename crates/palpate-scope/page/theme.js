@@ -1,0 +1,23 @@
+// Colours and fonts for what is drawn on a canvas, from the style sheet: light and dark are chosen there only.
+
+const NAMES = ["paper", "panel", "ink", "quiet", "rule", "grid", "solid", "alarm", "lane-1", "lane-2"];
+
+export const theme = { lanes: [] };
+
+/** Reads the colours anew. */
+export function readTheme() {
+  const style = getComputedStyle(document.documentElement);
+  for (const name of NAMES) {
+    theme[name] = style.getPropertyValue(`--${name}`).trim();
+  }
+  theme.lanes = [theme["lane-1"], theme["lane-2"]];
+  theme.font = getComputedStyle(document.body).fontFamily;
+}
+
+/** Calls back when light becomes dark, or the other way round. */
+export function onThemeChange(callback) {
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+    readTheme();
+    callback();
+  });
+}

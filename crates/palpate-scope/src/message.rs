@@ -1,0 +1,377 @@
+//! What page and server tell each other in text; `docs/scope.md` has every field.
+
+use palpate_sim::method::MethodName;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::{Map, Value};
+
+/// What a client asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Wish {
+    /// Where the pointer's hand wants to be `[m]`; none lets go.
+    Hand(Option<f64>),
+    /// What is to be rendered.
+    Set(Set),
+    /// Loops, devices and objects begin again.
+    Restart,
+    /// Ends a trip that stays.
+    Rearm(usize),
+    /// Begins or ends a recording.
+    Record(bool),
+}
+
+/// What is to be rendered; what is not given stays.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Set {
+    /// Stiffness `[N/m]`.
+    pub stiffness_n_per_m: Option<f64>,
+    /// Mass `[kg]`; null is a wall.
+    #[serde(default, deserialize_with = "given")]
+    pub mass_kg: Option<Option<f64>>,
+    /// Virtual force on the object `[N]`.
+    pub virtual_force_n: Option<f64>,
+    /// Period `[s]`.
+    pub period_s: Option<f64>,
+    /// Methods, one for each lane.
+    pub lanes: Option<Vec<LaneChoice>>,
+}
+
+/// Method of a lane.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LaneChoice {
+    /// The method.
+    #[serde(serialize_with = "by_name")]
+    pub method: MethodName,
+    /// Its damping `[N s/m]`; none is the method's own default.
+    #[serde(default)]
+    pub damping_n_s_per_m: Option<f64>,
+}
+
+fn by_name<S: Serializer>(method: &MethodName, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(method.name())
+}
+
+/// A value that is there, be it null.
+fn given<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Option<f64>>, D::Error> {
+    Option::deserialize(deserializer).map(Some)
+}
+
+/// What becomes of a text.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Heard {
+    /// It is a wish.
+    Wish(Wish),
+    /// It is one with wrong values: its type, and what is wrong.
+    Refused(&'static str, String),
+    /// It is nothing that this server knows.
+    Unknown(&'static str),
+}
+
+/// The types that are known.
+const TYPES: [&str; 5] = ["hand", "set", "restart", "rearm", "record"];
+
+/// Understands a text.
+#[must_use]
+pub fn hear(text: &str) -> Heard {
+    let Ok(Value::Object(mut fields)) = serde_json::from_str(text) else {
+        return Heard::Unknown("a JSON object is needed");
+    };
+    let given = fields.remove("type");
+    let Some(kind) = TYPES
+        .into_iter()
+        .find(|kind| given.as_ref().and_then(Value::as_str) == Some(kind))
+    else {
+        return Heard::Unknown("its type is none of hand, set, restart, rearm, record");
+    };
+    match wish(kind, fields) {
+        Ok(wish) => Heard::Wish(wish),
+        Err(text) => Heard::Refused(kind, text),
+    }
+}
+
+fn wish(kind: &str, fields: Map<String, Value>) -> Result<Wish, String> {
+    #[derive(Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Hand {
+        #[serde(deserialize_with = "Option::deserialize")]
+        position_m: Option<f64>,
+    }
+    #[derive(Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Nothing {}
+    #[derive(Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Rearm {
+        lane: usize,
+    }
+    #[derive(Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Record {
+        on: bool,
+    }
+    fn read<T: serde::de::DeserializeOwned>(fields: Map<String, Value>) -> Result<T, String> {
+        serde_json::from_value(Value::Object(fields)).map_err(|error| error.to_string())
+    }
+    Ok(match kind {
+        "hand" => Wish::Hand(read::<Hand>(fields)?.position_m),
+        "set" => Wish::Set(read(fields)?),
+        "rearm" => Wish::Rearm(read::<Rearm>(fields)?.lane),
+        "record" => Wish::Record(read::<Record>(fields)?.on),
+        _ => {
+            read::<Nothing>(fields)?;
+            Wish::Restart
+        }
+    })
+}
+
+/// What the server says.
+#[derive(Clone, Debug, Serialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub enum Said<'a> {
+    /// First of all.
+    Hello {
+        /// Version of what is said here.
+        protocol: u32,
+        /// Version of palpate.
+        version: &'a str,
+        /// Title of the scene.
+        title: &'a str,
+        /// Columns of the samples.
+        columns: Vec<Column>,
+        /// Methods there are.
+        methods: Vec<Method>,
+        /// What may be set.
+        limits: crate::settings::Limits,
+        /// The device.
+        device: DeviceSaid<'a>,
+        /// 1 if the object lies at greater positions than the device, else -1.
+        side: i8,
+        /// What to show of the axis at first `[m]`.
+        view_m: [f64; 2],
+    },
+    /// After the greeting, and whenever it changes.
+    State {
+        /// Stiffness `[N/m]`.
+        stiffness_n_per_m: f64,
+        /// Mass `[kg]`; none is a wall.
+        mass_kg: Option<f64>,
+        /// Virtual force on the object `[N]`.
+        virtual_force_n: f64,
+        /// Period `[s]`.
+        period_s: f64,
+        /// The lanes.
+        lanes: Vec<LaneState>,
+        /// The recording that is being made.
+        recording: Option<RecordingState>,
+        /// Where the hand wants to be `[m]`.
+        hand_m: Option<f64>,
+    },
+    /// Twice a second.
+    Status {
+        /// How many are served.
+        clients: usize,
+        /// The lanes.
+        lanes: Vec<LaneStatus>,
+        /// The recording that is being made.
+        recording: Option<RecordingStatus>,
+    },
+    /// Something that happened.
+    Note {
+        /// Lane, from 0.
+        lane: usize,
+        /// When `[s]`.
+        t_s: f64,
+        /// What kind of thing.
+        kind: &'a str,
+        /// What.
+        text: &'a str,
+    },
+    /// What is wrong with a message.
+    Refused {
+        /// Its type.
+        about: &'a str,
+        /// What is wrong, and what is allowed.
+        text: &'a str,
+    },
+    /// The loop is over.
+    Ended {
+        /// Why.
+        text: &'a str,
+    },
+}
+
+impl Said<'_> {
+    /// As it is sent.
+    #[must_use]
+    pub fn text(&self) -> String {
+        // Keys are strings and nothing else can fail.
+        serde_json::to_string(self).unwrap_or_default()
+    }
+}
+
+/// A column of the samples.
+#[derive(Clone, Debug, Serialize)]
+pub struct Column {
+    /// Its name.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+}
+
+/// A method that can be chosen.
+#[derive(Clone, Debug, Serialize)]
+pub struct Method {
+    /// Its name.
+    pub name: &'static str,
+    /// What it is.
+    pub title: &'static str,
+    /// Whether it takes a damping.
+    pub damping: bool,
+}
+
+/// The device.
+#[derive(Clone, Debug, Serialize)]
+pub struct DeviceSaid<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Its axes.
+    pub axes: usize,
+    /// Whether the page leads it.
+    pub pointer: bool,
+    /// The most that may reach it `[N]`, if it says so.
+    pub largest_force_n: Option<f64>,
+    /// How many lanes it can have.
+    pub lanes: usize,
+}
+
+/// A lane of the state.
+#[derive(Clone, Debug, Serialize)]
+pub struct LaneState {
+    /// What it renders by.
+    #[serde(flatten)]
+    pub choice: LaneChoice,
+    /// Whether its loop runs.
+    pub running: bool,
+    /// What holds its force at none, if something does.
+    pub trip: Option<String>,
+}
+
+/// The recording of the state.
+#[derive(Clone, Debug, Serialize)]
+pub struct RecordingState {
+    /// Names of its files, one for each lane.
+    pub files: Vec<String>,
+    /// Time of the run at which it began `[s]`.
+    pub since_s: f64,
+}
+
+/// A lane of the status.
+#[derive(Clone, Debug, Serialize)]
+pub struct LaneStatus {
+    /// Ticks that were heard of.
+    pub ticks: u64,
+    /// Deadlines that were missed.
+    pub missed_deadlines: u64,
+    /// Ticks without a fresh sample.
+    pub without_sample: u64,
+    /// How often the supervisor has commanded no force.
+    pub supervisor_cuts: u64,
+    /// How late ticks began.
+    pub lateness_s: Spread,
+    /// How long they took.
+    pub tick_s: Spread,
+    /// Ticks that found no room on their way here.
+    pub untold: u64,
+}
+
+/// Of durations `[s]`.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Spread {
+    /// Half do not exceed it.
+    pub median: f64,
+    /// 99 of 100 do not.
+    pub p99: f64,
+    /// None does.
+    pub longest: f64,
+}
+
+/// The recording of the status.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct RecordingStatus {
+    /// Ticks of all lanes.
+    pub ticks: u64,
+    /// Ticks that are missing in it, by number.
+    pub lost: u64,
+    /// Size of its files.
+    pub bytes: u64,
+    /// Why it is written no more, if it is not.
+    pub failed: Option<String>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wishes_are_understood() {
+        let wish = |text: &str| match hear(text) {
+            Heard::Wish(wish) => wish,
+            other => panic!("{text}: {other:?}"),
+        };
+        assert_eq!(
+            wish(r#"{"type":"hand","position_m":0.5}"#),
+            Wish::Hand(Some(0.5))
+        );
+        assert_eq!(
+            wish(r#"{"position_m":null,"type":"hand"}"#),
+            Wish::Hand(None)
+        );
+        assert_eq!(wish(r#"{"type":"restart"}"#), Wish::Restart);
+        assert_eq!(wish(r#"{"type":"rearm","lane":1}"#), Wish::Rearm(1));
+        assert_eq!(wish(r#"{"type":"record","on":true}"#), Wish::Record(true));
+        let set =
+            r#"{"type":"set","mass_kg":null,"lanes":[{"method":"hfcr","damping_n_s_per_m":null}]}"#;
+        assert_eq!(
+            wish(set),
+            Wish::Set(Set {
+                mass_kg: Some(None),
+                lanes: Some(vec![LaneChoice {
+                    method: MethodName::Hfcr,
+                    damping_n_s_per_m: None,
+                }]),
+                ..Set::default()
+            })
+        );
+        assert_eq!(wish(r#"{"type":"set"}"#), Wish::Set(Set::default()));
+    }
+
+    #[test]
+    fn wrong_values_are_refused_and_the_rest_is_unknown() {
+        for (text, about, words) in [
+            (r#"{"type":"hand"}"#, "hand", "position_m"),
+            (r#"{"type":"hand","position_m":"left"}"#, "hand", "f64"),
+            (r#"{"type":"set","mass":1}"#, "set", "unknown field `mass`"),
+            (
+                r#"{"type":"set","lanes":[{"method":"hfc"}]}"#,
+                "set",
+                "did you mean",
+            ),
+            (r#"{"type":"rearm","lane":-1}"#, "rearm", "usize"),
+            (r#"{"type":"restart","now":1}"#, "restart", "now"),
+        ] {
+            match hear(text) {
+                Heard::Refused(kind, why) => {
+                    assert_eq!(kind, about);
+                    assert!(why.contains(words), "{text}: {why}");
+                }
+                other => panic!("{text}: {other:?}"),
+            }
+        }
+        for text in ["", "{", "[]", "3", "{}", r#"{"type":3}"#, r#"{"type":"x"}"#] {
+            assert!(matches!(hear(text), Heard::Unknown(_)), "{text}");
+        }
+        let deep = "[".repeat(4000);
+        assert!(matches!(hear(&deep), Heard::Unknown(_)));
+    }
+}

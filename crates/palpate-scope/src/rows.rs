@@ -1,0 +1,318 @@
+//! From ticks to what a page can draw: few enough rows, and every peak in them.
+
+use palpate_io::recording::{Flags, Tick};
+
+/// Columns of a frame: name and unit. They mean what they mean in recordings.
+pub const COLUMNS: [(&str, &str); 14] = [
+    ("device_position_m", "m"),
+    ("object_position_m", "m"),
+    ("object_velocity_m_per_s", "m/s"),
+    ("penetration_m", "m"),
+    ("force_on_device_n", "N"),
+    ("stored_energy_j", "J"),
+    ("port_work_j", "J"),
+    ("virtual_force_work_j", "J"),
+    ("outside_work_j", "J"),
+    ("leak_original_j", "J"),
+    ("leak_held_j", "J"),
+    ("lateness_s", "s"),
+    ("tick_duration_s", "s"),
+    ("flags", ""),
+];
+
+const WIDTH: usize = COLUMNS.len();
+/// Where the flags stand.
+const FLAGS: usize = WIDTH - 1;
+
+/// Below this period, ticks are taken together `[s]`.
+const SHORTEST: f64 = 0.001;
+/// How long a group lasts at least `[s]`.
+const GROUP: f64 = 0.002;
+/// A period that was rounded is not below another by less than this part.
+const ROUNDING: f64 = 1e-9;
+
+/// The rows of one lane that have not been sent yet.
+#[derive(Clone, Debug)]
+pub struct Rows {
+    period: f64,
+    times: Vec<f64>,
+    rows: Vec<[f32; WIDTH]>,
+    group: Option<Group>,
+}
+
+/// Ticks that are taken together.
+#[derive(Clone, Debug)]
+struct Group {
+    first: f64,
+    last: f64,
+    extremes: [Extremes; WIDTH],
+    flags: Flags,
+}
+
+/// The least and the greatest value of a column, in the order in which they came.
+#[derive(Clone, Copy, Debug)]
+struct Extremes {
+    earlier: f32,
+    later: f32,
+}
+
+impl Extremes {
+    fn at(value: f32) -> Self {
+        Self {
+            earlier: value,
+            later: value,
+        }
+    }
+
+    /// NaN is no value: it neither is an extreme nor hides one.
+    fn add(&mut self, value: f32) {
+        if value.is_nan() {
+            return;
+        }
+        if self.earlier.is_nan() {
+            *self = Self::at(value);
+            return;
+        }
+        let (least, greatest) = (self.earlier.min(self.later), self.earlier.max(self.later));
+        if value < least {
+            *self = Self {
+                earlier: greatest,
+                later: value,
+            };
+        } else if value > greatest {
+            *self = Self {
+                earlier: least,
+                later: value,
+            };
+        }
+    }
+}
+
+impl Rows {
+    /// No rows yet, of a loop with this period `[s]`.
+    #[must_use]
+    pub fn new(period: f64) -> Self {
+        Self {
+            period,
+            times: Vec::new(),
+            rows: Vec::new(),
+            group: None,
+        }
+    }
+
+    /// Adds a tick.
+    pub fn add(&mut self, tick: &Tick) {
+        let values = row(tick);
+        if self.period >= SHORTEST * (1.0 - ROUNDING) {
+            self.times.push(tick.time);
+            self.rows.push(values);
+            return;
+        }
+        let group = self.group.get_or_insert_with(|| Group {
+            first: tick.time,
+            last: tick.time,
+            extremes: values.map(Extremes::at),
+            flags: Flags::default(),
+        });
+        group.last = tick.time;
+        group.flags = group.flags.with(tick.flags, true);
+        for (extremes, value) in group.extremes.iter_mut().zip(values) {
+            extremes.add(value);
+        }
+        if group.last - group.first + self.period >= GROUP * (1.0 - ROUNDING) {
+            self.close_group();
+        }
+    }
+
+    fn close_group(&mut self) {
+        let Some(group) = self.group.take() else {
+            return;
+        };
+        let flags = number(group.flags);
+        let mut earlier = group.extremes.map(|extremes| extremes.earlier);
+        let mut later = group.extremes.map(|extremes| extremes.later);
+        (earlier[FLAGS], later[FLAGS]) = (flags, flags);
+        self.times.extend([group.first, group.last]);
+        self.rows.extend([earlier, later]);
+    }
+
+    /// A frame of the rows there are, with number 0; none if there are none.
+    #[must_use]
+    pub fn take_frame(&mut self, lane: u8, run: u32) -> Option<Frame> {
+        let first = *self.times.first()?;
+        let rows = self.rows.len();
+        let mut bytes = Vec::with_capacity(HEADER + 4 * rows * (1 + WIDTH));
+        bytes.extend([1, lane]);
+        bytes.extend(u16::try_from(WIDTH).unwrap_or(u16::MAX).to_le_bytes());
+        bytes.extend(u32::try_from(rows).unwrap_or(u32::MAX).to_le_bytes());
+        bytes.extend(0_u32.to_le_bytes());
+        bytes.extend(run.to_le_bytes());
+        bytes.extend(first.to_le_bytes());
+        for time in &self.times {
+            bytes.extend(single(time - first).to_le_bytes());
+        }
+        for column in 0..WIDTH {
+            for row in &self.rows {
+                bytes.extend(row[column].to_le_bytes());
+            }
+        }
+        self.times.clear();
+        self.rows.clear();
+        Some(Frame { lane, bytes })
+    }
+}
+
+/// Bytes before the rows.
+const HEADER: usize = 24;
+/// Where a frame's number stands.
+const NUMBER: std::ops::Range<usize> = 8..12;
+
+/// A frame of samples, as `docs/scope.md` lays it out.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// Lane, from 0.
+    pub lane: u8,
+    bytes: Vec<u8>,
+}
+
+impl Frame {
+    /// The bytes of this frame under a number.
+    #[must_use]
+    pub fn numbered(&self, number: u32) -> Vec<u8> {
+        let mut bytes = self.bytes.clone();
+        bytes[NUMBER].copy_from_slice(&number.to_le_bytes());
+        bytes
+    }
+}
+
+fn row(tick: &Tick) -> [f32; WIDTH] {
+    let numbers = [
+        tick.device_position,
+        tick.object_position,
+        tick.object_velocity,
+        tick.penetration,
+        tick.force_on_device,
+        tick.stored_energy,
+        tick.port_work,
+        tick.virtual_force_work,
+        tick.outside_work,
+        tick.original_leak,
+        tick.held_leak,
+        tick.lateness,
+        tick.tick_duration,
+    ];
+    let mut row = [0.0; WIDTH];
+    for (single_value, value) in row.iter_mut().zip(numbers) {
+        *single_value = single(value);
+    }
+    row[FLAGS] = number(tick.flags);
+    row
+}
+
+/// Enough for a screen.
+#[expect(clippy::cast_possible_truncation, reason = "seven digits are shown")]
+fn single(value: f64) -> f32 {
+    value as f32
+}
+
+/// Ten bits, exact in a float.
+fn number(flags: Flags) -> f32 {
+    single(f64::from(flags.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tick(number: u64, period: f64) -> Tick {
+        Tick {
+            sequence: number,
+            time: number as f64 * period,
+            ..Tick::default()
+        }
+    }
+
+    /// Times and one column of a frame.
+    fn read(frame: &Frame, column: usize) -> Vec<(f64, f32)> {
+        let bytes = frame.numbered(7);
+        assert_eq!(bytes[NUMBER], 7_u32.to_le_bytes());
+        let rows = u32::from_le_bytes(bytes[4..8].try_into().unwrap()) as usize;
+        assert_eq!(bytes.len(), HEADER + 4 * rows * (1 + WIDTH));
+        let first = f64::from_le_bytes(bytes[16..24].try_into().unwrap());
+        let float = |index: usize| {
+            let at = HEADER + 4 * index;
+            f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap())
+        };
+        (0..rows)
+            .map(|row| {
+                let time = first + f64::from(float(row));
+                (time, float(rows * (1 + column) + row))
+            })
+            .collect()
+    }
+
+    #[test]
+    fn up_to_a_kilohertz_each_row_is_a_tick() {
+        let mut rows = Rows::new(0.001);
+        for number in 0..20 {
+            rows.add(&Tick {
+                penetration: -1e-3 * number as f64,
+                flags: Flags::CONTACT,
+                ..tick(number, 0.001)
+            });
+        }
+        let frame = rows.take_frame(1, 3).unwrap();
+        let read_back = read(&frame, 3);
+        assert_eq!(read_back.len(), 20);
+        for (number, (time, penetration)) in read_back.iter().enumerate() {
+            assert!((time - 1e-3 * number as f64).abs() < 1e-9);
+            assert!((penetration + 1e-3 * number as f32).abs() < 1e-8);
+        }
+        assert_eq!(read(&frame, FLAGS)[0].1, 1.0);
+        assert!(rows.take_frame(1, 3).is_none());
+    }
+
+    /// A peak of one tick at 4 kHz, up or down, stands in the frame with its place in the order.
+    #[test]
+    fn no_peak_of_a_fast_loop_is_lost() {
+        let period = 1.0 / 4000.0;
+        for peak in 0..64 {
+            for height in [5.0, -5.0] {
+                let mut rows = Rows::new(period);
+                for number in 0..64 {
+                    rows.add(&Tick {
+                        force_on_device: if number == peak { height } else { 0.25 },
+                        flags: Flags::default().with(Flags::FAULT, number == peak),
+                        ..tick(number, period)
+                    });
+                }
+                let frame = rows.take_frame(0, 0).unwrap();
+                let forces = read(&frame, 4);
+                // 8 ticks a group, 2 rows each
+                assert_eq!(forces.len(), 16);
+                let found: Vec<_> = forces
+                    .iter()
+                    .filter(|(_, force)| f64::from(*force) == height)
+                    .collect();
+                assert_eq!(found.len(), 1, "{peak}");
+                assert!((found[0].0 - peak as f64 * period).abs() < 0.002);
+                assert!(forces.windows(2).all(|pair| pair[0].0 <= pair[1].0));
+                let flags = read(&frame, FLAGS);
+                assert!(flags.iter().any(|(_, flags)| *flags == 32.0), "{peak}");
+            }
+        }
+    }
+
+    #[test]
+    fn extremes_come_in_their_order_and_no_value_hides_none() {
+        let of = |values: &[f32]| {
+            let mut extremes = Extremes::at(values[0]);
+            values[1..].iter().for_each(|value| extremes.add(*value));
+            (extremes.earlier, extremes.later)
+        };
+        assert_eq!(of(&[1.0, 3.0, 2.0, -1.0, 0.0]), (3.0, -1.0));
+        assert_eq!(of(&[1.0, -1.0, 3.0, 2.0]), (-1.0, 3.0));
+        assert_eq!(of(&[f32::NAN, 2.0, f32::NAN, 1.0]), (2.0, 1.0));
+        assert!(of(&[f32::NAN, f32::NAN]).0.is_nan());
+    }
+}

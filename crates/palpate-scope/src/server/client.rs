@@ -1,0 +1,179 @@
+//! One client: what is told to it, and what it says.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::sync::mpsc::SyncSender;
+use std::time::Duration;
+
+use axum::body::Bytes;
+use axum::extract::ws::{CloseFrame, Message, WebSocket, close_code};
+use tokio::time::{Instant, sleep_until, timeout};
+
+use crate::hub::{Hub, Outgoing, Seat};
+use crate::message::{Heard, Said, hear};
+use crate::session::Command;
+
+/// Longest message of a client [bytes].
+pub const LONGEST: usize = 4096;
+/// A client that takes nothing for this long is gone.
+const PATIENCE: Duration = Duration::from_secs(10);
+/// A client is asked this often whether it is there.
+const PING_EVERY: Duration = Duration::from_secs(2);
+/// Who answers nothing and says nothing for this long is gone, though its connection may not know: it
+/// must not keep the hand.
+const SILENCE: Duration = Duration::from_secs(10);
+/// How long a client that is sent away may take to say goodbye.
+const GOODBYE: Duration = Duration::from_secs(1);
+/// A client may say this much at once, and then so much each second: more than any hand does.
+const AT_ONCE: f64 = 200.0;
+const PER_SECOND: f64 = 200.0;
+
+/// Too much for the one that is served: what nobody can do anything about.
+type SentAway = CloseFrame;
+
+/// Serves a client until it goes, or is sent away.
+pub async fn serve(mut socket: WebSocket, hub: Arc<Hub>, commands: SyncSender<Command>) {
+    let mut seat = hub.join();
+    let id = seat.id;
+    let why = converse(&mut socket, &mut seat, &hub, &commands).await;
+    hub.leave(id);
+    // It may have to be made to let go of the hand. If the session is gone, so is the hand.
+    let mut gone = Command::Gone(id);
+    while let Err(std::sync::mpsc::TrySendError::Full(again)) = commands.try_send(gone) {
+        gone = again;
+        tokio::time::sleep(Duration::from_millis(5)).await;
+    }
+    if let Some(frame) = why {
+        let goodbye = async {
+            socket.send(Message::Close(Some(frame))).await?;
+            while let Some(Ok(_)) = socket.recv().await {}
+            Ok::<(), axum::Error>(())
+        };
+        // Whoever does not say goodbye is let go all the same.
+        let _ = timeout(GOODBYE, goodbye).await;
+    }
+}
+
+async fn converse(
+    socket: &mut WebSocket,
+    seat: &mut Seat,
+    hub: &Hub,
+    commands: &SyncSender<Command>,
+) -> Option<SentAway> {
+    let mut allowance = Allowance::new();
+    let mut heard = Instant::now();
+    let mut next_ping = heard + PING_EVERY;
+    loop {
+        let listens_from = allowance.from();
+        tokio::select! {
+            () = sleep_until(next_ping) => {
+                next_ping = Instant::now() + PING_EVERY;
+                if heard.elapsed() >= SILENCE {
+                    return None;
+                }
+                let ping = socket.send(Message::Ping(Bytes::new()));
+                if !matches!(timeout(PATIENCE, ping).await, Ok(Ok(()))) {
+                    return None;
+                }
+            }
+            next = seat.queue.recv() => {
+                if seat.is_given_up.load(Ordering::Acquire) {
+                    return Some(away(close_code::AGAIN, "too slow for what is told here"));
+                }
+                let Some(outgoing) = next else {
+                    return Some(away(close_code::AWAY, "palpate live has ended"));
+                };
+                let message = match outgoing {
+                    Outgoing::Text(text) => Message::Text(text),
+                    Outgoing::Samples(number, frame) => {
+                        Message::Binary(frame.numbered(number).into())
+                    }
+                };
+                match timeout(PATIENCE, socket.send(message)).await {
+                    Ok(Ok(())) => {}
+                    // It is gone, or as good as gone.
+                    Ok(Err(_)) | Err(_) => return None,
+                }
+            }
+            said = async { sleep_until(listens_from).await; socket.recv().await } => {
+                allowance.take();
+                heard = Instant::now();
+                let text = match said? {
+                    Ok(Message::Text(text)) if text.len() <= LONGEST => text,
+                    Ok(Message::Text(_)) => return Some(too_long()),
+                    Ok(Message::Binary(_)) => {
+                        return Some(away(close_code::UNSUPPORTED, "text is needed"));
+                    }
+                    Ok(Message::Ping(_) | Message::Pong(_)) => continue,
+                    Ok(Message::Close(_)) => return None,
+                    Err(error) => return wrong(&error),
+                };
+                let refused = match hear(&text) {
+                    Heard::Wish(wish) => commands
+                        .try_send(Command::Wish(seat.id, wish))
+                        .err()
+                        .map(|_| ("", "too much is wished at once; say it again".to_owned())),
+                    Heard::Refused(about, text) => Some((about, text)),
+                    Heard::Unknown(why) => return Some(away(close_code::INVALID, why)),
+                };
+                if let Some((about, text)) = refused {
+                    hub.tell(seat.id, Said::Refused { about, text: &text }.text());
+                }
+            }
+        }
+    }
+}
+
+fn away(code: u16, reason: &'static str) -> SentAway {
+    CloseFrame {
+        code,
+        reason: reason.into(),
+    }
+}
+
+fn too_long() -> SentAway {
+    away(close_code::SIZE, "a message may have 4096 bytes")
+}
+
+/// What is said of a frame that could not be read, if its sender is still there.
+fn wrong(error: &axum::Error) -> Option<SentAway> {
+    let text = error.to_string();
+    if text.contains("too long") || text.contains("Space limit exceeded") {
+        Some(too_long())
+    } else if text.contains("UTF-8") || text.contains("utf-8") {
+        Some(away(close_code::INVALID, "a text is UTF-8"))
+    } else {
+        None
+    }
+}
+
+/// How much a client may still say.
+struct Allowance {
+    left: f64,
+    counted: Instant,
+}
+
+impl Allowance {
+    fn new() -> Self {
+        Self {
+            left: AT_ONCE,
+            counted: Instant::now(),
+        }
+    }
+
+    fn take(&mut self) {
+        let now = Instant::now();
+        let earned = PER_SECOND * (now - self.counted).as_secs_f64();
+        self.left = (self.left + earned).min(AT_ONCE) - 1.0;
+        self.counted = now;
+    }
+
+    /// From when on it is listened to again.
+    fn from(&self) -> Instant {
+        if self.left >= 1.0 {
+            self.counted
+        } else {
+            self.counted + Duration::from_secs_f64((1.0 - self.left) / PER_SECOND)
+        }
+    }
+}

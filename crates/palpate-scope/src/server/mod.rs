@@ -1,0 +1,327 @@
+//! The server: a page, and a WebSocket for each client. It runs on a thread of its own, like everybody
+//! else's.
+
+mod client;
+mod connections;
+mod gate;
+mod page;
+
+use std::convert::Infallible;
+use std::io;
+use std::net::{Ipv4Addr, SocketAddr, SocketAddrV4};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::SyncSender;
+use std::thread::{Builder, JoinHandle};
+use std::time::Duration;
+
+use axum::body::Body;
+use axum::extract::{FromRequestParts, Request, WebSocketUpgrade};
+use axum::http::{HeaderValue, Method, Response, StatusCode, header};
+use hyper::server::conn::http1;
+use hyper::service::service_fn;
+use hyper_util::rt::{TokioIo, TokioTimer};
+use tokio::net::{TcpListener, TcpSocket, TcpStream};
+use tokio::sync::oneshot;
+
+use crate::hub::Hub;
+use crate::session::Command;
+use connections::Connections;
+use gate::{Gate, Refusal};
+
+/// Where it listens if nothing else is said.
+pub const DEFAULT_ADDRESS: SocketAddr =
+    SocketAddr::V4(SocketAddrV4::new(Ipv4Addr::LOCALHOST, 7777));
+/// Most clients.
+const MOST_CLIENTS: usize = 64;
+/// Bytes that wait for a client outside this program: half a second of samples. More would be old.
+const SEND_BUFFER: u32 = 64 << 10;
+/// Connections that wait to be accepted.
+const BACKLOG: u32 = 1024;
+
+/// Why nobody can be served.
+#[derive(Debug, thiserror::Error)]
+pub enum ListenError {
+    /// The address cannot be listened on.
+    #[error("{address}: {source}")]
+    Address {
+        /// The address.
+        address: SocketAddr,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// There is no thread to serve on.
+    #[error("no thread to serve on: {0}")]
+    Thread(io::Error),
+    /// No token can be made.
+    #[error("the system has no randomness for a token: {0}")]
+    Randomness(getrandom::Error),
+}
+
+/// An address that is listened on; nobody is answered yet.
+pub struct Listening {
+    runtime: tokio::runtime::Runtime,
+    listener: TcpListener,
+    address: SocketAddr,
+    gate: Gate,
+}
+
+impl Listening {
+    /// Listens on `address`; `hosts` are names that the server is also called by.
+    ///
+    /// # Errors
+    /// The address is in use or not this machine's, or the system refuses.
+    pub fn on(address: SocketAddr, hosts: Vec<String>) -> Result<Self, ListenError> {
+        let runtime = tokio::runtime::Builder::new_current_thread()
+            .enable_all()
+            .build()
+            .map_err(ListenError::Thread)?;
+        let listen = || {
+            let _inside = runtime.enter();
+            let socket = match address {
+                SocketAddr::V4(_) => TcpSocket::new_v4()?,
+                SocketAddr::V6(_) => TcpSocket::new_v6()?,
+            };
+            socket.set_reuseaddr(true)?;
+            // What is accepted has it from here.
+            socket.set_send_buffer_size(SEND_BUFFER)?;
+            socket.bind(address)?;
+            let listener = socket.listen(BACKLOG)?;
+            let address = listener.local_addr()?;
+            Ok((listener, address))
+        };
+        let (listener, address) =
+            listen().map_err(|source| ListenError::Address { address, source })?;
+        Ok(Self {
+            runtime,
+            listener,
+            address,
+            gate: Gate::new(address, hosts).map_err(ListenError::Randomness)?,
+        })
+    }
+
+    /// The address that is listened on.
+    #[must_use]
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Where the page is, token included.
+    #[must_use]
+    pub fn url(&self) -> String {
+        let token = self.gate.token();
+        let token = token.map_or(String::new(), |token| format!("?token={token}"));
+        format!("http://{}/{token}", self.address)
+    }
+}
+
+/// A server on its thread. Dropping it ends it.
+pub struct Server {
+    stop: Option<oneshot::Sender<()>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// How long clients may take to hear that the server ends.
+const FAREWELL: Duration = Duration::from_millis(300);
+
+impl Server {
+    /// Serves what `hub` tells, and hands on what clients wish.
+    ///
+    /// # Errors
+    /// The system gives no thread.
+    pub fn start(
+        listening: Listening,
+        hub: Arc<Hub>,
+        commands: SyncSender<Command>,
+    ) -> Result<Self, ListenError> {
+        let Listening {
+            runtime,
+            listener,
+            gate,
+            ..
+        } = listening;
+        let (stop, stopped) = oneshot::channel();
+        let served = Arc::new(Served {
+            gate,
+            hub,
+            commands,
+            clients: AtomicUsize::new(0),
+        });
+        let thread = Builder::new()
+            .name("palpate server".to_owned())
+            .spawn(move || {
+                runtime.block_on(async {
+                    accept(listener, served, stopped).await;
+                    tokio::time::sleep(FAREWELL).await;
+                });
+                runtime.shutdown_timeout(Duration::ZERO);
+            })
+            .map_err(ListenError::Thread)?;
+        Ok(Self {
+            stop: Some(stop),
+            thread: Some(thread),
+        })
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        self.stop.take();
+        if let Some(thread) = self.thread.take() {
+            // It has nothing to say.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// What is served, and to whom.
+struct Served {
+    gate: Gate,
+    hub: Arc<Hub>,
+    commands: SyncSender<Command>,
+    clients: AtomicUsize,
+}
+
+async fn accept(listener: TcpListener, served: Arc<Served>, mut stopped: oneshot::Receiver<()>) {
+    let mut connections = Connections::default();
+    loop {
+        let accepted = tokio::select! {
+            accepted = listener.accept() => accepted,
+            _ = &mut stopped => return,
+        };
+        match accepted {
+            Ok((stream, _)) => {
+                let task = tokio::spawn(answer_one(stream, Arc::clone(&served)));
+                connections.add(task.abort_handle());
+            }
+            Err(_) => {
+                // Nothing left to open a connection with, most likely: make some.
+                connections.make_room(0);
+                tokio::time::sleep(Duration::from_millis(20)).await;
+            }
+        }
+    }
+}
+
+/// Answers the one request of a connection.
+async fn answer_one(stream: TcpStream, served: Arc<Served>) {
+    // A frame is to be seen when it comes.
+    let _ = stream.set_nodelay(true);
+    let service = service_fn(move |request: hyper::Request<hyper::body::Incoming>| {
+        let served = Arc::clone(&served);
+        async move { Ok::<_, Infallible>(answer(&served, request.map(Body::new)).await) }
+    });
+    let connection = http1::Builder::new()
+        .timer(TokioTimer::new())
+        .header_read_timeout(connections::HEAD_PATIENCE)
+        .max_buf_size(16 << 10)
+        .serve_connection(TokioIo::new(stream), service)
+        .with_upgrades();
+    // Who asks too slowly, or not in HTTP, gets no more than that.
+    let _ = tokio::time::timeout(connections::PATIENCE, connection).await;
+}
+
+async fn answer(served: &Arc<Served>, request: Request) -> Response<Body> {
+    let mut connect = "ws:".to_owned();
+    let answered = match served.gate.host(request.headers()) {
+        Ok(host) => {
+            connect = format!("ws://{host}");
+            let host = host.to_owned();
+            route(served, request, &host).await
+        }
+        Err(refusal) => Err(refusal),
+    };
+    let mut response = answered.unwrap_or_else(|Refusal(status, text)| {
+        let mut response = Response::new(Body::from(text));
+        *response.status_mut() = status;
+        let plain = HeaderValue::from_static("text/plain; charset=utf-8");
+        response.headers_mut().insert(header::CONTENT_TYPE, plain);
+        response
+    });
+    let policy = format!(
+        "default-src 'self'; connect-src 'self' {connect}; img-src 'self' data:; base-uri 'none'; \
+         form-action 'none'; frame-ancestors 'none'"
+    );
+    let headers = response.headers_mut();
+    // A host that was let in is a header's text already.
+    if let Ok(policy) = HeaderValue::try_from(policy) {
+        headers.insert(header::CONTENT_SECURITY_POLICY, policy);
+    }
+    for (name, value) in [
+        (header::CACHE_CONTROL, "no-cache"),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+        (header::REFERRER_POLICY, "no-referrer"),
+    ] {
+        headers.insert(name, HeaderValue::from_static(value));
+    }
+    if response.status() != StatusCode::SWITCHING_PROTOCOLS {
+        // One request is answered, and a browser opens another connection for its next.
+        let close = HeaderValue::from_static("close");
+        response.headers_mut().insert(header::CONNECTION, close);
+    }
+    response
+}
+
+async fn route(
+    served: &Arc<Served>,
+    request: Request,
+    host: &str,
+) -> Result<Response<Body>, Refusal> {
+    let path = request.uri().path();
+    let page = page::file(path);
+    // Styles and scripts are the same for everybody, and say nothing of the loop.
+    if matches!(path, "/" | "/live") {
+        served.gate.has_token(request.uri())?;
+    }
+    if request.method() != Method::GET {
+        let text = "only GET is answered here\n";
+        return Err(Refusal(StatusCode::METHOD_NOT_ALLOWED, text));
+    }
+    if let Some(file) = page {
+        let mut response = Response::new(Body::from(file.bytes));
+        let kind = HeaderValue::from_static(file.content_type);
+        response.headers_mut().insert(header::CONTENT_TYPE, kind);
+        return Ok(response);
+    }
+    if path != "/live" {
+        return Err(Refusal(StatusCode::NOT_FOUND, "there is no such page\n"));
+    }
+    served.gate.origin(request.headers(), host)?;
+    let Some(place) = Place::take(served) else {
+        let text = "64 clients are served already\n";
+        return Err(Refusal(StatusCode::SERVICE_UNAVAILABLE, text));
+    };
+    let (mut parts, _) = request.into_parts();
+    let upgrade = WebSocketUpgrade::from_request_parts(&mut parts, &())
+        .await
+        .map_err(|_| Refusal(StatusCode::BAD_REQUEST, "this is for a WebSocket\n"))?;
+    Ok(upgrade
+        // A little more than a message may have, so that one a little too long is answered.
+        .max_message_size(2 * client::LONGEST)
+        .max_frame_size(2 * client::LONGEST)
+        .on_upgrade(move |socket| async move {
+            let served = &place.0;
+            let (hub, commands) = (Arc::clone(&served.hub), served.commands.clone());
+            client::serve(socket, hub, commands).await;
+        }))
+}
+
+/// One of the places for clients, until it is dropped.
+struct Place(Arc<Served>);
+
+impl Place {
+    fn take(served: &Arc<Served>) -> Option<Self> {
+        let one_more = |taken| (taken < MOST_CLIENTS).then_some(taken + 1);
+        served
+            .clients
+            .fetch_update(Ordering::AcqRel, Ordering::Acquire, one_more)
+            .ok()
+            .map(|_| Self(Arc::clone(served)))
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        self.0.clients.fetch_sub(1, Ordering::AcqRel);
+    }
+}

@@ -1,0 +1,62 @@
+//! A device that outlives its loop.
+
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use palpate_rt::device::{Capabilities, Device, DeviceError, DeviceErrorKind};
+use palpate_rt::device::{Reading, Vector, ZeroWriter};
+
+/// A device in a loop that gives it back when it goes.
+pub struct Carried {
+    /// Kept apart, so that it can be asked for when the device has been given back.
+    capabilities: Capabilities,
+    device: Option<Box<dyn Device>>,
+    back: Sender<Box<dyn Device>>,
+}
+
+/// Where it is given back.
+pub type Returned = Receiver<Box<dyn Device>>;
+
+impl Carried {
+    /// `device`, and where it will be when its loop is gone.
+    pub fn new(device: Box<dyn Device>) -> (Self, Returned) {
+        let (back, returned) = channel();
+        let carried = Self {
+            capabilities: device.capabilities().clone(),
+            device: Some(device),
+            back,
+        };
+        (carried, returned)
+    }
+
+    fn device(&mut self) -> Result<&mut Box<dyn Device>, DeviceError> {
+        let gone = DeviceError::new(DeviceErrorKind::Disconnected, "it was given back");
+        self.device.as_mut().ok_or(gone)
+    }
+}
+
+impl Device for Carried {
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    fn read(&mut self) -> Result<Reading, DeviceError> {
+        self.device()?.read()
+    }
+
+    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
+        self.device()?.write(force)
+    }
+
+    fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
+        self.device.as_mut()?.zero_writer()
+    }
+}
+
+impl Drop for Carried {
+    fn drop(&mut self) {
+        if let Some(device) = self.device.take() {
+            // Nobody may want it any more.
+            let _ = self.back.send(device);
+        }
+    }
+}

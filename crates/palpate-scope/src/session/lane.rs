@@ -1,0 +1,335 @@
+//! A lane: one loop on a device, and what the scope knows of it.
+
+use std::path::{Path, PathBuf};
+
+use palpate::Placement;
+use palpate_io::recording::{Flags, Tick};
+use palpate_rt::clock::MonotonicClock;
+use palpate_rt::device::Capabilities;
+use palpate_rt::realtime::{Answer, Request};
+use palpate_rt::safety::SafetyParams;
+use palpate_rt::{
+    Account, ControlLoop, Durations, Listener, LoopEnd, LoopThread, Note, Noted, Rendering,
+    StopFlag, Told, tap,
+};
+
+use super::carried::{Carried, Returned};
+use super::recording::{Ending, LaneRecording};
+use super::start::{Placed, SessionError};
+use crate::message::{LaneStatus, Spread};
+use crate::rows::Rows;
+
+/// Things that may wait for the scope: 4 s at 4 kHz.
+const ROOM: usize = 1 << 14;
+
+/// How a lane's loop has ended.
+pub type Ended = LoopEnd<Carried, MonotonicClock>;
+
+/// One loop on a device, and what the scope knows of it.
+pub struct Lane {
+    thread: Option<LoopThread<Carried, MonotonicClock>>,
+    returned: Returned,
+    placement: Placement<f64, 3>,
+    listener: Listener,
+    rows: Rows,
+    recording: Option<LaneRecording>,
+    /// The recording that ended with the loop.
+    recorded: Option<PathBuf>,
+    heard: Heard,
+    statistics: Statistics,
+    trip: Option<String>,
+    account: Account,
+    capabilities: Capabilities,
+    answers: Vec<Answer>,
+    end: Option<Ended>,
+}
+
+/// Which ticks were heard of, by their numbers.
+#[derive(Clone, Copy, Debug, Default)]
+struct Heard {
+    next: u64,
+    missing: u64,
+}
+
+impl Heard {
+    fn hear(&mut self, sequence: u64) {
+        self.missing += sequence.saturating_sub(self.next);
+        self.next = sequence + 1;
+    }
+}
+
+/// Counted from what the loop tells.
+#[derive(Default)]
+struct Statistics {
+    ticks: u64,
+    missed_deadlines: u64,
+    without_sample: u64,
+    lateness: Durations,
+    tick: Durations,
+}
+
+/// What a lane's loop is run with.
+pub struct Run<'a> {
+    /// The clock of loop and device.
+    pub clock: &'a MonotonicClock,
+    /// What the machine is asked for.
+    pub request: Request,
+    /// Limits between renderer and device.
+    pub limits: SafetyParams,
+    /// Ends it.
+    pub stop: &'a StopFlag,
+    /// How many ticks it makes, if not until it is stopped.
+    pub most: Option<u64>,
+}
+
+impl Lane {
+    /// Starts a loop that renders `rendering` on `device`, and records it from its first tick on if it
+    /// is to.
+    pub fn start(
+        placed: Placed,
+        rendering: Rendering,
+        run: &Run<'_>,
+        recording: Option<LaneRecording>,
+    ) -> Result<Self, SessionError> {
+        let Placed { device, placement } = placed;
+        let capabilities = device.capabilities().clone();
+        let (device, returned) = Carried::new(device);
+        let (tap, listener) = tap(ROOM);
+        let control = ControlLoop::new(device, *run.clock, rendering, run.limits)?
+            .along(placement)
+            .tapped(tap);
+        let thread = LoopThread::start(control, run.clock, run.request, run.stop, run.most)
+            .map_err(|error| SessionError::Other(format!("no thread for the loop: {error}")))?;
+        Ok(Self {
+            answers: thread.answers().to_vec(),
+            thread: Some(thread),
+            returned,
+            placement,
+            listener,
+            rows: Rows::new(rendering.loop_params.period),
+            recording,
+            recorded: None,
+            heard: Heard::default(),
+            statistics: Statistics::default(),
+            trip: None,
+            account: Account::default(),
+            capabilities,
+            end: None,
+        })
+    }
+
+    /// Listens to all that the loop has told; whatever happened is given to `note`. Whether the loop
+    /// has ended just now.
+    pub fn listen(&mut self, mut note: impl FnMut(&Noted)) -> bool {
+        let has_ended = self.thread.as_ref().is_some_and(LoopThread::has_ended);
+        while let Some(told) = self.listener.next() {
+            match told {
+                Told::Tick(tick) => self.tick(&tick),
+                Told::Note(noted) => {
+                    self.noted(&noted);
+                    note(&noted);
+                }
+            }
+        }
+        if has_ended && let Some(thread) = self.thread.take() {
+            self.end = Some(thread.join());
+        }
+        has_ended
+    }
+
+    fn tick(&mut self, tick: &Tick) {
+        self.heard.hear(tick.sequence);
+        let statistics = &mut self.statistics;
+        statistics.ticks += 1;
+        statistics.without_sample += u64::from(tick.flags.has(Flags::DEVICE_FAULT));
+        let duration = |seconds: f64| std::time::Duration::try_from_secs_f64(seconds);
+        if let Ok(lateness) = duration(tick.lateness.max(0.0)) {
+            statistics.lateness.add(lateness);
+        }
+        if let Ok(took) = duration(tick.tick_duration) {
+            statistics.tick.add(took);
+        }
+        if !tick.flags.has(Flags::SAFETY_TRIPPED) {
+            self.trip = None;
+        }
+        self.account.tick(tick);
+        self.rows.add(tick);
+        if let Some(recording) = &mut self.recording {
+            recording.tick(tick);
+        }
+    }
+
+    fn noted(&mut self, noted: &Noted) {
+        match noted.note {
+            Note::Tripped(trip) => self.trip = Some(trip.to_string()),
+            Note::MissedDeadlines(number) => self.statistics.missed_deadlines += number,
+            _ => {}
+        }
+        self.account.event(noted.event());
+        if let Some(recording) = &mut self.recording {
+            recording.note(noted);
+        }
+    }
+
+    /// Rows that have not been shown yet.
+    pub fn rows(&mut self) -> &mut Rows {
+        &mut self.rows
+    }
+
+    /// Whether its loop runs.
+    pub fn is_running(&self) -> bool {
+        self.thread.is_some()
+    }
+
+    /// What holds the force at none, if something does.
+    pub fn trip(&self) -> Option<&str> {
+        self.trip.as_deref()
+    }
+
+    /// Ends a trip that stays.
+    pub fn rearm(&self) {
+        if let Some(thread) = &self.thread {
+            thread.rearm();
+        }
+    }
+
+    /// Renders something else from now on.
+    ///
+    /// # Errors
+    /// What cannot change while the loop runs, in words.
+    pub fn change(&mut self, rendering: Rendering) -> Result<(), String> {
+        let parameters = self.thread.as_mut().and_then(LoopThread::parameters);
+        parameters.map_or(Ok(()), |parameters| {
+            let changed = parameters.change(rendering);
+            changed.map(drop).map_err(|error| error.to_string())
+        })
+    }
+
+    /// Number of the parameters that were handed over last.
+    pub fn generation(&mut self) -> u32 {
+        self.thread
+            .as_mut()
+            .and_then(LoopThread::parameters)
+            .map_or(0, |parameters| parameters.generation())
+    }
+
+    /// Where the device was at the last tick `[m]`.
+    pub fn position(&self) -> Option<f64> {
+        let position = self.account.last?.device_position;
+        position.is_finite().then_some(position)
+    }
+
+    /// Time of the last tick `[s]`.
+    pub fn time(&self) -> f64 {
+        self.account.last.map_or(0.0, |tick| tick.time)
+    }
+
+    /// The recording that is being made.
+    pub fn recording(&self) -> Option<&LaneRecording> {
+        self.recording.as_ref()
+    }
+
+    /// Records from now on.
+    pub fn record(&mut self, recording: LaneRecording) {
+        self.recording = Some(recording);
+    }
+
+    /// Records no more.
+    pub fn end_recording(&mut self) -> Option<Ending> {
+        self.recording.take().map(LaneRecording::end)
+    }
+
+    /// Records no more, since the loop is over.
+    pub fn end_recording_with_loop(&mut self) -> Option<Ending> {
+        let recording = self.recording.take()?;
+        self.recorded = Some(recording.path().to_path_buf());
+        Some(recording.end())
+    }
+
+    /// The recording that ended with the loop.
+    pub fn recorded(&self) -> Option<&Path> {
+        self.recorded.as_deref()
+    }
+
+    /// What the device can do.
+    pub fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    /// What the machine granted.
+    pub fn answers(&self) -> Vec<Answer> {
+        self.answers.clone()
+    }
+
+    /// How the loop has kept time.
+    pub fn status(&self) -> LaneStatus {
+        let spread = |durations: &Durations| Spread {
+            median: durations.quantile(0.5).as_secs_f64(),
+            p99: durations.quantile(0.99).as_secs_f64(),
+            longest: durations.longest().as_secs_f64(),
+        };
+        let cuts = match (&self.thread, &self.end) {
+            (Some(thread), _) => thread.cuts(),
+            (None, Some(end)) => end.cuts,
+            (None, None) => 0,
+        };
+        LaneStatus {
+            ticks: self.statistics.ticks,
+            missed_deadlines: self.statistics.missed_deadlines,
+            without_sample: self.statistics.without_sample,
+            supervisor_cuts: cuts,
+            lateness_s: spread(&self.statistics.lateness),
+            tick_s: spread(&self.statistics.tick),
+            untold: self.heard.missing,
+        }
+    }
+
+    /// How the loop has ended, if it has.
+    pub fn end(&self) -> Option<&Ended> {
+        self.end.as_ref()
+    }
+
+    /// Waits for a loop that was told to stop, and hears all it had to say.
+    pub fn finish(&mut self, note: impl FnMut(&Noted)) {
+        if let Some(thread) = self.thread.take() {
+            self.end = Some(thread.join());
+        }
+        self.listen(note);
+    }
+
+    /// The device of a loop that has ended, if it can be used again.
+    pub fn into_device(self) -> Option<Placed> {
+        let end = self.end?;
+        let usable = matches!(
+            end.ending,
+            palpate_rt::Ending::Stopped | palpate_rt::Ending::Complete
+        );
+        drop(end);
+        let device = self.returned.try_recv().ok().filter(|_| usable)?;
+        Some(Placed {
+            device,
+            placement: self.placement,
+        })
+    }
+
+    /// What was heard of the loop, and how it has ended.
+    pub fn into_account(self) -> Option<(Account, Ended, Vec<Answer>)> {
+        let mut account = self.account;
+        account.lost = self.listener.lost();
+        Some((account, self.end?, self.answers))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_not_told_is_counted_by_its_number() {
+        let mut heard = Heard::default();
+        for sequence in [2, 3, 4, 7, 8] {
+            heard.hear(sequence);
+        }
+        assert_eq!(heard.missing, 4);
+    }
+}

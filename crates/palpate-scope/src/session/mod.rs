@@ -1,0 +1,547 @@
+//! The session: loops that run, and a thread that listens to them, tells what they do, and does what
+//! clients wish. The loops wait for none of it.
+
+mod carried;
+mod lane;
+mod recording;
+mod start;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::thread::{Builder, JoinHandle};
+use std::time::{Duration, Instant};
+
+use palpate_io::atomic::WriteError;
+use palpate_rt::device::Capabilities;
+use palpate_rt::realtime::Answer;
+use palpate_rt::{Account, Ending as LoopEnding, Note, StopFlag};
+use palpate_sim::scene::Scene;
+
+use crate::hub::{ClientId, Hub};
+use crate::message::{
+    Column, DeviceSaid, LaneState, Method, RecordingState, RecordingStatus, Said, Set, Wish,
+};
+use crate::pace::Pace;
+use crate::rows::COLUMNS;
+use crate::settings::{self, Limits, Settings};
+
+pub use lane::Ended;
+use lane::Lane;
+use recording::Ending;
+pub use start::{Devices, Placed, Receipts, SessionError, Setup};
+
+/// Most wishes that wait.
+const WISHES: usize = 256;
+/// How long the session rests at most when nobody wishes anything.
+const REST: Duration = Duration::from_millis(4);
+/// How long wishes are done before it is listened and shown again; the last may take longer.
+const TURN: Duration = Duration::from_millis(4);
+/// Frames are sent this often.
+const FRAME_EVERY: Duration = Duration::from_nanos(1_000_000_000 / 60);
+/// The status is told this often.
+const STATUS_EVERY: Duration = Duration::from_millis(500);
+/// The place of a hand that moves is told this often.
+const HAND_EVERY: Duration = Duration::from_millis(100);
+/// Notes of a lane that are told at once, and then each second; the rest is counted.
+const NOTES: (f64, f64) = (32.0, 20.0);
+/// States that are told at once, and then each second; the newest comes with each frame.
+const STATES: (f64, f64) = (32.0, 60.0);
+/// Restarts, and beginnings of recordings, at once and then each second: more than any hand does.
+const BEGINNINGS: (f64, f64) = (8.0, 4.0);
+/// How far a hand may reach `[m]`.
+const REACH: f64 = 1.0;
+
+/// Said of a wish that would begin the loops again too soon.
+const TOO_OFTEN: &str = "the loops begin anew too often; allowed: 4 times each second";
+
+/// Something for the session to do.
+#[derive(Clone, Debug)]
+pub enum Command {
+    /// A client wishes something.
+    Wish(ClientId, Wish),
+    /// A client is gone.
+    Gone(ClientId),
+}
+
+/// A session on its thread. Dropping it ends it, and waits until its devices are commanded no force
+/// and its recordings are whole.
+pub struct Session {
+    thread: Option<JoinHandle<SessionEnd>>,
+    stop: StopFlag,
+    commands: SyncSender<Command>,
+    hub: Arc<Hub>,
+    answers: Vec<Answer>,
+}
+
+/// How a session has ended.
+pub struct SessionEnd {
+    /// The loops that ran last.
+    pub lanes: Vec<LaneEnd>,
+    /// Recordings that ended or failed before their loop did, or whose loop was not the last.
+    pub recordings: Vec<Written>,
+    /// Why loops that were to begin anew did not, if they did not.
+    pub failed: Option<String>,
+}
+
+/// What has become of a recording.
+#[derive(Debug)]
+pub struct Written {
+    /// Its file.
+    pub path: PathBuf,
+    /// How many ticks it holds, or what the system said while writing.
+    pub ticks: Result<u64, WriteError>,
+}
+
+/// How a lane has ended, for a report.
+pub struct LaneEnd {
+    /// What was rendered at the end.
+    pub scene: Scene,
+    /// The device.
+    pub capabilities: Capabilities,
+    /// How the loop has ended.
+    pub end: Ended,
+    /// What the machine granted.
+    pub answers: Vec<Answer>,
+    /// What was heard of the loop.
+    pub account: Account,
+    /// The recording that ended with it, if one was made.
+    pub recording: Option<Written>,
+}
+
+impl Session {
+    /// Starts the loops and the thread that listens to them, until `stop` is raised. The loops look at
+    /// it themselves: they end when it is raised, whatever that thread is busy with.
+    ///
+    /// # Errors
+    /// There are more methods than the device has lanes, a device does not open, something cannot be
+    /// rendered, a recording cannot be begun; in words.
+    pub fn start(setup: Setup, stop: &StopFlag) -> Result<Self, SessionError> {
+        settings::check_lanes(setup.methods.len(), setup.devices.most_lanes())?;
+        let stop = stop.below();
+        let (commands, incoming) = sync_channel(WISHES);
+        let hub = Arc::new(Hub::default());
+        let told = Arc::clone(&hub);
+        let mut running = Running::new(setup, stop.clone(), told, incoming);
+        running.start_lanes()?;
+        running.greet();
+        let answers = running.lanes.first().map(Lane::answers).unwrap_or_default();
+        let thread = Builder::new()
+            .name("palpate scope".to_owned())
+            .spawn(move || running.run())
+            .map_err(|error| format!("no thread for the scope: {error}"))?;
+        Ok(Self {
+            thread: Some(thread),
+            stop,
+            commands,
+            hub,
+            answers,
+        })
+    }
+
+    /// Where clients join.
+    #[must_use]
+    pub fn hub(&self) -> Arc<Hub> {
+        Arc::clone(&self.hub)
+    }
+
+    /// Where clients say what they wish.
+    #[must_use]
+    pub fn commands(&self) -> SyncSender<Command> {
+        self.commands.clone()
+    }
+
+    /// What the machine granted the first loop.
+    #[must_use]
+    pub fn answers(&self) -> &[Answer] {
+        &self.answers
+    }
+
+    /// Whether it is over.
+    #[must_use]
+    pub fn has_ended(&self) -> bool {
+        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
+    }
+
+    /// Waits for its end.
+    ///
+    /// # Panics
+    /// The session's thread panicked; its loops have let go of their devices.
+    #[must_use]
+    pub fn join(mut self) -> SessionEnd {
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(end)) => end,
+            Some(Err(payload)) => std::panic::resume_unwind(payload),
+            None => unreachable!("only this takes it, and once"),
+        }
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        self.stop.raise();
+        if let Some(thread) = self.thread.take() {
+            // Nobody asks how it ended. If it panicked, its loops have let go of their devices.
+            let _ = thread.join();
+        }
+    }
+}
+
+struct Running {
+    setup: Setup,
+    settings: Settings,
+    limits: Limits,
+    hub: Arc<Hub>,
+    commands: Receiver<Command>,
+    /// Ends the session.
+    stop: StopFlag,
+    /// Ends the loops that run now.
+    stop_lanes: StopFlag,
+    lanes: Vec<Lane>,
+    /// How often the loops have begun.
+    runs: u32,
+    /// Time at which the recording began, and why it is written no more.
+    recorded_since: f64,
+    recording_failed: Option<String>,
+    endings: Vec<Ending>,
+    /// What has become of those that were ended.
+    written: Vec<Written>,
+    /// Why no loop runs, if none began.
+    failed: Option<String>,
+    /// How often loops may begin anew, and recordings begin.
+    restarts: Pace,
+    recordings: Pace,
+    /// How often notes of each lane are told, and how many were not.
+    notes: [(Pace, u64); 2],
+    /// How often the state is told at once, and whether it is to be told.
+    states: Pace,
+    is_state_due: bool,
+    /// Who moved the hand last.
+    holder: Option<ClientId>,
+    hand_told: Instant,
+}
+
+impl Running {
+    fn run(mut self) -> SessionEnd {
+        let mut next_frame = Instant::now();
+        let mut next_status = Instant::now();
+        loop {
+            let now = Instant::now();
+            self.take_commands(next_frame.saturating_duration_since(now).min(REST));
+            if self.stop.is_raised() {
+                return self.finish();
+            }
+            self.listen();
+            let now = Instant::now();
+            if now >= next_frame {
+                self.show();
+                // A frame that is late is not made up for.
+                next_frame = (next_frame + FRAME_EVERY).max(now);
+                self.tell_state();
+            }
+            if now >= next_status {
+                self.tell_status();
+                next_status = now + STATUS_EVERY;
+            }
+            // What is to last for so long is over with its loops; else they can be begun anew.
+            let lasts = self.setup.duration.is_some();
+            if lasts && !self.lanes.iter().any(Lane::is_running) {
+                return self.finish();
+            }
+        }
+    }
+
+    /// Waits for commands, and does those that are there: for one turn at most, and only the first
+    /// that begins the loops anew, since others want to be heard and shown something as well.
+    fn take_commands(&mut self, rest: Duration) {
+        let mut next = match self.commands.recv_timeout(rest) {
+            Ok(command) => Some(command),
+            Err(RecvTimeoutError::Timeout) => None,
+            // Nobody serves any more; the loops go on.
+            Err(RecvTimeoutError::Disconnected) => {
+                std::thread::sleep(rest);
+                None
+            }
+        };
+        let (begun, runs) = (Instant::now(), self.runs);
+        while let Some(command) = next.take_if(|_| !self.stop.is_raised()) {
+            self.obey(command);
+            if self.runs == runs && begun.elapsed() < TURN {
+                next = self.commands.try_recv().ok();
+            }
+        }
+    }
+
+    fn listen(&mut self) {
+        let mut texts = Vec::new();
+        let mut changed = false;
+        for ((index, lane), (pace, untold)) in
+            self.lanes.iter_mut().enumerate().zip(&mut self.notes)
+        {
+            let has_ended = lane.listen(|noted| {
+                // A client that makes the loop say much must not make others too slow for it.
+                if !pace.take(Instant::now()) {
+                    *untold += 1;
+                    return;
+                }
+                let event = noted.event();
+                let note = Said::Note {
+                    lane: index,
+                    t_s: event.time,
+                    kind: &event.kind,
+                    text: &event.text,
+                };
+                // The device has its own word for an end, below.
+                if !matches!(noted.note, Note::Ended(_)) {
+                    texts.push(note.text());
+                }
+            });
+            changed |= has_ended;
+            // Whoever stopped it says so.
+            let is_over = |end: &&lane::Ended| end.ending != LoopEnding::Stopped;
+            if has_ended && let Some(end) = lane.end().filter(is_over) {
+                let mut text = format!("lane {}: {}", index + 1, end.ending.text());
+                if let Some(words) = &end.panic {
+                    text = format!("{text}: {words}");
+                }
+                texts.push(Said::Ended { text: &text }.text());
+            }
+        }
+        for text in texts {
+            self.hub.tell_all(text);
+        }
+        self.tell_untold();
+        if changed {
+            self.end_recordings_of_ended();
+        }
+        self.watch_recordings();
+    }
+
+    /// Says how many notes of a lane were not told, when there is room for it.
+    fn tell_untold(&mut self) {
+        for (index, lane) in self.lanes.iter().enumerate() {
+            let Some((pace, untold)) = self.notes.get_mut(index) else {
+                continue;
+            };
+            if *untold > 0 && pace.take(Instant::now()) {
+                let text = format!("and {untold} more, which recordings have");
+                *untold = 0;
+                let note = Said::Note {
+                    lane: index,
+                    t_s: lane.time(),
+                    kind: "untold",
+                    text: &text,
+                };
+                self.hub.tell_all(note.text());
+            }
+        }
+    }
+
+    fn show(&mut self) {
+        for (index, lane) in self.lanes.iter_mut().enumerate() {
+            let number = u8::try_from(index).unwrap_or(u8::MAX);
+            if let Some(frame) = lane.rows().take_frame(number, self.runs) {
+                self.hub.show(frame);
+            }
+        }
+    }
+
+    fn obey(&mut self, command: Command) {
+        let (client, wish) = match command {
+            Command::Wish(client, wish) => (client, wish),
+            Command::Gone(client) => {
+                if self.holder == Some(client) {
+                    // A hand that nobody leads holds nothing.
+                    self.holder = None;
+                    if let Some(hand) = &self.setup.hand {
+                        hand.let_go();
+                    }
+                }
+                return;
+            }
+        };
+        let (about, done) = match wish {
+            Wish::Hand(target) => ("hand", self.lead(client, target)),
+            Wish::Set(set) => ("set", self.set(&set)),
+            Wish::Restart => ("restart", self.restart_if_allowed()),
+            Wish::Rearm(lane) => ("rearm", self.rearm(lane)),
+            Wish::Record(true) => ("record", self.record()),
+            Wish::Record(false) => {
+                self.end_recordings();
+                ("record", Ok(()))
+            }
+        };
+        if let Err(text) = done {
+            let refused = Said::Refused { about, text: &text };
+            self.hub.tell(client, refused.text());
+        }
+        self.is_state_due |= about != "hand";
+        // Else it comes with the next frame, the newest for all.
+        if self.is_state_due && self.states.take(Instant::now()) {
+            self.tell_state();
+        }
+    }
+
+    fn lead(&mut self, client: ClientId, target: Option<f64>) -> Result<(), String> {
+        let Some(hand) = &self.setup.hand else {
+            return Err(
+                "this device is in a hand of its own; only the device `pointer` is led \
+                        by a page"
+                    .to_owned(),
+            );
+        };
+        match target {
+            None => {
+                hand.let_go();
+                self.holder = None;
+            }
+            Some(target) if target.abs() <= REACH => {
+                hand.move_to(target);
+                self.holder = Some(client);
+            }
+            Some(target) => {
+                return Err(format!(
+                    "position_m is {target}; allowed: -{REACH} to {REACH}, or null"
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn set(&mut self, set: &Set) -> Result<(), String> {
+        let most = self.setup.devices.most_lanes();
+        let new = self.settings.with(set, &self.limits, most)?;
+        // All of it is looked at before anything changes.
+        let renderings = new.renderings(&self.setup.scene)?;
+        let another_loop =
+            new.period != self.settings.period || new.lanes.len() != self.settings.lanes.len();
+        if another_loop {
+            if !self.restarts.take(Instant::now()) {
+                return Err(TOO_OFTEN.to_owned());
+            }
+            self.settings = new;
+            return self.restart();
+        }
+        for (lane, rendering) in self.lanes.iter_mut().zip(renderings) {
+            lane.change(rendering)?;
+        }
+        self.settings = new;
+        Ok(())
+    }
+
+    fn restart_if_allowed(&mut self) -> Result<(), String> {
+        if self.restarts.take(Instant::now()) {
+            self.restart()
+        } else {
+            Err(TOO_OFTEN.to_owned())
+        }
+    }
+
+    fn rearm(&mut self, lane: usize) -> Result<(), String> {
+        let lanes = self.lanes.len();
+        let rearmed = self.lanes.get(lane).map(Lane::rearm);
+        rearmed.ok_or_else(|| format!("lane is {lane}; allowed: 0 to {}", lanes.max(1) - 1))
+    }
+
+    fn greet(&self) {
+        let capabilities = self.lanes.first().map(Lane::capabilities);
+        let scene = &self.setup.scene;
+        let (object, device) = (scene.object.position, scene.device.position);
+        let (low, high) = (object.min(device), object.max(device));
+        let margin = (0.75 * (high - low)).max(0.05);
+        let hello = Said::Hello {
+            protocol: 1,
+            version: env!("CARGO_PKG_VERSION"),
+            title: &scene.title,
+            columns: COLUMNS
+                .iter()
+                .map(|(name, unit)| Column { name, unit })
+                .collect(),
+            methods: palpate_sim::method::MethodName::ALL
+                .into_iter()
+                .map(|method| Method {
+                    name: method.name(),
+                    title: method.summary(),
+                    damping: method.uses(palpate_sim::method::Setting::Damping),
+                })
+                .collect(),
+            limits: self.limits,
+            device: DeviceSaid {
+                name: capabilities.map_or("", |device| &device.name),
+                axes: capabilities.map_or(1, |device| device.axes),
+                pointer: self.setup.hand.is_some(),
+                largest_force_n: capabilities.and_then(|device| device.largest_force),
+                lanes: self.setup.devices.most_lanes(),
+            },
+            side: match scene.contact.side {
+                palpate::Side::Positive => 1,
+                palpate::Side::Negative => -1,
+            },
+            view_m: [low - margin, high + margin],
+        };
+        self.hub.set_hello(hello.text());
+        self.hub.set_state(self.state().text());
+    }
+
+    fn state(&self) -> Said<'static> {
+        let lanes = self.settings.lanes.iter().enumerate();
+        let files: Vec<String> = self
+            .lanes
+            .iter()
+            .filter_map(|lane| lane.recording())
+            .map(|recording| {
+                let name = recording.path().file_name().unwrap_or_default();
+                name.to_string_lossy().into_owned()
+            })
+            .collect();
+        Said::State {
+            stiffness_n_per_m: self.settings.stiffness,
+            mass_kg: self.settings.mass,
+            virtual_force_n: self.settings.virtual_force,
+            period_s: self.settings.period,
+            lanes: lanes
+                .map(|(index, choice)| {
+                    let lane = self.lanes.get(index);
+                    LaneState {
+                        choice: *choice,
+                        running: lane.is_some_and(Lane::is_running),
+                        trip: lane.and_then(Lane::trip).map(str::to_owned),
+                    }
+                })
+                .collect(),
+            recording: (!files.is_empty()).then_some(RecordingState {
+                files,
+                since_s: self.recorded_since,
+            }),
+            hand_m: self.setup.hand.as_ref().and_then(|hand| hand.target()),
+        }
+    }
+
+    /// Tells the state if it has changed. Of a hand that moves not every place is told.
+    fn tell_state(&mut self) {
+        if std::mem::take(&mut self.is_state_due) || self.hand_told.elapsed() >= HAND_EVERY {
+            self.hand_told = Instant::now();
+            self.hub.set_state(self.state().text());
+        }
+    }
+
+    fn tell_status(&mut self) {
+        let mut recording: Option<RecordingStatus> = None;
+        for part in self.lanes.iter().filter_map(Lane::recording) {
+            let all = recording.get_or_insert_default();
+            all.ticks += part.ticks();
+            all.lost += part.lost();
+            all.bytes += part.bytes();
+        }
+        if let Some(failed) = &self.recording_failed {
+            let all = recording.get_or_insert_default();
+            all.failed = Some(failed.clone());
+        }
+        let status = Said::Status {
+            clients: self.hub.clients(),
+            lanes: self.lanes.iter().map(Lane::status).collect(),
+            recording,
+        };
+        self.hub.tell_all(status.text());
+    }
+}

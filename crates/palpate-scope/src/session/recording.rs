@@ -1,0 +1,235 @@
+//! A recording of one lane that begins and ends while its loop runs.
+
+use std::path::{Path, PathBuf};
+
+use palpate_io::atomic::WriteError;
+use palpate_io::recording::{Receipt, Tick};
+use palpate_rt::{Account, Note, Noted, Recorder, Tap};
+
+use super::Written;
+
+/// A recording of what the scope hears of a loop. Its first tick has the number 0, whichever it was
+/// of the loop, and a tick that got lost on its way to the scope is missing here by its number.
+#[derive(Debug)]
+pub struct LaneRecording {
+    tap: Tap,
+    recorder: Recorder,
+    path: PathBuf,
+    /// The parameters that the receipt has.
+    generation: u32,
+    first: Option<u64>,
+    /// The newest that came into force before the first tick and is not what the receipt says.
+    changed: Option<Noted>,
+    /// How many ticks there have been since the first.
+    known: u64,
+    told: u64,
+}
+
+impl LaneRecording {
+    /// Begins one at `path` with the first tick that is rendered by the parameters with this number.
+    ///
+    /// # Errors
+    /// A file is there already or cannot be written; the system gives no thread.
+    pub fn begin(path: PathBuf, receipt: &Receipt, generation: u32) -> Result<Self, WriteError> {
+        let (tap, recorder) = Recorder::begin(&path, receipt)?;
+        Ok(Self {
+            tap,
+            recorder,
+            path,
+            generation,
+            first: None,
+            changed: None,
+            known: 0,
+            told: 0,
+        })
+    }
+
+    /// Passes on a tick.
+    pub fn tick(&mut self, tick: &Tick) {
+        let first = match self.first {
+            Some(first) => first,
+            // What was rendered before is not what the receipt says.
+            None if tick.generation < self.generation => return,
+            None => *self.first.insert(tick.sequence),
+        };
+        if let Some(changed) = self.changed.take() {
+            self.note(&Noted {
+                sequence: tick.sequence,
+                ..changed
+            });
+        }
+        let sequence = tick.sequence - first;
+        self.known = sequence + 1;
+        self.told += 1;
+        self.tap.tick(&Tick {
+            sequence,
+            generation: tick.generation.saturating_sub(self.generation),
+            ..*tick
+        });
+    }
+
+    /// Passes on something that happened.
+    pub fn note(&mut self, noted: &Noted) {
+        if self.first.is_none()
+            && let Note::Changed { generation, .. } = noted.note
+            && generation > self.generation
+        {
+            self.changed = Some(*noted);
+        }
+        let Some(sequence) = self
+            .first
+            .and_then(|first| noted.sequence.checked_sub(first))
+        else {
+            return;
+        };
+        let note = match noted.note {
+            Note::Changed {
+                generation,
+                rendering,
+            } => Note::Changed {
+                generation: generation.saturating_sub(self.generation),
+                rendering,
+            },
+            other => other,
+        };
+        self.tap.note(&Noted {
+            sequence,
+            note,
+            ..*noted
+        });
+    }
+
+    /// Its file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Ticks that were passed on.
+    pub fn ticks(&self) -> u64 {
+        self.told
+    }
+
+    /// Ticks that are missing, and things that found no room on their way to the disk.
+    pub fn lost(&self) -> u64 {
+        self.known - self.told + self.tap.lost()
+    }
+
+    /// Size of its file so far.
+    pub fn bytes(&self) -> u64 {
+        let mut part = self.path.clone().into_os_string();
+        part.push(".part");
+        std::fs::metadata(part).map_or(0, |file| file.len())
+    }
+
+    /// Whether nothing more is written although it has not been ended.
+    pub fn has_failed(&self) -> bool {
+        self.recorder.has_ended()
+    }
+
+    /// Nothing more comes; the rest is written while the loop goes on.
+    pub fn end(self) -> Ending {
+        Ending {
+            recorder: self.recorder,
+            path: self.path,
+        }
+    }
+}
+
+/// A recording that is being brought to its end.
+#[derive(Debug)]
+pub struct Ending {
+    recorder: Recorder,
+    path: PathBuf,
+}
+
+impl Ending {
+    /// Whether all is written.
+    pub fn is_over(&self) -> bool {
+        self.recorder.has_ended()
+    }
+
+    /// Waits until all is written, or the system has refused to.
+    pub fn finish(self) -> Written {
+        let held = |account: Account| account.recording.map_or(0, |written| written.ticks);
+        Written {
+            path: self.path,
+            ticks: self.recorder.finish().map(held),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use palpate_io::recording::{Entry, Recording};
+
+    use super::*;
+
+    /// It begins with the parameters of its receipt, counts from 0, and what is lost is missing.
+    #[test]
+    fn a_recording_counts_from_its_own_beginning() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("middle.mcap");
+        let mut recording = LaneRecording::begin(path.clone(), &Receipt::new("test"), 3).unwrap();
+        for (sequence, generation) in [(10, 2), (11, 3), (12, 3), (14, 4)] {
+            recording.tick(&Tick {
+                sequence,
+                generation,
+                ..Tick::default()
+            });
+        }
+        assert_eq!((recording.ticks(), recording.lost()), (3, 1));
+        assert_eq!(recording.end().finish().ticks.unwrap(), 3);
+        let read = Recording::open(&path).unwrap();
+        assert_eq!(read.lost(), 1);
+        let ticks: Vec<(u64, u32)> = read
+            .entries()
+            .unwrap()
+            .filter_map(|entry| match entry.unwrap() {
+                Entry::Tick(tick) => Some((tick.sequence, tick.generation)),
+                Entry::Event(_) => None,
+            })
+            .collect();
+        assert_eq!(ticks, [(0, 0), (1, 0), (3, 1)]);
+    }
+
+    /// What came into force between receipt and first tick stands in the file, the newest of it.
+    #[test]
+    fn what_changed_before_the_first_tick_is_written_with_it() {
+        let text = include_str!("../../../../experiments/live.toml");
+        let scene = palpate_sim::scene::SceneFile::parse("live.toml", text).unwrap();
+        let rendering = palpate_rt::Rendering::of(&scene.scene, scene.scene.method).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("changed.mcap");
+        let mut recording = LaneRecording::begin(path.clone(), &Receipt::new("test"), 3).unwrap();
+        for generation in [3, 4, 5] {
+            recording.note(&Noted {
+                sequence: 10,
+                time: 0.1,
+                note: Note::Changed {
+                    generation,
+                    rendering,
+                },
+            });
+        }
+        for sequence in [11, 12] {
+            recording.tick(&Tick {
+                sequence,
+                generation: 5,
+                ..Tick::default()
+            });
+        }
+        assert_eq!(recording.end().finish().ticks.unwrap(), 2);
+        let events: Vec<(u64, String)> = Recording::open(&path)
+            .unwrap()
+            .entries()
+            .unwrap()
+            .filter_map(|entry| match entry.unwrap() {
+                Entry::Event(event) => Some((event.sequence, event.text)),
+                Entry::Tick(_) => None,
+            })
+            .collect();
+        assert_eq!(events.len(), 1, "{events:?}");
+        assert_eq!(events[0].0, 0);
+        assert!(events[0].1.contains("parameters number 2"), "{events:?}");
+    }
+}

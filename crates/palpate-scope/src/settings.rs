@@ -1,0 +1,272 @@
+//! What is rendered, as far as a page can change it.
+
+use palpate::{AnyMethod, Mass};
+use palpate_rt::Rendering;
+use palpate_sim::method::{Damping, MethodName, Setting};
+use palpate_sim::scene::Scene;
+use serde::Serialize;
+
+use crate::message::{LaneChoice, Set};
+
+/// What may be set: the least and the greatest of each.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Limits {
+    /// Stiffness `[N/m]`.
+    pub stiffness_n_per_m: [f64; 2],
+    /// Mass `[kg]`.
+    pub mass_kg: [f64; 2],
+    /// Virtual force `[N]`.
+    pub virtual_force_n: [f64; 2],
+    /// Period `[s]`.
+    pub period_s: [f64; 2],
+    /// Damping of a method `[N s/m]`.
+    pub damping_n_s_per_m: [f64; 2],
+}
+
+impl Limits {
+    /// What a desktop device and a hand make sense of, and what `settings` have.
+    #[must_use]
+    pub fn around(settings: &Settings) -> Self {
+        let with = |[least, most]: [f64; 2], value: f64| [least.min(value), most.max(value)];
+        let dampings = settings.lanes.iter();
+        Self {
+            stiffness_n_per_m: with([10.0, 10_000.0], settings.stiffness),
+            mass_kg: with([0.005, 5.0], settings.mass.unwrap_or(1.0)),
+            virtual_force_n: with([-10.0, 10.0], settings.virtual_force),
+            period_s: with([0.000_25, 0.05], settings.period),
+            damping_n_s_per_m: dampings
+                .filter_map(|lane| lane.damping_n_s_per_m)
+                .fold([0.0, 50.0], with),
+        }
+    }
+}
+
+/// What is rendered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Stiffness `[N/m]`.
+    pub stiffness: f64,
+    /// Mass of the object `[kg]`; none is a wall.
+    pub mass: Option<f64>,
+    /// Virtual force on the object `[N]`.
+    pub virtual_force: f64,
+    /// Period of the loop `[s]`.
+    pub period: f64,
+    /// Methods, one for each lane.
+    pub lanes: Vec<LaneChoice>,
+}
+
+impl Settings {
+    /// What `scene` renders by `methods`, one for each lane.
+    #[must_use]
+    pub fn of(scene: &Scene, methods: &[MethodName]) -> Self {
+        Self {
+            stiffness: scene.contact.stiffness,
+            mass: match scene.contact.object_mass {
+                Mass::Finite(mass) => Some(mass),
+                Mass::Infinite => None,
+            },
+            virtual_force: scene.virtual_force,
+            period: scene.loop_params.period,
+            lanes: methods
+                .iter()
+                .map(|method| LaneChoice {
+                    method: *method,
+                    damping_n_s_per_m: damping(scene, *method),
+                })
+                .collect(),
+        }
+    }
+
+    /// These settings with what `set` changes.
+    ///
+    /// # Errors
+    /// A value outside its limits, a method that takes no damping, more lanes than the device has: in
+    /// words, with what is allowed.
+    pub fn with(&self, set: &Set, limits: &Limits, most_lanes: usize) -> Result<Self, String> {
+        let mut new = self.clone();
+        if let Some(value) = set.stiffness_n_per_m {
+            new.stiffness = inside("stiffness_n_per_m", value, limits.stiffness_n_per_m)?;
+        }
+        if let Some(mass) = set.mass_kg {
+            new.mass = mass
+                .map(|mass| inside("mass_kg", mass, limits.mass_kg))
+                .transpose()?;
+        }
+        if let Some(value) = set.virtual_force_n {
+            new.virtual_force = inside("virtual_force_n", value, limits.virtual_force_n)?;
+        }
+        if let Some(value) = set.period_s {
+            new.period = inside("period_s", value, limits.period_s)?;
+        }
+        if let Some(lanes) = &set.lanes {
+            check_lanes(lanes.len(), most_lanes)?;
+            for lane in lanes {
+                if let Some(value) = lane.damping_n_s_per_m {
+                    if !lane.method.uses(Setting::Damping) {
+                        return Err(format!(
+                            "{} takes no damping; allowed: null",
+                            lane.method.name()
+                        ));
+                    }
+                    inside("damping_n_s_per_m", value, limits.damping_n_s_per_m)?;
+                }
+            }
+            new.lanes.clone_from(lanes);
+        }
+        Ok(new)
+    }
+
+    /// `scene` as a lane renders it.
+    #[must_use]
+    pub fn scene(&self, scene: &Scene, lane: LaneChoice) -> Scene {
+        let mut scene = scene.clone();
+        scene.contact.stiffness = self.stiffness;
+        scene.contact.object_mass = self.mass.map_or(Mass::Infinite, Mass::Finite);
+        if self.mass.is_none() {
+            scene.object.velocity = 0.0;
+        }
+        scene.virtual_force = self.virtual_force;
+        scene.loop_params.period = self.period;
+        scene.method = lane.method;
+        if lane.method.uses(Setting::Damping) {
+            let settings = scene.settings.entry(lane.method).or_default();
+            settings.damping = lane.damping_n_s_per_m.map(Damping::Value);
+        }
+        scene
+    }
+
+    /// What each lane renders.
+    ///
+    /// # Errors
+    /// What the renderer does not take, in words.
+    pub fn renderings(&self, scene: &Scene) -> Result<Vec<Rendering>, String> {
+        self.lanes
+            .iter()
+            .map(|lane| {
+                let scene = self.scene(scene, *lane);
+                scene.check().map_err(|error| error.to_string())?;
+                Rendering::of(&scene, lane.method).map_err(|error| error.to_string())
+            })
+            .collect()
+    }
+}
+
+/// The damping that `scene` gives `method`; what it derives is given as what comes of it.
+fn damping(scene: &Scene, method: MethodName) -> Option<f64> {
+    match scene.settings.get(&method)?.damping? {
+        Damping::Value(value) => Some(value),
+        Damping::Auto => match scene.renderer(method).ok()?.method() {
+            AnyMethod::Hfcr(hfcr) => Some(hfcr.damping()),
+            _ => None,
+        },
+    }
+}
+
+/// Whether a device that has `most` lanes can have `lanes` of them.
+///
+/// # Errors
+/// It cannot, in words.
+pub fn check_lanes(lanes: usize, most: usize) -> Result<(), String> {
+    let allowed = match most {
+        _ if (1..=most).contains(&lanes) => return Ok(()),
+        1 => "1: this device can be in one loop only",
+        _ => "1 or 2",
+    };
+    Err(format!("{lanes} lanes; allowed: {allowed}"))
+}
+
+fn inside(name: &str, value: f64, [least, most]: [f64; 2]) -> Result<f64, String> {
+    if (least..=most).contains(&value) {
+        Ok(value)
+    } else {
+        Err(format!("{name} is {value}; allowed: {least} to {most}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use palpate_sim::scene::SceneFile;
+
+    use super::*;
+
+    fn scene() -> Scene {
+        let text = include_str!("../../../experiments/fig2.toml");
+        SceneFile::parse("fig2.toml", text).unwrap().scene
+    }
+
+    #[test]
+    fn what_is_set_is_rendered_and_the_rest_stays() {
+        let scene = scene();
+        let before = Settings::of(&scene, &[MethodName::Hfcr, MethodName::Basic]);
+        assert_eq!(before.lanes[0].damping_n_s_per_m, Some(0.01));
+        let limits = Limits::around(&before);
+        let set = Set {
+            stiffness_n_per_m: Some(250.0),
+            mass_kg: Some(None),
+            ..Set::default()
+        };
+        let after = before.with(&set, &limits, 2).unwrap();
+        let renderings = after.renderings(&scene).unwrap();
+        assert_eq!(renderings.len(), 2);
+        for rendering in renderings {
+            assert_eq!(rendering.contact.stiffness, 250.0);
+            assert_eq!(rendering.contact.object_mass, Mass::Infinite);
+            assert_eq!(rendering.virtual_force, scene.virtual_force);
+        }
+        // A lane without a damping has the method's own, not the file's.
+        let set = Set {
+            lanes: Some(vec![LaneChoice {
+                method: MethodName::Hfcr,
+                damping_n_s_per_m: None,
+            }]),
+            ..Set::default()
+        };
+        let after = before.with(&set, &limits, 2).unwrap();
+        let scene = after.scene(&scene, after.lanes[0]);
+        assert_eq!(scene.settings[&MethodName::Hfcr].damping, None);
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused_with_what_is_allowed() {
+        let before = Settings::of(&scene(), &[MethodName::Coupled]);
+        let limits = Limits::around(&before);
+        let refused = |set: Set, most| before.with(&set, &limits, most).unwrap_err();
+        let lanes = |lanes: &[(MethodName, Option<f64>)]| Set {
+            lanes: Some(
+                lanes
+                    .iter()
+                    .map(|(method, damping)| LaneChoice {
+                        method: *method,
+                        damping_n_s_per_m: *damping,
+                    })
+                    .collect(),
+            ),
+            ..Set::default()
+        };
+        let coupled = (MethodName::Coupled, None);
+        assert_eq!(
+            refused(
+                Set {
+                    period_s: Some(1.0),
+                    ..Set::default()
+                },
+                2
+            ),
+            "period_s is 1; allowed: 0.00025 to 0.05"
+        );
+        assert_eq!(
+            refused(lanes(&[coupled, coupled]), 1),
+            "2 lanes; allowed: 1: this device can be in one loop only"
+        );
+        assert_eq!(refused(lanes(&[]), 2), "0 lanes; allowed: 1 or 2");
+        assert_eq!(
+            refused(lanes(&[(MethodName::Basic, Some(1.0))]), 2),
+            "basic takes no damping; allowed: null"
+        );
+        assert_eq!(
+            refused(lanes(&[(MethodName::Hfcr, Some(-1.0))]), 2),
+            "damping_n_s_per_m is -1; allowed: 0 to 50"
+        );
+    }
+}
