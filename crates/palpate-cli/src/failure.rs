@@ -55,6 +55,17 @@ impl Failure {
         }))
     }
 
+    /// What went wrong, in words.
+    pub fn message(&self) -> String {
+        match self {
+            Self::System(message) | Self::Arguments(message) | Self::Interrupted(message) => {
+                message.clone()
+            }
+            Self::Input(fault) => fault.message.clone(),
+            Self::NotWhole => "a recording is not whole".to_owned(),
+        }
+    }
+
     /// Tells the user on standard error; the exit code to end with.
     pub fn report(&self) -> ExitCode {
         let (message, code) = match self {

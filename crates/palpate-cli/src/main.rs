@@ -2,6 +2,7 @@
 
 mod arguments;
 mod commands;
+mod devices;
 mod failure;
 mod figure;
 mod hand;
@@ -28,6 +29,9 @@ fn main() -> ExitCode {
         Command::Pipe(arguments) => commands::pipe::run(&arguments),
         Command::Run(arguments) => commands::run::run(&arguments),
         Command::Record(arguments) => commands::run::record(&arguments),
+        Command::Live(arguments) => commands::live::run(&arguments),
+        Command::Devices(arguments) => commands::devices::run(&arguments),
+        Command::Emulate(arguments) => commands::emulate::run(&arguments),
         Command::Doctor(arguments) => commands::doctor::run(&arguments),
         Command::Bench(arguments) => commands::bench::run(&arguments),
         Command::Info(arguments) => commands::info::run(&arguments),

@@ -1,9 +1,15 @@
 //! Values of arguments, and what is said of one that is not understood.
 
+use std::fmt;
+use std::time::Duration;
+
 use palpate::{SehEstimate, Side};
 use palpate_sim::method::{Damping, MethodName, Predictor};
 use palpate_sim::scene::GuardMode;
 use palpate_testbed::hold::DelayedHold;
+
+use crate::commands::emulate::{FaultKind, TimedFault};
+use crate::failure::Failure;
 
 /// The methods a command is to run.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,6 +42,105 @@ pub fn range(text: &str) -> Result<(f64, f64), String> {
     text.split_once(',')
         .and_then(|(from, to)| Some((from.trim().parse().ok()?, to.trim().parse().ok()?)))
         .ok_or_else(|| "two numbers are needed, with a comma between, such as -0.05,0.05".into())
+}
+
+/// A place or a direction in the frame of a device with several axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place(pub Vec<f64>);
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let numbers: Vec<_> = self.0.iter().map(f64::to_string).collect();
+        f.write_str(&numbers.join(","))
+    }
+}
+
+/// Two or three finite numbers.
+pub fn place(text: &str) -> Result<Place, String> {
+    let numbers: Option<Vec<f64>> = text
+        .split(',')
+        .map(|number| number.trim().parse().ok().filter(|x: &f64| x.is_finite()))
+        .collect();
+    numbers
+        .filter(|numbers| (2..=3).contains(&numbers.len()))
+        .map(Place)
+        .ok_or_else(|| "two or three numbers are needed, with commas between, such as 0,0.1".into())
+}
+
+/// Boards of the 2DIY.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BoardName {
+    /// Haply M0: an Arduino Zero
+    M0,
+    /// Haply M3: an Arduino Due
+    M3,
+    /// The modular development kit
+    Dev,
+}
+
+/// Where an arm is while its device is opened.
+#[derive(Clone, Debug, PartialEq)]
+pub enum StartPose {
+    Retracted,
+    Extended,
+    /// Angles of its joints [degrees].
+    Angles([f32; 2]),
+}
+
+/// `retracted`, `extended` or two angles.
+pub fn start_pose(text: &str) -> Result<StartPose, String> {
+    match text {
+        "retracted" => return Ok(StartPose::Retracted),
+        "extended" => return Ok(StartPose::Extended),
+        _ => {}
+    }
+    let angle = |text: &str| {
+        text.trim()
+            .parse()
+            .ok()
+            .filter(|angle: &f32| angle.is_finite())
+    };
+    text.split_once(',')
+        .and_then(|(first, second)| Some(StartPose::Angles([angle(first)?, angle(second)?])))
+        .ok_or_else(|| "retracted, extended or two angles are needed, such as 168,12".into())
+}
+
+/// Two finite numbers.
+pub fn pair(text: &str) -> Result<[f64; 2], String> {
+    match place(text) {
+        Ok(Place(numbers)) if numbers.len() == 2 => Ok([numbers[0], numbers[1]]),
+        _ => Err("two numbers are needed, with a comma between, such as 0.02,0.12".into()),
+    }
+}
+
+/// `KIND[=VALUE]@SECONDS`.
+pub fn timed_fault(text: &str) -> Result<TimedFault, String> {
+    let understood = || {
+        let (what, at) = text.split_once('@')?;
+        let (name, value) = match what.split_once('=') {
+            Some((name, value)) => (name, Some(value.parse::<f64>().ok()?)),
+            None => (what, None),
+        };
+        let (_, kind, usual) = FaultKind::NAMED.iter().find(|(known, ..)| *known == name)?;
+        Some(TimedFault {
+            at: at.parse().ok()?,
+            kind: *kind,
+            value: value.unwrap_or(*usual),
+        })
+    };
+    understood().ok_or_else(|| {
+        let kinds = FaultKind::NAMED.map(|(name, ..)| name).join(", ");
+        format!("KIND[=VALUE]@SECONDS is needed, such as stall=0.05@3; the kinds are {kinds}")
+    })
+}
+
+/// A flag's time.
+pub fn duration(flag: &str, seconds: f64) -> Result<Duration, Failure> {
+    Duration::try_from_secs_f64(seconds).map_err(|_| {
+        Failure::Arguments(format!(
+            "{flag}: {seconds} s is no time; allowed: 0 or above"
+        ))
+    })
 }
 
 /// A delay that the bench can hold.

@@ -5,13 +5,16 @@ mod recordings;
 
 use common::{Folder, taps, trace_text};
 
-const COMMANDS: [&str; 19] = [
+const COMMANDS: [&str; 22] = [
     "render",
     "simulate",
     "compare",
     "pipe",
     "run",
     "record",
+    "devices",
+    "emulate",
+    "live",
     "doctor",
     "bench",
     "info",
@@ -72,7 +75,14 @@ fn the_examples_of_the_help_are_understood() {
     let folder = Folder::new();
     let scenes = folder.path("experiments");
     std::fs::create_dir(&scenes).unwrap();
-    for name in ["fig2", "experiment1", "experiment2", "wall"] {
+    let scenes = [
+        "fig2",
+        "experiment1",
+        "experiment1_in_a_hand",
+        "experiment2",
+        "wall",
+    ];
+    for name in scenes {
         let file = format!("experiments/{name}.toml");
         folder.write(&file, common::experiment_text(name));
     }
@@ -100,7 +110,15 @@ fn the_examples_of_the_help_are_understood() {
             let arguments = example.split("   ").next().unwrap();
             let arguments = arguments.split(" > ").next().unwrap();
             // A shell would find this file.
-            let arguments = &arguments.replace("users/*.toml", "users/wall.toml");
+            let mut arguments = arguments.replace("users/*.toml", "users/wall.toml");
+            if *command == "live" {
+                // Until ctrl-C, and where another test may listen.
+                arguments += " --listen 127.0.0.1:0";
+                if !arguments.contains("--duration") {
+                    arguments += " --duration 0.2";
+                }
+            }
+            let arguments = &arguments;
             let input = if example.contains(" - ") {
                 folder.read("tap.csv")
             } else {
@@ -111,7 +129,7 @@ fn the_examples_of_the_help_are_understood() {
             tried += 1;
         }
     }
-    assert!(tried >= 37, "{tried} examples");
+    assert!(tried >= 42, "{tried} examples");
 }
 
 #[test]

@@ -212,6 +212,25 @@ fn a_line_that_is_no_sample_gets_no_force_and_the_pipe_lives_on() {
 }
 
 #[test]
+fn a_dead_sensor_does_not_flood_standard_error() {
+    let input = "nan\n".repeat(3000) + "0\n";
+    let (forces, messages, summary) = answers(WALL, input);
+    assert_eq!(forces.len(), 3001);
+    // The first 8, then 16, 32, ... 2048.
+    assert_eq!(messages.len(), 8 + 8, "{messages:#?}");
+    let last = messages.last().unwrap();
+    assert!(last.starts_with("line 2048: "), "{last}");
+    assert!(
+        last.contains("refused so far: 2048; the next to be told is number 4096"),
+        "{last}"
+    );
+    assert!(
+        summary.starts_with("3001 samples, 3000 refused"),
+        "{summary}"
+    );
+}
+
+#[test]
 fn a_jump_is_refused_and_the_next_line_starts_afresh() {
     let (forces, messages, _) = answers(&format!("{WALL} --method basic"), "0.001\n0.5\n0.5\n");
     assert_eq!(forces, [-1.0, 0.0, -500.0]);

@@ -11,11 +11,11 @@ use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, LoopThread, Rendering, StopFlag};
 use serde::Serialize;
 
-use super::run::{RealtimeArguments, TimingReport, request, seconds};
+use super::run::{RealtimeArguments, TimingReport, request};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::results::print;
-use crate::values::number;
+use crate::values::{duration, number};
 
 /// Arguments of `bench`.
 #[derive(Args, Debug)]
@@ -53,7 +53,7 @@ pub struct LoopArguments {
 /// Measures.
 pub fn run(arguments: &BenchArguments) -> Result<(), Failure> {
     let What::Loop(arguments) = &arguments.what;
-    let spin = seconds("--spin", arguments.realtime.spin)?;
+    let spin = duration("--spin", arguments.realtime.spin)?;
     let progress = Progress::new(arguments.rate.len());
     let mut all = Vec::with_capacity(arguments.rate.len());
     for rate in &arguments.rate {
@@ -80,12 +80,12 @@ pub struct Measured {
     timing: TimingReport,
 }
 
-/// Runs a loop of coupled rendering at `rate` `[Hz]` for `duration` `[s]` on no device.
+/// Runs a loop of coupled rendering at `rate` `[Hz]` for `seconds` on no device.
 pub fn measure(
     clock: &MonotonicClock,
     request: Request,
     rate: f64,
-    duration: f64,
+    seconds: f64,
 ) -> Result<Measured, Failure> {
     let period = 1.0 / rate;
     let wrong = |error: &dyn fmt::Display| Failure::Arguments(format!("--rate {rate}: {error}"));
@@ -103,7 +103,7 @@ pub fn measure(
     let device = NullDevice::new(*clock);
     let control = ControlLoop::new(device, *clock, rendering, SafetyParams::default())
         .map_err(|error| wrong(&error))?;
-    let ticks = seconds("--duration", duration)?
+    let ticks = duration("--duration", seconds)?
         .as_nanos()
         .div_ceil(control.period().as_nanos());
     let most = Some(u64::try_from(ticks).unwrap_or(u64::MAX));

@@ -13,6 +13,7 @@ use super::run::{RealtimeArguments, request};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::results::print;
+use crate::values::duration;
 
 /// Rate of the loop that is tried [Hz].
 const RATE: f64 = 1000.0;
@@ -40,14 +41,25 @@ pub fn run(arguments: &DoctorArguments) -> Result<(), Failure> {
         .spawn(move || request.ask())
         .and_then(|thread| thread.join().map_err(|_| io::Error::other("it panicked")))
         .map_err(|error| Failure::System(format!("a thread to ask with: {error}")))?;
-    let spin = super::run::seconds("--spin", arguments.realtime.spin)?;
+    let spin = duration("--spin", arguments.realtime.spin)?;
     let clock = MonotonicClock::new().with_spin(spin);
     let measured = measure(&clock, request, RATE, SECONDS)?;
     drop(progress);
+    let plugged_in = palpate_haply::two_diy::ports()
+        .unwrap_or_default()
+        .iter()
+        .filter(|port| port.guess.is_likely())
+        .map(|port| DeviceReport {
+            port: port.path.clone(),
+            description: port.description.clone(),
+            warning: super::devices::LATCH_WARNING,
+        })
+        .collect();
     let report = Report {
         format: "palpate doctor 1",
         asked: answers.iter().map(AskedReport::from).collect(),
         machine: machine().iter().map(FindingReport::from).collect(),
+        devices: plugged_in,
         loop_at_1000_hz: measured,
     };
     print(&if arguments.json {
@@ -62,7 +74,16 @@ struct Report {
     format: &'static str,
     asked: Vec<AskedReport>,
     machine: Vec<FindingReport>,
+    devices: Vec<DeviceReport>,
     loop_at_1000_hz: Measured,
+}
+
+/// A device that is plugged in and has something to be minded.
+#[derive(Debug, Serialize)]
+struct DeviceReport {
+    port: String,
+    description: String,
+    warning: &'static str,
 }
 
 #[derive(Debug, Serialize)]
@@ -125,6 +146,14 @@ impl fmt::Display for Report {
             if let Some(advice) = finding.advice {
                 writeln!(f, "      {advice}")?;
             }
+        }
+        for device in &self.devices {
+            writeln!(
+                f,
+                "\n{}, {}, may be a Haply 2DIY",
+                device.port, device.description
+            )?;
+            writeln!(f, "   ?  {}", device.warning)?;
         }
         writeln!(
             f,

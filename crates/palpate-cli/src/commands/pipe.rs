@@ -16,6 +16,9 @@ use crate::setup::{check_contact, wrong_flag, wrong_setup};
 
 /// Longest line that is read as a sample `[bytes]`; the rest of a longer one is skipped.
 const LONGEST_LINE: u64 = 4096;
+/// Refused lines that are told one by one; of more, each doubling is: a dead sensor at 1 kHz would
+/// bury whatever else standard error has to say.
+const TOLD_EACH: u64 = 8;
 
 /// Answers every line of standard input until it ends.
 pub fn run(arguments: &PipeArguments) -> Result<(), Failure> {
@@ -172,7 +175,15 @@ impl Pipe {
         };
         if let Some(message) = message {
             self.summary.refused += 1;
-            tell(format_args!("line {number}: {message}; the force is 0"));
+            let refused = self.summary.refused;
+            if refused <= TOLD_EACH {
+                tell(format_args!("line {number}: {message}; the force is 0"));
+            } else if refused.is_power_of_two() {
+                tell(format_args!(
+                    "line {number}: {message}; the force is 0 (refused so far: {refused}; the next to be told is number {})",
+                    refused.saturating_mul(2)
+                ));
+            }
         }
         if limited.any() {
             self.summary.limited += 1;

@@ -106,7 +106,7 @@ fn the_committed_scenes_are_good_and_run_by_every_method() {
         }
         eprintln!("{path:?}: {}", scene.title);
     }
-    assert_eq!(scenes.len(), 7 + 13 + 9);
+    assert_eq!(scenes.len(), 8 + 13 + 9);
 }
 
 #[test]

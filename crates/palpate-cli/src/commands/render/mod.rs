@@ -155,7 +155,7 @@ fn in_loop(name: &str, error: LoopError) -> Failure {
 }
 
 /// The trace at `path`, and its text.
-pub(super) fn read_trace(path: &Path, name: &str) -> Result<(Trace, String), Failure> {
+pub fn read_trace(path: &Path, name: &str) -> Result<(Trace, String), Failure> {
     let mut bytes = Vec::new();
     if path == Path::new(STANDARD_INPUT) {
         io::stdin().lock().read_to_end(&mut bytes)

@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum, ValueHint};
+use clap::{Args, ValueHint};
 
 use crate::arguments::Flags;
+use crate::devices::DeviceArguments;
 use crate::values::{number, range};
 
 /// Arguments of `run`.
@@ -38,13 +39,6 @@ pub struct RecordArguments {
 /// What is run, and on what.
 #[derive(Args, Debug)]
 pub struct SessionArguments {
-    /// Device
-    #[arg(long, value_name = "NAME", value_enum, default_value_t = DeviceName::Simulated)]
-    pub device: DeviceName,
-    /// Motion of the device `replay`: a recording (.mcap), or CSV with the columns t_s,position_m
-    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath,
-          required_if_eq("device", "replay"))]
-    pub motion: Option<PathBuf>,
     /// How long [s]; inf: until ctrl-C, which ends it at any time
     #[arg(long, value_name = "s", default_value = "10", value_parser = number)]
     pub duration: f64,
@@ -54,6 +48,9 @@ pub struct SessionArguments {
     /// Print the report as JSON
     #[arg(long)]
     pub json: bool,
+    /// The device.
+    #[command(flatten)]
+    pub device: DeviceArguments,
     /// What the machine is asked for.
     #[command(flatten)]
     pub realtime: RealtimeArguments,
@@ -65,24 +62,13 @@ pub struct SessionArguments {
     pub flags: Flags,
 }
 
-/// Devices that are always there.
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DeviceName {
-    /// Device and hand of the scene
-    Simulated,
-    /// A recorded motion, whatever the force
-    Replay,
-    /// None: at rest at 0
-    Null,
-}
-
 /// What the machine is asked for.
 #[derive(Args, Debug, Clone)]
 #[command(next_help_heading = "Real time")]
 pub struct RealtimeArguments {
-    /// Priority under SCHED_FIFO, 1 to 99; 0: do not ask for one
-    #[arg(long, value_name = "1..99", default_value_t = 80,
-          value_parser = clap::value_parser!(u8).range(0..=99))]
+    /// Priority under SCHED_FIFO, 1 to 98; 0: do not ask for one. The supervisor has one more
+    #[arg(long, value_name = "1..98", default_value_t = 80,
+          value_parser = clap::value_parser!(u8).range(0..=98))]
     pub priority: u8,
     /// Processor to run on
     #[arg(long, value_name = "NUMBER")]

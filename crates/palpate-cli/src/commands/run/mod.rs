@@ -1,32 +1,35 @@
 //! `palpate run` and `palpate record`: a loop in real time, on a device.
 
 mod arguments;
-mod report;
-mod scene_text;
+pub mod report;
+pub mod scene_text;
 
 use std::path::Path;
 use std::time::Duration;
 
 use palpate_io::recording::Receipt;
 use palpate_rt::clock::{Clock, MonotonicClock, SteppedClock};
-use palpate_rt::device::{Device, NullDevice, ReplayDevice, SimulatedDevice};
+use palpate_rt::device::Capabilities;
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
-use palpate_rt::{Account, ControlLoop, LoopThread, Recorder, Rendering, SetupError, StopFlag};
+use palpate_rt::{
+    Account, ControlLoop, Ending, LoopThread, Recorder, Rendering, SetupError, StopFlag,
+};
 use palpate_sim::method::MethodName;
 use palpate_sim::scene::{Scene, Timing};
 
-use super::replay::ticks::Ticks;
 pub use arguments::{
-    DeviceName, RealtimeArguments, RecordArguments, RunArguments, SafetyArguments, SessionArguments,
+    RealtimeArguments, RecordArguments, RunArguments, SafetyArguments, SessionArguments,
 };
-use report::Report;
+pub use report::Report;
 pub use report::TimingReport;
 
+use crate::devices::{DeviceName, Opened, open};
 use crate::failure::{Failure, tell};
 use crate::progress::Progress;
-use crate::recorded::{open, whole_or_said};
+use crate::recorded::{open as open_recording, whole_or_said};
 use crate::results::print;
+use crate::values::duration;
 
 /// Runs a loop, and records it if it is to.
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
@@ -52,11 +55,6 @@ fn session(
     arguments: &SessionArguments,
 ) -> Result<(), Failure> {
     let file = super::simulate::read_scene(path)?;
-    if arguments.motion.is_some() && arguments.device != DeviceName::Replay {
-        return Err(Failure::Arguments(
-            "--motion is the motion of --device replay".into(),
-        ));
-    }
     let flags = &arguments.flags;
     let methods = flags.methods(file.scene.method);
     let [method] = methods[..] else {
@@ -83,7 +81,7 @@ fn session(
     if arguments.fast {
         session.on(&SteppedClock::new(), Request::nothing())
     } else {
-        let spin = seconds("--spin", arguments.realtime.spin)?;
+        let spin = duration("--spin", arguments.realtime.spin)?;
         session.on(
             &MonotonicClock::new().with_spin(spin),
             request(&arguments.realtime),
@@ -100,13 +98,6 @@ pub fn request(arguments: &RealtimeArguments) -> Request {
     }
 }
 
-/// A flag's time.
-pub fn seconds(flag: &str, value: f64) -> Result<Duration, Failure> {
-    Duration::try_from_secs_f64(value).map_err(|_| {
-        Failure::Arguments(format!("{flag}: {value} s is no time; allowed: 0 or above"))
-    })
-}
-
 struct Session<'a> {
     scene: &'a Scene,
     path: &'a Path,
@@ -117,29 +108,22 @@ struct Session<'a> {
 
 impl Session<'_> {
     fn on<C: Clock>(&self, clock: &C, request: Request) -> Result<(), Failure> {
-        let device: Box<dyn Device> = match self.arguments.device {
-            DeviceName::Simulated => {
-                Box::new(SimulatedDevice::of(self.scene, clock.clone()).map_err(Failure::input)?)
-            }
-            DeviceName::Null => Box::new(NullDevice::new(clock.clone())),
-            DeviceName::Replay => self.replay(clock)?,
-        };
-        let limits = limits(device.as_ref(), &self.arguments.safety);
+        let Opened { device, placement } = open(&self.arguments.device, self.scene, clock)?;
+        let limits = limits(device.capabilities(), &self.arguments.safety);
         let wrong = |error: SetupError| match error {
             SetupError::Safety(error) => Failure::Arguments(error.to_string()),
             other => Failure::input(format_args!("{}: {other}", self.path.display())),
         };
         let rendering = Rendering::of(self.scene, self.method).map_err(Failure::input)?;
         let capabilities = device.capabilities().clone();
-        let control = ControlLoop::new(device, clock.clone(), rendering, limits).map_err(wrong)?;
+        let control = ControlLoop::new(device, clock.clone(), rendering, limits)
+            .map_err(wrong)?
+            .along(placement);
         let most = self.most_ticks(control.period())?;
         let (tap, recorder) = match self.record {
             Some(out) => {
-                let mut receipt = Receipt::new(env!("CARGO_PKG_VERSION"))
-                    .with("device", &format!("{capabilities:#?}\n"))
-                    .with("safety", &format!("{limits:#?}\n"))
-                    .with("real time", &format!("{request:#?}\n"));
-                receipt = scene_text::put(receipt, self.scene, self.path)?;
+                let receipt = receipt(&capabilities, &limits, &request);
+                let receipt = scene_text::put(receipt, self.scene, self.path)?;
                 Recorder::begin(out, &receipt)
                     .map_err(|error| Failure::System(error.to_string()))?
             }
@@ -171,7 +155,7 @@ impl Session<'_> {
             Err(error) => (Account::default(), Some(Failure::System(error.to_string()))),
         };
         let recording = match (&unwritten, self.record) {
-            (None, Some(path)) => Some(open(path)?),
+            (None, Some(path)) => Some(open_recording(path)?),
             _ => None,
         };
         let report = Report::new(
@@ -194,52 +178,41 @@ impl Session<'_> {
             )));
         }
         unwritten.map_or(Ok(()), Err)?;
+        // A recorded motion is over when it is over.
+        let may_end = self.arguments.device.device == DeviceName::Replay;
+        if end.ending == Ending::DeviceLost && !may_end {
+            return Err(Failure::System(
+                "the device was lost before the end; `palpate run --reconnect` waits for one that \
+                 can be opened again"
+                    .into(),
+            ));
+        }
         recording.as_ref().map_or(Ok(()), whole_or_said)
     }
 
     fn most_ticks(&self, period: Duration) -> Result<Option<u64>, Failure> {
-        let duration = self.arguments.duration;
-        if duration == f64::INFINITY {
+        let seconds = self.arguments.duration;
+        if seconds == f64::INFINITY {
             return Ok(None);
         }
-        let ticks = seconds("--duration", duration)?
+        let ticks = duration("--duration", seconds)?
             .as_nanos()
             .div_ceil(period.as_nanos());
         Ok(Some(u64::try_from(ticks).unwrap_or(u64::MAX)))
     }
-
-    fn replay<C: Clock>(&self, clock: &C) -> Result<Box<dyn Device>, Failure> {
-        let path = self.arguments.motion.as_ref().ok_or_else(|| {
-            Failure::Arguments("--device replay needs --motion TRACE.csv or REC.mcap".into())
-        })?;
-        let (times, positions) = motion(path)?;
-        let first = times.first().copied().unwrap_or(0.0);
-        let samples = times
-            .iter()
-            .zip(&positions)
-            .map(|(time, position)| Ok((seconds("--motion", time - first)?, [*position, 0.0, 0.0])))
-            .collect::<Result<Vec<_>, Failure>>()?;
-        let device = ReplayDevice::new(clock.clone(), 1, samples)
-            .map_err(|error| Failure::input(format_args!("{}: {error}", path.display())))?;
-        Ok(Box::new(device))
-    }
 }
 
-/// Times `[s]` and positions `[m]` of a trace, or of a recording where the device was seen.
-fn motion(path: &Path) -> Result<(Vec<f64>, Vec<f64>), Failure> {
-    if path
-        .extension()
-        .is_some_and(|extension| extension == "mcap")
-    {
-        let curves = Ticks::of(&open(path)?)?.curves;
-        return Ok((curves.time, curves.device_position));
-    }
-    let (trace, _) = super::render::read_trace(path, &path.display().to_string())?;
-    Ok((trace.t_s, trace.position_m))
+/// The receipt of a recording, but for its scene.
+pub fn receipt(device: &Capabilities, limits: &SafetyParams, request: &Request) -> Receipt {
+    Receipt::new(env!("CARGO_PKG_VERSION"))
+        .with("device", &format!("{device:#?}\n"))
+        .with("safety", &format!("{limits:#?}\n"))
+        .with("real time", &format!("{request:#?}\n"))
 }
 
-fn limits(device: &dyn Device, arguments: &SafetyArguments) -> SafetyParams {
-    let mut limits = SafetyParams::for_device(device.capabilities());
+/// The limits of a device, as far as flags do not say otherwise.
+pub fn limits(device: &Capabilities, arguments: &SafetyArguments) -> SafetyParams {
+    let mut limits = SafetyParams::for_device(device);
     let set = |limit: &mut f64, flag: Option<f64>| *limit = flag.unwrap_or(*limit);
     set(&mut limits.largest_force, arguments.safe_force);
     set(&mut limits.slew_limit, arguments.safe_slew);
@@ -247,9 +220,6 @@ fn limits(device: &dyn Device, arguments: &SafetyArguments) -> SafetyParams {
     set(&mut limits.soft_start, arguments.soft_start);
     set(&mut limits.oscillation.energy, arguments.oscillation);
     set(&mut limits.stall_after_periods, arguments.stall_after);
-    if let Some((from, to)) = arguments.safe_range {
-        let infinite = f64::INFINITY;
-        limits.workspace = Some([[from, -infinite, -infinite], [to, infinite, infinite]]);
-    }
+    limits.range = arguments.safe_range.map(|(from, to)| [from, to]);
     limits
 }

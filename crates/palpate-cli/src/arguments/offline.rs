@@ -1,0 +1,240 @@
+//! Arguments of the commands that run no loop in real time.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueHint};
+
+use super::{Flags, ReplayFlags, TimingFlags};
+use crate::values::{Methods, methods, number};
+
+/// Arguments of `render`.
+#[derive(Args, Debug)]
+pub struct RenderArguments {
+    /// Recorded motion: CSV with the columns t_s,position_m; - for standard input
+    #[arg(value_name = "TRACE.csv", value_hint = ValueHint::FilePath)]
+    pub trace: PathBuf,
+    /// Contact, loop, method and device.
+    #[command(flatten)]
+    pub flags: Flags,
+    /// Motion or hand.
+    #[command(flatten)]
+    pub replay: ReplayFlags,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// Arguments of `simulate`.
+#[derive(Args, Debug)]
+pub struct SimulateArguments {
+    /// Scene file (TOML); experiments/ has the paper's
+    #[arg(value_name = "SCENE.toml", value_hint = ValueHint::FilePath)]
+    pub scene: PathBuf,
+    /// Contact, loop, method and device.
+    #[command(flatten)]
+    pub flags: Flags,
+    /// What is not perfect about the loop.
+    #[command(flatten)]
+    pub timing: TimingFlags,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// Arguments of `compare`.
+#[derive(Args, Debug)]
+pub struct CompareArguments {
+    /// Scene files (TOML); experiments/ has the paper's, experiments/users/ what users ask for
+    #[arg(value_name = "SCENE.toml", value_hint = ValueHint::FilePath, required = true)]
+    pub scenes: Vec<PathBuf>,
+    /// Methods: all, or one or more, separated by commas [default: all]
+    #[arg(long, value_name = "NAMES", value_parser = methods)]
+    pub method: Option<Methods>,
+    /// Write the table to a CSV file
+    #[arg(long, value_name = "TABLE.csv", value_hint = ValueHint::FilePath)]
+    pub out: Option<PathBuf>,
+    /// Print the table as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `pipe`.
+#[derive(Args, Debug)]
+pub struct PipeArguments {
+    /// Scene file (TOML) for contact, loop, method and device mass; flags change its values
+    #[arg(long, value_name = "SCENE.toml", value_hint = ValueHint::FilePath)]
+    pub scene: Option<PathBuf>,
+    /// Contact, loop, method and device.
+    #[command(flatten)]
+    pub flags: Flags,
+    /// Print the final summary on standard error as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `tune`.
+#[derive(Args, Debug)]
+pub struct TuneArguments {
+    /// Scene file (TOML); experiments/ has the paper's
+    #[arg(value_name = "SCENE.toml", value_hint = ValueHint::FilePath)]
+    pub scene: PathBuf,
+    /// Contact, loop, method and device.
+    #[command(flatten)]
+    pub flags: Flags,
+    /// What is not perfect about the loop.
+    #[command(flatten)]
+    pub timing: TimingFlags,
+    /// The curve.
+    #[command(flatten)]
+    pub curve: CurveArguments,
+    /// Draw the curve into a file, .svg (or .png where built with the feature png)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Results")]
+    pub plot: Option<PathBuf>,
+    /// Print the report, with the whole curve, as JSON
+    #[arg(long, help_heading = "Results")]
+    pub json: bool,
+}
+
+/// Which values are tried, and for what.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Curve")]
+pub struct CurveArguments {
+    /// Least value [N s/m] [default: 0; for a cap, the first step]
+    #[arg(long, value_name = "N s/m", value_parser = number, allow_hyphen_values = true)]
+    pub from: Option<f64>,
+    /// Largest value [N s/m] [default: 4 K T for B, K T for b, 8 K T for a cap]
+    #[arg(long, value_name = "N s/m", value_parser = number, allow_hyphen_values = true)]
+    pub to: Option<f64>,
+    /// Number of values, evenly spaced
+    #[arg(long, value_name = "COUNT", default_value_t = 400,
+          value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    pub steps: u32,
+    /// What is to be least
+    #[arg(long, value_enum, default_value_t = Least::Error)]
+    pub least: Least,
+}
+
+/// What a tuned value makes small.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Least {
+    /// The mean-force error E
+    Error,
+    /// The sum of absolute leaks
+    Leak,
+}
+
+/// Arguments of `suite`.
+#[derive(Args, Debug)]
+pub struct SuiteArguments {
+    /// Number of plants
+    #[arg(long, value_name = "COUNT", default_value_t = 200,
+          value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub plants: u32,
+    /// Seed of the random numbers
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    pub seed: u64,
+    /// What is compared.
+    #[command(flatten)]
+    pub compared: Compared,
+    /// Write every plant as a scene file into a folder, which is made if it is missing
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath, help_heading = "Results")]
+    pub write_scenes: Option<PathBuf>,
+    /// Write a row for each plant, delay and method to a CSV file
+    #[arg(long, value_name = "FILE.csv", value_hint = ValueHint::FilePath, help_heading = "Results")]
+    pub out: Option<PathBuf>,
+    /// Draw the distribution of the error into a file, .svg (or .png where built with the feature png)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Results")]
+    pub plot: Option<PathBuf>,
+    /// Print the report as JSON
+    #[arg(long, help_heading = "Results")]
+    pub json: bool,
+}
+
+/// Arguments of `heights`.
+#[derive(Args, Debug)]
+pub struct HeightsArguments {
+    /// Scene files (TOML); experiments/ has the paper's
+    #[arg(value_name = "SCENE.toml", required = true, value_hint = ValueHint::FilePath)]
+    pub scenes: Vec<PathBuf>,
+    /// Mass of the device that the renderer is told, over the effective one
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, value_parser = number,
+          allow_hyphen_values = true)]
+    pub told_mass_factor: f64,
+    /// What is compared.
+    #[command(flatten)]
+    pub compared: Compared,
+    /// Print the report as JSON
+    #[arg(long, help_heading = "Results")]
+    pub json: bool,
+}
+
+/// The methods that a study compares.
+#[derive(Args, Debug)]
+pub struct Compared {
+    /// Methods: all, or one or more, separated by commas [default: all]
+    #[arg(long, value_name = "NAMES", value_parser = methods)]
+    pub method: Option<Methods>,
+    /// Variants of methods, from a TOML file, in place of --method
+    #[arg(long, value_name = "FILE.toml", conflicts_with = "method",
+          value_hint = ValueHint::FilePath)]
+    pub columns: Option<PathBuf>,
+}
+
+/// Arguments of `figure`.
+#[derive(Args, Debug)]
+pub struct FigureArguments {
+    /// Which figure
+    #[arg(value_enum)]
+    pub figure: FigureName,
+    /// File to draw into, .svg (or .png where built with the feature png) [default: its name with .svg]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub plot: Option<PathBuf>,
+    /// Print the report as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Figures of the paper.
+#[derive(clap::ValueEnum, Clone, Copy, Debug)]
+pub enum FigureName {
+    /// HFCR step by step: basic, modified force, smooth transitions, leak dissipation
+    Fig2,
+    /// Experiment 1 on a virtual pantograph, 100 N/m at 50 Hz: five methods beside each other
+    Fig4,
+    /// Experiment 2 on a virtual pantograph, 400 N/m at 50 Hz: five methods beside each other
+    Fig5,
+}
+
+/// Arguments of `demo`.
+#[derive(Args, Debug)]
+pub struct DemoArguments {
+    /// Folder for the figures and the hand trace; made if it is missing
+    #[arg(long, value_name = "DIR", default_value = "palpate-demo", value_hint = ValueHint::DirPath)]
+    pub out_dir: PathBuf,
+    /// Print the report as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `completions`.
+#[derive(Args, Debug)]
+pub struct CompletionArguments {
+    /// The shell
+    #[arg(value_enum)]
+    pub shell: clap_complete::Shell,
+}
+
+/// Where the results of a run go.
+#[derive(Args, Debug, Default)]
+#[command(next_help_heading = "Results")]
+pub struct Results {
+    /// Write every tick to a CSV file; - for standard output
+    #[arg(long, value_name = "RUN.csv", value_hint = ValueHint::FilePath)]
+    pub out: Option<PathBuf>,
+    /// Draw the run into a file, .svg (or .png where built with the feature png)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub plot: Option<PathBuf>,
+    /// Print the report as JSON
+    #[arg(long)]
+    pub json: bool,
+}

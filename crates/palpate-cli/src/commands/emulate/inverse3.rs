@@ -1,0 +1,293 @@
+//! `palpate emulate inverse3`: Haply's Inverse Service, with a device behind it.
+
+use std::time::{Duration, Instant};
+
+use clap::{Args, ValueEnum};
+use palpate_haply::inverse3::Form;
+use palpate_haply::inverse3::emulator::{
+    Body, Emulator, EmulatorError, EmulatorOptions, Fault, Latency,
+};
+use palpate_rt::StopFlag;
+use palpate_testbed::hand::{Hand, Intention, Sinusoid};
+
+use crate::failure::{Failure, tell};
+use crate::results::print;
+use crate::values::{Place, duration, number, place};
+
+/// Arguments of `emulate inverse3`.
+#[derive(Args, Debug)]
+pub struct Inverse3EmulatorArguments {
+    /// Form of the interface
+    #[arg(long, value_name = "FORM", value_enum, default_value_t = FormName::V35)]
+    pub form: FormName,
+    /// Port of the simulation channel; 0: any that is free
+    #[arg(long, value_name = "PORT", default_value_t = 10001)]
+    pub port: u16,
+    /// Port of the events channel; 0: any that is free
+    #[arg(long, value_name = "PORT", default_value_t = 10020)]
+    pub events_port: u16,
+    /// Name of the device; more than once: as many devices
+    #[arg(long, value_name = "ID", default_value = "049D")]
+    pub device_id: Vec<String>,
+    /// How long an exchange takes at least [s]
+    #[arg(long, value_name = "s", value_parser = number, default_value = "0")]
+    pub latency: f64,
+    /// How much longer it takes at most [s]
+    #[arg(long, value_name = "s", value_parser = number, default_value = "0")]
+    pub jitter: f64,
+    /// How long a force is held when no message comes [s]
+    #[arg(long, value_name = "s", value_parser = number, default_value = "0.05")]
+    pub idle_after: f64,
+    /// How long [s] [default: until ctrl-C]
+    #[arg(long, value_name = "s", value_parser = number)]
+    pub duration: Option<f64>,
+    /// Something that goes wrong, and when
+    #[arg(long, value_name = "KIND[=s]@s", value_parser = timed_fault)]
+    pub fault: Vec<TimedFault>,
+    /// Mass of the device along each axis [kg]
+    #[arg(long, value_name = "kg", value_parser = number, default_value = "0.2")]
+    pub mass: f64,
+    /// Where it is at the start [m]
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true,
+          default_value = "0,0,0")]
+    pub start: Triple,
+    /// The hand.
+    #[command(flatten)]
+    pub hand: HandArguments,
+}
+
+/// The hand at an emulated Inverse3.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Hand")]
+pub struct HandArguments {
+    /// It holds the handle at this place, by a spring [m] [default: where it is at the start]
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
+    pub hold: Option<Triple>,
+    /// The place goes this far to either side [m]
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
+    pub sway: Option<Triple>,
+    /// How long that takes there and back [s]
+    #[arg(long, value_name = "s", value_parser = number, default_value = "1")]
+    pub sway_period: f64,
+    /// It pushes with this force besides [N]
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
+    pub push: Option<Triple>,
+    /// Stiffness of the spring [N/m]
+    #[arg(long, value_name = "N/m", value_parser = number, default_value = "200")]
+    pub hand_stiffness: f64,
+    /// Damping of the hand [N s/m]
+    #[arg(long, value_name = "N s/m", value_parser = number, default_value = "4")]
+    pub hand_damping: f64,
+}
+
+/// Forms of the interface.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FormName {
+    /// As services from 3.1 on understand it
+    #[value(name = "3.1")]
+    V31,
+    /// As services from 3.5 on do
+    #[value(name = "3.5")]
+    V35,
+}
+
+/// Three numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triple(pub [f64; 3]);
+
+fn triple(text: &str) -> Result<Triple, String> {
+    match place(text) {
+        Ok(Place(numbers)) if numbers.len() == 3 => {
+            Ok(Triple([numbers[0], numbers[1], numbers[2]]))
+        }
+        _ => Err("three numbers are needed, with commas between, such as 0.01,0,0".into()),
+    }
+}
+
+/// Something that goes wrong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Trouble {
+    /// With the next answer.
+    Answer(Fault),
+    /// The device is unplugged for so long.
+    Unplug(Duration),
+    /// Its motors have no power for so long.
+    NoPower(Duration),
+}
+
+/// A fault, and when it strikes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimedFault {
+    at: Duration,
+    trouble: Trouble,
+}
+
+/// Kinds that need no time.
+const KINDS: [(&str, Fault); 8] = [
+    ("lost", Fault::Dropped),
+    ("twice", Fault::Twice),
+    ("late", Fault::Late),
+    ("garbage", Fault::Garbage),
+    ("half", Fault::HalfFrame),
+    ("half-bytes", Fault::HalfBytes),
+    ("disconnect", Fault::Disconnect),
+    ("close", Fault::Close),
+];
+
+fn timed_fault(text: &str) -> Result<TimedFault, String> {
+    let time = |text: &str| {
+        let seconds: f64 = text.trim().parse().ok()?;
+        Duration::try_from_secs_f64(seconds).ok()
+    };
+    let understood = || {
+        let (what, at) = text.split_once('@')?;
+        let trouble = match what.split_once('=') {
+            Some(("stall", value)) => Trouble::Answer(Fault::Stall(time(value)?)),
+            Some(("unplug", value)) => Trouble::Unplug(time(value)?),
+            Some(("no-power", value)) => Trouble::NoPower(time(value)?),
+            Some(_) => return None,
+            None => {
+                let (_, fault) = KINDS.iter().find(|(name, _)| *name == what)?;
+                Trouble::Answer(*fault)
+            }
+        };
+        Some(TimedFault {
+            at: time(at)?,
+            trouble,
+        })
+    };
+    understood().ok_or_else(|| {
+        let kinds: Vec<&str> = KINDS.iter().map(|(name, _)| *name).collect();
+        format!(
+            "KIND@SECONDS is needed, with one of {}, or KIND=SECONDS@SECONDS, with one of stall, \
+             unplug, no-power",
+            kinds.join(", ")
+        )
+    })
+}
+
+/// Emulates until it is over.
+pub fn run(arguments: &Inverse3EmulatorArguments) -> Result<(), Failure> {
+    let until = arguments
+        .duration
+        .filter(|seconds| *seconds != f64::INFINITY)
+        .map(|seconds| duration("--duration", seconds))
+        .transpose()?;
+    let options = EmulatorOptions {
+        form: match arguments.form {
+            FormName::V31 => Form::V31,
+            FormName::V35 => Form::V35,
+        },
+        port: arguments.port,
+        events_port: arguments.events_port,
+        device_ids: arguments.device_id.clone(),
+        body: Body {
+            mass: arguments.mass,
+            start: arguments.start.0,
+            hands: hands(arguments)?,
+            ..Body::default()
+        },
+        idle_after: duration("--idle-after", arguments.idle_after)?,
+        latency: Latency {
+            least: duration("--latency", arguments.latency)?,
+            jitter: duration("--jitter", arguments.jitter)?,
+        },
+    };
+    let stop =
+        StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
+    let emulator = Emulator::start(&options).map_err(|error| match error {
+        EmulatorError::Body(error) => Failure::Arguments(error.to_string()),
+        EmulatorError::Port { .. } => Failure::System(format!(
+            "{error}; --port and --events-port choose others, 0 any that is free"
+        )),
+        EmulatorError::Thread(_) => Failure::System(error.to_string()),
+    })?;
+    print(&format!("{}\n", emulator.url()))?;
+    tell(format_args!(
+        "an Inverse Service with {}, its events on {}; ctrl-C ends it",
+        arguments.device_id.join(", "),
+        emulator.events_url()
+    ));
+    let id = arguments.device_id[0].as_str();
+    suffer(&emulator, id, &arguments.fault, &stop, until);
+    let largest = emulator
+        .received()
+        .iter()
+        .filter_map(|message| message.force)
+        .flatten()
+        .fold(0.0_f64, |largest, force| largest.max(force.abs()));
+    let last = emulator.force(id).unwrap_or_default();
+    let served = emulator.served();
+    tell(format_args!(
+        "{} sessions, {} messages, forces up to {largest:.3} N along an axis; in the end {:?} N",
+        served.sessions, served.messages, last
+    ));
+    Ok(())
+}
+
+/// Until it is over, with what goes wrong meanwhile.
+fn suffer(
+    emulator: &Emulator,
+    id: &str,
+    faults: &[TimedFault],
+    stop: &StopFlag,
+    until: Option<Duration>,
+) {
+    // What ends by itself is two changes.
+    let mut changes: Vec<(Duration, Trouble, bool)> = Vec::new();
+    for &TimedFault { at, trouble } in faults {
+        changes.push((at, trouble, true));
+        if let Trouble::Unplug(lasts) | Trouble::NoPower(lasts) = trouble {
+            changes.push((at.saturating_add(lasts), trouble, false));
+        }
+    }
+    changes.sort_by_key(|(at, ..)| *at);
+    let mut changes = changes.into_iter().peekable();
+    let begun = Instant::now();
+    while !stop.is_raised() && until.is_none_or(|until| begun.elapsed() < until) {
+        while let Some((at, trouble, begins)) = changes.next_if(|(at, ..)| begun.elapsed() >= *at) {
+            let word = if begins { "" } else { "over: " };
+            tell(format_args!(
+                "at {:.1} s: {word}{trouble:?}",
+                at.as_secs_f64()
+            ));
+            match trouble {
+                Trouble::Answer(fault) => emulator.inject(fault),
+                Trouble::Unplug(_) => emulator.set_present(id, !begins),
+                Trouble::NoPower(_) => {
+                    emulator.set_status(id, |status| status.power_supply = Some(!begins));
+                }
+            }
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+fn hands(arguments: &Inverse3EmulatorArguments) -> Result<[Hand; 3], Failure> {
+    let hand = &arguments.hand;
+    if !(hand.sway_period > 0.0 && hand.sway_period.is_finite()) {
+        return Err(Failure::Arguments(format!(
+            "--sway-period is {}; allowed: above 0 [s]",
+            hand.sway_period
+        )));
+    }
+    let of = |triple: Option<Triple>, axis: usize| triple.map_or(0.0, |triple| triple.0[axis]);
+    Ok([0, 1, 2].map(|axis| {
+        let sway = of(hand.sway, axis);
+        Hand::Impedance {
+            mass: 0.0,
+            stiffness: hand.hand_stiffness,
+            damping: hand.hand_damping,
+            intention: Intention {
+                tremor: (sway != 0.0).then_some(Sinusoid {
+                    amplitude: sway,
+                    frequency_hz: 1.0 / hand.sway_period,
+                    phase: 0.0,
+                }),
+                ..Intention::constant(hand.hold.unwrap_or(arguments.start).0[axis])
+            },
+            force: of(hand.push, axis),
+            tremor: None,
+        }
+    }))
+}

@@ -1,0 +1,100 @@
+//! Devices of a live session.
+
+use palpate_rt::clock::MonotonicClock;
+use palpate_rt::device::{PointerDevice, PointerHand, PointerParams};
+use palpate_scope::{Devices, Placed};
+use palpate_sim::scene::Scene;
+
+use crate::devices::{DeviceArguments, DeviceName, Opened, open};
+use crate::failure::Failure;
+
+/// Whether there can be as many of a device as anybody likes.
+fn is_virtual(device: DeviceName) -> bool {
+    matches!(
+        device,
+        DeviceName::Simulated | DeviceName::Replay | DeviceName::Null | DeviceName::Pointer
+    )
+}
+
+/// In how many loops a device can be: two loops would command one board by turns.
+pub fn most_lanes(device: DeviceName) -> usize {
+    if is_virtual(device) { 2 } else { 1 }
+}
+
+/// The devices that `--device` names.
+pub struct Named {
+    arguments: DeviceArguments,
+    scene: Scene,
+    clock: MonotonicClock,
+    hand: Option<PointerHand>,
+    /// Opened beforehand, so that what is wrong is said at once.
+    first: Option<Placed>,
+}
+
+impl Named {
+    /// Opens the first of them.
+    pub fn new(
+        arguments: &DeviceArguments,
+        scene: &Scene,
+        clock: &MonotonicClock,
+    ) -> Result<Self, Failure> {
+        let is_pointer = arguments.device == DeviceName::Pointer;
+        let mut devices = Self {
+            arguments: arguments.clone(),
+            scene: scene.clone(),
+            clock: *clock,
+            hand: is_pointer.then(|| PointerHand::at(scene.device.position)),
+            first: None,
+        };
+        devices.first = Some(devices.make(None)?);
+        Ok(devices)
+    }
+
+    /// The hand that the page leads, if it does.
+    pub fn hand(&self) -> Option<PointerHand> {
+        self.hand.clone()
+    }
+
+    fn make(&self, at: Option<f64>) -> Result<Placed, Failure> {
+        let Opened {
+            mut device,
+            placement,
+        } = open(&self.arguments, &self.scene, &self.clock)?;
+        if let Some(hand) = &self.hand {
+            let usual = PointerParams::of(&self.scene);
+            let params = PointerParams {
+                position: at.unwrap_or(usual.position),
+                ..usual
+            };
+            let led = PointerDevice::new(params, hand, self.clock).map_err(Failure::input)?;
+            device = Box::new(led);
+        }
+        Ok(Placed { device, placement })
+    }
+}
+
+impl Devices for Named {
+    fn most_lanes(&self) -> usize {
+        most_lanes(self.arguments.device)
+    }
+
+    fn go_on(&self) -> bool {
+        // Scene and recording begin again with the loop.
+        !matches!(
+            self.arguments.device,
+            DeviceName::Simulated | DeviceName::Replay
+        )
+    }
+
+    fn any_period(&self) -> bool {
+        // A driver waits for its board as long as the period that it was opened for allows.
+        is_virtual(self.arguments.device)
+    }
+
+    fn open(&mut self, at: Option<f64>) -> Result<Placed, String> {
+        if let (Some(first), None) = (self.first.take(), at) {
+            return Ok(first);
+        }
+        self.make(at).map_err(|failure| failure.message())
+    }
+}

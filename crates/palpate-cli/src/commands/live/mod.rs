@@ -1,0 +1,228 @@
+//! `palpate live`: a loop, and a page on it.
+
+mod arguments;
+mod device;
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use palpate_rt::clock::MonotonicClock;
+use palpate_rt::{Ending, Rendering, SetupError, StopFlag};
+use palpate_scope::{
+    LaneEnd, ListenError, Listening, Server, Session, SessionError, Setup, Written,
+};
+use palpate_sim::method::MethodName;
+use palpate_sim::scene::{Scene, SceneFile, Timing};
+
+pub use arguments::LiveArguments;
+use device::{Named, most_lanes};
+
+use super::run::{Report, limits, receipt, request, scene_text};
+use crate::devices::DeviceName;
+use crate::failure::{Failure, tell};
+use crate::recorded::{open as open_recording, whole_or_said};
+use crate::results::print;
+use crate::values::duration;
+
+/// What is shown without a scene, and by which methods.
+const SCENE: &str = include_str!("../../../../../experiments/live.toml");
+const METHODS: [MethodName; 2] = [MethodName::Basic, MethodName::Coupled];
+
+/// How often it is looked whether the session has ended.
+const LOOK_EVERY: Duration = Duration::from_millis(50);
+
+/// Runs a loop, serves a page on it, and says in the end how it went.
+pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
+    let (scene, path, methods) = read(arguments)?;
+    let listening = listen(arguments)?;
+    let spin = duration("--spin", arguments.realtime.spin)?;
+    let clock = MonotonicClock::new().with_spin(spin);
+    let devices = Named::new(&arguments.device, &scene, &clock)?;
+    let lasts = (arguments.duration < f64::INFINITY)
+        .then(|| duration("--duration", arguments.duration))
+        .transpose()?;
+    let request = request(&arguments.realtime);
+    let (safety, told) = (arguments.safety.clone(), arguments.safety.clone());
+    let scene_path = path.clone();
+    let setup = Setup {
+        methods,
+        hand: devices.hand(),
+        devices: Box::new(devices),
+        clock,
+        request,
+        limits: Box::new(move |device| limits(device, &safety)),
+        duration: lasts,
+        receipts: Box::new(move |scene, device| {
+            let receipt = receipt(device, &limits(device, &told), &request);
+            scene_text::put(receipt, scene, &scene_path).map_err(|failure| failure.message())
+        }),
+        folder: folder(arguments.record.as_deref()),
+        record: arguments.record.clone(),
+        scene,
+    };
+    let stop =
+        StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
+    // Declared first, so that it goes last: whatever goes wrong below, the force is off before clients
+    // are told goodbye.
+    let server;
+    let session = Session::start(setup, &stop).map_err(|error| match error {
+        SessionError::Setup(SetupError::Safety(error)) => Failure::Arguments(error.to_string()),
+        SessionError::Setup(error) => Failure::input(format_args!("{}: {error}", path.display())),
+        SessionError::Other(text) => Failure::System(text),
+    })?;
+    let url = listening.url();
+    server = Server::start(listening, session.hub(), session.commands())
+        .map_err(|error| Failure::System(error.to_string()))?;
+    print(&format!("{url}\nctrl-C ends it\n"))?;
+    for answer in session
+        .answers()
+        .iter()
+        .filter(|answer| !answer.is_granted())
+    {
+        tell(format_args!("warning: {answer}"));
+    }
+    while !session.has_ended() {
+        std::thread::sleep(LOOK_EVERY);
+    }
+    let end = session.join();
+    drop(server);
+    // A recorded motion is over when it is over.
+    let may_end = arguments.device.device == DeviceName::Replay;
+    let mut ended = Ok(());
+    for lane in end.lanes {
+        add(&mut ended, report(lane, may_end));
+    }
+    for Written { path, ticks } in end.recordings {
+        add(
+            &mut ended,
+            match ticks {
+                Ok(ticks) => print(&format!("{}: {ticks} ticks\n", path.display())),
+                Err(error) => Err(Failure::System(error.to_string())),
+            },
+        );
+    }
+    let failed = end
+        .failed
+        .map(|text| Failure::System(format!("no loop ran at the end: {text}")));
+    add(&mut ended, failed.map_or(Ok(()), Err));
+    ended
+}
+
+/// Every failure is said: the first by whoever is returned it, the others here.
+fn add(ended: &mut Result<(), Failure>, next: Result<(), Failure>) {
+    match next {
+        Err(failure) if ended.is_err() => tell(failure.message()),
+        Err(failure) => *ended = Err(failure),
+        Ok(()) => {}
+    }
+}
+
+/// The scene, where it comes from, and a method for each lane.
+fn read(arguments: &LiveArguments) -> Result<(Scene, PathBuf, Vec<MethodName>), Failure> {
+    let most = most_lanes(arguments.device.device);
+    let (file, path, usual) = match &arguments.scene {
+        Some(path) => {
+            let file = super::simulate::read_scene(path)?;
+            let usual = vec![file.scene.method];
+            (file, path.clone(), usual)
+        }
+        None => {
+            let name = "live.toml";
+            let file = SceneFile::parse(name, SCENE).map_err(super::simulate::in_file)?;
+            // One lane is for the method that is right.
+            let first = METHODS.len().saturating_sub(most);
+            (file, PathBuf::from(name), METHODS[first..].to_vec())
+        }
+    };
+    let flags = &arguments.flags;
+    let given = flags.method.is_some() || arguments.scene.is_some();
+    let methods = if given {
+        flags.methods(usual[0])
+    } else {
+        usual
+    };
+    if methods.len() > most {
+        let allowed = match most {
+            1 => "one, since this device can be in one loop only",
+            _ => "one, or two side by side",
+        };
+        return Err(Failure::Arguments(format!(
+            "--method: {} methods; allowed: {allowed}",
+            methods.len()
+        )));
+    }
+    flags.check_settings(&methods)?;
+    let mut scene = file.scene;
+    flags.change(&mut scene, &methods)?;
+    scene.method = methods[0];
+    for method in &methods {
+        Rendering::of(&scene, *method).map_err(Failure::input)?;
+    }
+    if scene.timing != Timing::default() {
+        tell(
+            "warning: the scene's jitter, drops and fractions of a delay are for the simulator; this loop has its own",
+        );
+    }
+    if arguments.device.device == DeviceName::Pointer
+        && (scene.grip.is_some() || scene.linkage.is_some() || scene.tremor.is_some())
+    {
+        tell(
+            "note: with the device `pointer` your hand takes the place of the scene's, and a point mass that of its linkage; --device simulated has both",
+        );
+    }
+    Ok((scene, path, methods))
+}
+
+fn listen(arguments: &LiveArguments) -> Result<Listening, Failure> {
+    Listening::on(arguments.listen, arguments.allow_host.clone()).map_err(|error| match error {
+        ListenError::Address { address, source }
+            if source.kind() == std::io::ErrorKind::AddrInUse =>
+        {
+            Failure::System(format!(
+                "{address} is in use, by another palpate live perhaps; --listen {}:0 takes a port \
+                 that is free",
+                address.ip()
+            ))
+        }
+        other => Failure::System(other.to_string()),
+    })
+}
+
+/// Where recordings go that the page asks for.
+fn folder(record: Option<&Path>) -> PathBuf {
+    let beside = record
+        .and_then(Path::parent)
+        .filter(|folder| !folder.as_os_str().is_empty());
+    beside.unwrap_or(Path::new(".")).to_path_buf()
+}
+
+/// Says how a lane went.
+fn report(lane: LaneEnd, may_end: bool) -> Result<(), Failure> {
+    let (recording, unwritten) = match lane.recording {
+        Some(Written { path, ticks: Ok(_) }) => (Some(open_recording(&path)?), None),
+        Some(Written {
+            ticks: Err(error), ..
+        }) => (None, Some(Failure::System(error.to_string()))),
+        None => (None, None),
+    };
+    let report = Report::new(
+        &lane.scene,
+        lane.scene.method,
+        &lane.capabilities,
+        &lane.end,
+        &lane.answers,
+        &lane.account,
+        recording.as_ref(),
+    );
+    print(&format!("\n{report}"))?;
+    if let Some(words) = lane.end.panic {
+        return Err(Failure::System(format!(
+            "the loop panicked, and no force was commanded: {words}"
+        )));
+    }
+    unwritten.map_or(Ok(()), Err)?;
+    if lane.end.ending == Ending::DeviceLost && !may_end {
+        return Err(Failure::System("the device was lost before the end".into()));
+    }
+    recording.as_ref().map_or(Ok(()), whole_or_said)
+}

@@ -1,0 +1,112 @@
+//! Which device, and how the contact lies in it.
+
+use std::io::IsTerminal;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum, ValueHint};
+
+use super::inverse3::Inverse3Arguments;
+use crate::failure::Failure;
+use crate::values::{BoardName, Place, StartPose, place, start_pose};
+
+/// Which device, and how the contact lies in it.
+#[derive(Args, Debug, Clone)]
+#[command(next_help_heading = "Device")]
+pub struct DeviceArguments {
+    /// Device
+    #[arg(long, value_name = "NAME", value_enum, default_value_t = DeviceName::Simulated)]
+    pub device: DeviceName,
+    /// Motion of the device `replay`: a recording (.mcap), or CSV with the columns t_s,position_m
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath,
+          required_if_eq("device", "replay"))]
+    pub motion: Option<PathBuf>,
+    /// Serial port of the device `haply-2diy` [default: the one that looks like one]
+    #[arg(long, value_name = "PATH", value_hint = ValueHint::FilePath)]
+    pub port: Option<PathBuf>,
+    /// Generation of the 2DIY [default: 3]
+    #[arg(long, value_name = "1..3", value_parser = clap::value_parser!(u8).range(1..=3))]
+    pub generation: Option<u8>,
+    /// Board of the 2DIY [default: found out where its first angles tell]
+    #[arg(long, value_name = "NAME", value_enum)]
+    pub board: Option<BoardName>,
+    /// Pose of the 2DIY's arm while it is opened: retracted, extended, or two angles [degrees]
+    /// [default: retracted]
+    #[arg(long, value_name = "POSE", value_parser = start_pose, allow_hyphen_values = true)]
+    pub start_pose: Option<StartPose>,
+    /// Wait for a device that has gone, and go on when it is back; of a 2DIY, when enter has said
+    /// that its arm is in the start pose
+    #[arg(long)]
+    pub reconnect: bool,
+    /// Instead of enter, the promise that a 2DIY that is back has its arm in the start pose within
+    /// 3 s, and still: elsewhere forces point in wrong directions
+    #[arg(long, requires = "reconnect")]
+    pub reconnect_in_start_pose: bool,
+    /// Flags of the Inverse3.
+    #[command(flatten)]
+    pub inverse3: Inverse3Arguments,
+    /// Where the contact's coordinate is 0, in the frame of a device with several axes [m]
+    #[arg(long, value_name = "X,Y[,Z]", value_parser = place, allow_hyphen_values = true)]
+    pub origin: Option<Place>,
+    /// Direction in which the contact's coordinate grows, in the same frame; of any length
+    #[arg(long, value_name = "X,Y[,Z]", value_parser = place, allow_hyphen_values = true)]
+    pub normal: Option<Place>,
+}
+
+/// Devices, by the name that `--device` takes.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DeviceName {
+    /// Device and hand of the scene
+    Simulated,
+    /// A recorded motion, whatever the force
+    Replay,
+    /// None: at rest at 0
+    Null,
+    /// The scene's device in a hand that the page of `palpate live` leads; elsewhere it stays where
+    /// it starts
+    Pointer,
+    /// Haply 2DIY on a serial port
+    #[value(name = "haply-2diy")]
+    Haply2diy,
+    /// Haply Inverse3 behind its service
+    Inverse3,
+}
+
+impl DeviceArguments {
+    /// Refuses a flag that belongs to another device.
+    pub fn check(&self) -> Result<(), Failure> {
+        self.inverse3.check(self.device)?;
+        if self.motion.is_some() && self.device != DeviceName::Replay {
+            return Err(Failure::Arguments(
+                "--motion is the motion of --device replay".into(),
+            ));
+        }
+        let of_the_2diy = [
+            ("--port", self.port.is_some()),
+            ("--generation", self.generation.is_some()),
+            ("--board", self.board.is_some()),
+            ("--start-pose", self.start_pose.is_some()),
+            ("--reconnect-in-start-pose", self.reconnect_in_start_pose),
+        ];
+        let goes = matches!(self.device, DeviceName::Haply2diy | DeviceName::Inverse3);
+        if self.reconnect && !goes {
+            return Err(Failure::Arguments(
+                "--reconnect is for devices that can go: haply-2diy and inverse3".into(),
+            ));
+        }
+        let is_promised = self.reconnect_in_start_pose || std::io::stdin().is_terminal();
+        if self.reconnect && self.device == DeviceName::Haply2diy && !is_promised {
+            return Err(Failure::Arguments(
+                "--reconnect: a 2DIY counts from where its arm is when it is opened anew, and \
+                 without a terminal nobody can press enter when that is its start pose; \
+                 --reconnect-in-start-pose promises that it always is"
+                    .into(),
+            ));
+        }
+        match of_the_2diy.iter().find(|(_, given)| *given) {
+            Some((flag, _)) if self.device != DeviceName::Haply2diy => Err(Failure::Arguments(
+                format!("{flag} is for --device haply-2diy"),
+            )),
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! The Haply Inverse3 behind its service.
+
+use std::time::Duration;
+
+use clap::Args;
+use palpate_haply::inverse3::{
+    ConnectError, Inspector, Inverse3, Inverse3Options, OpenError, Pace, SERVICE,
+};
+use palpate_rt::clock::Clock;
+use palpate_rt::device::{Capabilities, Device, DeviceError, Reading, Vector, ZeroWriter};
+use palpate_sim::scene::Scene;
+
+use super::placed::{Axis, FIRST_AXIS};
+use super::{DeviceArguments, DeviceName, Reconnecting, Reopen};
+use crate::failure::{Failure, tell};
+
+/// Flags of the Inverse3.
+#[derive(Args, Debug, Clone)]
+pub struct Inverse3Arguments {
+    /// Inverse Service of the device `inverse3` [default: ws://localhost:10001]
+    #[arg(long, value_name = "URL")]
+    pub service: Option<String>,
+    /// Its events channel, usually ws://localhost:10020, which tells why a device is gone
+    /// [default: not listened to]
+    #[arg(long, value_name = "URL")]
+    pub events: Option<String>,
+    /// Which Inverse3 of the service [default: the only one]
+    #[arg(long, value_name = "ID")]
+    pub device_id: Option<String>,
+    /// Priority under SCHED_FIFO of the threads that talk to the service, 0: none [default: 79]
+    #[arg(long, value_name = "0..99", value_parser = clap::value_parser!(u8).range(0..=99))]
+    pub service_priority: Option<u8>,
+}
+
+/// Just below that of a loop.
+const PRIORITY: u8 = 79;
+
+impl Inverse3Arguments {
+    /// Refuses a flag that belongs to another device.
+    pub fn check(&self, device: DeviceName) -> Result<(), Failure> {
+        let given = [
+            ("--service", self.service.is_some()),
+            ("--events", self.events.is_some()),
+            ("--device-id", self.device_id.is_some()),
+            ("--service-priority", self.service_priority.is_some()),
+        ];
+        match given.iter().find(|(_, given)| *given) {
+            Some((flag, _)) if device != DeviceName::Inverse3 => Err(Failure::Arguments(format!(
+                "{flag} is for --device inverse3"
+            ))),
+            _ => Ok(()),
+        }
+    }
+
+    fn options(&self) -> Inverse3Options {
+        let priority = self.service_priority.unwrap_or(PRIORITY);
+        Inverse3Options {
+            service: self.service.clone().unwrap_or_else(|| SERVICE.to_owned()),
+            events: self.events.clone(),
+            device_id: self.device_id.clone(),
+            priority: (priority > 0).then_some(priority),
+            ..Inverse3Options::default()
+        }
+    }
+}
+
+/// Opens it. Where the cursor is now is where the scene has its device at the start.
+pub fn open<C: Clock>(
+    arguments: &DeviceArguments,
+    scene: &Scene,
+    clock: &C,
+) -> Result<(Box<dyn Device>, Axis), Failure> {
+    if !C::RUNS {
+        return Err(Failure::Arguments(
+            "--fast is for devices without a motor: this one keeps its own time".into(),
+        ));
+    }
+    let mut options = arguments.inverse3.options();
+    options.pace = Pace::for_period(Duration::from_secs_f64(scene.loop_params.period));
+    let device = Inverse3::open(&options, clock.clone()).map_err(refused)?;
+    // Only this one is gone on with.
+    options.device_id = Some(device.device_id().to_owned());
+    let round_trip = device.round_trip().as_secs_f64();
+    tell(format_args!(
+        "Inverse3 {}: an exchange with its service takes {:.2} ms",
+        device.device_id(),
+        round_trip * 1e3
+    ));
+    let period = scene.loop_params.period;
+    if round_trip > period {
+        tell(format_args!(
+            "warning: that is longer than the period of {:.2} ms: some ticks will find no sample, \
+             and from twice the period on the force will go; --period {} suits",
+            period * 1e3,
+            (round_trip * 1.5 * 1e4).ceil() / 1e4
+        ));
+    }
+    let direction = direction(arguments);
+    let mut origin = device.opened_at();
+    for (origin, along) in origin.iter_mut().zip(direction) {
+        *origin -= along * scene.device.position;
+    }
+    let axis = (origin, FIRST_AXIS.1);
+    let device = watched(device, !arguments.reconnect);
+    if !arguments.reconnect {
+        return Ok((device, axis));
+    }
+    let clock = clock.clone();
+    let reopen: Reopen = Box::new(move || {
+        let device = Inverse3::open(&options, clock.clone()).map_err(refused)?;
+        Ok(watched(device, false))
+    });
+    Ok((Box::new(Reconnecting::new(device, reopen)?), axis))
+}
+
+fn watched<C: Clock>(device: Inverse3<C>, says_why: bool) -> Box<dyn Device> {
+    let inspector = device.inspector();
+    Box::new(Watched {
+        device,
+        inspector,
+        says_why,
+    })
+}
+
+/// Of the contact's axis, of length 1; what is no direction is refused where it is placed.
+fn direction(arguments: &DeviceArguments) -> Vector {
+    let Some(&[x, y, z]) = arguments.normal.as_ref().map(|place| &place.0[..]) else {
+        return FIRST_AXIS.1;
+    };
+    let length = (x * x + y * y + z * z).sqrt();
+    if length > 0.0 && length.is_finite() {
+        [x / length, y / length, z / length]
+    } else {
+        FIRST_AXIS.1
+    }
+}
+
+fn refused(error: OpenError) -> Failure {
+    match error {
+        OpenError::Connect(ConnectError::Address { .. })
+        | OpenError::Several { .. }
+        | OpenError::NotThere { .. } => Failure::Arguments(error.to_string()),
+        _ => Failure::System(error.to_string()),
+    }
+}
+
+/// Tells in the end what did not go over the connection as it should.
+struct Watched<C> {
+    device: Inverse3<C>,
+    inspector: Inspector,
+    /// Whether nobody else says why it is gone.
+    says_why: bool,
+}
+
+impl<C: Clock> Device for Watched<C> {
+    fn capabilities(&self) -> &Capabilities {
+        self.device.capabilities()
+    }
+
+    fn read(&mut self) -> Result<Reading, DeviceError> {
+        self.device.read()
+    }
+
+    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
+        self.device.write(force)
+    }
+
+    fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
+        self.device.zero_writer()
+    }
+}
+
+impl<C> Drop for Watched<C> {
+    fn drop(&mut self) {
+        if let Some(why) = self.inspector.lost().filter(|_| self.says_why) {
+            tell(format_args!("the Inverse3 is gone: {why}"));
+        }
+        let counts = self.inspector.counts();
+        let said: Vec<String> = [
+            (counts.late, "came late"),
+            (counts.lost, "never came"),
+            (counts.surplus, "answered nothing"),
+            (counts.garbage, "were no frames"),
+        ]
+        .iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, what)| format!("{count} {what}"))
+        .collect();
+        if !said.is_empty() {
+            tell(format_args!(
+                "of the service's answers to {} messages {}",
+                counts.sent,
+                said.join(", ")
+            ));
+        }
+    }
+}

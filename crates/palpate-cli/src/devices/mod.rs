@@ -1,0 +1,107 @@
+//! Devices that a loop can run on, opened by their name.
+//!
+//! A command flattens [`DeviceArguments`] into its own, and calls [`open`] once. What is particular
+//! to a device has a file of its own.
+
+mod arguments;
+pub mod inverse3;
+mod placed;
+mod reconnecting;
+mod replayed;
+#[cfg(unix)]
+pub mod two_diy;
+
+pub use arguments::{DeviceArguments, DeviceName};
+
+use palpate::Placement;
+use palpate_rt::clock::Clock;
+use palpate_rt::device::{
+    Device, NullDevice, PointerDevice, PointerHand, PointerParams, SimulatedDevice,
+};
+use palpate_sim::scene::Scene;
+
+use crate::failure::Failure;
+#[cfg(unix)]
+use crate::failure::tell;
+#[cfg(unix)]
+use crate::values::duration;
+use reconnecting::{Reconnecting, Reopen};
+
+/// A device that is ready, and where the contact's axis lies in it.
+pub struct Opened {
+    /// The device.
+    pub device: Box<dyn Device>,
+    /// Origin and direction of the contact's axis in the device's frame.
+    pub placement: Placement<f64, 3>,
+}
+
+/// Opens the device that `arguments` name, for the scene that will be rendered on it.
+pub fn open<C: Clock>(
+    arguments: &DeviceArguments,
+    scene: &Scene,
+    clock: &C,
+) -> Result<Opened, Failure> {
+    arguments.check()?;
+    let (device, axis): (Box<dyn Device>, _) = match arguments.device {
+        DeviceName::Simulated => {
+            let device = SimulatedDevice::of(scene, clock.clone()).map_err(Failure::input)?;
+            (Box::new(device), placed::FIRST_AXIS)
+        }
+        DeviceName::Null => (Box::new(NullDevice::new(clock.clone())), placed::FIRST_AXIS),
+        DeviceName::Replay => (replayed::open(arguments, clock)?, placed::FIRST_AXIS),
+        DeviceName::Pointer => {
+            let params = PointerParams::of(scene);
+            let hand = PointerHand::at(params.position);
+            let device =
+                PointerDevice::new(params, &hand, clock.clone()).map_err(Failure::input)?;
+            (Box::new(device), placed::FIRST_AXIS)
+        }
+        DeviceName::Haply2diy => open_two_diy(arguments, scene, clock)?,
+        DeviceName::Inverse3 => inverse3::open(arguments, scene, clock)?,
+    };
+    let placement = placed::placement(arguments, device.capabilities(), axis)?;
+    Ok(Opened { device, placement })
+}
+
+#[cfg(unix)]
+fn open_two_diy<C: Clock>(
+    arguments: &DeviceArguments,
+    scene: &Scene,
+    clock: &C,
+) -> Result<(Box<dyn Device>, placed::Axis), Failure> {
+    if !C::RUNS {
+        return Err(Failure::Arguments(
+            "--fast is for devices without a motor: this one keeps its own time".into(),
+        ));
+    }
+    let period = duration("--period", scene.loop_params.period)?;
+    let axis = two_diy::usual_axis(two_diy::generation(arguments));
+    // Only this one is gone on with.
+    let arguments = DeviceArguments {
+        port: Some(two_diy::port(arguments)?),
+        ..arguments.clone()
+    };
+    let device = two_diy::open(&arguments, period, clock)?;
+    let [first, second] = device.angles();
+    tell(format_args!(
+        "{}: it counts from here as {first:.1},{second:.1} degrees; if the arm was not in its start \
+         pose, forces point in wrong directions",
+        device.capabilities().name
+    ));
+    if !arguments.reconnect {
+        return Ok((Box::new(device), axis));
+    }
+    let reopen = two_diy::reopen(arguments, period, clock.clone());
+    Ok((Box::new(Reconnecting::new(Box::new(device), reopen)?), axis))
+}
+
+#[cfg(not(unix))]
+fn open_two_diy<C: Clock>(
+    _: &DeviceArguments,
+    _: &Scene,
+    _: &C,
+) -> Result<(Box<dyn Device>, placed::Axis), Failure> {
+    Err(Failure::System(
+        "the driver of the 2DIY needs Linux or macOS".into(),
+    ))
+}

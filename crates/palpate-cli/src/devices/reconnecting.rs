@@ -1,0 +1,170 @@
+//! A device that is waited for when it has gone.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::Builder;
+use std::time::Duration;
+
+use palpate_rt::device::{
+    Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector, ZeroWriter,
+};
+
+use crate::failure::{Failure, tell};
+
+/// How often it is tried to open it anew.
+const EVERY: Duration = Duration::from_millis(250);
+
+/// Opens a device anew. It may wait, and says so.
+pub type Reopen = Box<dyn FnMut() -> Result<Box<dyn Device>, Failure> + Send>;
+
+/// A device in whose place nothing answers while it is gone. It is opened anew by another thread,
+/// and the loop finds it there: it comes back from the trip as from any other, softly.
+pub struct Reconnecting {
+    device: Option<Box<dyn Device>>,
+    capabilities: Capabilities,
+    gone: SyncSender<(Box<dyn Device>, DeviceError)>,
+    back: Receiver<Box<dyn Device>>,
+    zero: Shared,
+    /// Whether the device has a way to no force while it is there.
+    has_zero: bool,
+    leaving: Arc<AtomicBool>,
+}
+
+/// The way to no force of the device that is there; none while it is gone. The loop never takes the
+/// lock, and the supervisor never waits for it.
+type Shared = Arc<Mutex<Option<Box<dyn ZeroWriter>>>>;
+
+/// Another way to no force, or none; the one before is let go of.
+fn put(zero: &Shared, writer: Option<Box<dyn ZeroWriter>>) {
+    let mut place = zero.lock().unwrap_or_else(PoisonError::into_inner);
+    let before = std::mem::replace(&mut *place, writer);
+    // It may be the last that holds a port: closed with nobody kept out.
+    drop(place);
+    drop(before);
+}
+
+impl Reconnecting {
+    /// A device that is there, and what to do when it is not.
+    pub fn new(mut device: Box<dyn Device>, mut reopen: Reopen) -> Result<Self, Failure> {
+        let (gone, lost) = sync_channel::<(Box<dyn Device>, DeviceError)>(1);
+        let (returns, back) = sync_channel(1);
+        let writer = device.zero_writer();
+        let has_zero = writer.is_some();
+        let zero: Shared = Arc::new(Mutex::new(writer));
+        let leaving = Arc::new(AtomicBool::new(false));
+        let (theirs, left) = (Arc::clone(&zero), Arc::clone(&leaving));
+        Builder::new()
+            .name("palpate reopen".to_owned())
+            .spawn(move || {
+                while let Ok((device, error)) = lost.recv() {
+                    // It shares the port with the device, and a port that is held open comes back
+                    // by another name, or not at all.
+                    put(&theirs, None);
+                    // Closing may wait for a board that does not answer.
+                    drop(device);
+                    tell(format_args!("the device is gone: {error}; waiting for it"));
+                    let mut said = String::new();
+                    let opened = loop {
+                        if left.load(Ordering::Acquire) {
+                            return;
+                        }
+                        std::thread::sleep(EVERY);
+                        match reopen() {
+                            Ok(device) => break device,
+                            Err(Failure::System(why) | Failure::Arguments(why)) if why != said => {
+                                tell(&why);
+                                said = why;
+                            }
+                            Err(_) => {}
+                        }
+                    };
+                    let mut opened = opened;
+                    put(&theirs, opened.zero_writer());
+                    tell("the device is back");
+                    if returns.send(opened).is_err() {
+                        return;
+                    }
+                }
+            })
+            .map_err(|error| Failure::System(format!("no thread to reopen with: {error}")))?;
+        Ok(Self {
+            capabilities: device.capabilities().clone(),
+            device: Some(device),
+            gone,
+            back,
+            zero,
+            has_zero,
+            leaving,
+        })
+    }
+
+    /// Hands a device that is gone to the thread that waits for it.
+    fn lose(&mut self, error: DeviceError) {
+        if let Some(device) = self.device.take() {
+            // There is room for the one device that there is.
+            let _ = self.gone.try_send((device, error));
+        }
+    }
+}
+
+impl Device for Reconnecting {
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    fn read(&mut self) -> Result<Reading, DeviceError> {
+        if self.device.is_none() {
+            self.device = self.back.try_recv().ok();
+        }
+        let Some(device) = &mut self.device else {
+            return Err(DeviceError::new(
+                DeviceErrorKind::NothingNew,
+                "the device is gone, and waited for",
+            ));
+        };
+        device.read().map_err(|error| {
+            if error.kind != DeviceErrorKind::Disconnected {
+                return error;
+            }
+            self.lose(error);
+            DeviceError::new(DeviceErrorKind::NothingNew, error.what)
+        })
+    }
+
+    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
+        let Some(device) = &mut self.device else {
+            return Ok([0.0; 3]);
+        };
+        match device.write(force) {
+            Err(error) if error.kind == DeviceErrorKind::Disconnected => {
+                self.lose(error);
+                Ok([0.0; 3])
+            }
+            written => written,
+        }
+    }
+
+    fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
+        struct Zero(Shared);
+        impl ZeroWriter for Zero {
+            fn write_zero(&mut self) {
+                // Held for a moment when a device goes, or comes back and nobody has written to it.
+                if let Ok(mut zero) = self.0.try_lock()
+                    && let Some(zero) = zero.as_mut()
+                {
+                    zero.write_zero();
+                }
+            }
+        }
+        // While the device is gone too: a loop that begins meanwhile needs its supervisor later.
+        self.has_zero
+            .then(|| Box::new(Zero(Arc::clone(&self.zero))) as Box<dyn ZeroWriter>)
+    }
+}
+
+impl Drop for Reconnecting {
+    fn drop(&mut self) {
+        self.leaving.store(true, Ordering::Release);
+    }
+}

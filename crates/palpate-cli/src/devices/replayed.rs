@@ -1,0 +1,43 @@
+//! A recorded motion as a device.
+
+use std::path::Path;
+
+use palpate_rt::clock::Clock;
+use palpate_rt::device::{Device, ReplayDevice};
+
+use super::DeviceArguments;
+use crate::commands::render::read_trace;
+use crate::commands::replay::ticks::Ticks;
+use crate::failure::Failure;
+use crate::recorded::open as open_recording;
+use crate::values::duration;
+
+/// The motion of `--motion`, from its first sample.
+pub fn open<C: Clock>(arguments: &DeviceArguments, clock: &C) -> Result<Box<dyn Device>, Failure> {
+    let path = arguments.motion.as_ref().ok_or_else(|| {
+        Failure::Arguments("--device replay needs --motion TRACE.csv or REC.mcap".into())
+    })?;
+    let (times, positions) = motion(path)?;
+    let first = times.first().copied().unwrap_or(0.0);
+    let samples = times
+        .iter()
+        .zip(&positions)
+        .map(|(time, position)| Ok((duration("--motion", time - first)?, [*position, 0.0, 0.0])))
+        .collect::<Result<Vec<_>, Failure>>()?;
+    let device = ReplayDevice::new(clock.clone(), 1, samples)
+        .map_err(|error| Failure::input(format_args!("{}: {error}", path.display())))?;
+    Ok(Box::new(device))
+}
+
+/// Times `[s]` and positions `[m]` of a trace, or of a recording where the device was seen.
+fn motion(path: &Path) -> Result<(Vec<f64>, Vec<f64>), Failure> {
+    if path
+        .extension()
+        .is_some_and(|extension| extension == "mcap")
+    {
+        let curves = Ticks::of(&open_recording(path)?)?.curves;
+        return Ok((curves.time, curves.device_position));
+    }
+    let (trace, _) = read_trace(path, &path.display().to_string())?;
+    Ok((trace.t_s, trace.position_m))
+}

@@ -1,0 +1,123 @@
+//! The Haply 2DIY on a serial port.
+
+use std::io::stdin;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use palpate_haply::two_diy::{Board, Calibration, Generation, Options, TwoDiy};
+use palpate_rt::clock::Clock;
+use rustix::termios::{QueueSelector, tcflush};
+
+use super::placed::Axis;
+use super::{DeviceArguments, Reopen};
+use crate::failure::{Failure, tell};
+use crate::values::{BoardName, StartPose};
+
+/// The axis of the contact on a 2DIY: away from the base, along the middle line.
+pub fn usual_axis(generation: Generation) -> Axis {
+    let [x, y] = generation.usual_origin();
+    ([x, y, 0.0], [0.0, 1.0, 0.0])
+}
+
+/// The generation that the flags name.
+pub fn generation(arguments: &DeviceArguments) -> Generation {
+    match arguments.generation {
+        Some(1) => Generation::One,
+        Some(2) => Generation::Two,
+        _ => Generation::Three,
+    }
+}
+
+/// The board that a name stands for.
+pub fn board(name: BoardName) -> Board {
+    match name {
+        BoardName::M0 => Board::M0,
+        BoardName::M3 => Board::M3,
+        BoardName::Dev => Board::DevKit,
+    }
+}
+
+/// Opens it, for a loop of `period`.
+pub fn open<C: Clock>(
+    arguments: &DeviceArguments,
+    period: Duration,
+    clock: &C,
+) -> Result<TwoDiy<C>, Failure> {
+    let generation = generation(arguments);
+    let calibration = match &arguments.start_pose {
+        None | Some(StartPose::Retracted) => Calibration::Retracted,
+        Some(StartPose::Extended) => Calibration::Extended,
+        Some(StartPose::Angles(angles)) => Calibration::At(*angles),
+    };
+    let options = Options::of(generation, calibration, period)
+        .map_err(|error| Failure::Arguments(format!("--start-pose: {error}")))?;
+    let options = Options {
+        board: arguments.board.map(board),
+        ..options
+    };
+    let path = port(arguments)?;
+    TwoDiy::open(&path, &options, clock.clone()).map_err(|error| Failure::System(error.to_string()))
+}
+
+/// How long somebody who has promised so has to bring the arm into its start pose.
+const TO_START_POSE: Duration = Duration::from_secs(3);
+
+/// Opens it anew on the port of `arguments`. The board then counts from where the arm is, and cannot
+/// tell where that is; so it is not opened before somebody says that this is its start pose.
+pub fn reopen<C: Clock>(arguments: DeviceArguments, period: Duration, clock: C) -> Reopen {
+    let mut is_asked = false;
+    Box::new(move || {
+        let path = port(&arguments)?;
+        if !path.exists() {
+            return Err(Failure::System(format!("{}: not there", path.display())));
+        }
+        if arguments.reconnect_in_start_pose {
+            tell(format_args!(
+                "{} is there: hold the arm still in its start pose, it counts from there in {} s",
+                path.display(),
+                TO_START_POSE.as_secs()
+            ));
+            std::thread::sleep(TO_START_POSE);
+        } else {
+            if !is_asked {
+                // What was typed before says nothing about where the arm is now.
+                let _ = tcflush(stdin(), QueueSelector::IFlush);
+                tell(format_args!(
+                    "{} is there, and no force: bring the arm into its start pose, hold it still, \
+                     press enter; elsewhere forces point in wrong directions",
+                    path.display()
+                ));
+                is_asked = true;
+            }
+            match stdin().read_line(&mut String::new()) {
+                Ok(1..) => is_asked = false,
+                _ => return Err(Failure::System("nobody can press enter any more".into())),
+            }
+        }
+        Ok(Box::new(open(&arguments, period, &clock)?))
+    })
+}
+
+/// The port that the flags name, or the one that is likely.
+pub fn port(arguments: &DeviceArguments) -> Result<PathBuf, Failure> {
+    if let Some(port) = &arguments.port {
+        return Ok(port.clone());
+    }
+    let ports = palpate_haply::two_diy::ports().map_err(Failure::System)?;
+    let likely: Vec<_> = ports.iter().filter(|port| port.guess.is_likely()).collect();
+    match likely[..] {
+        [port] => Ok(port.path.clone().into()),
+        [] => Err(Failure::System(
+            "no serial port looks like a Haply board; `palpate devices` lists them, --port names one"
+                .into(),
+        )),
+        _ => Err(Failure::Arguments(format!(
+            "several boards may be a 2DIY: {}; --port names one",
+            likely
+                .iter()
+                .map(|port| port.path.as_str())
+                .collect::<Vec<_>>()
+                .join(", ")
+        ))),
+    }
+}

@@ -1,0 +1,168 @@
+//! `palpate live`, from the command line.
+
+#![cfg(unix)]
+
+mod common;
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use common::{Folder, experiment_text};
+use palpate_io::recording::Recording;
+
+#[test]
+fn it_says_where_the_page_is_and_ends_with_a_report() {
+    let folder = Folder::new();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_palpate"))
+        .args("live --listen 127.0.0.1:0 --priority 0".split(' '))
+        .current_dir(folder.path("."))
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut out = BufReader::new(child.stdout.take().unwrap());
+    let mut url = String::new();
+    out.read_line(&mut url).unwrap();
+    let address = url
+        .strip_prefix("http://")
+        .and_then(|rest| rest.strip_suffix("/\n"))
+        .unwrap_or_else(|| panic!("{url:?}"));
+    let mut page = TcpStream::connect(address).unwrap();
+    page.set_read_timeout(Some(Duration::from_secs(20)))
+        .unwrap();
+    let request = format!("GET / HTTP/1.1\r\nHost: {address}\r\n\r\n");
+    page.write_all(request.as_bytes()).unwrap();
+    let mut answer = String::new();
+    page.read_to_string(&mut answer).unwrap();
+    assert!(answer.starts_with("HTTP/1.1 200 "), "{answer}");
+    assert!(answer.contains("<title>"), "{answer}");
+    let killed = Command::new("kill")
+        .args(["-INT".to_owned(), child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(killed.success());
+    let mut report = String::new();
+    out.read_to_string(&mut report).unwrap();
+    assert!(child.wait().unwrap().success(), "{report}");
+    for words in [
+        "basic on the device `pointer` at 100 Hz; it was asked to stop",
+        "coupled on the device `pointer` at 100 Hz; it was asked to stop",
+    ] {
+        assert!(report.contains(words), "{report}");
+    }
+    assert!(folder.names().is_empty(), "{:?}", folder.names());
+}
+
+#[test]
+fn it_records_every_lane_from_its_first_tick() {
+    let folder = Folder::new();
+    folder.write("wall.toml", experiment_text("wall"));
+    let live = "live wall.toml --listen 127.0.0.1:0 --duration 0.5 --period 0.001";
+    let report = folder.palpate(&format!(
+        "{live} --method basic,hfcr --device simulated --record wall.mcap"
+    ));
+    assert_eq!(report.code, 0, "{report:?}");
+    assert_eq!(
+        folder.names(),
+        ["wall-1-basic.mcap", "wall-2-hfcr.mcap", "wall.toml"]
+    );
+    for file in ["wall-1-basic.mcap", "wall-2-hfcr.mcap"] {
+        let recording = Recording::open(&folder.path(file)).unwrap();
+        assert!(recording.is_whole(), "{file}");
+        assert_eq!((recording.ticks, recording.lost()), (500, 0), "{file}");
+        assert!(report.stdout.contains(file), "{report:?}");
+    }
+    folder.succeed("replay wall-2-hfcr.mcap --method basic");
+    // Nothing is overwritten.
+    let again = folder.palpate(&format!(
+        "{live} --method basic,hfcr --device simulated --record wall.mcap"
+    ));
+    again.failed("again", 1, &["wall-1-basic.mcap", "there is a file"]);
+    // One lane is what --record names.
+    let one = folder.palpate(&format!("{live} --method hfcr --record one.mcap"));
+    assert_eq!(one.code, 0, "{one:?}");
+    assert!(folder.path("one.mcap").exists());
+}
+
+#[test]
+fn what_cannot_be_is_said_at_once() {
+    let folder = Folder::new();
+    let taken = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = taken.local_addr().unwrap();
+    folder.fail(
+        &format!("live --listen {address}"),
+        1,
+        &[&address.to_string(), "is in use", "--listen 127.0.0.1:0"],
+    );
+    let free = "live --listen 127.0.0.1:0";
+    folder.fail(
+        &format!("{free} --method basic,seh,hfcr"),
+        2,
+        &["--method: 3 methods", "one, or two side by side"],
+    );
+    folder.fail(
+        &format!("{free} --safe-force 0"),
+        2,
+        &["largest force is 0", "above 0"],
+    );
+    folder.fail(
+        &format!("{free} --device replay --motion none.csv"),
+        1,
+        &["none.csv"],
+    );
+    folder.fail("live --listen somewhere", 2, &["127.0.0.1:7777"]);
+    folder.fail(
+        "live missing.toml --listen 127.0.0.1:0",
+        1,
+        &["missing.toml"],
+    );
+    folder.fail(&format!("{free} --device-mass -1"), 2, &["-1"]);
+}
+
+/// The end of a run that nobody can be told of is an end all the same.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_standard_output_that_is_full_leaves_no_recording_half_written() {
+    let folder = Folder::new();
+    folder.write("wall.toml", experiment_text("wall"));
+    let full = std::fs::File::options()
+        .write(true)
+        .open("/dev/full")
+        .unwrap();
+    let ended = Command::new(env!("CARGO_BIN_EXE_palpate"))
+        .args("live wall.toml --listen 127.0.0.1:0 --priority 0 --record wall.mcap".split(' '))
+        .current_dir(folder.path("."))
+        .stdout(full)
+        .stderr(Stdio::null())
+        .status()
+        .unwrap();
+    assert_eq!(ended.code(), Some(1));
+    assert_eq!(folder.names(), ["wall.mcap", "wall.toml"]);
+    assert!(
+        Recording::open(&folder.path("wall.mcap"))
+            .unwrap()
+            .is_whole()
+    );
+}
+
+/// A disk that is full, as far as this program can tell: its files may not grow.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_recording_that_cannot_be_written_is_said_at_the_end() {
+    let folder = Folder::new();
+    folder.write("wall.toml", experiment_text("wall"));
+    let live = "live wall.toml --listen 127.0.0.1:0 --priority 0 --period 0.001 --duration 2";
+    let script = format!(
+        "trap '' XFSZ; ulimit -f 16; exec {} {live} --record wall.mcap",
+        env!("CARGO_BIN_EXE_palpate")
+    );
+    let ended = Command::new("sh")
+        .args(["-c", &script])
+        .current_dir(folder.path("."))
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&ended.stderr);
+    assert_eq!(ended.status.code(), Some(1), "{said}");
+    assert!(said.contains("wall.mcap"), "{said}");
+}
