@@ -1,0 +1,120 @@
+import assert from "node:assert/strict";
+import { mkdirSync } from "node:fs";
+import { join } from "node:path";
+import { test } from "node:test";
+import { startLive } from "../program.mjs";
+import { NARROW, WIDE, visit } from "../visit.mjs";
+
+const FOLDER = process.env.PALPATE_SCREENSHOTS;
+
+/** Moves the hand up and down, so that there is something to see. */
+async function knock(open) {
+  for (const to of [-0.012, 0.012, -0.012, 0.006]) {
+    await open.get((to) => palpate.link.say({ type: "hand", position_m: to }), to);
+    await open.pass(0.4);
+  }
+}
+
+test("two lanes at 4 kHz and 10 s of curves are drawn at a price that leaves room", async (t) => {
+  const live = await startLive("--period", "0.00025");
+  const open = await visit(live.url);
+  // Of the thread's own time, not of the clock's: what else runs on the machine does not count.
+  const session = await open.page.createCDPSession();
+  await session.send("Performance.enable", { timeDomain: "threadTicks" });
+  const before = await open.told();
+  await open.pass(10.2);
+  const after = await open.told();
+  const look = async () => {
+    const { metrics } = await session.send("Performance.getMetrics");
+    const seconds = Object.fromEntries(metrics.map(({ name, value }) => [name, value]));
+    return { task: seconds.TaskDuration, script: seconds.ScriptDuration, ...(await open.get(() => ({ ...palpate.counted, atMs: performance.now() }))) };
+  };
+  const from = await look();
+  await open.until("some pictures more are drawn", (from) => palpate.counted.allFrames >= from + 60, from.allFrames);
+  const to = await look();
+  const pictures = to.allFrames - from.allFrames;
+  const each = (key) => (1000 * (to[key] - from[key])) / pictures;
+  const perSecond = (1000 * pictures) / (to.atMs - from.atMs);
+  const rows = await open.get(() => palpate.model.lanes.map(({ ring }) => ring.length));
+  t.diagnostic(
+    `${perSecond.toFixed(1)} pictures per second; each takes ${each("task").toFixed(1)} ms of the processor, ` +
+      `${each("script").toFixed(1)} ms of them in scripts; ${rows.join(" and ")} rows`,
+  );
+  // What a busy machine has let the loop miss, and what was dropped on the way here, cannot come. Of the rest nine ticks
+  // at most are two rows.
+  const sharePassed = await open.get(() => {
+    const sent = palpate.model.lanes.reduce((sum, { next }) => sum + next, 0);
+    return 1 - palpate.model.droppedFrames / sent;
+  });
+  after.lanes.forEach((lane, i) => {
+    const ticks = lane.ticks - lane.untold - (before.lanes[i].ticks - before.lanes[i].untold);
+    const come = after.rows[i] - before.rows[i];
+    assert.ok(ticks > 0 && come > 0.8 * sharePassed * (2 / 9) * ticks, `${come} rows of ${ticks} ticks, ${sharePassed} of frames`);
+  });
+  // Without a graphics processor: that is the dearer half. Who shares the processor and its caches with others takes up
+  // to twice as long on it.
+  assert.ok(each("task") < 60, `${each("task")} ms`);
+  assert.ok(each("script") < 20, `${each("script")} ms`);
+  await open.leave();
+  await live.end();
+  live.forget();
+});
+
+for (const [name, viewport] of [["wide", WIDE], ["narrow", NARROW]]) {
+  for (const scheme of ["light", "dark"]) {
+    test(`${name} and ${scheme}: everything fits, and is drawn in the scheme's colours`, async () => {
+      const live = await startLive();
+      const open = await visit(live.url, { viewport, scheme });
+      await knock(open);
+      const { across, panel, folded, dark } = await open.get(() => ({
+        across: document.scrollingElement.scrollWidth - document.documentElement.clientWidth,
+        panel: getComputedStyle(document.querySelector("#panel")).backgroundColor,
+        folded: !document.querySelector("#panel").open,
+        dark: matchMedia("(prefers-color-scheme: dark)").matches,
+      }));
+      assert.equal(across, 0, "nothing sticks out");
+      assert.equal(folded, name === "narrow");
+      assert.equal(dark, scheme === "dark");
+      const [red] = /\d+/.exec(panel);
+      assert.equal(Number(red) < 128, scheme === "dark");
+      const empty = await open.get(() =>
+        palpate.charts.visible.filter(({ plot }) => plot.clientWidth < 200 || plot.clientHeight < 80).map(({ what }) => what.id),
+      );
+      assert.deepEqual(empty, [], "every chart has room");
+      if (FOLDER) {
+        mkdirSync(FOLDER, { recursive: true });
+        await open.page.screenshot({ path: join(FOLDER, `${name}-${scheme}.png`), fullPage: name === "narrow" });
+      }
+      await open.leave();
+      await live.end();
+      live.forget();
+    });
+  }
+}
+
+test("who wants less motion gets curves that go on in steps, and the scene at once", async () => {
+  const live = await startLive();
+  const open = await visit(live.url, { motion: "reduce" });
+  await open.get(() => {
+    const { charts, scene, counted } = palpate;
+    globalThis.drawn = { charts: [], scene: 0, fromFrame: counted.allFrames };
+    const [drawCharts, drawScene] = [charts.draw.bind(charts), scene.draw.bind(scene)];
+    charts.draw = (nowS, fit) => {
+      globalThis.drawn.charts.push({ nowS, fit });
+      drawCharts(nowS, fit);
+    };
+    scene.draw = (...how) => {
+      globalThis.drawn.scene += 1;
+      drawScene(...how);
+    };
+  });
+  await open.until("curves have gone on", () => globalThis.drawn.charts.length >= 4);
+  const { charts, scene, frames } = await open.get(() => ({ ...globalThis.drawn, frames: palpate.counted.allFrames - globalThis.drawn.fromFrame }));
+  // What has to be fitted anew is drawn at once.
+  const steps = charts.flatMap(({ nowS, fit }, k) => (k === 0 || fit ? [] : [nowS - charts[k - 1].nowS]));
+  assert.ok(steps.every((step) => step >= 0.499), `${steps} s`);
+  assert.equal(scene, frames, "the scene is drawn with each frame");
+  await open.leave();
+  await live.end();
+  live.forget();
+});

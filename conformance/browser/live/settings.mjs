@@ -1,0 +1,158 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { startLive } from "../program.mjs";
+import { visit } from "../visit.mjs";
+
+const fieldText = (name) => document.querySelector(`[data-name="${name}"] input[type="text"]`).value;
+const refusal = (name) => document.querySelector(`[data-name="${name}"] .refused`).textContent;
+const input = (name) => `[data-name="${name}"] input[type="text"]`;
+
+/** Presses the device into a wall by leading the hand this far into it. */
+async function press(open, byM) {
+  // A wall stands where it is; the hand is set by its protocol, so that it is exact.
+  const wall = await open.get(() => palpate.model.newest(0, "object_position_m"));
+  await open.get((to) => palpate.link.say({ type: "hand", position_m: to }), wall + byM);
+  await open.pass(1.5);
+}
+
+test("stiffness and mass are set, and the force follows", async () => {
+  const live = await startLive("--method", "coupled");
+  const open = await visit(live.url);
+  await open.page.click("#wall");
+  await open.until("it is a wall", () => palpate.model.state.mass_kg === null);
+  await open.enter(input("stiffness_n_per_m"), "1500");
+  await open.until("the stiffness is set", () => palpate.model.state.stiffness_n_per_m === 1500);
+  await press(open, 0.01);
+  const soft = await open.over(0, "force_on_device_n", 0.3);
+  assert.ok(soft.mean < -1, `${soft.mean} N`);
+  await open.enter(input("stiffness_n_per_m"), "500");
+  await open.until("the stiffness is set", () => palpate.model.state.stiffness_n_per_m === 500);
+  await press(open, 0.01);
+  const softer = await open.over(0, "force_on_device_n", 0.3);
+  // Hand and wall are springs in a row: what the first force says of the hand foretells the second.
+  const hand = 1 / (0.01 / -soft.mean - 1 / 1500);
+  const foretold = -0.01 / (1 / hand + 1 / 500);
+  assert.ok(Math.abs(softer.mean / foretold - 1) < 0.03, `${softer.mean} N instead of ${foretold} N`);
+  // A block again, with the mass that it had.
+  await open.page.click("#wall");
+  await open.until("it has its mass again", () => palpate.model.state.mass_kg === 0.1);
+  await open.enter(input("mass_kg"), "0,2");
+  await open.until("the mass is set", () => palpate.model.state.mass_kg === 0.2);
+  await open.page.click("#weight");
+  await open.until("the weight is set", () => Math.abs(palpate.model.state.virtual_force_n + 1.962) < 1e-9);
+  await open.leave();
+  await live.end();
+  live.forget();
+});
+
+test("a slider sets what a field sets", async () => {
+  const live = await startLive("--method", "coupled");
+  const open = await visit(live.url);
+  await open.page.focus('[data-name="stiffness_n_per_m"] input[type="range"]');
+  await open.page.keyboard.press("End");
+  await open.until("the stiffness is at its limit", () => {
+    const { state, hello } = palpate.model;
+    return state.stiffness_n_per_m === hello.limits.stiffness_n_per_m[1];
+  });
+  const text = await open.get(fieldText, "stiffness_n_per_m");
+  assert.equal(Number(text), await open.get(() => palpate.model.state.stiffness_n_per_m));
+  await open.leave();
+  await live.end();
+  live.forget();
+});
+
+test("rate and period are one thing", async () => {
+  const live = await startLive("--method", "coupled");
+  const open = await visit(live.url);
+  await open.enter(input("period_s"), "500");
+  await open.until("the period is set", () => palpate.model.state.period_s === 0.002);
+  assert.equal(await open.get(fieldText, "period"), "2");
+  await open.enter(input("period"), "4");
+  await open.until("the period is set", () => palpate.model.state.period_s === 0.004);
+  assert.equal(await open.get(fieldText, "period_s"), "250");
+  // The rows come at that rate.
+  await open.pass(1.2);
+  const { count } = await open.over(0, "lateness_s", 1);
+  await open.told();
+  // A deadline that was missed has no row.
+  const { missed_deadlines: missed } = (await open.told()).lanes[0];
+  assert.ok(count + missed > 240 && count <= 252, `${count} rows in a second, ${missed} deadlines missed`);
+  await open.leave();
+  await live.end();
+  live.forget();
+});
+
+test("what the server refuses stands beside its field, which goes back", async () => {
+  const live = await startLive("--method", "hfcr");
+  const open = await visit(live.url);
+  const before = await open.get(fieldText, "stiffness_n_per_m");
+  await open.enter(input("stiffness_n_per_m"), "1000000000");
+  const said = await open.until("the refusal is shown", refusal, "stiffness_n_per_m");
+  assert.match(said, /stiffness_n_per_m is 1000000000; allowed: /);
+  assert.equal(await open.get(fieldText, "stiffness_n_per_m"), before);
+  assert.equal(await open.get(refusal, "mass_kg"), "");
+  await open.enter(input("damping-1"), "-1");
+  assert.match(await open.until("the refusal is shown", refusal, "damping-1"), /damping_n_s_per_m is -1; allowed: 0 to/);
+  assert.equal(await open.get(fieldText, "damping-1"), "");
+  await open.enter(input("mass_kg"), "heavy");
+  assert.equal(await open.until("the refusal is shown", refusal, "mass_kg"), "“heavy” is no number");
+  // What is right takes the reason away.
+  await open.enter(input("stiffness_n_per_m"), "700");
+  await open.until("the stiffness is set", () => palpate.model.state.stiffness_n_per_m === 700);
+  await open.until("the reason is gone", () => document.querySelector('[data-name="stiffness_n_per_m"] .refused').textContent === "");
+  await open.enter(input("damping-1"), "2");
+  await open.until("the damping is set", () => palpate.model.state.lanes[0].damping_n_s_per_m === 2);
+  await open.leave();
+  await live.end();
+  live.forget();
+});
+
+test("a method that trips is shown; another one, rearmed, holds the same wall", async () => {
+  const live = await startLive("--method", "basic");
+  const open = await visit(live.url);
+  const dampingShown = () => !document.querySelector('[data-name="damping-1"]').closest("[hidden]");
+  assert.equal(await open.get(dampingShown), false, "basic takes no damping");
+  await open.get(() => palpate.link.say({ type: "set", stiffness_n_per_m: 5000, mass_kg: null }));
+  await open.until("it is a wall", () => palpate.model.state.mass_kg === null);
+  await press(open, -0.01);
+  await press(open, 0.01);
+  await open.until("it has tripped", () => palpate.model.state.lanes[0].trip !== null);
+  const banner = await open.until("the trip is shown", () => document.querySelector('[data-about="trip-1"] p')?.textContent);
+  assert.match(banner, /basic: no force, because .*oscillates/);
+  await open.until("there is no force", () => palpate.model.newest(0, "force_on_device_n") === 0);
+  await open.page.select("#method-1", "coupled");
+  await open.until("it is coupled", () => palpate.model.state.lanes[0].method === "coupled");
+  await press(open, -0.01);
+  await open.page.click('[data-about="trip-1"] button');
+  await open.until("it is armed", () => palpate.model.state.lanes[0].trip === null);
+  await press(open, 0.01);
+  const { mean } = await open.over(0, "force_on_device_n", 0.3);
+  assert.ok(mean < -2, `${mean} N`);
+  assert.equal(await open.get(() => document.querySelector('[data-about="trip-1"]')), null);
+  await open.leave();
+  await live.end();
+  live.forget();
+});
+
+test("a second lane is in the same hand, and can be switched off again", async () => {
+  const live = await startLive("--method", "coupled");
+  const open = await visit(live.url);
+  await open.page.click("#second-lane");
+  await open.until("there are two", () => palpate.model.state.lanes.length === 2);
+  await open.until("both have curves", () => palpate.model.lanes.every(({ ring }) => ring.length > 30));
+  const names = () => [...document.querySelectorAll("#chart-force .lanes th:not([hidden])")].map((head) => head.textContent);
+  assert.deepEqual(await open.get(names), ["coupled", "basic"]);
+  await open.get(() => palpate.link.say({ type: "hand", position_m: -0.02 }));
+  await open.until("both devices follow", () =>
+    [0, 1].every((lane) => Math.abs(palpate.model.newest(lane, "device_position_m") + 0.02) < 8e-3),
+  );
+  await open.page.select("#method-2", "virtual-damper");
+  await open.until("it is another", () => palpate.model.state.lanes[1].method === "virtual-damper");
+  await open.page.click("#second-lane");
+  await open.until("there is one", () => palpate.model.state.lanes.length === 1);
+  await open.until("it has left nothing", () => palpate.model.lanes[1].ring.length === 0);
+  assert.deepEqual(await open.get(names), ["coupled"]);
+  await open.leave();
+  await live.end();
+  live.forget();
+});

@@ -1,0 +1,25 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { Pace } from "../../../crates/palpate-scope/page/pace.js";
+
+/** How many of so many frames draw the charts, where one that does takes this long. */
+function drawn(frames, withMs, withoutMs = 16.7) {
+  const pace = new Pace();
+  let lasted = 16.7;
+  let count = 0;
+  for (let k = 0; k < frames; k += 1) {
+    const draws = pace.next(lasted);
+    lasted = draws ? withMs : withoutMs;
+    count += draws ? 1 : 0;
+  }
+  return count;
+}
+
+test("charts that cost nothing are drawn in every frame", () => {
+  assert.equal(drawn(100, 16.7), 100);
+});
+
+test("charts that cost several frames leave as many to the scene, but are not forgotten", () => {
+  assert.equal(drawn(90, 50), 30);
+  assert.ok(drawn(70, 10_000) >= 10);
+});

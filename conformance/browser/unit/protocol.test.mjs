@@ -1,0 +1,40 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { isGrouped, readSamples } from "../../../crates/palpate-scope/page/protocol.js";
+import { frameOf } from "./frames.mjs";
+
+test("a frame is read: head, times, columns one after the other", () => {
+  const bytes = frameOf({ lane: 1, number: 7, run: 3, times: [2.5, 2.501, 2.502], rows: [[1, -1], [2, NaN], [3, -3]] });
+  const frame = readSamples(bytes, 2);
+  assert.deepEqual(
+    { lane: frame.lane, number: frame.number, run: frame.run, rows: frame.rows, startS: frame.startS },
+    { lane: 1, number: 7, run: 3, rows: 3, startS: 2.5 },
+  );
+  assert.ok(Math.abs(frame.startS + frame.afterS[2] - 2.502) < 1e-9);
+  assert.deepEqual([...frame.values], [1, 2, 3, -1, NaN, -3]);
+});
+
+test("the bytes are those of docs/scope.md, written out", () => {
+  const text = "01 00 0100 01000000 02000000 09000000 000000000000f03f 00000000 0000c03f".replaceAll(" ", "");
+  const frame = readSamples(new Uint8Array(Buffer.from(text, "hex")).buffer, 1);
+  assert.equal(frame.number, 2);
+  assert.equal(frame.run, 9);
+  assert.equal(frame.startS, 1);
+  assert.deepEqual([...frame.values], [1.5]);
+});
+
+test("a frame that is not as told is refused, and says how", () => {
+  const good = frameOf({ times: [0, 1], rows: [[1], [2]] });
+  assert.throws(() => readSamples(good.slice(0, 20), 1), /20 bytes is shorter than its header of 24/);
+  assert.throws(() => readSamples(good.slice(0, 36), 1), /2 rows has 36 bytes instead of 40/);
+  assert.throws(() => readSamples(good, 14), /1 columns, hello has told of 14/);
+  assert.throws(() => readSamples(frameOf({ kind: 2, times: [0], rows: [[1]] }), 1), /kind 2 is not known/);
+});
+
+test("rows are ticks up to 1 kHz, groups above", () => {
+  assert.equal(isGrouped(0.001), false);
+  assert.equal(isGrouped(1 / 1000), false);
+  assert.equal(isGrouped(0.02), false);
+  assert.equal(isGrouped(0.00025), true);
+  assert.equal(isGrouped(1 / 1001), true);
+});
