@@ -3,9 +3,10 @@
 mod common;
 
 use std::io::{BufRead, BufReader};
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::time::{Duration, Instant};
 
+use common::running::{Running, program};
 use common::{Folder, experiment_text, number, parse};
 use palpate_haply::inverse3::emulator::{Body, Emulator, EmulatorOptions, Fault, holding};
 
@@ -125,13 +126,11 @@ fn what_a_service_has_is_listed() {
 #[test]
 fn an_emulated_service_says_where_it_is_and_what_it_was_commanded() {
     let folder = folder();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_palpate"))
-        .args("emulate inverse3 --port 0 --events-port 0 --form 3.1 --hold 0.012,0,0".split(' '))
-        .args(["--fault", "twice@0.1", "--duration", "3"])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let emulate = "emulate inverse3 --port 0 --events-port 0 --form 3.1 --hold 0.012,0,0 \
+                   --fault twice@0.1 --duration 3";
+    let mut emulate = program(&folder, emulate);
+    let emulate = emulate.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = Running::start(emulate);
     let mut url = String::new();
     BufReader::new(child.stdout.take().unwrap())
         .read_line(&mut url)
@@ -141,7 +140,7 @@ fn an_emulated_service_says_where_it_is_and_what_it_was_commanded() {
         url.trim()
     ));
     assert_eq!(answer.code, 0, "{answer:?}");
-    let ended = child.wait_with_output().unwrap();
+    let ended = child.output();
     let said = String::from_utf8(ended.stderr).unwrap();
     assert!(ended.status.success(), "{said}");
     assert!(said.contains("at 0.1 s: Answer(Twice)"), "{said}");

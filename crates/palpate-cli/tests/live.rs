@@ -9,18 +9,15 @@ use std::net::{TcpListener, TcpStream};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
+use common::running::{Running, program};
 use common::{Folder, experiment_text};
 use palpate_io::recording::Recording;
 
 #[test]
 fn it_says_where_the_page_is_and_ends_with_a_report() {
     let folder = Folder::new();
-    let mut child = Command::new(env!("CARGO_BIN_EXE_palpate"))
-        .args("live --listen 127.0.0.1:0 --priority 0".split(' '))
-        .current_dir(folder.path("."))
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let mut live = program(&folder, "live --listen 127.0.0.1:0 --priority 0");
+    let mut child = Running::start(live.stdout(Stdio::piped()));
     let mut out = BufReader::new(child.stdout.take().unwrap());
     let mut url = String::new();
     out.read_line(&mut url).unwrap();
@@ -37,11 +34,7 @@ fn it_says_where_the_page_is_and_ends_with_a_report() {
     page.read_to_string(&mut answer).unwrap();
     assert!(answer.starts_with("HTTP/1.1 200 "), "{answer}");
     assert!(answer.contains("<title>"), "{answer}");
-    let killed = Command::new("kill")
-        .args(["-INT".to_owned(), child.id().to_string()])
-        .status()
-        .unwrap();
-    assert!(killed.success());
+    child.signal("INT");
     let mut report = String::new();
     out.read_to_string(&mut report).unwrap();
     assert!(child.wait().unwrap().success(), "{report}");
@@ -130,12 +123,10 @@ fn a_standard_output_that_is_full_leaves_no_recording_half_written() {
         .write(true)
         .open("/dev/full")
         .unwrap();
-    let ended = Command::new(env!("CARGO_BIN_EXE_palpate"))
-        .args("live wall.toml --listen 127.0.0.1:0 --priority 0 --record wall.mcap".split(' '))
-        .current_dir(folder.path("."))
-        .stdout(full)
-        .stderr(Stdio::null())
-        .status()
+    let live = "live wall.toml --listen 127.0.0.1:0 --priority 0 --record wall.mcap";
+    let mut live = program(&folder, live);
+    let ended = Running::start(live.stdout(full).stderr(Stdio::null()))
+        .wait()
         .unwrap();
     assert_eq!(ended.code(), Some(1));
     assert_eq!(folder.names(), ["wall.mcap", "wall.toml"]);

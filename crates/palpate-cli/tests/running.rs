@@ -4,10 +4,11 @@
 
 mod common;
 
-use std::process::{Child, Command, Stdio};
+use std::process::Stdio;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use common::running::{Running, program};
 use common::{Folder, experiment_text, number, parse};
 use palpate_io::recording::{Entry, Recording, Tick};
 
@@ -221,22 +222,9 @@ fn the_doctor_and_the_bench_answer_programs() {
     assert_eq!(bench[1]["timing"]["ticks"], 200);
 }
 
-fn spawn(folder: &Folder, arguments: &str) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_palpate"))
-        .args(arguments.split(' '))
-        .current_dir(folder.path("."))
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap()
-}
-
-fn signal(child: &Child, name: &str) {
-    let status = Command::new("kill")
-        .args([format!("-{name}"), child.id().to_string()])
-        .status()
-        .unwrap();
-    assert!(status.success());
+fn started(folder: &Folder, arguments: &str) -> Running {
+    let mut program = program(folder, arguments);
+    Running::start(program.stdout(Stdio::null()).stderr(Stdio::null()))
 }
 
 fn wait_for(path: &std::path::Path) {
@@ -256,13 +244,13 @@ fn a_signal_ends_a_run_without_force_and_completes_the_recording() {
     let folder = folder_with_scenes();
     for name in ["INT", "TERM", "HUP", "QUIT", "TSTP"] {
         let file = format!("{name}.mcap");
-        let mut child = spawn(
+        let mut child = started(
             &folder,
             &format!("record wall.toml {file} --duration inf --soft-start 0"),
         );
         wait_for(&folder.path(&format!("{file}.part")));
         sleep(Duration::from_millis(300));
-        signal(&child, name);
+        child.signal(name);
         assert!(child.wait().unwrap().success(), "{name}");
         let recording = Recording::open(&folder.path(&file)).unwrap();
         assert!(recording.is_whole());
@@ -287,7 +275,7 @@ fn a_run_that_is_killed_leaves_a_recording_up_to_its_last_flush() {
         for (index, instant) in instants.iter().enumerate() {
             let file = format!("{batch}-{index}.mcap");
             let arguments = format!("record wall.toml {file} --duration inf --priority 0");
-            children.push((spawn(&folder, &arguments), file, *instant));
+            children.push((started(&folder, &arguments), file, *instant));
         }
         for (_, file, _) in &children {
             wait_for(&folder.path(&format!("{file}.part")));

@@ -5,9 +5,10 @@
 mod common;
 
 use std::io::{BufRead, BufReader, Read, Write};
-use std::process::{Child, ChildStderr, Command, Stdio};
+use std::process::{ChildStderr, Stdio};
 use std::time::{Duration, Instant};
 
+use common::running::{Running, program};
 use common::{Folder, experiment_text, number, parse};
 
 fn folder() -> Folder {
@@ -18,18 +19,13 @@ fn folder() -> Folder {
 
 /// `palpate emulate haply-2diy`, with its port linked as `haply` in the folder.
 struct Emulated {
-    child: Child,
+    child: Running,
     said: ChildStderr,
 }
 
-fn program(folder: &Folder, arguments: &str) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_palpate"))
-        .args(arguments.split(' '))
-        .current_dir(folder.path("."))
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap()
+fn started(folder: &Folder, arguments: &str) -> Running {
+    let mut program = program(folder, arguments);
+    Running::start(program.stdout(Stdio::null()).stderr(Stdio::piped()))
 }
 
 fn wait_for(what: &str, mut is_so: impl FnMut() -> bool) {
@@ -40,16 +36,9 @@ fn wait_for(what: &str, mut is_so: impl FnMut() -> bool) {
     }
 }
 
-fn signal(child: &Child, name: &str) {
-    let status = Command::new("kill")
-        .args([format!("-{name}"), child.id().to_string()])
-        .status();
-    assert!(status.unwrap().success());
-}
-
 impl Emulated {
     fn start(folder: &Folder, flags: &str) -> Self {
-        let mut child = program(folder, &format!("emulate haply-2diy --link haply{flags}"));
+        let mut child = started(folder, &format!("emulate haply-2diy --link haply{flags}"));
         wait_for("no port", || folder.path("haply").exists());
         let said = child.stderr.take().unwrap();
         Self { child, said }
@@ -57,7 +46,7 @@ impl Emulated {
 
     /// Ends it; what it said.
     fn end(mut self) -> String {
-        signal(&self.child, "INT");
+        self.child.signal("INT");
         assert!(self.child.wait().unwrap().success());
         let mut said = String::new();
         self.said.read_to_string(&mut said).unwrap();
@@ -96,13 +85,13 @@ fn a_wall_is_felt_recorded_and_read_back() {
 fn a_run_that_is_terminated_leaves_no_torque() {
     let folder = folder();
     let emulated = Emulated::start(&folder, " --angles 130,50 --hold 0.019,0.1169");
-    let mut run = program(
+    let mut run = started(
         &folder,
         &format!("run wall.toml {DEVICE} {WALL} --duration inf --record run.mcap"),
     );
     wait_for("no recording", || folder.path("run.mcap.part").exists());
     std::thread::sleep(Duration::from_millis(700));
-    signal(&run, "TERM");
+    run.signal("TERM");
     assert!(run.wait().unwrap().success());
     let said = emulated.end();
     assert!(said.contains("in the end 0 and 0"), "{said}");
@@ -140,7 +129,7 @@ fn a_cable_that_is_pulled_ends_a_run_with_a_word_or_is_waited_for() {
 
 /// How many descriptors of a program are those of a port, though it is gone.
 #[cfg(target_os = "linux")]
-fn descriptors(child: &Child, port: &std::path::Path) -> usize {
+fn descriptors(child: &Running, port: &std::path::Path) -> usize {
     let gone = format!("{} (deleted)", port.display());
     std::fs::read_dir(format!("/proc/{}/fd", child.id()))
         .unwrap()
@@ -158,7 +147,7 @@ fn a_port_that_is_gone_is_not_held_open_while_it_is_waited_for() {
         let flags = format!(" --angles 130,50 --hold 0.019,0.1169 --fault {fault}");
         let emulated = Emulated::start(&folder, &flags);
         let port = std::fs::read_link(folder.path("haply")).unwrap();
-        let mut run = program(
+        let mut run = started(
             &folder,
             &format!("run wall.toml {DEVICE} {WALL} --duration inf {RECONNECT}"),
         );
@@ -168,7 +157,7 @@ fn a_port_that_is_gone_is_not_held_open_while_it_is_waited_for() {
         if is_there {
             wait_for("it is not opened anew", || descriptors(&run, &port) > 0);
         }
-        signal(&run, "TERM");
+        run.signal("TERM");
         assert!(run.wait().unwrap().success());
         emulated.end();
     }
@@ -193,22 +182,20 @@ fn no_force_comes_back_before_enter_has_said_that_the_arm_is_in_its_start_pose()
     let flags = " --angles 130,50 --hold 0.019,0.1169 --fault unplug=0.3@2";
     let emulated = Emulated::start(&folder, flags);
     let (mut keys, input) = terminal();
-    // Long enough for all of this, and over where it never asks.
-    let run = format!("run wall.toml {DEVICE} {WALL} --duration 40 --reconnect --json");
-    let mut run = Command::new(env!("CARGO_BIN_EXE_palpate"))
-        .args(run.split(' '))
-        .current_dir(folder.path("."))
-        .stdin(input)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let run = format!("run wall.toml {DEVICE} {WALL} --duration inf --reconnect --json");
+    let mut run = program(&folder, &run);
+    let run = run.stdin(input).stdout(Stdio::piped());
+    let mut run = Running::start(run.stderr(Stdio::piped()));
     // What is typed before says nothing.
     keys.write_all(b"\n").unwrap();
     let mut said = BufReader::new(run.stderr.take().unwrap()).lines();
-    let mut hear = |words: &str| {
-        let heard = said.find(|line| line.as_ref().is_ok_and(|line| line.contains(words)));
-        assert!(heard.is_some(), "it did not say {words}");
+    let back = "the device is back";
+    let mut hear = |words: &str| loop {
+        let line = said.next().expect("the run has ended").unwrap();
+        if line.contains(words) {
+            break;
+        }
+        assert!(!line.contains(back), "nobody was asked to {words}");
     };
     hear("press enter");
     let asked = Instant::now();
@@ -217,12 +204,15 @@ fn no_force_comes_back_before_enter_has_said_that_the_arm_is_in_its_start_pose()
         keys.write_all(b"\n").unwrap();
         keys
     });
-    hear("the device is back");
-    assert!(asked.elapsed() > Duration::from_secs(5), "nobody was asked");
+    hear(back);
+    assert!(
+        asked.elapsed() > Duration::from_secs(5),
+        "nobody was waited for"
+    );
     let keys = typing.join().unwrap();
     std::thread::sleep(Duration::from_millis(500));
-    signal(&run, "TERM");
-    let output = run.wait_with_output().unwrap();
+    run.signal("TERM");
+    let output = run.output();
     drop(keys);
     let report = parse(&String::from_utf8(output.stdout).unwrap());
     assert!(
@@ -258,12 +248,12 @@ fn a_check_that_is_terminated_leaves_no_torque() {
         let folder = folder();
         let flags = " --angles 130,50 --hold 0.019,0.1169 --hand-stiffness 2000";
         let emulated = Emulated::start(&folder, flags);
-        let mut check = program(
+        let mut check = started(
             &folder,
             "devices check haply-2diy --port haply --start-pose 130,50 --move",
         );
         std::thread::sleep(Duration::from_millis(after));
-        signal(&check, name);
+        check.signal(name);
         let code = check.wait().unwrap().code();
         assert_eq!(code, Some(130), "{name} after {after} ms");
         let said = emulated.end();

@@ -1,6 +1,8 @@
 //! What the test programs share: a folder to work in, the program, and how to read its answers.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
+pub mod running;
+
 use std::path::{Path, PathBuf};
 
 use palpate::{

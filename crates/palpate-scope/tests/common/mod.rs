@@ -26,7 +26,7 @@ use tungstenite::client::IntoClientRequest;
 use tungstenite::{Message, WebSocket};
 
 /// What nobody waits longer for.
-pub const PATIENCE: Duration = Duration::from_secs(30);
+pub const PATIENCE: Duration = Duration::from_secs(20);
 
 /// The scene of `palpate live`, at 1 kHz.
 pub fn scene() -> Scene {
