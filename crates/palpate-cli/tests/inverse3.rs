@@ -176,15 +176,19 @@ fn what_makes_no_sense_is_refused() {
     }
 }
 
+fn live(emulator: &Emulator, rest: &str) -> String {
+    format!(
+        "live --device inverse3 --service {} --normal 0,0,1 --priority 0 --service-priority 0 \
+         --stall-after 50 --listen 127.0.0.1:0 {rest}",
+        emulator.url()
+    )
+}
+
 /// Two sessions would command it by turns.
 #[test]
 fn a_page_has_it_in_one_loop() {
     let (folder, emulator) = (folder(), emulator());
-    let live = format!(
-        "live --device inverse3 --service {} --normal 0,0,1 --priority 0 --service-priority 0 \
-         --stall-after 50 --listen 127.0.0.1:0 --duration 0.5",
-        emulator.url()
-    );
+    let live = live(&emulator, "--duration 0.5");
     folder.fail(
         &format!("{live} --method basic,coupled"),
         2,
@@ -195,4 +199,20 @@ fn a_page_has_it_in_one_loop() {
     let said = answer.stdout;
     assert!(said.contains("coupled on the device"), "{said}");
     assert!(!said.contains("basic on the device"), "{said}");
+}
+
+#[test]
+fn a_page_whose_device_is_lost_says_so_at_its_end() {
+    let (folder, emulator) = (folder(), emulator());
+    let live = live(&emulator, "--duration 4 --method basic wall.toml");
+    let answer = std::thread::scope(|scope| {
+        let running = scope.spawn(|| folder.palpate(&live));
+        wait_for("a force", || emulator.force(ID).unwrap()[2] < -0.5);
+        emulator.inject(Fault::Disconnect);
+        running.join().unwrap()
+    });
+    assert_eq!(answer.code, 1, "{answer:?}");
+    assert!(answer.stderr.contains("the device was lost"), "{answer:?}");
+    assert!(answer.stdout.contains("basic on the device"), "{answer:?}");
+    wait_for("no force", || emulator.force(ID) == Some([0.0; 3]));
 }
