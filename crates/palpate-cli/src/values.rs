@@ -8,7 +8,7 @@ use palpate_sim::method::{Damping, MethodName, Predictor};
 use palpate_sim::scene::GuardMode;
 use palpate_testbed::hold::DelayedHold;
 
-use crate::commands::emulate::{FaultKind, TimedFault};
+use crate::commands::emulate::two_diy::arguments::{FaultKind, TimedFault};
 use crate::failure::Failure;
 
 /// The methods a command is to run.

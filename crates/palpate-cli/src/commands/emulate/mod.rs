@@ -1,0 +1,49 @@
+//! `palpate emulate`: a device to try without one.
+
+mod inverse3;
+pub mod two_diy;
+
+use clap::{Args, Subcommand};
+
+use crate::failure::Failure;
+
+/// Arguments of `emulate`.
+#[derive(Args, Debug)]
+pub struct EmulateArguments {
+    /// What is emulated.
+    #[command(subcommand)]
+    pub what: What,
+}
+
+/// What can be emulated.
+#[derive(Subcommand, Debug)]
+pub enum What {
+    /// A Haply 2DIY on a pseudo-terminal
+    #[command(
+        name = "haply-2diy",
+        long_about = "\
+A Haply 2DIY on a pseudo-terminal, whose path is printed: board, arm and hand in real time, until ctrl-C.
+
+Faults strike by themselves: --fault KIND[=VALUE]@SECONDS, as often as wanted, with the kinds stall \
+(for VALUE seconds), unplug (for VALUE seconds), garbage (VALUE bytes), half, lost, late (by VALUE \
+seconds), twice, other-id, nan and slip (by VALUE degrees)."
+    )]
+    Haply2diy(two_diy::arguments::TwoDiyArguments),
+    /// A Haply Inverse3 behind an Inverse Service
+    #[command(long_about = "\
+Haply's Inverse Service on this machine's loopback, whose address is printed, and behind it a point mass \
+along each axis in a hand, in real time, until ctrl-C.
+
+Faults strike by themselves: --fault KIND@SECONDS, as often as wanted, with the kinds lost, twice, late, \
+garbage, half, half-bytes, disconnect and close for one answer, and stall=s, unplug=s and no-power=s for \
+as many seconds.")]
+    Inverse3(Box<inverse3::Inverse3EmulatorArguments>),
+}
+
+/// Emulates until it is over.
+pub fn run(arguments: &EmulateArguments) -> Result<(), Failure> {
+    match &arguments.what {
+        What::Haply2diy(arguments) => two_diy::run(arguments),
+        What::Inverse3(arguments) => inverse3::run(arguments),
+    }
+}

@@ -1,0 +1,172 @@
+//! The emulated 2DIY, in real time.
+
+use std::time::{Duration, Instant};
+
+use palpate_haply::two_diy::Generation;
+use palpate_haply::two_diy::emulator::{Did, Emulator, Fault, Hand, Settings, Wiring};
+use palpate_rt::StopFlag;
+
+use super::arguments::{FaultKind, HandArguments, TimedFault, TwoDiyArguments, WiringName};
+use crate::devices::two_diy::board;
+use crate::failure::{Failure, tell};
+use crate::results::print;
+use crate::values::duration;
+
+pub fn run(arguments: &TwoDiyArguments) -> Result<(), Failure> {
+    let generation = match arguments.generation {
+        1 => Generation::One,
+        2 => Generation::Two,
+        _ => Generation::Three,
+    };
+    let board = arguments.board.map_or(generation.usual_board(), board);
+    let until = arguments
+        .duration
+        .filter(|seconds| *seconds != f64::INFINITY)
+        .map(|seconds| duration("--duration", seconds))
+        .transpose()?;
+    let mut faults = arguments
+        .fault
+        .iter()
+        .map(fault)
+        .collect::<Result<Vec<_>, _>>()?;
+    faults.sort_by_key(|(at, _)| *at);
+    let mut faults = faults.into_iter().peekable();
+    let settings = Settings {
+        strict: !arguments.tolerant,
+        wiring: wiring(arguments.wiring),
+        hand: hand(&arguments.hand)?,
+        hand_waits: true,
+        angles: arguments.angles,
+        link: arguments.link.clone(),
+        ..Settings::of(generation, board)
+    };
+    let stop =
+        StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
+    let emulator = Emulator::start(&settings)
+        .map_err(|error| Failure::System(format!("no emulator: {error}")))?;
+    let begun = Instant::now();
+    print(&format!("{}\n", emulator.path().display()))?;
+    let [first, second] = emulator.angles();
+    tell(format_args!(
+        "a 2DIY of generation {} on the board {}, its arm at {first:.1},{second:.1} degrees until it \
+         is opened; ctrl-C ends it",
+        generation.number(),
+        board.name()
+    ));
+    let mut path = emulator.path();
+    while !stop.is_raised() && until.is_none_or(|until| begun.elapsed() < until) {
+        while let Some((at, fault)) = faults.next_if(|(at, _)| begun.elapsed() >= *at) {
+            tell(format_args!("at {:.1} s: {fault:?}", at.as_secs_f64()));
+            emulator.suffer(fault);
+        }
+        if emulator.path() != path {
+            path = emulator.path();
+            tell(format_args!("plugged in again: {}", path.display()));
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let seen = emulator.seen();
+    let commands = seen
+        .iter()
+        .filter(|seen| matches!(seen.did, Did::Commanded(_)))
+        .count();
+    let largest = seen
+        .iter()
+        .flat_map(|seen| seen.torques)
+        .fold(0.0_f64, |largest, torque| largest.max(torque.abs()));
+    let [first, second] = emulator.torques();
+    tell(format_args!(
+        "{commands} commands, torques up to {largest:.3} N m; in the end {first} and {second}"
+    ));
+    Ok(())
+}
+
+fn fault(timed: &TimedFault) -> Result<(Duration, Fault), Failure> {
+    let value = timed.value;
+    let time = || duration("--fault", value);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a cast saturates, and so many bytes nobody sends"
+    )]
+    let fault = match timed.kind {
+        FaultKind::Stall => Fault::Stall(time()?),
+        FaultKind::Unplug => Fault::Unplug(time()?),
+        FaultKind::Garbage => Fault::Garbage(vec![0x77; (value as usize).min(10_000)]),
+        FaultKind::Half => Fault::HalfAnswer,
+        FaultKind::Lost => Fault::NoAnswer,
+        FaultKind::Late => Fault::LateAnswer(time()?),
+        FaultKind::Twice => Fault::TwoAnswers,
+        FaultKind::OtherId => Fault::OtherId,
+        FaultKind::NotANumber => Fault::NotANumber,
+        FaultKind::Slip => Fault::Slip(value),
+    };
+    Ok((duration("--fault", timed.at)?, fault))
+}
+
+fn wiring(name: WiringName) -> Wiring {
+    let sold = Wiring::default();
+    match name {
+        WiringName::AsSold => sold,
+        WiringName::Swapped => Wiring {
+            swapped: true,
+            ..sold
+        },
+        WiringName::Reversed1 => Wiring {
+            reversed: [true, false],
+            ..sold
+        },
+        WiringName::Reversed2 => Wiring {
+            reversed: [false, true],
+            ..sold
+        },
+        WiringName::Dead1 => Wiring {
+            dead: [true, false],
+            ..sold
+        },
+        WiringName::Dead2 => Wiring {
+            dead: [false, true],
+            ..sold
+        },
+    }
+}
+
+fn hand(arguments: &HandArguments) -> Result<Hand, Failure> {
+    if let Some(force) = arguments.push {
+        return Ok(Hand::Push(force));
+    }
+    let Some(place) = arguments.hold else {
+        return Ok(Hand::None);
+    };
+    let of = |flag: &str, value: f64, fine: bool, allowed: &str| {
+        if fine && value.is_finite() {
+            Ok(value)
+        } else {
+            Err(Failure::Arguments(format!(
+                "{flag} is {value}; allowed: {allowed}"
+            )))
+        }
+    };
+    let (period, stiffness, damping) = (
+        arguments.sway_period,
+        arguments.hand_stiffness,
+        arguments.hand_damping,
+    );
+    Ok(Hand::Holds {
+        place,
+        sway: arguments.sway.unwrap_or_default(),
+        period: of("--sway-period", period, period > 0.0, "above 0 [s]")?,
+        stiffness: of(
+            "--hand-stiffness",
+            stiffness,
+            stiffness >= 0.0,
+            "0 or above [N/m]",
+        )?,
+        damping: of(
+            "--hand-damping",
+            damping,
+            damping >= 0.0,
+            "0 or above [N s/m]",
+        )?,
+    })
+}
