@@ -69,6 +69,8 @@ fn the_supervisors_cut_goes_out_by_itself_and_lasts_until_the_next_order() {
     let emulator = emulator(Form::V35);
     let patient = Inverse3Options {
         pace: Pace {
+            // Nothing else commands no force, however busy the machine.
+            reply_timeout: ms(20_000),
             hold: ms(60_000),
             ..Pace::default()
         },
@@ -81,9 +83,11 @@ fn the_supervisors_cut_goes_out_by_itself_and_lasts_until_the_next_order() {
     wait_until("the force", || emulator.force(ID) == Some(force));
     let cut = Instant::now();
     zero.write_zero();
-    wait_until("no force", || emulator.force(ID) == Some([0.0; 3]));
+    let commanded = || emulator.received().last().unwrap().force;
+    wait_until("no force", || commanded() == Some([0.0; 3]));
     println!("no force after {:?}", cut.elapsed());
     std::thread::sleep(ms(20));
+    assert_eq!(commanded(), Some([0.0; 3]));
     assert_eq!(emulator.force(ID), Some([0.0; 3]));
     device.write(force).unwrap();
     wait_until("the force again", || emulator.force(ID) == Some(force));
