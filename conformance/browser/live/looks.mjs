@@ -66,6 +66,9 @@ for (const [name, viewport] of [["wide", WIDE], ["narrow", NARROW]]) {
       const live = await startLive();
       const open = await visit(live.url, { viewport, scheme });
       await knock(open);
+      // As many as there are, and as little room for them as there can be.
+      await open.page.click('#shown [data-chart="position"]');
+      await open.page.click("#notes summary");
       const { across, panel, folded, dark } = await open.get(() => ({
         across: document.scrollingElement.scrollWidth - document.documentElement.clientWidth,
         panel: getComputedStyle(document.querySelector("#panel")).backgroundColor,
@@ -81,6 +84,12 @@ for (const [name, viewport] of [["wide", WIDE], ["narrow", NARROW]]) {
         palpate.charts.visible.filter(({ plot }) => plot.clientWidth < 200 || plot.clientHeight < 80).map(({ what }) => what.id),
       );
       assert.deepEqual(empty, [], "every chart has room");
+      const cut = await open.get(() =>
+        palpate.charts.visible
+          .filter(({ root, legend }) => legend.root.lastChild.getBoundingClientRect().bottom > root.getBoundingClientRect().bottom)
+          .map(({ what }) => what.id),
+      );
+      assert.deepEqual(cut, [], "no legend is cut");
       if (FOLDER) {
         mkdirSync(FOLDER, { recursive: true });
         await open.page.screenshot({ path: join(FOLDER, `${name}-${scheme}.png`), fullPage: name === "narrow" });
