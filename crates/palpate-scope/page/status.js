@@ -6,12 +6,12 @@ import { bytes, digits, duration, quantity } from "./si.js";
 const REPORTS = 5;
 
 /**
- * The rate that a lane has really reached between two reports [Hz]: by the loop's own time, since reports wait on their
- * way. NaN where there is nothing to tell it by.
+ * The rate that a lane has really reached between two reports [Hz]: by the time of the loop's ticks, since reports wait on
+ * their way. NaN where there is nothing to tell it by.
  */
 export function rate(before, after, lane) {
   const ticks = (after?.lanes[lane]?.ticks ?? NaN) - (before?.lanes[lane]?.ticks ?? NaN);
-  const passedS = after?.atS[lane] - before?.atS[lane];
+  const passedS = (after?.lanes[lane]?.t_s ?? NaN) - (before?.lanes[lane]?.t_s ?? NaN);
   return ticks >= 0 && passedS > 0 ? ticks / passedS : NaN;
 }
 
