@@ -28,6 +28,9 @@ fn a_client_is_greeted_and_told_the_state() {
     assert_eq!(hello["methods"].as_array().unwrap().len(), 9);
     assert_eq!(hello["methods"][7]["name"], "hfcr");
     assert_eq!(hello["methods"][7]["damping"], true);
+    // It is read alone.
+    let title = hello["methods"][7]["title"].as_str().unwrap();
+    assert!(title.contains("energy-consistent force"), "{title}");
     assert_eq!(hello["limits"]["period_s"], json!([0.000_25, 0.05]));
     assert_eq!(
         hello["device"],
@@ -483,6 +486,21 @@ fn a_session_that_was_to_last_ends_with_its_last_device() {
     assert!(recording.is_whole());
     assert_eq!(recording.ticks, *written.ticks.as_ref().unwrap());
     assert!(end.recordings.is_empty());
+}
+
+/// Its ticks would take 25 s.
+#[test]
+fn a_session_that_was_to_last_does_not_wait_for_every_deadline_that_is_missed() {
+    let mut stage = Stage::new(Play {
+        duration: Some(Duration::from_millis(500)),
+        read_takes: Duration::from_millis(50),
+        ..Play::default()
+    });
+    let end = stage.session.take().unwrap().join();
+    let lane = &end.lanes[0];
+    assert_eq!(lane.end.ending, palpate_rt::Ending::Stopped);
+    let last = lane.account.last.unwrap().sequence;
+    assert!((5..100).contains(&last), "tick {last}");
 }
 
 /// What was recorded before the end is told at the end, too.
