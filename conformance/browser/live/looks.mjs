@@ -101,6 +101,32 @@ for (const [name, viewport] of [["wide", WIDE], ["narrow", NARROW]]) {
   }
 }
 
+test("what counts on is not read out again and again", async () => {
+  const live = await startLive("--method", "coupled");
+  const open = await visit(live.url);
+  await open.page.click("#record");
+  await open.until("it records", () => document.querySelector("#recording").textContent.includes("ticks"));
+  await open.page.click("#pause");
+  await open.until("it is paused", () => document.querySelector("#buffer").textContent !== "");
+  const texts = () => ["#recording", "#buffer"].map((place) => document.querySelector(place).textContent);
+  const before = await open.get(texts);
+  await open.get(() => {
+    globalThis.readOut = [];
+    const watch = new MutationObserver((changes) => {
+      // Of what is folded up nothing is read.
+      globalThis.readOut.push(...changes.filter(({ target }) => target.checkVisibility()).map(({ target }) => target.textContent));
+    });
+    for (const region of document.querySelectorAll("[role=status], [role=alert], [aria-live]")) {
+      watch.observe(region, { childList: true, characterData: true, subtree: true });
+    }
+  });
+  await open.until("both have counted on", (before) => ["#recording", "#buffer"].every((place, k) => document.querySelector(place).textContent !== before[k]), before);
+  assert.deepEqual(await open.get(() => globalThis.readOut), []);
+  await open.leave();
+  await live.end();
+  live.forget();
+});
+
 test("who wants less motion gets curves that go on in steps, and the scene at once", async () => {
   const live = await startLive();
   const open = await visit(live.url, { motion: "reduce" });

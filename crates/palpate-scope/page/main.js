@@ -205,6 +205,7 @@ function frame(nowMs) {
     readS = nowS;
     charts.read();
     hand.describe();
+    // It counts seconds: read out each time it would hide all else.
     place("buffer").textContent = aboutBuffer(model, view);
   }
   counted.allFrames += 1;

@@ -86,8 +86,18 @@ export class Status {
       text = `Recorded ${recordedFiles.join(", ")}${last?.lost ? ` · ${count(last.lost)} ticks lost` : ""}`;
     }
     const failed = told?.failed ?? null;
-    this.places.recording.textContent = failed ? `Recording has failed: ${failed}` : text;
-    this.places.recording.classList.toggle("refused", failed !== null);
+    const { recording } = this.places;
+    const said = failed ? `Recording has failed: ${failed}` : text;
+    if (recording.textContent !== said) {
+      // What is counted is not read out, with every count; a failure is, once.
+      if (failed) {
+        recording.setAttribute("role", "alert");
+      } else {
+        recording.removeAttribute("role");
+      }
+      recording.textContent = said;
+    }
+    recording.classList.toggle("refused", failed !== null);
   }
 }
 
