@@ -280,6 +280,9 @@ fn a_recording_begins_and_ends_while_the_loop_runs() {
     });
     let mut client = stage.client();
     client.say(r#"{"type":"set","stiffness_n_per_m":321}"#);
+    for _lane in 0..2 {
+        client.until("note", |note| note["kind"] == "parameters");
+    }
     client.say(r#"{"type":"record","on":true}"#);
     let state = client.until("state", |state| state["recording"].is_object());
     let files = &state["recording"]["files"];
@@ -290,6 +293,12 @@ fn a_recording_begins_and_ends_while_the_loop_runs() {
     client.say(r#"{"type":"record","on":true}"#);
     let refused = client.text("refused");
     assert!(refused["text"].as_str().unwrap().contains("end it first"));
+    // What a second frame shows of a lane was ticked after its recording had begun: that has a first tick.
+    for lane in [0, 1] {
+        for _frame in 0..2 {
+            client.frame(|frame| frame.lane == lane);
+        }
+    }
     client.say(r#"{"type":"set","stiffness_n_per_m":654}"#);
     let status = client.until("status", |status| {
         status["recording"]["ticks"].as_u64() > Some(1000)
