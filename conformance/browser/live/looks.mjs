@@ -66,6 +66,9 @@ for (const [name, viewport] of [["wide", WIDE], ["narrow", NARROW]]) {
       const live = await startLive();
       const open = await visit(live.url, { viewport, scheme });
       await knock(open);
+      // As many as there are, and as little room for them as there can be.
+      await open.page.click('#shown [data-chart="position"]');
+      await open.page.click("#notes summary");
       const { across, panel, folded, dark } = await open.get(() => ({
         across: document.scrollingElement.scrollWidth - document.documentElement.clientWidth,
         panel: getComputedStyle(document.querySelector("#panel")).backgroundColor,
@@ -81,6 +84,12 @@ for (const [name, viewport] of [["wide", WIDE], ["narrow", NARROW]]) {
         palpate.charts.visible.filter(({ plot }) => plot.clientWidth < 200 || plot.clientHeight < 80).map(({ what }) => what.id),
       );
       assert.deepEqual(empty, [], "every chart has room");
+      const cut = await open.get(() =>
+        palpate.charts.visible
+          .filter(({ root, legend }) => legend.root.lastChild.getBoundingClientRect().bottom > root.getBoundingClientRect().bottom)
+          .map(({ what }) => what.id),
+      );
+      assert.deepEqual(cut, [], "no legend is cut");
       if (FOLDER) {
         mkdirSync(FOLDER, { recursive: true });
         await open.page.screenshot({ path: join(FOLDER, `${name}-${scheme}.png`), fullPage: name === "narrow" });
@@ -91,6 +100,32 @@ for (const [name, viewport] of [["wide", WIDE], ["narrow", NARROW]]) {
     });
   }
 }
+
+test("what counts on is not read out again and again", async () => {
+  const live = await startLive("--method", "coupled");
+  const open = await visit(live.url);
+  await open.page.click("#record");
+  await open.until("it records", () => document.querySelector("#recording").textContent.includes("ticks"));
+  await open.page.click("#pause");
+  await open.until("it is paused", () => document.querySelector("#buffer").textContent !== "");
+  const texts = () => ["#recording", "#buffer"].map((place) => document.querySelector(place).textContent);
+  const before = await open.get(texts);
+  await open.get(() => {
+    globalThis.readOut = [];
+    const watch = new MutationObserver((changes) => {
+      // Of what is folded up nothing is read.
+      globalThis.readOut.push(...changes.filter(({ target }) => target.checkVisibility()).map(({ target }) => target.textContent));
+    });
+    for (const region of document.querySelectorAll("[role=status], [role=alert], [aria-live]")) {
+      watch.observe(region, { childList: true, characterData: true, subtree: true });
+    }
+  });
+  await open.until("both have counted on", (before) => ["#recording", "#buffer"].every((place, k) => document.querySelector(place).textContent !== before[k]), before);
+  assert.deepEqual(await open.get(() => globalThis.readOut), []);
+  await open.leave();
+  await live.end();
+  live.forget();
+});
 
 test("who wants less motion gets curves that go on in steps, and the scene at once", async () => {
   const live = await startLive();

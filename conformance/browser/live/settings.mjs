@@ -56,6 +56,19 @@ test("a slider sets what a field sets", async () => {
   });
   const text = await open.get(fieldText, "stiffness_n_per_m");
   assert.equal(Number(text), await open.get(() => palpate.model.state.stiffness_n_per_m));
+  // 0 has several places on a slider. Keys that are pressed slowly get from one to the next, and out of it.
+  await open.enter(input("virtual_force_n"), "0");
+  await open.until("there is no virtual force", () => palpate.model.state.virtual_force_n === 0);
+  const slider = '[data-name="virtual_force_n"] input[type="range"]';
+  const at = () => open.get((slider) => Number(document.querySelector(slider).value), slider);
+  const middle = await at();
+  await open.page.focus(slider);
+  await open.page.keyboard.press("ArrowRight");
+  // So long it is left to the hand on it.
+  await new Promise((go) => setTimeout(go, 600));
+  await open.told();
+  assert.equal(await at(), middle + 1);
+  assert.equal(await open.get(() => palpate.model.state.virtual_force_n), 0);
   await open.leave();
   await live.end();
   live.forget();
@@ -96,12 +109,46 @@ test("what the server refuses stands beside its field, which goes back", async (
   assert.equal(await open.get(fieldText, "damping-1"), "");
   await open.enter(input("mass_kg"), "heavy");
   assert.equal(await open.until("the refusal is shown", refusal, "mass_kg"), "“heavy” is no number");
+  // 0 Hz would be no period at all.
+  const rate = await open.get(fieldText, "period_s");
+  await open.enter(input("period_s"), "0");
+  assert.equal(await open.until("the refusal is shown", refusal, "period_s"), "“0” is outside; allowed: 20 to 4000");
+  assert.equal(await open.get(fieldText, "period_s"), rate);
   // What is right takes the reason away.
   await open.enter(input("stiffness_n_per_m"), "700");
   await open.until("the stiffness is set", () => palpate.model.state.stiffness_n_per_m === 700);
   await open.until("the reason is gone", () => document.querySelector('[data-name="stiffness_n_per_m"] .refused').textContent === "");
   await open.enter(input("damping-1"), "2");
   await open.until("the damping is set", () => palpate.model.state.lanes[0].damping_n_s_per_m === 2);
+  await open.leave();
+  await live.end();
+  live.forget();
+});
+
+test("a refusal stands where one has asked, and nothing shows what was not done", async () => {
+  const live = await startLive("--method", "coupled");
+  const open = await visit(live.url);
+  await open.enter(input("stiffness_n_per_m"), "700");
+  await open.until("the stiffness is set", () => palpate.model.state.stiffness_n_per_m === 700);
+  const refusals = () => ["#lanes > .refused", '[data-name="stiffness_n_per_m"] .refused'].map((place) => document.querySelector(place).textContent);
+  // What is refused names no field.
+  const tooOften = "the loops begin anew too often; allowed: 4 times each second";
+  const refused = (about, text) => open.get((about, text) => palpate.model.take({ type: "refused", about, text }), about, text);
+  await open.page.click("#second-lane");
+  await open.until("there are two", () => palpate.model.state.lanes.length === 2);
+  await refused("set", tooOften);
+  assert.deepEqual(await open.get(refusals), [tooOften, ""]);
+  await open.enter(input("stiffness_n_per_m"), "800");
+  await open.until("the stiffness is set", () => palpate.model.state.stiffness_n_per_m === 800);
+  await refused("set", tooOften);
+  assert.equal((await open.get(refusals))[1], tooOften);
+  // A server that is too busy says nothing of what it was about.
+  await open.get(() => {
+    document.querySelector("#method-1").value = "basic";
+    document.querySelector("#wall").checked = true;
+  });
+  await refused("", "too much is wished at once; say it again");
+  assert.deepEqual(await open.get(() => [document.querySelector("#method-1").value, document.querySelector("#wall").checked]), ["coupled", false]);
   await open.leave();
   await live.end();
   live.forget();

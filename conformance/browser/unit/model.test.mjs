@@ -72,7 +72,7 @@ test("another run begins anew in both lanes, and what is late of the one before 
 
 test("a new connection goes on where it is the same loop, and begins anew where it is another", () => {
   let nowS = 50;
-  const model = new Model(100, () => nowS);
+  const model = new Model(100, [() => nowS]);
   const connect = () => {
     model.take(HELLO);
     model.take(stateOf());
@@ -96,6 +96,55 @@ test("a new connection goes on where it is the same loop, and begins anew where 
   model.takeSamples(frame({ times: [8] }));
   assert.equal(model.lanes[0].ring.length, 1, "it has begun since");
   assert.equal(model.lanes[1].ring.length, 0);
+});
+
+test("a computer that has slept goes on with the loop that has not", () => {
+  let [awakeS, todayS] = [50, 1e9];
+  const model = new Model(100, [() => awakeS, () => todayS]);
+  const connect = () => {
+    model.take(HELLO);
+    model.take(stateOf());
+  };
+  connect();
+  model.takeSamples(frame({ times: [5] }));
+  awakeS += 2;
+  todayS += 600;
+  connect();
+  model.takeSamples(frame({ times: [605] }));
+  assert.equal(model.lanes[0].ring.firstS, 5);
+  assert.equal(gaps(model.lanes[0].ring), 1);
+  // Today has been set meanwhile.
+  awakeS += 3;
+  todayS -= 3600;
+  connect();
+  model.takeSamples(frame({ times: [608] }));
+  assert.equal(model.lanes[0].ring.firstS, 5);
+  awakeS += 3;
+  todayS += 60;
+  connect();
+  model.takeSamples(frame({ times: [630] }));
+  assert.equal(model.lanes[0].ring.firstS, 630, "by no clock is it the same");
+});
+
+test("another scene begins anew, though its run has the number of the one before", () => {
+  const model = begun();
+  let anew = 0;
+  model.addEventListener("anew", () => {
+    anew += 1;
+  });
+  model.takeSamples(frame({ times: [90] }));
+  model.takeSamples(frame({ times: [91], number: 2 }));
+  model.take({ type: "note", lane: 0, t_s: 90, kind: "tripped", text: "of the one before" });
+  model.take(HELLO);
+  assert.deepEqual([anew, model.notes.length, model.droppedFrames], [1, 1, 1], "the same again is no other");
+  model.take({ ...HELLO, title: "another scene" });
+  model.take(stateOf());
+  model.takeSamples(frame({ times: [0] }));
+  assert.deepEqual([anew, model.notes.length, model.droppedFrames], [2, 0, 0]);
+  assert.equal(model.lanes[0].ring.length, 1);
+  model.takeSamples(frame({ times: [1], number: 1 }));
+  assert.equal(model.lanes[0].ring.length, 2);
+  assert.equal(anew, 2);
 });
 
 test("a full buffer that is being looked at keeps what it has, and counts what it cannot take", () => {

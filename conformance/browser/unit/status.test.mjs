@@ -3,9 +3,9 @@ import { test } from "node:test";
 import { aboutBuffer, rate } from "../../../crates/palpate-scope/page/status.js";
 import { View } from "../../../crates/palpate-scope/page/view.js";
 
-const report = (ticks, atS) => ({ lanes: ticks.map((count) => ({ ticks: count })), atS });
+const report = (ticks, atS) => ({ lanes: ticks.map((count, lane) => ({ ticks: count, t_s: atS[lane] })) });
 
-test("the rate is ticks by the loop's own time", () => {
+test("the rate is ticks by their own time, whatever has come of them here", () => {
   const before = report([100, 50], [1, 1.5]);
   const after = report([300, 1050], [3, 1.75]);
   assert.equal(rate(before, after, 0), 100);

@@ -47,7 +47,8 @@ export class Contact {
         unit: "Hz",
         limits: inverse(limits.period_s),
         // The server knows periods: what is a round number there may be none here.
-        set: (rate) => this.set({ period_s: 1 / rate }),
+        says: (rate) => 1 / rate,
+        set: set("period_s"),
       }),
     };
     this.period = new Field({
@@ -112,11 +113,11 @@ export class Contact {
     this.period.take(state.period_s);
   }
 
-  /** Shows beside its field what the server refused; false if it is about none of these. */
-  refuse(text) {
+  /** Shows beside its field what the server refused; false if it is about none of these. `wasUsed`: these were used last. */
+  refuse(text, wasUsed) {
     const named = Object.keys(this.fields).find((key) => text.includes(key));
-    const key = named ?? this.last;
-    if (!key || (!named && /lanes|method|damping/.test(text))) {
+    const key = named ?? (wasUsed ? this.last : undefined);
+    if (!key) {
       return false;
     }
     const field = key === "period_s" && document.activeElement === this.period.input ? this.period : this.fields[key];

@@ -12,13 +12,14 @@ export class Field {
   /**
    * @param {{label: string, unit: string, limits: [number, number], write?: (value: number) => string,
    *     read?: (text: string) => number | null, empty?: string, slides?: boolean,
-   *     set: (value: number | null) => void}} how
-   *     `write` and `read`: between the value and its text; `empty`: what an empty text stands for (null), if it may be
+   *     says?: (value: number) => number, set: (said: number | null) => void}} how
+   *     `write` and `read`: between the value and its text; `empty`: what an empty text stands for (null), if it may be;
+   *     `says`: what is said to the server of a value
    */
-  constructor({ label, unit, limits, empty, set, slides = true, write = plain, read = number }) {
+  constructor({ label, unit, limits, empty, set, slides = true, write = plain, read = number, says = itself }) {
     made += 1;
     const id = `field-${made}`;
-    this.how = { set, write, read, empty };
+    this.how = { limits, set, write, read, empty, says };
     this.scale = slide(...limits);
     this.current = null;
     this.busyUntil = 0;
@@ -66,7 +67,7 @@ export class Field {
     this.refuse("");
     this.input.value = this.how.write(value);
     this.say(value);
-    this.how.set(value);
+    this.how.set(this.how.says(value));
   }
 
   entered() {
@@ -82,7 +83,13 @@ export class Field {
       this.write();
       return;
     }
-    this.how.set(value);
+    const said = this.how.says(value);
+    if (!Number.isFinite(said)) {
+      // A rate of 0 would be a message without a period, which the server has nothing against.
+      this.refuse(`“${text}” is outside; allowed: ${this.how.limits.map(this.how.write).join(" to ")}`);
+      return;
+    }
+    this.how.set(said);
   }
 
   /** Takes over what the server says it is. */
@@ -107,7 +114,10 @@ export class Field {
       if (changed || document.activeElement !== this.input) {
         this.write();
       }
-      this.slider.value = String(Math.round(STEPS * (this.current === null ? 0 : this.scale.place(this.current))));
+      // Where it stands for this value already it stays: several places do for 0, and keys have to get across them.
+      if (this.current === null || this.scale.value(Number(this.slider.value) / STEPS) !== this.current) {
+        this.slider.value = String(Math.round(STEPS * (this.current === null ? 0 : this.scale.place(this.current))));
+      }
       this.say(this.current);
     }
   }
@@ -133,6 +143,10 @@ export class Field {
     this.slider.disabled = yes;
     this.input.disabled = yes;
   }
+}
+
+function itself(value) {
+  return value;
 }
 
 /** A number as one would write it. */

@@ -7,7 +7,7 @@ import { Hand } from "./hand.js";
 import { Link } from "./link.js";
 import { Methods } from "./methods.js";
 import { Model } from "./model.js";
-import { Pace } from "./pace.js";
+import { Pace, SAY_S, Turns } from "./pace.js";
 import { readSamples, say } from "./protocol.js";
 import { Scene } from "./scene.js";
 import { Status, aboutBuffer } from "./status.js";
@@ -32,12 +32,12 @@ const charts = new Charts(place("charts"), model, view, changed);
 const toolbar = new Toolbar(place, { model, view, scene, charts }, changed);
 const status = new Status({ table: place("status"), served: place("served"), recording: place("recording") }, model);
 
-// Of several changes of a value within a frame of the screen the last counts.
+// Of several changes of a value between two messages the last counts.
 let pending = null;
-const methods = new Methods(place("lanes"), model, send);
-const contact = new Contact(place("contact"), model, (message) => {
-  pending = { ...pending, ...message };
-});
+/** What was used last: it shows a refusal that names no field. */
+let asked = null;
+const methods = new Methods(place("lanes"), model, (message) => later(methods, message));
+const contact = new Contact(place("contact"), model, (message) => later(contact, message));
 const hand = new Hand(place("scene"), scene, model, send);
 let fit = false;
 
@@ -61,6 +61,11 @@ const link = new Link(location.search, {
 
 function send(message) {
   return link.say(message);
+}
+
+function later(who, message) {
+  asked = who;
+  pending = { ...pending, ...message };
 }
 
 function connection(kind, text) {
@@ -91,6 +96,8 @@ function build() {
   place("title").textContent = title;
   methods.build();
   contact.build();
+  place("note-list").replaceChildren();
+  place("note-count").textContent = "";
   charts.build();
   scene.begin();
   toolbar.take();
@@ -125,8 +132,13 @@ model.addEventListener("status", () => status.take());
 model.addEventListener("refused", ({ detail: { about, text } }) => {
   if (about !== "set" || !model.state) {
     banners.show("refused", `Refused: ${text}.`, { label: "Close", act: () => banners.show("refused", null) });
-  } else if (!contact.refuse(text)) {
+  } else if (!contact.refuse(text, asked === contact)) {
     methods.refuse(text);
+  }
+  if (model.state) {
+    // Nothing has changed, so nobody tells the state: what shows a wish shows again what is.
+    methods.take(model.state);
+    contact.take(model.state);
   }
 });
 
@@ -167,6 +179,7 @@ let lastMs = performance.now();
 const pace = new Pace();
 let drawnS = -Infinity;
 let readS = -Infinity;
+const saying = new Turns(SAY_S);
 
 function frame(nowMs) {
   requestAnimationFrame(frame);
@@ -175,10 +188,12 @@ function frame(nowMs) {
   view.follow(model.newestS, (nowMs - lastMs) / 1000);
   const isTurn = pace.next(nowMs - lastMs);
   lastMs = nowMs;
-  hand.flush();
-  if (pending) {
-    send(pending);
-    pending = null;
+  if (saying.next(nowS)) {
+    hand.flush();
+    if (pending) {
+      send(pending);
+      pending = null;
+    }
   }
   scene.draw(nowS, still.matches);
   if (model.hello && (fit || (still.matches ? nowS - drawnS >= STILL_S : isTurn))) {
@@ -190,6 +205,7 @@ function frame(nowMs) {
     readS = nowS;
     charts.read();
     hand.describe();
+    // It counts seconds: read out each time it would hide all else.
     place("buffer").textContent = aboutBuffer(model, view);
   }
   counted.allFrames += 1;

@@ -8,15 +8,17 @@ export const CAPACITY = 200_000;
 const NOTES = 200;
 // By how much the time of a loop may differ from the clock here, over a connection that was lost [s].
 const CLOCKS_APART_S = 1;
+// The first stands still while the computer sleeps, in some browsers; the second is set now and then.
+const CLOCKS = [() => performance.now() / 1000, () => Date.now() / 1000];
 // Of a loop that was over before this page came.
 const NOT_RUNNING = "Restart begins it anew";
 
 export class Model extends EventTarget {
-  /** @param {number} capacity rows of a lane @param {() => number} clock seconds */
-  constructor(capacity = CAPACITY, clock = () => performance.now() / 1000) {
+  /** @param {number} capacity rows of a lane @param {(() => number)[]} clocks seconds */
+  constructor(capacity = CAPACITY, clocks = CLOCKS) {
     super();
     this.capacity = capacity;
-    this.clock = clock;
+    this.clocks = clocks;
     this.hello = null;
     this.state = null;
     this.status = null;
@@ -51,7 +53,7 @@ export class Model extends EventTarget {
         this.takeState(message);
         break;
       case "status":
-        this.status = { ...message, atS: this.lanes.map(({ ring }) => ring.lastS) };
+        this.status = message;
         this.tell("status");
         break;
       case "note":
@@ -81,6 +83,11 @@ export class Model extends EventTarget {
     this.lastEnd = NOT_RUNNING;
     this.takeEnd(null);
     if (isNew) {
+      // Another loop, whatever the number of its run: what was looked at of the one before is gone.
+      this.run = null;
+      this.notes = [];
+      this.recordedFiles = [];
+      this.droppedFrames = 0;
       const names = hello.columns.map((column) => column.name);
       this.names = names;
       this.lanes = Array.from({ length: hello.device.lanes }, () => ({
@@ -88,7 +95,7 @@ export class Model extends EventTarget {
         next: 0,
         fresh: true,
         reconnected: true,
-        heardAtS: 0,
+        heardAtS: this.clocks.map(() => 0),
       }));
     }
     for (const lane of this.lanes) {
@@ -161,7 +168,7 @@ export class Model extends EventTarget {
     if (!lane || !this.state || frame.rows === 0 || frame.run === this.retiredRun) {
       return;
     }
-    const nowS = this.clock();
+    const nowS = this.clocks.map((clock) => clock());
     if (frame.run !== this.run || (lane.reconnected && !goesOn(lane, frame, nowS))) {
       this.beginAnew(frame.run);
     }
@@ -258,11 +265,12 @@ export class Model extends EventTarget {
 
 /**
  * Whether a frame over a new connection is of the loop before: another one has begun at another instant, so its time is
- * not where that of the one before would be by now, though its run may have the same number.
+ * not where that of the one before would be by now, by any clock here, though its run may have the same number.
  */
 function goesOn({ ring, heardAtS }, frame, nowS) {
   const passedS = frame.startS - ring.lastS;
-  return ring.length === 0 || (passedS >= 0 && Math.abs(passedS - (nowS - heardAtS)) < CLOCKS_APART_S);
+  const fits = (now, clock) => Math.abs(passedS - (now - heardAtS[clock])) < CLOCKS_APART_S;
+  return ring.length === 0 || (passedS >= 0 && nowS.some(fits));
 }
 
 function settingsOf({ stiffness_n_per_m, mass_kg, virtual_force_n, period_s, lanes }) {

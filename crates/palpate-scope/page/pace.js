@@ -1,4 +1,4 @@
-// How often the charts are drawn: as often as the screen where that is cheap. Where it is not, the scene and the hand come
+// How often something is done with the frames of the screen. The charts are drawn as often as the screen where that is cheap. Where it is not, the scene and the hand come
 // first, and the charts leave frames out.
 
 const MOST_LEFT_OUT = 6;
@@ -22,5 +22,26 @@ export class Pace {
     this.drewLast = this.leftOut >= this.leaveOut;
     this.leftOut += 1;
     return this.drewLast;
+  }
+}
+
+/** The server listens to 200 messages a second: of a faster screen each frame would make the hand late, and ever later. */
+export const SAY_S = 0.0065;
+
+/** Something that is done with a frame, but for frames that come too soon after the last with which it was. */
+export class Turns {
+  /** @param {number} everyS how long after the last at least [s] */
+  constructor(everyS) {
+    this.everyS = everyS;
+    this.lastS = -Infinity;
+  }
+
+  /** With each frame, at this time [s]: whether it is done now. */
+  next(nowS) {
+    const isTurn = nowS - this.lastS >= this.everyS;
+    if (isTurn) {
+      this.lastS = nowS;
+    }
+    return isTurn;
   }
 }

@@ -6,12 +6,12 @@ import { bytes, digits, duration, quantity } from "./si.js";
 const REPORTS = 5;
 
 /**
- * The rate that a lane has really reached between two reports [Hz]: by the loop's own time, since reports wait on their
- * way. NaN where there is nothing to tell it by.
+ * The rate that a lane has really reached between two reports [Hz]: by the time of the loop's ticks, since reports wait on
+ * their way. NaN where there is nothing to tell it by.
  */
 export function rate(before, after, lane) {
   const ticks = (after?.lanes[lane]?.ticks ?? NaN) - (before?.lanes[lane]?.ticks ?? NaN);
-  const passedS = after?.atS[lane] - before?.atS[lane];
+  const passedS = (after?.lanes[lane]?.t_s ?? NaN) - (before?.lanes[lane]?.t_s ?? NaN);
   return ticks >= 0 && passedS > 0 ? ticks / passedS : NaN;
 }
 
@@ -86,8 +86,18 @@ export class Status {
       text = `Recorded ${recordedFiles.join(", ")}${last?.lost ? ` · ${count(last.lost)} ticks lost` : ""}`;
     }
     const failed = told?.failed ?? null;
-    this.places.recording.textContent = failed ? `Recording has failed: ${failed}` : text;
-    this.places.recording.classList.toggle("refused", failed !== null);
+    const { recording } = this.places;
+    const said = failed ? `Recording has failed: ${failed}` : text;
+    if (recording.textContent !== said) {
+      // What is counted is not read out, with every count; a failure is, once.
+      if (failed) {
+        recording.setAttribute("role", "alert");
+      } else {
+        recording.removeAttribute("role");
+      }
+      recording.textContent = said;
+    }
+    recording.classList.toggle("refused", failed !== null);
   }
 }
 

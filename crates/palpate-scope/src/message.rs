@@ -269,6 +269,8 @@ pub struct RecordingState {
 /// A lane of the status.
 #[derive(Clone, Debug, Serialize)]
 pub struct LaneStatus {
+    /// Time of the newest tick that was heard of `[s]`.
+    pub t_s: f64,
     /// Ticks that were heard of.
     pub ticks: u64,
     /// Deadlines that were missed.

@@ -74,7 +74,7 @@ impl MethodName {
             Self::PopcRef => "passivity controller that follows a reference energy",
             Self::HfcrMod => "energy-consistent force",
             Self::HfcrModSt => "energy-consistent force, smooth transitions",
-            Self::Hfcr => "the same with leak dissipation",
+            Self::Hfcr => "energy-consistent force, smooth transitions, leak dissipation",
             Self::Coupled => "device and object predicted together, mean force held",
         }
     }

@@ -274,6 +274,7 @@ impl Lane {
             (None, None) => 0,
         };
         LaneStatus {
+            t_s: self.time(),
             ticks: self.statistics.ticks,
             missed_deadlines: self.statistics.missed_deadlines,
             without_sample: self.statistics.without_sample,

@@ -90,7 +90,8 @@ pub struct Setup {
     pub request: Request,
     /// Limits between renderer and device.
     pub limits: Box<dyn Fn(&Capabilities) -> SafetyParams + Send>,
-    /// How long a loop runs, if not until it is stopped.
+    /// How long a loop runs, if not until it is stopped: so many periods are ticked. Of a loop that misses deadlines a
+    /// tenth more and 2 s are waited for.
     pub duration: Option<Duration>,
     /// Receipts of recordings.
     pub receipts: Receipts,
@@ -122,6 +123,7 @@ impl Running {
             stop,
             lanes: Vec::new(),
             runs: 0,
+            begun: Instant::now(),
             recorded_since: 0.0,
             recording_failed: None,
             endings: Vec::new(),
@@ -215,6 +217,7 @@ impl Running {
             let ticks = (ticks * (1.0 - 1e-12)).ceil() as u64;
             ticks
         });
+        self.begun = Instant::now();
         for ((placed, rendering), recording) in devices.into_iter().zip(renderings).zip(recordings)
         {
             let run = Run {

@@ -42,9 +42,10 @@ pub struct Pointers {
     pub clock: MonotonicClock,
     pub most: usize,
     pub is_out: Arc<AtomicBool>,
+    pub read_takes: Duration,
 }
 
-struct Plugged(PointerDevice<MonotonicClock>, Arc<AtomicBool>);
+struct Plugged(PointerDevice<MonotonicClock>, Arc<AtomicBool>, Duration);
 
 impl Device for Plugged {
     fn capabilities(&self) -> &Capabilities {
@@ -56,6 +57,7 @@ impl Device for Plugged {
             let kind = DeviceErrorKind::Disconnected;
             return Err(DeviceError::new(kind, "pulled out"));
         }
+        std::thread::sleep(self.2);
         self.0.read()
     }
 
@@ -87,7 +89,7 @@ impl Devices for Pointers {
         };
         let device = PointerDevice::new(params, &self.hand, self.clock).unwrap();
         Ok(Placed {
-            device: Box::new(Plugged(device, Arc::clone(&self.is_out))),
+            device: Box::new(Plugged(device, Arc::clone(&self.is_out), self.read_takes)),
             placement: Placement::new([0.0; 3], [1.0, 0.0, 0.0]).unwrap(),
         })
     }
@@ -102,6 +104,7 @@ pub struct Play {
     pub listen: &'static str,
     pub workspace: Option<[Vector; 2]>,
     pub duration: Option<Duration>,
+    pub read_takes: Duration,
 }
 
 impl Default for Play {
@@ -114,6 +117,7 @@ impl Default for Play {
             listen: "127.0.0.1:0",
             workspace: None,
             duration: None,
+            read_takes: Duration::ZERO,
         }
     }
 }
@@ -150,6 +154,7 @@ impl Stage {
                 clock,
                 most: play.most_lanes,
                 is_out: Arc::clone(&is_out),
+                read_takes: play.read_takes,
             }),
             hand: play.is_led.then(|| hand.clone()),
             clock,
