@@ -10,7 +10,7 @@ use palpate_io::recording::{Flags, Tick};
 
 use crate::clock::Clock;
 use crate::deadlines::Deadlines;
-use crate::device::{Device, DeviceErrorKind, Reading, Vector};
+use crate::device::{Device, DeviceError, DeviceErrorKind, Reading, Vector};
 use crate::held::HeldSince;
 use crate::note::{Ending, Note, Noted};
 use crate::rendering::{Parameters, Rendered, Rendering, parameters};
@@ -50,6 +50,12 @@ pub struct ControlLoop<D: Device, C: Clock> {
 
 /// Longest period: whoever ends a loop should not have to wait for longer.
 const LONGEST_PERIOD: Duration = Duration::from_secs(10);
+
+/// A sample whose time cannot be.
+const AHEAD: DeviceError = DeviceError {
+    kind: DeviceErrorKind::NothingNew,
+    what: "the time stamp of a sample lies more than a period ahead of the loop's clock",
+};
 
 /// What a sample came to.
 enum Sampled {
@@ -227,8 +233,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             });
         }
 
-        let sampled = self.sample();
-        let answered = self.clock.now();
+        let (sampled, answered) = self.sample();
         // The device may have been the one that stood still.
         stalled |= self.was_cut();
         let elapsed = match (&sampled, &self.last) {
@@ -337,8 +342,18 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             .is_some_and(|last| woke.saturating_sub(last) > self.period.saturating_add(limit))
     }
 
-    fn sample(&mut self) -> Sampled {
-        match self.device.read() {
+    /// What the device says, and when it has said it.
+    fn sample(&mut self) -> (Sampled, Duration) {
+        let read = self.device.read();
+        let answered = self.clock.now();
+        let sampled = match read {
+            // Believed, it would make every sample up to then an old one.
+            Ok(reading) if reading.time > answered.saturating_add(self.period) => {
+                if self.safety.trip().is_none() {
+                    self.note(Note::Device(AHEAD));
+                }
+                Sampled::Missing
+            }
             Ok(reading) => {
                 let last = self.last.as_ref().map(|(last, _)| last.time);
                 if last.is_some_and(|last| reading.time <= last) {
@@ -362,7 +377,8 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
                     }
                 }
             }
-        }
+        };
+        (sampled, answered)
     }
 
     /// Commands a force along the contact's axis; the one that is held from now on `[N]`.

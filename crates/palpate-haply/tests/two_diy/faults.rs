@@ -25,7 +25,7 @@ fn with(fault: Fault, comes_back: bool) -> Ran {
     let device = open_in_the_middle(&emulator, 2 * PERIOD);
     let (tap, listener) = tap(1 << 15);
     let control = wall(device, 150.0, PERIOD, 100.0).tapped(tap);
-    let clock = MonotonicClock::new();
+    let clock = crate::clock();
     let stop = StopFlag::new();
     let started = Instant::now();
     let running = LoopThread::start(control, &clock, Request::nothing(), &stop, None).unwrap();
@@ -194,7 +194,7 @@ fn a_cable_that_is_pulled_ends_the_run_and_can_be_put_back() {
     .unwrap();
     let device = open_in_the_middle(&emulator, PERIOD);
     let (tap, listener) = tap(1 << 15);
-    let clock = MonotonicClock::new();
+    let clock = crate::clock();
     let control = wall(device, 150.0, PERIOD, 100.0).tapped(tap);
     let stop = StopFlag::new();
     let running = LoopThread::start(control, &clock, Request::nothing(), &stop, None).unwrap();

@@ -21,7 +21,7 @@ fn a_wall_holds_a_hand() {
     let device = open_in_the_middle(&emulator, MILLISECOND);
     let (tap, listener) = tap(1 << 13);
     let control = wall(device, 300.0, MILLISECOND, 1.5).tapped(tap);
-    let clock = MonotonicClock::new();
+    let clock = crate::clock();
     let running = LoopThread::start(
         control,
         &clock,
