@@ -242,7 +242,10 @@ fn wait_for(path: &std::path::Path) {
 #[test]
 fn a_signal_ends_a_run_without_force_and_completes_the_recording() {
     let folder = folder_with_scenes();
-    for name in ["INT", "TERM", "HUP", "QUIT", "TSTP"] {
+    let names = [
+        "INT", "TERM", "HUP", "QUIT", "TSTP", "TTIN", "TTOU", "USR1", "ALRM", "XCPU",
+    ];
+    for name in names {
         let file = format!("{name}.mcap");
         let mut child = started(
             &folder,
