@@ -4,6 +4,7 @@
 
 mod common;
 
+use std::io::{BufRead, BufReader};
 use std::process::Stdio;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -264,6 +265,40 @@ fn a_signal_ends_a_run_without_force_and_completes_the_recording() {
         });
         assert!(ended, "{name}");
     }
+}
+
+/// As on a disk that is full: the loop is not ended by it, and nobody plays on for nothing.
+#[test]
+fn a_recording_that_cannot_grow_is_told_at_once_and_the_loop_goes_on() {
+    let folder = folder_with_scenes();
+    let record = "record wall.toml full.mcap --duration inf --period 0.001 --json --priority 0";
+    let limited = format!(
+        "ulimit -f 100; exec '{}' {record}",
+        env!("CARGO_BIN_EXE_palpate")
+    );
+    let mut shell = std::process::Command::new("sh");
+    shell.args(["-c", &limited]).current_dir(folder.path("."));
+    let mut run = Running::start(shell.stdout(Stdio::piped()).stderr(Stdio::piped()));
+    let said = BufReader::new(run.stderr.take().unwrap()).lines();
+    let warning = said
+        .map(Result::unwrap)
+        .find(|line| line.starts_with("warning: cannot write"));
+    let warning = warning.expect("it ended without a word");
+    assert!(
+        warning.contains("full.mcap") && warning.contains("the loop goes on"),
+        "{warning}"
+    );
+    sleep(Duration::from_millis(300));
+    assert!(run.try_wait().unwrap().is_none(), "the loop has ended");
+    run.signal("INT");
+    let output = run.output();
+    assert_eq!(output.status.code(), Some(1));
+    let report = parse(&String::from_utf8(output.stdout).unwrap());
+    // The rest of it was listened to all the same.
+    assert!(number(&report, "peak_force_n") > 0.0, "{report}");
+    let events = report["events"].as_array().unwrap();
+    assert_eq!(events.last().unwrap()["kind"], "ended", "{report}");
+    assert!(report["recording"].is_null());
 }
 
 /// Killed in the middle, at fifty instants: what was flushed is there, tick by tick.

@@ -241,7 +241,8 @@ fn what_a_loop_does_is_recorded_tick_by_tick() {
     )
     .unwrap();
     let end = running.join();
-    let account = recorder.finish().unwrap();
+    let (account, unwritten) = recorder.finish();
+    assert!(unwritten.is_none(), "{unwritten:?}");
     assert_eq!(end.ending, Ending::Complete);
     assert_eq!(account.recording.unwrap().ticks, 2000);
     assert_eq!((account.lost, account.last.unwrap().sequence), (0, 1999));
