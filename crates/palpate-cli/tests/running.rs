@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 use common::running::{Running, program};
 use common::{Folder, experiment_text, number, parse};
 use palpate_io::recording::{Entry, Recording, Tick};
+use serde_json::Value;
 
 fn folder_with_scenes() -> Folder {
     let folder = Folder::new();
@@ -88,6 +89,14 @@ fn every_fast_run_is_the_same() {
     assert!(text("a.mcap") == text("b.mcap"));
 }
 
+/// A busy machine misses some, and the run is no longer for it.
+#[track_caller]
+fn all_periods(timing: &Value, periods: u64) {
+    let of = |name: &str| timing[name].as_u64().unwrap();
+    assert!(of("ticks") <= periods, "{timing}");
+    assert!(of("ticks") + of("missed_deadlines") >= periods, "{timing}");
+}
+
 #[test]
 fn a_run_in_real_time_takes_its_time_and_reports() {
     let folder = folder_with_scenes();
@@ -95,7 +104,7 @@ fn a_run_in_real_time_takes_its_time_and_reports() {
     let answer = folder.succeed("run wall.toml --duration 0.5 --json");
     assert!(begun.elapsed() >= Duration::from_millis(499));
     let report = parse(&answer);
-    assert_eq!(report["timing"]["ticks"], 500);
+    all_periods(&report["timing"], 500);
     assert_eq!(report["ending"], "it was complete");
     assert!(number(&report["timing"]["lateness_s"], "longest") >= 0.0);
     let asked = |index: usize| report["realtime"][index]["asked"].as_str();
@@ -105,7 +114,7 @@ fn a_run_in_real_time_takes_its_time_and_reports() {
     let supervisor = "supervisor: SCHED_FIFO, priority 81";
     assert!(asked(2).is_none_or(|asked| asked == supervisor));
     let text = folder.succeed("run wall.toml --duration 0.1 --priority 0");
-    assert!(text.contains("100 ticks;"), "{text}");
+    assert!(text.contains(" ticks; "), "{text}");
     assert!(!text.contains("SCHED_FIFO"), "{text}");
 }
 
@@ -114,10 +123,9 @@ fn a_recording_of_a_run_is_whole_and_can_be_replayed() {
     let folder = folder_with_scenes();
     folder.succeed("record experiment1.toml tap.mcap --duration 2 --method coupled");
     let info = parse(&folder.succeed("info tap.mcap --json"));
-    assert_eq!(
-        (&info["ticks"], &info["ticks_lost"]),
-        (&100.into(), &0.into())
-    );
+    let ticks = info["ticks"].as_u64().unwrap();
+    assert!((50..=100).contains(&ticks), "{info}");
+    assert_eq!(info["ticks_lost"], 0);
     assert_eq!(info["events"]["ended"], 1);
     let scene = folder.succeed("info tap.mcap --text scene");
     assert!(scene.contains("\"coupled\""), "{scene}");
@@ -217,10 +225,10 @@ fn the_doctor_and_the_bench_answer_programs() {
         assert_eq!(is_granted, asked["why_not"].is_null());
         assert_eq!(is_granted, asked["remedy"].is_null());
     }
-    assert_eq!(doctor["loop_at_1000_hz"]["timing"]["ticks"], 2000);
+    all_periods(&doctor["loop_at_1000_hz"]["timing"], 2000);
     let bench = parse(&folder.succeed("bench loop --rate 200,1000 --duration 0.2 --json"));
-    assert_eq!(bench[0]["timing"]["ticks"], 40);
-    assert_eq!(bench[1]["timing"]["ticks"], 200);
+    all_periods(&bench[0]["timing"], 40);
+    all_periods(&bench[1]["timing"], 200);
 }
 
 fn started(folder: &Folder, arguments: &str) -> Running {

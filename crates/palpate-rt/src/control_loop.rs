@@ -166,14 +166,15 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         self.safety.trip()
     }
 
-    /// Ticks until `stop` is raised, `most` ticks are made or the device is gone, then commands no
-    /// force. It can go on afterwards.
+    /// Ticks until `stop` is raised, `most` periods are over or the device is gone, then commands no
+    /// force. It can go on afterwards. A deadline that was missed is a period too: a run takes as long
+    /// as it was asked to, however busy the machine is.
     pub fn run(&mut self, stop: &StopFlag, most: Option<u64>) -> Ending {
         let ending = loop {
             if stop.is_raised() {
                 break Ending::Stopped;
             }
-            if most.is_some_and(|most| self.statistics.ticks >= most) {
+            if most.is_some_and(|most| self.statistics.periods() >= most) {
                 break Ending::Complete;
             }
             self.tick();

@@ -48,7 +48,7 @@ pub struct LoopEnd<D: Device, C: Clock> {
 
 impl<D: Device + 'static, C: Clock> LoopThread<D, C> {
     /// Starts `control` on a thread for which the machine is asked `request`, and runs it until
-    /// `stop` is raised, `most` ticks are made or the device is gone.
+    /// `stop` is raised, `most` periods are over or the device is gone.
     ///
     /// # Errors
     /// The system gives no thread.

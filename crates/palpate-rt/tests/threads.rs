@@ -244,8 +244,11 @@ fn what_a_loop_does_is_recorded_tick_by_tick() {
     let (account, unwritten) = recorder.finish();
     assert!(unwritten.is_none(), "{unwritten:?}");
     assert_eq!(end.ending, Ending::Complete);
-    assert_eq!(account.recording.unwrap().ticks, 2000);
-    assert_eq!((account.lost, account.last.unwrap().sequence), (0, 1999));
+    let made = end.statistics.ticks;
+    assert!(end.statistics.periods() >= 2000 && made <= 2000, "{made}");
+    assert_eq!(account.recording.unwrap().ticks, made);
+    assert_eq!(account.lost, 0);
+    assert_eq!(account.last.unwrap().sequence, made - 1);
     let recording = Recording::open(&path).unwrap();
     assert!(recording.is_whole(), "{:?}", recording.missing);
     let mut ticks = 0;
@@ -257,5 +260,5 @@ fn what_a_loop_does_is_recorded_tick_by_tick() {
             ticks += 1;
         }
     }
-    assert_eq!(ticks, 2000);
+    assert_eq!(ticks, made);
 }

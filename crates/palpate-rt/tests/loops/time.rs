@@ -1,16 +1,16 @@
-//! Time as devices stamp it.
+//! Time as devices stamp it, and time as runs take it.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-use palpate_rt::clock::SteppedClock;
+use palpate_rt::clock::{Clock, SteppedClock};
 use palpate_rt::device::{Capabilities, Device, DeviceError, NullDevice, Reading, Vector};
 use palpate_rt::safety::Trip;
-use palpate_rt::{ControlLoop, Note, Rendering, Told, tap};
+use palpate_rt::{ControlLoop, Ending, Note, Rendering, StopFlag, Told, tap};
 use palpate_sim::method::MethodName;
 
-use crate::{scene, wide};
+use crate::{at, scene, scripted, wide};
 
 /// A device that is pressed into the wall, and whose stamps are `ahead` of the clock for a while.
 struct Stamps {
@@ -99,4 +99,19 @@ fn a_time_stamp_a_little_ahead_is_a_sample() {
         assert_eq!(control.tick().force_on_device, -2.0);
     }
     assert_eq!(control.statistics().without_sample, 0);
+}
+
+#[test]
+fn a_run_that_misses_deadlines_takes_as_long_as_it_was_to_take() {
+    let (mut control, clock) = scripted(vec![at(1.0)], wide());
+    clock.oversleep_once(Duration::from_micros(20_500));
+    assert_eq!(control.run(&StopFlag::new(), Some(50)), Ending::Complete);
+    assert_eq!(clock.now(), Duration::from_millis(49));
+    let statistics = control.statistics();
+    assert_eq!((statistics.ticks, statistics.missed_deadlines), (30, 20));
+    // One that stands still beyond its end ends then.
+    let (mut control, clock) = scripted(vec![at(1.0)], wide());
+    clock.oversleep_once(Duration::from_secs(1));
+    assert_eq!(control.run(&StopFlag::new(), Some(50)), Ending::Complete);
+    assert_eq!(control.statistics().ticks, 1);
 }

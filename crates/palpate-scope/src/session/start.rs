@@ -206,14 +206,14 @@ impl Running {
             });
         }
         let most = self.setup.duration.map(|duration| {
-            let ticks = duration.as_secs_f64() / self.settings.period;
+            let periods = duration.as_secs_f64() / self.settings.period;
             #[expect(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
-                reason = "a positive number of ticks; a cast is clamped"
+                reason = "a positive number of periods; a cast is clamped"
             )]
-            let ticks = (ticks * (1.0 - 1e-12)).ceil() as u64;
-            ticks
+            let periods = (periods * (1.0 - 1e-12)).ceil() as u64;
+            periods
         });
         for ((placed, rendering), recording) in devices.into_iter().zip(renderings).zip(recordings)
         {

@@ -117,7 +117,7 @@ impl Session<'_> {
         let control = ControlLoop::new(device, clock.clone(), rendering, limits)
             .map_err(wrong)?
             .along(placement);
-        let most = self.most_ticks(control.period())?;
+        let most = self.most_periods(control.period())?;
         let (tap, recorder) = match self.record {
             Some(out) => {
                 let receipt = receipt(&capabilities, &limits, &request);
@@ -186,15 +186,15 @@ impl Session<'_> {
         recording.as_ref().map_or(Ok(()), whole_or_said)
     }
 
-    fn most_ticks(&self, period: Duration) -> Result<Option<u64>, Failure> {
+    fn most_periods(&self, period: Duration) -> Result<Option<u64>, Failure> {
         let seconds = self.arguments.duration;
         if seconds == f64::INFINITY {
             return Ok(None);
         }
-        let ticks = duration("--duration", seconds)?
+        let periods = duration("--duration", seconds)?
             .as_nanos()
             .div_ceil(period.as_nanos());
-        Ok(Some(u64::try_from(ticks).unwrap_or(u64::MAX)))
+        Ok(Some(u64::try_from(periods).unwrap_or(u64::MAX)))
     }
 }
 
