@@ -141,6 +141,10 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         Some(Supervisor::new(Arc::clone(&self.heartbeat), zero, limit))
     }
 
+    pub(crate) fn clock(&self) -> C {
+        self.clock.clone()
+    }
+
     /// The period of the deadlines.
     pub fn period(&self) -> Duration {
         self.period

@@ -107,7 +107,7 @@ pub fn measure(
         .as_nanos()
         .div_ceil(control.period().as_nanos());
     let most = Some(u64::try_from(periods).unwrap_or(u64::MAX));
-    let running = LoopThread::start(control, clock, request, &StopFlag::new(), most)
+    let running = LoopThread::start(control, request, &StopFlag::new(), most)
         .map_err(|error| Failure::System(format!("no thread for the loop: {error}")))?;
     let refused = running
         .answers()

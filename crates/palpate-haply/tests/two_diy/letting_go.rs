@@ -73,11 +73,9 @@ fn a_loop_that_is_stopped_or_panics_leaves_no_torque() {
         let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
         let mut device = spoilt(&emulator);
         device.panics_at = panics.then_some(60);
-        let clock = crate::clock();
         let stop = StopFlag::new();
         let running = LoopThread::start(
             wall(device, 150.0, PERIOD, 1.5),
-            &clock,
             Request::nothing(),
             &stop,
             None,
@@ -108,11 +106,9 @@ fn a_loop_that_stands_still_is_cut_off() {
     let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
     let mut device = spoilt(&emulator);
     device.stands_still_at = Some(60);
-    let clock = crate::clock();
     let stop = StopFlag::new();
     let running = LoopThread::start(
         wall(device, 150.0, PERIOD, 1.5),
-        &clock,
         Request::nothing(),
         &stop,
         None,

@@ -134,7 +134,7 @@ impl Session<'_> {
             .map_err(|error| Failure::System(format!("no signals: {error}")))?;
         let progress = Progress::new(1);
         progress.begin("running; ctrl-C ends it");
-        let running = LoopThread::start(control.tapped(tap), clock, request, &stop, most)
+        let running = LoopThread::start(control.tapped(tap), request, &stop, most)
             .map_err(|error| Failure::System(format!("no thread for the loop: {error}")))?;
         let refused = running
             .answers()
