@@ -138,7 +138,7 @@ pub fn timed_fault(text: &str) -> Result<TimedFault, String> {
 pub fn duration(flag: &str, seconds: f64) -> Result<Duration, Failure> {
     Duration::try_from_secs_f64(seconds).map_err(|_| {
         Failure::Arguments(format!(
-            "{flag}: {seconds} s is no time; allowed: 0 or above"
+            "{flag}: {seconds} s is no time; allowed: 0 to 1e19"
         ))
     })
 }

@@ -176,6 +176,19 @@ fn what_makes_no_sense_is_refused() {
     }
 }
 
+#[test]
+fn a_period_that_is_no_time_is_refused() {
+    let (folder, emulator) = (folder(), emulator());
+    let run = format!(
+        "run wall.toml --device inverse3 --service {}",
+        emulator.url()
+    );
+    for period in ["1e30", "1e300"] {
+        let words = ["--period", "is no time", "allowed: 0 to 1e19"];
+        folder.fail(&format!("{run} --period {period}"), 2, &words);
+    }
+}
+
 fn live(emulator: &Emulator, rest: &str) -> String {
     format!(
         "live --device inverse3 --service {} --normal 0,0,1 --priority 0 --service-priority 0 \

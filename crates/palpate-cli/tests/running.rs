@@ -4,6 +4,7 @@
 
 mod common;
 
+use std::io::{BufRead, BufReader};
 use std::process::Stdio;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -11,6 +12,7 @@ use std::time::{Duration, Instant};
 use common::running::{Running, program};
 use common::{Folder, experiment_text, number, parse};
 use palpate_io::recording::{Entry, Recording, Tick};
+use serde_json::Value;
 
 fn folder_with_scenes() -> Folder {
     let folder = Folder::new();
@@ -87,6 +89,14 @@ fn every_fast_run_is_the_same() {
     assert!(text("a.mcap") == text("b.mcap"));
 }
 
+/// A busy machine misses some, and the run is no longer for it.
+#[track_caller]
+fn all_periods(timing: &Value, periods: u64) {
+    let of = |name: &str| timing[name].as_u64().unwrap();
+    assert!(of("ticks") <= periods, "{timing}");
+    assert!(of("ticks") + of("missed_deadlines") >= periods, "{timing}");
+}
+
 #[test]
 fn a_run_in_real_time_takes_its_time_and_reports() {
     let folder = folder_with_scenes();
@@ -94,7 +104,7 @@ fn a_run_in_real_time_takes_its_time_and_reports() {
     let answer = folder.succeed("run wall.toml --duration 0.5 --json");
     assert!(begun.elapsed() >= Duration::from_millis(499));
     let report = parse(&answer);
-    assert_eq!(report["timing"]["ticks"], 500);
+    all_periods(&report["timing"], 500);
     assert_eq!(report["ending"], "it was complete");
     assert!(number(&report["timing"]["lateness_s"], "longest") >= 0.0);
     let asked = |index: usize| report["realtime"][index]["asked"].as_str();
@@ -104,7 +114,7 @@ fn a_run_in_real_time_takes_its_time_and_reports() {
     let supervisor = "supervisor: SCHED_FIFO, priority 81";
     assert!(asked(2).is_none_or(|asked| asked == supervisor));
     let text = folder.succeed("run wall.toml --duration 0.1 --priority 0");
-    assert!(text.contains("100 ticks;"), "{text}");
+    assert!(text.contains(" ticks; "), "{text}");
     assert!(!text.contains("SCHED_FIFO"), "{text}");
 }
 
@@ -113,10 +123,9 @@ fn a_recording_of_a_run_is_whole_and_can_be_replayed() {
     let folder = folder_with_scenes();
     folder.succeed("record experiment1.toml tap.mcap --duration 2 --method coupled");
     let info = parse(&folder.succeed("info tap.mcap --json"));
-    assert_eq!(
-        (&info["ticks"], &info["ticks_lost"]),
-        (&100.into(), &0.into())
-    );
+    let ticks = info["ticks"].as_u64().unwrap();
+    assert!((50..=100).contains(&ticks), "{info}");
+    assert_eq!(info["ticks_lost"], 0);
     assert_eq!(info["events"]["ended"], 1);
     let scene = folder.succeed("info tap.mcap --text scene");
     assert!(scene.contains("\"coupled\""), "{scene}");
@@ -216,10 +225,10 @@ fn the_doctor_and_the_bench_answer_programs() {
         assert_eq!(is_granted, asked["why_not"].is_null());
         assert_eq!(is_granted, asked["remedy"].is_null());
     }
-    assert_eq!(doctor["loop_at_1000_hz"]["timing"]["ticks"], 2000);
+    all_periods(&doctor["loop_at_1000_hz"]["timing"], 2000);
     let bench = parse(&folder.succeed("bench loop --rate 200,1000 --duration 0.2 --json"));
-    assert_eq!(bench[0]["timing"]["ticks"], 40);
-    assert_eq!(bench[1]["timing"]["ticks"], 200);
+    all_periods(&bench[0]["timing"], 40);
+    all_periods(&bench[1]["timing"], 200);
 }
 
 fn started(folder: &Folder, arguments: &str) -> Running {
@@ -242,7 +251,10 @@ fn wait_for(path: &std::path::Path) {
 #[test]
 fn a_signal_ends_a_run_without_force_and_completes_the_recording() {
     let folder = folder_with_scenes();
-    for name in ["INT", "TERM", "HUP", "QUIT", "TSTP"] {
+    let names = [
+        "INT", "TERM", "HUP", "QUIT", "TSTP", "TTIN", "TTOU", "USR1", "ALRM", "XCPU",
+    ];
+    for name in names {
         let file = format!("{name}.mcap");
         let mut child = started(
             &folder,
@@ -261,6 +273,40 @@ fn a_signal_ends_a_run_without_force_and_completes_the_recording() {
         });
         assert!(ended, "{name}");
     }
+}
+
+/// As on a disk that is full: the loop is not ended by it, and nobody plays on for nothing.
+#[test]
+fn a_recording_that_cannot_grow_is_told_at_once_and_the_loop_goes_on() {
+    let folder = folder_with_scenes();
+    let record = "record wall.toml full.mcap --duration inf --period 0.001 --json --priority 0";
+    let limited = format!(
+        "ulimit -f 100; exec '{}' {record}",
+        env!("CARGO_BIN_EXE_palpate")
+    );
+    let mut shell = std::process::Command::new("sh");
+    shell.args(["-c", &limited]).current_dir(folder.path("."));
+    let mut run = Running::start(shell.stdout(Stdio::piped()).stderr(Stdio::piped()));
+    let said = BufReader::new(run.stderr.take().unwrap()).lines();
+    let warning = said
+        .map(Result::unwrap)
+        .find(|line| line.starts_with("warning: cannot write"));
+    let warning = warning.expect("it ended without a word");
+    assert!(
+        warning.contains("full.mcap") && warning.contains("the loop goes on"),
+        "{warning}"
+    );
+    sleep(Duration::from_millis(300));
+    assert!(run.try_wait().unwrap().is_none(), "the loop has ended");
+    run.signal("INT");
+    let output = run.output();
+    assert_eq!(output.status.code(), Some(1));
+    let report = parse(&String::from_utf8(output.stdout).unwrap());
+    // The rest of it was listened to all the same.
+    assert!(number(&report, "peak_force_n") > 0.0, "{report}");
+    let events = report["events"].as_array().unwrap();
+    assert_eq!(events.last().unwrap()["kind"], "ended", "{report}");
+    assert!(report["recording"].is_null());
 }
 
 /// Killed in the middle, at fifty instants: what was flushed is there, tick by tick.

@@ -98,6 +98,31 @@ fn a_run_that_is_terminated_leaves_no_torque() {
     assert!(!said.contains("up to 0.000"), "{said}");
 }
 
+/// It holds its torque, and nobody else can know.
+#[test]
+fn a_board_that_has_not_said_that_it_holds_no_torque_is_told_of() {
+    let folder = folder();
+    let flags = " --angles 130,50 --hold 0.019,0.1169 --fault stall=8@5";
+    let mut emulated = Emulated::start(&folder, flags);
+    let mut run = program(
+        &folder,
+        &format!("run wall.toml {DEVICE} {WALL} --duration inf"),
+    );
+    let run = Running::start(run.stdout(Stdio::null()).stderr(Stdio::piped()));
+    let mut said = BufReader::new(&mut emulated.said).lines();
+    let stalls = said.find(|line| line.as_ref().unwrap().contains("Stall"));
+    assert!(stalls.is_some());
+    run.signal("INT");
+    let said = String::from_utf8(run.output().stderr).unwrap();
+    assert!(
+        said.contains("warning: the 2DIY could not be let go of")
+            && said.contains("last torque")
+            && said.contains("switch its motors off"),
+        "{said}"
+    );
+    emulated.end();
+}
+
 #[test]
 fn a_cable_that_is_pulled_ends_a_run_with_a_word_or_is_waited_for() {
     let folder = folder();
@@ -107,6 +132,10 @@ fn a_cable_that_is_pulled_ends_a_run_with_a_word_or_is_waited_for() {
     let answer = folder.palpate(&format!("{run} --duration 20"));
     assert_eq!(answer.code, 1, "{answer:?}");
     assert!(answer.stderr.contains("the device was lost"), "{answer:?}");
+    assert!(
+        answer.stderr.contains("switch its motors off"),
+        "{answer:?}"
+    );
     let report = parse(&answer.stdout);
     assert_eq!(report["trip"], "device-lost");
     assert!(
@@ -118,6 +147,7 @@ fn a_cable_that_is_pulled_ends_a_run_with_a_word_or_is_waited_for() {
     assert_eq!(answer.code, 0, "{answer:?}");
     assert!(answer.stderr.contains("the device is gone"), "{answer:?}");
     assert!(answer.stderr.contains("the device is back"), "{answer:?}");
+    assert!(!answer.stderr.contains("could not be let go"), "{answer:?}");
     let report = parse(&answer.stdout);
     assert_eq!(report["ending"], "it was complete");
     assert!(

@@ -10,7 +10,7 @@ use palpate_io::recording::{Flags, Tick};
 
 use crate::clock::Clock;
 use crate::deadlines::Deadlines;
-use crate::device::{Device, DeviceErrorKind, Reading, Vector};
+use crate::device::{Device, DeviceError, DeviceErrorKind, Reading, Vector};
 use crate::held::HeldSince;
 use crate::note::{Ending, Note, Noted};
 use crate::rendering::{Parameters, Rendered, Rendering, parameters};
@@ -50,6 +50,12 @@ pub struct ControlLoop<D: Device, C: Clock> {
 
 /// Longest period: whoever ends a loop should not have to wait for longer.
 const LONGEST_PERIOD: Duration = Duration::from_secs(10);
+
+/// A sample whose time cannot be.
+const AHEAD: DeviceError = DeviceError {
+    kind: DeviceErrorKind::NothingNew,
+    what: "the time stamp of a sample lies more than a period ahead of the loop's clock",
+};
 
 /// What a sample came to.
 enum Sampled {
@@ -135,6 +141,10 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         Some(Supervisor::new(Arc::clone(&self.heartbeat), zero, limit))
     }
 
+    pub(crate) fn clock(&self) -> C {
+        self.clock.clone()
+    }
+
     /// The period of the deadlines.
     pub fn period(&self) -> Duration {
         self.period
@@ -160,14 +170,15 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         self.safety.trip()
     }
 
-    /// Ticks until `stop` is raised, `most` ticks are made or the device is gone, then commands no
-    /// force. It can go on afterwards.
+    /// Ticks until `stop` is raised, `most` periods are over or the device is gone, then commands no
+    /// force. It can go on afterwards. A deadline that was missed is a period too: a run takes as long
+    /// as it was asked to, however busy the machine is.
     pub fn run(&mut self, stop: &StopFlag, most: Option<u64>) -> Ending {
         let ending = loop {
             if stop.is_raised() {
                 break Ending::Stopped;
             }
-            if most.is_some_and(|most| self.statistics.ticks >= most) {
+            if most.is_some_and(|most| self.statistics.periods() >= most) {
                 break Ending::Complete;
             }
             self.tick();
@@ -227,8 +238,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             });
         }
 
-        let sampled = self.sample();
-        let answered = self.clock.now();
+        let (sampled, answered) = self.sample();
         // The device may have been the one that stood still.
         stalled |= self.was_cut();
         let elapsed = match (&sampled, &self.last) {
@@ -337,8 +347,18 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             .is_some_and(|last| woke.saturating_sub(last) > self.period.saturating_add(limit))
     }
 
-    fn sample(&mut self) -> Sampled {
-        match self.device.read() {
+    /// What the device says, and when it has said it.
+    fn sample(&mut self) -> (Sampled, Duration) {
+        let read = self.device.read();
+        let answered = self.clock.now();
+        let sampled = match read {
+            // Believed, it would make every sample up to then an old one.
+            Ok(reading) if reading.time > answered.saturating_add(self.period) => {
+                if self.safety.trip().is_none() {
+                    self.note(Note::Device(AHEAD));
+                }
+                Sampled::Missing
+            }
             Ok(reading) => {
                 let last = self.last.as_ref().map(|(last, _)| last.time);
                 if last.is_some_and(|last| reading.time <= last) {
@@ -362,7 +382,8 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
                     }
                 }
             }
-        }
+        };
+        (sampled, answered)
     }
 
     /// Commands a force along the contact's axis; the one that is held from now on `[N]`.

@@ -38,7 +38,7 @@ pub enum Note {
 pub enum Ending {
     /// It was asked to.
     Stopped,
-    /// As many ticks as it was to make.
+    /// As many periods are over as it was to last.
     Complete,
     /// The device is gone.
     DeviceLost,

@@ -2,6 +2,7 @@
 
 use std::io;
 use std::path::Path;
+use std::sync::{Arc, OnceLock};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -21,15 +22,18 @@ const EVENTS_KEPT: usize = 1000;
 
 /// Listens to a loop on a thread of its own, and writes a recording of it if it is to. The loop never
 /// waits for it: what finds no room is lost, counted, and missing from the recording by its number.
+/// Where the system refuses to write, it goes on listening, and [`failure`](Self::failure) says why at
+/// once: it may be long until the loop ends.
 #[derive(Debug)]
 pub struct Recorder {
-    thread: JoinHandle<Result<Account, WriteError>>,
+    thread: JoinHandle<(Account, Option<WriteError>)>,
+    failure: Arc<OnceLock<String>>,
 }
 
 /// What a loop has told.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Account {
-    /// What the recording holds, if one was written.
+    /// What the recording holds, if one was written to its end.
     pub recording: Option<Summary>,
     /// Ticks and events that found no room on their way here.
     pub lost: u64,
@@ -85,44 +89,86 @@ impl Recorder {
     /// [`finish`](Self::finish) says why.
     #[must_use]
     pub fn has_ended(&self) -> bool {
-        self.thread.is_finished()
+        self.failure().is_some() || self.thread.is_finished()
     }
 
-    fn on_thread(mut writer: Option<RecordingWriter>) -> io::Result<(Tap, Self)> {
+    /// What the system said when it refused to write, as soon as it has.
+    #[must_use]
+    pub fn failure(&self) -> Option<&str> {
+        self.failure.get().map(String::as_str)
+    }
+
+    fn on_thread(writer: Option<RecordingWriter>) -> io::Result<(Tap, Self)> {
         let (tap, mut listener) = tap(ROOM);
+        let failure = Arc::new(OnceLock::new());
+        let told = Arc::clone(&failure);
         let thread = Builder::new()
             .name("palpate recorder".to_owned())
             .spawn(move || {
                 let mut account = Account::default();
-                write_down(&mut listener, &mut writer, &mut account)?;
+                let mut writing = Writing {
+                    writer,
+                    failed: None,
+                    told,
+                };
+                write_down(&mut listener, &mut writing, &mut account);
                 account.lost = listener.lost();
-                account.recording = writer.map(RecordingWriter::finish).transpose()?;
-                Ok(account)
+                account.recording = writing.finish();
+                (account, writing.failed)
             })?;
-        Ok((tap, Self { thread }))
+        Ok((tap, Self { thread, failure }))
     }
 
     /// Waits until everything is written. The loop has to close its tap first: it does when it ends
-    /// on its thread, and when it is dropped.
-    ///
-    /// # Errors
-    /// What the system said while writing. What was flushed before stays readable.
+    /// on its thread, and when it is dropped. What the loop has told, and why that could not be
+    /// written, if it could not; what was flushed before stays readable.
     ///
     /// # Panics
     /// The recorder's thread panicked.
-    pub fn finish(self) -> Result<Account, WriteError> {
+    #[must_use]
+    pub fn finish(self) -> (Account, Option<WriteError>) {
         match self.thread.join() {
-            Ok(account) => account,
+            Ok(ended) => ended,
             Err(payload) => std::panic::resume_unwind(payload),
         }
     }
 }
 
-fn write_down(
-    listener: &mut Listener,
-    writer: &mut Option<RecordingWriter>,
-    account: &mut Account,
-) -> Result<(), WriteError> {
+/// The file, until the system refuses to write it.
+struct Writing {
+    writer: Option<RecordingWriter>,
+    failed: Option<WriteError>,
+    told: Arc<OnceLock<String>>,
+}
+
+impl Writing {
+    fn write(&mut self, write: impl FnOnce(&mut RecordingWriter) -> Result<(), WriteError>) {
+        if let Some(writer) = &mut self.writer
+            && let Err(error) = write(writer)
+        {
+            self.fail(error);
+        }
+    }
+
+    fn finish(&mut self) -> Option<Summary> {
+        match self.writer.take()?.finish() {
+            Ok(summary) => Some(summary),
+            Err(error) => {
+                self.fail(error);
+                None
+            }
+        }
+    }
+
+    fn fail(&mut self, error: WriteError) {
+        self.writer = None;
+        // It fails once.
+        let _ = self.told.set(error.to_string());
+        self.failed = Some(error);
+    }
+}
+
+fn write_down(listener: &mut Listener, writing: &mut Writing, account: &mut Account) {
     let mut flushed = Instant::now();
     loop {
         // Asked first: what was told before the loop went is then still to come.
@@ -134,27 +180,21 @@ fn write_down(
             match told {
                 Told::Tick(tick) => {
                     account.tick(&tick);
-                    if let Some(writer) = writer {
-                        writer.append(&tick)?;
-                    }
+                    writing.write(|writer| writer.append(&tick));
                 }
                 Told::Note(noted) => {
                     let event = noted.event();
-                    if let Some(writer) = writer {
-                        writer.event(&event)?;
-                    }
+                    writing.write(|writer| writer.event(&event));
                     account.event(event);
                 }
             }
         }
-        if let Some(writer) = writer
-            && flushed.elapsed() >= FLUSH_EVERY
-        {
-            writer.flush()?;
+        if flushed.elapsed() >= FLUSH_EVERY {
+            writing.write(RecordingWriter::flush);
             flushed = Instant::now();
         }
         if is_last && rested {
-            return Ok(());
+            return;
         }
         if rested {
             std::thread::sleep(REST);

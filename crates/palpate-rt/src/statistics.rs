@@ -79,4 +79,10 @@ impl LoopStatistics {
             round_trip: Durations::new(),
         }
     }
+
+    /// Periods that are over, with a tick or without.
+    #[must_use]
+    pub fn periods(&self) -> u64 {
+        self.ticks.saturating_add(self.missed_deadlines)
+    }
 }

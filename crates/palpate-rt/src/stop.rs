@@ -26,9 +26,12 @@ impl StopFlag {
         }
     }
 
-    /// A flag that SIGINT, SIGTERM, SIGHUP, SIGQUIT and SIGTSTP raise, from now on and for the whole
-    /// program. A program that is stopped by ctrl-Z would leave the last force on for as long as it
-    /// is, so ctrl-Z ends the loop as well.
+    /// A flag that SIGINT, SIGTERM, SIGHUP and SIGQUIT raise, from now on and for the whole program, and
+    /// with them the rest of the signals by which somebody, a terminal or a timer ends or stops a
+    /// program. One that is stopped, by ctrl-Z or for writing to a terminal from the background, would
+    /// leave the last force on for as long as it is, so that ends the loop as well.
+    ///
+    /// A file that may grow no more (SIGXFSZ) ends nothing: whoever writes it is told by an error.
     ///
     /// # Errors
     /// The program handles these signals already, or the system refuses.
@@ -37,8 +40,24 @@ impl StopFlag {
         let raised = flag.clone();
         ctrlc::set_handler(move || raised.raise())?;
         #[cfg(unix)]
-        for signal in [signal_hook::consts::SIGQUIT, signal_hook::consts::SIGTSTP] {
-            signal_hook::flag::register(signal, Arc::clone(&flag.raised))
+        {
+            use signal_hook::consts as signals;
+            for signal in [
+                signals::SIGQUIT,
+                signals::SIGTSTP,
+                signals::SIGTTIN,
+                signals::SIGTTOU,
+                signals::SIGUSR1,
+                signals::SIGUSR2,
+                signals::SIGALRM,
+                signals::SIGVTALRM,
+                signals::SIGPROF,
+                signals::SIGXCPU,
+            ] {
+                signal_hook::flag::register(signal, Arc::clone(&flag.raised))
+                    .map_err(ctrlc::Error::System)?;
+            }
+            signal_hook::flag::register(signals::SIGXFSZ, Arc::default())
                 .map_err(ctrlc::Error::System)?;
         }
         Ok(flag)

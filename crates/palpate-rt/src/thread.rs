@@ -48,13 +48,12 @@ pub struct LoopEnd<D: Device, C: Clock> {
 
 impl<D: Device + 'static, C: Clock> LoopThread<D, C> {
     /// Starts `control` on a thread for which the machine is asked `request`, and runs it until
-    /// `stop` is raised, `most` ticks are made or the device is gone.
+    /// `stop` is raised, `most` periods are over or the device is gone.
     ///
     /// # Errors
     /// The system gives no thread.
     pub fn start(
         mut control: ControlLoop<D, C>,
-        clock: &C,
         request: Request,
         stop: &StopFlag,
         most: Option<u64>,
@@ -68,7 +67,8 @@ impl<D: Device + 'static, C: Clock> LoopThread<D, C> {
             .supervisor()
             .filter(|_| C::RUNS)
             .map(|supervisor| {
-                let (clock, ended) = (clock.clone(), Arc::clone(&ended));
+                // The loop's own: on another one it might never seem late.
+                let (clock, ended) = (control.clock(), Arc::clone(&ended));
                 let interval = control.period() / 2;
                 // Before the loop in line, or a loop that never sleeps could not be cut.
                 let priority = request.priority.map(|priority| (priority + 1).min(99));

@@ -103,11 +103,11 @@ pub fn measure(
     let device = NullDevice::new(*clock);
     let control = ControlLoop::new(device, *clock, rendering, SafetyParams::default())
         .map_err(|error| wrong(&error))?;
-    let ticks = duration("--duration", seconds)?
+    let periods = duration("--duration", seconds)?
         .as_nanos()
         .div_ceil(control.period().as_nanos());
-    let most = Some(u64::try_from(ticks).unwrap_or(u64::MAX));
-    let running = LoopThread::start(control, clock, request, &StopFlag::new(), most)
+    let most = Some(u64::try_from(periods).unwrap_or(u64::MAX));
+    let running = LoopThread::start(control, request, &StopFlag::new(), most)
         .map_err(|error| Failure::System(format!("no thread for the loop: {error}")))?;
     let refused = running
         .answers()

@@ -1,7 +1,5 @@
 //! The Haply Inverse3 behind its service.
 
-use std::time::Duration;
-
 use clap::Args;
 use palpate_haply::inverse3::{
     ConnectError, Inspector, Inverse3, Inverse3Options, OpenError, Pace, SERVICE,
@@ -13,6 +11,7 @@ use palpate_sim::scene::Scene;
 use super::placed::{Axis, FIRST_AXIS};
 use super::{DeviceArguments, DeviceName, Reconnecting, Reopen};
 use crate::failure::{Failure, tell};
+use crate::values::duration;
 
 /// Flags of the Inverse3.
 #[derive(Args, Debug, Clone)]
@@ -76,7 +75,7 @@ pub fn open<C: Clock>(
         ));
     }
     let mut options = arguments.inverse3.options();
-    options.pace = Pace::for_period(Duration::from_secs_f64(scene.loop_params.period));
+    options.pace = Pace::for_period(duration("--period", scene.loop_params.period)?);
     let device = Inverse3::open(&options, clock.clone()).map_err(refused)?;
     // Only this one is gone on with.
     options.device_id = Some(device.device_id().to_owned());

@@ -88,11 +88,12 @@ fn open_two_diy<C: Clock>(
          pose, forces point in wrong directions",
         device.capabilities().name
     ));
+    let device = two_diy::watched(device, !arguments.reconnect);
     if !arguments.reconnect {
-        return Ok((Box::new(device), axis));
+        return Ok((device, axis));
     }
     let reopen = two_diy::reopen(arguments, period, clock.clone());
-    Ok((Box::new(Reconnecting::new(Box::new(device), reopen)?), axis))
+    Ok((Box::new(Reconnecting::new(device, reopen)?), axis))
 }
 
 #[cfg(not(unix))]

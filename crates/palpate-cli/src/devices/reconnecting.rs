@@ -15,6 +15,10 @@ use crate::failure::{Failure, tell};
 /// How often it is tried to open it anew.
 const EVERY: Duration = Duration::from_millis(250);
 
+/// How long it is waited at the end until a device that is gone has been closed: longer than any
+/// board is tried to be told that it holds no torque.
+const CLOSES_WITHIN: Duration = Duration::from_secs(10);
+
 /// Opens a device anew. It may wait, and says so.
 pub type Reopen = Box<dyn FnMut() -> Result<Box<dyn Device>, Failure> + Send>;
 
@@ -24,6 +28,10 @@ pub struct Reconnecting {
     device: Option<Box<dyn Device>>,
     capabilities: Capabilities,
     gone: SyncSender<(Box<dyn Device>, DeviceError)>,
+    /// Told when a device that is gone has been closed; awaited from when it was lost until another
+    /// one is there.
+    closed: Receiver<()>,
+    closing: bool,
     back: Receiver<Box<dyn Device>>,
     zero: Shared,
     /// Whether the device has a way to no force while it is there.
@@ -49,6 +57,7 @@ impl Reconnecting {
     pub fn new(mut device: Box<dyn Device>, mut reopen: Reopen) -> Result<Self, Failure> {
         let (gone, lost) = sync_channel::<(Box<dyn Device>, DeviceError)>(1);
         let (returns, back) = sync_channel(1);
+        let (closes, closed) = sync_channel(1);
         let writer = device.zero_writer();
         let has_zero = writer.is_some();
         let zero: Shared = Arc::new(Mutex::new(writer));
@@ -63,6 +72,8 @@ impl Reconnecting {
                     put(&theirs, None);
                     // Closing may wait for a board that does not answer.
                     drop(device);
+                    // There is room: what was told before has been heard.
+                    let _ = closes.try_send(());
                     tell(format_args!("the device is gone: {error}; waiting for it"));
                     let mut said = String::new();
                     let opened = loop {
@@ -92,6 +103,8 @@ impl Reconnecting {
             capabilities: device.capabilities().clone(),
             device: Some(device),
             gone,
+            closed,
+            closing: false,
             back,
             zero,
             has_zero,
@@ -103,7 +116,7 @@ impl Reconnecting {
     fn lose(&mut self, error: DeviceError) {
         if let Some(device) = self.device.take() {
             // There is room for the one device that there is.
-            let _ = self.gone.try_send((device, error));
+            self.closing = self.gone.try_send((device, error)).is_ok();
         }
     }
 }
@@ -114,8 +127,12 @@ impl Device for Reconnecting {
     }
 
     fn read(&mut self) -> Result<Reading, DeviceError> {
-        if self.device.is_none() {
-            self.device = self.back.try_recv().ok();
+        if self.device.is_none()
+            && let Ok(device) = self.back.try_recv()
+        {
+            self.device = Some(device);
+            // The one before was closed first, and that was told.
+            self.closing = self.closed.try_recv().is_err();
         }
         let Some(device) = &mut self.device else {
             return Err(DeviceError::new(
@@ -166,5 +183,77 @@ impl Device for Reconnecting {
 impl Drop for Reconnecting {
     fn drop(&mut self) {
         self.leaving.store(true, Ordering::Release);
+        if self.closing {
+            // The program may end next: a board that could not be told that it holds no torque is
+            // tried to be told for as long as in a program that does not reconnect.
+            let _ = self.closed.recv_timeout(CLOSES_WITHIN);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A device that is gone, and takes its time to be closed.
+    struct Slow {
+        capabilities: Capabilities,
+        closed: Arc<AtomicBool>,
+    }
+
+    impl Device for Slow {
+        fn capabilities(&self) -> &Capabilities {
+            &self.capabilities
+        }
+
+        fn read(&mut self) -> Result<Reading, DeviceError> {
+            let kind = DeviceErrorKind::Disconnected;
+            Err(DeviceError::new(kind, "the board does not answer"))
+        }
+
+        fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
+            Ok(force)
+        }
+    }
+
+    impl Drop for Slow {
+        fn drop(&mut self) {
+            std::thread::sleep(Duration::from_millis(300));
+            self.closed.store(true, Ordering::Release);
+        }
+    }
+
+    fn slow(closed: &Arc<AtomicBool>) -> Box<dyn Device> {
+        Box::new(Slow {
+            capabilities: Capabilities::unknown("slow", 1),
+            closed: Arc::clone(closed),
+        })
+    }
+
+    #[test]
+    fn a_program_does_not_end_before_a_device_that_is_gone_is_closed() {
+        let closed = Arc::default();
+        let never: Reopen = Box::new(|| Err(Failure::System("not there".to_owned())));
+        let mut device = Reconnecting::new(slow(&closed), never).unwrap();
+        let error = device.read().unwrap_err();
+        assert_eq!(error.kind, DeviceErrorKind::NothingNew);
+        drop(device);
+        assert!(closed.load(Ordering::Acquire));
+    }
+
+    #[test]
+    fn so_it_is_of_the_second_time() {
+        let (first, second) = (Arc::default(), Arc::default());
+        let again = Arc::clone(&second);
+        let back: Reopen = Box::new(move || Ok(slow(&again)));
+        let mut device = Reconnecting::new(slow(&first), back).unwrap();
+        // The first is lost, the second comes, and is lost as well.
+        let mut lost = 0;
+        while lost < 2 {
+            lost += usize::from(device.read().unwrap_err().what == "the board does not answer");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        drop(device);
+        assert!(first.load(Ordering::Acquire) && second.load(Ordering::Acquire));
     }
 }

@@ -6,6 +6,9 @@ use std::time::Duration;
 
 use palpate_haply::two_diy::{Board, Calibration, Generation, Options, TwoDiy};
 use palpate_rt::clock::Clock;
+use palpate_rt::device::{
+    Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector, ZeroWriter,
+};
 use rustix::termios::{QueueSelector, tcflush};
 
 use super::placed::Axis;
@@ -94,8 +97,72 @@ pub fn reopen<C: Clock>(arguments: DeviceArguments, period: Duration, clock: C) 
                 _ => return Err(Failure::System("nobody can press enter any more".into())),
             }
         }
-        Ok(Box::new(open(&arguments, period, &clock)?))
+        Ok(watched(open(&arguments, period, &clock)?, false))
     })
+}
+
+/// The same device, telling in the end if its board has not said that it holds no torque; of a port
+/// that has gone `says_gone` or somebody else.
+pub fn watched<C: Clock>(device: TwoDiy<C>, says_gone: bool) -> Box<dyn Device> {
+    Box::new(Watched {
+        capabilities: device.capabilities().clone(),
+        device: Some(device),
+        says_gone,
+        is_gone: false,
+    })
+}
+
+struct Watched<C> {
+    capabilities: Capabilities,
+    /// There until it is closed.
+    device: Option<TwoDiy<C>>,
+    says_gone: bool,
+    is_gone: bool,
+}
+
+impl<C: Clock> Watched<C> {
+    fn with<T>(
+        &mut self,
+        ask: impl FnOnce(&mut TwoDiy<C>) -> Result<T, DeviceError>,
+    ) -> Result<T, DeviceError> {
+        let closed = DeviceError::new(DeviceErrorKind::Disconnected, "the 2DIY is closed");
+        let answer = self.device.as_mut().ok_or(closed).and_then(ask);
+        self.is_gone |= answer
+            .as_ref()
+            .is_err_and(|error| error.kind == DeviceErrorKind::Disconnected);
+        answer
+    }
+}
+
+impl<C: Clock> Device for Watched<C> {
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    fn read(&mut self) -> Result<Reading, DeviceError> {
+        self.with(Device::read)
+    }
+
+    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
+        self.with(|device| device.write(force))
+    }
+
+    fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
+        self.device.as_mut()?.zero_writer()
+    }
+}
+
+impl<C> Drop for Watched<C> {
+    fn drop(&mut self) {
+        let closed = self.device.take().map_or(Ok(()), TwoDiy::close);
+        if let Err(error) = closed
+            && (self.says_gone || !self.is_gone)
+        {
+            tell(format_args!(
+                "warning: the 2DIY could not be let go of as it should: {error}; switch its motors off"
+            ));
+        }
+    }
 }
 
 /// The port that the flags name, or the one that is likely.

@@ -99,7 +99,7 @@ fn nothing_new(what: &'static str) -> DeviceError {
 }
 
 /// What the loop is told when the port is gone.
-pub(super) const GONE: DeviceError = DeviceError {
+const GONE: DeviceError = DeviceError {
     kind: DeviceErrorKind::Disconnected,
     what: "the serial port is gone; a board that still has power holds its last torque",
 };

@@ -8,7 +8,7 @@ use palpate_rt::device::{Capabilities, DeviceError};
 use rustix::io::Errno;
 
 use super::board::{Board, LARGEST_TORQUE};
-use super::driver::{GONE, Ready, TwoDiy};
+use super::driver::{Ready, TwoDiy};
 use super::kinematics::NoPose;
 use super::layout::{Generation, Layout};
 use super::line::{Line, Unsent};
@@ -235,7 +235,7 @@ impl From<Unsent> for OpenError {
 pub(super) fn begin_anew(line: &Line, layout: &Layout) -> Result<(), DeviceError> {
     recover(line)
         .and_then(|()| set_up(line, layout))
-        .map_err(|_| GONE)
+        .map_err(DeviceError::from)
 }
 
 /// Completes whatever packet the board is in the middle of.

@@ -1,12 +1,18 @@
 //! What the driver does when the service does not do what it should.
 
+use std::net::TcpListener;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 use palpate_haply::inverse3::emulator::{Emulator, Fault};
 use palpate_haply::inverse3::{Counts, Form, Inverse3, Inverse3Options, Pace};
 use palpate_rt::clock::MonotonicClock;
 use palpate_rt::device::{Device, DeviceErrorKind};
+use serde_json::json;
+use tungstenite::Message;
 
+use crate::samples::full_3_5;
 use crate::{ID, emulator, error_under, ms, next, open, options, wait_until};
 
 const FORCE: [f64; 3] = [1.0, 0.0, 0.0];
@@ -286,4 +292,44 @@ fn power_that_comes_back_between_two_looks_gives_no_force_before_the_loop_knows(
     next(&mut device);
     device.write(FORCE).unwrap();
     wait_until("the force again", || emulator.force(ID) == Some(FORCE));
+}
+
+/// A service of its own, whose device is not calibrated in as many frames as the number that it
+/// returns says, and says in none of them where it is.
+fn service_without_a_position() -> (String, Arc<AtomicU32>) {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let url = format!("ws://{}", listener.local_addr().unwrap());
+    let left = Arc::new(AtomicU32::new(0));
+    let theirs = Arc::clone(&left);
+    std::thread::spawn(move || {
+        let (stream, _) = listener.accept().unwrap();
+        let mut socket = tungstenite::accept(stream).unwrap();
+        let good = full_3_5();
+        let mut lost = good.clone();
+        lost["inverse3"][0]["state"]["cursor_position"] = json!(null);
+        lost["inverse3"][0]["status"]["calibrated"] = json!(false);
+        let mut frame = &good;
+        while socket.send(Message::text(frame.to_string())).is_ok() && socket.read().is_ok() {
+            let lasts = theirs.load(Ordering::SeqCst);
+            frame = if lasts > 0 { &lost } else { &good };
+            theirs.store(lasts.saturating_sub(1), Ordering::SeqCst);
+        }
+    });
+    (url, left)
+}
+
+/// It does not know where its arms are, so it does not say: that must not hide that it does not know.
+#[test]
+fn a_device_that_is_not_calibrated_for_a_moment_is_told_though_it_says_no_position() {
+    let (url, left) = service_without_a_position();
+    let options = Inverse3Options {
+        service: url,
+        ..Inverse3Options::default()
+    };
+    let mut device = Inverse3::open(&options, MonotonicClock::new()).unwrap();
+    next(&mut device);
+    left.store(5, Ordering::SeqCst);
+    let error = error_under(&mut device, FORCE);
+    assert_eq!(error.kind, DeviceErrorKind::Refused);
+    assert!(error.what.contains("no longer calibrated"), "{error}");
 }

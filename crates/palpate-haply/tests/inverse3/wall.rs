@@ -72,7 +72,7 @@ impl Run {
         let (tap, listener) = palpate_rt::tap(1 << 16);
         let control = control.tapped(tap);
         let stop = StopFlag::new();
-        let running = LoopThread::start(control, &clock, Request::nothing(), &stop, None).unwrap();
+        let running = LoopThread::start(control, Request::nothing(), &stop, None).unwrap();
         Self {
             running,
             inspector,

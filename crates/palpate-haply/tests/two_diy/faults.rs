@@ -25,10 +25,9 @@ fn with(fault: Fault, comes_back: bool) -> Ran {
     let device = open_in_the_middle(&emulator, 2 * PERIOD);
     let (tap, listener) = tap(1 << 15);
     let control = wall(device, 150.0, PERIOD, 100.0).tapped(tap);
-    let clock = MonotonicClock::new();
     let stop = StopFlag::new();
     let started = Instant::now();
-    let running = LoopThread::start(control, &clock, Request::nothing(), &stop, None).unwrap();
+    let running = LoopThread::start(control, Request::nothing(), &stop, None).unwrap();
     wait_until("a force", || !is_none(emulator.torques()));
     std::thread::sleep(Duration::from_millis(100));
     let struck = Instant::now();
@@ -194,10 +193,10 @@ fn a_cable_that_is_pulled_ends_the_run_and_can_be_put_back() {
     .unwrap();
     let device = open_in_the_middle(&emulator, PERIOD);
     let (tap, listener) = tap(1 << 15);
-    let clock = MonotonicClock::new();
+    let clock = crate::clock();
     let control = wall(device, 150.0, PERIOD, 100.0).tapped(tap);
     let stop = StopFlag::new();
-    let running = LoopThread::start(control, &clock, Request::nothing(), &stop, None).unwrap();
+    let running = LoopThread::start(control, Request::nothing(), &stop, None).unwrap();
     wait_until("a force", || !is_none(emulator.torques()));
     emulator.suffer(Fault::Unplug(Duration::from_millis(100)));
     wait_until("the end", || running.has_ended());

@@ -73,11 +73,9 @@ fn a_loop_that_is_stopped_or_panics_leaves_no_torque() {
         let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
         let mut device = spoilt(&emulator);
         device.panics_at = panics.then_some(60);
-        let clock = MonotonicClock::new();
         let stop = StopFlag::new();
         let running = LoopThread::start(
             wall(device, 150.0, PERIOD, 1.5),
-            &clock,
             Request::nothing(),
             &stop,
             None,
@@ -108,11 +106,9 @@ fn a_loop_that_stands_still_is_cut_off() {
     let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
     let mut device = spoilt(&emulator);
     device.stands_still_at = Some(60);
-    let clock = MonotonicClock::new();
     let stop = StopFlag::new();
     let running = LoopThread::start(
         wall(device, 150.0, PERIOD, 1.5),
-        &clock,
         Request::nothing(),
         &stop,
         None,
@@ -153,7 +149,7 @@ fn the_zero_writer_waits_for_nobody() {
     pressing(&emulator);
     emulator.suffer(Fault::Stall(Duration::from_millis(200)));
     std::thread::sleep(Duration::from_millis(5));
-    let clock = MonotonicClock::new();
+    let clock = crate::clock();
     let begun = clock.now();
     for _ in 0..100 {
         zero.write_zero();

@@ -9,7 +9,7 @@ mod opening;
 mod replies;
 mod wall;
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use palpate::{AnyParams, Contact, LoopParams, ObjectState, Placement};
@@ -43,10 +43,16 @@ fn in_the_middle(hand: Hand) -> Settings {
     }
 }
 
+/// The clock of every loop here and of its device: stamps on another one are none.
+fn clock() -> MonotonicClock {
+    static CLOCK: LazyLock<MonotonicClock> = LazyLock::new(MonotonicClock::new);
+    *CLOCK
+}
+
 fn open_in_the_middle(emulator: &Emulator, period: Duration) -> TwoDiy<MonotonicClock> {
     let calibration = Calibration::At(MIDDLE);
     let options = Options::of(Generation::Three, calibration, period).unwrap();
-    TwoDiy::open(&emulator.path(), &options, MonotonicClock::new()).unwrap()
+    TwoDiy::open(&emulator.path(), &options, clock()).unwrap()
 }
 
 /// A wall into which a hand at [`THERE`] presses by some 4 mm.
@@ -70,7 +76,7 @@ fn wall<D: Device>(
     };
     let origin = [THERE[0], THERE[1] - 0.008, 0.0];
     let placement = Placement::new(origin, [0.0, 1.0, 0.0]).unwrap();
-    ControlLoop::new(device, MonotonicClock::new(), rendering, limits)
+    ControlLoop::new(device, clock(), rendering, limits)
         .unwrap()
         .along(placement)
 }

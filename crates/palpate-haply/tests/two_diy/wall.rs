@@ -21,15 +21,8 @@ fn a_wall_holds_a_hand() {
     let device = open_in_the_middle(&emulator, MILLISECOND);
     let (tap, listener) = tap(1 << 13);
     let control = wall(device, 300.0, MILLISECOND, 1.5).tapped(tap);
-    let clock = MonotonicClock::new();
-    let running = LoopThread::start(
-        control,
-        &clock,
-        Request::nothing(),
-        &StopFlag::new(),
-        Some(3000),
-    )
-    .unwrap();
+    let running =
+        LoopThread::start(control, Request::nothing(), &StopFlag::new(), Some(3000)).unwrap();
     let end = running.join();
     assert_eq!(end.panic, None);
     drop(end);

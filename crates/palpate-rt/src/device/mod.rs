@@ -28,7 +28,8 @@ pub struct Reading {
     /// Position of the end-point `[m]`.
     pub position: Vector,
     /// When it was there, on the loop's clock: measured by the device if it can, else when the
-    /// answer came. A device that repeats a time stamp has nothing new to say.
+    /// answer came. A device that repeats a time stamp has nothing new to say, and a stamp more than
+    /// a period ahead of the clock is none.
     pub time: Duration,
 }
 

@@ -7,6 +7,7 @@ mod faults;
 mod letting_go;
 mod safety;
 mod simulated;
+mod time;
 
 use std::path::Path;
 

@@ -98,7 +98,7 @@ impl Lane {
         let control = ControlLoop::new(device, *run.clock, rendering, run.limits)?
             .along(placement)
             .tapped(tap);
-        let thread = LoopThread::start(control, run.clock, run.request, run.stop, run.most)
+        let thread = LoopThread::start(control, run.request, run.stop, run.most)
             .map_err(|error| SessionError::Other(format!("no thread for the loop: {error}")))?;
         Ok(Self {
             answers: thread.answers().to_vec(),

@@ -49,8 +49,6 @@ const NOTES: (f64, f64) = (32.0, 20.0);
 const STATES: (f64, f64) = (32.0, 60.0);
 /// Restarts, and beginnings of recordings, at once and then each second: more than any hand does.
 const BEGINNINGS: (f64, f64) = (8.0, 4.0);
-/// Loops that are to last for so long are given so much longer, and a tenth, for deadlines that they miss.
-const GRACE: Duration = Duration::from_secs(2);
 /// How far a hand may reach `[m]`.
 const REACH: f64 = 1.0;
 
@@ -200,9 +198,8 @@ struct Running {
     /// Ends the loops that run now.
     stop_lanes: StopFlag,
     lanes: Vec<Lane>,
-    /// How often the loops have begun, and when they did last.
+    /// How often the loops have begun.
     runs: u32,
-    begun: Instant,
     /// Time at which the recording began, and why it is written no more.
     recorded_since: f64,
     recording_failed: Option<String>,
@@ -247,12 +244,9 @@ impl Running {
                 next_status = now + STATUS_EVERY;
             }
             // What is to last for so long is over with its loops; else they can be begun anew.
-            if let Some(lasts) = self.setup.duration {
-                let at_most = lasts.saturating_add(lasts / 10).saturating_add(GRACE);
-                let is_running = self.lanes.iter().any(Lane::is_running);
-                if !is_running || self.begun.elapsed() > at_most {
-                    return self.finish();
-                }
+            let lasts = self.setup.duration.is_some();
+            if lasts && !self.lanes.iter().any(Lane::is_running) {
+                return self.finish();
             }
         }
     }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use palpate_io::atomic::WriteError;
 use palpate_io::recording::{Receipt, Tick};
-use palpate_rt::{Account, Note, Noted, Recorder, Tap};
+use palpate_rt::{Note, Noted, Recorder, Tap};
 
 use super::Written;
 
@@ -150,10 +150,11 @@ impl Ending {
 
     /// Waits until all is written, or the system has refused to.
     pub fn finish(self) -> Written {
-        let held = |account: Account| account.recording.map_or(0, |written| written.ticks);
+        let (account, unwritten) = self.recorder.finish();
+        let held = account.recording.map_or(0, |written| written.ticks);
         Written {
             path: self.path,
-            ticks: self.recorder.finish().map(held),
+            ticks: unwritten.map_or(Ok(held), Err),
         }
     }
 }

@@ -90,8 +90,7 @@ pub struct Setup {
     pub request: Request,
     /// Limits between renderer and device.
     pub limits: Box<dyn Fn(&Capabilities) -> SafetyParams + Send>,
-    /// How long a loop runs, if not until it is stopped: so many periods are ticked. Of a loop that misses deadlines a
-    /// tenth more and 2 s are waited for.
+    /// How long a loop runs, if not until it is stopped: so many periods, whether ticked or missed.
     pub duration: Option<Duration>,
     /// Receipts of recordings.
     pub receipts: Receipts,
@@ -123,7 +122,6 @@ impl Running {
             stop,
             lanes: Vec::new(),
             runs: 0,
-            begun: Instant::now(),
             recorded_since: 0.0,
             recording_failed: None,
             endings: Vec::new(),
@@ -208,16 +206,15 @@ impl Running {
             });
         }
         let most = self.setup.duration.map(|duration| {
-            let ticks = duration.as_secs_f64() / self.settings.period;
+            let periods = duration.as_secs_f64() / self.settings.period;
             #[expect(
                 clippy::cast_possible_truncation,
                 clippy::cast_sign_loss,
-                reason = "a positive number of ticks; a cast is clamped"
+                reason = "a positive number of periods; a cast is clamped"
             )]
-            let ticks = (ticks * (1.0 - 1e-12)).ceil() as u64;
-            ticks
+            let periods = (periods * (1.0 - 1e-12)).ceil() as u64;
+            periods
         });
-        self.begun = Instant::now();
         for ((placed, rendering), recording) in devices.into_iter().zip(renderings).zip(recordings)
         {
             let run = Run {

@@ -39,7 +39,7 @@ pub struct RecordArguments {
 /// What is run, and on what.
 #[derive(Args, Debug)]
 pub struct SessionArguments {
-    /// How long [s]; inf: until ctrl-C, which ends it at any time
+    /// How long [s], deadlines that were missed included; inf: until ctrl-C, which ends it at any time
     #[arg(long, value_name = "s", default_value = "10", value_parser = number)]
     pub duration: f64,
     /// Do not wait for the time to pass: every tick follows the one before at once

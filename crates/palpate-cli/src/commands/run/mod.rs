@@ -9,12 +9,10 @@ use std::time::Duration;
 
 use palpate_io::recording::Receipt;
 use palpate_rt::clock::{Clock, MonotonicClock, SteppedClock};
-use palpate_rt::device::Capabilities;
+use palpate_rt::device::{Capabilities, Device};
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
-use palpate_rt::{
-    Account, ControlLoop, Ending, LoopThread, Recorder, Rendering, SetupError, StopFlag,
-};
+use palpate_rt::{ControlLoop, Ending, LoopThread, Recorder, Rendering, SetupError, StopFlag};
 use palpate_sim::method::MethodName;
 use palpate_sim::scene::{Scene, Timing};
 
@@ -119,7 +117,7 @@ impl Session<'_> {
         let control = ControlLoop::new(device, clock.clone(), rendering, limits)
             .map_err(wrong)?
             .along(placement);
-        let most = self.most_ticks(control.period())?;
+        let most = self.most_periods(control.period())?;
         let (tap, recorder) = match self.record {
             Some(out) => {
                 let receipt = receipt(&capabilities, &limits, &request);
@@ -136,7 +134,7 @@ impl Session<'_> {
             .map_err(|error| Failure::System(format!("no signals: {error}")))?;
         let progress = Progress::new(1);
         progress.begin("running; ctrl-C ends it");
-        let running = LoopThread::start(control.tapped(tap), clock, request, &stop, most)
+        let running = LoopThread::start(control.tapped(tap), request, &stop, most)
             .map_err(|error| Failure::System(format!("no thread for the loop: {error}")))?;
         let refused = running
             .answers()
@@ -146,14 +144,12 @@ impl Session<'_> {
             tell(format_args!("warning: {answer}"));
         }
         let answers = running.answers().to_vec();
+        tell_if_unwritten(&running, &recorder);
         let end = running.join();
-        let written = recorder.finish();
-        drop(progress);
         // What the run was is told whether or not it could be written.
-        let (account, unwritten) = match written {
-            Ok(account) => (account, None),
-            Err(error) => (Account::default(), Some(Failure::System(error.to_string()))),
-        };
+        let (account, unwritten) = recorder.finish();
+        let unwritten = unwritten.map(|error| Failure::System(error.to_string()));
+        drop(progress);
         let recording = match (&unwritten, self.record) {
             (None, Some(path)) => Some(open_recording(path)?),
             _ => None,
@@ -190,15 +186,33 @@ impl Session<'_> {
         recording.as_ref().map_or(Ok(()), whole_or_said)
     }
 
-    fn most_ticks(&self, period: Duration) -> Result<Option<u64>, Failure> {
+    fn most_periods(&self, period: Duration) -> Result<Option<u64>, Failure> {
         let seconds = self.arguments.duration;
         if seconds == f64::INFINITY {
             return Ok(None);
         }
-        let ticks = duration("--duration", seconds)?
+        let periods = duration("--duration", seconds)?
             .as_nanos()
             .div_ceil(period.as_nanos());
-        Ok(Some(u64::try_from(ticks).unwrap_or(u64::MAX)))
+        Ok(Some(u64::try_from(periods).unwrap_or(u64::MAX)))
+    }
+}
+
+/// How often it is looked whether the loop has ended, or can no longer be written down.
+const LOOK_EVERY: Duration = Duration::from_millis(10);
+
+/// Waits for the end of the loop. A recording that cannot be written is told at once: the rest of a
+/// session would be for nothing, and nobody would know.
+fn tell_if_unwritten<D: Device, C: Clock>(running: &LoopThread<D, C>, recorder: &Recorder) {
+    let mut is_told = false;
+    while !running.has_ended() {
+        if let Some(why) = recorder.failure().filter(|_| !is_told) {
+            is_told = true;
+            tell(format_args!(
+                "warning: {why}; the loop goes on, and is not recorded any more"
+            ));
+        }
+        std::thread::sleep(LOOK_EVERY);
     }
 }
 

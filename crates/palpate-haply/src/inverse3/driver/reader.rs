@@ -91,9 +91,13 @@ impl<C: Clock> Reader<C> {
         let Some(device) = frame.device(&self.device_id) else {
             return Ok(None);
         };
+        let unfit = Unfit::of(&device.status).map(Cause::from);
+        if unfit.is_some() {
+            // Where it is may not be said while it is so: that is no reason not to hear it.
+            self.link.set_unfit(unfit);
+        }
         let sample = device.sample()?;
-        self.link
-            .set_unfit(Unfit::of(&device.status).map(Cause::from));
+        self.link.set_unfit(unfit);
         Ok(Some(sample.position))
     }
 }

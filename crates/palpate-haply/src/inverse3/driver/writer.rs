@@ -47,6 +47,15 @@ struct Stall {
     heard: u64,
 }
 
+/// The loop's last order, and whether no force goes out whatever it says. The order is read last: one
+/// from before a cut must not be taken for the one that has ended it.
+fn look(link: &Link, read: impl FnOnce() -> Order) -> (Order, bool) {
+    // What is over once it is told has cut by then.
+    let is_unfit = link.unfit().is_some();
+    let is_cut = link.is_cut();
+    (read(), is_unfit || is_cut)
+}
+
 /// What is to be sent.
 #[derive(Clone, Copy, PartialEq)]
 enum Wanted {
@@ -94,8 +103,8 @@ impl<C: Clock> Writer<C> {
 
     /// Sends what is due; how long nothing will be, unless somebody wakes this thread.
     fn step(&mut self, now: Instant) -> Duration {
-        let order = *self.orders.read();
-        let wanted = self.wanted(&order);
+        let (order, is_held_back) = look(&self.link, || *self.orders.read());
+        let wanted = self.wanted(&order, is_held_back);
         let (owed, age) = self.link.owed(now);
         if owed == 0 {
             self.stall = None;
@@ -147,14 +156,11 @@ impl<C: Clock> Writer<C> {
         self.pace.reply_timeout
     }
 
-    fn wanted(&self, order: &Order) -> Wanted {
+    fn wanted(&self, order: &Order, is_held_back: bool) -> Wanted {
         if order.number == 0 {
             return Wanted::Probe;
         }
-        let none = self.link.is_cut()
-            || self.link.unfit().is_some()
-            || self.stall.is_some()
-            || self.is_forsaken(order);
+        let none = is_held_back || self.stall.is_some() || self.is_forsaken(order);
         Wanted::Force(if none { NONE } else { order.force })
     }
 
@@ -216,5 +222,38 @@ impl<C> Drop for Writer<C> {
     fn drop(&mut self) {
         let _ = self.socket.get_ref().stream().shutdown(Shutdown::Both);
         self.link.lose(Cause::Cut);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FORCE: Order = Order {
+        number: 1,
+        force: [1.0, 0.0, 0.0],
+        at: Duration::ZERO,
+    };
+
+    /// The loop's next order comes, and ends the cut, just after the one before was read.
+    #[test]
+    fn a_force_that_was_cut_is_not_put_on_again_by_the_order_behind_it() {
+        let link = Link::new();
+        link.cut();
+        let read = || {
+            link.uncut();
+            FORCE
+        };
+        assert!(look(&link, read).1);
+        assert!(!look(&link, || FORCE).1);
+        // Likewise where the loop has just been told why it was kept from forces.
+        link.was_unfit(Cause::Safety);
+        let read = || {
+            assert!(link.tell().is_some());
+            link.uncut();
+            FORCE
+        };
+        assert!(look(&link, read).1);
+        assert!(!look(&link, || FORCE).1);
     }
 }

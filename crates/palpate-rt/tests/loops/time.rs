@@ -1,0 +1,117 @@
+//! Time as devices stamp it, and time as runs take it.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+use palpate_rt::clock::{Clock, SteppedClock};
+use palpate_rt::device::{Capabilities, Device, DeviceError, NullDevice, Reading, Vector};
+use palpate_rt::safety::Trip;
+use palpate_rt::{ControlLoop, Ending, Note, Rendering, StopFlag, Told, tap};
+use palpate_sim::method::MethodName;
+
+use crate::{at, scene, scripted, wide};
+
+/// A device that is pressed into the wall, and whose stamps are `ahead` of the clock for a while.
+struct Stamps {
+    device: NullDevice<SteppedClock>,
+    ahead: Duration,
+    wrong: Arc<AtomicUsize>,
+}
+
+impl Device for Stamps {
+    fn capabilities(&self) -> &Capabilities {
+        self.device.capabilities()
+    }
+
+    fn read(&mut self) -> Result<Reading, DeviceError> {
+        let mut reading = self.device.read()?;
+        reading.position = [2e-3, 0.0, 0.0];
+        let left = self.wrong.load(Ordering::SeqCst);
+        if left > 0 {
+            self.wrong.store(left - 1, Ordering::SeqCst);
+            reading.time = reading.time.saturating_add(self.ahead);
+        }
+        Ok(reading)
+    }
+
+    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
+        Ok(force)
+    }
+}
+
+fn stamps(ahead: Duration) -> (ControlLoop<Stamps, SteppedClock>, Arc<AtomicUsize>) {
+    let clock = SteppedClock::new();
+    let wrong = Arc::new(AtomicUsize::new(0));
+    let device = Stamps {
+        device: NullDevice::new(clock.clone()),
+        ahead,
+        wrong: Arc::clone(&wrong),
+    };
+    let rendering = Rendering::of(&scene("wall.toml"), MethodName::Basic).unwrap();
+    let control = ControlLoop::new(device, clock, rendering, wide()).unwrap();
+    (control, wrong)
+}
+
+/// Believed, it would make every later sample an old one: no force until the clock is there.
+#[test]
+fn a_time_stamp_far_ahead_is_no_sample_and_mutes_nothing() {
+    for ahead in [
+        Duration::from_millis(30),
+        Duration::from_secs(3600),
+        Duration::MAX,
+    ] {
+        for times in 1..4 {
+            let (control, wrong) = stamps(ahead);
+            let (tap, listener) = tap(1000);
+            let mut control = control.tapped(tap);
+            for _ in 0..5 {
+                control.tick();
+            }
+            wrong.store(times, Ordering::SeqCst);
+            let forces: Vec<f64> = (0..times).map(|_| control.tick().force_on_device).collect();
+            assert_eq!(forces[0], -2.0, "{ahead:?}: one is bridged");
+            assert!(forces[1..].iter().all(|force| *force == 0.0), "{forces:?}");
+            let stale = (times > 1).then_some(Trip::StaleSample);
+            assert_eq!(control.trip(), stale, "{ahead:?}");
+            // The next good one counts, and the time since the one before is what it was.
+            let next = control.tick();
+            assert_eq!(next.force_on_device, -2.0, "{ahead:?}");
+            let periods = next.period / control.period().as_secs_f64();
+            assert!((periods - (times as f64 + 1.0)).abs() < 1e-6, "{periods}");
+            let said = listener
+                .filter(|told| {
+                    matches!(told, Told::Note(noted)
+                        if matches!(noted.note, Note::Device(error) if error.what.contains("ahead")))
+                })
+                .count();
+            assert_eq!(said, times.min(2), "until it has tripped");
+        }
+    }
+}
+
+/// A clock that is read a little later than the device's is no reason to lose a sample.
+#[test]
+fn a_time_stamp_a_little_ahead_is_a_sample() {
+    let (mut control, wrong) = stamps(Duration::from_micros(100));
+    wrong.store(usize::MAX, Ordering::SeqCst);
+    for _ in 0..50 {
+        assert_eq!(control.tick().force_on_device, -2.0);
+    }
+    assert_eq!(control.statistics().without_sample, 0);
+}
+
+#[test]
+fn a_run_that_misses_deadlines_takes_as_long_as_it_was_to_take() {
+    let (mut control, clock) = scripted(vec![at(1.0)], wide());
+    clock.oversleep_once(Duration::from_micros(20_500));
+    assert_eq!(control.run(&StopFlag::new(), Some(50)), Ending::Complete);
+    assert_eq!(clock.now(), Duration::from_millis(49));
+    let statistics = control.statistics();
+    assert_eq!((statistics.ticks, statistics.missed_deadlines), (30, 20));
+    // One that stands still beyond its end ends then.
+    let (mut control, clock) = scripted(vec![at(1.0)], wide());
+    clock.oversleep_once(Duration::from_secs(1));
+    assert_eq!(control.run(&StopFlag::new(), Some(50)), Ending::Complete);
+    assert_eq!(control.statistics().ticks, 1);
+}
