@@ -15,6 +15,19 @@ async function press(open, byM) {
   await open.pass(1.5);
 }
 
+/** The force that is held on the device, once it is: a busy machine misses deadlines, which take it away for a moment. */
+async function held(open) {
+  const end = Date.now() + 30_000;
+  for (;;) {
+    const { mean, spread } = await open.over(0, "force_on_device_n", 0.3);
+    if (mean < 0 && spread < 0.002) {
+      return mean;
+    }
+    assert.ok(Date.now() < end, `no force is held: ${mean} N on the mean, ${spread} N from least to greatest`);
+    await open.pass(0.1);
+  }
+}
+
 test("stiffness and mass are set, and the force follows", async () => {
   const live = await startLive("--method", "coupled");
   const open = await visit(live.url);
@@ -23,16 +36,16 @@ test("stiffness and mass are set, and the force follows", async () => {
   await open.enter(input("stiffness_n_per_m"), "1500");
   await open.until("the stiffness is set", () => palpate.model.state.stiffness_n_per_m === 1500);
   await press(open, 0.01);
-  const soft = await open.over(0, "force_on_device_n", 0.3);
-  assert.ok(soft.mean < -1, `${soft.mean} N`);
+  const stiff = await held(open);
+  assert.ok(stiff < -1, `${stiff} N`);
   await open.enter(input("stiffness_n_per_m"), "500");
   await open.until("the stiffness is set", () => palpate.model.state.stiffness_n_per_m === 500);
   await press(open, 0.01);
-  const softer = await open.over(0, "force_on_device_n", 0.3);
+  const softer = await held(open);
   // Hand and wall are springs in a row: what the first force says of the hand foretells the second.
-  const hand = 1 / (0.01 / -soft.mean - 1 / 1500);
+  const hand = 1 / (0.01 / -stiff - 1 / 1500);
   const foretold = -0.01 / (1 / hand + 1 / 500);
-  assert.ok(Math.abs(softer.mean / foretold - 1) < 0.03, `${softer.mean} N instead of ${foretold} N`);
+  assert.ok(Math.abs(softer / foretold - 1) < 0.03, `${softer} N instead of ${foretold} N`);
   // A block again, with the mass that it had.
   await open.page.click("#wall");
   await open.until("it has its mass again", () => palpate.model.state.mass_kg === 0.1);
@@ -173,8 +186,8 @@ test("a method that trips is shown; another one, rearmed, holds the same wall", 
   await open.page.click('[data-about="trip-1"] button');
   await open.until("it is armed", () => palpate.model.state.lanes[0].trip === null);
   await press(open, 0.01);
-  const { mean } = await open.over(0, "force_on_device_n", 0.3);
-  assert.ok(mean < -2, `${mean} N`);
+  const force = await held(open);
+  assert.ok(force < -2, `${force} N`);
   assert.equal(await open.get(() => document.querySelector('[data-about="trip-1"]')), null);
   await open.leave();
   await live.end();
