@@ -1,25 +1,7 @@
 //! Whatever an Inverse Service sends: a frame is read or refused, and what is believed is possible.
 #![no_main]
 
-use libfuzzer_sys::fuzz_target;
-use palpate_haply::inverse3::{FARTHEST, FASTEST, Frame};
+#[path = "../../crates/palpate-haply/tests/inverse3/believed.rs"]
+mod believed;
 
-fuzz_target!(|bytes: &[u8]| {
-    let Ok(text) = str::from_utf8(bytes) else {
-        return;
-    };
-    let Ok(frame) = Frame::parse(text) else {
-        return;
-    };
-    for device in frame.devices() {
-        assert_eq!(frame.device(&device.device_id), Some(device));
-        let Ok(sample) = device.sample() else {
-            continue;
-        };
-        assert!(sample.position.iter().all(|x| x.abs() <= FARTHEST));
-        let velocity = sample.velocity.unwrap_or_default();
-        assert!(velocity.iter().all(|v| v.abs() <= FASTEST));
-        let force = sample.force.unwrap_or_default();
-        assert!(force.iter().all(|f| f.is_finite()));
-    }
-});
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| believed::read(bytes));

@@ -64,19 +64,24 @@ fn a_thread_that_panics_lets_go_of_the_device() {
     assert_eq!(emulator.received().last().unwrap().force, Some([0.0; 3]));
 }
 
-#[test]
-fn the_supervisors_cut_goes_out_by_itself_and_lasts_until_the_next_order() {
-    let emulator = emulator(Form::V35);
+/// One that commands no force by itself, neither for a late answer nor for a loop that says nothing,
+/// however busy the machine.
+fn open_patient(emulator: &Emulator) -> Inverse3<MonotonicClock> {
     let patient = Inverse3Options {
         pace: Pace {
-            // Nothing else commands no force, however busy the machine.
             reply_timeout: ms(20_000),
             hold: ms(60_000),
             ..Pace::default()
         },
-        ..options(&emulator)
+        ..options(emulator)
     };
-    let mut device = Inverse3::open(&patient, MonotonicClock::new()).unwrap();
+    Inverse3::open(&patient, MonotonicClock::new()).unwrap()
+}
+
+#[test]
+fn the_supervisors_cut_goes_out_by_itself_and_lasts_until_the_next_order() {
+    let emulator = emulator(Form::V35);
+    let mut device = open_patient(&emulator);
     let mut zero = device.zero_writer().unwrap();
     let force = [2.0, 0.0, 0.0];
     device.write(force).unwrap();
@@ -96,15 +101,7 @@ fn the_supervisors_cut_goes_out_by_itself_and_lasts_until_the_next_order() {
 #[test]
 fn no_force_does_not_wait_for_an_answer() {
     let emulator = emulator(Form::V35);
-    let patient = Inverse3Options {
-        pace: Pace {
-            reply_timeout: ms(20_000),
-            hold: ms(60_000),
-            ..Pace::default()
-        },
-        ..options(&emulator)
-    };
-    let mut device = Inverse3::open(&patient, MonotonicClock::new()).unwrap();
+    let mut device = open_patient(&emulator);
     let inspector = device.inspector();
     device.write([1.0, 0.0, 0.0]).unwrap();
     wait_until("the force", || emulator.force(ID) == Some([1.0, 0.0, 0.0]));

@@ -1,31 +1,11 @@
 //! The parser on what no service sends: it answers, and believes nothing absurd.
 
-use palpate_haply::inverse3::{FARTHEST, FASTEST, Frame};
+use palpate_haply::inverse3::Frame;
 use proptest::prelude::*;
 use serde_json::Value;
 
+use crate::believed::read;
 use crate::samples::{full_3_1, full_3_5};
-
-/// Whatever `bytes` are, what is believed of them is within bounds. A fuzzer's body.
-fn read(bytes: &[u8]) {
-    let Ok(text) = str::from_utf8(bytes) else {
-        return;
-    };
-    let Ok(frame) = Frame::parse(text) else {
-        return;
-    };
-    for device in frame.devices() {
-        let Ok(sample) = device.sample() else {
-            continue;
-        };
-        assert!(sample.position.iter().all(|x| x.abs() <= FARTHEST));
-        let velocity = sample.velocity.unwrap_or_default();
-        assert!(velocity.iter().all(|v| v.abs() <= FASTEST));
-        let force = sample.force.unwrap_or_default();
-        assert!(force.iter().all(|f| f.is_finite()));
-        assert_eq!(frame.device(&device.device_id), Some(device));
-    }
-}
 
 fn any_json() -> impl Strategy<Value = Value> {
     let leaf = prop_oneof![

@@ -2,6 +2,7 @@
 
 #![allow(clippy::print_stdout)] // tests show what they measured
 
+mod believed;
 mod commands;
 mod driver;
 mod faults;

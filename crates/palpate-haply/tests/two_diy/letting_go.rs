@@ -47,6 +47,18 @@ fn pressing(emulator: &Emulator) {
     wait_until("a force", || !is_none(emulator.torques()));
 }
 
+/// A loop in a thread of its own, pressed into a wall.
+fn pressed_wall<D: Device + Send + 'static>(
+    device: D,
+    emulator: &Emulator,
+    stop: &StopFlag,
+) -> LoopThread<D, MonotonicClock> {
+    let control = wall(device, 150.0, PERIOD, 1.5);
+    let running = LoopThread::start(control, Request::nothing(), stop, None).unwrap();
+    pressing(emulator);
+    running
+}
+
 #[test]
 fn dropped_or_closed_it_holds_no_torque() {
     let _alone = alone();
@@ -74,14 +86,7 @@ fn a_loop_that_is_stopped_or_panics_leaves_no_torque() {
         let mut device = spoilt(&emulator);
         device.panics_at = panics.then_some(60);
         let stop = StopFlag::new();
-        let running = LoopThread::start(
-            wall(device, 150.0, PERIOD, 1.5),
-            Request::nothing(),
-            &stop,
-            None,
-        )
-        .unwrap();
-        pressing(&emulator);
+        let running = pressed_wall(device, &emulator, &stop);
         if !panics {
             // What SIGTERM does.
             stop.raise();
@@ -107,14 +112,7 @@ fn a_loop_that_stands_still_is_cut_off() {
     let mut device = spoilt(&emulator);
     device.stands_still_at = Some(60);
     let stop = StopFlag::new();
-    let running = LoopThread::start(
-        wall(device, 150.0, PERIOD, 1.5),
-        Request::nothing(),
-        &stop,
-        None,
-    )
-    .unwrap();
-    pressing(&emulator);
+    let running = pressed_wall(device, &emulator, &stop);
     let begun = Instant::now();
     // 300 ms in which nobody else could have done it.
     let mut none_since = None;

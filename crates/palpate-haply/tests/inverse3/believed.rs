@@ -1,0 +1,24 @@
+//! What is believed of bytes, of which the fuzzer makes millions up (`fuzz/`) and tests a few.
+
+use palpate_haply::inverse3::{FARTHEST, FASTEST, Frame};
+
+/// Whatever `bytes` are, what is believed of them is within bounds.
+pub fn read(bytes: &[u8]) {
+    let Ok(text) = str::from_utf8(bytes) else {
+        return;
+    };
+    let Ok(frame) = Frame::parse(text) else {
+        return;
+    };
+    for device in frame.devices() {
+        assert_eq!(frame.device(&device.device_id), Some(device));
+        let Ok(sample) = device.sample() else {
+            continue;
+        };
+        assert!(sample.position.iter().all(|x| x.abs() <= FARTHEST));
+        let velocity = sample.velocity.unwrap_or_default();
+        assert!(velocity.iter().all(|v| v.abs() <= FASTEST));
+        let force = sample.force.unwrap_or_default();
+        assert!(force.iter().all(|f| f.is_finite()));
+    }
+}
