@@ -232,6 +232,11 @@ impl Cutter {
         self.shared.wished.fetch_add(1, Ordering::AcqRel);
     }
 
+    /// Whether a cut has not gone out yet.
+    pub fn is_wanted(&self) -> bool {
+        self.shared.is_wanted()
+    }
+
     /// As somebody who is sending.
     pub fn hold(&self) -> impl Sized + '_ {
         self.shared.outgoing.lock().unwrap()
@@ -325,134 +330,5 @@ impl Shared {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::two_diy::Generation;
-    use crate::two_diy::emulator::Pty;
-
-    /// Every packet that came, as its torque on port 1; none may be cut.
-    fn packets(bytes: &[u8]) -> Vec<f32> {
-        assert_eq!(bytes.len() % STATE_LENGTH, 0);
-        let torque = |packet: &[u8]| {
-            assert_eq!(packet[..2], [2, 5], "{packet:?}");
-            f32::from_le_bytes([packet[2], packet[3], packet[4], packet[5]])
-        };
-        bytes.chunks(STATE_LENGTH).map(torque).collect()
-    }
-
-    #[test]
-    fn a_port_that_takes_nothing_gets_no_force_as_soon_as_it_takes_some() {
-        let pty = Pty::open(None).unwrap();
-        let serial = Serial::open(pty.path()).unwrap();
-        let line = Line::new(serial, Generation::Three.layout()).unwrap();
-        let mut sent = 0;
-        while line.command([0.1, 0.1]).is_ok() {
-            sent += 1;
-            assert!(sent < 100_000, "it takes everything");
-        }
-        assert_eq!(line.command([0.1, 0.1]), Err(Unsent::Full));
-        let begun = Instant::now();
-        line.cutter().cut();
-        assert!(begun.elapsed() < Duration::from_millis(50), "it waited");
-        let mut bytes = Vec::new();
-        while begun.elapsed() < Duration::from_secs(10) {
-            pty.read(&mut bytes);
-            let is_whole = bytes.len() % STATE_LENGTH == 0;
-            if is_whole && packets(&bytes).last() == Some(&0.0) {
-                break;
-            }
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        let torques = packets(&bytes);
-        assert_eq!(torques.last(), Some(&0.0));
-        assert_eq!(line.requests(), torques.len() as u64);
-        // What is repeated from now on is no force.
-        line.ask().unwrap();
-        let mut more = Vec::new();
-        while more.len() < STATE_LENGTH {
-            pty.read(&mut more);
-        }
-        assert_eq!(packets(&more), [0.0]);
-    }
-
-    #[test]
-    fn a_line_that_is_closed_while_its_port_is_full_tries_on_for_a_while() {
-        for is_read in [true, false] {
-            let pty = Pty::open(None).unwrap();
-            let serial = Serial::open(pty.path()).unwrap();
-            let line = Line::new(serial, Generation::Three.layout()).unwrap();
-            // A terminal finds some more room for a moment after it was full.
-            let mut refused = 0;
-            while refused < 50 {
-                if line.command([0.1, 0.1]).is_ok() {
-                    refused = 0;
-                } else {
-                    refused += 1;
-                    std::thread::sleep(Duration::from_millis(1));
-                }
-            }
-            line.cutter().cut();
-            let begun = Instant::now();
-            let closing = std::thread::spawn(move || drop(line));
-            let mut bytes = Vec::new();
-            // Longer than anything else waits.
-            std::thread::sleep(Duration::from_millis(800));
-            while is_read && begun.elapsed() < Duration::from_secs(10) {
-                pty.read(&mut bytes);
-                let is_whole = !bytes.is_empty() && bytes.len() % STATE_LENGTH == 0;
-                if is_whole && packets(&bytes).last() == Some(&0.0) {
-                    break;
-                }
-                std::thread::sleep(Duration::from_millis(1));
-            }
-            closing.join().unwrap();
-            if is_read {
-                assert_eq!(packets(&bytes).last(), Some(&0.0));
-            } else {
-                let took = begun.elapsed();
-                assert!(took >= LAST_TRY && took < 5 * LAST_TRY, "{took:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn packets_of_two_threads_stay_whole() {
-        let pty = Pty::open(None).unwrap();
-        let serial = Serial::open(pty.path()).unwrap();
-        let line = Line::new(serial, Generation::Three.layout()).unwrap();
-        let ending = AtomicBool::new(false);
-        let mut bytes = Vec::new();
-        std::thread::scope(|scope| {
-            let cutter = line.cutter();
-            scope.spawn(|| {
-                while !ending.load(Ordering::Acquire) {
-                    let _ = line.command([0.1, 0.1]);
-                    let _ = line.ask();
-                }
-            });
-            scope.spawn(|| {
-                let cutter = cutter;
-                while !ending.load(Ordering::Acquire) {
-                    cutter.cut();
-                }
-            });
-            // Slowly, so that the port is full now and then.
-            let begun = Instant::now();
-            while begun.elapsed() < Duration::from_millis(300) {
-                std::thread::sleep(Duration::from_micros(300));
-                pty.read(&mut bytes);
-            }
-            ending.store(true, Ordering::Release);
-        });
-        line.cutter().cut();
-        let begun = Instant::now();
-        while begun.elapsed() < Duration::from_millis(200) {
-            pty.read(&mut bytes);
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        let torques = packets(&bytes);
-        assert!(torques.len() > 1000, "{}", torques.len());
-        assert!(torques.contains(&0.1) && torques.contains(&0.0));
-        assert_eq!(torques.last(), Some(&0.0));
-    }
-}
+#[path = "line_tests.rs"]
+mod tests;

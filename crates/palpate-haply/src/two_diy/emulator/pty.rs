@@ -84,6 +84,18 @@ impl Pty {
         let _ = poll(&mut fds, Some(&limit));
     }
 
+    /// Bytes that have arrived at the host's end and were not read there.
+    #[cfg(test)]
+    pub fn unread(&self) -> u64 {
+        rustix::io::ioctl_fionread(&self.host).unwrap()
+    }
+
+    /// Bytes that have arrived at the board's end and were not read there.
+    #[cfg(test)]
+    pub fn arrived(&self) -> u64 {
+        rustix::io::ioctl_fionread(&self.board).unwrap()
+    }
+
     /// Lets the next one open the host's end, though a killed one has left it shut.
     pub fn let_in(&self) {
         let _ = ioctl_tiocnxcl(&self.host);
