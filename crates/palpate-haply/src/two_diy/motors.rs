@@ -13,10 +13,15 @@ const TORQUE: f32 = 0.03;
 /// A pulse ends after this, or when the arm has moved by that much `[degrees]`.
 const LONGEST_PULSE: Duration = Duration::from_millis(80);
 const FARTHEST: f32 = 4.0;
-/// How often a pulse is tried.
-const PULSES: u32 = 5;
-/// How long the arm is left alone between pulses.
+/// How often a pulse is tried, and a motor is tried until two verdicts in a row agree.
+const TRIES: u32 = 5;
+/// How long the arm is left alone between pulses, at least.
 const REST: Duration = Duration::from_millis(250);
+/// The arm is at rest when no joint has turned by more than this many quanta for that long.
+const AT_REST: f64 = 1.5;
+const AT_REST_FOR: Duration = Duration::from_millis(100);
+/// How long the arm may take to come to rest.
+const LONGEST_REST: Duration = Duration::from_secs(5);
 
 /// What a motor does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,7 +87,24 @@ impl<C: Clock> TwoDiy<C> {
         checked
     }
 
+    /// One pair of pulses can mislead: a program that stood still meanwhile, a hand that touched the
+    /// arm. Two in a row that agree do so only if the cause stays.
     fn check(&mut self, joint: usize, stop: &StopFlag) -> Result<Checked, Unchecked> {
+        let mut before = self.check_once(joint, stop)?;
+        for _ in 0..TRIES {
+            let checked = self.check_once(joint, stop)?;
+            if checked.verdict == before.verdict {
+                return Ok(checked);
+            }
+            before = checked;
+        }
+        Err(refused(
+            "one pulse says another thing than the next: let go of the arm, close other programs \
+             and try again",
+        ))
+    }
+
+    fn check_once(&mut self, joint: usize, stop: &StopFlag) -> Result<Checked, Unchecked> {
         let forwards = self.pulse(joint, TORQUE, stop)?;
         let backwards = self.pulse(joint, -TORQUE, stop)?;
         let turned = [0, 1].map(|k| forwards[k] - backwards[k]);
@@ -104,17 +126,16 @@ impl<C: Clock> TwoDiy<C> {
     /// How far the joints turn in a pulse `[degrees]`. One during which this program stood still says
     /// nothing: the arm went on until it came back.
     fn pulse(&mut self, joint: usize, torque: f32, stop: &StopFlag) -> Result<[f32; 2], Unchecked> {
-        for _ in 0..PULSES {
+        for _ in 0..TRIES {
             let (moved, took) = self.pulse_once(joint, torque, stop)?;
             let is_too_far = moved.iter().any(|by| by.abs() > 3.0 * FARTHEST);
             if took < 2 * LONGEST_PULSE && !is_too_far {
                 return Ok(moved);
             }
         }
-        Err(Unchecked::Device(DeviceError::new(
-            DeviceErrorKind::Refused,
+        Err(refused(
             "this machine is too busy to give short pulses: close other programs and try again",
-        )))
+        ))
     }
 
     fn pulse_once(
@@ -142,24 +163,41 @@ impl<C: Clock> TwoDiy<C> {
         Ok((moved, begun.elapsed()))
     }
 
-    /// The angles after the arm was left alone.
+    /// The angles after the arm was left alone and has come to rest.
     fn at_rest(&mut self, stop: &StopFlag) -> Result<[f32; 2], Unchecked> {
         self.command([0.0; 2])?;
         let begun = Instant::now();
-        let mut last = Err(DeviceError::new(
-            DeviceErrorKind::NothingNew,
-            "the board did not answer",
-        ));
-        while begun.elapsed() < REST {
+        let farthest = AT_REST * self.board().coarsest_quantum(self.layout());
+        // The angles that the arm has kept, and since when.
+        let mut kept: Option<([f32; 2], Instant)> = None;
+        while begun.elapsed() < LONGEST_REST {
             std::thread::sleep(Duration::from_millis(2));
             go_on(stop)?;
-            match self.ask() {
-                Err(error) if error.kind == DeviceErrorKind::NothingNew => {}
-                answered => last = Ok(answered?),
+            let angles = match self.ask() {
+                Err(error) if error.kind == DeviceErrorKind::NothingNew => continue,
+                answered => answered?,
+            };
+            let has_turned =
+                |from: [f32; 2]| (0..2).any(|k| f64::from((angles[k] - from[k]).abs()) > farthest);
+            match kept {
+                Some((from, since)) if !has_turned(from) => {
+                    if since.elapsed() >= AT_REST_FOR && begun.elapsed() >= REST {
+                        return Ok(angles);
+                    }
+                }
+                _ => kept = Some((angles, Instant::now())),
             }
         }
-        Ok(last?)
+        Err(refused(if kept.is_some() {
+            "the arm does not come to rest: let go of it"
+        } else {
+            "the board did not answer"
+        }))
     }
+}
+
+fn refused(what: &'static str) -> Unchecked {
+    Unchecked::Device(DeviceError::new(DeviceErrorKind::Refused, what))
 }
 
 fn go_on(stop: &StopFlag) -> Result<(), Unchecked> {
