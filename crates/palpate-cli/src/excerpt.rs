@@ -29,9 +29,14 @@ impl Excerpt {
         let line_end = |from: usize| text[from..].find('\n').map_or(text.len(), |at| from + at);
         let from = line_start(line_start(start).saturating_sub(1));
         let to = line_end((line_end(end) + 1).min(text.len()));
+        let mut lines = text[from..to].to_owned();
+        if text[from..start].ends_with('\n') && start == to {
+            // An empty last line would be left out, and the fault shown at the end of the line before.
+            lines.push(' ');
+        }
         Self {
             file: file.to_owned(),
-            lines: text[from..to].to_owned(),
+            lines,
             first: 1 + text[..from].matches('\n').count(),
             span: start - from..end - from,
         }

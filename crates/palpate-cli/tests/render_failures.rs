@@ -52,7 +52,7 @@ fn the_line_at_fault_is_drawn() {
     let drawing = [
         "bad.csv:3:6\n",
         "2 │ 0,0\n3 │ 0.01,oops\n",
-        "  │      ━━━━ here",
+        "  ╰╴     ━━━━ here",
     ];
     folder.fail(&format!("render bad.csv {FLAGS}"), 3, &drawing);
 }
