@@ -5,9 +5,7 @@ use std::io::{self, Write};
 use std::ops::Range;
 use std::process::ExitCode;
 
-use miette::{
-    Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode,
-};
+use crate::excerpt::Excerpt;
 
 /// Why a command ended without its result.
 #[derive(Debug)]
@@ -30,7 +28,7 @@ pub struct InputFault {
     /// What is wrong, where (`file:line:column`), and what is allowed.
     pub message: String,
     /// The text at fault and the bytes to point at, if there is text.
-    pub excerpt: Option<(NamedSource<String>, Range<usize>)>,
+    pub excerpt: Option<Excerpt>,
 }
 
 impl Failure {
@@ -51,7 +49,7 @@ impl Failure {
     ) -> Self {
         Self::Input(Box::new(InputFault {
             message: message.to_string(),
-            excerpt: Some((NamedSource::new(file, text.to_owned()), span)),
+            excerpt: Some(Excerpt::new(file, text, span)),
         }))
     }
 
@@ -74,11 +72,10 @@ impl Failure {
                 format!("{message}\n\nFor more information, try '--help'."),
                 2,
             ),
-            Self::Input(fault) if fault.excerpt.is_some() => (
-                format!("{}\n{}", fault.message, fault.drawing().trim_end()),
-                3,
-            ),
-            Self::Input(fault) => (fault.message.clone(), 3),
+            Self::Input(fault) => match &fault.excerpt {
+                Some(excerpt) => (format!("{}\n{}", fault.message, excerpt.drawing()), 3),
+                None => (fault.message.clone(), 3),
+            },
             Self::NotWhole => return ExitCode::from(4),
             Self::Interrupted(message) => {
                 tell(message);
@@ -94,53 +91,4 @@ impl Failure {
 /// to stop: `eprintln!` would.
 pub fn tell(message: impl fmt::Display) {
     let _ = writeln!(io::stderr().lock(), "{message}");
-}
-
-impl InputFault {
-    /// The lines at fault, with the fault marked.
-    fn drawing(&self) -> String {
-        let colour = std::io::IsTerminal::is_terminal(&std::io::stderr());
-        let theme = if colour {
-            GraphicalTheme::unicode()
-        } else {
-            GraphicalTheme::unicode_nocolor()
-        };
-        let mut drawing = String::new();
-        // A drawing that fails leaves the message, which says it all.
-        let _ = GraphicalReportHandler::new_themed(theme)
-            .with_context_lines(1)
-            .render_report(&mut drawing, self);
-        // The first line repeats the message.
-        match drawing.find('╭') {
-            Some(at) => {
-                let start = drawing[..at].rfind('\n').map_or(0, |newline| newline + 1);
-                drawing[start..].to_string()
-            }
-            None => String::new(),
-        }
-    }
-}
-
-impl fmt::Display for InputFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.message)
-    }
-}
-
-impl std::error::Error for InputFault {}
-
-impl Diagnostic for InputFault {
-    fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.excerpt
-            .as_ref()
-            .map(|(source, _)| source as &dyn SourceCode)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let (_, span) = self.excerpt.as_ref()?;
-        Some(Box::new(std::iter::once(LabeledSpan::new_with_span(
-            Some("here".into()),
-            span.clone(),
-        ))))
-    }
 }

@@ -3,6 +3,7 @@
 mod arguments;
 mod commands;
 mod devices;
+mod excerpt;
 mod failure;
 mod figure;
 mod hand;

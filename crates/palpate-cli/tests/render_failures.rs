@@ -49,7 +49,11 @@ fn a_fault_of_the_trace_is_shown_in_its_line_and_column() {
 fn the_line_at_fault_is_drawn() {
     let folder = Folder::new();
     folder.write("bad.csv", "t_s,position_m\n0,0\n0.01,oops\n");
-    let drawing = [" 2 │ 0,0\n", " 3 │ 0.01,oops\n", "─┬─", "╰── here"];
+    let drawing = [
+        "bad.csv:3:6\n",
+        "2 │ 0,0\n3 │ 0.01,oops\n",
+        "  ╰╴     ━━━━ here",
+    ];
     folder.fail(&format!("render bad.csv {FLAGS}"), 3, &drawing);
 }
 

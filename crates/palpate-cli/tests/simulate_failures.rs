@@ -194,8 +194,8 @@ fn the_line_at_fault_is_drawn() {
     folder.write("bad.toml", text);
     let drawing = [
         "did you mean period_s?",
-        " 21 │ period = 0.01\n",
-        "╰── here",
+        "20 │ [loop]\n21 │ period = 0.01\n",
+        "━━━━━━ here",
     ];
     folder.fail("simulate bad.toml", 3, &drawing);
 }

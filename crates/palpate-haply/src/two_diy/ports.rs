@@ -1,6 +1,7 @@
 //! Serial ports that are there, and which of them may be a 2DIY.
 
-use serialport::SerialPortType;
+#[cfg(target_os = "linux")]
+mod sysfs;
 
 /// A serial port.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -39,22 +40,37 @@ impl Guess {
 /// Vendors of the boards: Arduino (two numbers).
 const ARDUINO: [u16; 2] = [0x2341, 0x2a03];
 
+/// How a port is connected.
+#[derive(Clone, Debug, PartialEq, Eq)]
+// No system has them all.
+#[allow(dead_code)]
+enum Connection {
+    Usb(Usb),
+    Bluetooth,
+    Pci,
+    Other,
+}
+
+/// What a device on USB says of itself.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Usb {
+    vendor: u16,
+    product: u16,
+    manufacturer_name: String,
+    product_name: String,
+}
+
 /// Every serial port of this machine, the likeliest 2DIY first.
 ///
 /// # Errors
 /// What the system says.
 pub fn ports() -> Result<Vec<Port>, String> {
-    // Where there is no such folder there are no ports, and the library would panic.
-    if cfg!(target_os = "linux") && !std::path::Path::new("/sys/class/tty").is_dir() {
-        return Ok(Vec::new());
-    }
-    let found = serialport::available_ports().map_err(|error| error.to_string())?;
-    let mut ports: Vec<_> = found
+    let mut ports: Vec<_> = connected()?
         .into_iter()
-        .map(|port| {
-            let (description, guess) = describe(&port.port_type);
+        .map(|(path, connection)| {
+            let (description, guess) = describe(&connection);
             Port {
-                path: port.port_name,
+                path,
                 description,
                 guess,
             }
@@ -64,47 +80,71 @@ pub fn ports() -> Result<Vec<Port>, String> {
     Ok(ports)
 }
 
-fn describe(kind: &SerialPortType) -> (String, Guess) {
-    match kind {
-        SerialPortType::UsbPort(usb) => {
-            let product = usb.product.as_deref().unwrap_or_default();
-            let maker = usb.manufacturer.as_deref().unwrap_or_default();
-            let names = format!("{maker} {product}");
-            let guess = if product.contains("Arduino Zero") {
+/// What to open, and how it is connected.
+#[cfg(target_os = "linux")]
+fn connected() -> Result<Vec<(String, Connection)>, String> {
+    use std::path::Path;
+    sysfs::ports(Path::new("/sys/class/tty"), Path::new("/dev"))
+        .map_err(|error| format!("/sys/class/tty: {error}"))
+}
+
+/// What to open, and how it is connected.
+#[cfg(not(target_os = "linux"))]
+fn connected() -> Result<Vec<(String, Connection)>, String> {
+    use serialport::SerialPortType;
+    let found = serialport::available_ports().map_err(|error| error.to_string())?;
+    let connection = |kind| match kind {
+        SerialPortType::UsbPort(usb) => Connection::Usb(Usb {
+            vendor: usb.vid,
+            product: usb.pid,
+            manufacturer_name: usb.manufacturer.unwrap_or_default(),
+            product_name: usb.product.unwrap_or_default(),
+        }),
+        SerialPortType::BluetoothPort => Connection::Bluetooth,
+        SerialPortType::PciPort => Connection::Pci,
+        SerialPortType::Unknown => Connection::Other,
+    };
+    Ok(found
+        .into_iter()
+        .map(|port| (port.port_name, connection(port.port_type)))
+        .collect())
+}
+
+fn describe(connection: &Connection) -> (String, Guess) {
+    match connection {
+        Connection::Usb(usb) => {
+            let names = format!("{} {}", usb.manufacturer_name, usb.product_name);
+            let guess = if usb.product_name.contains("Arduino Zero") {
                 Guess::M0
-            } else if product.contains("Arduino Due") {
+            } else if usb.product_name.contains("Arduino Due") {
                 Guess::M3
-            } else if ARDUINO.contains(&usb.vid) || names.contains("Haply") {
+            } else if ARDUINO.contains(&usb.vendor) || names.contains("Haply") {
                 Guess::Arduino
             } else {
                 Guess::OtherUsb
             };
-            let number = format!("USB {:04x}:{:04x}", usb.vid, usb.pid);
+            let number = format!("USB {:04x}:{:04x}", usb.vendor, usb.product);
             (format!("{number} {}", names.trim()).trim().into(), guess)
         }
-        SerialPortType::BluetoothPort => ("Bluetooth".into(), Guess::Other),
-        SerialPortType::PciPort => ("PCI".into(), Guess::Other),
-        SerialPortType::Unknown => ("not on USB".into(), Guess::Other),
+        Connection::Bluetooth => ("Bluetooth".into(), Guess::Other),
+        Connection::Pci => ("PCI".into(), Guess::Other),
+        Connection::Other => ("not on USB".into(), Guess::Other),
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use serialport::UsbPortInfo;
-
     use super::*;
 
     #[test]
     fn boards_are_guessed_by_what_they_call_themselves() {
-        let usb = |vid, maker: &str, product: &str| {
-            let kind = SerialPortType::UsbPort(UsbPortInfo {
-                vid,
-                pid: 0x804d,
-                serial_number: None,
-                manufacturer: Some(maker.into()),
-                product: Some(product.into()),
-            });
-            describe(&kind)
+        let usb = |vendor, maker: &str, product: &str| {
+            describe(&Connection::Usb(Usb {
+                vendor,
+                product: 0x804d,
+                manufacturer_name: maker.into(),
+                product_name: product.into(),
+            }))
         };
         let (description, guess) = usb(0x2341, "Arduino LLC", "Arduino Zero");
         assert_eq!(description, "USB 2341:804d Arduino LLC Arduino Zero");
@@ -112,7 +152,7 @@ mod tests {
         assert_eq!(usb(0x2341, "Arduino LLC", "Arduino Due").1, Guess::M3);
         assert_eq!(usb(0x2a03, "", "").1, Guess::Arduino);
         assert_eq!(usb(0x0403, "FTDI", "FT232R").1, Guess::OtherUsb);
-        assert_eq!(describe(&SerialPortType::Unknown).1, Guess::Other);
+        assert_eq!(describe(&Connection::Other).1, Guess::Other);
         assert!(Guess::Arduino.is_likely() && !Guess::OtherUsb.is_likely());
     }
 }

@@ -5,13 +5,17 @@ use std::sync::atomic::Ordering;
 use std::sync::mpsc::SyncSender;
 use std::time::Duration;
 
-use axum::body::Bytes;
-use axum::extract::ws::{CloseFrame, Message, WebSocket, close_code};
+use futures_util::{SinkExt, StreamExt};
 use tokio::time::{Instant, sleep_until, timeout};
+use tokio_tungstenite::tungstenite::protocol::CloseFrame;
+use tokio_tungstenite::tungstenite::protocol::frame::coding::CloseCode;
+use tokio_tungstenite::tungstenite::{Bytes, Error, Message};
 
 use crate::hub::{Hub, Outgoing, Seat};
 use crate::message::{Heard, Said, hear};
 use crate::session::Command;
+
+use super::upgrade::WebSocket;
 
 /// Longest message of a client [bytes].
 pub const LONGEST: usize = 4096;
@@ -46,8 +50,8 @@ pub async fn serve(mut socket: WebSocket, hub: Arc<Hub>, commands: SyncSender<Co
     if let Some(frame) = why {
         let goodbye = async {
             socket.send(Message::Close(Some(frame))).await?;
-            while let Some(Ok(_)) = socket.recv().await {}
-            Ok::<(), axum::Error>(())
+            while let Some(Ok(_)) = socket.next().await {}
+            Ok::<(), Error>(())
         };
         // Whoever does not say goodbye is let go all the same.
         let _ = timeout(GOODBYE, goodbye).await;
@@ -78,10 +82,10 @@ async fn converse(
             }
             next = seat.queue.recv() => {
                 if seat.is_given_up.load(Ordering::Acquire) {
-                    return Some(away(close_code::AGAIN, "too slow for what is told here"));
+                    return Some(away(CloseCode::Again, "too slow for what is told here"));
                 }
                 let Some(outgoing) = next else {
-                    return Some(away(close_code::AWAY, "palpate live has ended"));
+                    return Some(away(CloseCode::Away, "palpate live has ended"));
                 };
                 let message = match outgoing {
                     Outgoing::Text(text) => Message::Text(text),
@@ -95,16 +99,16 @@ async fn converse(
                     Ok(Err(_)) | Err(_) => return None,
                 }
             }
-            said = async { sleep_until(listens_from).await; socket.recv().await } => {
+            said = async { sleep_until(listens_from).await; socket.next().await } => {
                 allowance.take();
                 heard = Instant::now();
                 let text = match said? {
                     Ok(Message::Text(text)) if text.len() <= LONGEST => text,
                     Ok(Message::Text(_)) => return Some(too_long()),
                     Ok(Message::Binary(_)) => {
-                        return Some(away(close_code::UNSUPPORTED, "text is needed"));
+                        return Some(away(CloseCode::Unsupported, "text is needed"));
                     }
-                    Ok(Message::Ping(_) | Message::Pong(_)) => continue,
+                    Ok(Message::Ping(_) | Message::Pong(_) | Message::Frame(_)) => continue,
                     Ok(Message::Close(_)) => return None,
                     Err(error) => return wrong(&error),
                 };
@@ -114,7 +118,7 @@ async fn converse(
                         .err()
                         .map(|_| ("", "too much is wished at once; say it again".to_owned())),
                     Heard::Refused(about, text) => Some((about, text)),
-                    Heard::Unknown(why) => return Some(away(close_code::INVALID, why)),
+                    Heard::Unknown(why) => return Some(away(CloseCode::Invalid, why)),
                 };
                 if let Some((about, text)) = refused {
                     hub.tell(seat.id, Said::Refused { about, text: &text }.text());
@@ -124,7 +128,7 @@ async fn converse(
     }
 }
 
-fn away(code: u16, reason: &'static str) -> SentAway {
+fn away(code: CloseCode, reason: &'static str) -> SentAway {
     CloseFrame {
         code,
         reason: reason.into(),
@@ -132,18 +136,15 @@ fn away(code: u16, reason: &'static str) -> SentAway {
 }
 
 fn too_long() -> SentAway {
-    away(close_code::SIZE, "a message may have 4096 bytes")
+    away(CloseCode::Size, "a message may have 4096 bytes")
 }
 
 /// What is said of a frame that could not be read, if its sender is still there.
-fn wrong(error: &axum::Error) -> Option<SentAway> {
-    let text = error.to_string();
-    if text.contains("too long") || text.contains("Space limit exceeded") {
-        Some(too_long())
-    } else if text.contains("UTF-8") || text.contains("utf-8") {
-        Some(away(close_code::INVALID, "a text is UTF-8"))
-    } else {
-        None
+fn wrong(error: &Error) -> Option<SentAway> {
+    match error {
+        Error::Capacity(_) => Some(too_long()),
+        Error::Utf8(_) => Some(away(CloseCode::Invalid, "a text is UTF-8")),
+        _ => None,
     }
 }
 

@@ -3,7 +3,7 @@
 
 use std::net::{IpAddr, SocketAddr};
 
-use axum::http::{HeaderMap, StatusCode, Uri, header};
+use hyper::{HeaderMap, StatusCode, Uri, header};
 
 /// Who is answered.
 #[derive(Clone, Debug)]
@@ -87,9 +87,8 @@ impl Gate {
     /// The origin is another server.
     pub fn origin(&self, headers: &HeaderMap, host: &str) -> Result<(), Refusal> {
         let own = format!("http://{host}");
-        let is_own = |origin: &axum::http::HeaderValue| {
-            origin.as_bytes().eq_ignore_ascii_case(own.as_bytes())
-        };
+        let is_own =
+            |origin: &header::HeaderValue| origin.as_bytes().eq_ignore_ascii_case(own.as_bytes());
         if headers.get_all(header::ORIGIN).iter().all(is_own) {
             Ok(())
         } else {
@@ -152,7 +151,7 @@ fn is_address(name: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use axum::http::HeaderValue;
+    use hyper::header::HeaderValue;
 
     use super::*;
 

@@ -5,6 +5,7 @@ mod client;
 mod connections;
 mod gate;
 mod page;
+mod upgrade;
 
 use std::convert::Infallible;
 use std::io;
@@ -15,11 +16,12 @@ use std::sync::mpsc::SyncSender;
 use std::thread::{Builder, JoinHandle};
 use std::time::Duration;
 
-use axum::body::Body;
-use axum::extract::{FromRequestParts, Request, WebSocketUpgrade};
-use axum::http::{HeaderValue, Method, Response, StatusCode, header};
+use http_body_util::Full;
+use hyper::body::{Bytes, Incoming};
+use hyper::header::HeaderValue;
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
+use hyper::{Method, Request, Response, StatusCode, header};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use tokio::net::{TcpListener, TcpSocket, TcpStream};
 use tokio::sync::oneshot;
@@ -28,6 +30,9 @@ use crate::hub::Hub;
 use crate::session::Command;
 use connections::Connections;
 use gate::{Gate, Refusal};
+
+/// The body of an answer.
+type Body = Full<Bytes>;
 
 /// Where it listens if nothing else is said.
 pub const DEFAULT_ADDRESS: SocketAddr =
@@ -207,9 +212,9 @@ async fn accept(listener: TcpListener, served: Arc<Served>, mut stopped: oneshot
 async fn answer_one(stream: TcpStream, served: Arc<Served>) {
     // A frame is to be seen when it comes.
     let _ = stream.set_nodelay(true);
-    let service = service_fn(move |request: hyper::Request<hyper::body::Incoming>| {
-        let served = Arc::clone(&served);
-        async move { Ok::<_, Infallible>(answer(&served, request.map(Body::new)).await) }
+    let service = service_fn(move |request| {
+        let answer = answer(&served, request);
+        async move { Ok::<_, Infallible>(answer) }
     });
     let connection = http1::Builder::new()
         .timer(TokioTimer::new())
@@ -221,13 +226,13 @@ async fn answer_one(stream: TcpStream, served: Arc<Served>) {
     let _ = tokio::time::timeout(connections::PATIENCE, connection).await;
 }
 
-async fn answer(served: &Arc<Served>, request: Request) -> Response<Body> {
+fn answer(served: &Arc<Served>, request: Request<Incoming>) -> Response<Body> {
     let mut connect = "ws:".to_owned();
     let answered = match served.gate.host(request.headers()) {
         Ok(host) => {
             connect = format!("ws://{host}");
             let host = host.to_owned();
-            route(served, request, &host).await
+            route(served, request, &host)
         }
         Err(refusal) => Err(refusal),
     };
@@ -262,9 +267,9 @@ async fn answer(served: &Arc<Served>, request: Request) -> Response<Body> {
     response
 }
 
-async fn route(
+fn route(
     served: &Arc<Served>,
-    request: Request,
+    request: Request<Incoming>,
     host: &str,
 ) -> Result<Response<Body>, Refusal> {
     let path = request.uri().path();
@@ -291,19 +296,18 @@ async fn route(
         let text = "64 clients are served already\n";
         return Err(Refusal(StatusCode::SERVICE_UNAVAILABLE, text));
     };
-    let (mut parts, _) = request.into_parts();
-    let upgrade = WebSocketUpgrade::from_request_parts(&mut parts, &())
-        .await
-        .map_err(|_| Refusal(StatusCode::BAD_REQUEST, "this is for a WebSocket\n"))?;
-    Ok(upgrade
-        // A little more than a message may have, so that one a little too long is answered.
-        .max_message_size(2 * client::LONGEST)
-        .max_frame_size(2 * client::LONGEST)
-        .on_upgrade(move |socket| async move {
-            let served = &place.0;
-            let (hub, commands) = (Arc::clone(&served.hub), served.commands.clone());
-            client::serve(socket, hub, commands).await;
-        }))
+    let Some((response, socket)) = upgrade::upgrade(request) else {
+        let text = "this is for a WebSocket\n";
+        return Err(Refusal(StatusCode::BAD_REQUEST, text));
+    };
+    tokio::spawn(async move {
+        let served = &place.0;
+        // Who is gone before the answer came needs nothing more.
+        if let Ok(socket) = socket.await {
+            client::serve(socket, Arc::clone(&served.hub), served.commands.clone()).await;
+        }
+    });
+    Ok(response)
 }
 
 /// One of the places for clients, until it is dropped.
