@@ -105,7 +105,7 @@ fn a_run_in_real_time_takes_its_time_and_reports() {
     assert!(begun.elapsed() >= Duration::from_millis(499));
     let report = parse(&answer);
     all_periods(&report["timing"], 500);
-    assert_eq!(report["ending"], "it was complete");
+    assert_eq!(report["ending"], "its time was over");
     assert!(number(&report["timing"]["lateness_s"], "longest") >= 0.0);
     let asked = |index: usize| report["realtime"][index]["asked"].as_str();
     assert_eq!(asked(0), Some("SCHED_FIFO, priority 80"));
@@ -333,7 +333,7 @@ fn a_run_that_is_killed_leaves_a_recording_up_to_its_last_flush() {
             child.kill().unwrap();
             child.wait().unwrap();
             let recording = Recording::open(&folder.path(&format!("{file}.part"))).unwrap();
-            assert!(!recording.complete);
+            assert!(!recording.finished);
             assert_eq!(recording.missing, [], "{file}");
             assert!(recording.damage.is_empty(), "{:?}", recording.damage);
             fewest = fewest.min(recording.ticks);
