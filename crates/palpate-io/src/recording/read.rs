@@ -129,8 +129,8 @@ impl Recording {
                     entries.iter().for_each(|entry| recording.count(entry));
                     recording.unchecked = entries.len() as u64;
                     recording.tail = Some(format!(
-                        "cut off within its last chunk, of which {} could be read, without a \
-                         checksum",
+                        "cut off within its last chunk, of which {} messages are read that no \
+                         checksum covers",
                         entries.len()
                     ));
                     torn = size;
