@@ -253,7 +253,8 @@ Say what is in a recording, and what is missing from it.
 
 A recording is an MCAP file that a loop with a device has written; one that was cut off, or that is \
 being written (NAME.part), is read as far as it goes. Lost ticks are counted from the numbers of \
-those that are there, and no chunk is believed whose checksum does not fit.")]
+those that are there and from what the loop itself has counted, and no chunk is believed whose checksum \
+does not fit. Chunks in lz4 and zstd, as other tools write them, are read as well.")]
     #[command(after_help = "\
 Examples:
   palpate info tap.mcap
