@@ -16,9 +16,12 @@ pub enum Failure {
     Arguments(String),
     /// An input file is wrong: exit code 3.
     Input(Box<InputFault>),
-    /// The command is done, but the recording it read is not whole, as has been said: exit code 4.
+    /// The command is done, but the recording it read or made is not whole, as has been said: exit code
+    /// 4.
     NotWhole,
-    /// The user ended it before its end: exit code 130, as the shell's for ctrl-C.
+    /// The loop ran, but the motors were off at its end or for most of it: exit code 5.
+    MotorsOff(String),
+    /// A signal of the user's ended it before its end: exit code 130, as the shell's for ctrl-C.
     Interrupted(String),
 }
 
@@ -56,9 +59,10 @@ impl Failure {
     /// What went wrong, in words.
     pub fn message(&self) -> String {
         match self {
-            Self::System(message) | Self::Arguments(message) | Self::Interrupted(message) => {
-                message.clone()
-            }
+            Self::System(message)
+            | Self::Arguments(message)
+            | Self::MotorsOff(message)
+            | Self::Interrupted(message) => message.clone(),
             Self::Input(fault) => fault.message.clone(),
             Self::NotWhole => "a recording is not whole".to_owned(),
         }
@@ -77,6 +81,7 @@ impl Failure {
                 None => (fault.message.clone(), 3),
             },
             Self::NotWhole => return ExitCode::from(4),
+            Self::MotorsOff(message) => (message.clone(), 5),
             Self::Interrupted(message) => {
                 tell(message);
                 return ExitCode::from(130);

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use palpate_io::recording::{Gap, Recording, RecordingError};
 
 use crate::failure::{Failure, tell};
-use crate::report::counted;
+use crate::report::{counted, digits};
 
 /// Gaps that are told one by one.
 const MOST_GAPS: usize = 5;
@@ -35,7 +35,16 @@ pub fn open(path: &Path) -> Result<Recording, Failure> {
 pub fn shortcomings(recording: &Recording) -> Vec<String> {
     let mut words = Vec::new();
     if let Some(tail) = &recording.tail {
-        words.push(format!("not complete: {tail}"));
+        let there = match recording.last {
+            Some(last) => format!(
+                "{} can be read, up to tick {} at {:.3} s",
+                counted(recording.ticks, "tick"),
+                last.sequence,
+                last.time
+            ),
+            None => "no tick can be read".to_owned(),
+        };
+        words.push(format!("not complete: {tail}; {there}"));
     }
     if recording.lost() > 0 {
         let known = recording.ticks.saturating_add(recording.lost());
@@ -46,9 +55,44 @@ pub fn shortcomings(recording: &Recording) -> Vec<String> {
             gaps(&recording.missing)
         ));
     }
+    if recording.lost_events() > 0 {
+        let made = recording.events.saturating_add(recording.lost_events());
+        words.push(format!(
+            "{} of {} lost",
+            recording.lost_events(),
+            counted(made, "event")
+        ));
+    }
     let damaged = recording.damage.iter();
     words.extend(damaged.map(|damage| format!("not what was written, and left out: {damage}")));
     words
+}
+
+/// File, state, ticks, losses and size, in a line.
+pub fn in_a_line(recording: &Recording) -> String {
+    let state = if recording.is_complete() {
+        "complete"
+    } else if recording.is_whole() {
+        "finished"
+    } else {
+        "not complete"
+    };
+    let ticks = match recording.ticks_made() {
+        Some(made) if made != recording.ticks => {
+            format!("{} of {}", recording.ticks, counted(made, "tick"))
+        }
+        _ => counted(recording.ticks, "tick"),
+    };
+    let events = match recording.lost_events() {
+        0 => String::new(),
+        lost => format!(", {} lost", counted(lost, "event")),
+    };
+    format!(
+        "{}: {state}, {ticks}, {} lost{events}, {} MB",
+        recording.path().display(),
+        recording.lost(),
+        digits(1e-6 * recording.bytes as f64),
+    )
 }
 
 /// Says on standard error what is not as it should be, if anything is; the command has done what it

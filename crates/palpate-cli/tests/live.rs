@@ -48,6 +48,25 @@ fn it_says_where_the_page_is_and_ends_with_a_report() {
 }
 
 #[test]
+fn one_that_is_stopped_before_its_time_has_an_exit_code() {
+    let folder = Folder::new();
+    let live = "live --listen 127.0.0.1:0 --priority 0 --duration 1000";
+    let mut live = program(&folder, live);
+    let mut child = Running::start(live.stdout(Stdio::piped()).stderr(Stdio::piped()));
+    let mut out = BufReader::new(child.stdout.take().unwrap());
+    let mut url = String::new();
+    out.read_line(&mut url).unwrap();
+    child.signal("INT");
+    let output = child.output();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{said}");
+    assert!(
+        said.contains("stopped before its 1000 s were over"),
+        "{said}"
+    );
+}
+
+#[test]
 fn it_records_every_lane_from_its_first_tick() {
     let folder = Folder::new();
     folder.write("wall.toml", experiment_text("wall"));
@@ -70,7 +89,12 @@ fn it_records_every_lane_from_its_first_tick() {
             recording.ticks
         );
         assert_eq!(recording.lost(), 0, "{file}");
-        assert!(report.stdout.contains(file), "{report:?}");
+        // The same line as of `run`, size and all.
+        assert!(recording.is_complete(), "{file}");
+        let line = format!("{file}: complete, {} ticks, 0 lost, 0.", recording.ticks);
+        assert!(report.stdout.contains(&line), "{report:?}");
+        assert!(!report.stdout.contains(" 0 MB"), "{report:?}");
+        assert!(recording.bytes > 10_000, "{}", recording.bytes);
     }
     folder.succeed("replay wall-2-hfcr.mcap --method basic");
     // Nothing is overwritten.

@@ -4,7 +4,7 @@ mod common;
 mod recordings;
 
 use common::{Folder, number, of_method, parse};
-use palpate_io::recording::{Receipt, RecordingWriter};
+use palpate_io::recording::{LoopCount, Receipt, RecordingWriter};
 use palpate_sim::method::MethodName;
 use recordings::{loop_of, record, tick, write};
 
@@ -34,6 +34,10 @@ fn info_says_what_is_in_a_recording() {
         (&report["whole"], &report["ticks_lost"]),
         (&true.into(), &0.into())
     );
+    assert_eq!(report["complete"], true);
+    assert_eq!(report["ticks_made"], report["ticks"]);
+    let size = std::fs::metadata(folder.path("tap.mcap")).unwrap().len();
+    assert_eq!(report["bytes"], size);
     assert_eq!(number(&report, "ticks"), run.ticks.len() as f64);
     let rate = number(&report, "rate_hz");
     let expected = (run.ticks.len() - 1) as f64 / (run.last().time - run.ticks[0].time);
@@ -99,6 +103,72 @@ fn what_is_lost_is_said_and_has_an_exit_code() {
     assert_eq!(parse(&report.stdout)["recording"]["ticks_lost"], 7);
 }
 
+/// The last ticks are lost, and so is the event of the end: only the count of the loop says so.
+#[test]
+fn a_tail_that_is_lost_is_said_and_has_an_exit_code() {
+    let folder = Folder::new();
+    let (text, run) = loop_of("experiment1", MethodName::Hfcr);
+    let receipt = Receipt::new("0.1.0").with("scene", &text);
+    let write = |name: &str, count: Option<LoopCount>| {
+        let mut writer = RecordingWriter::create(&folder.path(name), &receipt).unwrap();
+        for at in 0..30 {
+            writer.append(&tick(&run, at)).unwrap();
+        }
+        if let Some(count) = count {
+            writer.count(&count).unwrap();
+        }
+        writer.finish().unwrap();
+    };
+    let count = LoopCount {
+        ticks: 36,
+        events: 2,
+        motors_off: 9,
+        ending: None,
+    };
+    write("late.mcap", Some(count));
+    let answer = folder.palpate("info late.mcap");
+    assert_eq!(answer.code, 4, "{answer:?}");
+    for words in [
+        "6 of 36 ticks lost: 6 after tick 29\n",
+        "2 of 2 events lost\n",
+        "safety had the motors off for 9 of 36 ticks (25.0 %)\n",
+    ] {
+        assert!(answer.stdout.contains(words), "{words}: {}", answer.stdout);
+    }
+    assert!(!answer.stdout.contains("complete"), "{}", answer.stdout);
+    let report = parse(&folder.palpate("info late.mcap --json").stdout);
+    let said = ["ticks", "ticks_made", "ticks_lost", "events_lost"].map(|key| number(&report, key));
+    assert_eq!(said, [30.0, 36.0, 6.0, 2.0]);
+    assert_eq!(
+        (&report["complete"], &report["finished"]),
+        (&false.into(), &true.into())
+    );
+    assert_eq!(folder.palpate("convert late.mcap").code, 4);
+    let table = folder.run_file("late.csv");
+    let said = |key: &str| {
+        let found = table.receipt().iter().find(|(name, _)| name == key);
+        found.unwrap().1.clone()
+    };
+    assert_eq!(
+        (said("complete"), said("ticks_lost")),
+        ("false".into(), "6".into())
+    );
+    // One that an older version has made: nobody knows.
+    write("old.mcap", None);
+    let text = folder.succeed("info old.mcap");
+    assert!(
+        text.contains("nothing is known to be lost; it does not say how many ticks the loop made"),
+        "{text}"
+    );
+    assert!(!text.contains("complete"), "{text}");
+    let report = folder.json("info old.mcap");
+    assert_eq!(
+        (&report["complete"], &report["whole"]),
+        (&false.into(), &true.into())
+    );
+    assert!(report["ticks_made"].is_null());
+}
+
 #[test]
 fn a_recording_that_was_cut_off_is_read_as_far_as_it_goes() {
     let folder = Folder::new();
@@ -120,10 +190,20 @@ fn a_recording_that_was_cut_off_is_read_as_far_as_it_goes() {
     let answer = folder.palpate("convert tap.mcap.part");
     assert_eq!(answer.code, 4);
     assert_eq!(answer.stdout, "wrote tap.csv: 30 ticks\n");
+    let readable = format!(
+        "30 ticks can be read, up to tick 29 at {:.3} s",
+        run.ticks[29].time
+    );
     assert_eq!(
         answer.stderr,
-        "warning: tap.mcap.part: not complete: never finished: it ends with its last flush\n"
+        format!(
+            "warning: tap.mcap.part: not complete: never finished: it ends with its last flush; \
+             {readable}\n"
+        )
     );
+    let info = folder.palpate("info tap.mcap.part");
+    assert_eq!(info.code, 4);
+    assert!(info.stdout.contains(&readable), "{}", info.stdout);
     assert_eq!(folder.run_file("tap.csv").len(), 30);
     assert_eq!(folder.palpate("replay tap.mcap.part --method hfcr").code, 4);
 }

@@ -105,7 +105,7 @@ fn a_run_in_real_time_takes_its_time_and_reports() {
     assert!(begun.elapsed() >= Duration::from_millis(499));
     let report = parse(&answer);
     all_periods(&report["timing"], 500);
-    assert_eq!(report["ending"], "it was complete");
+    assert_eq!(report["ending"], "its time was over");
     assert!(number(&report["timing"]["lateness_s"], "longest") >= 0.0);
     let asked = |index: usize| report["realtime"][index]["asked"].as_str();
     assert_eq!(asked(0), Some("SCHED_FIFO, priority 80"));
@@ -236,15 +236,16 @@ fn started(folder: &Folder, arguments: &str) -> Running {
     Running::start(program.stdout(Stdio::null()).stderr(Stdio::null()))
 }
 
-fn wait_for(path: &std::path::Path) {
+/// Waits until a recording that is being made has ticks that were flushed.
+fn wait_for_ticks(part: &std::path::Path) {
     let begun = Instant::now();
-    while !path.exists() {
+    while Recording::open(part).map_or(0, |recording| recording.ticks) == 0 {
         assert!(
-            begun.elapsed() < Duration::from_secs(20),
-            "{}",
-            path.display()
+            begun.elapsed() < Duration::from_secs(60),
+            "no tick in {}",
+            part.display()
         );
-        sleep(Duration::from_millis(2));
+        sleep(Duration::from_millis(5));
     }
 }
 
@@ -260,19 +261,96 @@ fn a_signal_ends_a_run_without_force_and_completes_the_recording() {
             &folder,
             &format!("record wall.toml {file} --duration inf --soft-start 0"),
         );
-        wait_for(&folder.path(&format!("{file}.part")));
-        sleep(Duration::from_millis(300));
+        wait_for_ticks(&folder.path(&format!("{file}.part")));
         child.signal(name);
         assert!(child.wait().unwrap().success(), "{name}");
         let recording = Recording::open(&folder.path(&file)).unwrap();
-        assert!(recording.is_whole());
-        assert!(recording.ticks > 50);
+        assert!(recording.is_complete());
         let ended = recording.entries().unwrap().any(|entry| {
             matches!(entry.unwrap(), Entry::Event(event)
                 if event.kind == "ended" && event.text.contains("asked to stop"))
         });
         assert!(ended, "{name}");
     }
+}
+
+/// What was asked for was not done to its end.
+#[test]
+fn a_run_that_is_stopped_before_its_time_has_an_exit_code() {
+    let folder = folder_with_scenes();
+    for name in ["INT", "TERM"] {
+        let file = format!("{name}.mcap");
+        let arguments = format!("record wall.toml {file} --duration 1000 --priority 0");
+        let mut command = program(&folder, &arguments);
+        let child = Running::start(command.stdout(Stdio::piped()).stderr(Stdio::piped()));
+        wait_for_ticks(&folder.path(&format!("{file}.part")));
+        child.signal(name);
+        let output = child.output();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(130), "{name}: {said}");
+        assert!(
+            said.contains("stopped before its 1000 s were over"),
+            "{said}"
+        );
+        let report = String::from_utf8_lossy(&output.stdout);
+        assert!(report.contains(": complete, "), "{report}");
+        let recording = Recording::open(&folder.path(&file)).unwrap();
+        assert!(recording.is_complete());
+        let counted = recording.counted.unwrap();
+        assert_eq!(counted.ending.as_deref(), Some("it was asked to stop"));
+    }
+}
+
+/// A wall that trips the safety for good: the motors are off from there on, which the report and the
+/// recording say with the same numbers, and no energy is theirs that passes meanwhile.
+#[test]
+fn a_run_whose_motors_were_off_says_so_and_has_an_exit_code() {
+    let folder = folder_with_scenes();
+    let run = "record wall.toml off.mcap --method basic --stiffness 20000 --period 0.002 --fast \
+               --duration 5 --json";
+    let answer = folder.palpate(run);
+    assert_eq!(answer.code, 5, "{answer:?}");
+    let report = parse(&answer.stdout);
+    let off = number(&report, "motors_off_ticks");
+    assert!((1000.0..2500.0).contains(&off), "{off}");
+    let words = format!("safety had the motors off for {off} of 2500 ticks");
+    assert!(answer.stderr.contains(&words), "{}", answer.stderr);
+    assert!(
+        answer
+            .stderr
+            .contains("and at the end: held forces created")
+    );
+    // All of it was created before the trip: 50 mJ and one period more of a stiff wall.
+    let created = number(&report, "leak_held_j");
+    assert!((0.05..0.5).contains(&created), "{created} J");
+    assert!(number(&report, "outside_work_j") != 0.0);
+    let last = *ticks(&folder, "off.mcap").last().unwrap();
+    assert_eq!(last.held_leak, created);
+    // The recording itself is complete, by the same numbers.
+    assert_eq!(report["recording"]["complete"], true);
+    let info = folder.json("info off.mcap");
+    assert_eq!(info["motors_off_ticks"], report["motors_off_ticks"]);
+    assert_eq!(info["flags"]["safety-tripped"], report["motors_off_ticks"]);
+    for (of_run, of_info) in [
+        (&report["timing"]["ticks"], &info["ticks_made"]),
+        (&report["recording"]["ticks_made"], &info["ticks_made"]),
+        (&report["recording"]["ticks"], &info["ticks"]),
+        (&report["recording"]["ticks_lost"], &info["ticks_lost"]),
+        (&report["recording"]["bytes"], &info["bytes"]),
+    ] {
+        assert_eq!(of_run, of_info);
+    }
+    let text = folder.palpate(&run.replace(" --json", "").replace("off.mcap", "again.mcap"));
+    assert!(
+        text.stdout
+            .contains(&format!("its time was over, but {words} (")),
+        "{}",
+        text.stdout
+    );
+    assert!(
+        text.stdout
+            .contains("again.mcap: complete, 2500 ticks, 0 lost, 0.")
+    );
 }
 
 /// As on a disk that is full: the loop is not ended by it, and nobody plays on for nothing.
@@ -313,8 +391,8 @@ fn a_recording_that_cannot_grow_is_told_at_once_and_the_loop_goes_on() {
 #[test]
 fn a_run_that_is_killed_leaves_a_recording_up_to_its_last_flush() {
     let folder = folder_with_scenes();
-    // Spread over a second, and over the flushes every quarter of it.
-    let instants = (0..50_u64).map(|i| Duration::from_millis(300 + (i * 619) % 1000));
+    // From the first flush on, spread over a second and over the flushes every quarter of it.
+    let instants = (0..50_u64).map(|i| Duration::from_millis((i * 619) % 1000));
     let mut fewest = u64::MAX;
     for (batch, instants) in instants.collect::<Vec<_>>().chunks(5).enumerate() {
         let mut children = Vec::new();
@@ -324,7 +402,7 @@ fn a_run_that_is_killed_leaves_a_recording_up_to_its_last_flush() {
             children.push((started(&folder, &arguments), file, *instant));
         }
         for (_, file, _) in &children {
-            wait_for(&folder.path(&format!("{file}.part")));
+            wait_for_ticks(&folder.path(&format!("{file}.part")));
         }
         let begun = Instant::now();
         children.sort_by_key(|(_, _, instant)| *instant);
@@ -333,7 +411,7 @@ fn a_run_that_is_killed_leaves_a_recording_up_to_its_last_flush() {
             child.kill().unwrap();
             child.wait().unwrap();
             let recording = Recording::open(&folder.path(&format!("{file}.part"))).unwrap();
-            assert!(!recording.complete);
+            assert!(!recording.finished);
             assert_eq!(recording.missing, [], "{file}");
             assert!(recording.damage.is_empty(), "{:?}", recording.damage);
             fewest = fewest.min(recording.ticks);

@@ -149,7 +149,7 @@ fn a_cable_that_is_pulled_ends_a_run_with_a_word_or_is_waited_for() {
     assert!(answer.stderr.contains("the device is back"), "{answer:?}");
     assert!(!answer.stderr.contains("could not be let go"), "{answer:?}");
     let report = parse(&answer.stdout);
-    assert_eq!(report["ending"], "it was complete");
+    assert_eq!(report["ending"], "its time was over");
     assert!(
         report["events"].to_string().contains("recovered"),
         "{report}"

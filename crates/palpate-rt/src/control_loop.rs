@@ -10,6 +10,7 @@ use palpate_io::recording::{Flags, Tick};
 
 use crate::clock::Clock;
 use crate::deadlines::Deadlines;
+use crate::delivered::Delivered;
 use crate::device::{Device, DeviceError, DeviceErrorKind, Reading, Vector};
 use crate::held::HeldSince;
 use crate::note::{Ending, Note, Noted};
@@ -37,6 +38,9 @@ pub struct ControlLoop<D: Device, C: Clock> {
     started: Duration,
     period: Duration,
     held: HeldSince,
+    delivered: Delivered,
+    /// Whether a trip kept the motors off at the end of the last tick.
+    motors_off: bool,
     last: Option<(Reading, Output<f64>)>,
     heartbeat: Arc<Heartbeat>,
     cuts: u64,
@@ -95,6 +99,8 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             started: Duration::ZERO,
             period,
             held: HeldSince::default(),
+            delivered: Delivered::default(),
+            motors_off: false,
             last: None,
             heartbeat: Arc::default(),
             cuts: 0,
@@ -205,7 +211,9 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             self.sequence = last;
             self.note(Note::Ended(ending));
         }
-        self.tap = None;
+        if let Some(tap) = self.tap.take() {
+            tap.end(ending);
+        }
     }
 
     /// Commands the device no force, and stands the supervisor down.
@@ -250,11 +258,16 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         let mut fault = None;
         let mut verdict = match sampled {
             Sampled::Fresh(reading) => {
-                if let Some(mean) = self.held.take(reading.time) {
+                let held = self.held.take(reading.time);
+                if let Some(mean) = held {
                     self.rendered.report_held(-mean);
                 }
                 let coordinate = self.placement.coordinate(reading.position);
+                let before = self.rendered.ledger().held_leak;
                 let output = self.rendered.step(coordinate, elapsed);
+                let after = self.rendered.ledger().held_leak;
+                let was_off = self.motors_off && held == Some(0.0);
+                self.delivered.close(&before, &after, was_off);
                 fault = output.fault;
                 self.last = Some((reading, output));
                 self.safety.judge(&safety::Rendered {
@@ -262,7 +275,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
                     position: reading.position,
                     coordinate,
                     force: output.force_on_device,
-                    created_energy: self.rendered.ledger().held_leak.accumulated,
+                    created_energy: self.delivered.leak,
                     refused: fault.is_some(),
                     stalled,
                 })
@@ -293,11 +306,12 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         if missed > 0 {
             self.note(Note::MissedDeadlines(missed));
         }
+        self.motors_off = self.safety.trip().is_some();
         let is_fresh = matches!(sampled, Sampled::Fresh(_));
         let flags = Flags::default()
             .with(Flags::FAULT, fault.is_some())
             .with(Flags::SAFETY_LIMITED, verdict.bounded.any())
-            .with(Flags::SAFETY_TRIPPED, self.safety.trip().is_some())
+            .with(Flags::SAFETY_TRIPPED, self.motors_off)
             .with(Flags::MISSED_DEADLINE, missed > 0)
             .with(Flags::DEVICE_FAULT, !is_fresh);
         let tick = Tick {
@@ -310,6 +324,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         };
         self.statistics.ticks += 1;
         self.statistics.missed_deadlines += missed;
+        self.statistics.motors_off += u64::from(self.motors_off);
         self.statistics.lateness.add(woke - deadline.min(woke));
         self.statistics.tick.add(ended - answered);
         self.statistics.round_trip.add(answered - woke);
@@ -421,9 +436,9 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             stored_energy: ledger.stored,
             port_work: ledger.port_work,
             virtual_force_work: ledger.virtual_force_work,
-            outside_work: ledger.outside_work,
+            outside_work: ledger.outside_work + self.delivered.withheld,
             original_leak: ledger.original_leak.accumulated,
-            held_leak: ledger.held_leak.accumulated,
+            held_leak: self.delivered.leak,
             generation: self.rendered.generation(),
             flags,
             ..Tick::default()

@@ -44,9 +44,11 @@
     clippy::unwrap_used
 )]
 
+mod atomics;
 pub mod clock;
 mod control_loop;
 mod deadlines;
+mod delivered;
 pub mod device;
 mod held;
 mod note;
@@ -64,6 +66,7 @@ pub mod safety;
 mod setup;
 mod statistics;
 mod stop;
+mod tally;
 mod tap;
 #[allow(
     clippy::disallowed_methods,
@@ -80,5 +83,5 @@ pub use rendering::{ChangeError, Parameters, Rendering};
 pub use setup::SetupError;
 pub use statistics::{Durations, LoopStatistics};
 pub use stop::StopFlag;
-pub use tap::{Listener, Tap, Told, tap};
+pub use tap::{Counted, Listener, Tap, Told, tap};
 pub use thread::{LoopEnd, LoopThread};

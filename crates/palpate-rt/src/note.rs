@@ -38,7 +38,8 @@ pub enum Note {
 pub enum Ending {
     /// It was asked to.
     Stopped,
-    /// As many periods are over as it was to last.
+    /// As many periods are over as it was to last. What was done in them is another question: the
+    /// motors may have been off.
     Complete,
     /// The device is gone.
     DeviceLost,
@@ -52,10 +53,31 @@ impl Ending {
     pub fn text(self) -> &'static str {
         match self {
             Self::Stopped => "it was asked to stop",
-            Self::Complete => "it was complete",
+            Self::Complete => "its time was over",
             Self::DeviceLost => "the device is gone",
             Self::Panicked => "a tick panicked",
         }
+    }
+
+    /// Its number in a tally, above 0.
+    pub(crate) fn number(self) -> u8 {
+        match self {
+            Self::Stopped => 1,
+            Self::Complete => 2,
+            Self::DeviceLost => 3,
+            Self::Panicked => 4,
+        }
+    }
+
+    /// The ending with a number; `None` if none has it.
+    pub(crate) fn of_number(number: u8) -> Option<Self> {
+        let all = [
+            Self::Stopped,
+            Self::Complete,
+            Self::DeviceLost,
+            Self::Panicked,
+        ];
+        all.into_iter().find(|ending| ending.number() == number)
     }
 }
 

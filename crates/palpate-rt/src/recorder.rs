@@ -7,9 +7,10 @@ use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
 use palpate_io::atomic::WriteError;
-use palpate_io::recording::{Event, Receipt, RecordingWriter, Summary, Tick};
+use palpate_io::recording::{Event, LoopCount, Receipt, RecordingWriter, Summary, Tick};
 
-use crate::tap::{Listener, Tap, Told, tap};
+use crate::note::Ending;
+use crate::tap::{Counted, Listener, Tap, Told, tap};
 
 /// Everything up to this long ago survives whatever ends the program.
 const FLUSH_EVERY: Duration = Duration::from_millis(250);
@@ -35,8 +36,14 @@ pub struct Recorder {
 pub struct Account {
     /// What the recording holds, if one was written to its end.
     pub recording: Option<Summary>,
-    /// Ticks and events that found no room on their way here.
-    pub lost: u64,
+    /// Ticks that the loop made.
+    pub ticks_made: u64,
+    /// Ticks that came here.
+    pub ticks: u64,
+    /// Events that the loop told.
+    pub events_made: u64,
+    /// Ticks at whose end a trip of the safety kept the motors off, whether or not they came here.
+    pub motors_off: u64,
     /// The first events, up to a thousand.
     pub events: Vec<Event>,
     /// How many events there were.
@@ -50,8 +57,28 @@ pub struct Account {
 }
 
 impl Account {
+    /// Ticks that found no room on their way here.
+    #[must_use]
+    pub fn lost_ticks(&self) -> u64 {
+        self.ticks_made.saturating_sub(self.ticks)
+    }
+
+    /// Events that found no room on their way here.
+    #[must_use]
+    pub fn lost_events(&self) -> u64 {
+        self.events_made.saturating_sub(self.all_events)
+    }
+
+    /// Takes down what the loop itself counted.
+    pub fn counted(&mut self, counted: &Counted) {
+        self.ticks_made = counted.ticks;
+        self.events_made = counted.notes;
+        self.motors_off = counted.motors_off;
+    }
+
     /// Takes down a tick.
     pub fn tick(&mut self, tick: &Tick) {
+        self.ticks += 1;
         self.peak_force = self.peak_force.max(tick.force_on_device.abs());
         self.deepest = self.deepest.max(tick.penetration);
         self.last = Some(*tick);
@@ -112,7 +139,10 @@ impl Recorder {
                     told,
                 };
                 write_down(&mut listener, &mut writing, &mut account);
-                account.lost = listener.lost();
+                // Closed before the last was taken: it is all there.
+                let counted = listener.counted();
+                account.counted(&counted);
+                writing.write(|writer| writer.count(&count(&counted)));
                 account.recording = writing.finish();
                 (account, writing.failed)
             })?;
@@ -168,11 +198,21 @@ impl Writing {
     }
 }
 
+/// What was counted, as the recording has it.
+fn count(counted: &Counted) -> LoopCount {
+    LoopCount {
+        ticks: counted.ticks,
+        events: counted.notes,
+        motors_off: counted.motors_off,
+        ending: counted.ending.map(Ending::text).map(str::to_owned),
+    }
+}
+
 fn write_down(listener: &mut Listener, writing: &mut Writing, account: &mut Account) {
     let mut flushed = Instant::now();
     loop {
         // Asked first: what was told before the loop went is then still to come.
-        let is_last = listener.is_abandoned();
+        let is_last = listener.is_closed();
         let mut rested = true;
         // No more than a part of the room at a time: the flush must come, whoever tells how fast.
         for told in listener.by_ref().take(ROOM / 16) {

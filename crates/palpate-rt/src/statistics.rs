@@ -60,6 +60,8 @@ pub struct LoopStatistics {
     pub missed_deadlines: u64,
     /// Ticks that found no fresh sample.
     pub without_sample: u64,
+    /// Ticks at whose end a trip of the safety kept the motors off.
+    pub motors_off: u64,
     /// How long after its deadline a tick began.
     pub lateness: Durations,
     /// How long a tick took, from the sample's arrival to the force's.
@@ -74,6 +76,7 @@ impl LoopStatistics {
             ticks: 0,
             missed_deadlines: 0,
             without_sample: 0,
+            motors_off: 0,
             lateness: Durations::new(),
             tick: Durations::new(),
             round_trip: Durations::new(),

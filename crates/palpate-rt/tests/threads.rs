@@ -13,7 +13,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use palpate::{AnyParams, Contact, LoopParams, ObjectState};
-use palpate_io::recording::{Entry, Receipt, Recording};
+use palpate_io::recording::{Entry, Receipt, Recording, Tick};
 use palpate_rt::clock::{Clock, MonotonicClock};
 use palpate_rt::device::{Capabilities, Device, DeviceError, Reading, Vector, ZeroWriter};
 use palpate_rt::realtime::{Answer, Request};
@@ -242,10 +242,15 @@ fn what_a_loop_does_is_recorded_tick_by_tick() {
     let made = end.statistics.ticks;
     assert!(end.statistics.periods() >= 2000 && made <= 2000, "{made}");
     assert_eq!(account.recording.unwrap().ticks, made);
-    assert_eq!(account.lost, 0);
+    assert_eq!((account.ticks_made, account.ticks), (made, made));
+    assert_eq!((account.lost_ticks(), account.lost_events()), (0, 0));
+    assert_eq!(account.motors_off, end.statistics.motors_off);
     assert_eq!(account.last.unwrap().sequence, made - 1);
     let recording = Recording::open(&path).unwrap();
-    assert!(recording.is_whole(), "{:?}", recording.missing);
+    assert!(recording.is_complete(), "{:?}", recording.missing);
+    let counted = recording.counted.as_ref().unwrap();
+    assert_eq!(counted.ticks, made);
+    assert_eq!(counted.ending.as_deref(), Some("its time was over"));
     let mut ticks = 0;
     let mut before = f64::NEG_INFINITY;
     for entry in recording.entries().unwrap() {
@@ -256,4 +261,46 @@ fn what_a_loop_does_is_recorded_tick_by_tick() {
         }
     }
     assert_eq!(ticks, made);
+}
+
+/// The disk does not keep up, and the ring is full when the loop ends: the last ticks and the event of
+/// the end are lost, and the file says how many.
+#[test]
+fn a_tail_that_finds_no_room_is_counted_in_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("late.mcap");
+    let (mut tap, recorder) = Recorder::begin(&path, &Receipt::new("test")).unwrap();
+    let mut made = 0;
+    // Until the last of them has found no room.
+    loop {
+        let lost = tap.lost();
+        tap.tick(&Tick {
+            sequence: made,
+            time: made as f64 * 1e-6,
+            ..Tick::default()
+        });
+        made += 1;
+        if tap.lost() > lost && made > 200_000 {
+            break;
+        }
+    }
+    tap.end(Ending::Stopped);
+    let (account, unwritten) = recorder.finish();
+    assert!(unwritten.is_none(), "{unwritten:?}");
+    let held = account.recording.unwrap().ticks;
+    println!("{held} of {made} ticks in the file");
+    assert_eq!((account.ticks_made, account.ticks), (made, held));
+    assert_eq!(account.lost_ticks(), made - held);
+    let recording = Recording::open(&path).unwrap();
+    assert!(recording.finished && !recording.is_whole() && !recording.is_complete());
+    assert_eq!(
+        (recording.ticks, recording.ticks_made()),
+        (held, Some(made))
+    );
+    assert_eq!(recording.lost(), made - held);
+    let last = recording.last.unwrap().sequence;
+    let tail = recording.missing.last().unwrap();
+    assert_eq!((tail.after, tail.count), (Some(last), made - 1 - last));
+    let ending = recording.counted.unwrap().ending;
+    assert_eq!(ending.as_deref(), Some("it was asked to stop"));
 }

@@ -51,8 +51,9 @@ Exit codes:
   1  a file could not be read or written
   2  the arguments are wrong
   3  an input file is wrong; the message says where
-  4  done, but the recording that was read is not whole; standard error says what is missing
-  130  stopped by ctrl-C; what is done is kept")]
+  4  done, but the recording that was read or made is not whole; standard error says what is missing
+  5  the loop ran, but safety had the motors off at its end or for most of its ticks
+  130  stopped by ctrl-C or another signal before its end; what is done is kept")]
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
@@ -252,7 +253,8 @@ Say what is in a recording, and what is missing from it.
 
 A recording is an MCAP file that a loop with a device has written; one that was cut off, or that is \
 being written (NAME.part), is read as far as it goes. Lost ticks are counted from the numbers of \
-those that are there, and no chunk is believed whose checksum does not fit.")]
+those that are there and from what the loop itself has counted, and no chunk is believed whose checksum \
+does not fit. Chunks in lz4 and zstd, as other tools write them, are read as well.")]
     #[command(after_help = "\
 Examples:
   palpate info tap.mcap

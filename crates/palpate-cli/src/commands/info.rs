@@ -11,7 +11,7 @@ use serde::Serialize;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::recorded::{open, shortcomings, whole_or_code};
-use crate::report::{counted, digits};
+use crate::report::{counted, digits, motors_off};
 use crate::results::print;
 
 /// Arguments of `info`.
@@ -65,14 +65,28 @@ struct Report {
     format: &'static str,
     recording: String,
     palpate_version: String,
+    /// Whether it is whole and holds as many ticks as the loop counted.
     complete: bool,
+    /// Whether it was finished, is as it was written, and nothing is known to be missing.
     whole: bool,
+    finished: bool,
+    bytes: u64,
     /// What is not as it should be, in words.
     shortcomings: Vec<String>,
     ticks: u64,
+    /// As the loop itself counted.
+    ticks_made: Option<u64>,
     ticks_lost: u64,
+    events_lost: u64,
+    /// Ticks and events of a chunk that is cut off, which no checksum covers.
+    unchecked: u64,
     gaps: Vec<GapReport>,
+    /// Ticks with the motors off, lost ones among them; of an older recording those that are there.
+    motors_off_ticks: u64,
+    /// Why the loop ended.
+    ending: Option<String>,
     first_s: Option<f64>,
+    last_s: Option<f64>,
     duration_s: Option<f64>,
     /// Ticks per second of the loop, those that were lost among them.
     rate_hz: Option<f64>,
@@ -118,6 +132,8 @@ impl Report {
                 }
             }
         }
+        let off = flags.get(Flags::SAFETY_TRIPPED.names().as_str()).copied();
+        let off = off.unwrap_or(0);
         let ends = recording.first.zip(recording.last);
         let duration = ends.map(|(first, last)| last.time - first.time);
         let steps = ends.map(|(first, last)| (last.sequence - first.sequence) as f64);
@@ -126,11 +142,24 @@ impl Report {
             format: "palpate info 1",
             recording: recording.path().display().to_string(),
             palpate_version: recording.receipt.palpate_version.clone(),
-            complete: recording.complete,
+            complete: recording.is_complete(),
             whole: recording.is_whole(),
+            finished: recording.finished,
+            bytes: recording.bytes,
             shortcomings: shortcomings(recording),
             ticks: recording.ticks,
+            ticks_made: recording.ticks_made(),
             ticks_lost: recording.lost(),
+            events_lost: recording.lost_events(),
+            unchecked: recording.unchecked,
+            motors_off_ticks: recording
+                .counted
+                .as_ref()
+                .map_or(off, |count| count.motors_off),
+            ending: recording
+                .counted
+                .as_ref()
+                .and_then(|count| count.ending.clone()),
             gaps: recording
                 .missing
                 .iter()
@@ -140,6 +169,7 @@ impl Report {
                 })
                 .collect(),
             first_s: recording.first.map(|tick| tick.time),
+            last_s: recording.last.map(|tick| tick.time),
             duration_s: duration,
             rate_hz: steps
                 .zip(duration)
@@ -173,11 +203,21 @@ impl fmt::Display for Report {
             "{}, recorded by palpate {}",
             self.recording, self.palpate_version
         )?;
-        if self.whole {
+        if self.complete {
             writeln!(f, "complete, nothing lost")?;
+        } else if self.whole {
+            writeln!(
+                f,
+                "finished, and nothing is known to be lost; it does not say how many ticks the loop \
+                 made, so there may have been more after the last"
+            )?;
         }
         for words in &self.shortcomings {
             writeln!(f, "{words}")?;
+        }
+        if self.motors_off_ticks > 0 {
+            let all = self.ticks_made.unwrap_or(self.ticks + self.ticks_lost);
+            writeln!(f, "{}", motors_off(self.motors_off_ticks, all))?;
         }
         writeln!(f)?;
         let over = match (self.duration_s, self.rate_hz) {

@@ -13,7 +13,7 @@ pub struct FromRecording {
     pub file: String,
     /// Method of the scene in its receipt.
     pub recorded_method: &'static str,
-    /// Whether it is complete.
+    /// Whether it is whole and holds as many ticks as the loop counted.
     pub complete: bool,
     /// Ticks that it has.
     pub ticks: u64,

@@ -276,6 +276,15 @@ pub fn counted<N: fmt::Display + From<u8> + PartialEq>(count: N, thing: &str) ->
     format!("{count} {thing}{plural}")
 }
 
+/// That safety had the motors off for some of all ticks.
+pub fn motors_off(ticks: u64, of: u64) -> String {
+    let percent = digits(100.0 * ticks as f64 / of as f64);
+    format!(
+        "safety had the motors off for {ticks} of {} ({percent} %)",
+        counted(of, "tick")
+    )
+}
+
 /// Three significant digits, in plain notation where that is short.
 pub fn digits(value: f64) -> String {
     if value == 0.0 {

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use palpate_io::recording::{Event, Flags, Phase, Receipt, RecordingWriter, Tick};
+use palpate_io::recording::{Event, Flags, LoopCount, Phase, Receipt, RecordingWriter, Tick};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::method::MethodName;
 use palpate_sim::run::Run;
@@ -80,6 +80,13 @@ pub fn write(path: &Path, text: &str, run: &Run, keeps: impl Fn(usize) -> bool) 
         .event(&event("safety", "the force limit acted"))
         .unwrap();
     writer.event(&event("end", "ctrl-C")).unwrap();
+    let count = LoopCount {
+        ticks: run.ticks.len() as u64,
+        events: 2,
+        motors_off: 0,
+        ending: Some("it was asked to stop".into()),
+    };
+    writer.count(&count).unwrap();
     writer.finish().unwrap();
 }
 

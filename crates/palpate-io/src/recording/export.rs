@@ -38,8 +38,10 @@ pub(super) fn receipt(recording: &Recording) -> Vec<(String, String)> {
         ("recording", recording.path().display().to_string()),
         ("recording_format", VERSION.to_string()),
         ("palpate_version", recording.receipt.palpate_version.clone()),
-        ("complete", recording.complete.to_string()),
+        ("complete", recording.is_complete().to_string()),
+        ("finished", recording.finished.to_string()),
         ("ticks_lost", recording.lost().to_string()),
+        ("events_lost", recording.lost_events().to_string()),
         ("damaged_parts", recording.damage.len().to_string()),
     ];
     let texts = recording.receipt.texts.iter();

@@ -27,8 +27,15 @@ pub(super) enum Frame {
     },
     /// The file ends here.
     End,
-    /// The file ends within a record, so many bytes after its beginning.
-    Torn(u64),
+    /// The file ends within a record.
+    Torn {
+        /// Bytes that are there of it.
+        size: u64,
+        /// What it was to be, if that much is there.
+        opcode: Option<u8>,
+        /// The part of its body that is there.
+        body: Vec<u8>,
+    },
     /// No record is this long: its length is not what was written.
     Endless,
 }
@@ -57,7 +64,11 @@ impl<R: Read> Frames<R> {
             return Ok(Frame::End);
         }
         if begun < head.len() {
-            return Ok(Frame::Torn(begun as u64));
+            return Ok(Frame::Torn {
+                size: begun as u64,
+                opcode: None,
+                body: Vec::new(),
+            });
         }
         let (opcode, length) = (head[0], length(&head));
         if length > LONGEST_RECORD {
@@ -67,7 +78,11 @@ impl<R: Read> Frames<R> {
         let taken = Read::take(&mut self.source, length).read_to_end(&mut body)? as u64;
         let size = head.len() as u64 + taken;
         if taken < length {
-            return Ok(Frame::Torn(size));
+            return Ok(Frame::Torn {
+                size,
+                opcode: Some(opcode),
+                body,
+            });
         }
         let before = self.passed.clone();
         self.passed.update(&head);
@@ -95,17 +110,26 @@ impl<R: Read> Frames<R> {
     }
 }
 
-/// The records within a chunk, whose bytes are known to be whole; none where they are no records.
-pub(super) fn records(mut bytes: &[u8]) -> Option<Vec<(u8, &[u8])>> {
+/// The records within a chunk, as far as they are whole; and whether that is to its end.
+pub(super) fn records(mut bytes: &[u8]) -> (Vec<(u8, &[u8])>, bool) {
     let mut records = Vec::new();
     while !bytes.is_empty() {
-        let head = bytes.first_chunk::<9>()?;
-        let length = usize::try_from(length(head)).ok()?;
-        let end = length.checked_add(head.len())?;
-        records.push((head[0], bytes.get(head.len()..end)?));
-        bytes = &bytes[end..];
+        let Some((record, rest)) = first_record(bytes) else {
+            return (records, false);
+        };
+        records.push(record);
+        bytes = rest;
     }
-    Some(records)
+    (records, true)
+}
+
+/// The first record, and what follows it.
+fn first_record(bytes: &[u8]) -> Option<((u8, &[u8]), &[u8])> {
+    let head = bytes.first_chunk::<9>()?;
+    let length = usize::try_from(length(head)).ok()?;
+    let end = length.checked_add(head.len())?;
+    let body = bytes.get(head.len()..end)?;
+    Some(((head[0], body), &bytes[end..]))
 }
 
 /// Length of a record, after its opcode.

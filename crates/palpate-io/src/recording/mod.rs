@@ -4,7 +4,8 @@
 //! Its first record is the [`Receipt`]: the configuration as text. After it come [`Tick`]s on the
 //! channel `/tick` and [`Event`]s on `/event`, in chunks with checksums; `docs/formats.md` has every
 //! byte. A live recording is called `NAME.part`. What [`RecordingWriter::flush`] has handed on
-//! outlives the program, and [`RecordingWriter::finish`] gives the file its name.
+//! outlives the program, and [`RecordingWriter::finish`] gives the file its name. Before it,
+//! [`RecordingWriter::count`] writes what the loop itself counted ([`LoopCount`]).
 //!
 //! [`Recording::open`] reads whatever there is of one, and says what is not there: ticks that were
 //! lost, by their numbers, an end that was cut off, and chunks that are not what was written.
@@ -31,6 +32,8 @@
 //! ```
 
 mod cdr;
+mod chunk;
+mod count;
 mod csv;
 mod event;
 mod export;
@@ -43,9 +46,11 @@ mod receipt;
 mod state;
 mod stream;
 mod tick;
+mod unpack;
 mod walk;
 mod write;
 
+pub use count::LoopCount;
 pub use event::Event;
 pub use loss::Gap;
 pub use read::{Entries, Entry, Recording, RecordingError};

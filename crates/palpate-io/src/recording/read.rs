@@ -8,7 +8,7 @@ use std::vec;
 use thiserror::Error;
 
 use super::walk::{Refused, Step, Walk};
-use super::{Event, Gap, Receipt, Tick};
+use super::{Event, Gap, LoopCount, Receipt, Tick};
 
 /// Why a recording could not be read.
 #[derive(Debug, Error)]
@@ -30,6 +30,9 @@ pub enum RecordingError {
         fault: String,
     },
 }
+
+/// Kind of the event that says that the loop has ended, at its last tick.
+const ENDED: &str = "ended";
 
 /// Something that was recorded.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,13 +60,23 @@ pub struct Recording {
     /// Highest generation of parameters of any tick.
     pub generation: u32,
     /// Whether it was finished, and its end is there.
-    pub complete: bool,
-    /// How it ends if it is not complete, in words.
+    pub finished: bool,
+    /// How it ends if it is not finished, in words.
     pub tail: Option<String>,
     /// What within it is not what was written, in words; none of that is believed.
     pub damage: Vec<String>,
-    /// Ticks that are not there, told from the numbers of those that are.
+    /// Ticks that are not there, told from the numbers of those that are, and from what the loop
+    /// counted.
     pub missing: Vec<Gap>,
+    /// What the loop itself counted; `None` where it was cut off, or recorded by
+    /// an older version.
+    pub counted: Option<LoopCount>,
+    /// Ticks and events of a last chunk that is cut off: they are read, and no checksum covers them.
+    pub unchecked: u64,
+    /// Size of the file `[bytes]`.
+    pub bytes: u64,
+    /// The tick that the event of the loop's end names.
+    ended: Option<u64>,
     path: PathBuf,
     /// Bytes in which entries are looked for.
     length: u64,
@@ -79,42 +92,73 @@ impl Recording {
     pub fn open(path: &Path) -> Result<Self, RecordingError> {
         let named = |error| in_file(path, error);
         let source = File::open(path).map_err(|error| named(error.into()))?;
-        let (mut walk, receipt) = Walk::begin(BufReader::new(source)).map_err(named)?;
+        let bytes = source.metadata().map_err(|error| named(error.into()))?;
+        let mut walk = Walk::begin(BufReader::new(source)).map_err(named)?;
         let mut recording = Self {
-            receipt,
+            receipt: Receipt::new(""),
             ticks: 0,
             events: 0,
             first: None,
             last: None,
             generation: 0,
-            complete: false,
+            finished: false,
             tail: None,
             damage: Vec::new(),
             missing: Vec::new(),
+            counted: None,
+            unchecked: 0,
+            bytes: bytes.len(),
+            ended: None,
             path: path.to_owned(),
             length: 0,
         };
+        let mut torn = 0;
         loop {
-            match walk.next().map_err(|error| named(error.into()))? {
+            match walk.next().map_err(named)? {
                 Step::Chunk(entries) => entries.iter().for_each(|entry| recording.count(entry)),
                 Step::Damaged(words) => recording.damage.push(words),
                 Step::Complete => {
-                    recording.complete = true;
+                    recording.finished = true;
                     break;
                 }
                 Step::Tail(words) => {
                     recording.tail = Some(words);
                     break;
                 }
+                Step::TornChunk { entries, size } => {
+                    entries.iter().for_each(|entry| recording.count(entry));
+                    recording.unchecked = entries.len() as u64;
+                    recording.tail = Some(format!(
+                        "cut off within its last chunk, of which {} messages are read that no \
+                         checksum covers",
+                        entries.len()
+                    ));
+                    torn = size;
+                    break;
+                }
             }
         }
-        recording.length = walk.passed();
-        recording.missing = walk.loss().gaps();
+        recording.receipt = walk.receipt().map_err(named)?;
+        recording.counted = walk.count();
+        recording.length = walk.passed() + torn;
+        let mut loss = walk.loss();
+        if let Some(last) = recording.ticks_made().and_then(|made| made.checked_sub(1)) {
+            loss.named(last);
+        }
+        recording.missing = loss.gaps();
+        recording.check_count();
         Ok(recording)
     }
 
-    /// Number of ticks that were and are not there, as far as can be known: a tick that was lost
-    /// after the last one leaves no trace, unless an event names it.
+    /// Number of ticks that the loop made; `None` where the recording does not say.
+    #[must_use]
+    pub fn ticks_made(&self) -> Option<u64> {
+        let counted = self.counted.as_ref().map(|count| count.ticks);
+        counted.or(self.ended.map(|last| last.saturating_add(1)))
+    }
+
+    /// Number of ticks that were and are not there. Where [`ticks_made`](Self::ticks_made) is `None`,
+    /// those that were lost after the last one are not among them.
     #[must_use]
     pub fn lost(&self) -> u64 {
         self.missing
@@ -122,10 +166,46 @@ impl Recording {
             .fold(0, |sum, gap| sum.saturating_add(gap.count))
     }
 
-    /// Whether it was finished and everything in it is there and as it was written.
+    /// Number of events that were and are not there, as far as the recording says.
+    #[must_use]
+    pub fn lost_events(&self) -> u64 {
+        let made = self.counted.as_ref().map_or(0, |count| count.events);
+        made.saturating_sub(self.events)
+    }
+
+    /// Whether it was finished, everything in it is as it was written, and nothing is known to be
+    /// missing. Where [`ticks_made`](Self::ticks_made) is `None`, ticks may be missing at its end all
+    /// the same.
     #[must_use]
     pub fn is_whole(&self) -> bool {
-        self.complete && self.damage.is_empty() && self.missing.is_empty()
+        self.finished
+            && self.damage.is_empty()
+            && self.missing.is_empty()
+            && self.lost_events() == 0
+    }
+
+    /// Whether it is whole and holds as many ticks as the loop itself counted.
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        self.is_whole() && self.ticks_made() == Some(self.ticks)
+    }
+
+    /// The loop cannot have made less than there is.
+    fn check_count(&mut self) {
+        let Some(counted) = &self.counted else {
+            return;
+        };
+        let held = self.last.map_or(0, |last| last.sequence.saturating_add(1));
+        if held > counted.ticks || self.events > counted.events {
+            self.damage.push(format!(
+                "the count of the loop: {} ticks and {} events, but there are ticks up to number {} \
+                 and {} events",
+                counted.ticks,
+                counted.events,
+                held.saturating_sub(1),
+                self.events
+            ));
+        }
     }
 
     /// The file.
@@ -142,7 +222,7 @@ impl Recording {
         let named = |error| in_file(&self.path, error);
         let source = File::open(&self.path).map_err(|error| named(error.into()))?;
         let source = BufReader::new(source).take(self.length);
-        let (walk, _) = Walk::begin(source).map_err(named)?;
+        let walk = Walk::begin(source).map_err(named)?;
         Ok(Entries {
             path: self.path.clone(),
             walk: Some(walk),
@@ -152,7 +232,12 @@ impl Recording {
 
     fn count(&mut self, entry: &Entry) {
         match entry {
-            Entry::Event(_) => self.events += 1,
+            Entry::Event(event) => {
+                self.events += 1;
+                if event.kind == ENDED {
+                    self.ended = Some(event.sequence);
+                }
+            }
             Entry::Tick(tick) => {
                 self.ticks += 1;
                 self.first = self.first.or(Some(*tick));
@@ -180,13 +265,18 @@ impl Iterator for Entries {
             if let Some(entry) = self.chunk.next() {
                 return Some(Ok(entry));
             }
+            // An end of the walk is an end once what it gave has been handed on.
             match self.walk.as_mut()?.next() {
                 Ok(Step::Chunk(entries)) => self.chunk = entries.into_iter(),
+                Ok(Step::TornChunk { entries, .. }) => {
+                    self.chunk = entries.into_iter();
+                    self.walk = None;
+                }
                 Ok(Step::Damaged(_)) => {}
                 Ok(Step::Complete | Step::Tail(_)) => self.walk = None,
                 Err(error) => {
                     self.walk = None;
-                    return Some(Err(in_file(&self.path, error.into())));
+                    return Some(Err(in_file(&self.path, error)));
                 }
             }
         }

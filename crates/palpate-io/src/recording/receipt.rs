@@ -8,10 +8,10 @@ use super::VERSION;
 use crate::checksum::Checksum;
 
 /// Name of the metadata record that holds the receipt.
-const RECORD: &str = "palpate";
+pub(super) const RECORD: &str = "palpate";
 const FORMAT: &str = "recording_format";
 const PROGRAM: &str = "palpate_version";
-const CHECKSUM: &str = "checksum";
+pub(super) const CHECKSUM: &str = "checksum";
 /// What a file that the scene names is called: this, and its name in the scene.
 const FILE: &str = "file ";
 /// Longest receipt [bytes].
@@ -113,7 +113,7 @@ impl Receipt {
 }
 
 /// Of all names and texts, each closed by its length: nothing can move from one to the next.
-fn checksum(entries: &BTreeMap<String, String>) -> String {
+pub(super) fn checksum(entries: &BTreeMap<String, String>) -> String {
     let mut checksum = Checksum::new();
     for text in entries.iter().flat_map(|(key, text)| [key, text]) {
         checksum.add(text.as_bytes());

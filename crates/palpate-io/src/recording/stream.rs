@@ -8,7 +8,8 @@ use mcap::write::NoSeek;
 use mcap::{McapError, McapResult, WriteOptions, Writer};
 
 use super::{
-    EVENT_TOPIC, Event, MESSAGE_ENCODING, Receipt, SCHEMA_ENCODING, TICK_TOPIC, Tick, event, tick,
+    EVENT_TOPIC, Event, LoopCount, MESSAGE_ENCODING, Receipt, SCHEMA_ENCODING, TICK_TOPIC, Tick,
+    event, tick,
 };
 
 /// A chunk is ended at this size even if nobody asks [bytes]: about five seconds at 1 kHz.
@@ -104,6 +105,12 @@ impl<W: Write> Stream<W> {
     /// Ends the chunk: all of it is with the output when this returns.
     pub fn flush(&mut self) -> io::Result<()> {
         self.with(|mcap, _| mcap.flush())
+    }
+
+    /// Writes what the loop counted.
+    pub fn count(&mut self, count: &LoopCount) -> io::Result<()> {
+        let record = count.to_metadata();
+        self.with(|mcap, _| mcap.write_metadata(&record))
     }
 
     /// Writes what makes the file complete, and gives the output back.

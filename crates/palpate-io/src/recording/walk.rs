@@ -1,31 +1,30 @@
 //! From the start of a recording to where it ends, believing nothing that its checksums do not.
 
-use std::collections::BTreeMap;
 use std::io::{self, Read};
 
 use mcap::records::{Record, op};
 use mcap::{MAGIC, parse_record};
 
-use super::frames::{Frame, Frames, records};
+use super::chunk::Content;
+use super::frames::{Frame, Frames};
 use super::loss::Loss;
 use super::read::Entry;
-use super::{EVENT_TOPIC, Event, MESSAGE_ENCODING, Receipt, TICK_TOPIC, Tick};
+use super::{LoopCount, Receipt, count, receipt};
+
+/// What the header of a recording says, before a version, that this program has written.
+pub(super) const LIBRARY: &str = "palpate ";
+const NO_RECORDING: &str = "an MCAP file, but not a recording of palpate";
 
 /// A recording, read as far as its next chunk.
 pub(super) struct Walk<R> {
     frames: Frames<R>,
-    channels: BTreeMap<u16, Channel>,
-    loss: Loss,
+    content: Content,
+    /// Whether another tool has written it: what is ours is more than MCAP asks for.
+    is_foreign: bool,
+    receipt: Option<Receipt>,
+    count: Option<LoopCount>,
     /// Whether all chunks have been passed.
     in_summary: bool,
-}
-
-#[derive(Clone, Copy)]
-enum Channel {
-    Ticks,
-    Events,
-    /// Somebody else's.
-    Other,
 }
 
 /// Why this is no recording.
@@ -44,6 +43,13 @@ pub(super) enum Step {
     Complete,
     /// The end, cut off or not what was written, in words.
     Tail(String),
+    /// The entries of a last chunk that is cut off: no checksum covers them.
+    TornChunk {
+        /// As far as they are whole.
+        entries: Vec<Entry>,
+        /// Bytes of the file that are the chunk's.
+        size: u64,
+    },
 }
 
 impl From<io::Error> for Refused {
@@ -53,35 +59,58 @@ impl From<io::Error> for Refused {
 }
 
 impl<R: Read> Walk<R> {
-    /// Reads up to the end of the receipt.
-    pub fn begin(source: R) -> Result<(Self, Receipt), Refused> {
+    /// Reads up to the end of the receipt, which is where this program writes it. Another tool may put
+    /// it elsewhere.
+    pub fn begin(source: R) -> Result<Self, Refused> {
         let invalid = |what: &str| Refused::Invalid(what.into());
         let frames = Frames::begin(source)?;
-        let mut frames = frames.ok_or_else(|| invalid("not an MCAP file, so no recording"))?;
+        let mut walk = Self {
+            frames: frames.ok_or_else(|| invalid("not an MCAP file, so no recording"))?,
+            content: Content::new(),
+            is_foreign: false,
+            receipt: None,
+            count: None,
+            in_summary: false,
+        };
         for expected in [op::HEADER, op::METADATA] {
-            match frames.next()? {
-                Frame::End | Frame::Torn(_) => {
+            match walk.frames.next()? {
+                Frame::End | Frame::Torn { .. } => {
                     return Err(invalid(
                         "cut off within its receipt: nothing was recorded in it yet",
                     ));
                 }
                 Frame::Record { opcode, body, .. } if opcode == expected => {
-                    if let Ok(Record::Metadata(record)) = parse_record(opcode, &body) {
-                        let receipt = Receipt::from_metadata(record).map_err(Refused::Invalid)?;
-                        let walk = Self {
-                            frames,
-                            // As they are written; a chunk that says otherwise is heard.
-                            channels: [(1, Channel::Ticks), (2, Channel::Events)].into(),
-                            loss: Loss::default(),
-                            in_summary: false,
-                        };
-                        return Ok((walk, receipt));
+                    match parse_record(opcode, &body) {
+                        Ok(Record::Header(header)) => {
+                            walk.is_foreign = !header.library.starts_with(LIBRARY);
+                            if walk.is_foreign {
+                                return Ok(walk);
+                            }
+                        }
+                        Ok(Record::Metadata(record)) => {
+                            let receipt = Receipt::from_metadata(record);
+                            walk.receipt = Some(receipt.map_err(Refused::Invalid)?);
+                            return Ok(walk);
+                        }
+                        _ => break,
                     }
                 }
                 _ => break,
             }
         }
-        Err(invalid("an MCAP file, but not a recording of palpate"))
+        Err(invalid(NO_RECORDING))
+    }
+
+    /// The receipt, which has been passed; why there is none.
+    pub fn receipt(&mut self) -> Result<Receipt, Refused> {
+        self.receipt
+            .take()
+            .ok_or_else(|| Refused::Invalid(NO_RECORDING.into()))
+    }
+
+    /// What the loop counted, if that has been passed.
+    pub fn count(&mut self) -> Option<LoopCount> {
+        self.count.take()
     }
 
     /// Bytes up to the end of the last whole record.
@@ -91,10 +120,10 @@ impl<R: Read> Walk<R> {
 
     /// What is missing, told from everything up to here.
     pub fn loss(self) -> Loss {
-        self.loss
+        self.content.loss
     }
 
-    pub fn next(&mut self) -> io::Result<Step> {
+    pub fn next(&mut self) -> Result<Step, Refused> {
         loop {
             let (opcode, at, body, before) = match self.frames.next()? {
                 Frame::Record {
@@ -109,28 +138,52 @@ impl<R: Read> Walk<R> {
                         "never finished: it ends with its last flush".into(),
                     ));
                 }
-                Frame::Torn(bytes) => {
-                    let last = format!("{bytes} bytes after its last whole record");
-                    return Ok(self.tail(&last));
+                Frame::Torn {
+                    size,
+                    opcode: Some(op::CHUNK),
+                    body,
+                } if !self.in_summary => {
+                    let entries = self.content.torn_chunk(&body);
+                    if entries.is_empty() {
+                        return Ok(self.torn(size));
+                    }
+                    return Ok(Step::TornChunk { entries, size });
                 }
+                Frame::Torn { size, .. } => return Ok(self.torn(size)),
                 Frame::Endless => return Ok(strange(self.frames.offset)),
             };
             match opcode {
                 op::CHUNK if !self.in_summary => {
-                    return Ok(match self.chunk(&body) {
+                    return Ok(match self.content.chunk(&body, self.is_foreign) {
                         Ok(entries) => Step::Chunk(entries),
                         Err(why) => Step::Damaged(format!("the chunk at byte {at}: {why}")),
                     });
                 }
                 op::MESSAGE_INDEX if !self.in_summary && is_index(&body) => {}
-                op::METADATA | op::ATTACHMENT if !self.in_summary => {}
+                op::METADATA if !self.in_summary => {
+                    if let Some(damage) = self.metadata(&body)? {
+                        return Ok(Step::Damaged(format!("the record at byte {at}: {damage}")));
+                    }
+                }
+                op::ATTACHMENT if !self.in_summary => {}
+                // Outside of chunks, as other tools may put them.
+                op::SCHEMA | op::CHANNEL | op::MESSAGE if !self.in_summary && self.is_foreign => {
+                    match self.content.record(opcode, &body) {
+                        Ok(None) => {}
+                        Ok(Some(entry)) => return Ok(Step::Chunk(vec![entry])),
+                        Err(why) => {
+                            return Ok(Step::Damaged(format!("the record at byte {at}: {why}")));
+                        }
+                    }
+                }
                 op::DATA_END if !self.in_summary => {
                     let Ok(Record::DataEnd(end)) = parse_record(opcode, &body) else {
                         return Ok(strange(at));
                     };
                     self.in_summary = true;
                     self.frames.forget();
-                    if end.data_section_crc != before.finalize() {
+                    let lacks_sum = self.is_foreign && end.data_section_crc == 0;
+                    if !lacks_sum && end.data_section_crc != before.finalize() {
                         return Ok(Step::Damaged(
                             "the whole: its checksum does not fit its bytes".into(),
                         ));
@@ -145,7 +198,9 @@ impl<R: Read> Walk<R> {
                 | op::SUMMARY_OFFSET
                     if self.in_summary => {}
                 op::FOOTER if self.in_summary => {
-                    let sound = summary_checksum(before, &body) == body.last_chunk::<4>().copied();
+                    let lacks_sum = self.is_foreign && body.ends_with(&[0; 4]);
+                    let sound = lacks_sum
+                        || summary_checksum(before, &body) == body.last_chunk::<4>().copied();
                     let rest = self.frames.rest()?;
                     return Ok(if sound && rest == MAGIC {
                         Step::Complete
@@ -160,65 +215,29 @@ impl<R: Read> Walk<R> {
         }
     }
 
-    fn tail(&self, wherever: &str) -> Step {
-        Step::Tail(format!("cut off {wherever}"))
+    /// Takes a metadata record for what it is; what is wrong with it.
+    fn metadata(&mut self, body: &[u8]) -> Result<Option<&'static str>, Refused> {
+        let Ok(Record::Metadata(record)) = parse_record(op::METADATA, body) else {
+            return Ok(Some("it is not what was written"));
+        };
+        if record.name == count::RECORD {
+            self.count = LoopCount::from_metadata(record);
+            if self.count.is_none() {
+                return Ok(Some("the count of the loop is not what was written"));
+            }
+        } else if record.name == receipt::RECORD && self.receipt.is_none() {
+            let receipt = Receipt::from_metadata(record);
+            self.receipt = Some(receipt.map_err(Refused::Invalid)?);
+        }
+        Ok(None)
     }
 
-    /// The entries of a chunk; why it is not to be believed.
-    fn chunk(&mut self, body: &[u8]) -> Result<Vec<Entry>, String> {
-        let Ok(Record::Chunk { header, data }) = parse_record(op::CHUNK, body) else {
-            return Err("its head is not what was written".into());
-        };
-        if ["zstd", "lz4"].contains(&header.compression.as_str()) {
-            return Err(format!(
-                "it is compressed with {}, and this program reads what is not compressed",
-                header.compression
-            ));
-        }
-        if crc32fast::hash(&data) != header.uncompressed_crc {
-            return Err("its checksum does not fit its bytes".into());
-        }
-        let no_records = || "it does not hold records".to_owned();
-        let mut entries = Vec::new();
-        let mut loss = self.loss.clone();
-        for (opcode, record) in records(&data).ok_or_else(no_records)? {
-            // Nothing else is of interest, and the library does not expect everything everywhere.
-            if ![op::CHANNEL, op::MESSAGE].contains(&opcode) {
-                continue;
-            }
-            match parse_record(opcode, record).map_err(|_| no_records())? {
-                Record::Channel(channel) => {
-                    let known = match channel.topic.as_str() {
-                        _ if channel.message_encoding != MESSAGE_ENCODING => Channel::Other,
-                        TICK_TOPIC => Channel::Ticks,
-                        EVENT_TOPIC => Channel::Events,
-                        _ => Channel::Other,
-                    };
-                    self.channels.insert(channel.id, known);
-                }
-                Record::Message { header, data } => match self.channels.get(&header.channel_id) {
-                    Some(Channel::Ticks) => {
-                        let tick = Tick::decode(&data).ok_or("a message is not a tick")?;
-                        if !loss.tick(tick.sequence) {
-                            return Err(format!(
-                                "tick {} does not come after the one before it",
-                                tick.sequence
-                            ));
-                        }
-                        entries.push(Entry::Tick(tick));
-                    }
-                    Some(Channel::Events) => {
-                        let event = Event::decode(&data).ok_or("a message is not an event")?;
-                        loss.named(event.sequence);
-                        entries.push(Entry::Event(event));
-                    }
-                    Some(Channel::Other) | None => {}
-                },
-                _ => {}
-            }
-        }
-        self.loss = loss;
-        Ok(entries)
+    fn torn(&self, size: u64) -> Step {
+        self.tail(&format!("{size} bytes after its last whole record"))
+    }
+
+    fn tail(&self, wherever: &str) -> Step {
+        Step::Tail(format!("cut off {wherever}"))
     }
 }
 

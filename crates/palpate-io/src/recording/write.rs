@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use tempfile::TempPath;
 
 use super::stream::Stream;
-use super::{Event, Receipt, Tick};
+use super::{Event, LoopCount, Receipt, Tick};
 use crate::atomic::WriteError;
 
 /// Flushed ticks reach the disk itself at least this often while they come.
@@ -126,7 +126,17 @@ impl RecordingWriter {
         outcome.map_err(|source| self.failed(source))
     }
 
-    /// Completes the recording and gives it its name.
+    /// Writes what the loop itself counted, as the last thing before [`finish`](Self::finish). A
+    /// recording without it is read, but nobody can say whether ticks are missing at its end.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn count(&mut self, count: &LoopCount) -> Result<(), WriteError> {
+        let outcome = self.stream.count(count);
+        outcome.map_err(|source| self.failed(source))
+    }
+
+    /// Ends the recording and gives it its name.
     ///
     /// # Errors
     /// What the system says; the recording is then still called `NAME.part`, and so it is where a

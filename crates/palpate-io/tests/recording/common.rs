@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use palpate_io::recording::{
-    Entry, Event, Flags, Phase, Receipt, Recording, RecordingError, RecordingWriter, Tick,
+    Entry, Event, Flags, LoopCount, Phase, Receipt, Recording, RecordingError, RecordingWriter,
+    Tick,
 };
 
 /// A tick in which every quantity has a value of its own that follows from its number.
@@ -48,6 +49,16 @@ pub fn event(sequence: u64) -> Event {
     }
 }
 
+/// What a loop of so many ticks and events counted.
+pub fn count(ticks: u64, events: u64) -> LoopCount {
+    LoopCount {
+        ticks,
+        events,
+        motors_off: 0,
+        ending: Some("its time was over".into()),
+    }
+}
+
 /// What made the recordings here.
 pub fn receipt() -> Receipt {
     Receipt::new("0.1.0")
@@ -81,6 +92,7 @@ pub fn small(finished: bool) -> (Vec<u8>, Vec<usize>) {
         sizes.push(size());
     }
     if finished {
+        writer.count(&count(9, 1)).unwrap();
         writer.finish().unwrap();
         (std::fs::read(path).unwrap(), sizes)
     } else {

@@ -17,7 +17,7 @@ fn cut_anywhere_it_reads_what_was_flushed_and_says_that_there_is_no_end() {
     for finished in [false, true] {
         let (bytes, sizes) = small(finished);
         let scratch = Scratch::new();
-        let (mut opened, mut torn) = (0, 0);
+        let (mut opened, mut torn, mut within_a_chunk) = (0, 0, 0);
         for length in 0..bytes.len() {
             let recording = match scratch.open(&bytes[..length]) {
                 Ok(recording) => recording,
@@ -28,7 +28,7 @@ fn cut_anywhere_it_reads_what_was_flushed_and_says_that_there_is_no_end() {
                 }
             };
             opened += 1;
-            assert!(!recording.complete && !recording.is_whole(), "{length}");
+            assert!(!recording.finished && !recording.is_whole(), "{length}");
             let tail = recording.tail.as_ref().unwrap();
             torn += usize::from(tail.starts_with("cut off"));
             assert!(
@@ -37,8 +37,15 @@ fn cut_anywhere_it_reads_what_was_flushed_and_says_that_there_is_no_end() {
             );
             let (ticks, events) = content(&recording);
             assert!(recording.ticks >= whole_ticks(length, &sizes), "{length}");
-            assert_eq!(recording.ticks % 3, 0, "a chunk is whole or not there");
-            assert_eq!(recording.events, u64::from(recording.ticks >= 6));
+            // A chunk is whole, or is read up to its last message but one, which is said.
+            let checked = recording.ticks + recording.events - recording.unchecked;
+            assert!([0, 3, 7, 10].contains(&checked), "{length}: {checked}");
+            assert_eq!(tail.contains("last chunk"), recording.unchecked > 0);
+            within_a_chunk += usize::from(recording.unchecked > 0);
+            assert_eq!(
+                recording.events,
+                u64::from(recording.ticks + recording.events > 5)
+            );
             for (sequence, read) in (0..).zip(&ticks) {
                 assert_eq!(bits(read), bits(&tick(sequence)), "{length}");
             }
@@ -49,6 +56,25 @@ fn cut_anywhere_it_reads_what_was_flushed_and_says_that_there_is_no_end() {
             opened > 2_000 && torn > opened * 9 / 10,
             "{torn} of {opened}"
         );
+        assert!(within_a_chunk > 500, "{within_a_chunk}");
+    }
+}
+
+/// As a file may be after the machine went down: as long as it was to be, and zeros where nothing was
+/// written.
+#[test]
+fn zeros_in_place_of_an_end_are_no_tick() {
+    let (bytes, sizes) = small(false);
+    let scratch = Scratch::new();
+    for cut in sizes[1]..bytes.len() {
+        let mut zeroed = bytes.clone();
+        zeroed[cut..].fill(0);
+        for length in [bytes.len() - 1, bytes.len()] {
+            let recording = scratch.open(&zeroed[..length]).unwrap();
+            assert!(!recording.is_whole(), "{cut}");
+            assert_true_ticks(&recording, cut);
+            assert!(recording.ticks >= whole_ticks(cut, &sizes), "{cut}");
+        }
     }
 }
 
@@ -96,7 +122,7 @@ fn a_damaged_chunk_is_left_out_and_what_follows_is_read() {
     bytes[within] ^= 1;
     let scratch = Scratch::new();
     let recording = scratch.open(&bytes).unwrap();
-    assert!(recording.complete && !recording.is_whole());
+    assert!(recording.finished && !recording.is_whole());
     assert_eq!(
         recording.damage[0],
         format!(
@@ -145,7 +171,7 @@ fn bytes_after_the_end_are_not_the_end() {
     let (mut bytes, _) = small(true);
     bytes.push(0);
     let recording = Scratch::new().open(&bytes).unwrap();
-    assert_eq!((recording.complete, recording.ticks), (false, 9));
+    assert_eq!((recording.finished, recording.ticks), (false, 9));
     assert_eq!(
         recording.tail.as_deref(),
         Some("the index at its end is damaged")
@@ -205,7 +231,7 @@ fn a_writer_that_is_dropped_leaves_no_end() {
     };
     assert!(!path.exists());
     let recording = Recording::open(&part).unwrap();
-    assert_eq!((recording.ticks, recording.complete), (1, false));
+    assert_eq!((recording.ticks, recording.finished), (1, false));
 }
 
 /// A chunk with these records, as another program might write it.

@@ -35,7 +35,8 @@ fn a_table_has_every_tick_and_says_what_it_has_not() {
         let found = table.receipt().iter().find(|(name, _)| name == key);
         found.unwrap_or_else(|| panic!("no {key}")).1.as_str()
     };
-    assert_eq!((said("ticks_lost"), said("complete")), ("3", "true"));
+    assert_eq!((said("ticks_lost"), said("events_lost")), ("3", "1"));
+    assert_eq!((said("complete"), said("finished")), ("false", "true"));
     assert_eq!(
         (said("damaged_parts"), said("palpate_version")),
         ("2", "0.1.0")

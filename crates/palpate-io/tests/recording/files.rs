@@ -132,7 +132,7 @@ fn a_disk_that_fills_up_is_reported_and_what_was_flushed_is_readable() {
         "{} of {flushed}",
         recording.ticks
     );
-    assert!(!recording.complete && recording.lost() == 0);
+    assert!(!recording.finished && recording.lost() == 0);
     assert!(!path.exists());
 }
 

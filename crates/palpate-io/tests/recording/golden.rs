@@ -11,12 +11,18 @@ fn the_first_recording_is_still_read() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recording/golden-v1.mcap");
     let recording = Recording::open(&path).unwrap();
     assert_eq!(recording.receipt, receipt());
-    assert!(recording.complete && recording.damage.is_empty());
+    assert!(recording.finished && recording.damage.is_empty());
     let (ticks, events) = content(&recording);
     assert_eq!(events, [event(4)]);
     // Tick 5 was lost.
     let numbers = [0, 1, 2, 3, 4, 6, 7, 8];
     assert_eq!(recording.lost(), 1);
+    // Nobody wrote down how many the loop made.
+    assert_eq!(
+        (recording.counted.clone(), recording.ticks_made()),
+        (None, None)
+    );
+    assert!(!recording.is_complete());
     assert_eq!(ticks.len(), numbers.len());
     for (read, sequence) in ticks.iter().zip(numbers) {
         assert_eq!(bits(read), bits(&tick(sequence)));

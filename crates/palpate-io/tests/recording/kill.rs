@@ -51,7 +51,7 @@ fn whenever_it_is_killed_what_was_flushed_is_readable() {
             "kill {kill}: {} of {flushed}",
             recording.ticks
         );
-        assert!(!recording.complete && recording.tail.is_some());
+        assert!(!recording.finished && recording.tail.is_some());
         assert_eq!((recording.lost(), recording.damage.len()), (0, 0));
         let (ticks, _) = content(&recording);
         for (sequence, read) in (0..).zip(&ticks) {

@@ -48,7 +48,7 @@ fn what_is_lost_is_counted_from_the_numbers() {
         [gap(None, 2), gap(Some(3), 3), gap(Some(8), 1)]
     );
     assert_eq!(recording.lost(), 6);
-    assert!(recording.complete && !recording.is_whole());
+    assert!(recording.finished && !recording.is_whole());
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn other_programs_find_its_index() {
     let (bytes, _) = small(true);
     let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
     let counts = summary.stats.unwrap();
-    assert_eq!((counts.message_count, counts.metadata_count), (10, 1));
+    assert_eq!((counts.message_count, counts.metadata_count), (10, 2));
     assert_eq!(counts.message_end_time, 8_000_000);
     // The channels, and three flushes.
     assert_eq!(summary.chunk_indexes.len(), 4);
@@ -228,7 +228,7 @@ proptest! {
         writer.finish().unwrap();
         let recording = Recording::open(&path).unwrap();
         prop_assert_eq!(&recording.receipt, &receipt);
-        prop_assert!(recording.complete && recording.damage.is_empty());
+        prop_assert!(recording.finished && recording.damage.is_empty());
         let (read, said) = content(&recording);
         prop_assert_eq!(said, events);
         prop_assert_eq!(

@@ -124,4 +124,12 @@ fn what_finds_no_room_in_a_tap_is_lost_and_counted() {
     // There is room again.
     control.tick();
     assert_eq!((listener.by_ref().count(), listener.lost()), (1, 6));
+    // What the loop counted found its way, and stands when it has closed.
+    assert!(!listener.is_closed());
+    assert_eq!(listener.counted().ticks, 11);
+    drop(control);
+    assert!(listener.is_closed());
+    let counted = listener.counted();
+    assert_eq!((counted.ticks, counted.notes, counted.lost), (11, 0, 6));
+    assert_eq!((counted.motors_off, counted.ending), (0, None));
 }

@@ -243,7 +243,7 @@ impl Lane {
     pub fn end_recording_with_loop(&mut self) -> Option<Ending> {
         let recording = self.recording.take()?;
         self.recorded = Some(recording.path().to_path_buf());
-        Some(recording.end())
+        Some(recording.end_with_loop(&self.listener.counted()))
     }
 
     /// The recording that ended with the loop.
@@ -281,8 +281,14 @@ impl Lane {
             supervisor_cuts: cuts,
             lateness_s: spread(&self.statistics.lateness),
             tick_s: spread(&self.statistics.tick),
-            untold: self.heard.missing,
+            untold: self.untold(),
         }
+    }
+
+    /// Ticks that were not heard of; of those that were made last it is known once the loop has ended.
+    fn untold(&self) -> u64 {
+        let made = self.end.as_ref().map_or(0, |end| end.statistics.ticks);
+        self.heard.missing + made.saturating_sub(self.heard.next)
     }
 
     /// How the loop has ended, if it has.
@@ -316,7 +322,7 @@ impl Lane {
     /// What was heard of the loop, and how it has ended.
     pub fn into_account(self) -> Option<(Account, Ended, Vec<Answer>)> {
         let mut account = self.account;
-        account.lost = self.listener.lost();
+        account.counted(&self.listener.counted());
         Some((account, self.end?, self.answers))
     }
 }

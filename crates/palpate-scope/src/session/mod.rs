@@ -91,6 +91,8 @@ pub struct Written {
     pub path: PathBuf,
     /// How many ticks it holds, or what the system said while writing.
     pub ticks: Result<u64, WriteError>,
+    /// Ticks that the loop made and that it does not hold.
+    pub lost: u64,
 }
 
 /// How a lane has ended, for a report.

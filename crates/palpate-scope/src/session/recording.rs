@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use palpate_io::atomic::WriteError;
 use palpate_io::recording::{Receipt, Tick};
-use palpate_rt::{Note, Noted, Recorder, Tap};
+use palpate_rt::{Counted, Note, Noted, Recorder, Tap};
 
 use super::Written;
 
@@ -23,6 +23,8 @@ pub struct LaneRecording {
     /// How many ticks there have been since the first.
     known: u64,
     told: u64,
+    /// How many of those that were passed on found no room on their way to the disk.
+    dropped: u64,
 }
 
 impl LaneRecording {
@@ -41,7 +43,17 @@ impl LaneRecording {
             changed: None,
             known: 0,
             told: 0,
+            dropped: 0,
         })
+    }
+
+    /// The same recording, of a loop that has not begun: its first tick is the loop's, even where that
+    /// gets lost on its way.
+    pub fn from_the_start(self) -> Self {
+        Self {
+            first: Some(0),
+            ..self
+        }
     }
 
     /// Passes on a tick.
@@ -61,11 +73,13 @@ impl LaneRecording {
         let sequence = tick.sequence - first;
         self.known = sequence + 1;
         self.told += 1;
+        let lost = self.tap.lost();
         self.tap.tick(&Tick {
             sequence,
             generation: tick.generation.saturating_sub(self.generation),
             ..*tick
         });
+        self.dropped += self.tap.lost() - lost;
     }
 
     /// Passes on something that happened.
@@ -109,9 +123,10 @@ impl LaneRecording {
         self.told
     }
 
-    /// Ticks that are missing, and things that found no room on their way to the disk.
+    /// Ticks that are missing, on the way here or to the disk, as far as is known: the loop may have
+    /// made more since.
     pub fn lost(&self) -> u64 {
-        self.known - self.told + self.tap.lost()
+        self.known - self.told + self.dropped
     }
 
     /// Size of its file so far.
@@ -124,6 +139,27 @@ impl LaneRecording {
     /// Whether nothing more is written although it has not been ended.
     pub fn has_failed(&self) -> bool {
         self.recorder.has_ended()
+    }
+
+    /// Nothing more comes, since the loop is over, and has counted so much.
+    pub fn end_with_loop(mut self, counted: &Counted) -> Ending {
+        if let Some(first) = self.first {
+            let here = match first {
+                0 => *counted,
+                _ => Counted {
+                    ticks: counted.ticks.saturating_sub(first),
+                    ..self.tap.counted()
+                },
+            };
+            self.tap.count(&here);
+        }
+        if let Some(ending) = counted.ending {
+            self.tap.end(ending);
+        }
+        Ending {
+            recorder: self.recorder,
+            path: self.path,
+        }
     }
 
     /// Nothing more comes; the rest is written while the loop goes on.
@@ -154,6 +190,7 @@ impl Ending {
         let held = account.recording.map_or(0, |written| written.ticks);
         Written {
             path: self.path,
+            lost: account.lost_ticks(),
             ticks: unwritten.map_or(Ok(held), Err),
         }
     }
@@ -191,6 +228,49 @@ mod tests {
             })
             .collect();
         assert_eq!(ticks, [(0, 0), (1, 0), (3, 1)]);
+    }
+
+    /// The first ticks and the last, and the event of the end, got lost on their way to the scope.
+    #[test]
+    fn what_the_loop_counted_stands_in_its_recording() {
+        let folder = tempfile::tempdir().unwrap();
+        let counted = Counted {
+            ticks: 12,
+            notes: 1,
+            lost: 6,
+            motors_off: 3,
+            ending: Some(palpate_rt::Ending::Complete),
+        };
+        for (name, from_the_start, made, missing) in
+            [("start", true, 12, 6), ("middle", false, 8, 2)]
+        {
+            let path = folder.path().join(format!("{name}.mcap"));
+            let mut recording =
+                LaneRecording::begin(path.clone(), &Receipt::new("test"), 0).unwrap();
+            if from_the_start {
+                recording = recording.from_the_start();
+            }
+            for sequence in 4..10 {
+                recording.tick(&Tick {
+                    sequence,
+                    ..Tick::default()
+                });
+            }
+            let written = recording.end_with_loop(&counted).finish();
+            assert_eq!(
+                (written.ticks.unwrap(), written.lost),
+                (6, missing),
+                "{name}"
+            );
+            let read = Recording::open(&path).unwrap();
+            assert_eq!(
+                (read.ticks_made(), read.lost()),
+                (Some(made), missing),
+                "{name}"
+            );
+            let ending = read.counted.unwrap().ending;
+            assert_eq!(ending.as_deref(), Some("its time was over"), "{name}");
+        }
     }
 
     /// What came into force between receipt and first tick stands in the file, the newest of it.

@@ -201,7 +201,10 @@ impl Running {
             let path = first.as_ref().map(|path| self.path_of(path, lane));
             let device = placed.device.capabilities();
             recordings.push(match path {
-                Some(path) => Some(self.begin_recording(path, lane, device, 0)?),
+                Some(path) => {
+                    let begun = self.begin_recording(path, lane, device, 0)?;
+                    Some(begun.from_the_start())
+                }
                 None => None,
             });
         }
@@ -371,7 +374,7 @@ impl Running {
             let written = self.endings.swap_remove(index).finish();
             let name = written.path.display();
             let text = match &written.ticks {
-                Ok(ticks) => format!("{name} is written: {ticks} ticks"),
+                Ok(ticks) => format!("{name} is written: {ticks} ticks, {} lost", written.lost),
                 Err(error) => {
                     let text = error.to_string();
                     self.recording_failed = Some(text.clone());

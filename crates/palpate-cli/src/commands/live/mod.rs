@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use palpate_rt::clock::MonotonicClock;
-use palpate_rt::{Ending, Rendering, SetupError, StopFlag};
+use palpate_rt::{Rendering, SetupError, StopFlag};
 use palpate_scope::{
     LaneEnd, ListenError, Listening, Server, Session, SessionError, Setup, Written,
 };
@@ -17,10 +17,10 @@ use palpate_sim::scene::{Scene, SceneFile, Timing};
 pub use arguments::LiveArguments;
 use device::{Named, most_lanes};
 
-use super::run::{Report, limits, receipt, request, scene_text};
+use super::run::{Asked, Report, limits, outcome, receipt, request, scene_text};
 use crate::devices::DeviceName;
 use crate::failure::{Failure, tell};
-use crate::recorded::{open as open_recording, whole_or_said};
+use crate::recorded::{in_a_line, open as open_recording, whole_or_said};
 use crate::results::print;
 use crate::values::duration;
 
@@ -86,20 +86,18 @@ pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
     }
     let end = session.join();
     drop(server);
-    // A recorded motion is over when it is over.
-    let may_end = arguments.device.device == DeviceName::Replay;
+    let asked = Asked {
+        duration: arguments.duration,
+        // A recorded motion is over when it is over.
+        device_may_end: arguments.device.device == DeviceName::Replay,
+        lost: "the device was lost before the end",
+    };
     let mut ended = Ok(());
     for lane in end.lanes {
-        add(&mut ended, report(lane, may_end));
+        add(&mut ended, report(lane, &asked));
     }
-    for Written { path, ticks } in end.recordings {
-        add(
-            &mut ended,
-            match ticks {
-                Ok(ticks) => print(&format!("{}: {ticks} ticks\n", path.display())),
-                Err(error) => Err(Failure::System(error.to_string())),
-            },
-        );
+    for written in end.recordings {
+        add(&mut ended, report_recording(written));
     }
     let failed = end
         .failed
@@ -196,10 +194,22 @@ fn folder(record: Option<&Path>) -> PathBuf {
     beside.unwrap_or(Path::new(".")).to_path_buf()
 }
 
+/// Says what a recording holds that ended before its loop did.
+fn report_recording(written: Written) -> Result<(), Failure> {
+    if let Err(error) = written.ticks {
+        return Err(Failure::System(error.to_string()));
+    }
+    let recording = open_recording(&written.path)?;
+    print(&format!("{}\n", in_a_line(&recording)))?;
+    whole_or_said(&recording)
+}
+
 /// Says how a lane went.
-fn report(lane: LaneEnd, may_end: bool) -> Result<(), Failure> {
+fn report(lane: LaneEnd, asked: &Asked) -> Result<(), Failure> {
     let (recording, unwritten) = match lane.recording {
-        Some(Written { path, ticks: Ok(_) }) => (Some(open_recording(&path)?), None),
+        Some(Written {
+            path, ticks: Ok(_), ..
+        }) => (Some(open_recording(&path)?), None),
         Some(Written {
             ticks: Err(error), ..
         }) => (None, Some(Failure::System(error.to_string()))),
@@ -215,14 +225,5 @@ fn report(lane: LaneEnd, may_end: bool) -> Result<(), Failure> {
         recording.as_ref(),
     );
     print(&format!("\n{report}"))?;
-    if let Some(words) = lane.end.panic {
-        return Err(Failure::System(format!(
-            "the loop panicked, and no force was commanded: {words}"
-        )));
-    }
-    unwritten.map_or(Ok(()), Err)?;
-    if lane.end.ending == Ending::DeviceLost && !may_end {
-        return Err(Failure::System("the device was lost before the end".into()));
-    }
-    recording.as_ref().map_or(Ok(()), whole_or_said)
+    outcome::of(&lane.end, asked, unwritten, recording.as_ref())
 }

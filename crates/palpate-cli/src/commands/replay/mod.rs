@@ -128,7 +128,7 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
     report.recorded(FromRecording {
         file: name.clone(),
         recorded_method: file.scene.method.name(),
-        complete: recording.complete,
+        complete: recording.is_complete(),
         ticks: recording.ticks,
         ticks_lost: recording.lost(),
         ticks_without_position: ticks.without_position,

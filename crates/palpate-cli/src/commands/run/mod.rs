@@ -1,6 +1,7 @@
 //! `palpate run` and `palpate record`: a loop in real time, on a device.
 
 mod arguments;
+pub mod outcome;
 pub mod report;
 pub mod scene_text;
 
@@ -12,20 +13,21 @@ use palpate_rt::clock::{Clock, MonotonicClock, SteppedClock};
 use palpate_rt::device::{Capabilities, Device};
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
-use palpate_rt::{ControlLoop, Ending, LoopThread, Recorder, Rendering, SetupError, StopFlag};
+use palpate_rt::{ControlLoop, LoopThread, Recorder, Rendering, SetupError, StopFlag};
 use palpate_sim::method::MethodName;
 use palpate_sim::scene::{Scene, Timing};
 
 pub use arguments::{
     RealtimeArguments, RecordArguments, RunArguments, SafetyArguments, SessionArguments,
 };
+pub use outcome::Asked;
 pub use report::Report;
 pub use report::TimingReport;
 
 use crate::devices::{DeviceName, Opened, open};
 use crate::failure::{Failure, tell};
 use crate::progress::Progress;
-use crate::recorded::{open as open_recording, whole_or_said};
+use crate::recorded::open as open_recording;
 use crate::results::print;
 use crate::values::duration;
 
@@ -168,22 +170,14 @@ impl Session<'_> {
         } else {
             report.to_string()
         })?;
-        if let Some(words) = end.panic {
-            return Err(Failure::System(format!(
-                "the loop panicked, and no force was commanded: {words}"
-            )));
-        }
-        unwritten.map_or(Ok(()), Err)?;
-        // A recorded motion is over when it is over.
-        let may_end = self.arguments.device.device == DeviceName::Replay;
-        if end.ending == Ending::DeviceLost && !may_end {
-            return Err(Failure::System(
-                "the device was lost before the end; `palpate run --reconnect` waits for one that \
-                 can be opened again"
-                    .into(),
-            ));
-        }
-        recording.as_ref().map_or(Ok(()), whole_or_said)
+        let asked = Asked {
+            duration: self.arguments.duration,
+            // A recorded motion is over when it is over.
+            device_may_end: self.arguments.device.device == DeviceName::Replay,
+            lost: "the device was lost before the end; `palpate run --reconnect` waits for one that \
+                   can be opened again",
+        };
+        outcome::of(&end, &asked, unwritten, recording.as_ref())
     }
 
     fn most_periods(&self, period: Duration) -> Result<Option<u64>, Failure> {

@@ -13,7 +13,8 @@ use palpate_sim::method::MethodName;
 use palpate_sim::scene::Scene;
 use serde::Serialize;
 
-use crate::report::{counted, digits, lines, number, plain_table};
+use crate::recorded::in_a_line;
+use crate::report::{counted, digits, lines, motors_off, number, plain_table};
 
 /// Events that are shown; JSON and recordings have more.
 const SHOWN: usize = 8;
@@ -33,8 +34,11 @@ pub struct Report {
     /// What holds the force at none at the end, if something does.
     trip: Option<&'static str>,
     supervisor_cuts: u64,
+    /// Ticks at whose end safety had tripped.
+    motors_off_ticks: u64,
     peak_force_n: f64,
     deepest_penetration_m: f64,
+    /// Of the forces that the motors held; what passed while they were off is work from outside.
     leak_held_j: f64,
     port_work_j: f64,
     outside_work_j: f64,
@@ -42,6 +46,7 @@ pub struct Report {
     all_events: u64,
     /// Ticks and events that nobody had time to write down.
     untold: u64,
+    untold_ticks: u64,
     recording: Option<RecordingReport>,
 }
 
@@ -64,10 +69,16 @@ struct EventReport {
 #[derive(Debug, Serialize)]
 struct RecordingReport {
     file: String,
+    /// Whether it is whole and holds as many ticks as the loop counted.
     complete: bool,
+    finished: bool,
     ticks: u64,
+    ticks_made: Option<u64>,
     ticks_lost: u64,
+    events_lost: u64,
     bytes: u64,
+    #[serde(skip)]
+    in_a_line: String,
 }
 
 /// How a loop kept time.
@@ -148,20 +159,26 @@ impl Report {
             timing: (&end.statistics).into(),
             trip: end.trip.map(palpate_rt::safety::Trip::name),
             supervisor_cuts: end.cuts,
+            motors_off_ticks: end.statistics.motors_off,
             peak_force_n: account.peak_force,
             deepest_penetration_m: account.deepest,
             leak_held_j: last.held_leak,
             port_work_j: last.port_work,
             outside_work_j: last.outside_work,
             events: account.events.iter().map(event).collect(),
-            all_events: account.all_events,
-            untold: account.lost,
+            all_events: account.events_made,
+            untold: account.lost_ticks() + account.lost_events(),
+            untold_ticks: account.lost_ticks(),
             recording: recording.map(|recording| RecordingReport {
                 file: recording.path().display().to_string(),
-                complete: recording.complete,
+                complete: recording.is_complete(),
+                finished: recording.finished,
                 ticks: recording.ticks,
+                ticks_made: recording.ticks_made(),
                 ticks_lost: recording.lost(),
-                bytes: account.recording.map_or(0, |summary| summary.bytes),
+                events_lost: recording.lost_events(),
+                bytes: recording.bytes,
+                in_a_line: in_a_line(recording),
             }),
         }
     }
@@ -176,16 +193,27 @@ fn event(event: &Event) -> EventReport {
     }
 }
 
+impl Report {
+    /// That the motors were off for a part of the time, after how it ended.
+    fn but_motors_off(&self) -> String {
+        match self.motors_off_ticks {
+            0 => String::new(),
+            off => format!(", but {}", motors_off(off, self.timing.ticks)),
+        }
+    }
+}
+
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", self.title)?;
         writeln!(
             f,
-            "{} on the device `{}` at {} Hz; {}",
+            "{} on the device `{}` at {} Hz; {}{}",
             self.method,
             self.device,
             digits(1.0 / self.period_s),
-            self.ending
+            self.ending,
+            self.but_motors_off()
         )?;
         for answer in &self.realtime {
             let outcome = match &answer.why_not {
@@ -197,10 +225,15 @@ impl fmt::Display for Report {
         writeln!(f, "\n{}", self.timing)?;
         writeln!(
             f,
-            "force on the device up to {} N, penetration up to {} mm; held forces created {} mJ",
+            "force on the device up to {} N, penetration up to {} mm; held forces created {} mJ{}",
             digits(self.peak_force_n),
             digits(1e3 * self.deepest_penetration_m),
             digits(1e3 * self.leak_held_j),
+            if self.motors_off_ticks > 0 {
+                " while the motors were on"
+            } else {
+                ""
+            }
         )?;
         if self.supervisor_cuts > 0 {
             let times = counted(self.supervisor_cuts, "time");
@@ -217,24 +250,12 @@ impl fmt::Display for Report {
             writeln!(f, "  and {} more", counted(hidden, "event"))?;
         }
         if let Some(recording) = &self.recording {
-            let state = if recording.complete {
-                "complete"
-            } else {
-                "not complete"
-            };
-            writeln!(
-                f,
-                "{}: {state}, {}, {} lost, {} MB",
-                recording.file,
-                counted(recording.ticks, "tick"),
-                recording.ticks_lost,
-                digits(1e-6 * recording.bytes as f64),
-            )?;
-        } else if self.untold > 0 {
+            writeln!(f, "{}", recording.in_a_line)?;
+        } else if self.untold_ticks > 0 {
             writeln!(
                 f,
                 "{} came too fast to be listened to",
-                counted(self.untold, "tick")
+                counted(self.untold_ticks, "tick")
             )?;
         }
         Ok(())

@@ -1,0 +1,66 @@
+//! What became of a loop, as an exit code.
+
+use palpate_io::recording::Recording;
+use palpate_rt::clock::Clock;
+use palpate_rt::device::Device;
+use palpate_rt::safety::Trip;
+use palpate_rt::{Ending, LoopEnd};
+
+use crate::failure::Failure;
+use crate::recorded::whole_or_said;
+use crate::report::motors_off;
+
+/// What a loop was to do.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked {
+    /// How long it was to run `[s]`; infinite: until it is stopped.
+    pub duration: f64,
+    /// Whether the device may go before that, as a recorded motion does at its end.
+    pub device_may_end: bool,
+    /// What to say of a device that was lost.
+    pub lost: &'static str,
+}
+
+/// Whether the loop did what it was asked to: `Err` is the gravest thing that went wrong, in the order
+/// of a panic, a recording that could not be written, a lost device, a recording that is not whole, an
+/// end before its time, and motors that were off at the end or for most of the ticks.
+pub fn of<D: Device, C: Clock>(
+    end: &LoopEnd<D, C>,
+    asked: &Asked,
+    unwritten: Option<Failure>,
+    recording: Option<&Recording>,
+) -> Result<(), Failure> {
+    if let Some(words) = &end.panic {
+        return Err(Failure::System(format!(
+            "the loop panicked, and no force was commanded: {words}"
+        )));
+    }
+    unwritten.map_or(Ok(()), Err)?;
+    if end.ending == Ending::DeviceLost && !asked.device_may_end {
+        return Err(Failure::System(asked.lost.into()));
+    }
+    recording.map_or(Ok(()), whole_or_said)?;
+    if end.ending == Ending::Stopped && asked.duration.is_finite() {
+        return Err(Failure::Interrupted(format!(
+            "stopped before its {} s were over; what was done is kept",
+            asked.duration
+        )));
+    }
+    motors(end, asked)
+}
+
+fn motors<D: Device, C: Clock>(end: &LoopEnd<D, C>, asked: &Asked) -> Result<(), Failure> {
+    let stays =
+        |trip: &Trip| !trip.is_passing() && !(asked.device_may_end && *trip == Trip::DeviceLost);
+    let (off, ticks) = (end.statistics.motors_off, end.statistics.ticks);
+    if let Some(trip) = end.trip.filter(stays) {
+        return Err(Failure::MotorsOff(format!(
+            "{}, and at the end: {trip}",
+            motors_off(off, ticks)
+        )));
+    }
+    if off > ticks / 2 {
+        return Err(Failure::MotorsOff(motors_off(off, ticks)));
+    }
+    Ok(())
+}
