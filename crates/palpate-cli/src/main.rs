@@ -6,6 +6,7 @@ mod devices;
 mod failure;
 mod figure;
 mod hand;
+mod inside;
 mod plots;
 mod progress;
 mod recorded;
