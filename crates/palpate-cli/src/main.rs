@@ -7,6 +7,7 @@ mod excerpt;
 mod failure;
 mod figure;
 mod hand;
+mod inside;
 mod plots;
 mod progress;
 mod recorded;

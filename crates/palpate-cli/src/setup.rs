@@ -213,7 +213,10 @@ impl Flags {
             period: others.period,
             largest_gap: self.largest_gap.or(others.largest_gap),
             speed_limit: self.speed_limit.or(others.speed_limit),
-            force_limit: self.force_limit.or(others.force_limit),
+            // An infinite limit is none, whatever a scene says.
+            force_limit: self.force_limit.map_or(others.force_limit, |limit| {
+                (limit != f64::INFINITY).then_some(limit)
+            }),
             slew_limit: self.slew_limit.or(others.slew_limit),
             guard: self.guard.map_or(others.guard, |mode| {
                 mode.guard(

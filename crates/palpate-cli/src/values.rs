@@ -4,6 +4,7 @@ use std::fmt;
 use std::time::Duration;
 
 use palpate::{SehEstimate, Side};
+use palpate_io::unit::LengthUnit;
 use palpate_sim::method::{Damping, MethodName, Predictor};
 use palpate_sim::scene::GuardMode;
 use palpate_testbed::hold::DelayedHold;
@@ -35,6 +36,14 @@ pub fn methods(text: &str) -> Result<Methods, String> {
 pub fn number(text: &str) -> Result<f64, String> {
     text.parse()
         .map_err(|_| "a number is needed, such as 0.01 or 1e-2".into())
+}
+
+/// A unit of positions.
+pub fn length_unit(text: &str) -> Result<LengthUnit, String> {
+    LengthUnit::of_symbol(text).ok_or_else(|| {
+        let units = LengthUnit::ALL.map(LengthUnit::symbol).join(", ");
+        format!("the units are {units}")
+    })
 }
 
 /// From one number to another; which of them is larger is the business of what it is for.

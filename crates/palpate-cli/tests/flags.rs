@@ -2,7 +2,9 @@
 
 mod common;
 
-use common::{Answer, Folder, METHODS, experiment_text, number, of_method, taps, trace_text};
+use common::{
+    Answer, Folder, METHODS, experiment_text, number, of_method, parse, taps, trace_text,
+};
 
 /// Each flag, a value that is not allowed, and what is said of it.
 const WRONG: [(&str, &str, &str); 53] = [
@@ -263,7 +265,12 @@ fn every_flag_of_a_recording_changes_its_run() {
         if flags.iter().all(|(flag, _)| *flag != "--force") {
             flags.push(("--force", "-0.981"));
         }
-        folder.json(&commands(&flags)[0])
+        let answer = folder.palpate(&format!("{} --json", commands(&flags)[0]));
+        assert_eq!(answer.code, 0, "{answer:?}");
+        // From the other side, the device starts inside the object.
+        let is_inside = flags.contains(&("--side", "negative"));
+        assert_eq!(answer.stderr.contains("the device starts"), is_inside);
+        parse(&answer.stdout)
     };
     let cases: [(&str, &str, &str); 15] = [
         ("--stiffness", "500", "hfcr"),
@@ -290,6 +297,23 @@ fn every_flag_of_a_recording_changes_its_run() {
     }
     let stopped = run(&[("--speed-limit", "0.05")]);
     assert!(of_method(&stopped, "coupled")["faults"].as_u64() > Some(0));
+}
+
+#[test]
+fn an_infinite_force_limit_takes_that_of_a_scene_away() {
+    let folder = folder();
+    let scene = experiment_text("wall");
+    assert!(scene.contains("[renderer]\n"));
+    let limit = "[renderer]\nforce_limit_n = 0.5\n";
+    folder.write("limited.toml", scene.replace("[renderer]\n", limit));
+    folder.write("scene.toml", scene);
+    let leak = |arguments: &str| {
+        let report = folder.json(&format!("simulate {arguments}"));
+        number(of_method(&report, "hfcr-mod-st"), "leak_held_j")
+    };
+    let free = leak("scene.toml");
+    assert_eq!(leak("limited.toml --force-limit inf"), free);
+    assert_ne!(leak("limited.toml"), free);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Files of palpate.
 //!
-//! - [`trace`] reads a recorded motion: when the device was where.
+//! - [`trace`] reads a recorded motion: when the device was where; [`unit`] knows the units of its
+//!   positions, and whether a hand can have made it.
 //! - [`run`] writes and reads run files: what a rendering did, sample by sample, with the
 //!   configuration that made it.
 //! - [`map`]: what each method can render, in parts or as a whole; [`journal`] keeps such work while
@@ -24,5 +25,6 @@ mod place;
 pub mod recording;
 pub mod run;
 pub mod trace;
+pub mod unit;
 
 pub use place::Place;

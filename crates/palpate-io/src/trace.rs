@@ -1,7 +1,8 @@
 //! Recorded traces: where a device was, and when.
 //!
 //! A trace is UTF-8 text with comma-separated columns. Its header must name `t_s` and
-//! `position_m`, in any order; other columns are allowed and ignored. Lines that begin with `#`
+//! `position_m`, in any order; other columns are allowed and ignored. In place of `position_m` may
+//! stand `position_cm`, `position_mm` or `position_um`. Lines that begin with `#`
 //! and empty lines are skipped. Line ends may be `\n` or `\r\n`, and a byte order mark at the
 //! start is accepted, since spreadsheets write both.
 //!
@@ -18,6 +19,7 @@ use csv::StringRecord;
 use thiserror::Error;
 
 use crate::place::{Place, field_span, first_byte, record_span};
+use crate::unit::LengthUnit;
 
 const TIME: &str = "t_s";
 const POSITION: &str = "position_m";
@@ -144,14 +146,28 @@ pub enum TraceFault {
 /// # Errors
 ///
 /// [`TraceError`] where the bytes cannot be read or the text is not a trace.
-pub fn read(mut reader: impl Read, file: &str) -> Result<Trace, TraceError> {
+pub fn read(reader: impl Read, file: &str) -> Result<Trace, TraceError> {
+    read_in(reader, file, None)
+}
+
+/// As [`read`], where the positions are in `unit`, also in a column called `position_m`; none: in the
+/// unit that the column's name has.
+///
+/// # Errors
+///
+/// As [`read`]; a column that is called by another unit is no position.
+pub fn read_in(
+    mut reader: impl Read,
+    file: &str,
+    unit: Option<LengthUnit>,
+) -> Result<Trace, TraceError> {
     let mut bytes = Vec::new();
     if let Err(source) = reader.read_to_end(&mut bytes) {
         let file = file.to_owned();
         return Err(TraceError::Unreadable { file, source });
     }
     match std::str::from_utf8(&bytes) {
-        Ok(source) => Text { file, source }.trace(),
+        Ok(source) => Text { file, source }.trace(unit),
         Err(error) => {
             let at = error.valid_up_to();
             let valid = String::from_utf8_lossy(&bytes[..at]);
@@ -184,7 +200,7 @@ impl Text<'_> {
         TraceError::Invalid { place, fault }
     }
 
-    fn trace(&self) -> Result<Trace, TraceError> {
+    fn trace(&self, unit: Option<LengthUnit>) -> Result<Trace, TraceError> {
         let body = self.source.strip_prefix('\u{feff}').unwrap_or(self.source);
         let offset = self.source.len() - body.len();
         let mut records = csv::ReaderBuilder::new()
@@ -203,7 +219,8 @@ impl Text<'_> {
             return Err(self.fault(self.source.len()..self.source.len(), TraceFault::Empty));
         };
         let time = self.column(&header, TIME)?;
-        let position = self.column(&header, POSITION)?;
+        let (name, unit) = position_column(&header, unit);
+        let position = self.column(&header, name)?;
 
         let mut trace = Trace {
             t_s: Vec::new(),
@@ -223,8 +240,8 @@ impl Text<'_> {
                 return Err(self.fault(span, TraceFault::TimeNotIncreasing { before, now }));
             }
             trace.t_s.push(now);
-            let place = self.number(&line, position, POSITION)?;
-            trace.position_m.push(place);
+            let place = self.number(&line, position, name)?;
+            trace.position_m.push(unit.metres(place));
         }
         let found = trace.t_s.len();
         if found < 2 {
@@ -286,6 +303,21 @@ impl Text<'_> {
     }
 }
 
+/// Name and unit of the column of positions: `position_m`, or the one that another unit calls so.
+fn position_column(header: &Line, unit: Option<LengthUnit>) -> (&'static str, LengthUnit) {
+    let is_there = |name: &str| header.fields.iter().any(|field| field.trim() == name);
+    if let Some(unit) = unit {
+        let own = unit.position_column();
+        return (if is_there(own) { own } else { POSITION }, unit);
+    }
+    LengthUnit::ALL
+        .into_iter()
+        .find(|unit| is_there(unit.position_column()))
+        .map_or((POSITION, LengthUnit::Metre), |unit| {
+            (unit.position_column(), unit)
+        })
+}
+
 /// Moves on from `start` over comments and empty lines to the record itself.
 fn skip_to_record(source: &str, mut start: usize) -> usize {
     while let Some(&byte) = source.as_bytes().get(start) {
@@ -319,6 +351,28 @@ mod tests {
         let trace = parse("note,position_m,t_s\na,0.5,0\nb,-1e-3,0.001\n").unwrap();
         assert_eq!(trace.t_s, [0.0, 0.001]);
         assert_eq!(trace.position_m, [0.5, -1e-3]);
+    }
+
+    #[test]
+    fn positions_come_in_the_unit_of_their_column_or_in_the_one_that_is_said() {
+        let in_unit = |text: &str, unit| read_in(text.as_bytes(), "hand.csv", unit);
+        let millimetres = Some(LengthUnit::Millimetre);
+        for (header, unit) in [
+            ("position_mm", None),
+            ("position_mm", millimetres),
+            ("position_m", millimetres),
+        ] {
+            let trace = in_unit(&format!("t_s,{header}\n0,12\n1,-3\n"), unit).unwrap();
+            assert_eq!(trace.position_m, [0.012, -0.003], "{header}");
+        }
+        let both = "t_s,position_mm,position_m\n0,12,5\n1,-3,6\n";
+        assert_eq!(in_unit(both, None).unwrap().position_m, [5.0, 6.0]);
+        assert_eq!(in_unit(both, millimetres).unwrap().position_m[0], 0.012);
+        let error = in_unit("t_s,position_cm\n0,12\n1,-3\n", millimetres).unwrap_err();
+        assert!(
+            error.to_string().contains("no column `position_m`"),
+            "{error}"
+        );
     }
 
     #[test]

@@ -79,7 +79,7 @@ mod wire;
 pub use control_loop::ControlLoop;
 pub use note::{Ending, Note, Noted};
 pub use recorder::{Account, Recorder};
-pub use rendering::{ChangeError, Parameters, Rendering};
+pub use rendering::{CHANGE_DURATION, ChangeError, Parameters, Rendered, Rendering};
 pub use setup::SetupError;
 pub use statistics::{Durations, LoopStatistics};
 pub use stop::StopFlag;

@@ -8,7 +8,8 @@ use palpate::{Contact, HfcrParams, LoopParams, ObjectState, Renderer, Sample};
 
 fn main() -> Result<(), palpate::ParameterError> {
     let contact = Contact::object(400.0, 0.1); // stiffness [N/m], mass [kg]
-    let renderer = Renderer::new(contact, LoopParams::new(0.001), HfcrParams::default())?;
+    let loop_params = LoopParams::new(0.001).with_force_limit(20.0); // period [s], largest force [N]
+    let renderer = Renderer::new(contact, loop_params, HfcrParams::default())?;
     let mut state = renderer.start(ObjectState::at_rest(0.02))?; // [m]
     for tick in 0..2000 {
         let sample = Sample::at(read_device(tick)).with_virtual_force(-0.981); // weight [N]

@@ -144,7 +144,10 @@ pub struct LoopParams<S> {
     /// times what a hand can do.
     #[cfg_attr(feature = "serde", serde(default))]
     pub speed_limit: Option<S>,
-    /// Largest force that is held `[N]`. `None`: no limit.
+    /// Largest force that is held `[N]`, greater than 0. `None`: no limit. Set one before a motor
+    /// is attached: without a limit, a device that starts 5 m inside a wall of 1000 N/m, or a
+    /// position in the wrong unit, gets 5000 N. The ledger books the force after the limit.
+    /// [`with_force_limit`](Self::with_force_limit) sets it.
     #[cfg_attr(feature = "serde", serde(default))]
     pub force_limit: Option<S>,
     /// Fastest change of the held force `[N/s]`, up and down; a fault still drops it to 0 at
@@ -166,7 +169,8 @@ pub const LARGEST_DELAY: usize = 8;
 
 impl<S: Scalar> LoopParams<S> {
     /// A loop of nominal `period` `[s]` that believes device speeds up to 100 m/s and limits no
-    /// force.
+    /// force: a simulation needs no limit. A loop with a motor needs one:
+    /// [`with_force_limit`](Self::with_force_limit).
     pub fn new(period: S) -> Self {
         Self {
             period,
@@ -176,6 +180,28 @@ impl<S: Scalar> LoopParams<S> {
             slew_limit: None,
             delay: 0,
             guard: Guard::Off,
+        }
+    }
+
+    /// The same loop, holding at most `force` `[N]`: what the motor can give, or what a hand should
+    /// get at most.
+    ///
+    /// ```
+    /// use palpate::{BasicParams, Contact, LoopParams, ObjectState, Renderer, Sample};
+    ///
+    /// let loop_params = LoopParams::new(0.001).with_force_limit(5.0); // [s], [N]
+    /// let renderer = Renderer::new(Contact::wall(1000.0), loop_params, BasicParams)?;
+    /// let mut state = renderer.start(ObjectState::at_rest(0.0))?;
+    /// let output = renderer.step(&mut state, Sample::at(0.01)); // 10 N of spring force
+    /// assert_eq!(output.force_on_device, -5.0);
+    /// assert!(output.limited.force);
+    /// # Ok::<(), palpate::ParameterError>(())
+    /// ```
+    #[must_use]
+    pub fn with_force_limit(self, force: S) -> Self {
+        Self {
+            force_limit: Some(force),
+            ..self
         }
     }
 

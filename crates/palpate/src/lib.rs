@@ -13,7 +13,8 @@
 //! use palpate::{Contact, HfcrParams, LoopParams, ObjectState, Renderer, Sample};
 //!
 //! let contact = Contact::object(400.0, 0.1); // [N/m], [kg]
-//! let renderer = Renderer::new(contact, LoopParams::new(0.001), HfcrParams::default())?;
+//! let loop_params = LoopParams::new(0.001).with_force_limit(20.0); // [s], [N]
+//! let renderer = Renderer::new(contact, loop_params, HfcrParams::default())?;
 //! let mut state = renderer.start(ObjectState::at_rest(0.05))?;
 //! for tick in 0..1000 {
 //!     let device_position = 1e-4 * f64::from(tick); // read the device here [m]

@@ -101,7 +101,7 @@ pub struct Flags {
         help_heading = "Loop"
     )]
     pub delay: Option<usize>,
-    /// Largest force that is held [N] [default: no limit]
+    /// Largest force that is held [N]; inf: no limit [default: no limit, or the scene's; in pipe 20]
     #[arg(
         long,
         value_name = "N",

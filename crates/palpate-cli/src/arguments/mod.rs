@@ -7,7 +7,7 @@ mod replay;
 pub use flags::{Flags, TimingFlags};
 pub use offline::{
     CompareArguments, Compared, CompletionArguments, CurveArguments, DemoArguments,
-    FigureArguments, FigureName, HeightsArguments, Least, PipeArguments, RenderArguments, Results,
+    FigureArguments, FigureName, HeightsArguments, Least, RenderArguments, Results,
     SimulateArguments, SuiteArguments, TuneArguments,
 };
 pub use replay::{ReplayFlags, ReplayKind};
@@ -24,6 +24,7 @@ use crate::commands::emulate::EmulateArguments;
 use crate::commands::info::InfoArguments;
 use crate::commands::live::LiveArguments;
 use crate::commands::map::MapArguments;
+use crate::commands::pipe::PipeArguments;
 use crate::commands::replay::ReplayArguments;
 use crate::commands::run::{RecordArguments, RunArguments};
 
@@ -127,9 +128,10 @@ palpate pipe --stiffness <N/m> --mass <kg|inf> --period <s> --device-mass <kg> [
     #[command(long_about = "\
 Render live: positions in, forces on the device out, line by line.
 
-Each line of standard input is a sample, `position_m` or `t_s,position_m`. Each is answered by one \
-line on standard output, flushed at once: the force ON THE DEVICE in newtons, to be commanded to \
-the motor as it is and held until the next line.
+Each line of standard input is a position in metres, or with --time a time and a position, \
+`t_s,position_m`; --unit mm takes millimetres. Each is answered by one line on standard output, flushed \
+at once: the force ON THE DEVICE in newtons, to be commanded to the motor as it is and held until the \
+next line. --columns asks for more than the force.
 
            device           object
   ----------->|      |=========|     + axis, --side positive
@@ -140,15 +142,31 @@ The default method, coupled, predicts the device together with the object, so it
 heavy your device is where you hold it: --device-mass within a factor of 2, or the device of a --scene. \
 The other methods need no mass.
 
-With times, the measured period is used; without, each line comes one --period after the last. A \
-first line that is the header `position_m` or `t_s,position_m` gets no answer. A line that is not a \
-sample is answered by 0 and a message on standard error, and the pipe lives on. So is a line whose \
-time does not come after that of the line before; the clock goes on from there. --delay says how \
-many lines later the force really acts; it is printed at once all the same. When the input ends, a summary of the energy ledger goes to standard error.")]
+THE LAST LINE ANSWERS NO LINE: when the input ends, or SIGINT or SIGTERM ends the pipe (exit code 130), \
+one more line takes the force off, if there was a line before. It has a force of 0, and `ended` in the \
+column phase. So there is one line more than there were samples.
+
+Forces are limited to 20 N (to the motor_limit_n of a --scene if that is less), and one that a start or \
+a recovery finds on comes in over 0.2 s, as in `run`. --force-limit inf and --soft-start 0 switch that \
+off.
+
+With --time, the measured period is used; without, each line comes one --period after the last. A \
+first line that is the header `position_m` or `t_s,position_m` gets no answer, and decides in place of \
+--time. A line that is not a sample is answered by 0 and a message on standard error, and the pipe \
+lives on. So is a line whose time does not come after that of the line before; the clock goes on from \
+there. Numbers of another count than was asked for, and a motion that no hand makes, end the pipe with \
+exit code 3: a decimal comma or another unit must not move a motor.
+
+A line `set stiffness_n_per_m=800 mass_kg=0.2 virtual_force_n=-1`, with any of the three, changes them \
+while the pipe runs, over 0.1 s. It gets no line on standard output; standard error says that it is \
+taken, or why not, and then nothing changes.
+
+--delay says how many lines later the force really acts; it is printed at once all the same. When the \
+input ends, a summary of the energy ledger goes to standard error.")]
     #[command(after_help = "\
 Examples:
   my-device | palpate pipe --stiffness 400 --mass 0.1 --period 0.001 --device-mass 0.2
-  my-device | palpate pipe --scene experiments/experiment1.toml --method coupled
+  my-device | palpate pipe --scene experiments/experiment1.toml --columns force,object_position
   printf '0\\n0.001\\n' | palpate pipe --stiffness 1000 --mass inf --period 0.001 --method hfcr")]
     Pipe(PipeArguments),
     /// Run a loop in real time, on a device

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
+use palpate_io::unit::LengthUnit;
 
 use super::{Flags, ReplayFlags, TimingFlags};
-use crate::values::{Methods, methods, number};
+use crate::values::{Methods, length_unit, methods, number};
 
 /// Arguments of `render`.
 #[derive(Args, Debug)]
@@ -13,6 +14,10 @@ pub struct RenderArguments {
     /// Recorded motion: CSV with the columns t_s,position_m; - for standard input
     #[arg(value_name = "TRACE.csv", value_hint = ValueHint::FilePath)]
     pub trace: PathBuf,
+    /// Unit of the positions in the trace: m, cm, mm or um; m also means that a motion too long or too
+    /// fast for a hand is right [default: that of the column's name]
+    #[arg(long, value_name = "UNIT", value_parser = length_unit)]
+    pub unit: Option<LengthUnit>,
     /// Contact, loop, method and device.
     #[command(flatten)]
     pub flags: Flags,
@@ -54,20 +59,6 @@ pub struct CompareArguments {
     #[arg(long, value_name = "TABLE.csv", value_hint = ValueHint::FilePath)]
     pub out: Option<PathBuf>,
     /// Print the table as JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// Arguments of `pipe`.
-#[derive(Args, Debug)]
-pub struct PipeArguments {
-    /// Scene file (TOML) for contact, loop, method and device mass; flags change its values
-    #[arg(long, value_name = "SCENE.toml", value_hint = ValueHint::FilePath)]
-    pub scene: Option<PathBuf>,
-    /// Contact, loop, method and device.
-    #[command(flatten)]
-    pub flags: Flags,
-    /// Print the final summary on standard error as JSON
     #[arg(long)]
     pub json: bool,
 }

@@ -10,7 +10,8 @@ use palpate_sim::run::Run;
 use palpate_sim::scene::{Measure, Scene, SceneError, SceneFile, SetupError, beside};
 
 use crate::arguments::{Flags, SimulateArguments, TimingFlags};
-use crate::failure::Failure;
+use crate::failure::{Failure, tell};
+use crate::inside;
 use crate::plots;
 use crate::progress::Progress;
 use crate::report::{Report, Subject};
@@ -139,7 +140,22 @@ pub(super) fn read_scene(path: &Path) -> Result<SceneFile, Failure> {
     let name = path.display().to_string();
     let bytes = std::fs::read(path).map_err(|error| Failure::System(format!("{name}: {error}")))?;
     let text = String::from_utf8(bytes).map_err(|error| not_utf8(&name, &error))?;
-    SceneFile::parse_with(&name, &text, &mut beside(path)).map_err(in_file)
+    let file = SceneFile::parse_with(&name, &text, &mut beside(path)).map_err(in_file)?;
+    tell_if_not_a_hand(&name, &file.scene);
+    Ok(file)
+}
+
+/// Warns of an intention that no hand has.
+fn tell_if_not_a_hand(name: &str, scene: &Scene) {
+    let intention = scene.grip.as_ref().and_then(|grip| grip.intention.as_ref());
+    if let Some(path) = intention
+        && let Some(excess) = inside::excess(path.times(), path.positions())
+    {
+        let column = excess.likely_unit().position_column();
+        tell(format_args!(
+            "warning: {name}: hand.intention: {excess} Then call its column {column}"
+        ));
+    }
 }
 
 fn not_utf8(name: &str, error: &FromUtf8Error) -> Failure {

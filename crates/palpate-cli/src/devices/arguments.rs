@@ -4,10 +4,11 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum, ValueHint};
+use palpate_io::unit::LengthUnit;
 
 use super::inverse3::Inverse3Arguments;
 use crate::failure::Failure;
-use crate::values::{BoardName, Place, StartPose, place, start_pose};
+use crate::values::{BoardName, Place, StartPose, length_unit, place, start_pose};
 
 /// Which device, and how the contact lies in it.
 #[derive(Args, Debug, Clone)]
@@ -20,6 +21,10 @@ pub struct DeviceArguments {
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath,
           required_if_eq("device", "replay"))]
     pub motion: Option<PathBuf>,
+    /// Unit of the positions in a trace of --motion: m, cm, mm or um; m also means that a motion too
+    /// long or too fast for a hand is right [default: that of the column's name]
+    #[arg(long, value_name = "UNIT", value_parser = length_unit)]
+    pub unit: Option<LengthUnit>,
     /// Serial port of the device `haply-2diy` [default: the one that looks like one]
     #[arg(long, value_name = "PATH", value_hint = ValueHint::FilePath)]
     pub port: Option<PathBuf>,
@@ -78,6 +83,11 @@ impl DeviceArguments {
         if self.motion.is_some() && self.device != DeviceName::Replay {
             return Err(Failure::Arguments(
                 "--motion is the motion of --device replay".into(),
+            ));
+        }
+        if self.unit.is_some() && self.motion.is_none() {
+            return Err(Failure::Arguments(
+                "--unit is the unit of the trace of --motion".into(),
             ));
         }
         let of_the_2diy = [

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use palpate_io::unit::LengthUnit;
 use palpate_rt::clock::Clock;
 use palpate_rt::device::{Device, ReplayDevice};
 
@@ -17,7 +18,7 @@ pub fn open<C: Clock>(arguments: &DeviceArguments, clock: &C) -> Result<Box<dyn 
     let path = arguments.motion.as_ref().ok_or_else(|| {
         Failure::Arguments("--device replay needs --motion TRACE.csv or REC.mcap".into())
     })?;
-    let (times, positions) = motion(path)?;
+    let (times, positions) = motion(path, arguments.unit)?;
     let first = times.first().copied().unwrap_or(0.0);
     let samples = times
         .iter()
@@ -30,14 +31,19 @@ pub fn open<C: Clock>(arguments: &DeviceArguments, clock: &C) -> Result<Box<dyn 
 }
 
 /// Times `[s]` and positions `[m]` of a trace, or of a recording where the device was seen.
-fn motion(path: &Path) -> Result<(Vec<f64>, Vec<f64>), Failure> {
+fn motion(path: &Path, unit: Option<LengthUnit>) -> Result<(Vec<f64>, Vec<f64>), Failure> {
     if path
         .extension()
         .is_some_and(|extension| extension == "mcap")
     {
+        if unit.is_some() {
+            return Err(Failure::Arguments(
+                "--unit is the unit of a trace; a recording has metres".into(),
+            ));
+        }
         let curves = Ticks::of(&open_recording(path)?)?.curves;
         return Ok((curves.time, curves.device_position));
     }
-    let (trace, _) = read_trace(path, &path.display().to_string())?;
+    let (trace, _) = read_trace(path, &path.display().to_string(), unit)?;
     Ok((trace.t_s, trace.position_m))
 }

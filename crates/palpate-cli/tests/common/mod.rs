@@ -153,6 +153,15 @@ pub fn number(value: &Value, field: &str) -> f64 {
         .unwrap_or_else(|| panic!("no number {field} in {value}"))
 }
 
+/// Arguments of `pipe`, without a limit or a soft start unless they say one.
+pub fn unlimited(arguments: &str) -> String {
+    let limits = [("--force-limit", "inf"), ("--soft-start", "0")];
+    let missing = limits.iter().filter(|(flag, _)| !arguments.contains(flag));
+    missing.fold(arguments.to_owned(), |all, (flag, value)| {
+        format!("{all} {flag} {value}")
+    })
+}
+
 /// A committed scene.
 pub fn experiment(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))

@@ -4,8 +4,9 @@ use palpate::{AnyRenderer, Mass};
 
 use super::{Change, Rendering};
 
-/// Time a change takes `[s]`: short for a hand, long for a motor.
-const DURATION: f64 = 0.1;
+/// Time a change of stiffness, mass, virtual force or method takes `[s]`: short for a hand, long for
+/// a motor.
+pub const CHANGE_DURATION: f64 = 0.1;
 
 /// A change in progress.
 #[derive(Clone, Copy, Debug)]
@@ -46,7 +47,7 @@ impl Blend {
     /// What is rendered in the next tick.
     pub fn advance(&mut self) -> Between {
         let period = self.to.rendering.loop_params.period;
-        self.part = (self.part + period / DURATION).min(1.0);
+        self.part = (self.part + period / CHANGE_DURATION).min(1.0);
         let over = Between {
             renderer: self.to.renderer,
             virtual_force: self.to.rendering.virtual_force,

@@ -11,7 +11,8 @@ use palpate::{
 use palpate_sim::method::MethodName;
 use palpate_sim::scene::{Scene, SetupError};
 
-pub(crate) use rendered::Rendered;
+pub use blend::CHANGE_DURATION;
+pub use rendered::Rendered;
 
 /// What the loop renders: a contact, by a method.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,6 +51,16 @@ impl Rendering {
     /// A parameter outside its range.
     pub fn renderer(&self) -> Result<AnyRenderer<f64>, ParameterError> {
         Renderer::new(self.contact, self.loop_params, self.params)
+    }
+
+    /// The contact of it, for a loop that is not a [`ControlLoop`](crate::ControlLoop), and the
+    /// other end of its parameters. What that loop commands has to pass a
+    /// [`Safety`](crate::safety::Safety) of its own.
+    ///
+    /// # Errors
+    /// A parameter outside its range.
+    pub fn begin(self) -> Result<(Parameters, Rendered), ParameterError> {
+        parameters(self)
     }
 
     fn is_wall(&self) -> bool {

@@ -11,7 +11,7 @@ use super::{Change, Rendering};
 
 /// A contact in the loop: renderer, state, and the changes that come in.
 #[derive(Debug)]
-pub(crate) struct Rendered {
+pub struct Rendered {
     changes: triple_buffer::Output<Change>,
     rendering: Rendering,
     renderer: AnyRenderer<f64>,
@@ -26,7 +26,7 @@ pub(crate) struct Rendered {
 }
 
 impl Rendered {
-    pub fn new(
+    pub(crate) fn new(
         first: Change,
         changes: triple_buffer::Output<Change>,
     ) -> Result<Self, ParameterError> {

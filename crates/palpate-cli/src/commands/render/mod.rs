@@ -7,6 +7,7 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use palpate_io::trace::{self, Trace, TraceError};
+use palpate_io::unit::LengthUnit;
 use palpate_sim::closed_loop::LoopError;
 use palpate_sim::hand_replay::Recording as OfAHand;
 use palpate_sim::method::{MethodName, Settings};
@@ -16,7 +17,8 @@ use palpate_sim::scene::Timing;
 
 use super::hand_replay::{Recorded, ReplayRuns, close_loop};
 use crate::arguments::{RenderArguments, ReplayKind};
-use crate::failure::Failure;
+use crate::failure::{Failure, tell};
+use crate::inside;
 use crate::plots;
 use crate::progress::Progress;
 use crate::report::{Replayed, Report, Subject};
@@ -37,7 +39,10 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let progress = Progress::new(methods.len());
     let name = name(&arguments.trace);
     progress.begin(&format!("reading {name}"));
-    let (trace, text) = read_trace(&arguments.trace, &name)?;
+    let (trace, text) = read_trace(&arguments.trace, &name, arguments.unit)?;
+    if let Some(inside) = inside::at_start(&setup, trace.position_m[0], arguments.unit.is_some()) {
+        tell(format_args!("warning: {inside}"));
+    }
     let settings = flags.settings();
     let ReplayRuns {
         reference,
@@ -154,8 +159,12 @@ fn in_loop(name: &str, error: LoopError) -> Failure {
     }
 }
 
-/// The trace at `path`, and its text.
-pub fn read_trace(path: &Path, name: &str) -> Result<(Trace, String), Failure> {
+/// The trace at `path`, its positions in `unit` if one is said, and its text.
+pub fn read_trace(
+    path: &Path,
+    name: &str,
+    unit: Option<LengthUnit>,
+) -> Result<(Trace, String), Failure> {
     let mut bytes = Vec::new();
     if path == Path::new(STANDARD_INPUT) {
         io::stdin().lock().read_to_end(&mut bytes)
@@ -163,11 +172,12 @@ pub fn read_trace(path: &Path, name: &str) -> Result<(Trace, String), Failure> {
         File::open(path).and_then(|mut file| file.read_to_end(&mut bytes))
     }
     .map_err(|error| Failure::System(format!("{name}: {error}")))?;
-    let trace = trace::read(bytes.as_slice(), name).map_err(|error| match &error {
+    let trace = trace::read_in(bytes.as_slice(), name, unit).map_err(|error| match &error {
         TraceError::Unreadable { .. } => Failure::System(error.to_string()),
         TraceError::Invalid { place, .. } => {
             Failure::input_at(&error, place.file(), place.text(), place.span())
         }
     })?;
+    inside::check_trace(name, &trace, unit)?;
     Ok((trace, String::from_utf8_lossy(&bytes).into_owned()))
 }

@@ -1,0 +1,53 @@
+//! Arguments of `pipe`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueHint};
+use palpate_io::unit::LengthUnit;
+
+use super::columns::{Columns, columns};
+use crate::arguments::Flags;
+use crate::values::{length_unit, number};
+
+/// Arguments of `pipe`.
+#[derive(Args, Debug)]
+pub struct PipeArguments {
+    /// Scene file (TOML) for contact, loop, method and device mass; flags change its values
+    #[arg(long, value_name = "SCENE.toml", value_hint = ValueHint::FilePath)]
+    pub scene: Option<PathBuf>,
+    /// What comes in and what goes out.
+    #[command(flatten)]
+    pub stream: StreamArguments,
+    /// Contact, loop, method and device.
+    #[command(flatten)]
+    pub flags: Flags,
+    /// Print the final summary on standard error as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What comes in and what goes out.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Stream")]
+pub struct StreamArguments {
+    /// Each line is a time and a position, `t_s,position_m`; without it a line is a position
+    #[arg(long)]
+    pub time: bool,
+    /// Unit of the positions that come in: m, cm, mm or um; m also means that a motion too long or too
+    /// fast for a hand is right [default: m, or what the header says]
+    #[arg(long, value_name = "UNIT", value_parser = length_unit)]
+    pub unit: Option<LengthUnit>,
+    /// Columns to print, in this order, separated by commas: force, force_on_object, time,
+    /// device_position, object_position, object_velocity, penetration, placement_shift, phase,
+    /// stored_energy, port_work, virtual_force_work, outside_work, leak_original, leak_held, limited,
+    /// fault; all in SI units
+    #[arg(long, value_name = "NAMES", value_parser = columns, default_value = "force")]
+    pub columns: Columns,
+    /// Print the names of the columns first, with their units
+    #[arg(long)]
+    pub header: bool,
+    /// Time over which a force comes in that a start or a recovery finds on, at most 60 [s]; 0: at
+    /// once [default: 0.2]
+    #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true)]
+    pub soft_start: Option<f64>,
+}

@@ -1,0 +1,199 @@
+//! `set NAME=VALUE ...`: what a line can change while the pipe runs.
+
+use std::fmt;
+
+use palpate::{Contact, ParameterError};
+use palpate_rt::{ChangeError, Parameters, Rendering};
+use palpate_sim::method::{MethodName, Settings, SettingsError, nearest};
+use palpate_sim::replay::ReplaySetup;
+use palpate_sim::scene::SetupError;
+
+use crate::setup::flag_of_setting;
+
+/// Names of what can be set.
+const NAMES: [&str; 3] = ["stiffness_n_per_m", "mass_kg", "virtual_force_n"];
+
+/// New values, as far as a line has some.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Change {
+    /// Stiffness `[N/m]`.
+    stiffness: Option<f64>,
+    /// Mass of the object `[kg]`; infinite: a wall.
+    mass: Option<f64>,
+    /// Virtual force on the object `[N]`.
+    virtual_force: Option<f64>,
+}
+
+impl fmt::Display for Change {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let values = [self.stiffness, self.mass, self.virtual_force];
+        let set: Vec<_> = NAMES
+            .iter()
+            .zip(values)
+            .filter_map(|(name, value)| value.map(|value| format!("{name}={value}")))
+            .collect();
+        f.write_str(&set.join(" "))
+    }
+}
+
+impl TryFrom<&[&str]> for Change {
+    type Error = String;
+
+    /// What the words behind `set` say.
+    fn try_from(words: &[&str]) -> Result<Self, String> {
+        if words.is_empty() {
+            return Err(format!("nothing is set; {}", allowed()));
+        }
+        let mut change = Self::default();
+        for word in words {
+            let Some((name, text)) = word.split_once('=') else {
+                return Err(format!(
+                    "\"{}\" is no NAME=VALUE; {}",
+                    word.escape_debug(),
+                    allowed()
+                ));
+            };
+            let value = match name {
+                "stiffness_n_per_m" => &mut change.stiffness,
+                "mass_kg" => &mut change.mass,
+                "virtual_force_n" => &mut change.virtual_force,
+                _ => {
+                    let near = nearest(name, &NAMES)
+                        .map(|near| format!("did you mean {near}? "))
+                        .unwrap_or_default();
+                    let name = name.escape_debug();
+                    return Err(format!("nothing is called \"{name}\"; {near}{}", allowed()));
+                }
+            };
+            if value.is_some() {
+                return Err(format!("{name} is set twice"));
+            }
+            *value = Some(text.parse().map_err(|_| {
+                format!(
+                    "{name} is \"{}\", but must be a number, such as 800 or 1e-2",
+                    text.escape_debug()
+                )
+            })?);
+        }
+        Ok(change)
+    }
+}
+
+fn allowed() -> String {
+    format!("a change is `set NAME=VALUE ...` of {}", NAMES.join(", "))
+}
+
+/// What the pipe renders now, so that it can be changed.
+pub struct Changeable {
+    pub parameters: Parameters,
+    pub setup: ReplaySetup,
+    pub method: MethodName,
+    pub settings: Settings,
+}
+
+impl Changeable {
+    /// Renders with the new values from the next sample on; they come in over a tenth of a second.
+    ///
+    /// # Errors
+    /// A value outside its range, by its name; nothing is changed then.
+    pub fn make(&mut self, change: &Change) -> Result<(), String> {
+        let mut setup = self.setup;
+        let contact = &mut setup.contact;
+        contact.stiffness = change.stiffness.unwrap_or(contact.stiffness);
+        if let Some(mass) = change.mass {
+            contact.object_mass = Contact::object(contact.stiffness, mass).object_mass;
+        }
+        if let Some(force) = change.virtual_force {
+            if !force.is_finite() {
+                return Err(format!("virtual_force_n is {force} N, but must be finite"));
+            }
+            setup.virtual_force = force;
+        }
+        let rendering =
+            rendering(&setup, self.method, &self.settings).map_err(|error| in_words(&error))?;
+        self.parameters
+            .change(rendering)
+            .map_err(|error| match error {
+                ChangeError::Parameter(error) => named(&error),
+                other => other.to_string(),
+            })?;
+        self.setup = setup;
+        Ok(())
+    }
+}
+
+/// What is rendered by `method`.
+///
+/// # Errors
+/// A setting that the method cannot use.
+pub fn rendering(
+    setup: &ReplaySetup,
+    method: MethodName,
+    settings: &Settings,
+) -> Result<Rendering, SetupError> {
+    Ok(Rendering {
+        contact: setup.contact,
+        loop_params: setup.known_loop(),
+        // The first line says where the device is; until then the object is taken as untouched.
+        params: setup.params(method, settings, setup.object.position, false)?,
+        virtual_force: setup.virtual_force,
+        object: setup.object,
+    })
+}
+
+fn in_words(error: &SetupError) -> String {
+    match error {
+        SetupError::Parameter(error) => named(error),
+        SetupError::Settings(SettingsError::Unused { setting, .. }) => {
+            format!("{} cannot be used", flag_of_setting(*setting))
+        }
+        SetupError::Settings(other) => other.to_string(),
+    }
+}
+
+/// A parameter out of range, by the name that sets it.
+fn named(error: &ParameterError) -> String {
+    let parameter = match error.parameter {
+        "stiffness" => NAMES[0],
+        "object_mass" => NAMES[1],
+        other => other,
+    };
+    ParameterError {
+        parameter,
+        ..*error
+    }
+    .to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Change, String> {
+        let words: Vec<_> = text.split_whitespace().collect();
+        Change::try_from(words.as_slice())
+    }
+
+    #[test]
+    fn several_values_are_read_at_once() {
+        let change = read("stiffness_n_per_m=800 mass_kg=inf").unwrap();
+        assert_eq!(change.stiffness, Some(800.0));
+        assert_eq!(change.mass, Some(f64::INFINITY));
+        assert_eq!(change.virtual_force, None);
+    }
+
+    #[test]
+    fn what_cannot_be_set_is_answered_by_what_can() {
+        for (text, said) in [
+            ("", "nothing is set"),
+            ("stiffness_n_per_m", "no NAME=VALUE"),
+            ("stiffness=800", "did you mean stiffness_n_per_m?"),
+            ("colour=3", "stiffness_n_per_m, mass_kg, virtual_force_n"),
+            ("mass_kg=1 mass_kg=2", "set twice"),
+            ("mass_kg=0,1", "mass_kg is \"0,1\", but must be a number"),
+        ] {
+            let error = read(text).unwrap_err();
+            assert!(error.contains(said), "{text}: {error}");
+        }
+    }
+}

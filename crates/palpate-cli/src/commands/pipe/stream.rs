@@ -1,0 +1,288 @@
+//! From a line to its answer: renderer, limits, books and messages, in the order of the lines.
+
+use std::io::{self, Write};
+
+use palpate::Fault;
+use palpate_io::unit::HandMotion;
+use palpate_rt::safety::{self, Safety};
+use palpate_rt::{CHANGE_DURATION, Rendered};
+use palpate_testbed::hold::DelayedHold;
+
+use super::change::Changeable;
+use super::columns::{Columns, Row};
+use super::line::{Format, Line, Refusal};
+use super::messages::Messages;
+use super::summary::Summary;
+use crate::inside;
+
+/// Refused lines that are told one by one; of more, each doubling is: a dead sensor at 1 kHz would
+/// bury whatever else standard error has to say.
+const TOLD_EACH: u64 = 8;
+
+/// Why no further line is answered.
+#[derive(Debug)]
+pub enum Stopped {
+    /// The lines are not what was asked for, or the motion is none of a hand.
+    Refused(String),
+    /// The answer could not be written.
+    Unwritten(io::Error),
+}
+
+/// A renderer between two streams, and what it needs between two lines.
+pub struct Stream {
+    pub changeable: Changeable,
+    pub rendered: Rendered,
+    pub safety: Safety,
+    pub hold: DelayedHold,
+    pub format: Format,
+    pub columns: Columns,
+    pub is_header_asked: bool,
+    pub output: Box<dyn Write + Send>,
+    /// None once the end has been told.
+    pub messages: Option<Messages>,
+    pub summary: Summary,
+    pub memory: Memory,
+}
+
+/// What is known from the lines before.
+#[derive(Default)]
+pub struct Memory {
+    /// Time of the last line that had one `[s]`.
+    last_time: Option<f64>,
+    /// Number of samples, lost ones too.
+    samples: u64,
+    /// Sum of the times between samples that were used `[s]`.
+    followed: f64,
+    /// How far they went.
+    motion: HandMotion,
+    /// Whether a sample has been used.
+    is_begun: bool,
+    /// Whether a force has been limited.
+    is_limited: bool,
+    /// What was answered last.
+    last: Option<Row>,
+    /// The line of the output that is being made.
+    text: String,
+    /// Whether the last line of the output has been written.
+    is_ended: bool,
+}
+
+impl Stream {
+    /// Whether nothing is answered any more.
+    pub fn is_ended(&self) -> bool {
+        self.memory.is_ended
+    }
+
+    /// Says something on standard error.
+    pub fn tell(&mut self, message: impl std::fmt::Display) {
+        if let Some(messages) = &mut self.messages {
+            messages.tell(message);
+        }
+    }
+
+    /// Prints the names of the columns, if they are asked for.
+    pub fn write_header(&mut self) -> io::Result<()> {
+        if !self.is_header_asked {
+            return Ok(());
+        }
+        self.output.write_all(self.columns.header().as_bytes())?;
+        self.output.flush()
+    }
+
+    /// Answers the line with this number, if it is to be answered; `Err` as its text says why it
+    /// could not be read.
+    pub fn take(&mut self, number: u64, text: Result<&str, String>) -> Result<(), Stopped> {
+        let mut text = text;
+        if number == 1
+            && let Ok(first) = &mut text
+        {
+            // What spreadsheets write before the first line.
+            *first = first.trim_start_matches('\u{feff}');
+            let header = self.format.with_header(first);
+            if let Some(format) = header.map_err(|why| stopped(number, &why))? {
+                self.format = format;
+                return Ok(());
+            }
+        }
+        let line = match text {
+            Ok(text) => self.format.parse(text),
+            Err(why) => Err(Refusal::Line(why)),
+        };
+        let (sample, unread) = match line {
+            Ok(Line::Sample { time, position }) => (Some((time, position)), None),
+            Ok(Line::Set(change)) => {
+                self.change(number, change);
+                return Ok(());
+            }
+            Err(Refusal::Line(why)) => (None, Some(why)),
+            Err(Refusal::Stream(why)) => return Err(stopped(number, &why)),
+        };
+        let row = self.render(number, sample, unread)?;
+        self.columns.write(&row, &mut self.memory.text);
+        self.memory.last = Some(row);
+        self.write_text()
+    }
+
+    fn change(&mut self, number: u64, change: Result<super::change::Change, String>) {
+        match change.and_then(|change| self.changeable.make(&change).map(|()| change)) {
+            Ok(change) => {
+                self.summary.changes += 1;
+                self.tell(format_args!(
+                    "line {number}: set {change}, reached over {CHANGE_DURATION} s"
+                ));
+            }
+            Err(why) => self.tell(format_args!(
+                "line {number}: set is refused, and nothing changes: {why}"
+            )),
+        }
+    }
+
+    /// What there is to say of a sample, or of a line without one.
+    fn render(
+        &mut self,
+        number: u64,
+        sample: Option<(Option<f64>, f64)>,
+        unread: Option<String>,
+    ) -> Result<Row, Stopped> {
+        let period = self.changeable.setup.loop_params.period;
+        // The renderer is told that a sample came and is lost.
+        let (time, position) = sample.unwrap_or((None, f64::NAN));
+        let elapsed = match (time, self.memory.last_time) {
+            (Some(now), Some(last)) => Some(now - last),
+            _ => None,
+        };
+        let _ = self.rendered.take_change();
+        let mut output = self.rendered.step(position, elapsed);
+        let is_used = output.fault.is_none();
+        if is_used {
+            self.follow(number, position, elapsed.unwrap_or(period))?;
+        }
+        let verdict = self.safety.judge(&safety::Rendered {
+            elapsed,
+            // One that is refused is none to look at.
+            position: [if is_used { position } else { 0.0 }, 0.0, 0.0],
+            coordinate: if is_used { position } else { 0.0 },
+            force: output.force_on_device,
+            created_energy: 0.0,
+            refused: !is_used,
+            stalled: false,
+        });
+        output.limited.force |= verdict.bounded.force;
+        let held = self.hold.exchange(-verdict.force);
+        self.rendered.report_held(held);
+        // A time that was refused is kept all the same: if it is wrong, the next line is refused
+        // too; if it were not kept and the clock was set, all lines to come would be.
+        self.memory.last_time = time.or(self.memory.last_time);
+        let counted = self.memory.samples as f64 * period;
+        self.memory.samples += 1;
+
+        if is_used && !self.memory.is_begun {
+            self.memory.is_begun = true;
+            self.tell_if_inside(number, position);
+        }
+        let fault = unread
+            .as_ref()
+            .map_or_else(|| output.fault.map_or("", Fault::name), |_| "unreadable");
+        if let Some(why) = unread.or_else(|| output.fault.map(|fault| fault.to_string())) {
+            self.tell_refused(number, &why);
+        }
+        self.summary.samples += 1;
+        self.summary.limited += u64::from(output.limited.any());
+        self.summary.softened += u64::from(verdict.bounded.soft_start);
+        if output.limited.force && !self.memory.is_limited {
+            self.memory.is_limited = true;
+            let limit = self.safety.params().largest_force;
+            self.tell(format_args!(
+                "line {number}: the contact asks for more than {limit} N, which is the limit; \
+                 further limited forces are counted and not told"
+            ));
+        }
+        Ok(Row {
+            time: if self.format.time {
+                time.unwrap_or(f64::NAN)
+            } else {
+                counted
+            },
+            device_position: position,
+            force: verdict.force,
+            softened: verdict.bounded.soft_start,
+            output,
+            ledger: *self.rendered.ledger(),
+            fault,
+            ended: false,
+        })
+    }
+
+    /// Refuses a motion that is none of a hand, unless the unit was said.
+    fn follow(&mut self, number: u64, position: f64, elapsed: f64) -> Result<(), Stopped> {
+        self.memory.followed += elapsed;
+        if self.format.is_unit_given {
+            return Ok(());
+        }
+        let motion = &mut self.memory.motion;
+        motion.add(self.memory.followed, position);
+        match motion.excess() {
+            Some(excess) => Err(stopped(number, &inside::not_a_hand(&excess))),
+            None => Ok(()),
+        }
+    }
+
+    fn tell_if_inside(&mut self, number: u64, position: f64) {
+        let Some(inside) =
+            inside::at_start(&self.changeable.setup, position, self.format.is_unit_given)
+        else {
+            return;
+        };
+        let soft = self.safety.params().soft_start;
+        let comes_in = if soft > 0.0 {
+            format!("; the force comes in over {soft} s")
+        } else {
+            String::new()
+        };
+        self.tell(format_args!("line {number}: {inside}{comes_in}"));
+    }
+
+    fn tell_refused(&mut self, number: u64, why: &str) {
+        self.summary.refused += 1;
+        let refused = self.summary.refused;
+        if refused <= TOLD_EACH {
+            self.tell(format_args!("line {number}: {why}; the force is 0"));
+        } else if refused.is_power_of_two() {
+            self.tell(format_args!(
+                "line {number}: {why}; the force is 0 (refused so far: {refused}; the next to be told is number {})",
+                refused.saturating_mul(2)
+            ));
+        }
+    }
+
+    /// Takes the force off with a last line, if a line was answered: whoever reads holds the force of
+    /// the line that came last.
+    pub fn end(&mut self) -> io::Result<()> {
+        if std::mem::replace(&mut self.memory.is_ended, true) {
+            return Ok(());
+        }
+        let Some(last) = self.memory.last.take() else {
+            return Ok(());
+        };
+        self.columns.write(&last.end(), &mut self.memory.text);
+        self.output.write_all(self.memory.text.as_bytes())?;
+        self.output.flush()
+    }
+
+    /// What was done, and the messages, which are not to be used any more.
+    pub fn finish(&mut self) -> (Summary, Option<Messages>) {
+        let summary = self.summary.with_books(self.rendered.ledger());
+        (summary, self.messages.take())
+    }
+
+    fn write_text(&mut self) -> Result<(), Stopped> {
+        self.output
+            .write_all(self.memory.text.as_bytes())
+            .and_then(|()| self.output.flush())
+            .map_err(Stopped::Unwritten)
+    }
+}
+
+fn stopped(number: u64, why: &str) -> Stopped {
+    Stopped::Refused(format!("standard input, line {number}: {why}"))
+}

@@ -1,0 +1,86 @@
+//! What a pipe did, for its end.
+
+use std::fmt;
+
+use palpate::Ledger;
+use serde::Serialize;
+
+use crate::report::{counted, digits};
+
+/// What a pipe did, for its end.
+#[derive(Debug, Clone, Serialize)]
+pub struct Summary {
+    format: &'static str,
+    /// Lines that were answered.
+    pub samples: u64,
+    /// Lines whose answer is 0 because they were no sample.
+    pub refused: u64,
+    /// Forces that a limit changed.
+    pub limited: u64,
+    /// Forces that were still coming in.
+    pub softened: u64,
+    /// Changes that were made.
+    pub changes: u64,
+    /// Largest force; none: no limit.
+    force_limit_n: Option<f64>,
+    soft_start_s: f64,
+    stored_energy_j: f64,
+    port_work_j: f64,
+    virtual_force_work_j: f64,
+    outside_work_j: f64,
+    leak_original_j: f64,
+    leak_held_j: f64,
+}
+
+impl Summary {
+    /// Nothing has been done yet.
+    pub fn new(force_limit_n: Option<f64>, soft_start_s: f64) -> Self {
+        Self {
+            format: "palpate pipe 1",
+            samples: 0,
+            refused: 0,
+            limited: 0,
+            softened: 0,
+            changes: 0,
+            force_limit_n,
+            soft_start_s,
+            stored_energy_j: 0.0,
+            port_work_j: 0.0,
+            virtual_force_work_j: 0.0,
+            outside_work_j: 0.0,
+            leak_original_j: 0.0,
+            leak_held_j: 0.0,
+        }
+    }
+
+    /// The same with the books.
+    pub fn with_books(&self, ledger: &Ledger<f64>) -> Self {
+        Self {
+            stored_energy_j: ledger.stored,
+            port_work_j: ledger.port_work,
+            virtual_force_work_j: ledger.virtual_force_work,
+            outside_work_j: ledger.outside_work,
+            leak_original_j: ledger.original_leak.accumulated,
+            leak_held_j: ledger.held_leak.accumulated,
+            ..self.clone()
+        }
+    }
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{}, {} refused, {} limited; leak {} mJ, the spring force alone would have leaked {} mJ",
+            counted(self.samples, "sample"),
+            self.refused,
+            counted(self.limited, "force"),
+            digits(1e3 * self.leak_held_j),
+            digits(1e3 * self.leak_original_j),
+        )?;
+        if self.changes > 0 {
+            write!(f, "; {} made", counted(self.changes, "change"))?;
+        }
+        Ok(())
+    }
+}
