@@ -278,7 +278,7 @@ fn a_listener(watch: &mut Watch) {
     let heard = thread::spawn(move || {
         let mut heard = 0;
         loop {
-            let is_last = listener.is_abandoned();
+            let is_last = listener.is_closed();
             heard += listener.by_ref().count() as u64;
             if is_last {
                 return heard + listener.lost();

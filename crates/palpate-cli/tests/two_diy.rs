@@ -188,7 +188,9 @@ fn a_port_that_is_gone_is_not_held_open_while_it_is_waited_for() {
             wait_for("it is not opened anew", || descriptors(&run, &port) > 0);
         }
         run.signal("TERM");
-        assert!(run.wait().unwrap().success());
+        // 5 where the motors were off for most of the ticks, which hangs on how long was waited here.
+        let code = run.wait().unwrap().code();
+        assert!(matches!(code, Some(0 | 5)), "{code:?}");
         emulated.end();
     }
 }

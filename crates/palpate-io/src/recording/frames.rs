@@ -110,8 +110,11 @@ impl<R: Read> Frames<R> {
     }
 }
 
+/// A record: its opcode, and its body.
+type RawRecord<'a> = (u8, &'a [u8]);
+
 /// The records within a chunk, as far as they are whole; and whether that is to its end.
-pub(super) fn records(mut bytes: &[u8]) -> (Vec<(u8, &[u8])>, bool) {
+pub(super) fn records(mut bytes: &[u8]) -> (Vec<RawRecord<'_>>, bool) {
     let mut records = Vec::new();
     while !bytes.is_empty() {
         let Some((record, rest)) = first_record(bytes) else {
@@ -124,7 +127,7 @@ pub(super) fn records(mut bytes: &[u8]) -> (Vec<(u8, &[u8])>, bool) {
 }
 
 /// The first record, and what follows it.
-fn first_record(bytes: &[u8]) -> Option<((u8, &[u8]), &[u8])> {
+fn first_record(bytes: &[u8]) -> Option<(RawRecord<'_>, &[u8])> {
     let head = bytes.first_chunk::<9>()?;
     let length = usize::try_from(length(head)).ok()?;
     let end = length.checked_add(head.len())?;

@@ -49,7 +49,7 @@ impl LaneRecording {
 
     /// The same recording, of a loop that has not begun: its first tick is the loop's, even where that
     /// gets lost on its way.
-    pub fn from_the_start(self) -> Self {
+    pub fn with_the_first_tick(self) -> Self {
         Self {
             first: Some(0),
             ..self
@@ -248,7 +248,7 @@ mod tests {
             let mut recording =
                 LaneRecording::begin(path.clone(), &Receipt::new("test"), 0).unwrap();
             if from_the_start {
-                recording = recording.from_the_start();
+                recording = recording.with_the_first_tick();
             }
             for sequence in 4..10 {
                 recording.tick(&Tick {

@@ -203,7 +203,7 @@ impl Running {
             recordings.push(match path {
                 Some(path) => {
                     let begun = self.begin_recording(path, lane, device, 0)?;
-                    Some(begun.from_the_start())
+                    Some(begun.with_the_first_tick())
                 }
                 None => None,
             });

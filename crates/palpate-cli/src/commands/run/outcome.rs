@@ -50,8 +50,10 @@ pub fn of<D: Device, C: Clock>(
 }
 
 fn motors<D: Device, C: Clock>(end: &LoopEnd<D, C>, asked: &Asked) -> Result<(), Failure> {
-    let stays =
-        |trip: &Trip| !trip.is_passing() && !(asked.device_may_end && *trip == Trip::DeviceLost);
+    let stays = |trip: &Trip| match trip {
+        Trip::DeviceLost => !asked.device_may_end,
+        other => !other.is_passing(),
+    };
     let (off, ticks) = (end.statistics.motors_off, end.statistics.ticks);
     if let Some(trip) = end.trip.filter(stays) {
         return Err(Failure::MotorsOff(format!(
