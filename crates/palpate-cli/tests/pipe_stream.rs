@@ -255,6 +255,40 @@ fn a_motion_that_no_hand_makes_ends_the_pipe_unless_it_is_meant() {
 }
 
 #[test]
+fn the_example_in_python_does_what_it_says() {
+    let docs = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/formats.md");
+    let docs = std::fs::read_to_string(docs).unwrap();
+    let example = docs.split("```python\n").nth(1).unwrap();
+    let example = example.split("```").next().unwrap();
+    let folder = Folder::new();
+    folder.write(
+        "example.py",
+        format!("{example}print(object_position > 0.005)\n"),
+    );
+    let program = std::path::Path::new(env!("CARGO_BIN_EXE_palpate"));
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let mut folders = vec![program.parent().unwrap().to_owned()];
+    folders.extend(std::env::split_paths(&path));
+    let ran = std::process::Command::new("python3")
+        .arg(folder.path("example.py"))
+        .env("PATH", std::env::join_paths(folders).unwrap())
+        .output();
+    let Ok(ran) = ran else {
+        eprintln!("skipped: there is no python3");
+        return;
+    };
+    let stderr = String::from_utf8_lossy(&ran.stderr);
+    assert!(ran.status.success(), "{stderr}");
+    assert_eq!(
+        String::from_utf8_lossy(&ran.stdout).trim(),
+        "True",
+        "{stderr}"
+    );
+    let taken = "set stiffness_n_per_m=800, reached over 0.1 s";
+    assert!(stderr.contains(taken), "{stderr}");
+}
+
+#[test]
 fn the_summary_counts_changes() {
     let answer = pipe(&format!("{WALL} --json"), "0\nset mass_kg=1\n0\n");
     let summary = parse(answer.stderr.lines().last().unwrap());
