@@ -188,19 +188,25 @@ fn a_standard_error_that_nobody_reads_does_not_stop_the_forces() {
             .stderr(Stdio::piped()),
     );
     let mut input = child.stdin.take().unwrap();
-    let mut output = BufReader::new(child.stdout.take().unwrap());
-    let mut line = String::new();
+    let output = BufReader::new(child.stdout.take().unwrap());
+    let (sender, answers) = std::sync::mpsc::channel();
+    let reader = std::thread::spawn(move || {
+        for line in output.lines() {
+            // Nobody waits for the last line.
+            let _ = sender.send(line.unwrap());
+        }
+    });
     // What the system keeps for a reader is 64 KiB; these are some 300.
     for _ in 0..5000 {
         input.write_all(b"set virtual_force_n=1\n0.001\n").unwrap();
-        line.clear();
-        output.read_line(&mut line).unwrap();
-        assert_eq!(line, "-1\n");
+        let answer = answers.recv_timeout(std::time::Duration::from_secs(20));
+        assert_eq!(answer.as_deref(), Ok("-1"));
     }
     drop(input);
     let end = child.output();
     assert_eq!(end.status.code(), Some(0));
-    drop(output);
+    drop(answers);
+    reader.join().unwrap();
 }
 
 #[test]
@@ -252,6 +258,40 @@ fn a_motion_that_no_hand_makes_ends_the_pipe_unless_it_is_meant() {
     };
     assert_eq!(answered(&format!("{limited} --unit mm")), 3001);
     assert_eq!(answered(&format!("{limited} --unit m")), 3001);
+}
+
+#[test]
+fn the_example_in_python_does_what_it_says() {
+    let docs = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/formats.md");
+    let docs = std::fs::read_to_string(docs).unwrap();
+    let example = docs.split("```python\n").nth(1).unwrap();
+    let example = example.split("```").next().unwrap();
+    let folder = Folder::new();
+    folder.write(
+        "example.py",
+        format!("{example}print(object_position > 0.005)\n"),
+    );
+    let program = std::path::Path::new(env!("CARGO_BIN_EXE_palpate"));
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let mut folders = vec![program.parent().unwrap().to_owned()];
+    folders.extend(std::env::split_paths(&path));
+    let ran = std::process::Command::new("python3")
+        .arg(folder.path("example.py"))
+        .env("PATH", std::env::join_paths(folders).unwrap())
+        .output();
+    let Ok(ran) = ran else {
+        eprintln!("skipped: there is no python3");
+        return;
+    };
+    let stderr = String::from_utf8_lossy(&ran.stderr);
+    assert!(ran.status.success(), "{stderr}");
+    assert_eq!(
+        String::from_utf8_lossy(&ran.stdout).trim(),
+        "True",
+        "{stderr}"
+    );
+    let taken = "set stiffness_n_per_m=800, reached over 0.1 s";
+    assert!(stderr.contains(taken), "{stderr}");
 }
 
 #[test]

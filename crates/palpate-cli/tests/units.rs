@@ -1,6 +1,7 @@
 //! The unit of recorded positions: said by the column or a flag, and doubted where no hand moves so.
 
 mod common;
+mod recordings;
 
 use common::{Folder, number, of_method, taps};
 
@@ -79,6 +80,12 @@ fn a_recorded_device_takes_the_unit_of_its_motion() {
         assert_eq!(answer.code, 0, "{motion}: {answer:?}");
     }
     folder.fail("run wall.toml --unit mm", 2, &["--unit", "--motion"]);
+    recordings::record(&folder.path("tap.mcap"));
+    folder.fail(
+        &format!("{run} tap.mcap --unit mm"),
+        2,
+        &["--unit is the unit of a trace", "metres"],
+    );
 }
 
 #[test]

@@ -146,9 +146,9 @@ THE LAST LINE ANSWERS NO LINE: when the input ends, or SIGINT or SIGTERM ends th
 one more line takes the force off, if there was a line before. It has a force of 0, and `ended` in the \
 column phase. So there is one line more than there were samples.
 
-Forces are limited to 20 N (to the motor_limit_n of a --scene if that is less), and one that a start or \
-a recovery finds on comes in over 0.2 s, as in `run`. --force-limit inf and --soft-start 0 switch that \
-off.
+Forces are limited to 20 N (to the motor_limit_n of a --scene if that is less). Where a start or a \
+recovery finds contact, the force comes in over 0.2 s. Both are as in `run`; --force-limit inf and \
+--soft-start 0 switch them off.
 
 With --time, the measured period is used; without, each line comes one --period after the last. A \
 first line that is the header `position_m` or `t_s,position_m` gets no answer, and decides in place of \

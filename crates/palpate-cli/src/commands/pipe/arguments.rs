@@ -46,8 +46,8 @@ pub struct StreamArguments {
     /// Print the names of the columns first, with their units
     #[arg(long)]
     pub header: bool,
-    /// Time over which a force comes in that a start or a recovery finds on, at most 60 [s]; 0: at
-    /// once [default: 0.2]
+    /// Time over which the force comes in where a start or a recovery finds contact, at most 60 [s];
+    /// 0: at once [default: 0.2]
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true)]
     pub soft_start: Option<f64>,
 }

@@ -191,19 +191,19 @@ fn limits(force_limit: Option<f64>, soft_start: f64, defaults: SafetyParams) -> 
 
 /// Says what limits a force without having been asked for.
 fn tell_limits(stream: &mut Stream, force: Option<f64>, soft_start: Option<f64>) {
-    let comes_in =
-        |seconds| format!("a force that a start or a recovery finds on comes in over {seconds} s");
+    let comes_in = |seconds| {
+        format!("where a start or a recovery finds contact, the force comes in over {seconds} s")
+    };
     match (force, soft_start) {
         (Some(force), Some(seconds)) => stream.tell(format_args!(
-            "forces are limited to {force} N, and {}; --force-limit and --soft-start change that, inf \
-             and 0 switch it off",
+            "forces are limited to {force} N; {}; --force-limit inf and --soft-start 0 switch that off",
             comes_in(seconds)
         )),
         (Some(force), None) => stream.tell(format_args!(
-            "forces are limited to {force} N; --force-limit changes that, inf switches it off"
+            "forces are limited to {force} N; --force-limit inf switches that off"
         )),
         (None, Some(seconds)) => stream.tell(format_args!(
-            "{}; --soft-start changes that, 0 switches it off",
+            "{}; --soft-start 0 switches that off",
             comes_in(seconds)
         )),
         (None, None) => {}

@@ -22,7 +22,7 @@ const TOLD_EACH: u64 = 8;
 /// Why no further line is answered.
 #[derive(Debug)]
 pub enum Stopped {
-    /// The lines are not what was asked for, or the motion is none of a hand.
+    /// The lines are not what was asked for, or no hand makes the motion.
     Refused(String),
     /// The answer could not be written.
     Unwritten(io::Error),
@@ -159,7 +159,7 @@ impl Stream {
         }
         let verdict = self.safety.judge(&safety::Rendered {
             elapsed,
-            // One that is refused is none to look at.
+            // A position that the renderer has refused is not looked at.
             position: [if is_used { position } else { 0.0 }, 0.0, 0.0],
             coordinate: if is_used { position } else { 0.0 },
             force: output.force_on_device,
@@ -193,8 +193,8 @@ impl Stream {
             self.memory.is_limited = true;
             let limit = self.safety.params().largest_force;
             self.tell(format_args!(
-                "line {number}: the contact asks for more than {limit} N, which is the limit; \
-                 further limited forces are counted and not told"
+                "line {number}: the contact asks for more than the limit of {limit} N; further limited \
+                 forces are counted, and the summary has their number"
             ));
         }
         Ok(Row {
@@ -213,7 +213,7 @@ impl Stream {
         })
     }
 
-    /// Refuses a motion that is none of a hand, unless the unit was said.
+    /// Refuses a motion that no hand makes, unless a flag said the unit.
     fn follow(&mut self, number: u64, position: f64, elapsed: f64) -> Result<(), Stopped> {
         self.memory.followed += elapsed;
         if self.format.is_unit_given {
