@@ -8,6 +8,8 @@ use std::process::ExitCode;
 use miette::{
     Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode,
 };
+use palpate_io::atomic::{WriteError, WriteFault};
+use palpate_io::outputs::OutputError;
 
 /// Why a command ended without its result.
 #[derive(Debug)]
@@ -31,6 +33,27 @@ pub struct InputFault {
     pub message: String,
     /// The text at fault and the bytes to point at, if there is text.
     pub excerpt: Option<(NamedSource<String>, Range<usize>)>,
+}
+
+impl From<WriteError> for Failure {
+    fn from(error: WriteError) -> Self {
+        let remedy = match error.fault {
+            WriteFault::Exists => "; name another, or replace it with --overwrite",
+            _ => "",
+        };
+        Self::System(format!("{error}{remedy}"))
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        match error {
+            OutputError::Write(error) => error.into(),
+            OutputError::IsInput { .. } | OutputError::Twice { .. } => {
+                Self::Arguments(error.to_string())
+            }
+        }
+    }
 }
 
 impl Failure {

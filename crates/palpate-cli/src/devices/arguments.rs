@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum, ValueHint};
 
 use super::inverse3::Inverse3Arguments;
+use crate::arguments::PartFlags;
 use crate::failure::Failure;
 use crate::values::{BoardName, Place, StartPose, place, start_pose};
 
@@ -20,6 +21,9 @@ pub struct DeviceArguments {
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath,
           required_if_eq("device", "replay"))]
     pub motion: Option<PathBuf>,
+    /// Which part of the motion.
+    #[command(flatten)]
+    pub part: PartFlags,
     /// Serial port of the device `haply-2diy` [default: the one that looks like one]
     #[arg(long, value_name = "PATH", value_hint = ValueHint::FilePath)]
     pub port: Option<PathBuf>,
@@ -78,6 +82,11 @@ impl DeviceArguments {
         if self.motion.is_some() && self.device != DeviceName::Replay {
             return Err(Failure::Arguments(
                 "--motion is the motion of --device replay".into(),
+            ));
+        }
+        if self.part.is_given() && self.motion.is_none() {
+            return Err(Failure::Arguments(
+                "--from and --to name a part of the --motion of --device replay".into(),
             ));
         }
         let of_the_2diy = [
