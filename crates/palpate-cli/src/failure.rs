@@ -5,6 +5,9 @@ use std::io::{self, Write};
 use std::ops::Range;
 use std::process::ExitCode;
 
+use palpate_io::atomic::{WriteError, WriteFault};
+use palpate_io::outputs::OutputError;
+
 use crate::excerpt::Excerpt;
 
 /// Why a command ended without its result.
@@ -32,6 +35,27 @@ pub struct InputFault {
     pub message: String,
     /// The text at fault and the bytes to point at, if there is text.
     pub excerpt: Option<Excerpt>,
+}
+
+impl From<WriteError> for Failure {
+    fn from(error: WriteError) -> Self {
+        let remedy = match error.fault {
+            WriteFault::Exists => "; name another, or replace it with --overwrite",
+            _ => "",
+        };
+        Self::System(format!("{error}{remedy}"))
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        match error {
+            OutputError::Write(error) => error.into(),
+            OutputError::IsInput { .. } | OutputError::Twice { .. } => {
+                Self::Arguments(error.to_string())
+            }
+        }
+    }
 }
 
 impl Failure {

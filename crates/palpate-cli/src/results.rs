@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
+use palpate_io::outputs::Outputs;
 use palpate_sim::run::Run;
 
 use crate::arguments::Results;
@@ -12,44 +13,39 @@ use crate::progress::Progress;
 use crate::report::Report;
 use crate::run_file;
 
+/// Name that stands for standard output.
+pub const STANDARD_OUTPUT: &str = "-";
+
 impl Results {
-    /// Refuses, before any work is done, results that would take the place of the `input` or that
-    /// cannot be drawn.
-    pub fn check(&self, input: &Path) -> Result<(), Failure> {
+    /// The files of the results. Refused, before any work is done, are those that cannot be written or
+    /// drawn, are there already, or would take the place of the `input`.
+    pub fn check(&self, input: &Path) -> Result<Outputs, Failure> {
+        let mut outputs = self.overwriting.outputs();
+        outputs.protect(input);
+        if let Some(out) = self
+            .out
+            .as_deref()
+            .filter(|out| *out != Path::new(STANDARD_OUTPUT))
+        {
+            outputs.plan("--out", out)?;
+        }
         if let Some(plot) = &self.plot {
-            picture_format(plot)?;
+            plan_picture(&mut outputs, "--plot", plot)?;
         }
-        let same = |out: &Path| match (out.canonicalize(), input.canonicalize()) {
-            (Ok(out), Ok(input)) => out == input && input.is_file(),
-            _ => false,
-        };
-        for (flag, path) in [("--out", &self.out), ("--plot", &self.plot)] {
-            if path.as_deref().is_some_and(same) {
-                return Err(Failure::Arguments(format!(
-                    "{flag} would overwrite the input {}",
-                    input.display()
-                )));
-            }
-        }
-        if self.out.is_some() && self.out == self.plot {
-            return Err(Failure::Arguments(
-                "--out and --plot name the same file; the figure would overwrite the run".into(),
-            ));
-        }
-        Ok(())
+        Ok(outputs)
     }
 }
 
 /// Writes what was asked for, then prints the report.
 pub fn deliver(
-    results: &Results,
+    (results, outputs): (&Results, &Outputs),
     mut report: Report,
     receipt: &[(String, String)],
     runs: &[Run],
     figure: impl FnOnce() -> Figure,
     progress: Progress,
 ) -> Result<(), Failure> {
-    let to_standard_output = results.out.as_deref() == Some(Path::new("-"));
+    let to_standard_output = results.out.as_deref() == Some(Path::new(STANDARD_OUTPUT));
     // Ticks on standard output may go to the terminal that the bar is on.
     let progress = Some(progress).filter(|_| !to_standard_output);
     let begin = |path: &Path| {
@@ -69,16 +65,15 @@ pub fn deliver(
         }
         Some(path) => {
             begin(path);
-            palpate_io::atomic::write(path, |writer| {
+            outputs.write(path, |writer| {
                 run_file::write(writer, receipt, runs).map_err(io::Error::from)
-            })
-            .map_err(|error| Failure::System(error.to_string()))?;
+            })?;
             report.wrote(path);
         }
     }
     if let Some(path) = &results.plot {
         begin(path);
-        draw(path, &figure())?;
+        draw(outputs, path, &figure())?;
         report.wrote(path);
     }
     drop(progress);
@@ -136,13 +131,15 @@ fn picture_format(path: &Path) -> Result<PictureFormat, Failure> {
     }
 }
 
-/// Refuses a name that no figure can have.
-pub fn check_picture(path: &Path) -> Result<(), Failure> {
-    picture_format(path).map(|_| ())
+/// Plans a figure in the file at `path`, which the flag `name` gave; refuses a name that no figure can
+/// have.
+pub fn plan_picture(outputs: &mut Outputs, name: &str, path: &Path) -> Result<(), Failure> {
+    picture_format(path)?;
+    Ok(outputs.plan(name, path)?)
 }
 
 /// Draws a figure into a file, whole or not at all.
-pub fn draw(path: &Path, figure: &impl Picture) -> Result<(), Failure> {
+pub fn draw(outputs: &Outputs, path: &Path, figure: &impl Picture) -> Result<(), Failure> {
     let bytes = match picture_format(path)? {
         PictureFormat::Svg => crate::figure::svg(figure).into_bytes(),
         #[cfg(feature = "png")]
@@ -152,6 +149,5 @@ pub fn draw(path: &Path, figure: &impl Picture) -> Result<(), Failure> {
         #[cfg(not(feature = "png"))]
         PictureFormat::Png => unreachable!("refused above"),
     };
-    palpate_io::atomic::write(path, |writer| writer.write_all(&bytes))
-        .map_err(|error| Failure::System(error.to_string()))
+    Ok(outputs.write(path, |writer| writer.write_all(&bytes))?)
 }

@@ -159,6 +159,6 @@ fn the_table_is_written_as_csv() {
     folder.fail(
         "compare fig2.toml --out fig2.toml",
         2,
-        &["--out would overwrite the scene fig2.toml"],
+        &["--out would overwrite the input fig2.toml"],
     );
 }

@@ -115,7 +115,8 @@ fn the_demo_tells_the_story_and_leaves_its_files() {
         );
         assert!(demo.join(file).is_file(), "{file}");
     }
-    assert_eq!(std::fs::read_dir(demo).unwrap().count(), 3);
+    // And the list of them.
+    assert_eq!(std::fs::read_dir(demo).unwrap().count(), 4);
     drawn(
         &folder,
         "palpate-demo/fig2.svg",
@@ -150,7 +151,7 @@ fn where_to_go_next_is_a_way() {
     folder.succeed(arguments);
     assert_eq!(folder.names(), ["first", "run.csv", "run.svg"]);
     // The hand in the file is the hand of the demonstration.
-    let report = folder.json(arguments);
+    let report = folder.json(&format!("{arguments} --overwrite"));
     let demo = folder.json("demo --out-dir first");
     let error = |report| {
         number(
@@ -245,11 +246,11 @@ fn the_experiments_stand_beside_the_paper_s_numbers() {
         "fig5.svg",
         &["safety box left", "left the safety box at 0.76 s"],
     );
-    let report = folder.json("figure fig5");
+    let report = folder.json("figure fig5 --overwrite");
     let left = |method| &of_method(&report, method)["left_box_at_s"];
     assert_eq!(left("virtual-damper").as_f64(), Some(0.76));
     assert!(left("hfcr").is_null());
-    let report = folder.json("figure fig4");
+    let report = folder.json("figure fig4 --overwrite");
     let error = |method| number(of_method(&report, method), "mean_force_error_percent");
     for other in ["basic", "seh", "virtual-damper", "popc-ref"] {
         assert!(error("hfcr") < error(other), "{other}");

@@ -324,7 +324,7 @@ fn the_object_starts_where_it_was_at_the_first_tick() {
     write(&folder.path("tap.mcap"), &text, &run, |at| at >= 30);
     let first = |arguments: &str| {
         let answer = folder.palpate(&format!(
-            "replay tap.mcap --method hfcr --out r.csv {arguments}"
+            "replay tap.mcap --method hfcr --out r.csv --overwrite {arguments}"
         ));
         assert_eq!(answer.code, 4, "{answer:?}");
         folder
@@ -404,7 +404,7 @@ fn what_cannot_be_read_or_replayed_is_refused() {
     folder.fail(
         "convert tap.mcap --out tap.mcap",
         2,
-        &["overwrite the recording"],
+        &["overwrite the input tap.mcap"],
     );
     folder.fail(
         "replay tap.mcap --out tap.mcap",

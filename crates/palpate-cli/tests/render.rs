@@ -164,7 +164,7 @@ fn a_period_that_is_a_multiple_of_the_recording_s_takes_its_samples_exactly() {
     folder.write("tap.csv", trace_text(&samples));
     for (period, every) in [("0.0005", 1), ("0.0015", 3), ("0.02", 40)] {
         folder.succeed(&format!(
-            "render tap.csv --stiffness 400 --mass 0.1 --period {period} --out run.csv"
+            "render tap.csv --stiffness 400 --mass 0.1 --period {period} --out run.csv --overwrite"
         ));
         let positions = folder
             .run_file("run.csv")
@@ -182,7 +182,9 @@ fn another_period_is_interpolated_on_straight_lines() {
         "bend.csv",
         "t_s,position_m\n1,0\n1.01,0.002\n1.02,0\n1.03,-0.006\n",
     );
-    folder.succeed("render bend.csv --stiffness 400 --mass 0.1 --period 0.0075 --out run.csv");
+    folder.succeed(
+        "render bend.csv --stiffness 400 --mass 0.1 --period 0.0075 --out run.csv --overwrite",
+    );
     let run = folder.run_file("run.csv");
     let expected = [
         (1.0, 0.0),

@@ -72,7 +72,7 @@ fn a_period_that_would_fill_the_memory_is_refused() {
     folder.fail(
         "render tap.csv --stiffness 400 --mass 0.1 --period 1e-12",
         2,
-        &["--period", "at most 1e8 periods"],
+        &["--period is too short", "at most 2000000 fit"],
     );
 }
 
@@ -156,7 +156,7 @@ fn what_stood_there_before_survives_a_run_that_fails() {
     folder
         .write("run.csv", "precious")
         .write("run.svg", "precious too");
-    let outputs = "--out run.csv --plot run.svg";
+    let outputs = "--out run.csv --plot run.svg --overwrite";
     folder.fail(&format!("render bad.csv {FLAGS} {outputs}"), 3, &[]);
     folder.fail(&format!("render no.csv {FLAGS} {outputs}"), 1, &[]);
     folder.fail(
@@ -214,7 +214,7 @@ fn what_spreadsheets_write_is_read_as_the_same_motion() {
     ];
     folder.write("plain.csv", &text);
     let run = |name: &str| {
-        folder.succeed(&format!("render {name} {FLAGS} --out run.csv"));
+        folder.succeed(&format!("render {name} {FLAGS} --out run.csv --overwrite"));
         folder
             .run_file("run.csv")
             .numbers("force_on_object_n")

@@ -39,9 +39,35 @@ pub enum WriteFault {
     /// The disk or the quota is full.
     #[error("no space left on the device")]
     DiskFull,
+    /// There is a file of that name, and it was not to be replaced.
+    #[error("there is a file of that name")]
+    Exists,
     /// Anything else, in the system's words.
     #[error("{0}")]
     Other(String),
+}
+
+/// What becomes of a file that is there already.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Existing {
+    /// It stays, and the write is refused.
+    #[default]
+    Keep,
+    /// The new file takes its place.
+    Replace,
+}
+
+/// Checks, before any work is done, that a file can be written at `path`.
+///
+/// A byte is written into a temporary file in the same directory, which is then removed. What is
+/// not a regular file is opened, but for a pipe, and nothing is written into it.
+///
+/// # Errors
+///
+/// What [`write`] would say: a directory that is missing or may not be changed, a full disk, a path
+/// that is a directory. With [`Existing::Keep`] also a file of that name.
+pub fn check(path: &Path, existing: Existing) -> Result<(), WriteError> {
+    check_target(path, existing).map_err(|source| WriteError::new(path, source))
 }
 
 /// Writes the file at `path` through `write`.
@@ -62,12 +88,25 @@ pub fn write<T>(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<T>,
 ) -> Result<T, WriteError> {
+    write_over(path, Existing::Replace, write)
+}
+
+/// Writes the file at `path` through `write`, as [`write`] does; `existing` says what becomes of a
+/// regular file that is there.
+///
+/// # Errors
+///
+/// [`WriteError`], which names the path. With [`Existing::Keep`] a file that has appeared while
+/// `write` was at work is kept, too.
+pub fn write_over<T>(
+    path: &Path,
+    existing: Existing,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<T>,
+) -> Result<T, WriteError> {
     let outcome = if is_stream(path) {
-        // Appending leaves alone what a shell's `>>` has already put there.
-        let open = OpenOptions::new().append(true).open(path);
-        open.and_then(|file| buffered(&file, write))
+        open_stream(path).and_then(|file| buffered(&file, write))
     } else {
-        replace(path, write)
+        put(path, existing, write)
     };
     outcome.map_err(|source| WriteError::new(path, source))
 }
@@ -83,8 +122,10 @@ impl WriteError {
     }
 }
 
-/// Whether `path` leads to something that bytes go into but that cannot be replaced.
-fn is_stream(path: &Path) -> bool {
+/// Whether `path` leads to something that bytes go into but that cannot be replaced: a pipe, a
+/// terminal, `/dev/null`, or the program's own output.
+#[must_use]
+pub fn is_stream(path: &Path) -> bool {
     // A redirected standard output is a regular file, but it is the shell's, not ours to replace.
     let inherited = ["/dev/stdout", "/dev/stderr", "/dev/fd", "/proc"];
     let inherited = inherited.iter().any(|stream| path.starts_with(stream));
@@ -98,20 +139,76 @@ fn buffered<T>(file: &File, write: impl FnOnce(&mut dyn Write) -> io::Result<T>)
     Ok(value)
 }
 
-fn replace<T>(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<T>) -> io::Result<T> {
+/// Appending leaves alone what a shell's `>>` has already put there.
+fn open_stream(path: &Path) -> io::Result<File> {
+    OpenOptions::new().append(true).open(path)
+}
+
+fn check_target(path: &Path, existing: Existing) -> io::Result<()> {
+    if is_stream(path) {
+        // Opening a pipe waits for its reader, who would take the closing for the end.
+        if is_pipe(path) {
+            return Ok(());
+        }
+        // A device that takes nothing says so even of no bytes.
+        return open_stream(path)?.write(&[]).map(|_| ());
+    }
     let target = follow_links(path)?;
-    let old = match OpenOptions::new().write(true).open(&target) {
-        Ok(file) => Some(file.metadata()?.permissions()),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => None,
-        Err(error) => return Err(error),
-    };
+    permissions_of_old(&target, existing)?;
+    // A byte: a full disk lets an empty file be made.
+    temporary_in(directory_of(&target))?
+        .as_file_mut()
+        .write_all(&[0])
+}
+
+#[cfg(unix)]
+fn is_pipe(path: &Path) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    fs::metadata(path).is_ok_and(|found| found.file_type().is_fifo())
+}
+
+#[cfg(not(unix))]
+fn is_pipe(_: &Path) -> bool {
+    false
+}
+
+/// The permissions of the file at `target`, if there is one and it may be replaced.
+fn permissions_of_old(target: &Path, existing: Existing) -> io::Result<Option<fs::Permissions>> {
+    if existing == Existing::Keep && fs::symlink_metadata(target).is_ok_and(|old| !old.is_dir()) {
+        return Err(io::ErrorKind::AlreadyExists.into());
+    }
+    // A path that ends in a separator is that of a directory, whether it is there or not.
+    if target
+        .as_os_str()
+        .to_string_lossy()
+        .ends_with(std::path::is_separator)
+    {
+        return Err(io::ErrorKind::IsADirectory.into());
+    }
+    match OpenOptions::new().write(true).open(target) {
+        Ok(file) => Ok(Some(file.metadata()?.permissions())),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+fn put<T>(
+    path: &Path,
+    existing: Existing,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<T>,
+) -> io::Result<T> {
+    let target = follow_links(path)?;
+    let old = permissions_of_old(&target, existing)?;
     let temporary = temporary_in(directory_of(&target))?;
     let value = buffered(temporary.as_file(), write)?;
     if let Some(permissions) = old {
         temporary.as_file().set_permissions(permissions)?;
     }
     temporary.as_file().sync_all()?;
-    temporary.persist(&target)?;
+    match existing {
+        Existing::Replace => temporary.persist(&target)?,
+        Existing::Keep => temporary.persist_noclobber(&target)?,
+    };
     Ok(value)
 }
 
@@ -127,7 +224,7 @@ fn temporary_in(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
     builder.tempfile_in(directory)
 }
 
-fn directory_of(path: &Path) -> &Path {
+pub(crate) fn directory_of(path: &Path) -> &Path {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -135,7 +232,7 @@ fn directory_of(path: &Path) -> &Path {
 }
 
 /// The path behind all symbolic links, whether or not a file is there yet.
-fn follow_links(path: &Path) -> io::Result<PathBuf> {
+pub(crate) fn follow_links(path: &Path) -> io::Result<PathBuf> {
     let mut target = path.to_owned();
     for _ in 0..MAX_LINKS {
         match fs::read_link(&target) {
@@ -154,6 +251,8 @@ fn fault(path: &Path, error: &io::Error) -> WriteFault {
             directory: directory.to_owned(),
         },
         io::ErrorKind::IsADirectory => WriteFault::IsDirectory,
+        // Where somebody has put it in words, these are better.
+        io::ErrorKind::AlreadyExists if error.get_ref().is_none() => WriteFault::Exists,
         io::ErrorKind::PermissionDenied => WriteFault::PermissionDenied,
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => WriteFault::DiskFull,
         _ => WriteFault::Other(error.to_string()),
@@ -220,6 +319,55 @@ mod tests {
         assert!(outcome.is_err());
         assert_eq!(fs::read_to_string(&path).unwrap(), "old");
         assert_eq!(names(directory.path()), ["run.csv"]);
+    }
+
+    #[test]
+    fn a_file_that_is_to_be_kept_is_kept_before_and_after_the_work() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("run.csv");
+        check(&path, Existing::Keep).unwrap();
+        assert!(names(directory.path()).is_empty(), "a check leaves nothing");
+        let error = write_over(&path, Existing::Keep, |out| {
+            // Somebody was faster.
+            fs::write(&path, "theirs")?;
+            out.write_all(b"ours")
+        })
+        .unwrap_err();
+        assert_eq!(error.fault, WriteFault::Exists);
+        let error = check(&path, Existing::Keep).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            format!(
+                "cannot write `{}`: there is a file of that name",
+                path.display()
+            )
+        );
+        let mut called = false;
+        let outcome = write_over(&path, Existing::Keep, |_| {
+            called = true;
+            Ok(())
+        });
+        assert!(outcome.is_err() && !called);
+        assert_eq!(fs::read(&path).unwrap(), b"theirs");
+        assert_eq!(names(directory.path()), ["run.csv"]);
+        check(&path, Existing::Replace).unwrap();
+        write_over(&path, Existing::Replace, |out| out.write_all(b"ours")).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"ours");
+    }
+
+    #[test]
+    fn a_check_finds_what_a_write_would() {
+        let directory = tempfile::tempdir().unwrap();
+        let fault = |path: PathBuf| check(&path, Existing::Replace).unwrap_err().fault;
+        assert_eq!(fault(directory.path().into()), WriteFault::IsDirectory);
+        let missing = directory.path().join("out");
+        assert_eq!(fault(missing.join("")), WriteFault::IsDirectory);
+        assert_eq!(
+            fault(missing.join("run.csv")),
+            WriteFault::DirectoryMissing { directory: missing }
+        );
+        let long = directory.path().join("n".repeat(300));
+        assert!(matches!(fault(long), WriteFault::Other(_)));
     }
 
     #[test]
@@ -340,6 +488,8 @@ mod tests {
                 return; // root may write anywhere
             }
             let path = closed.join("run.csv");
+            let error = check(&path, Existing::Keep).unwrap_err();
+            assert_eq!(error.fault, WriteFault::PermissionDenied);
             assert_eq!(
                 write(&path, |_| Ok(())).unwrap_err().to_string(),
                 format!("cannot write `{}`: permission denied", path.display())
@@ -378,6 +528,9 @@ mod tests {
                     .to_string(),
                 "cannot write `/dev/full`: no space left on the device"
             );
+            let error = check(full, Existing::Keep).unwrap_err();
+            assert_eq!(error.fault, WriteFault::DiskFull);
+            check(Path::new("/dev/null"), Existing::Keep).unwrap();
         }
 
         #[test]
@@ -388,6 +541,8 @@ mod tests {
                 Ok(status) if status.success() => {}
                 _ => return,
             }
+            // A check that opened it would wait for ever.
+            check(&pipe, Existing::Keep).unwrap();
             let reader = std::thread::spawn({
                 let pipe = pipe.clone();
                 move || fs::read(pipe).unwrap()

@@ -8,16 +8,19 @@
 //!   it is in progress.
 //! - `recording`, with the feature of that name, writes and reads what a device really did, tick by
 //!   tick, as it happens.
-//! - [`atomic`] puts a file on disk whole or not at all.
+//! - [`atomic`] puts a file on disk whole or not at all; [`outputs`] checks the files of a command
+//!   together, before its work starts.
 //!
 //! Everything is SI; the unit of a column stands in its name (`t_s`, `position_m`). Readers take
 //! any [`std::io::Read`] and the name to call it by; a fault in the text is reported with its
 //! [`Place`]: file, line, column, byte span and the text around it.
 
 pub mod atomic;
-mod checksum;
+pub mod checksum;
 pub mod journal;
+mod lock;
 pub mod map;
+pub mod outputs;
 #[cfg(feature = "parquet")]
 mod parquet_table;
 mod place;

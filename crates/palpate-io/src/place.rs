@@ -119,6 +119,34 @@ pub(crate) fn record_span(source: &str, start: usize) -> Range<usize> {
     start..field_span(source, start, usize::MAX).end.max(start)
 }
 
+/// Where, in the comma-separated record that starts at `start`, the quote stands that nothing closes
+/// before the text ends; none where every quoted field is closed.
+pub(crate) fn open_quote(source: &str, start: usize) -> Option<usize> {
+    enum At {
+        FieldStart,
+        Plain,
+        Quoted(usize),
+        /// Behind a quote within a quoted field: another makes the two one character of it.
+        QuoteIn(usize),
+    }
+    let mut state = At::FieldStart;
+    for (offset, byte) in source[start..].bytes().enumerate() {
+        state = match (state, byte) {
+            (At::FieldStart, b'"') => At::Quoted(start + offset),
+            (At::QuoteIn(from), b'"') => At::Quoted(from),
+            (At::Quoted(from), b'"') => At::QuoteIn(from),
+            (At::Quoted(from), _) => At::Quoted(from),
+            (_, b'\n' | b'\r') => return None,
+            (_, b',') => At::FieldStart,
+            (_, _) => At::Plain,
+        };
+    }
+    match state {
+        At::Quoted(from) => Some(from),
+        _ => None,
+    }
+}
+
 /// Offset of the first byte that was read for a record, lines that were skipped included.
 pub(crate) fn first_byte(record: &csv::StringRecord) -> usize {
     record

@@ -1,8 +1,7 @@
 //! Recorded traces: where a device was, and when.
 //!
 //! A trace is UTF-8 text with comma-separated columns. Its header must name `t_s` and
-//! `position_m`, in any order; other columns are allowed and ignored. In place of `position_m` may
-//! stand `position_cm`, `position_mm` or `position_um`. Lines that begin with `#`
+//! `position_m`, in any order; other columns are allowed and ignored. Lines that begin with `#`
 //! and empty lines are skipped. Line ends may be `\n` or `\r\n`, and a byte order mark at the
 //! start is accepted, since spreadsheets write both.
 //!
@@ -13,16 +12,25 @@
 //! # Ok::<(), palpate_io::trace::TraceError>(())
 //! ```
 
+mod growing;
+#[cfg(test)]
+mod tests;
+
 use std::io::{self, Read};
 
 use csv::StringRecord;
 use thiserror::Error;
 
-use crate::place::{Place, field_span, first_byte, record_span};
+use crate::place::{Place, field_span, first_byte, open_quote, record_span};
 use crate::unit::LengthUnit;
+use growing::{Growing, Unread};
 
 const TIME: &str = "t_s";
 const POSITION: &str = "position_m";
+const FORCE: &str = "force_on_device_n";
+
+/// The most characters of a field that an error repeats.
+const LONGEST_FIELD: usize = 40;
 
 /// A recorded motion along one axis.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,6 +39,37 @@ pub struct Trace {
     pub t_s: Vec<f64>,
     /// Position at each sample \[m\].
     pub position_m: Vec<f64>,
+}
+
+/// Which samples of a trace are read.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Part {
+    /// From this time on \[s\]; samples before it are passed over.
+    pub from: f64,
+    /// Up to this time \[s\]; nothing after it is read.
+    pub to: f64,
+    /// The longest time from the first sample to the last \[s\]; a longer trace is refused as soon
+    /// as that shows.
+    pub longest: f64,
+}
+
+impl Part {
+    /// All samples.
+    pub const WHOLE: Self = Self {
+        from: f64::NEG_INFINITY,
+        to: f64::INFINITY,
+        longest: f64::INFINITY,
+    };
+}
+
+/// A trace with the force that was held while it was recorded.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeldTrace {
+    /// The motion.
+    pub trace: Trace,
+    /// Force on the device from each sample until the next \[N\], of the column
+    /// `force_on_device_n`; none where there is no such column.
+    pub force_on_device_n: Option<Vec<f64>>,
 }
 
 /// Why a trace could not be read.
@@ -133,6 +172,48 @@ pub enum TraceFault {
         /// Time of this sample \[s\].
         now: f64,
     },
+    /// A field of the column of forces is not a finite number.
+    #[error(
+        "`{text}` in column `{FORCE}` is not a finite number; the force [N] that was held on the \
+         device from this sample on is needed, 0 where there was none"
+    )]
+    NotAForce {
+        /// The field.
+        text: String,
+    },
+    /// A quoted field has no end.
+    #[error(
+        "the quote that opens here is not closed before the end of the file; close the field with \
+         `\"`, or remove the quote"
+    )]
+    OpenQuote,
+    /// The trace is longer than was allowed.
+    #[error("the trace goes on for more than {longest} s after its first sample at {first} s")]
+    TooLong {
+        /// The longest time that was allowed \[s\].
+        longest: f64,
+        /// Time of the first sample that counts \[s\].
+        first: f64,
+    },
+    /// Fewer than two samples lie in the part that was asked for.
+    #[error(
+        "{found} of the 2 samples that are needed at least lie {}; the times of the trace begin at \
+         {first} s{}",
+        between(*from, *to),
+        last.map_or_else(String::new, |last| format!(" and end at {last} s"))
+    )]
+    TooFewInPart {
+        /// Beginning of the part \[s\].
+        from: f64,
+        /// Its end \[s\].
+        to: f64,
+        /// How many samples there are.
+        found: usize,
+        /// Time of the first sample of all \[s\].
+        first: f64,
+        /// Time of the last \[s\], if the trace was read to its end.
+        last: Option<f64>,
+    },
     /// There is no motion in fewer than two samples.
     #[error("a trace needs at least 2 samples, this one has {found}")]
     TooFewSamples {
@@ -141,124 +222,239 @@ pub enum TraceFault {
     },
 }
 
+/// A span of time, in words.
+fn between(from: f64, to: f64) -> String {
+    match (from.is_finite(), to.is_finite()) {
+        (true, true) => format!("from {from} s to {to} s"),
+        (true, false) => format!("from {from} s on"),
+        (false, true) => format!("up to {to} s"),
+        (false, false) => "in it".to_owned(),
+    }
+}
+
 /// Reads a trace; `file` is the name errors call it by.
 ///
 /// # Errors
 ///
 /// [`TraceError`] where the bytes cannot be read or the text is not a trace.
 pub fn read(reader: impl Read, file: &str) -> Result<Trace, TraceError> {
-    read_in(reader, file, None)
+    let mut text = Text::new(reader, file);
+    text.trace(&Part::WHOLE, None, false).map(|held| held.trace)
 }
 
-/// As [`read`], where the positions are in `unit`, also in a column called `position_m`; none: in the
-/// unit that the column's name has.
+/// Reads a part of a trace, and no further than its end; `file` is the name errors call it by.
+/// Positions are in `unit`, also in a column called `position_m`; none: in the unit that the column's
+/// name has.
 ///
 /// # Errors
 ///
-/// As [`read`]; a column that is called by another unit is no position.
-pub fn read_in(
-    mut reader: impl Read,
+/// [`TraceError`] where the bytes cannot be read, the text is not a trace, or the part has fewer than
+/// two samples or is too long. A column that is called by another unit is no position.
+pub fn read_part(
+    reader: impl Read,
     file: &str,
+    part: &Part,
     unit: Option<LengthUnit>,
-) -> Result<Trace, TraceError> {
-    let mut bytes = Vec::new();
-    if let Err(source) = reader.read_to_end(&mut bytes) {
-        let file = file.to_owned();
-        return Err(TraceError::Unreadable { file, source });
-    }
-    match std::str::from_utf8(&bytes) {
-        Ok(source) => Text { file, source }.trace(unit),
-        Err(error) => {
-            let at = error.valid_up_to();
-            let valid = String::from_utf8_lossy(&bytes[..at]);
-            let text = format!("{valid}\u{fffd}");
-            let fault = TraceFault::NotUtf8 { byte: bytes[at] };
-            Err(Text {
-                file,
-                source: &text,
-            }
-            .fault(at..text.len(), fault))
+) -> Result<HeldTrace, TraceError> {
+    Text::new(reader, file).trace(part, unit, true)
+}
+
+/// The text of a trace, as far as it has been read, and its name.
+struct Text<'a, R> {
+    file: &'a str,
+    records: csv::Reader<Growing<R>>,
+    /// Offset of the first byte that was read for the last record.
+    last: usize,
+}
+
+/// One record and the offset of the first byte that was read for it.
+struct Line {
+    from: usize,
+    fields: StringRecord,
+}
+
+impl Line {
+    fn new() -> Self {
+        Self {
+            from: 0,
+            fields: StringRecord::new(),
         }
     }
 }
 
-/// The whole text of a trace and its name.
-struct Text<'a> {
-    file: &'a str,
-    source: &'a str,
-}
+/// A fault and the bytes at fault.
+type Fault = (std::ops::Range<usize>, TraceFault);
 
-/// One record and the offset of its first byte.
-struct Line {
-    start: usize,
-    fields: StringRecord,
-}
-
-impl Text<'_> {
-    fn fault(&self, span: std::ops::Range<usize>, fault: TraceFault) -> TraceError {
-        let place = Box::new(Place::new(self.file, self.source, span));
-        TraceError::Invalid { place, fault }
-    }
-
-    fn trace(&self, unit: Option<LengthUnit>) -> Result<Trace, TraceError> {
-        let body = self.source.strip_prefix('\u{feff}').unwrap_or(self.source);
-        let offset = self.source.len() - body.len();
-        let mut records = csv::ReaderBuilder::new()
+impl<'a, R: Read> Text<'a, R> {
+    fn new(reader: R, file: &'a str) -> Self {
+        let records = csv::ReaderBuilder::new()
             .has_headers(false)
             .flexible(true)
             .comment(Some(b'#'))
-            .from_reader(body.as_bytes())
-            .into_records()
-            .map_while(Result::ok) // text in memory, of any field count: nothing is left to fail
-            .map(|fields| Line {
-                start: skip_to_record(self.source, offset + first_byte(&fields)),
-                fields,
-            });
+            .from_reader(Growing::new(reader));
+        let last = 0;
+        Self {
+            file,
+            records,
+            last,
+        }
+    }
 
-        let Some(header) = records.next() else {
-            return Err(self.fault(self.source.len()..self.source.len(), TraceFault::Empty));
+    fn source(&self) -> &str {
+        self.records.get_ref().text()
+    }
+
+    fn fault(&mut self, (span, fault): Fault) -> TraceError {
+        self.records.get_mut().read_past(span.end);
+        let place = Box::new(Place::new(self.file, self.source(), span));
+        TraceError::Invalid { place, fault }
+    }
+
+    /// A fault of a line, unless the line is what it is because of a quote that has no end.
+    fn fault_in(&mut self, line: &Line, fault: impl FnOnce(&str, usize) -> Fault) -> TraceError {
+        let start = skip_to_record(self.source(), line.from);
+        let found = match open_quote(self.source(), start) {
+            Some(at) => (at..at + 1, TraceFault::OpenQuote),
+            None => fault(self.source(), start),
         };
+        self.fault(found)
+    }
+
+    /// The next record in `line`; whether there is one.
+    fn next(&mut self, line: &mut Line) -> Result<bool, TraceError> {
+        let read = self.records.read_record(&mut line.fields);
+        let mark = self.records.get_ref().mark();
+        line.from = mark + first_byte(&line.fields);
+        match self.records.get_mut().take_fault() {
+            Some(Unread::Io(source)) => {
+                let file = self.file.to_owned();
+                return Err(TraceError::Unreadable { file, source });
+            }
+            Some(Unread::NotUtf8(byte)) => {
+                let text = format!("{}\u{fffd}", self.source());
+                let span = self.source().len()..text.len();
+                let place = Box::new(Place::new(self.file, &text, span));
+                let fault = TraceFault::NotUtf8 { byte };
+                return Err(TraceError::Invalid { place, fault });
+            }
+            None => {}
+        }
+        // Text of any field count: nothing is left to fail.
+        let is_there = read.unwrap_or(false);
+        if is_there {
+            self.last = line.from;
+        }
+        Ok(is_there)
+    }
+
+    fn trace(
+        &mut self,
+        part: &Part,
+        unit: Option<LengthUnit>,
+        with_force: bool,
+    ) -> Result<HeldTrace, TraceError> {
+        let mut header = Line::new();
+        if !self.next(&mut header)? {
+            let end = self.source().len();
+            return Err(self.fault((end..end, TraceFault::Empty)));
+        }
         let time = self.column(&header, TIME)?;
         let (name, unit) = position_column(&header, unit);
         let position = self.column(&header, name)?;
+        let is_there = |name| header.fields.iter().any(|field| field.trim() == name);
+        let force = (with_force && is_there(FORCE))
+            .then(|| self.column(&header, FORCE))
+            .transpose()?;
 
         let mut trace = Trace {
             t_s: Vec::new(),
             position_m: Vec::new(),
         };
-        for line in records {
+        let mut forces = Vec::new();
+        let (mut first, mut before) = (None, None);
+        let mut is_read_to_its_end = true;
+        let mut line = Line::new();
+        while self.next(&mut line)? {
             let (expected, found) = (header.fields.len(), line.fields.len());
             if expected != found {
-                let span = record_span(self.source, line.start);
-                return Err(self.fault(span, TraceFault::FieldCount { expected, found }));
+                return Err(self.fault_in(&line, |source, start| {
+                    let fault = TraceFault::FieldCount { expected, found };
+                    (record_span(source, start), fault)
+                }));
             }
             let now = self.number(&line, time, TIME)?;
-            if let Some(&before) = trace.t_s.last()
+            if let Some(before) = before
                 && now <= before
             {
-                let span = field_span(self.source, line.start, time);
-                return Err(self.fault(span, TraceFault::TimeNotIncreasing { before, now }));
+                return Err(self.fault_in(&line, |source, start| {
+                    let fault = TraceFault::TimeNotIncreasing { before, now };
+                    (field_span(source, start, time), fault)
+                }));
+            }
+            first = first.or(Some(now));
+            if now > part.to {
+                is_read_to_its_end = false;
+                break;
+            }
+            before = Some(now);
+            if now < part.from {
+                continue;
+            }
+            let begin = trace.t_s.first().copied().unwrap_or(now);
+            if now - begin > part.longest {
+                return Err(self.fault_in(&line, |source, start| {
+                    let fault = TraceFault::TooLong {
+                        longest: part.longest,
+                        first: begin,
+                    };
+                    (field_span(source, start, time), fault)
+                }));
             }
             trace.t_s.push(now);
             let place = self.number(&line, position, name)?;
             trace.position_m.push(unit.metres(place));
+            if let Some(force) = force {
+                forces.push(self.number(&line, force, FORCE)?);
+            }
+        }
+        if is_read_to_its_end {
+            // Only the last record can have a quote that nothing closes.
+            let start = skip_to_record(self.source(), self.last);
+            if let Some(at) = open_quote(self.source(), start) {
+                return Err(self.fault((at..at + 1, TraceFault::OpenQuote)));
+            }
         }
         let found = trace.t_s.len();
         if found < 2 {
-            let end = self.source.trim_end().len();
-            return Err(self.fault(end..end, TraceFault::TooFewSamples { found }));
+            let end = self.source().trim_end().len();
+            let fault = match first {
+                Some(first) if (part.from, part.to) != (Part::WHOLE.from, Part::WHOLE.to) => {
+                    TraceFault::TooFewInPart {
+                        from: part.from,
+                        to: part.to,
+                        found,
+                        first,
+                        last: before.filter(|_| is_read_to_its_end),
+                    }
+                }
+                _ => TraceFault::TooFewSamples { found },
+            };
+            return Err(self.fault((end..end, fault)));
         }
-        Ok(trace)
+        Ok(HeldTrace {
+            trace,
+            force_on_device_n: force.map(|_| forces),
+        })
     }
 
-    fn column(&self, header: &Line, name: &'static str) -> Result<usize, TraceError> {
+    fn column(&mut self, header: &Line, name: &'static str) -> Result<usize, TraceError> {
         let mut found = (0..header.fields.len()).filter(|&at| header.fields[at].trim() == name);
         match (found.next(), found.next()) {
             (Some(at), None) => Ok(at),
-            (Some(_), Some(again)) => {
-                let span = field_span(self.source, header.start, again);
-                Err(self.fault(span, TraceFault::DuplicateColumn { name }))
-            }
+            (Some(_), Some(again)) => Err(self.fault_in(header, |source, start| {
+                let fault = TraceFault::DuplicateColumn { name };
+                (field_span(source, start, again), fault)
+            })),
             (None, _) => {
                 let other = if name == TIME { POSITION } else { TIME };
                 let nearest = header
@@ -276,30 +472,33 @@ impl Text<'_> {
                     })
                     .filter(|&(likeness, ..)| likeness >= 0.25)
                     .max_by(|a, b| a.0.total_cmp(&b.0));
-                let span = nearest.map_or_else(
-                    || record_span(self.source, header.start),
-                    |(_, at, _)| field_span(self.source, header.start, at),
-                );
-                let nearest = nearest.map(|(_, _, field)| field.to_owned());
-                Err(self.fault(span, TraceFault::MissingColumn { name, nearest }))
+                Err(self.fault_in(header, |source, start| {
+                    let span = nearest.map_or_else(
+                        || record_span(source, start),
+                        |(_, at, _)| field_span(source, start, at),
+                    );
+                    let nearest = nearest.map(|(_, _, field)| field.to_owned());
+                    (span, TraceFault::MissingColumn { name, nearest })
+                }))
             }
         }
     }
 
-    fn number(&self, line: &Line, at: usize, name: &'static str) -> Result<f64, TraceError> {
+    fn number(&mut self, line: &Line, at: usize, name: &'static str) -> Result<f64, TraceError> {
         let text = line.fields[at].trim();
-        let fault = match text.parse::<f64>() {
-            Ok(value) if value.is_finite() => return Ok(value),
-            Ok(_) => TraceFault::NotFinite {
-                name,
-                text: text.to_owned(),
-            },
-            Err(_) => TraceFault::NotANumber {
-                name,
-                text: text.to_owned(),
-            },
+        let parsed = text.parse::<f64>();
+        if let Ok(value) = parsed
+            && value.is_finite()
+        {
+            return Ok(value);
+        }
+        let text = shortened(text);
+        let fault = match parsed {
+            _ if name == FORCE => TraceFault::NotAForce { text },
+            Ok(_) => TraceFault::NotFinite { name, text },
+            Err(_) => TraceFault::NotANumber { name, text },
         };
-        Err(self.fault(field_span(self.source, line.start, at), fault))
+        Err(self.fault_in(line, |source, start| (field_span(source, start, at), fault)))
     }
 }
 
@@ -318,6 +517,16 @@ fn position_column(header: &Line, unit: Option<LengthUnit>) -> (&'static str, Le
         })
 }
 
+/// A field as an error repeats it: its first line, and not too much of that.
+fn shortened(text: &str) -> String {
+    let line = text.lines().next().unwrap_or_default();
+    let mut short: String = line.chars().take(LONGEST_FIELD).collect();
+    if short.len() < text.len() {
+        short.push('…');
+    }
+    short
+}
+
 /// Moves on from `start` over comments and empty lines to the record itself.
 fn skip_to_record(source: &str, mut start: usize) -> usize {
     while let Some(&byte) = source.as_bytes().get(start) {
@@ -332,230 +541,4 @@ fn skip_to_record(source: &str, mut start: usize) -> usize {
         }
     }
     start
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn parse(text: &str) -> Result<Trace, TraceError> {
-        read(text.as_bytes(), "hand.csv")
-    }
-
-    fn message(text: &str) -> String {
-        parse(text).unwrap_err().to_string()
-    }
-
-    #[test]
-    fn the_two_columns_are_read_in_any_order_beside_others() {
-        let trace = parse("note,position_m,t_s\na,0.5,0\nb,-1e-3,0.001\n").unwrap();
-        assert_eq!(trace.t_s, [0.0, 0.001]);
-        assert_eq!(trace.position_m, [0.5, -1e-3]);
-    }
-
-    #[test]
-    fn positions_come_in_the_unit_of_their_column_or_in_the_one_that_is_said() {
-        let in_unit = |text: &str, unit| read_in(text.as_bytes(), "hand.csv", unit);
-        let millimetres = Some(LengthUnit::Millimetre);
-        for (header, unit) in [
-            ("position_mm", None),
-            ("position_mm", millimetres),
-            ("position_m", millimetres),
-        ] {
-            let trace = in_unit(&format!("t_s,{header}\n0,12\n1,-3\n"), unit).unwrap();
-            assert_eq!(trace.position_m, [0.012, -0.003], "{header}");
-        }
-        let both = "t_s,position_mm,position_m\n0,12,5\n1,-3,6\n";
-        assert_eq!(in_unit(both, None).unwrap().position_m, [5.0, 6.0]);
-        assert_eq!(in_unit(both, millimetres).unwrap().position_m[0], 0.012);
-        let error = in_unit("t_s,position_cm\n0,12\n1,-3\n", millimetres).unwrap_err();
-        assert!(
-            error.to_string().contains("no column `position_m`"),
-            "{error}"
-        );
-    }
-
-    #[test]
-    fn comments_blank_lines_crlf_and_a_byte_order_mark_are_accepted() {
-        let text = "\u{feff}# device 3\r\n\r\n t_s , position_m \r\n0,1\r\n# pause\r\n\r\n1, 2\r\n";
-        let trace = parse(text).unwrap();
-        assert_eq!(trace.t_s, [0.0, 1.0]);
-        assert_eq!(trace.position_m, [1.0, 2.0]);
-    }
-
-    #[test]
-    fn a_missing_last_line_end_is_no_fault() {
-        assert_eq!(parse("t_s,position_m\n0,1\n1,2").unwrap().t_s.len(), 2);
-    }
-
-    #[test]
-    fn quoted_fields_are_read() {
-        let trace = parse("t_s,note,position_m\n\"0\",\"a,b\",\"1\"\n1,,2\n").unwrap();
-        assert_eq!(trace.position_m, [1.0, 2.0]);
-    }
-
-    #[test]
-    fn a_missing_column_names_the_nearest() {
-        assert_eq!(
-            message("# x\nposition_m,time_s\n0,1\n"),
-            "hand.csv:2:12: the header has no column `t_s`, the nearest is `time_s`; needed are \
-             `t_s` [s] and `position_m` [m], separated by commas, in any order"
-        );
-        assert_eq!(
-            message("t_s,posiiton_m\n0,1\n"),
-            "hand.csv:1:5: the header has no column `position_m`, the nearest is `posiiton_m`; \
-             needed are `t_s` [s] and `position_m` [m], separated by commas, in any order"
-        );
-    }
-
-    #[test]
-    fn a_header_that_is_nothing_like_it_is_marked_whole() {
-        let error = parse("0,1\n2,3\n").unwrap_err();
-        let place = error.place().unwrap();
-        assert_eq!(&place.text()[place.span()], "0,1");
-        assert_eq!(
-            error.to_string(),
-            "hand.csv:1:1: the header has no column `t_s`; needed are `t_s` [s] and `position_m` \
-             [m], separated by commas, in any order"
-        );
-    }
-
-    #[test]
-    fn a_column_that_stands_twice_is_refused() {
-        assert_eq!(
-            message("t_s,position_m,t_s\n0,1,0\n"),
-            "hand.csv:1:16: the header names the column `t_s` twice; one is needed"
-        );
-    }
-
-    #[test]
-    fn a_word_is_not_a_number() {
-        let error = parse("# one\n\nt_s,position_m\n0,1\n\n# two\n0.5, fast\n").unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "hand.csv:7:6: `fast` in column `position_m` is not a number; allowed are decimals \
-             such as 0.001 or 1e-3"
-        );
-        let place = error.place().unwrap();
-        assert_eq!(&place.text()[place.span()], "fast");
-    }
-
-    #[test]
-    fn an_empty_field_is_not_a_number() {
-        assert_eq!(
-            message("t_s,position_m\n0,\n"),
-            "hand.csv:2:3: `` in column `position_m` is not a number; allowed are decimals such \
-             as 0.001 or 1e-3"
-        );
-    }
-
-    #[test]
-    fn nan_and_infinity_are_refused() {
-        for text in ["NaN", "inf", "-inf", "1e999"] {
-            assert_eq!(
-                message(&format!("t_s,position_m\n0,{text}\n")),
-                format!(
-                    "hand.csv:2:3: `{text}` in column `position_m` is not finite; every sample \
-                     needs a finite value"
-                )
-            );
-        }
-    }
-
-    #[test]
-    fn time_must_increase() {
-        assert_eq!(
-            message("t_s,position_m\n0,1\n0.002,1\n0.002,1\n"),
-            "hand.csv:4:1: the time 0.002 s does not come after 0.002 s; times must increase from \
-             line to line"
-        );
-        assert_eq!(
-            message("t_s,position_m\r\n0.5,1\r\n0.25,1\r\n"),
-            "hand.csv:3:1: the time 0.25 s does not come after 0.5 s; times must increase from \
-             line to line"
-        );
-    }
-
-    #[test]
-    fn fewer_than_two_samples_are_no_trace() {
-        assert_eq!(
-            message("t_s,position_m\n"),
-            "hand.csv:1:15: a trace needs at least 2 samples, this one has 0"
-        );
-        assert_eq!(
-            message("t_s,position_m\n0,1\n"),
-            "hand.csv:2:4: a trace needs at least 2 samples, this one has 1"
-        );
-    }
-
-    #[test]
-    fn each_line_has_one_field_per_column() {
-        let error = parse("t_s,position_m\n0,1\n0,5,1\n").unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "hand.csv:3:1: the line has 3 fields, the header 2; each line has one field per column"
-        );
-        let place = error.place().unwrap();
-        assert_eq!(&place.text()[place.span()], "0,5,1");
-    }
-
-    #[test]
-    fn an_empty_file_is_no_trace() {
-        for text in ["", "\n\n", "# nothing\n", "\u{feff}"] {
-            let error = message(text);
-            assert!(
-                error.ends_with(
-                    "the file is empty; a trace begins with a header that names `t_s` and \
-                     `position_m`"
-                ),
-                "{error}"
-            );
-        }
-        assert!(message("").starts_with("hand.csv:1:1: "));
-    }
-
-    #[test]
-    fn other_encodings_are_named_by_their_byte() {
-        let error = read(&b"t_s,position_m\n0,1 \xb5m\n"[..], "hand.csv").unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "hand.csv:2:5: the byte 0xB5 is not UTF-8; save the trace as UTF-8 text"
-        );
-        assert_eq!(error.place().unwrap().span().start, 19);
-        let utf16 = read(&b"\xff\xfet\0_\0s\0"[..], "hand.csv").unwrap_err();
-        assert_eq!(
-            utf16.to_string(),
-            "hand.csv:1:1: the byte 0xFF is not UTF-8; save the trace as UTF-8 text"
-        );
-    }
-
-    #[test]
-    fn a_reader_that_fails_is_reported_by_name() {
-        struct Broken;
-        impl Read for Broken {
-            fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
-                Err(io::Error::other("the cable came off"))
-            }
-        }
-        let error = read(Broken, "hand.csv").unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "hand.csv: cannot be read: the cable came off"
-        );
-        assert!(error.place().is_none());
-    }
-
-    proptest::proptest! {
-        #[test]
-        fn no_bytes_make_the_reader_panic(bytes: Vec<u8>) {
-            let _ = read(&bytes[..], "any");
-        }
-
-        #[test]
-        fn no_text_of_csv_characters_makes_the_reader_panic(
-            tail in "[t_s,position_m0-9.\"#\r\n µ;-]{0,80}",
-        ) {
-            let _ = parse(&format!("t_s,position_m\n{tail}"));
-        }
-    }
 }

@@ -1,9 +1,11 @@
 //! Command-line arguments. The flags of contact, method and device are the same on every command.
 
+mod files;
 mod flags;
 mod offline;
 mod replay;
 
+pub use files::{Overwriting, PartFlags};
 pub use flags::{Flags, TimingFlags};
 pub use offline::{
     CompareArguments, Compared, CompletionArguments, CurveArguments, DemoArguments,

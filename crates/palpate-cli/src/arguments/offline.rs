@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueHint};
 use palpate_io::unit::LengthUnit;
 
-use super::{Flags, ReplayFlags, TimingFlags};
+use super::{Flags, Overwriting, PartFlags, ReplayFlags, TimingFlags};
 use crate::values::{Methods, length_unit, methods, number};
 
 /// Arguments of `render`.
@@ -24,6 +24,9 @@ pub struct RenderArguments {
     /// Motion or hand.
     #[command(flatten)]
     pub replay: ReplayFlags,
+    /// Which part of the trace.
+    #[command(flatten, next_help_heading = "Trace")]
+    pub part: PartFlags,
     /// Where results go.
     #[command(flatten)]
     pub results: Results,
@@ -58,6 +61,9 @@ pub struct CompareArguments {
     /// Write the table to a CSV file
     #[arg(long, value_name = "TABLE.csv", value_hint = ValueHint::FilePath)]
     pub out: Option<PathBuf>,
+    /// Files that are there already.
+    #[command(flatten)]
+    pub overwriting: Overwriting,
     /// Print the table as JSON
     #[arg(long)]
     pub json: bool,
@@ -81,6 +87,9 @@ pub struct TuneArguments {
     /// Draw the curve into a file, .svg (or .png where built with the feature png)
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Results")]
     pub plot: Option<PathBuf>,
+    /// Files that are there already.
+    #[command(flatten)]
+    pub overwriting: Overwriting,
     /// Print the report, with the whole curve, as JSON
     #[arg(long, help_heading = "Results")]
     pub json: bool,
@@ -136,6 +145,9 @@ pub struct SuiteArguments {
     /// Draw the distribution of the error into a file, .svg (or .png where built with the feature png)
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Results")]
     pub plot: Option<PathBuf>,
+    /// Files that are there already.
+    #[command(flatten)]
+    pub overwriting: Overwriting,
     /// Print the report as JSON
     #[arg(long, help_heading = "Results")]
     pub json: bool,
@@ -180,6 +192,9 @@ pub struct FigureArguments {
     /// File to draw into, .svg (or .png where built with the feature png) [default: its name with .svg]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub plot: Option<PathBuf>,
+    /// Files that are there already.
+    #[command(flatten)]
+    pub overwriting: Overwriting,
     /// Print the report as JSON
     #[arg(long)]
     pub json: bool,
@@ -199,9 +214,13 @@ pub enum FigureName {
 /// Arguments of `demo`.
 #[derive(Args, Debug)]
 pub struct DemoArguments {
-    /// Folder for the figures and the hand trace; made if it is missing
+    /// Folder for the figures and the hand trace; made if it is missing. Files there that an earlier
+    /// demo made are replaced, others are kept
     #[arg(long, value_name = "DIR", default_value = "palpate-demo", value_hint = ValueHint::DirPath)]
     pub out_dir: PathBuf,
+    /// Files that are there already.
+    #[command(flatten)]
+    pub overwriting: Overwriting,
     /// Print the report as JSON
     #[arg(long)]
     pub json: bool,
@@ -225,6 +244,9 @@ pub struct Results {
     /// Draw the run into a file, .svg (or .png where built with the feature png)
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub plot: Option<PathBuf>,
+    /// Files that are there already.
+    #[command(flatten)]
+    pub overwriting: Overwriting,
     /// Print the report as JSON
     #[arg(long)]
     pub json: bool,

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use palpate_io::outputs::Outputs;
 use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_sim::method::MethodName;
 use palpate_sim::scene::SetupError;
@@ -19,8 +20,12 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
         Some(methods) => methods.0.clone(),
         None => MethodName::ALL.to_vec(),
     };
+    let mut outputs = arguments.overwriting.outputs();
+    for scene in &arguments.scenes {
+        outputs.protect(scene);
+    }
     if let Some(out) = &arguments.out {
-        check_out(out, &arguments.scenes)?;
+        outputs.plan("--out", out)?;
     }
     // Every file is read before any work is done.
     let files = arguments
@@ -57,7 +62,7 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     drop(progress);
     let mut comparison = Comparison::of(scenes);
     if let Some(out) = &arguments.out {
-        write(out, &comparison)?;
+        write(&outputs, out, &comparison)?;
         comparison.wrote(out);
     }
     print(&if arguments.json {
@@ -74,28 +79,13 @@ fn cannot(error: &SetupError) -> String {
     }
 }
 
-/// Refuses a table that would take the place of a scene.
-fn check_out(out: &Path, scenes: &[std::path::PathBuf]) -> Result<(), Failure> {
-    let taken = out.canonicalize().ok();
-    for scene in scenes {
-        if taken.is_some() && scene.canonicalize().ok() == taken {
-            return Err(Failure::Arguments(format!(
-                "--out would overwrite the scene {}",
-                scene.display()
-            )));
-        }
-    }
-    Ok(())
-}
-
-fn write(out: &Path, comparison: &Comparison) -> Result<(), Failure> {
-    palpate_io::atomic::write(out, |writer| {
+fn write(outputs: &Outputs, out: &Path, comparison: &Comparison) -> Result<(), Failure> {
+    Ok(outputs.write(out, |writer| {
         let mut csv = csv::Writer::from_writer(writer);
         csv.write_record(COLUMNS)?;
         for row in comparison.rows() {
             csv.write_record(row)?;
         }
         csv.flush()
-    })
-    .map_err(|error| Failure::System(error.to_string()))
+    })?)
 }

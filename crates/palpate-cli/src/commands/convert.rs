@@ -6,11 +6,12 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum, ValueHint};
 use palpate_io::recording::Recording;
 
+use crate::arguments::Overwriting;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::recorded::{open, whole_or_said};
 use crate::report::counted;
-use crate::results::print;
+use crate::results::{STANDARD_OUTPUT, print};
 
 /// Arguments of `convert`.
 #[derive(Args, Debug)]
@@ -25,6 +26,9 @@ pub struct ConvertArguments {
     /// [default: that of the recording, with .csv or .parquet]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub out: Option<PathBuf>,
+    /// Files that are there already.
+    #[command(flatten)]
+    pub overwriting: Overwriting,
 }
 
 /// Kinds of tables.
@@ -49,13 +53,10 @@ pub fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
         .out
         .clone()
         .unwrap_or_else(|| beside(path, arguments.to));
-    if let (Ok(out), Ok(path)) = (out.canonicalize(), path.canonicalize())
-        && out == path
-    {
-        return Err(Failure::Arguments(format!(
-            "--out would overwrite the recording {}",
-            path.display()
-        )));
+    let mut outputs = arguments.overwriting.outputs();
+    outputs.protect(path);
+    if out != Path::new(STANDARD_OUTPUT) {
+        outputs.plan("--out", &out)?;
     }
     let progress = Progress::new(1);
     progress.begin(&format!("reading {}", path.display()));
@@ -69,8 +70,13 @@ pub fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
             path.display()
         )));
     }
+    let events =
+        (recording.events > 0 && out != Path::new(STANDARD_OUTPUT)).then(|| events_beside(&out));
+    if let Some(events) = &events {
+        outputs.plan("the table of events", events)?;
+    }
     let mut wrote = String::new();
-    if out == Path::new("-") {
+    if out == Path::new(STANDARD_OUTPUT) {
         drop(progress);
         let mut output = BufWriter::new(io::stdout().lock());
         let written = write(&recording, arguments.to, &mut output).and_then(|()| output.flush());
@@ -89,15 +95,14 @@ pub fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
         }
     } else {
         progress.begin(&format!("writing {}", out.display()));
-        file(&out, |writer| write(&recording, arguments.to, writer))?;
+        outputs.write(&out, |writer| write(&recording, arguments.to, writer))?;
         wrote += &format!(
             "wrote {}: {}\n",
             out.display(),
             counted(recording.ticks, "tick")
         );
-        if recording.events > 0 {
-            let events = events_beside(&out);
-            file(&events, |writer| recording.write_events_csv(writer))?;
+        if let Some(events) = &events {
+            outputs.write(events, |writer| recording.write_events_csv(writer))?;
             let count = counted(recording.events, "event");
             wrote += &format!("wrote {}: {count}\n", events.display());
         }
@@ -105,10 +110,6 @@ pub fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
     }
     print(&wrote)?;
     whole_or_said(&recording)
-}
-
-fn file(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
-    palpate_io::atomic::write(path, write).map_err(|error| Failure::System(error.to_string()))
 }
 
 fn write(recording: &Recording, to: Format, out: &mut dyn Write) -> io::Result<()> {

@@ -16,7 +16,7 @@ use crate::figure::{Figure, Sheet};
 use crate::plots;
 use crate::progress::Progress;
 use crate::report::{Report, lines, number, percent, plain_table};
-use crate::results::{check_picture, draw, print};
+use crate::results::{draw, plan_picture, print};
 
 /// The scenes of the figures, as in `experiments/`.
 const FIG2: &str = include_str!("../../../../experiments/fig2.toml");
@@ -50,7 +50,8 @@ pub fn run(arguments: &FigureArguments) -> Result<(), Failure> {
         .plot
         .clone()
         .unwrap_or_else(|| PathBuf::from(name));
-    check_picture(&path)?;
+    let mut outputs = arguments.overwriting.outputs();
+    plan_picture(&mut outputs, "--plot", &path)?;
     let progress = Progress::new(1);
     progress.begin(name);
     let (mut report, figure, comparison) = match arguments.figure {
@@ -61,7 +62,7 @@ pub fn run(arguments: &FigureArguments) -> Result<(), Failure> {
         FigureName::Fig5 => experiment(FIG5, &MEASURED_2)?,
     };
     drop(progress);
-    draw(&path, &figure)?;
+    draw(&outputs, &path, &figure)?;
     report.wrote(&path);
     print(&if arguments.json {
         report.json() + "\n"

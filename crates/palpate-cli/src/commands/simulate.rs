@@ -27,7 +27,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     let mut scene = file.scene.clone();
     flags.change(&mut scene, &methods)?;
     arguments.timing.change(&mut scene);
-    arguments.results.check(&arguments.scene)?;
+    let outputs = arguments.results.check(&arguments.scene)?;
     let failure = |method, error| explain((flags, &arguments.timing), &file, method, error);
     let progress = Progress::new(methods.len());
     progress.begin("ideal");
@@ -44,7 +44,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     receipt.push(("scene".into(), arguments.scene.display().to_string()));
     let report = Report::new(&subject, bench.reference(), &runs);
     deliver(
-        &arguments.results,
+        (&arguments.results, &outputs),
         report,
         &receipt,
         &runs,

@@ -14,7 +14,7 @@ use crate::failure::Failure;
 use crate::figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 use crate::progress::Progress;
 use crate::report::{digits, lines, number, percent, plain_table};
-use crate::results::{check_picture, draw, print};
+use crate::results::{draw, plan_picture, print};
 use crate::setup::flag_of_setting;
 
 /// Tries every value of the curve at every start height.
@@ -38,8 +38,10 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
             flag_of_setting(setting)
         )));
     }
+    let mut outputs = arguments.overwriting.outputs();
+    outputs.protect(&arguments.scene);
     if let Some(path) = &arguments.plot {
-        check_picture(path)?;
+        plan_picture(&mut outputs, "--plot", path)?;
     }
     let mut scene = file.scene.clone();
     flags.change(&mut scene, &methods)?;
@@ -62,7 +64,7 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
 
     let mut report = Report::new(&scene, method, setting, arguments.curve.least, points);
     if let Some(path) = &arguments.plot {
-        draw(path, &report.figure())?;
+        draw(&outputs, path, &report.figure())?;
         report.files.push(path.display().to_string());
     }
     print(&if arguments.json {

@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum, ValueHint};
 use palpate_io::unit::LengthUnit;
 
 use super::inverse3::Inverse3Arguments;
+use crate::arguments::PartFlags;
 use crate::failure::Failure;
 use crate::values::{BoardName, Place, StartPose, length_unit, place, start_pose};
 
@@ -25,6 +26,9 @@ pub struct DeviceArguments {
     /// long or too fast for a hand is right [default: that of the column's name]
     #[arg(long, value_name = "UNIT", value_parser = length_unit)]
     pub unit: Option<LengthUnit>,
+    /// Which part of the motion.
+    #[command(flatten)]
+    pub part: PartFlags,
     /// Serial port of the device `haply-2diy` [default: the one that looks like one]
     #[arg(long, value_name = "PATH", value_hint = ValueHint::FilePath)]
     pub port: Option<PathBuf>,
@@ -88,6 +92,11 @@ impl DeviceArguments {
         if self.unit.is_some() && self.motion.is_none() {
             return Err(Failure::Arguments(
                 "--unit is the unit of the trace of --motion".into(),
+            ));
+        }
+        if self.part.is_given() && self.motion.is_none() {
+            return Err(Failure::Arguments(
+                "--from and --to name a part of the --motion of --device replay".into(),
             ));
         }
         let of_the_2diy = [

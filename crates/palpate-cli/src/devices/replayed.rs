@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use palpate_io::trace::Part;
 use palpate_io::unit::LengthUnit;
 use palpate_rt::clock::Clock;
 use palpate_rt::device::{Device, ReplayDevice};
@@ -18,7 +19,8 @@ pub fn open<C: Clock>(arguments: &DeviceArguments, clock: &C) -> Result<Box<dyn 
     let path = arguments.motion.as_ref().ok_or_else(|| {
         Failure::Arguments("--device replay needs --motion TRACE.csv or REC.mcap".into())
     })?;
-    let (times, positions) = motion(path, arguments.unit)?;
+    let part = arguments.part.part(f64::INFINITY)?;
+    let (times, positions) = motion(path, &part, arguments.unit)?;
     let first = times.first().copied().unwrap_or(0.0);
     let samples = times
         .iter()
@@ -31,7 +33,11 @@ pub fn open<C: Clock>(arguments: &DeviceArguments, clock: &C) -> Result<Box<dyn 
 }
 
 /// Times `[s]` and positions `[m]` of a trace, or of a recording where the device was seen.
-fn motion(path: &Path, unit: Option<LengthUnit>) -> Result<(Vec<f64>, Vec<f64>), Failure> {
+fn motion(
+    path: &Path,
+    part: &Part,
+    unit: Option<LengthUnit>,
+) -> Result<(Vec<f64>, Vec<f64>), Failure> {
     if path
         .extension()
         .is_some_and(|extension| extension == "mcap")
@@ -41,9 +47,9 @@ fn motion(path: &Path, unit: Option<LengthUnit>) -> Result<(Vec<f64>, Vec<f64>),
                 "--unit is the unit of a trace; a recording has metres".into(),
             ));
         }
-        let curves = Ticks::of(&open_recording(path)?)?.curves;
+        let curves = Ticks::of(&open_recording(path)?, part)?.curves;
         return Ok((curves.time, curves.device_position));
     }
-    let (trace, _) = read_trace(path, &path.display().to_string(), unit)?;
+    let trace = read_trace(path, &path.display().to_string(), part, unit)?.trace;
     Ok((trace.t_s, trace.position_m))
 }

@@ -7,7 +7,7 @@ use csv::StringRecord;
 use thiserror::Error;
 
 use super::{MARK, VERSION, receipt};
-use crate::place::{Place, field_span, first_byte, record_span};
+use crate::place::{Place, field_span, first_byte, open_quote, record_span};
 
 /// Why a run file could not be read.
 #[derive(Debug, Error)]
@@ -77,6 +77,9 @@ pub enum RunFault {
         /// Fields of the line.
         found: usize,
     },
+    /// A quoted field has no end.
+    #[error("the quote that opens here is not closed before the end of the file")]
+    OpenQuote,
     /// The first row has no receipt.
     #[error("the first row has no receipt; it is lost where rows are cut off or sorted")]
     NoReceipt,
@@ -174,6 +177,9 @@ impl Run {
             return fail(at..at, RunFault::NotARun);
         };
         let header_start = skip_line_ends(&source, at + first_byte(&header));
+        if let Some(at) = open_quote(&source, header_start) {
+            return fail(at..at + 1, RunFault::OpenQuote);
+        }
         let mut columns: Vec<String> = header.iter().map(|name| name.trim().to_owned()).collect();
         let last = columns.len() - 1;
         let version = columns[last].strip_prefix(MARK).unwrap_or_default();
@@ -198,6 +204,9 @@ impl Run {
         let mut rows = Vec::new();
         for fields in records {
             let start = skip_line_ends(&source, at + first_byte(&fields));
+            if let Some(at) = open_quote(&source, start) {
+                return fail(at..at + 1, RunFault::OpenQuote);
+            }
             let (expected, found) = (header.len(), fields.len());
             if expected != found {
                 let span = record_span(&source, start);
@@ -319,6 +328,14 @@ mod tests {
 
     fn message(text: &str) -> String {
         parse(text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_quote_that_nothing_closes_is_shown_where_it_opens() {
+        assert_eq!(
+            message("x,palpate_run_1\n1,\"{}\"\n\"2,\n3,\n"),
+            "run.csv:3:1: the quote that opens here is not closed before the end of the file"
+        );
     }
 
     #[test]

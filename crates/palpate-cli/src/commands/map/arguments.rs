@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum, ValueHint};
 
+use crate::arguments::Overwriting;
 use crate::values::{Methods, methods, number, samples};
 
 /// Arguments of `map`.
@@ -97,7 +98,8 @@ pub struct WorkArguments {
     /// Compute only part I of N; the parts are joined by `map merge`
     #[arg(long, value_name = "I/N", value_parser = shard)]
     pub shard: Option<Shard>,
-    /// Go on with what an interrupted run has left, if it has left anything
+    /// Go on with what an interrupted run has left, if it has left anything; a map that is complete
+    /// is reported, and nothing is overwritten
     #[arg(long)]
     pub resume: bool,
     /// Threads [default: all cores]
@@ -109,7 +111,8 @@ pub struct WorkArguments {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Results")]
 pub struct MapResults {
-    /// The map, or the part [default: map.csv, or map-I-of-N.csv]
+    /// The map, or the part [default: map.csv, or map-I-of-N.csv; none where `merge` draws one whole
+    /// map again]
     #[arg(long, value_name = "MAP.csv", value_hint = ValueHint::FilePath)]
     pub out: Option<PathBuf>,
     /// The figure of a whole map, .svg (or .png where built with the feature png) [default: the
@@ -122,6 +125,9 @@ pub struct MapResults {
     /// The map as Parquet, too, where built with the feature parquet
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub parquet: Option<PathBuf>,
+    /// Files that are there already.
+    #[command(flatten)]
+    pub overwriting: Overwriting,
     /// Print the report as JSON
     #[arg(long)]
     pub json: bool,

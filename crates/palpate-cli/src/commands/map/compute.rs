@@ -6,13 +6,15 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+use palpate_io::atomic::{Existing, check};
 use palpate_io::journal::{Journal, JournalError};
 use palpate_io::map::{Map, Row};
 use palpate_sim::map::{Done, MapParams, compute};
 
 use super::arguments::{Shard, WorkArguments};
+use super::files::Files;
 use super::receipt;
-use crate::failure::Failure;
+use crate::failure::{Failure, tell};
 use crate::progress::Progress;
 
 /// Set when the user wants the program to end.
@@ -29,30 +31,70 @@ pub struct Speed {
     pub threads: usize,
 }
 
+/// A map, or a part.
+pub struct Computed {
+    /// What was asked for.
+    pub map: Map,
+    /// How fast it came; none of one that was there.
+    pub speed: Option<Speed>,
+    /// Keeps others from the map's files. It is removed when the last of them is written.
+    pub journal: Option<Journal>,
+}
+
 /// Computes a map, or a part, into the file at `out`.
 ///
-/// A journal beside it keeps what is done; it is removed when the file is complete.
+/// A journal beside it keeps what is done.
 pub fn run(
     params: &MapParams,
     shard: Shard,
     work: &WorkArguments,
     out: &Path,
-) -> Result<(Map, Option<Speed>), Failure> {
+    files: &Files,
+) -> Result<Computed, Failure> {
     let receipt = receipt::of(params, shard);
     let head = receipt::line(&receipt);
     let journal_path = journal_of(out);
     let mut done = BTreeMap::new();
+    // Nothing is looked at before nobody else can change it.
     let found = Journal::open(&journal_path).map_err(unusable)?;
-    let mut journal = match found {
-        Some(found) if work.resume => {
-            if found.head != head {
-                return Err(Failure::input(format!(
-                    "{} is of another map; give the arguments it was begun with, or delete it\n  \
-                     begun: {}\n  now:   {head}",
-                    journal_path.display(),
-                    found.head
-                )));
-            }
+    if let Some(why) = &found.unlocked {
+        tell(format_args!(
+            "warning: {} cannot be locked ({why}); see to it that no other map is computed into it",
+            journal_path.display()
+        ));
+    }
+    let mut journal = found.journal;
+    if work.resume
+        && let Some(map) = complete(out, &receipt, files.overwrites())?
+    {
+        let is_of_another = found.head.is_some_and(|begun| begun != head);
+        return Ok(Computed {
+            map,
+            speed: None,
+            journal: Some(journal).filter(|_| !is_of_another),
+        });
+    }
+    if !work.resume && !files.overwrites() {
+        // It may have come since it was looked for.
+        check(out, Existing::Keep)?;
+    }
+    match found.head {
+        None => journal.begin(&head).map_err(unusable)?,
+        Some(_) if !work.resume => {
+            return Err(Failure::input(format!(
+                "{} keeps {} cells of a map that was interrupted; go on with --resume, or delete it",
+                journal_path.display(),
+                found.lines.len()
+            )));
+        }
+        Some(begun) if begun != head => {
+            return Err(Failure::input(format!(
+                "{} is of another map; give the arguments it was begun with, or delete it\n  \
+                 begun: {begun}\n  now:   {head}",
+                journal_path.display()
+            )));
+        }
+        Some(_) => {
             for line in &found.lines {
                 let rows = rows_of(line).map_err(|fault| {
                     Failure::input(format!("{}: {fault}", journal_path.display()))
@@ -61,24 +103,8 @@ pub fn run(
                     done.insert(first.cell, rows);
                 }
             }
-            found.journal
         }
-        Some(found) => {
-            return Err(Failure::input(format!(
-                "{} keeps {} cells of a map that was interrupted; go on with --resume, or delete it",
-                journal_path.display(),
-                found.lines.len()
-            )));
-        }
-        None => {
-            if work.resume
-                && let Some(map) = complete(out, &receipt)?
-            {
-                return Ok((map, None));
-            }
-            Journal::create(&journal_path, &head).map_err(unusable)?
-        }
-    };
+    }
 
     let cells: Vec<usize> = params
         .shard(shard.number, shard.of)
@@ -127,30 +153,44 @@ pub fn run(
         receipt,
         rows: done.into_values().flatten().collect(),
     };
-    palpate_io::atomic::write(out, |writer| map.write(writer))
-        .map_err(|error| Failure::System(format!("{error}\n{keeps}")))?;
-    journal.remove().map_err(unusable)?;
+    files
+        .write_map(&map)
+        .map_err(|error| Failure::System(format!("{}\n{keeps}", error.message())))?;
     let speed = Speed {
         ticks,
         seconds,
         threads,
     };
-    Ok((map, Some(speed)))
+    Ok(Computed {
+        map,
+        speed: Some(speed),
+        journal: Some(journal),
+    })
 }
 
 /// The map that is already at `out`, if it is this one.
-fn complete(out: &Path, receipt: &[(String, String)]) -> Result<Option<Map>, Failure> {
+///
+/// # Errors
+/// It is something else, and is not to be overwritten.
+fn complete(
+    out: &Path,
+    receipt: &[(String, String)],
+    may_overwrite: bool,
+) -> Result<Option<Map>, Failure> {
     let Ok(file) = std::fs::File::open(out) else {
         return Ok(None);
     };
-    let map = Map::read(file, &out.display().to_string()).map_err(Failure::input)?;
-    if map.receipt == receipt {
-        Ok(Some(map))
-    } else {
-        Err(Failure::input(format!(
-            "{} is another map, and complete; name another file with --out",
+    match Map::read(file, &out.display().to_string()) {
+        Ok(map) if map.receipt == receipt => Ok(Some(map)),
+        _ if may_overwrite => Ok(None),
+        Ok(_) => Err(Failure::input(format!(
+            "{} is another map, and complete; name another file with --out, or replace it with \
+             --overwrite",
             out.display()
-        )))
+        ))),
+        Err(error) => Err(Failure::input(format!(
+            "{error}; name another file with --out, or replace it with --overwrite"
+        ))),
     }
 }
 
@@ -160,9 +200,14 @@ fn journal_of(out: &Path) -> PathBuf {
     name.into()
 }
 
-fn unusable(error: JournalError) -> Failure {
+/// Why a journal cannot be used, and what to do.
+pub fn unusable(error: JournalError) -> Failure {
     match error {
         JournalError::Write(error) => Failure::System(error.to_string()),
+        JournalError::Held { .. } => Failure::System(format!(
+            "{error}, which computes this map; wait for it, or end it and go on with --resume, or name \
+             another file with --out"
+        )),
         JournalError::Damaged { .. } => Failure::input(error),
     }
 }

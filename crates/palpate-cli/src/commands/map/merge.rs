@@ -7,12 +7,26 @@ use palpate_io::map::{Map, merge};
 
 use super::arguments::MergeArguments;
 use super::deliver;
+use super::files::Files;
 use crate::failure::Failure;
 
 /// Joins parts into a whole map.
 pub fn run(arguments: &MergeArguments) -> Result<(), Failure> {
     let results = &arguments.results;
-    results.check()?;
+    let mut files = Files::new(results)?;
+    files.protect(&arguments.parts);
+    // One file is a whole map or an error; it is not copied unasked.
+    let beside = match (&results.out, &arguments.parts[..]) {
+        (None, [whole]) => whole.clone(),
+        (out, _) => {
+            let out = out.clone().unwrap_or_else(|| PathBuf::from("map.csv"));
+            files.join(&out)?;
+            out
+        }
+    };
+    let plot = results.plot.clone();
+    let plot = plot.unwrap_or_else(|| beside.with_extension("svg"));
+    files.show(results, Some(plot), false)?;
     let mut parts = Vec::new();
     for path in &arguments.parts {
         let name = path.display().to_string();
@@ -22,11 +36,6 @@ pub fn run(arguments: &MergeArguments) -> Result<(), Failure> {
         parts.push((name, part));
     }
     let map = merge(parts).map_err(Failure::input)?;
-    let out = results
-        .out
-        .clone()
-        .unwrap_or_else(|| PathBuf::from("map.csv"));
-    palpate_io::atomic::write(&out, |writer| map.write(writer))
-        .map_err(|error| Failure::System(error.to_string()))?;
-    deliver(results, &map, &out, None, true)
+    files.write_map(&map)?;
+    deliver(results, &map, &files, None)
 }

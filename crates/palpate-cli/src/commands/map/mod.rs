@@ -2,6 +2,7 @@
 
 mod arguments;
 mod compute;
+mod files;
 mod merge;
 mod picture;
 mod receipt;
@@ -9,16 +10,17 @@ mod report;
 
 pub use arguments::MapArguments;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use palpate_io::map::Map;
 use palpate_sim::map::{Forces, MapParams};
 use palpate_sim::method::MethodName;
 
 use crate::failure::Failure;
-use crate::results::{check_picture, draw, print};
+use crate::results::print;
 use arguments::{ForcesName, MapAction, MapResults, SceneArguments, Shard};
-use compute::Speed;
+use compute::{Speed, unusable};
+use files::Files;
 use report::Report;
 
 /// The whole of a map.
@@ -36,7 +38,6 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
             "--plot: a part of a map cannot be drawn; join all parts with map merge".into(),
         ));
     }
-    results.check()?;
     let params = params(&arguments.scene)?;
     let out = results.out.clone().unwrap_or_else(|| {
         PathBuf::from(if shard.of == 1 {
@@ -45,64 +46,31 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
             format!("map-{}-of-{}.csv", shard.number, shard.of)
         })
     });
-    let (map, speed) = compute::run(&params, shard, &arguments.work, &out)?;
-    deliver(results, &map, &out, speed, shard.of == 1)
+    let plot = results.plot.clone();
+    let plot = (shard.of == 1).then(|| plot.unwrap_or_else(|| out.with_extension("svg")));
+    let mut files = Files::new(results)?;
+    files.compute(&out, arguments.work.resume)?;
+    files.show(results, plot, arguments.work.resume)?;
+    let done = compute::run(&params, shard, &arguments.work, &out, &files)?;
+    deliver(results, &done.map, &files, done.speed)?;
+    done.journal
+        .map_or(Ok(()), |journal| journal.remove().map_err(unusable))
 }
 
 /// Draws a whole map, and reports.
 fn deliver(
     results: &MapResults,
     map: &Map,
-    out: &Path,
+    files: &Files,
     speed: Option<Speed>,
-    whole: bool,
 ) -> Result<(), Failure> {
     let mut report = Report::new(map, speed)?;
-    report.wrote(out);
-    if let Some(path) = &results.parquet {
-        write_parquet(map, path)?;
-        report.wrote(path);
-    }
-    if whole {
-        let path = results
-            .plot
-            .clone()
-            .unwrap_or_else(|| out.with_extension("svg"));
-        draw(&path, &picture::figure(map, &results.show)?)?;
-        report.wrote(&path);
-    }
+    files.deliver(map, results, speed.is_none(), &mut report)?;
     print(&if results.json {
         report.json() + "\n"
     } else {
         report.to_string()
     })
-}
-
-impl MapResults {
-    /// Refuses, before any work is done, files that cannot be.
-    fn check(&self) -> Result<(), Failure> {
-        if let Some(plot) = &self.plot {
-            check_picture(plot)?;
-        }
-        if self.parquet.is_some() && cfg!(not(feature = "parquet")) {
-            return Err(Failure::Arguments(
-                "--parquet: this build writes CSV only; for Parquet build with --features parquet"
-                    .into(),
-            ));
-        }
-        Ok(())
-    }
-}
-
-#[cfg(feature = "parquet")]
-fn write_parquet(map: &Map, path: &Path) -> Result<(), Failure> {
-    palpate_io::atomic::write(path, |writer| palpate_io::map::write_parquet(map, writer))
-        .map_err(|error| Failure::System(error.to_string()))
-}
-
-#[cfg(not(feature = "parquet"))]
-fn write_parquet(_: &Map, _: &Path) -> Result<(), Failure> {
-    unreachable!("refused by check")
 }
 
 fn params(scene: &SceneArguments) -> Result<MapParams, Failure> {

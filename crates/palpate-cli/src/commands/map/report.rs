@@ -29,6 +29,9 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     work: Option<Work>,
     files: Vec<String>,
+    /// Files that were there, and were left as they are.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    kept: Vec<String>,
 }
 
 #[derive(Debug, Serialize)]
@@ -122,12 +125,18 @@ impl Report {
                     / (speed.seconds * speed.threads as f64),
             }),
             files: Vec::new(),
+            kept: Vec::new(),
         })
     }
 
     /// Adds a file that was written.
     pub fn wrote(&mut self, path: &Path) {
         self.files.push(path.display().to_string());
+    }
+
+    /// Adds a file that was there and was left as it is.
+    pub fn kept(&mut self, path: &Path) {
+        self.kept.push(path.display().to_string());
     }
 
     /// The report as JSON.
@@ -258,6 +267,9 @@ impl fmt::Display for Report {
         }
         for file in &self.files {
             writeln!(f, "wrote {file}")?;
+        }
+        for file in &self.kept {
+            writeln!(f, "kept {file}, which was there")?;
         }
         Ok(())
     }

@@ -1,18 +1,16 @@
 //! `palpate render`: a recording, rendered: its motion as it was, or its hand under the new force.
 
-mod held_force;
-
 use std::fs::File;
-use std::io::{self, Read};
+use std::io;
 use std::path::Path;
 
-use palpate_io::trace::{self, Trace, TraceError};
+use palpate_io::trace::{self, HeldTrace, Part, Trace, TraceError, TraceFault};
 use palpate_io::unit::LengthUnit;
 use palpate_sim::closed_loop::LoopError;
 use palpate_sim::hand_replay::Recording as OfAHand;
 use palpate_sim::method::{MethodName, Settings};
 use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
-use palpate_sim::run::Run;
+use palpate_sim::run::{MOST_PERIODS, Run};
 use palpate_sim::scene::Timing;
 
 use super::hand_replay::{Recorded, ReplayRuns, close_loop};
@@ -21,12 +19,15 @@ use crate::failure::{Failure, tell};
 use crate::inside;
 use crate::plots;
 use crate::progress::Progress;
-use crate::report::{Replayed, Report, Subject};
+use crate::report::{Replayed, Report, Subject, digits};
 use crate::results::deliver;
 use crate::setup::{check_contact, receipt, wrong_on_bench, wrong_setup};
 
 /// Name that stands for standard input.
 const STANDARD_INPUT: &str = "-";
+
+/// Where so many periods as fit are less than this `[s]`, the period is wrong, not the trace.
+const SHORTEST_FIT: f64 = 1.0;
 
 /// Renders a recorded motion by the methods that were named.
 pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
@@ -34,12 +35,19 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let methods = flags.methods(MethodName::default());
     flags.check_settings(&methods)?;
     let setup = flags.replay_setup("render")?;
+    check_contact(&setup)?;
     arguments.replay.check()?;
-    arguments.results.check(&arguments.trace)?;
+    let outputs = arguments.results.check(&arguments.trace)?;
+    let period = setup.loop_params.period;
+    // One more, so that it is refused only where it cannot fit.
+    let part = arguments.part.part((MOST_PERIODS + 1) as f64 * period)?;
     let progress = Progress::new(methods.len());
     let name = name(&arguments.trace);
     progress.begin(&format!("reading {name}"));
-    let (trace, text) = read_trace(&arguments.trace, &name, arguments.unit)?;
+    let HeldTrace {
+        trace,
+        force_on_device_n: forces,
+    } = read_trace(&arguments.trace, &name, &part, arguments.unit)?;
     if let Some(inside) = inside::at_start(&setup, trace.position_m[0], arguments.unit.is_some()) {
         tell(format_args!("warning: {inside}"));
     }
@@ -51,7 +59,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     } = match arguments.replay.replay {
         ReplayKind::Motion => {
             let (replay, runs) = render(setup, &trace, &methods, &settings, &progress)
-                .map_err(|error| in_trace(&name, error))?;
+                .map_err(|error| in_trace(&name, period, error))?;
             ReplayRuns {
                 reference: replay.reference().clone(),
                 runs,
@@ -59,7 +67,6 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
             }
         }
         ReplayKind::Hand => {
-            let forces = held_force::read(&name, &text)?;
             let device_mass = setup.device_mass.ok_or_else(|| {
                 Failure::Arguments(
                     "--replay hand needs --device-mass <kg>, finite and above 0: what the recorded hand \
@@ -67,7 +74,6 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
                         .into(),
                 )
             })?;
-            check_contact(&setup)?;
             let recorded = Recorded {
                 name: &name,
                 recording: OfAHand {
@@ -100,10 +106,12 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let mut report = Report::new(&subject, &reference, &runs);
     let mut receipt = receipt(&subject, setup.object, setup.virtual_force, &runs);
     receipt.push(("trace".into(), name));
+    let part = arguments.part.receipt();
+    receipt.extend(part.map(|(key, value)| (format!("trace_{key}"), value)));
     receipt.extend(replayed.receipt());
     report.replayed(replayed.clone());
     deliver(
-        &arguments.results,
+        (&arguments.results, &outputs),
         report,
         &receipt,
         &runs,
@@ -141,13 +149,24 @@ fn name(path: &Path) -> String {
 }
 
 /// A fault of a replay of the trace called `name`, or of the flags that set it up.
-fn in_trace(name: &str, error: ReplayError) -> Failure {
+fn in_trace(name: &str, period: f64, error: ReplayError) -> Failure {
     match error {
+        ReplayError::TooLong(periods) => Failure::input(format!(
+            "{name}: the recording has {periods} periods of {period} s; {}",
+            how_to_cut()
+        )),
         ReplayError::Setup(error) => wrong_setup(&error),
         ReplayError::Bench(error) => wrong_on_bench(&error),
         // The reader has checked the recording, so what is left is its length.
         other => Failure::input(format!("{name}: {other}")),
     }
+}
+
+/// What to do with a recording that has too many periods.
+pub fn how_to_cut() -> String {
+    format!(
+        "at most {MOST_PERIODS} fit, so take a part of it with --from and --to [s], or a longer --period"
+    )
 }
 
 /// A closed loop that cannot be made from the trace called `name`, or from flags.
@@ -159,25 +178,44 @@ fn in_loop(name: &str, error: LoopError) -> Failure {
     }
 }
 
-/// The trace at `path`, its positions in `unit` if one is said, and its text.
+/// A part of the trace at `path`, its positions in `unit` if one is said, with the force that was held,
+/// where it says so.
 pub fn read_trace(
     path: &Path,
     name: &str,
+    part: &Part,
     unit: Option<LengthUnit>,
-) -> Result<(Trace, String), Failure> {
-    let mut bytes = Vec::new();
-    if path == Path::new(STANDARD_INPUT) {
-        io::stdin().lock().read_to_end(&mut bytes)
+) -> Result<HeldTrace, Failure> {
+    let read = if path == Path::new(STANDARD_INPUT) {
+        trace::read_part(io::stdin().lock(), name, part, unit)
     } else {
-        File::open(path).and_then(|mut file| file.read_to_end(&mut bytes))
-    }
-    .map_err(|error| Failure::System(format!("{name}: {error}")))?;
-    let trace = trace::read_in(bytes.as_slice(), name, unit).map_err(|error| match &error {
+        let file = File::open(path).map_err(|error| Failure::System(format!("{name}: {error}")))?;
+        trace::read_part(file, name, part, unit)
+    };
+    let held = read.map_err(|error| match &error {
         TraceError::Unreadable { .. } => Failure::System(error.to_string()),
+        // The last line that was read is not what is wrong.
+        TraceError::Invalid {
+            fault: TraceFault::TooLong { longest, first },
+            ..
+        } => {
+            let fits = longest * MOST_PERIODS as f64 / (MOST_PERIODS + 1) as f64;
+            let message = format!(
+                "{name}: the trace goes on for more than {MOST_PERIODS} periods ({} s) after its first \
+                 sample at {first} s; {}",
+                digits(fits),
+                how_to_cut()
+            );
+            if fits < SHORTEST_FIT {
+                Failure::Arguments(format!("--period is too short: {message}"))
+            } else {
+                Failure::input(message)
+            }
+        }
         TraceError::Invalid { place, .. } => {
             Failure::input_at(&error, place.file(), place.text(), place.span())
         }
     })?;
-    inside::check_trace(name, &trace, unit)?;
-    Ok((trace, String::from_utf8_lossy(&bytes).into_owned()))
+    inside::check_trace(name, &held.trace, unit)?;
+    Ok(held)
 }

@@ -16,8 +16,9 @@ use palpate_sim::scene::{Scene, SceneFile, SetupError, Timing};
 
 use self::ticks::Ticks;
 use super::hand_replay::{Recorded, ReplayRuns, close_loop};
+use super::render::how_to_cut;
 use super::simulate::in_file;
-use crate::arguments::{Flags, ReplayFlags, ReplayKind, Results};
+use crate::arguments::{Flags, PartFlags, ReplayFlags, ReplayKind, Results};
 use crate::failure::Failure;
 use crate::plots;
 use crate::progress::Progress;
@@ -41,6 +42,9 @@ pub struct ReplayArguments {
     /// Motion or hand.
     #[command(flatten)]
     pub replay: ReplayFlags,
+    /// Which part of the recording.
+    #[command(flatten, next_help_heading = "Recording")]
+    pub part: PartFlags,
     /// Where results go.
     #[command(flatten)]
     pub results: Results,
@@ -50,7 +54,8 @@ pub struct ReplayArguments {
 pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
     let flags = &arguments.flags;
     arguments.replay.check()?;
-    arguments.results.check(&arguments.recording)?;
+    let outputs = arguments.results.check(&arguments.recording)?;
+    let part = arguments.part.part(f64::INFINITY)?;
     let name = arguments.recording.display().to_string();
     let recording = open(&arguments.recording)?;
     let file = scene(&recording, &name)?;
@@ -60,7 +65,7 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
     flags.change(&mut scene, &methods)?;
     let progress = Progress::new(methods.len());
     progress.begin(&format!("reading {name}"));
-    let mut ticks = Ticks::of(&recording)?;
+    let mut ticks = Ticks::of(&recording, &part)?;
     let mut setup = ReplaySetup::of_scene(&scene);
     // A flag of its position or velocity puts it elsewhere.
     if !flags.gives("object position") && !flags.gives("object velocity") {
@@ -75,6 +80,10 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
         ReplayError::Setup(setup) if flags.damping.is_some() => wrong_setup(&setup),
         ReplayError::Setup(setup) => in_file(file.locate(method, &setup)),
         ReplayError::Bench(error) => wrong_on_bench(&error),
+        ReplayError::TooLong(periods) => Failure::input(format_args!(
+            "{name}: the recording has {periods} periods; {}",
+            how_to_cut()
+        )),
         other => Failure::input(format_args!("{name}: {other}")),
     };
     let ReplayRuns {
@@ -139,10 +148,12 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
     let mut receipt = receipt(&subject, setup.object, setup.virtual_force, &runs);
     receipt.extend(replayed.receipt());
     receipt.push(("recording".into(), name.clone()));
+    let taken = arguments.part.receipt();
+    receipt.extend(taken.map(|(key, value)| (format!("recording_{key}"), value)));
     receipt.push(("ticks_lost".into(), recording.lost().to_string()));
     report.replayed(replayed.clone());
     deliver(
-        &arguments.results,
+        (&arguments.results, &outputs),
         report,
         &receipt,
         &runs,

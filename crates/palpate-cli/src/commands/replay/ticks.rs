@@ -1,6 +1,7 @@
 //! What a replay takes from the ticks of a recording.
 
 use palpate_io::recording::{Entry, Flags, Recording, Tick};
+use palpate_io::trace::Part;
 use palpate_sim::replay::ReplaySetup;
 
 use crate::arguments::ReplayKind;
@@ -22,13 +23,33 @@ pub struct Ticks {
 }
 
 impl Ticks {
-    /// All ticks that there are.
-    pub fn of(recording: &Recording) -> Result<Self, Failure> {
+    /// The ticks that there are in a part of a recording.
+    ///
+    /// # Errors
+    /// What cannot be read; fewer than two ticks in a part that is not the whole.
+    pub fn of(recording: &Recording, part: &Part) -> Result<Self, Failure> {
         let mut ticks = Self::default();
         for entry in recording.entries().map_err(Failure::input)? {
             if let Entry::Tick(tick) = entry.map_err(Failure::input)? {
-                ticks.add(tick);
+                if tick.time > part.to {
+                    break;
+                }
+                if tick.time >= part.from {
+                    ticks.add(tick);
+                }
             }
+        }
+        if ticks.all.len() < 2 && *part != Part::WHOLE {
+            let ends = recording.first.zip(recording.last);
+            return Err(Failure::input(format_args!(
+                "{}: the part that --from and --to name has {}, but needs at least 2{}",
+                recording.path().display(),
+                crate::report::counted(ticks.all.len() as u64, "tick"),
+                ends.map_or_else(String::new, |(first, last)| format!(
+                    "; the times of the recording begin at {} s and end at {} s",
+                    first.time, last.time
+                ))
+            )));
         }
         Ok(ticks)
     }

@@ -5,6 +5,7 @@ mod table;
 
 use std::path::{Path, PathBuf};
 
+use palpate_io::outputs::Outputs;
 use palpate_sim::method::MethodName;
 use palpate_sim::suite::{self, Column, Judged};
 
@@ -13,21 +14,14 @@ use crate::failure::Failure;
 use crate::figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 use crate::plots;
 use crate::progress::Progress;
-use crate::results::{check_picture, draw, print};
+use crate::results::{draw, plan_picture, print};
 use report::Report;
 
 /// Draws the plants, judges every column on them, and writes what was asked for.
 pub fn run(arguments: &SuiteArguments) -> Result<(), Failure> {
-    if let Some(path) = &arguments.plot {
-        check_picture(path)?;
-    }
-    if arguments.out.is_some() && arguments.out == arguments.plot {
-        return Err(Failure::Arguments(
-            "--out and --plot name the same file; the figure would overwrite the rows".into(),
-        ));
-    }
-    let columns = arguments.compared.columns()?;
     let plants = arguments.plants as usize;
+    let outputs = outputs(arguments, plants)?;
+    let columns = arguments.compared.columns()?;
     let progress = Progress::new(plants);
     progress.begin("plants");
     let judged = suite::run(arguments.seed, plants, &columns, || progress.advance())
@@ -36,17 +30,16 @@ pub fn run(arguments: &SuiteArguments) -> Result<(), Failure> {
 
     let mut report = Report::new(arguments.seed, &columns, &judged);
     if let Some(folder) = &arguments.write_scenes {
-        report.wrote(&write_scenes(folder, &judged)?);
+        report.wrote(&write_scenes(&outputs, folder, &judged)?);
     }
     if let Some(path) = &arguments.out {
-        palpate_io::atomic::write(path, |writer| {
+        outputs.write(path, |writer| {
             table::write(writer, arguments.seed, &columns, &judged).map_err(std::io::Error::from)
-        })
-        .map_err(|error| Failure::System(error.to_string()))?;
+        })?;
         report.wrote(path);
     }
     if let Some(path) = &arguments.plot {
-        draw(path, &figure(arguments.seed, &columns, &judged))?;
+        draw(&outputs, path, &figure(arguments.seed, &columns, &judged))?;
         report.wrote(path);
     }
     print(&if arguments.json {
@@ -71,15 +64,38 @@ impl Compared {
     }
 }
 
+/// The files that are asked for, with the folder of the scenes made.
+fn outputs(arguments: &SuiteArguments, plants: usize) -> Result<Outputs, Failure> {
+    let mut outputs = arguments.overwriting.outputs();
+    if let Some(columns) = &arguments.compared.columns {
+        outputs.protect(columns);
+    }
+    if let Some(path) = &arguments.out {
+        outputs.plan("--out", path)?;
+    }
+    if let Some(path) = &arguments.plot {
+        plan_picture(&mut outputs, "--plot", path)?;
+    }
+    if let Some(folder) = &arguments.write_scenes {
+        std::fs::create_dir_all(folder)
+            .map_err(|error| Failure::System(format!("{}: {error}", folder.display())))?;
+        for index in 0..plants {
+            outputs.plan("--write-scenes", &scene_file(folder, index))?;
+        }
+    }
+    Ok(outputs)
+}
+
+fn scene_file(folder: &Path, index: usize) -> PathBuf {
+    folder.join(format!("plant-{index:04}.toml"))
+}
+
 /// Writes each plant into a file of its own in `folder`; their common name.
-fn write_scenes(folder: &Path, judged: &[Judged]) -> Result<PathBuf, Failure> {
-    std::fs::create_dir_all(folder)
-        .map_err(|error| Failure::System(format!("{}: {error}", folder.display())))?;
+fn write_scenes(outputs: &Outputs, folder: &Path, judged: &[Judged]) -> Result<PathBuf, Failure> {
     for one in judged {
-        let path = folder.join(format!("plant-{:04}.toml", one.plant.index));
+        let path = scene_file(folder, one.plant.index);
         let text = one.plant.scene.to_toml().map_err(Failure::input)?;
-        palpate_io::atomic::write(&path, |writer| writer.write_all(text.as_bytes()))
-            .map_err(|error| Failure::System(error.to_string()))?;
+        outputs.write(&path, |writer| writer.write_all(text.as_bytes()))?;
     }
     Ok(folder.join("plant-*.toml"))
 }

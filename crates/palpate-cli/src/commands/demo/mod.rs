@@ -1,9 +1,12 @@
 //! `palpate demo`: the whole story without any input.
 
+mod made;
+
 use std::fmt::Write;
 use std::path::Path;
 
 use palpate::{Contact, LoopParams, ObjectState};
+use palpate_io::trace::Trace;
 use palpate_sim::method::{MethodName, Settings};
 use palpate_sim::replay::ReplaySetup;
 use palpate_sim::scene::Timing;
@@ -12,30 +15,31 @@ use super::figure::fig2;
 use super::render::render;
 use crate::arguments::DemoArguments;
 use crate::failure::Failure;
+use crate::figure::svg;
 use crate::hand;
 use crate::plots;
 use crate::progress::Progress;
 use crate::report::{Report, Subject};
-use crate::results::{draw, print};
+use crate::results::print;
+use made::Made;
+
+const SCENE_PLOT: &str = "fig2.svg";
+const HAND: &str = "hand.csv";
+const HAND_PLOT: &str = "hand.svg";
 
 /// Simulates the paper's scene and renders a synthetic hand, with a figure of each.
 pub fn run(arguments: &DemoArguments) -> Result<(), Failure> {
     let folder = &arguments.out_dir;
-    std::fs::create_dir_all(folder).map_err(|error| {
-        Failure::System(format!(
-            "cannot make the folder `{}`: {error}",
-            folder.display()
-        ))
-    })?;
+    let made = Made::plan(
+        folder,
+        &[SCENE_PLOT, HAND, HAND_PLOT],
+        arguments.overwriting.outputs(),
+    )?;
 
     let (mut scene_report, scene_figure) = fig2(&[(MethodName::Coupled, "coupled rendering")])?;
-    let scene_plot = folder.join("fig2.svg");
-    draw(&scene_plot, &scene_figure)?;
-    scene_report.wrote(&scene_plot);
+    scene_report.wrote(&made.path(SCENE_PLOT));
 
     let trace = hand::taps();
-    let hand_file = folder.join("hand.csv");
-    write_trace(&hand_file, &trace)?;
     let setup = ReplaySetup {
         contact: Contact::object(200.0, 0.5),
         loop_params: LoopParams::new(0.01),
@@ -67,13 +71,14 @@ pub fn run(arguments: &DemoArguments) -> Result<(), Failure> {
         timing: Timing::default(),
     };
     let mut hand_report = Report::new(&subject, replay.reference(), &runs);
-    let hand_plot = folder.join("hand.svg");
-    draw(
-        &hand_plot,
-        &plots::overlay(title, replay.reference(), &runs),
-    )?;
-    hand_report.wrote(&hand_file);
-    hand_report.wrote(&hand_plot);
+    hand_report.wrote(&made.path(HAND));
+    hand_report.wrote(&made.path(HAND_PLOT));
+    let hand_figure = plots::overlay(title, replay.reference(), &runs);
+    made.write(&[
+        (SCENE_PLOT, svg(&scene_figure).into_bytes()),
+        (HAND, trace_text(&trace).into_bytes()),
+        (HAND_PLOT, svg(&hand_figure).into_bytes()),
+    ])?;
 
     if arguments.json {
         let both = serde_json::json!({
@@ -112,18 +117,17 @@ Where to go next (until palpate is installed: cargo run --release -- in its plac
     --out run.csv --plot run.svg                   your own recording instead of hand.csv
   palpate simulate experiments/experiment2.toml --method all     a scene; copy it, change it
   palpate pipe --help                              any program as the device, live
+
+The next demo replaces the files above, but none that was changed since.
 "
     );
     text
 }
 
-fn write_trace(path: &Path, trace: &palpate_io::trace::Trace) -> Result<(), Failure> {
-    palpate_io::atomic::write(path, |writer| {
-        writeln!(writer, "t_s,position_m")?;
-        for (t, x) in trace.t_s.iter().zip(&trace.position_m) {
-            writeln!(writer, "{t:.4},{x:.6}")?;
-        }
-        Ok(())
-    })
-    .map_err(|error| Failure::System(error.to_string()))
+fn trace_text(trace: &Trace) -> String {
+    let mut text = String::from("t_s,position_m\n");
+    for (t, x) in trace.t_s.iter().zip(&trace.position_m) {
+        let _ = writeln!(text, "{t:.4},{x:.6}");
+    }
+    text
 }

@@ -1,0 +1,107 @@
+//! Which files of a folder a demonstration has made, so that the next one may replace these and no
+//! others.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use palpate_io::atomic::Existing;
+use palpate_io::checksum::Checksum;
+use palpate_io::outputs::Outputs;
+
+use crate::failure::Failure;
+
+/// The list in the folder: a checksum and a name on each line.
+const LIST: &str = "made-by-palpate-demo.txt";
+const HEAD: &str = "# Files that palpate demo made here. It replaces them when it runs again, unless \
+                    they were changed since.";
+
+/// The files that are going to be made in a folder.
+pub struct Made {
+    folder: PathBuf,
+    outputs: Outputs,
+    /// The lines of the list.
+    known: BTreeSet<String>,
+}
+
+impl Made {
+    /// Plans the files of the names `names` in `folder`, which is made if it is missing.
+    ///
+    /// # Errors
+    /// One of them is there and was not made by a demonstration as it is; the system.
+    pub fn plan(folder: &Path, names: &[&str], outputs: Outputs) -> Result<Self, Failure> {
+        std::fs::create_dir_all(folder).map_err(|error| {
+            Failure::System(format!(
+                "cannot make the folder `{}`: {error}",
+                folder.display()
+            ))
+        })?;
+        let list = std::fs::read_to_string(folder.join(LIST)).unwrap_or_default();
+        let mut made = Self {
+            folder: folder.to_owned(),
+            outputs,
+            known: list.lines().map(str::to_owned).collect(),
+        };
+        for name in names {
+            let path = made.path(name);
+            let ours =
+                std::fs::read(&path).is_ok_and(|bytes| made.known.contains(&line(name, &bytes)));
+            if !ours
+                && made.outputs.existing() == Existing::Keep
+                && path.symlink_metadata().is_ok_and(|there| !there.is_dir())
+            {
+                return Err(Failure::System(format!(
+                    "cannot write `{}`: there is a file of that name, which palpate demo has not made, \
+                     or not as it is; name another folder with --out-dir, or replace it with \
+                     --overwrite",
+                    path.display()
+                )));
+            }
+            made.outputs
+                .plan_over("--out-dir", &path, Existing::Replace)?;
+        }
+        made.outputs
+            .plan_over("--out-dir", &made.path(LIST), Existing::Replace)?;
+        Ok(made)
+    }
+
+    /// Path of a file of that name.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
+    }
+
+    /// Writes the files, which were all planned.
+    ///
+    /// # Errors
+    /// The system.
+    pub fn write(mut self, files: &[(&str, Vec<u8>)]) -> Result<(), Failure> {
+        let lines: BTreeSet<String> = files
+            .iter()
+            .map(|(name, bytes)| line(name, bytes))
+            .collect();
+        // Whatever ends the program, what it has replaced by then is known to be its own.
+        self.known.extend(lines.iter().cloned());
+        self.write_list()?;
+        for (name, bytes) in files {
+            self.outputs
+                .write(&self.path(name), |writer| writer.write_all(bytes))?;
+        }
+        self.known = lines;
+        self.write_list()
+    }
+
+    fn write_list(&self) -> Result<(), Failure> {
+        Ok(self.outputs.write(&self.path(LIST), |writer| {
+            writeln!(writer, "{HEAD}")?;
+            self.known
+                .iter()
+                .filter(|line| !line.starts_with('#'))
+                .try_for_each(|line| writeln!(writer, "{line}"))
+        })?)
+    }
+}
+
+fn line(name: &str, bytes: &[u8]) -> String {
+    let mut checksum = Checksum::new();
+    checksum.add(bytes);
+    format!("{}  {name}", checksum.text())
+}

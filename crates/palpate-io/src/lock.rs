@@ -1,0 +1,164 @@
+//! One program at a time on a file, and who it is.
+//!
+//! The lock is the system's: it goes with the program that holds it, however that ends.
+
+use std::fmt;
+use std::fs::File;
+use std::io;
+
+/// What came of asking for a lock.
+#[derive(Debug)]
+pub(crate) enum Locked {
+    /// It is held until the file is closed.
+    Held,
+    /// Another open file holds it.
+    ByAnother,
+    /// There are no locks here.
+    Unsupported(io::Error),
+}
+
+/// The program that has a file to itself.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Holder {
+    /// Its process number.
+    pub process: u32,
+    /// The machine it runs on.
+    pub machine: String,
+}
+
+impl Holder {
+    /// This program.
+    pub(crate) fn this() -> Self {
+        Self {
+            process: std::process::id(),
+            machine: machine(),
+        }
+    }
+
+    /// Whether it may still run: nobody knows of a process on another machine.
+    pub(crate) fn may_run(&self) -> bool {
+        self.machine != machine() || is_running(self.process)
+    }
+
+    /// Reads what [`Display`](fmt::Display) writes.
+    pub(crate) fn parse(text: &str) -> Option<Self> {
+        let (process, machine) = text.strip_prefix("process ")?.split_once(" on ")?;
+        Some(Self {
+            process: process.parse().ok()?,
+            machine: machine.to_owned(),
+        })
+    }
+}
+
+impl fmt::Display for Holder {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "process {} on {}", self.process, self.machine)
+    }
+}
+
+/// Asks for the lock of an open file, without waiting.
+#[cfg(unix)]
+pub(crate) fn try_lock(file: &File) -> io::Result<Locked> {
+    use rustix::fs::{FlockOperation, flock};
+    use rustix::io::Errno;
+    loop {
+        return match flock(file, FlockOperation::NonBlockingLockExclusive) {
+            Ok(()) => Ok(Locked::Held),
+            Err(Errno::INTR) => continue,
+            Err(Errno::WOULDBLOCK) => Ok(Locked::ByAnother),
+            // Some network file systems.
+            Err(error @ (Errno::NOLCK | Errno::NOSYS | Errno::OPNOTSUPP)) => {
+                Ok(Locked::Unsupported(error.into()))
+            }
+            Err(error) => Err(error.into()),
+        };
+    }
+}
+
+#[cfg(not(unix))]
+pub(crate) fn try_lock(_: &File) -> io::Result<Locked> {
+    Ok(Locked::Unsupported(io::ErrorKind::Unsupported.into()))
+}
+
+/// Whether the file of that name is still the one that was opened.
+#[cfg(unix)]
+pub(crate) fn is_at(file: &File, path: &std::path::Path) -> io::Result<bool> {
+    use std::os::unix::fs::MetadataExt;
+    let opened = file.metadata()?;
+    match std::fs::metadata(path) {
+        Ok(there) => Ok((there.dev(), there.ino()) == (opened.dev(), opened.ino())),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
+        Err(error) => Err(error),
+    }
+}
+
+#[cfg(not(unix))]
+pub(crate) fn is_at(_: &File, _: &std::path::Path) -> io::Result<bool> {
+    Ok(true)
+}
+
+#[cfg(unix)]
+fn machine() -> String {
+    rustix::system::uname()
+        .nodename()
+        .to_string_lossy()
+        .into_owned()
+}
+
+#[cfg(not(unix))]
+fn machine() -> String {
+    "this machine".to_owned()
+}
+
+#[cfg(unix)]
+fn is_running(process: u32) -> bool {
+    use rustix::io::Errno;
+    use rustix::process::{Pid, test_kill_process};
+    let id = i32::try_from(process).ok().and_then(Pid::from_raw);
+    id.is_some_and(|id| !matches!(test_kill_process(id), Err(Errno::SRCH)))
+}
+
+#[cfg(not(unix))]
+fn is_running(_: u32) -> bool {
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_holder_is_read_as_it_is_written() {
+        let this = Holder::this();
+        assert_eq!(Holder::parse(&this.to_string()), Some(this.clone()));
+        assert!(this.may_run());
+        for text in ["", "process", "process x on y", "process 1"] {
+            assert_eq!(Holder::parse(text), None, "{text}");
+        }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_in_place_of_one_that_was_removed_is_another() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("map.journal");
+        let first = File::create(&path).unwrap();
+        assert!(is_at(&first, &path).unwrap());
+        std::fs::remove_file(&path).unwrap();
+        assert!(!is_at(&first, &path).unwrap());
+        File::create(&path).unwrap();
+        assert!(!is_at(&first, &path).unwrap());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_process_that_has_ended_does_not_run() {
+        let mut child = std::process::Command::new("true").spawn().unwrap();
+        let ended = Holder {
+            process: child.id(),
+            ..Holder::this()
+        };
+        child.wait().unwrap();
+        assert!(!ended.may_run());
+    }
+}

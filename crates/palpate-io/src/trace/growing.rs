@@ -1,0 +1,131 @@
+//! Text that is read only as far as it is needed, and kept for errors to point at.
+
+use std::io::{self, Read};
+
+const MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// A reader that keeps what it has passed on. A byte order mark at the beginning is kept, but not
+/// passed on.
+pub(super) struct Growing<R> {
+    reader: R,
+    kept: Vec<u8>,
+    /// How much of it has been passed on.
+    passed: usize,
+    /// How much of it is known to be UTF-8.
+    valid: usize,
+    begun: bool,
+    ended: bool,
+    fault: Option<Unread>,
+}
+
+/// Why there is no more.
+pub(super) enum Unread {
+    /// The system says so.
+    Io(io::Error),
+    /// The byte that is not UTF-8.
+    NotUtf8(u8),
+}
+
+impl<R: Read> Growing<R> {
+    pub fn new(reader: R) -> Self {
+        Self {
+            reader,
+            kept: Vec::new(),
+            passed: 0,
+            valid: 0,
+            begun: false,
+            ended: false,
+            fault: None,
+        }
+    }
+
+    /// Length of the byte order mark at the beginning.
+    pub fn mark(&self) -> usize {
+        if self.kept.starts_with(MARK) {
+            MARK.len()
+        } else {
+            0
+        }
+    }
+
+    /// What has been read.
+    pub fn text(&self) -> &str {
+        std::str::from_utf8(&self.kept[..self.valid]).unwrap_or_default()
+    }
+
+    /// Why there is no more, if that is not its end.
+    pub fn take_fault(&mut self) -> Option<Unread> {
+        self.fault.take()
+    }
+
+    /// Reads on until the line after the one at `from` has ended, for the context of an error.
+    pub fn read_past(&mut self, from: usize) {
+        let feeds = |kept: &[u8]| {
+            let rest = kept.get(from..).unwrap_or_default();
+            rest.iter().filter(|byte| **byte == b'\n').count()
+        };
+        while feeds(&self.kept) < 2 && self.more() {}
+    }
+
+    /// Reads what the reader gives at once; whether that was anything that can be used.
+    fn more(&mut self) -> bool {
+        if self.ended {
+            return false;
+        }
+        let before = self.kept.len();
+        self.kept.resize(before + (1 << 16), 0);
+        let read = loop {
+            match self.reader.read(&mut self.kept[before..]) {
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                read => break read,
+            }
+        };
+        self.kept.truncate(before + *read.as_ref().unwrap_or(&0));
+        match read {
+            Ok(0) => {
+                self.ended = true;
+                // A character that was cut off.
+                if let Some(byte) = self.kept.get(self.valid) {
+                    self.fault = Some(Unread::NotUtf8(*byte));
+                }
+            }
+            Ok(_) => {
+                if let Err(error) = std::str::from_utf8(&self.kept[self.valid..]) {
+                    self.valid += error.valid_up_to();
+                    if error.error_len().is_some() {
+                        self.ended = true;
+                        self.fault = Some(Unread::NotUtf8(self.kept[self.valid]));
+                    }
+                } else {
+                    self.valid = self.kept.len();
+                }
+            }
+            Err(error) => {
+                self.ended = true;
+                self.fault = Some(Unread::Io(error));
+            }
+        }
+        !self.ended
+    }
+}
+
+impl<R: Read> Read for Growing<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        while !self.begun {
+            let whole = self.kept.len() >= MARK.len() || !MARK.starts_with(&self.kept);
+            if whole || !self.more() {
+                self.begun = true;
+                self.passed = self.mark();
+            }
+        }
+        while self.passed >= self.valid && self.more() {}
+        if self.fault.is_some() {
+            return Err(io::Error::other("not text"));
+        }
+        let rest = &self.kept[self.passed..self.valid];
+        let length = rest.len().min(buffer.len());
+        buffer[..length].copy_from_slice(&rest[..length]);
+        self.passed += length;
+        Ok(length)
+    }
+}
