@@ -1,6 +1,7 @@
 //! A guardian at work: what it sends, when, and how it ends.
 
 #![cfg(unix)]
+#![allow(clippy::print_stdout)] // tests show what they measured
 #![allow(
     clippy::disallowed_methods,
     clippy::disallowed_types,

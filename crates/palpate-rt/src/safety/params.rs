@@ -31,7 +31,7 @@ pub struct SafetyParams {
     /// force, in periods. It looks twice a period, so a limit of 1.5 acts within 2.
     pub stall_after_periods: f64,
     /// By how much a tick may be late in any case before that `[s]`: the wake-ups of an ordinary
-    /// machine are late by up to 2 ms, however short the period is.
+    /// machine are late by up to 3 ms, however short the period is.
     pub tolerated_lateness: f64,
 }
 
@@ -47,7 +47,7 @@ impl Default for SafetyParams {
             soft_start: 0.2,
             oscillation: OscillationParams::default(),
             stall_after_periods: 1.5,
-            tolerated_lateness: 2e-3,
+            tolerated_lateness: 3e-3,
         }
     }
 }
@@ -174,9 +174,9 @@ mod tests {
             (limit.as_secs_f64() * 1e6).round()
         };
         let usual = SafetyParams::default();
-        assert_eq!(stall_after(usual, 0.00025), 2250.0);
-        assert_eq!(stall_after(usual, 0.001), 3000.0);
-        assert_eq!(stall_after(usual, 0.004), 6000.0);
+        assert_eq!(stall_after(usual, 0.00025), 3250.0);
+        assert_eq!(stall_after(usual, 0.001), 4000.0);
+        assert_eq!(stall_after(usual, 0.004), 7000.0);
         assert_eq!(stall_after(usual, 0.01), 15_000.0);
         let asked = SafetyParams {
             stall_after_periods: 2.0,
