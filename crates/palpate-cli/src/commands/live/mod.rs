@@ -17,8 +17,9 @@ use palpate_sim::scene::{Scene, SceneFile, Timing};
 pub use arguments::LiveArguments;
 use device::{Named, most_lanes};
 
-use super::run::{Report, limits, receipt, request, scene_text};
+use super::run::{Report, guarding, limits, receipt, request, scene_text};
 use crate::devices::DeviceName;
+use crate::devices::guarding::GuardianReport;
 use crate::failure::{Failure, tell};
 use crate::recorded::{open as open_recording, whole_or_said};
 use crate::results::print;
@@ -37,7 +38,8 @@ pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
     let listening = listen(arguments)?;
     let spin = duration("--spin", arguments.realtime.spin)?;
     let clock = MonotonicClock::new().with_spin(spin);
-    let devices = Named::new(&arguments.device, &scene, &clock)?;
+    let guarding = guarding(&arguments.safety, &scene)?;
+    let devices = Named::new(&arguments.device, &scene, &clock, &guarding)?;
     let lasts = (arguments.duration < f64::INFINITY)
         .then(|| duration("--duration", arguments.duration))
         .transpose()?;
@@ -90,7 +92,8 @@ pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
     let may_end = arguments.device.device == DeviceName::Replay;
     let mut ended = Ok(());
     for lane in end.lanes {
-        add(&mut ended, report(lane, may_end));
+        let guardian = guarding.report(&arguments.device, &lane.capabilities);
+        add(&mut ended, report(lane, guardian, may_end));
     }
     for Written { path, ticks } in end.recordings {
         add(
@@ -197,7 +200,7 @@ fn folder(record: Option<&Path>) -> PathBuf {
 }
 
 /// Says how a lane went.
-fn report(lane: LaneEnd, may_end: bool) -> Result<(), Failure> {
+fn report(lane: LaneEnd, guardian: Option<GuardianReport>, may_end: bool) -> Result<(), Failure> {
     let (recording, unwritten) = match lane.recording {
         Some(Written { path, ticks: Ok(_) }) => (Some(open_recording(&path)?), None),
         Some(Written {
@@ -213,7 +216,8 @@ fn report(lane: LaneEnd, may_end: bool) -> Result<(), Failure> {
         &lane.answers,
         &lane.account,
         recording.as_ref(),
-    );
+    )
+    .guarded(guardian);
     print(&format!("\n{report}"))?;
     if let Some(words) = lane.end.panic {
         return Err(Failure::System(format!(

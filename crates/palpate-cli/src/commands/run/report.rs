@@ -13,6 +13,7 @@ use palpate_sim::method::MethodName;
 use palpate_sim::scene::Scene;
 use serde::Serialize;
 
+use crate::devices::guarding::GuardianReport;
 use crate::report::{counted, digits, lines, number, plain_table};
 
 /// Events that are shown; JSON and recordings have more.
@@ -33,6 +34,8 @@ pub struct Report {
     /// What holds the force at none at the end, if something does.
     trip: Option<&'static str>,
     supervisor_cuts: u64,
+    /// Who would take the force off a device that holds its last one.
+    guardian: Option<GuardianReport>,
     peak_force_n: f64,
     deepest_penetration_m: f64,
     leak_held_j: f64,
@@ -148,6 +151,7 @@ impl Report {
             timing: (&end.statistics).into(),
             trip: end.trip.map(palpate_rt::safety::Trip::name),
             supervisor_cuts: end.cuts,
+            guardian: None,
             peak_force_n: account.peak_force,
             deepest_penetration_m: account.deepest,
             leak_held_j: last.held_leak,
@@ -164,6 +168,13 @@ impl Report {
                 bytes: account.recording.map_or(0, |summary| summary.bytes),
             }),
         }
+    }
+}
+
+impl Report {
+    /// The same, with what is to be said of the device's guardian.
+    pub fn guarded(self, guardian: Option<GuardianReport>) -> Self {
+        Self { guardian, ..self }
     }
 }
 
@@ -193,6 +204,9 @@ impl fmt::Display for Report {
                 Some(why) => format!("refused: {why}"),
             };
             writeln!(f, "{}: {outcome}", answer.asked)?;
+        }
+        if let Some(guardian) = &self.guardian {
+            writeln!(f, "{guardian}")?;
         }
         writeln!(f, "\n{}", self.timing)?;
         writeln!(
