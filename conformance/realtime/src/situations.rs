@@ -324,7 +324,11 @@ fn a_pointer(watch: &mut Watch) {
 }
 
 fn stalls(watch: &mut Watch) {
-    let (mut control, clock) = scripted(vec![at(-1.0), at(0.0), at(1.0)], SafetyParams::default());
+    let limits = SafetyParams {
+        tolerated_lateness: 0.0,
+        ..SafetyParams::default()
+    };
+    let (mut control, clock) = scripted(vec![at(-1.0), at(0.0), at(1.0)], limits);
     let mut supervisor = control.supervisor().unwrap();
     for number in 0..100 {
         ticks(&mut control, 10, watch);

@@ -34,6 +34,7 @@ fn main() -> ExitCode {
         Command::Live(arguments) => commands::live::run(&arguments),
         Command::Devices(arguments) => commands::devices::run(&arguments),
         Command::Emulate(arguments) => commands::emulate::run(&arguments),
+        Command::Guardian => commands::guardian::run(),
         Command::Doctor(arguments) => commands::doctor::run(&arguments),
         Command::Bench(arguments) => commands::bench::run(&arguments),
         Command::Info(arguments) => commands::info::run(&arguments),

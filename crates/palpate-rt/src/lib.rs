@@ -50,6 +50,13 @@ mod control_loop;
 mod deadlines;
 mod delivered;
 pub mod device;
+#[cfg(unix)]
+#[allow(
+    clippy::disallowed_methods,
+    clippy::disallowed_types,
+    reason = "starts a process, and is what runs in it; what a driver says in a tick is said without waiting"
+)]
+pub mod guardian;
 mod held;
 mod note;
 #[allow(clippy::disallowed_methods, reason = "asks before the first tick")]

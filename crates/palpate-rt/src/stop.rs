@@ -3,6 +3,10 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+/// Numbers of the real-time signals of Linux.
+#[cfg(target_os = "linux")]
+const REAL_TIME: std::ops::RangeInclusive<i32> = 32..=64;
+
 /// A wish for a loop to end; clones share it. The loop looks at it every period.
 #[derive(Clone, Debug, Default)]
 pub struct StopFlag {
@@ -27,9 +31,15 @@ impl StopFlag {
     }
 
     /// A flag that SIGINT, SIGTERM, SIGHUP and SIGQUIT raise, from now on and for the whole program, and
-    /// with them the rest of the signals by which somebody, a terminal or a timer ends or stops a
-    /// program. One that is stopped, by ctrl-Z or for writing to a terminal from the background, would
-    /// leave the last force on for as long as it is, so that ends the loop as well.
+    /// with them every other signal that would end or stop the program and can be caught: those of a
+    /// user, a timer, a terminal, the system (on Linux SIGPWR, SIGIO, SIGSTKFLT and the real-time
+    /// signals, too) and of `abort`, which ends the program all the same. A program that is stopped, by
+    /// ctrl-Z or for writing to a terminal from the background, would leave the last force on for as
+    /// long as it is stopped, so these signals end the loop as well.
+    ///
+    /// Not caught are SIGKILL and SIGSTOP, which nobody can catch, and SIGSEGV, SIGBUS, SIGILL and
+    /// SIGFPE: after a fault of the processor the program cannot go on. A device that holds its last
+    /// force needs a guardian for these.
     ///
     /// A file that may grow no more (SIGXFSZ) ends nothing: whoever writes it is told by an error.
     ///
@@ -53,9 +63,22 @@ impl StopFlag {
                 signals::SIGVTALRM,
                 signals::SIGPROF,
                 signals::SIGXCPU,
+                signals::SIGABRT,
+                signals::SIGTRAP,
+                signals::SIGSYS,
+                signals::SIGIO,
             ] {
                 signal_hook::flag::register(signal, Arc::clone(&flag.raised))
                     .map_err(ctrlc::Error::System)?;
+            }
+            #[cfg(target_os = "linux")]
+            {
+                use rustix::process::Signal;
+                let named = [Signal::POWER, Signal::STKFLT].map(Signal::as_raw);
+                for signal in named.into_iter().chain(REAL_TIME) {
+                    // The C library keeps some of the real-time signals for itself.
+                    let _ = signal_hook::flag::register(signal, Arc::clone(&flag.raised));
+                }
             }
             signal_hook::flag::register(signals::SIGXFSZ, Arc::default())
                 .map_err(ctrlc::Error::System)?;

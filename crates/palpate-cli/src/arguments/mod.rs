@@ -179,7 +179,8 @@ Run a loop in real time, on a device.
 A thread of its own wakes at absolute deadlines, reads the device, renders, and commands what safety \
 lets through: it is the first to be served if the machine grants that, and says so if not. Ctrl-C \
 ends it; whatever ends it, the device is commanded no force, and while the thread does not answer a \
-supervisor does that. A deadline that is missed is counted and skipped, and the renderer is told the \
+supervisor does that. For a device that holds its last force a guardian, a process of its own, does that \
+if this one is killed or stopped. A deadline that is missed is counted and skipped, and the renderer is told the \
 time that really passed. Flags change values of the scene.")]
     #[command(after_help = "\
 Examples:
@@ -249,6 +250,9 @@ Examples:
   palpate emulate haply-2diy --generation 2 --board m3 --fault stall=0.1@0.5 --duration 1
   palpate emulate inverse3 --port 0 --events-port 0 --hold 0.01,0,0 --duration 1")]
     Emulate(EmulateArguments),
+    /// Take the force off a device when its loop can not; started by the commands that run a loop
+    #[command(hide = true)]
+    Guardian,
     /// Ask what this machine grants a loop, and try one
     #[command(long_about = "\
 Ask what this machine grants a loop, and try one.

@@ -13,8 +13,9 @@ use crate::failure::Failure;
 use crate::results::print;
 
 /// What is said of every 2DIY, since it may hurt.
-pub const LATCH_WARNING: &str = "the board of a 2DIY has no watchdog: if the program is killed or \
-     the cable is pulled, it may hold its last torque until its power is switched off";
+pub const LATCH_WARNING: &str = "the board of a 2DIY has no watchdog: if the cable is pulled, it may \
+     hold its last torque until its power is switched off; if the program is killed, a guardian takes \
+     the torque off, unless it was started with --guardian off";
 
 /// Arguments of `devices`.
 #[derive(Args, Debug)]
@@ -248,6 +249,7 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     use palpate_rt::StopFlag;
     use palpate_rt::clock::MonotonicClock;
 
+    use crate::devices::guarding::Guarding;
     use crate::devices::two_diy;
 
     if !arguments.may_move {
@@ -262,7 +264,9 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
     // A slow answer does no harm here.
     let period = Duration::from_millis(20);
-    let mut device = two_diy::open(&arguments.device, period, &MonotonicClock::new())?;
+    let guarding = Guarding::new(2 * period);
+    let clock = MonotonicClock::new();
+    let mut device = two_diy::open(&arguments.device, period, &clock, &guarding)?;
     let failed = |error: palpate_rt::device::DeviceError| Failure::System(error.to_string());
     let checked = match device.check_motors(&stop) {
         Ok(checked) => checked,

@@ -2,16 +2,19 @@
 
 use std::fmt;
 use std::io;
+use std::time::Duration;
 
 use clap::Args;
 use palpate_rt::clock::MonotonicClock;
 use palpate_rt::realtime::{Answer, Finding, machine};
+use palpate_rt::safety::SafetyParams;
 use serde::Serialize;
 
 use super::bench::{Measured, measure};
 use super::run::{RealtimeArguments, request};
 use crate::failure::Failure;
 use crate::progress::Progress;
+use crate::report::digits;
 use crate::results::print;
 use crate::values::duration;
 
@@ -44,6 +47,7 @@ pub fn run(arguments: &DoctorArguments) -> Result<(), Failure> {
     let spin = duration("--spin", arguments.realtime.spin)?;
     let clock = MonotonicClock::new().with_spin(spin);
     let measured = measure(&clock, request, RATE, SECONDS)?;
+    let guardian = GuardianReport::tried();
     drop(progress);
     let plugged_in = palpate_haply::two_diy::ports()
         .unwrap_or_default()
@@ -59,6 +63,7 @@ pub fn run(arguments: &DoctorArguments) -> Result<(), Failure> {
         format: "palpate doctor 1",
         asked: answers.iter().map(AskedReport::from).collect(),
         machine: machine().iter().map(FindingReport::from).collect(),
+        guardian,
         devices: plugged_in,
         loop_at_1000_hz: measured,
     };
@@ -74,8 +79,80 @@ struct Report {
     format: &'static str,
     asked: Vec<AskedReport>,
     machine: Vec<FindingReport>,
+    guardian: GuardianReport,
     devices: Vec<DeviceReport>,
     loop_at_1000_hz: Measured,
+}
+
+/// How the guardian of a device that holds its last force does here.
+#[derive(Debug, Serialize)]
+struct GuardianReport {
+    starts: bool,
+    why_not: Option<String>,
+    /// Whether it is served before everybody else.
+    first: bool,
+    /// Silence of the loop that it was told to wait for `[s]`.
+    silence_s: f64,
+    /// How long after that no force was commanded `[s]`.
+    late_median_s: Option<f64>,
+    late_longest_s: Option<f64>,
+}
+
+/// How often a guardian is tried.
+const SILENCES: usize = 20;
+
+impl GuardianReport {
+    /// At the rate of the loop that is tried.
+    fn tried() -> Self {
+        let period = Duration::from_secs_f64(1.0 / RATE);
+        let limit = SafetyParams::default().stall_after(period);
+        #[cfg(unix)]
+        let tried = crate::devices::guarding::try_out(limit, SILENCES)
+            .map(|tried| (tried.is_first, tried.late));
+        #[cfg(not(unix))]
+        let tried = Err::<(bool, Vec<Duration>), _>("it needs Linux or macOS".to_owned());
+        let seconds = |late: Option<&Duration>| late.map(Duration::as_secs_f64);
+        let (why_not, first, late) = match tried {
+            Ok((first, late)) => (None, first, late),
+            Err(why) => (Some(why), false, Vec::new()),
+        };
+        Self {
+            starts: why_not.is_none(),
+            why_not,
+            first,
+            silence_s: limit.as_secs_f64(),
+            late_median_s: seconds(late.get(late.len() / 2)),
+            late_longest_s: seconds(late.last()),
+        }
+    }
+}
+
+impl fmt::Display for GuardianReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(why) = &self.why_not {
+            writeln!(f, "  NO  it does not start: {why}")?;
+            return writeln!(
+                f,
+                "      a device that holds its last force runs with --guardian off only"
+            );
+        }
+        if self.first {
+            writeln!(f, "  ok  it starts; SCHED_FIFO, priority 99: granted")?;
+        } else {
+            writeln!(f, "   ?  it starts; SCHED_FIFO, priority 99: refused")?;
+            writeln!(f, "      a busy machine may make it late")?;
+        }
+        if let (Some(median), Some(longest)) = (self.late_median_s, self.late_longest_s) {
+            writeln!(
+                f,
+                "      {SILENCES} silences of {} ms: no force {} ms later at the median, {} at most",
+                digits(1e3 * self.silence_s),
+                digits(1e3 * median),
+                digits(1e3 * longest)
+            )?;
+        }
+        Ok(())
+    }
 }
 
 /// A device that is plugged in and has something to be minded.
@@ -147,6 +224,8 @@ impl fmt::Display for Report {
                 writeln!(f, "      {advice}")?;
             }
         }
+        writeln!(f, "\nThe guardian of a device that holds its last force")?;
+        write!(f, "{}", self.guardian)?;
         for device in &self.devices {
             writeln!(
                 f,

@@ -10,6 +10,7 @@ pub mod devices;
 pub mod doctor;
 pub mod emulate;
 pub mod figure;
+pub mod guardian;
 mod hand_replay;
 pub mod heights;
 pub mod info;

@@ -50,6 +50,10 @@ pub struct DeviceArguments {
     /// 3 s, and still: elsewhere forces point in wrong directions
     #[arg(long, requires = "reconnect")]
     pub reconnect_in_start_pose: bool,
+    /// A process that takes the force off if this program is killed, stopped or hangs, for a device
+    /// that holds its last force (haply-2diy) [default: on]
+    #[arg(long, value_name = "on|off", value_enum)]
+    pub guardian: Option<OnOff>,
     /// Flags of the Inverse3.
     #[command(flatten)]
     pub inverse3: Inverse3Arguments,
@@ -80,7 +84,21 @@ pub enum DeviceName {
     Inverse3,
 }
 
+/// Whether there is something.
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OnOff {
+    /// Yes
+    On,
+    /// No
+    Off,
+}
+
 impl DeviceArguments {
+    /// Whether a device that holds its last force gets a guardian.
+    pub fn is_guarded(&self) -> bool {
+        self.guardian != Some(OnOff::Off)
+    }
+
     /// Refuses a flag that belongs to another device.
     pub fn check(&self) -> Result<(), Failure> {
         self.inverse3.check(self.device)?;
@@ -104,6 +122,7 @@ impl DeviceArguments {
             ("--generation", self.generation.is_some()),
             ("--board", self.board.is_some()),
             ("--start-pose", self.start_pose.is_some()),
+            ("--guardian", self.guardian.is_some()),
             ("--reconnect-in-start-pose", self.reconnect_in_start_pose),
         ];
         let goes = matches!(self.device, DeviceName::Haply2diy | DeviceName::Inverse3);

@@ -4,6 +4,7 @@
 //! to a device has a file of its own.
 
 mod arguments;
+pub mod guarding;
 pub mod inverse3;
 mod placed;
 mod reconnecting;
@@ -20,11 +21,10 @@ use palpate_rt::device::{
 };
 use palpate_sim::scene::Scene;
 
-use crate::failure::Failure;
-#[cfg(unix)]
-use crate::failure::tell;
+use crate::failure::{Failure, tell};
 #[cfg(unix)]
 use crate::values::duration;
+use guarding::Guarding;
 use reconnecting::{Reconnecting, Reopen};
 
 /// A device that is ready, and where the contact's axis lies in it.
@@ -35,11 +35,13 @@ pub struct Opened {
     pub placement: Placement<f64, 3>,
 }
 
-/// Opens the device that `arguments` name, for the scene that will be rendered on it.
+/// Opens the device that `arguments` name, for the scene that will be rendered on it; with a guardian
+/// if it holds its last force, unless `arguments` say otherwise.
 pub fn open<C: Clock>(
     arguments: &DeviceArguments,
     scene: &Scene,
     clock: &C,
+    guarding: &Guarding,
 ) -> Result<Opened, Failure> {
     arguments.check()?;
     let (device, axis): (Box<dyn Device>, _) = match arguments.device {
@@ -56,9 +58,15 @@ pub fn open<C: Clock>(
                 PointerDevice::new(params, &hand, clock.clone()).map_err(Failure::input)?;
             (Box::new(device), placed::FIRST_AXIS)
         }
-        DeviceName::Haply2diy => open_two_diy(arguments, scene, clock)?,
+        DeviceName::Haply2diy => open_two_diy(arguments, scene, clock, guarding)?,
         DeviceName::Inverse3 => inverse3::open(arguments, scene, clock)?,
     };
+    if device.capabilities().holds_last_force && !arguments.is_guarded() {
+        tell(
+            "warning: --guardian off: if this program is killed or stopped while a force is on, the \
+             device holds that force",
+        );
+    }
     let placement = placed::placement(arguments, device.capabilities(), axis)?;
     Ok(Opened { device, placement })
 }
@@ -68,6 +76,7 @@ fn open_two_diy<C: Clock>(
     arguments: &DeviceArguments,
     scene: &Scene,
     clock: &C,
+    guarding: &Guarding,
 ) -> Result<(Box<dyn Device>, placed::Axis), Failure> {
     if !C::RUNS {
         return Err(Failure::Arguments(
@@ -81,7 +90,7 @@ fn open_two_diy<C: Clock>(
         port: Some(two_diy::port(arguments)?),
         ..arguments.clone()
     };
-    let device = two_diy::open(&arguments, period, clock)?;
+    let device = two_diy::open(&arguments, period, clock, guarding)?;
     let [first, second] = device.angles();
     tell(format_args!(
         "{}: it counts from here as {first:.1},{second:.1} degrees; if the arm was not in its start \
@@ -92,7 +101,7 @@ fn open_two_diy<C: Clock>(
     if !arguments.reconnect {
         return Ok((device, axis));
     }
-    let reopen = two_diy::reopen(arguments, period, clock.clone());
+    let reopen = two_diy::reopen(arguments, period, clock.clone(), guarding.clone());
     Ok((Box::new(Reconnecting::new(device, reopen)?), axis))
 }
 
@@ -101,6 +110,7 @@ fn open_two_diy<C: Clock>(
     _: &DeviceArguments,
     _: &Scene,
     _: &C,
+    _: &Guarding,
 ) -> Result<(Box<dyn Device>, placed::Axis), Failure> {
     Err(Failure::System(
         "the driver of the 2DIY needs Linux or macOS".into(),

@@ -2,6 +2,7 @@
 
 use std::io::stdin;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
 use palpate_haply::two_diy::{Board, Calibration, Generation, Options, TwoDiy};
@@ -9,8 +10,10 @@ use palpate_rt::clock::Clock;
 use palpate_rt::device::{
     Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector, ZeroWriter,
 };
+use palpate_rt::guardian::GuardianError;
 use rustix::termios::{QueueSelector, tcflush};
 
+use super::guarding::{Guarding, command};
 use super::placed::Axis;
 use super::{DeviceArguments, Reopen};
 use crate::failure::{Failure, tell};
@@ -40,11 +43,12 @@ pub fn board(name: BoardName) -> Board {
     }
 }
 
-/// Opens it, for a loop of `period`.
+/// Opens it, for a loop of `period`, with a guardian unless `arguments` say otherwise.
 pub fn open<C: Clock>(
     arguments: &DeviceArguments,
     period: Duration,
     clock: &C,
+    guarding: &Guarding,
 ) -> Result<TwoDiy<C>, Failure> {
     let generation = generation(arguments);
     let calibration = match &arguments.start_pose {
@@ -59,7 +63,23 @@ pub fn open<C: Clock>(
         ..options
     };
     let path = port(arguments)?;
-    TwoDiy::open(&path, &options, clock.clone()).map_err(|error| Failure::System(error.to_string()))
+    let device = TwoDiy::open(&path, &options, clock.clone())
+        .map_err(|error| Failure::System(error.to_string()))?;
+    if !arguments.is_guarded() {
+        return Ok(device);
+    }
+    command()
+        .map_err(GuardianError::Spawn)
+        .and_then(|command| {
+            let account = Arc::clone(&guarding.account);
+            device.guarded_by(command, guarding.limit, account)
+        })
+        .map_err(|error| {
+            Failure::System(format!(
+                "no guardian: {error}. If this program is killed or stopped, only a guardian takes \
+                 the force off this device, which holds it; --guardian off goes without one"
+            ))
+        })
 }
 
 /// How long somebody who has promised so has to bring the arm into its start pose.
@@ -67,7 +87,12 @@ const TO_START_POSE: Duration = Duration::from_secs(3);
 
 /// Opens it anew on the port of `arguments`. The board then counts from where the arm is, and cannot
 /// tell where that is; so it is not opened before somebody says that this is its start pose.
-pub fn reopen<C: Clock>(arguments: DeviceArguments, period: Duration, clock: C) -> Reopen {
+pub fn reopen<C: Clock>(
+    arguments: DeviceArguments,
+    period: Duration,
+    clock: C,
+    guarding: Guarding,
+) -> Reopen {
     let mut is_asked = false;
     Box::new(move || {
         let path = port(&arguments)?;
@@ -97,7 +122,7 @@ pub fn reopen<C: Clock>(arguments: DeviceArguments, period: Duration, clock: C) 
                 _ => return Err(Failure::System("nobody can press enter any more".into())),
             }
         }
-        Ok(watched(open(&arguments, period, &clock)?, false))
+        Ok(watched(open(&arguments, period, &clock, &guarding)?, false))
     })
 }
 

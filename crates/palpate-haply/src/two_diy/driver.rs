@@ -37,7 +37,8 @@ const GONE_AFTER_READS: u32 = 20;
 ///
 /// **The board has no watchdog: it holds its last torque until it is told another one.** This
 /// driver sends no torque on every way out, and as soon as the port takes it where it does not at
-/// once. Where the cable is pulled or the program is killed, nobody can: switch the motors off.
+/// once. Where the program is killed or stopped a [guardian](Self::guarded_by) does, if there is one.
+/// Where the cable is pulled nobody can: switch the motors off.
 ///
 /// Neither [`read`](Device::read) nor [`write`](Device::write) allocates, waits for a lock or
 /// panics; `read` waits for the board, no longer than [`Options::patience`](super::Options).
@@ -92,6 +93,8 @@ pub struct Counts {
     pub stray: u64,
     /// Angles that cannot be.
     pub implausible: u64,
+    /// Times that a guardian has commanded no torque.
+    pub guardian_cuts: u64,
 }
 
 fn nothing_new(what: &'static str) -> DeviceError {
@@ -111,6 +114,12 @@ const FULL: DeviceError = DeviceError {
     kind: DeviceErrorKind::Refused,
     what: "the serial port takes no bytes; no force follows as soon as it does, until then the \
            board may hold its last torque",
+};
+
+const UNGUARDED: DeviceError = DeviceError {
+    kind: DeviceErrorKind::Refused,
+    what: "the guardian has ended, which takes the torque off if this program is killed: no force \
+           without it",
 };
 
 /// The line, the mechanism and the first sample of a device that has been set up.
@@ -208,6 +217,10 @@ impl<C> TwoDiy<C> {
                 self.cut();
                 Err(FULL)
             }
+            Err(Unsent::Unguarded) => {
+                self.cut();
+                Err(UNGUARDED)
+            }
             Err(Unsent::Gone) => Err(GONE),
         }
     }
@@ -229,8 +242,12 @@ impl<C> TwoDiy<C> {
             // A board that has lost the beginning of a packet, or its layout, is told from the start.
             start::begin_anew(&self.line, &self.layout)?;
             self.start_over();
-            return self.hold_none();
+            self.hold_none()?;
+            self.line.dismiss_guardian();
+            return Ok(());
         }
+        // The board holds none, or cannot be told. Elsewhere the guardian tries on.
+        self.line.dismiss_guardian();
         done
     }
 
@@ -320,6 +337,13 @@ impl<C> TwoDiy<C> {
 
     /// What was commanded does not hold any more where somebody else has commanded none.
     fn mind_cuts(&mut self) {
+        self.line.listen_to_guardian();
+        let guardian_cuts = self.line.guardian_cuts();
+        if guardian_cuts != self.counts.guardian_cuts {
+            self.counts.guardian_cuts = guardian_cuts;
+            // Answers to its packets cannot be told from answers to ours.
+            self.go_astray();
+        }
         let cuts = self.line.cuts();
         if cuts != self.cuts {
             self.cuts = cuts;
@@ -407,6 +431,7 @@ impl From<Unsent> for DeviceError {
             Unsent::Busy => nothing_new("somebody else is commanding no force"),
             Unsent::Full => FULL,
             Unsent::Gone => GONE,
+            Unsent::Unguarded => UNGUARDED,
         }
     }
 }
@@ -432,6 +457,9 @@ impl<C: Clock> Device for TwoDiy<C> {
     fn read(&mut self) -> Result<Reading, DeviceError> {
         let asked = Instant::now();
         let angles = self.ask()?;
+        if self.line.is_unguarded() {
+            return Err(UNGUARDED);
+        }
         let time = self.clock.now();
         let now = Instant::now();
         if let Err(implausible) = self.plausible.take(angles, asked, now) {

@@ -324,3 +324,89 @@ fn a_silent_board_is_gone_after_a_second_and_a_dead_port_at_once() {
     assert_eq!(played.device.read().unwrap_err(), GONE);
     assert_eq!(played.device.write([0.0; 3]).unwrap_err(), GONE);
 }
+
+/// The other side of a guardian that the test plays.
+fn guarded(played: &Played) -> std::os::unix::net::UnixStream {
+    use palpate_rt::guardian::Guardian;
+    let (driver, socket) = std::os::unix::net::UnixStream::pair().unwrap();
+    socket.set_nonblocking(true).unwrap();
+    let guardian = Guardian::beside(driver, std::sync::Arc::default()).unwrap();
+    played.device.line.guard(guardian);
+    socket
+}
+
+/// What a guardian has heard: a letter for each word.
+fn heard(mut socket: &std::os::unix::net::UnixStream) -> String {
+    use std::io::Read;
+    let mut bytes = [0; 900];
+    let read = socket.read(&mut bytes).unwrap_or(0);
+    assert_eq!(read % 9, 0);
+    bytes[..read]
+        .chunks(9)
+        .map(|word| char::from(word[0]))
+        .collect()
+}
+
+#[test]
+fn a_guardian_hears_of_every_torque_and_once_of_none() {
+    let mut played = Played::new();
+    let socket = guarded(&played);
+    assert!(played.reads(START).is_ok());
+    assert_eq!(heard(&socket), "");
+    played.device.write([0.0, 1.0, 0.0]).unwrap();
+    assert_eq!(heard(&socket), "F");
+    assert!(played.reads(START).is_ok());
+    assert_eq!(heard(&socket), "F", "a torque is repeated");
+    played.device.write([0.0; 3]).unwrap();
+    assert!(played.reads(START).is_ok());
+    assert_eq!(heard(&socket), "0");
+}
+
+/// Its own packet may have come into the middle of one of ours, so the board is told anew from
+/// wherever it is; and the device comes back by itself.
+#[test]
+fn a_loop_that_a_guardian_has_cut_drops_what_it_had_begun_and_comes_back() {
+    use std::io::Write;
+    let mut played = Played::new();
+    let mut socket = guarded(&played);
+    assert!(played.reads(START).is_ok());
+    played.device.write([0.0, 1.0, 0.0]).unwrap();
+    socket.write_all(b"C").unwrap();
+    let mut bytes = Vec::new();
+    played.pty.wait(Duration::from_secs(5));
+    played.pty.read(&mut bytes);
+    bytes.clear();
+    assert!(played.device.read().is_err());
+    while bytes.len() < 19 {
+        played.pty.wait(Duration::from_secs(5));
+        played.pty.read(&mut bytes);
+    }
+    let release = super::super::packet::release(played.device.layout());
+    assert_eq!(bytes[..19], release);
+    assert_eq!(played.device.counts().guardian_cuts, 1);
+    assert_eq!(heard(&socket), "F");
+    played.comes_back();
+    played.device.write([0.0, 1.0, 0.0]).unwrap();
+    assert!(heard(&socket).ends_with('F'));
+}
+
+#[test]
+fn without_its_guardian_a_device_gives_no_torque_and_says_so() {
+    let mut played = Played::new();
+    let socket = guarded(&played);
+    assert!(played.reads(START).is_ok());
+    played.device.write([0.0, 1.0, 0.0]).unwrap();
+    drop(socket);
+    assert_eq!(played.reads(START).unwrap_err(), UNGUARDED);
+    assert_eq!(played.device.write([0.0, 1.0, 0.0]).unwrap_err(), UNGUARDED);
+    assert!(played.device.write([0.0; 3]).is_ok());
+    let mut bytes = Vec::new();
+    played.pty.wait(Duration::from_secs(5));
+    played.pty.read(&mut bytes);
+    let last = &bytes[bytes.len() - STATE_LENGTH..];
+    assert_eq!(last, state_of_none(&played));
+}
+
+fn state_of_none(played: &Played) -> [u8; STATE_LENGTH] {
+    super::super::packet::state(played.device.layout(), [0.0; 2])
+}

@@ -5,14 +5,21 @@
 //! begun before anything else. Nobody waits for it: `try_lock` is an exchange of a number, and who
 //! does not get it goes away. No force is different: it must go out. If it cannot at once, it is
 //! *wanted*, and a thread beside the loop sends it at the first moment at which the port takes it.
+//!
+//! A guardian, another process, writes to the same port when this one has been silent for too long.
+//! What it writes may come between two parts of a packet of this side. So whoever finds that the
+//! guardian has written drops the rest of a packet, and first sends one that a board understands in
+//! the middle of any other.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, TryLockError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::thread::{Builder, JoinHandle, Thread};
 use std::time::{Duration, Instant};
 
+use palpate_rt::guardian::{Guardian, Unguarded};
+
 use super::layout::Layout;
-use super::packet::{SETUP_LENGTH, STATE_LENGTH, state};
+use super::packet::{SETUP_LENGTH, STATE_LENGTH, release, state};
 use super::serial::{Gone, Serial};
 
 /// How long the waiting thread waits at a time, so that it can be ended.
@@ -30,6 +37,8 @@ pub enum Unsent {
     Full,
     /// The port is gone.
     Gone,
+    /// The guardian is gone, and so no torque goes out.
+    Unguarded,
 }
 
 impl From<Gone> for Unsent {
@@ -50,6 +59,9 @@ struct Outgoing {
     rest: std::ops::Range<usize>,
     /// Whether that packet is a STATE, which is answered.
     is_answered: bool,
+    guardian: Option<Guardian>,
+    /// Whether the guardian has been told that a torque may be on.
+    is_armed: bool,
 }
 
 #[derive(Debug)]
@@ -64,6 +76,10 @@ struct Shared {
     requests: AtomicU64,
     /// How often no force was sent because it was wanted.
     cuts: AtomicU64,
+    /// How often a guardian has sent no force.
+    guardian_cuts: AtomicU64,
+    /// Whether the guardian that there was is gone.
+    is_unguarded: AtomicBool,
     closing: AtomicBool,
 }
 
@@ -91,11 +107,15 @@ impl Line {
                 begun: [0; SETUP_LENGTH],
                 rest: 0..0,
                 is_answered: false,
+                guardian: None,
+                is_armed: false,
             }),
             wished: AtomicU64::new(0),
             met: AtomicU64::new(0),
             requests: AtomicU64::new(0),
             cuts: AtomicU64::new(0),
+            guardian_cuts: AtomicU64::new(0),
+            is_unguarded: AtomicBool::new(false),
             closing: AtomicBool::new(false),
         });
         let theirs = Arc::clone(&shared);
@@ -127,6 +147,36 @@ impl Line {
     /// How often no force was begun to be sent because it was wanted.
     pub fn cuts(&self) -> u64 {
         self.shared.cuts.load(Ordering::Acquire)
+    }
+
+    /// From now on `guardian` hears of every torque before it goes out. No torque may be on.
+    pub fn guard(&self, guardian: Guardian) {
+        self.shared.locked().guardian = Some(guardian);
+    }
+
+    /// Ends the guardian: the board is known to hold no torque, or cannot be told any more. Waits until
+    /// it is gone.
+    pub fn dismiss_guardian(&self) {
+        // Not waited for with the line in hand.
+        let guardian = self.shared.locked().guardian.take();
+        if let Some(guardian) = guardian {
+            guardian.dismiss();
+        }
+    }
+
+    /// Finds out what the guardian has done.
+    pub fn listen_to_guardian(&self) {
+        let _ = self.shared.with_outgoing(|_, _| Ok(()));
+    }
+
+    /// How often a guardian has sent no force.
+    pub fn guardian_cuts(&self) -> u64 {
+        self.shared.guardian_cuts.load(Ordering::Acquire)
+    }
+
+    /// Whether the guardian that there was is gone.
+    pub fn is_unguarded(&self) -> bool {
+        self.shared.is_unguarded.load(Ordering::Acquire)
     }
 
     /// Asks for the angles, repeating the torques that are held: none, if somebody has cut them.
@@ -193,7 +243,7 @@ impl Line {
                 Ok(()) => {}
                 Err(Unsent::Full) => self.shared.serial.wait_writable(WAIT),
                 Err(Unsent::Busy) => std::thread::sleep(Duration::from_micros(100)),
-                Err(Unsent::Gone) => return,
+                Err(Unsent::Gone | Unsent::Unguarded) => return,
             }
         }
     }
@@ -207,6 +257,9 @@ impl Drop for Line {
             waiting.thread().unpark();
             let _ = waiting.join();
         }
+        // One that was not dismissed tries on. Here, for a supervisor may hold on to the rest.
+        let guardian = self.shared.locked().guardian.take();
+        drop(guardian);
     }
 }
 
@@ -255,8 +308,73 @@ impl Shared {
             Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
             Err(TryLockError::WouldBlock) => return Err(Unsent::Busy),
         };
+        self.heed_guardian(&mut outgoing)?;
         self.send_wanted(&mut outgoing)?;
         send(self, &mut outgoing)
+    }
+
+    /// What goes out, for whoever may wait.
+    fn locked(&self) -> MutexGuard<'_, Outgoing> {
+        self.outgoing.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes in what the guardian has done. Where it has sent no force the board is told so once more,
+    /// from wherever it is: a packet of ours may have been cut in two. Where it is gone no force is
+    /// wanted.
+    fn heed_guardian(&self, outgoing: &mut Outgoing) -> Result<(), Unsent> {
+        let Some(guardian) = &outgoing.guardian else {
+            return Ok(());
+        };
+        match guardian.has_cut() {
+            Ok(false) => Ok(()),
+            Ok(true) => {
+                outgoing.rest = 0..0;
+                outgoing.is_answered = false;
+                outgoing.held = [0.0; 2];
+                self.cuts.fetch_add(1, Ordering::AcqRel);
+                self.guardian_cuts.fetch_add(1, Ordering::AcqRel);
+                let packet = release(&outgoing.layout);
+                self.begin(outgoing, &packet, true)
+            }
+            Err(Unguarded) => {
+                self.lose_guardian(outgoing);
+                Ok(())
+            }
+        }
+    }
+
+    fn lose_guardian(&self, outgoing: &mut Outgoing) {
+        // Dropped where somebody may wait for it.
+        if !self.is_unguarded.swap(true, Ordering::AcqRel) {
+            self.wished.fetch_add(1, Ordering::AcqRel);
+        }
+        outgoing.is_armed = false;
+    }
+
+    /// Tells the guardian of torques that are about to go out.
+    fn announce(&self, outgoing: &mut Outgoing) -> Result<(), Unsent> {
+        if self.is_unguarded.load(Ordering::Acquire) {
+            return Err(Unsent::Unguarded);
+        }
+        let Some(guardian) = &outgoing.guardian else {
+            return Ok(());
+        };
+        if guardian.force().is_err() {
+            self.lose_guardian(outgoing);
+            return Err(Unsent::Unguarded);
+        }
+        outgoing.is_armed = true;
+        Ok(())
+    }
+
+    /// Tells the guardian that no torque is on, if it may think otherwise.
+    fn stand_down(&self, outgoing: &mut Outgoing) {
+        if let Some(guardian) = outgoing.guardian.as_ref().filter(|_| outgoing.is_armed) {
+            if guardian.none().is_err() {
+                self.lose_guardian(outgoing);
+            }
+            outgoing.is_armed = false;
+        }
     }
 
     fn send_wanted(&self, outgoing: &mut Outgoing) -> Result<(), Unsent> {
@@ -277,8 +395,16 @@ impl Shared {
     fn send_state(&self, outgoing: &mut Outgoing, torques: [f32; 2]) -> Result<(), Unsent> {
         let packet: [u8; STATE_LENGTH] = state(&outgoing.layout, torques);
         self.complete(outgoing)?;
+        let is_none = torques == [0.0; 2];
+        if !is_none {
+            self.announce(outgoing)?;
+        }
         outgoing.held = torques;
-        self.begin(outgoing, &packet, true)
+        self.begin(outgoing, &packet, true)?;
+        if is_none {
+            self.stand_down(outgoing);
+        }
+        Ok(())
     }
 
     /// Sends a packet in one piece, if the port takes it in one; completes what was begun before.
@@ -322,8 +448,8 @@ impl Shared {
                 Ok(()) => {}
                 Err(Unsent::Full) => self.serial.wait_writable(WAIT),
                 Err(Unsent::Busy) => std::thread::sleep(Duration::from_micros(100)),
-                // Nobody is there to hear it.
-                Err(Unsent::Gone) => std::thread::sleep(WAIT),
+                // Nobody is there to hear it; no force needs no guardian.
+                Err(Unsent::Gone | Unsent::Unguarded) => std::thread::sleep(WAIT),
             }
         }
     }

@@ -6,6 +6,8 @@ mod driver;
 #[cfg(unix)]
 pub mod emulator;
 mod force;
+#[cfg(unix)]
+mod guard;
 pub mod kinematics;
 mod layout;
 #[cfg(unix)]

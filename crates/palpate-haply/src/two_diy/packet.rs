@@ -17,6 +17,12 @@ pub const RESET: [u8; 2] = [0, 0];
 /// Enough zeros to complete any packet that the board may be in the middle of; the rest are RESETs.
 pub const RECOVERY: [u8; 40] = [0; 40];
 
+/// Length of [`release`].
+pub const RELEASE_LENGTH: usize = 2 * STATE_LENGTH - 1;
+/// A byte that is no command, of which a board throws away any number. As the last byte of a torque it
+/// makes a number below 1e-37, which is no torque.
+const FILLER: u8 = 0x80;
+
 const SETUP_COMMAND: u8 = 1;
 const STATE_COMMAND: u8 = 2;
 
@@ -53,6 +59,17 @@ pub fn state(layout: &Layout, torques: [f32; 2]) -> [u8; STATE_LENGTH] {
     let mut packet = [STATE_COMMAND, layout.device_id, 0, 0, 0, 0, 0, 0, 0, 0];
     packet[2..6].copy_from_slice(&low);
     packet[6..10].copy_from_slice(&high);
+    packet
+}
+
+/// Takes off the torques of a board that may be in the middle of a STATE: enough bytes to complete that
+/// one with torques that it was told already or that are none, then a STATE without a torque. To a
+/// board between packets the first bytes are nothing. It does not forget its layout, whatever it was
+/// in the middle of. The answers are to one STATE or two.
+#[must_use]
+pub fn release(layout: &Layout) -> [u8; RELEASE_LENGTH] {
+    let mut packet = [FILLER; RELEASE_LENGTH];
+    packet[STATE_LENGTH - 1..].copy_from_slice(&state(layout, [0.0; 2]));
     packet
 }
 

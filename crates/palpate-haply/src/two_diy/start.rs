@@ -225,7 +225,7 @@ impl From<Unsent> for OpenError {
     fn from(unsent: Unsent) -> Self {
         match unsent {
             Unsent::Gone => Self::Gone,
-            Unsent::Busy | Unsent::Full => Self::TakesNothing,
+            Unsent::Busy | Unsent::Full | Unsent::Unguarded => Self::TakesNothing,
         }
     }
 }
@@ -359,6 +359,7 @@ fn capabilities(options: &Options, board: Board) -> Capabilities {
             [middle + reach, reach, 0.0],
         ]),
         encoder_quantum: Some(encoder_quantum),
+        holds_last_force: true,
         ..Capabilities::unknown(&format!("{}, board {}", options.name, board.name()), 2)
     }
 }

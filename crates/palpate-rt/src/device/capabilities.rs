@@ -22,6 +22,10 @@ pub struct Capabilities {
     pub effective_mass: Option<f64>,
     /// Quantum of the position `[m]`; 0 for a sensor without one.
     pub encoder_quantum: Option<f64>,
+    /// Whether the device holds the last force that it was commanded for as long as nobody commands
+    /// another one. If the program that commanded it is killed, only a
+    /// [guardian](crate::guardian) can take the force off.
+    pub holds_last_force: bool,
 }
 
 impl Capabilities {
@@ -41,6 +45,7 @@ impl Capabilities {
             workspace: None,
             effective_mass: None,
             encoder_quantum: None,
+            holds_last_force: false,
         }
     }
 }

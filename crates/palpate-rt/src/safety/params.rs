@@ -27,9 +27,12 @@ pub struct SafetyParams {
     pub soft_start: f64,
     /// When a contact counts as oscillating.
     pub oscillation: OscillationParams,
-    /// How long the loop's thread may be late before a supervisor commands no force, in periods.
-    /// It looks twice a period, so a limit of 1.5 acts within 2.
+    /// How long the loop's thread may take from one tick to the next before a supervisor commands no
+    /// force, in periods. It looks twice a period, so a limit of 1.5 acts within 2.
     pub stall_after_periods: f64,
+    /// By how much a tick may be late in any case before that `[s]`: the wake-ups of an ordinary
+    /// machine are late by up to 3 ms, however short the period is.
+    pub tolerated_lateness: f64,
 }
 
 impl Default for SafetyParams {
@@ -44,6 +47,7 @@ impl Default for SafetyParams {
             soft_start: 0.2,
             oscillation: OscillationParams::default(),
             stall_after_periods: 1.5,
+            tolerated_lateness: 3e-3,
         }
     }
 }
@@ -63,9 +67,17 @@ impl SafetyParams {
         }
     }
 
-    /// How long the loop's thread may be late before a supervisor commands no force.
-    pub(crate) fn stall_after(&self, period: Duration) -> Duration {
-        period.mul_f64(self.stall_after_periods)
+    /// How long the loop's thread may take from one tick to the next, at this period, before a
+    /// supervisor or a guardian commands no force:
+    /// [`stall_after_periods`](Self::stall_after_periods), or a period and
+    /// [`tolerated_lateness`](Self::tolerated_lateness) where that is longer.
+    #[must_use]
+    pub fn stall_after(&self, period: Duration) -> Duration {
+        let late = Duration::try_from_secs_f64(self.tolerated_lateness).unwrap_or_default();
+        let periods = Duration::try_from_secs_f64(period.as_secs_f64() * self.stall_after_periods);
+        periods
+            .unwrap_or(Duration::MAX)
+            .max(period.saturating_add(late))
     }
 
     pub(super) fn check(&self) -> Result<(), SafetyError> {
@@ -109,6 +121,12 @@ impl SafetyParams {
             (1.0..=1000.0).contains(&self.stall_after_periods),
             "1 to 1000",
         )?;
+        named(
+            "tolerated lateness",
+            self.tolerated_lateness,
+            (0.0..=1.0).contains(&self.tolerated_lateness),
+            "0 to 1 [s]",
+        )?;
         if let Some([from, to]) = self.range {
             let extent = to - from;
             named(
@@ -143,4 +161,28 @@ pub struct SafetyError {
     pub value: f64,
     /// What it may be.
     pub allowed: &'static str,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stall_is_half_a_period_late_or_later_than_machines_are() {
+        let stall_after = |params: SafetyParams, period: f64| {
+            let limit = params.stall_after(Duration::from_secs_f64(period));
+            (limit.as_secs_f64() * 1e6).round()
+        };
+        let usual = SafetyParams::default();
+        assert_eq!(stall_after(usual, 0.00025), 3250.0);
+        assert_eq!(stall_after(usual, 0.001), 4000.0);
+        assert_eq!(stall_after(usual, 0.004), 7000.0);
+        assert_eq!(stall_after(usual, 0.01), 15_000.0);
+        let asked = SafetyParams {
+            stall_after_periods: 2.0,
+            tolerated_lateness: 0.0,
+            ..usual
+        };
+        assert_eq!(stall_after(asked, 0.00025), 500.0);
+    }
 }

@@ -19,6 +19,8 @@ fn limits() -> SafetyParams {
     SafetyParams {
         workspace: Some([[-0.05, -1.0, -1.0], [0.05, 1.0, 1.0]]),
         largest_speed: 2.0,
+        // The clock is moved by hand: nothing here is late by itself.
+        tolerated_lateness: 0.0,
         ..SafetyParams::default()
     }
 }
@@ -256,6 +258,29 @@ fn a_stalled_loop_is_cut_within_two_periods_and_comes_back_softly() {
     for _ in 0..100 {
         control.tick();
         assert!(!supervisor.look(clock.now()));
+    }
+}
+
+/// A wake-up on an ordinary machine is late by up to 3 ms now and then. That is no stall, however
+/// short the period is, and a stall is one all the same.
+#[test]
+fn a_wake_up_that_is_late_as_they_are_is_not_cut() {
+    for (late, is_stall) in [(2900, false), (3600, true)] {
+        let (mut control, clock) =
+            scripted(vec![at(-1.0), at(0.0), at(1.0)], SafetyParams::default());
+        let mut supervisor = control.supervisor().unwrap();
+        for _ in 0..BEFORE {
+            control.tick();
+        }
+        // From one tick to the next: a period of 1 ms, and as late as that.
+        let begun = clock.now();
+        let mut was_cut = false;
+        while clock.now() < begun + Duration::from_micros(1000 + late) {
+            clock.advance(Duration::from_micros(100));
+            was_cut |= supervisor.look(clock.now());
+        }
+        assert_eq!(was_cut, is_stall, "late by {late} us");
+        assert_eq!(control.tick().force_on_device == 0.0, is_stall);
     }
 }
 

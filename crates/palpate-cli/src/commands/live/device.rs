@@ -5,6 +5,7 @@ use palpate_rt::device::{PointerDevice, PointerHand, PointerParams};
 use palpate_scope::{Devices, Placed};
 use palpate_sim::scene::Scene;
 
+use crate::devices::guarding::Guarding;
 use crate::devices::{DeviceArguments, DeviceName, Opened, open};
 use crate::failure::Failure;
 
@@ -26,6 +27,7 @@ pub struct Named {
     arguments: DeviceArguments,
     scene: Scene,
     clock: MonotonicClock,
+    guarding: Guarding,
     hand: Option<PointerHand>,
     /// Opened beforehand, so that what is wrong is said at once.
     first: Option<Placed>,
@@ -37,12 +39,14 @@ impl Named {
         arguments: &DeviceArguments,
         scene: &Scene,
         clock: &MonotonicClock,
+        guarding: &Guarding,
     ) -> Result<Self, Failure> {
         let is_pointer = arguments.device == DeviceName::Pointer;
         let mut devices = Self {
             arguments: arguments.clone(),
             scene: scene.clone(),
             clock: *clock,
+            guarding: guarding.clone(),
             hand: is_pointer.then(|| PointerHand::at(scene.device.position)),
             first: None,
         };
@@ -59,7 +63,7 @@ impl Named {
         let Opened {
             mut device,
             placement,
-        } = open(&self.arguments, &self.scene, &self.clock)?;
+        } = open(&self.arguments, &self.scene, &self.clock, &self.guarding)?;
         if let Some(hand) = &self.hand {
             let usual = PointerParams::of(&self.scene);
             let params = PointerParams {

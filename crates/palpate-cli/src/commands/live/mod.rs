@@ -17,8 +17,9 @@ use palpate_sim::scene::{Scene, SceneFile, Timing};
 pub use arguments::LiveArguments;
 use device::{Named, most_lanes};
 
-use super::run::{Asked, Report, limits, outcome, receipt, request, scene_text};
+use super::run::{Asked, Report, guarding, limits, outcome, receipt, request, scene_text};
 use crate::devices::DeviceName;
+use crate::devices::guarding::GuardianReport;
 use crate::failure::{Failure, tell};
 use crate::recorded::{in_a_line, open as open_recording, whole_or_said};
 use crate::results::print;
@@ -37,7 +38,8 @@ pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
     let listening = listen(arguments)?;
     let spin = duration("--spin", arguments.realtime.spin)?;
     let clock = MonotonicClock::new().with_spin(spin);
-    let devices = Named::new(&arguments.device, &scene, &clock)?;
+    let guarding = guarding(&arguments.safety, &scene)?;
+    let devices = Named::new(&arguments.device, &scene, &clock, &guarding)?;
     let lasts = (arguments.duration < f64::INFINITY)
         .then(|| duration("--duration", arguments.duration))
         .transpose()?;
@@ -94,7 +96,8 @@ pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
     };
     let mut ended = Ok(());
     for lane in end.lanes {
-        add(&mut ended, report(lane, &asked));
+        let guardian = guarding.report(&arguments.device, &lane.capabilities);
+        add(&mut ended, report(lane, guardian, &asked));
     }
     for written in end.recordings {
         add(&mut ended, report_recording(written));
@@ -205,7 +208,7 @@ fn report_recording(written: Written) -> Result<(), Failure> {
 }
 
 /// Says how a lane went.
-fn report(lane: LaneEnd, asked: &Asked) -> Result<(), Failure> {
+fn report(lane: LaneEnd, guardian: Option<GuardianReport>, asked: &Asked) -> Result<(), Failure> {
     let (recording, unwritten) = match lane.recording {
         Some(Written {
             path, ticks: Ok(_), ..
@@ -223,7 +226,8 @@ fn report(lane: LaneEnd, asked: &Asked) -> Result<(), Failure> {
         &lane.answers,
         &lane.account,
         recording.as_ref(),
-    );
+    )
+    .guarded(guardian);
     print(&format!("\n{report}"))?;
     outcome::of(&lane.end, asked, unwritten, recording.as_ref())
 }

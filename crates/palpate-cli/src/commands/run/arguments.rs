@@ -101,7 +101,8 @@ pub struct SafetyArguments {
     /// [default: 0.05]
     #[arg(long, value_name = "J", value_parser = number)]
     pub oscillation: Option<f64>,
-    /// How late the loop may be before a supervisor commands no force, in periods [default: 1.5]
+    /// Periods from one tick to the next after which a supervisor, or a guardian, commands no force
+    /// [default: 1.5, or what a period and 3 ms are if that is more: wake-ups are late by up to 3 ms]
     #[arg(long, value_name = "PERIODS", value_parser = number)]
     pub stall_after: Option<f64>,
 }

@@ -24,6 +24,7 @@ pub use outcome::Asked;
 pub use report::Report;
 pub use report::TimingReport;
 
+use crate::devices::guarding::Guarding;
 use crate::devices::{DeviceName, Opened, open};
 use crate::failure::{Failure, tell};
 use crate::progress::Progress;
@@ -108,7 +109,9 @@ struct Session<'a> {
 
 impl Session<'_> {
     fn on<C: Clock>(&self, clock: &C, request: Request) -> Result<(), Failure> {
-        let Opened { device, placement } = open(&self.arguments.device, self.scene, clock)?;
+        let guarding = guarding(&self.arguments.safety, self.scene)?;
+        let arguments = &self.arguments.device;
+        let Opened { device, placement } = open(arguments, self.scene, clock, &guarding)?;
         let limits = limits(device.capabilities(), &self.arguments.safety);
         let wrong = |error: SetupError| match error {
             SetupError::Safety(error) => Failure::Arguments(error.to_string()),
@@ -164,7 +167,8 @@ impl Session<'_> {
             &answers,
             &account,
             recording.as_ref(),
-        );
+        )
+        .guarded(guarding.report(arguments, &capabilities));
         print(&if self.arguments.json {
             serde_json::to_string_pretty(&report).expect("a report has string keys only") + "\n"
         } else {
@@ -218,6 +222,13 @@ pub fn receipt(device: &Capabilities, limits: &SafetyParams, request: &Request) 
         .with("real time", &format!("{request:#?}\n"))
 }
 
+/// Guardians for a loop of `scene`: they wait for as long as its supervisor.
+pub fn guarding(arguments: &SafetyArguments, scene: &Scene) -> Result<Guarding, Failure> {
+    let limits = limits(&Capabilities::unknown("any", 1), arguments);
+    let period = duration("--period", scene.loop_params.period)?;
+    Ok(Guarding::new(limits.stall_after(period)))
+}
+
 /// The limits of a device, as far as flags do not say otherwise.
 pub fn limits(device: &Capabilities, arguments: &SafetyArguments) -> SafetyParams {
     let mut limits = SafetyParams::for_device(device);
@@ -228,6 +239,10 @@ pub fn limits(device: &Capabilities, arguments: &SafetyArguments) -> SafetyParam
     set(&mut limits.soft_start, arguments.soft_start);
     set(&mut limits.oscillation.energy, arguments.oscillation);
     set(&mut limits.stall_after_periods, arguments.stall_after);
+    if arguments.stall_after.is_some() {
+        // These periods, and nothing else.
+        limits.tolerated_lateness = 0.0;
+    }
     limits.range = arguments.safe_range.map(|(from, to)| [from, to]);
     limits
 }

@@ -13,6 +13,7 @@ use palpate_sim::method::MethodName;
 use palpate_sim::scene::Scene;
 use serde::Serialize;
 
+use crate::devices::guarding::GuardianReport;
 use crate::recorded::in_a_line;
 use crate::report::{counted, digits, lines, motors_off, number, plain_table};
 
@@ -36,6 +37,8 @@ pub struct Report {
     supervisor_cuts: u64,
     /// Ticks at whose end safety had tripped.
     motors_off_ticks: u64,
+    /// Who would take the force off a device that holds its last one.
+    guardian: Option<GuardianReport>,
     peak_force_n: f64,
     deepest_penetration_m: f64,
     /// Of the forces that the motors held; what passed while they were off is work from outside.
@@ -160,6 +163,7 @@ impl Report {
             trip: end.trip.map(palpate_rt::safety::Trip::name),
             supervisor_cuts: end.cuts,
             motors_off_ticks: end.statistics.motors_off,
+            guardian: None,
             peak_force_n: account.peak_force,
             deepest_penetration_m: account.deepest,
             leak_held_j: last.held_leak,
@@ -181,6 +185,13 @@ impl Report {
                 in_a_line: in_a_line(recording),
             }),
         }
+    }
+}
+
+impl Report {
+    /// The same, with what is to be said of the device's guardian.
+    pub fn guarded(self, guardian: Option<GuardianReport>) -> Self {
+        Self { guardian, ..self }
     }
 }
 
@@ -221,6 +232,9 @@ impl fmt::Display for Report {
                 Some(why) => format!("refused: {why}"),
             };
             writeln!(f, "{}: {outcome}", answer.asked)?;
+        }
+        if let Some(guardian) = &self.guardian {
+            writeln!(f, "{guardian}")?;
         }
         writeln!(f, "\n{}", self.timing)?;
         writeln!(

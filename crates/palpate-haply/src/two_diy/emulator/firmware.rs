@@ -316,6 +316,39 @@ mod tests {
         }
     }
 
+    /// Whatever part of a STATE the loop had sent when it was killed.
+    #[test]
+    fn a_release_takes_the_torque_off_from_anywhere_and_leaves_the_layout() {
+        use crate::two_diy::packet::{release, state};
+        let layout = crate::two_diy::Generation::Three.layout();
+        for (strict, late) in [(true, true), (true, false), (false, true), (false, false)] {
+            for sent in 0..=10 {
+                let mut incoming = bytes(&format!("{SETUP} 02 05 0a d7 23 3d 0a d7 a3 bd"));
+                // Bytes that would be commands where a packet begins.
+                incoming.extend(&state(&layout, [-0.123, 0.02])[..sent]);
+                let mut rest = VecDeque::from(release(&layout).to_vec());
+                if !late {
+                    incoming.append(&mut rest);
+                }
+                let mut wire = Memory {
+                    incoming,
+                    late: rest,
+                    ..Memory::default()
+                };
+                let mut bench = Bench::default();
+                let mut firmware = Firmware::new(Board::M3, strict);
+                while firmware.turn(&mut wire, &mut bench).is_some() {}
+                wire.incoming.append(&mut wire.late);
+                while firmware.turn(&mut wire, &mut bench).is_some() {}
+                let duties = bench.driven.map(|(_, duty)| duty);
+                assert_eq!(duties, [0.0; 2], "{sent} bytes, strict: {strict}");
+                wire.incoming.extend(state(&layout, [0.1, 0.1]));
+                while firmware.turn(&mut wire, &mut bench).is_some() {}
+                assert!(bench.driven.iter().all(|(_, duty)| *duty > 0.5), "{sent}");
+            }
+        }
+    }
+
     #[test]
     fn what_is_no_command_goes_a_byte_at_a_time() {
         let mut wire = Memory {
