@@ -166,7 +166,10 @@ impl Line {
 
     /// Finds out what the guardian has done.
     pub fn listen_to_guardian(&self) {
-        let _ = self.shared.with_outgoing(|_, _| Ok(()));
+        // Nothing but that: what is wanted goes out with the next packet, and before it.
+        if let Ok(mut outgoing) = self.shared.try_locked() {
+            let _ = self.shared.heed_guardian(&mut outgoing);
+        }
     }
 
     /// How often a guardian has sent no force.
@@ -302,15 +305,20 @@ impl Shared {
         &self,
         send: impl FnOnce(&Self, &mut Outgoing) -> Result<T, Unsent>,
     ) -> Result<T, Unsent> {
-        let mut outgoing = match self.outgoing.try_lock() {
-            Ok(outgoing) => outgoing,
-            // Whoever panicked while it sent has left a packet and its rest, as everybody does.
-            Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner(),
-            Err(TryLockError::WouldBlock) => return Err(Unsent::Busy),
-        };
+        let mut outgoing = self.try_locked()?;
         self.heed_guardian(&mut outgoing)?;
         self.send_wanted(&mut outgoing)?;
         send(self, &mut outgoing)
+    }
+
+    /// What goes out, unless somebody else has it.
+    fn try_locked(&self) -> Result<MutexGuard<'_, Outgoing>, Unsent> {
+        match self.outgoing.try_lock() {
+            Ok(outgoing) => Ok(outgoing),
+            // Whoever panicked while it sent has left a packet and its rest, as everybody does.
+            Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => Err(Unsent::Busy),
+        }
     }
 
     /// What goes out, for whoever may wait.
