@@ -268,10 +268,9 @@ mod tests {
     fn single_wrong_samples_and_noise_are_no_motion() {
         let glitches = swing(0.02, 1.0, 3, |i, x| if i % 500 == 7 { 1e6 } else { x });
         assert_eq!(glitches.excess(), None);
-        // A tenth of a millimetre to and fro with every sample is 0.1 m/s at 1 kHz; with 3 mm it
-        // would be 3 m/s.
+        // From sample to sample these 6 mm are 6 m/s.
         let noise = swing(0.02, 1.0, 3, |i, x| {
-            x + if i % 2 == 0 { 0.003 } else { 0.0 }
+            x + if i % 2 == 0 { 0.006 } else { 0.0 }
         });
         assert_eq!(noise.excess(), None);
     }
