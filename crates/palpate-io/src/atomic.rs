@@ -64,7 +64,7 @@ pub enum Existing {
 ///
 /// # Errors
 ///
-/// What [`write`] would say: a directory that is missing or may not be changed, a full disk, a path
+/// What [`write`](fn@write) would say: a directory that is missing or may not be changed, a full disk, a path
 /// that is a directory. With [`Existing::Keep`] also a file of that name.
 pub fn check(path: &Path, existing: Existing) -> Result<(), WriteError> {
     check_target(path, existing).map_err(|source| WriteError::new(path, source))
@@ -91,7 +91,7 @@ pub fn write<T>(
     write_over(path, Existing::Replace, write)
 }
 
-/// Writes the file at `path` through `write`, as [`write`] does; `existing` says what becomes of a
+/// Writes the file at `path` through `write`, as [`write`](fn@write) does; `existing` says what becomes of a
 /// regular file that is there.
 ///
 /// # Errors
