@@ -23,7 +23,13 @@ pub struct Pty {
 impl Pty {
     /// A new pair; `link` is made a symbolic link to the host's end, in place of an older one.
     pub fn open(link: Option<&Path>) -> io::Result<Self> {
-        let board = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC)?;
+        let flags = OpenptFlags::RDWR | OpenptFlags::NOCTTY;
+        // macOS knows no such flag here, and is told afterwards.
+        #[cfg(not(target_vendor = "apple"))]
+        let flags = flags | OpenptFlags::CLOEXEC;
+        let board = openpt(flags)?;
+        #[cfg(target_vendor = "apple")]
+        rustix::io::fcntl_setfd(&board, rustix::io::FdFlags::CLOEXEC)?;
         grantpt(&board)?;
         unlockpt(&board)?;
         let name = ptsname(&board, Vec::new())?;
