@@ -9,6 +9,7 @@ use palpate::{
     AnyParams, AnyRenderer, Contact, LoopParams, Mass, ObjectState, ParameterError, Renderer,
 };
 use palpate_sim::method::MethodName;
+use palpate_sim::named_parameters::{in_words, method_of};
 use palpate_sim::scene::{Scene, SetupError};
 
 pub(crate) use rendered::Rendered;
@@ -52,6 +53,12 @@ impl Rendering {
         Renderer::new(self.contact, self.loop_params, self.params)
     }
 
+    /// The method; HFCR without dissipation is `hfcr`, whatever it was chosen as.
+    #[must_use]
+    pub fn method(&self) -> MethodName {
+        method_of(&self.params)
+    }
+
     fn is_wall(&self) -> bool {
         self.contact.object_mass == Mass::Infinite
     }
@@ -65,7 +72,12 @@ impl fmt::Display for Rendering {
             Mass::Finite(mass) => write!(f, "{mass} kg behind {stiffness} N/m")?,
             Mass::Infinite => write!(f, "a wall of {stiffness} N/m")?,
         }
-        write!(f, ", f_V {} N, by {:?}", self.virtual_force, self.params)
+        write!(
+            f,
+            ", f_V {} N, by {}",
+            self.virtual_force,
+            in_words(&self.params)
+        )
     }
 }
 

@@ -24,7 +24,10 @@ impl Default for OscillationParams {
 #[derive(Clone, Debug)]
 pub(super) struct Oscillation {
     params: OscillationParams,
+    /// Created by the method that renders now.
     recent: f64,
+    /// Created by methods that rendered before it.
+    before: f64,
     seen: Option<f64>,
 }
 
@@ -33,6 +36,7 @@ impl Oscillation {
         Self {
             params,
             recent: 0.0,
+            before: 0.0,
             seen: None,
         }
     }
@@ -52,6 +56,19 @@ impl Oscillation {
         self.seen = Some(created);
         let kept = (1.0 - elapsed / self.params.window).max(0.0);
         self.recent = self.recent * kept + new;
-        self.recent > self.params.energy
+        self.before *= kept;
+        self.recent + self.before > self.params.energy
+    }
+
+    /// Another method renders from now on. What was created stays in the sum, else frequent changes
+    /// would hide an oscillation.
+    pub fn another_method(&mut self) {
+        self.before += self.recent;
+        self.recent = 0.0;
+    }
+
+    /// Whether most of the sum was created before the method that renders now began.
+    pub fn is_from_before(&self) -> bool {
+        self.before > self.recent
     }
 }

@@ -7,11 +7,12 @@ use palpate_io::recording::{Flags, Tick};
 use palpate_rt::clock::MonotonicClock;
 use palpate_rt::device::Capabilities;
 use palpate_rt::realtime::{Answer, Request};
-use palpate_rt::safety::SafetyParams;
+use palpate_rt::safety::{SafetyParams, Trip};
 use palpate_rt::{
     Account, ControlLoop, Durations, Listener, LoopEnd, LoopThread, Note, Noted, Rendering,
     StopFlag, Told, tap,
 };
+use palpate_sim::method::MethodName;
 
 use super::carried::{Carried, Returned};
 use super::recording::{Ending, LaneRecording};
@@ -37,11 +38,20 @@ pub struct Lane {
     recorded: Option<PathBuf>,
     heard: Heard,
     statistics: Statistics,
-    trip: Option<String>,
+    trip: Option<Tripped>,
     account: Account,
     capabilities: Capabilities,
     answers: Vec<Answer>,
     end: Option<Ended>,
+}
+
+/// What holds the force at none.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Tripped {
+    /// Why, in words.
+    pub why: String,
+    /// The method whose held forces are the reason, if it is a method's.
+    pub method: Option<MethodName>,
 }
 
 /// Which ticks were heard of, by their numbers.
@@ -161,7 +171,18 @@ impl Lane {
 
     fn noted(&mut self, noted: &Noted) {
         match noted.note {
-            Note::Tripped(trip) => self.trip = Some(trip.to_string()),
+            Note::Tripped(trip) => {
+                self.trip = Some(Tripped {
+                    why: trip.to_string(),
+                    method: None,
+                });
+            }
+            Note::Oscillated { method, .. } => {
+                self.trip = Some(Tripped {
+                    why: Trip::Oscillation.to_string(),
+                    method: Some(method),
+                });
+            }
             Note::MissedDeadlines(number) => self.statistics.missed_deadlines += number,
             _ => {}
         }
@@ -182,8 +203,8 @@ impl Lane {
     }
 
     /// What holds the force at none, if something does.
-    pub fn trip(&self) -> Option<&str> {
-        self.trip.as_deref()
+    pub fn trip(&self) -> Option<&Tripped> {
+        self.trip.as_ref()
     }
 
     /// Ends a trip that stays.

@@ -1,7 +1,7 @@
 //! How fast device and object part after a collision, whatever the device.
 
 use crate::metrics::WindowMismatch;
-use crate::metrics::collisions::{parted, relative_error, rendered_runs};
+use crate::metrics::collisions::{ideal_collisions, parted, relative_error, separated};
 use crate::profile::{ForceProfile, Snapshot};
 
 /// The speeds at which device and object part after a collision, ideal and rendered.
@@ -54,15 +54,14 @@ impl ReboundSpeed {
     ) -> Result<Vec<Self>, WindowMismatch> {
         WindowMismatch::unless_equal(held.len(), profile.intervals())?;
         WindowMismatch::unless_equal(record.len().min(1), 1)?;
-        let runs = rendered_runs(held);
-        Ok(profile
-            .collisions()
-            .iter()
+        let runs = separated(held, profile.grid());
+        Ok(ideal_collisions(profile)
+            .into_iter()
             .filter_map(|collision| collision.release_speed)
             .enumerate()
             .map(|(number, ideal)| {
                 let rendered = (number < runs.len())
-                    .then(|| parted(record, profile.grid(), &runs, number))
+                    .then(|| parted(record, held, profile.grid(), &runs, number))
                     .and_then(|(sample, until)| Some(parting_speed(record, sample?, until)))
                     .filter(|speed| speed.is_finite());
                 Self {
