@@ -167,11 +167,16 @@ pub(super) fn parted(
 /// The end of `run` without what a renderer still corrects after contact, a hundredth of the run's peak
 /// force at most.
 fn end_of_push(held: &[f64], run: &Range<usize>) -> usize {
-    let peak = run.clone().map(|interval| held[interval].abs());
-    let least = REMAINDER * peak.fold(0.0, f64::max);
+    let least = least_push(held, run);
     run.clone()
         .rfind(|&interval| held[interval].abs() >= least)
         .map_or(run.end, |last| last + 1)
+}
+
+/// The force that counts as a push in `run`; what is smaller is a remainder \[N\].
+pub(super) fn least_push(held: &[f64], run: &Range<usize>) -> f64 {
+    let forces = run.clone().map(|interval| held[interval].abs());
+    REMAINDER * forces.fold(0.0, f64::max)
 }
 
 /// Pairs the ideal collisions that end within the window with `runs`, in order.
