@@ -423,8 +423,9 @@ impl Running {
             self.settings = new;
             return self.restart();
         }
-        for (lane, rendering) in self.lanes.iter_mut().zip(renderings) {
-            lane.change(rendering)?;
+        let methods = new.lanes.iter().map(|lane| lane.method);
+        for (lane, (method, rendering)) in self.lanes.iter_mut().zip(methods.zip(renderings)) {
+            lane.change(method, rendering)?;
         }
         self.settings = new;
         Ok(())
