@@ -72,3 +72,33 @@ impl Oscillation {
         self.before > self.recent
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 40 mJ by the first method, then so much by the second: whether that is too much, and whether
+    /// most of it is from before.
+    fn after_a_change(second: f64) -> (bool, bool) {
+        let mut oscillation = Oscillation::new(OscillationParams::default());
+        assert!(!oscillation.watch(0.0, 0.001));
+        assert!(!oscillation.watch(0.04, 0.001));
+        oscillation.another_method();
+        let trips = oscillation.watch(0.04 + second, 0.001);
+        (trips, oscillation.is_from_before())
+    }
+
+    #[test]
+    fn what_was_created_before_a_change_counts_and_is_not_the_new_methods() {
+        assert_eq!(after_a_change(0.0), (false, true));
+        assert_eq!(after_a_change(0.012), (true, true));
+        assert_eq!(after_a_change(0.045), (true, false));
+        // A method that changes with every tick hides nothing.
+        let mut oscillation = Oscillation::new(OscillationParams::default());
+        let trips = (0..20).any(|i| {
+            oscillation.another_method();
+            oscillation.watch(0.004 * f64::from(i), 0.001)
+        });
+        assert!(trips);
+    }
+}

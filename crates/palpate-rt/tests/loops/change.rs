@@ -294,7 +294,7 @@ fn said_after_a_switch(to: MethodName, ticks: usize) -> (Option<usize>, Vec<Note
     let mut buzzing = scene("experiment2.toml");
     buzzing.contact.stiffness *= 4.0;
     let (control, _) = simulated(&buzzing, MethodName::Basic, SafetyParams::default());
-    let (tap, mut listener) = tap(1 << 14);
+    let (tap, listener) = tap(1 << 14);
     let mut control = control.tapped(tap);
     let mut parameters = control.parameters().unwrap();
     let mut tripped = None;
@@ -311,7 +311,7 @@ fn said_after_a_switch(to: MethodName, ticks: usize) -> (Option<usize>, Vec<Note
     }
     drop(control);
     let mut notes = Vec::new();
-    while let Some(told) = listener.next() {
+    for told in listener {
         if let palpate_rt::Told::Note(noted) = told {
             notes.push(noted.note);
         }

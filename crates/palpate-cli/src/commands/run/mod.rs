@@ -1,13 +1,13 @@
 //! `palpate run` and `palpate record`: a loop in real time, on a device.
 
 mod arguments;
+mod receipt;
 pub mod report;
 pub mod scene_text;
 
 use std::path::Path;
 use std::time::Duration;
 
-use palpate_io::recording::Receipt;
 use palpate_rt::clock::{Clock, MonotonicClock, SteppedClock};
 use palpate_rt::device::{Capabilities, Device};
 use palpate_rt::realtime::Request;
@@ -19,6 +19,7 @@ use palpate_sim::scene::{Scene, Timing};
 pub use arguments::{
     RealtimeArguments, RecordArguments, RunArguments, SafetyArguments, SessionArguments,
 };
+pub use receipt::receipt;
 pub use report::Report;
 pub use report::TimingReport;
 
@@ -214,14 +215,6 @@ fn tell_if_unwritten<D: Device, C: Clock>(running: &LoopThread<D, C>, recorder: 
         }
         std::thread::sleep(LOOK_EVERY);
     }
-}
-
-/// The receipt of a recording, but for its scene.
-pub fn receipt(device: &Capabilities, limits: &SafetyParams, request: &Request) -> Receipt {
-    Receipt::new(env!("CARGO_PKG_VERSION"))
-        .with("device", &format!("{device:#?}\n"))
-        .with("safety", &format!("{limits:#?}\n"))
-        .with("real time", &format!("{request:#?}\n"))
 }
 
 /// The limits of a device, as far as flags do not say otherwise.
