@@ -114,19 +114,39 @@ test("what the server refuses stands beside its field, which goes back", async (
   const before = await open.get(fieldText, "stiffness_n_per_m");
   await open.enter(input("stiffness_n_per_m"), "1000000000");
   const said = await open.until("the refusal is shown", refusal, "stiffness_n_per_m");
-  assert.match(said, /stiffness_n_per_m is 1000000000; allowed: /);
+  assert.equal(said, "Stiffness 1000000000 N/m is outside its range; allowed: 10 to 10000 N/m");
   assert.equal(await open.get(fieldText, "stiffness_n_per_m"), before);
   assert.equal(await open.get(refusal, "mass_kg"), "");
   await open.enter(input("damping-1"), "-1");
-  assert.match(await open.until("the refusal is shown", refusal, "damping-1"), /damping_n_s_per_m is -1; allowed: 0 to/);
+  const ofDamping = await open.until("the refusal is shown", refusal, "damping-1");
+  assert.equal(ofDamping, "Damping b −1 N s/m is outside its range; allowed: 0 to 50 N s/m");
+  // What else is asked for takes the reason away.
+  assert.equal(await open.get(refusal, "stiffness_n_per_m"), "");
   assert.equal(await open.get(fieldText, "damping-1"), "");
   await open.enter(input("mass_kg"), "heavy");
   assert.equal(await open.until("the refusal is shown", refusal, "mass_kg"), "“heavy” is no number");
   // 0 Hz would be no period at all.
   const rate = await open.get(fieldText, "period_s");
   await open.enter(input("period_s"), "0");
-  assert.equal(await open.until("the refusal is shown", refusal, "period_s"), "“0” is outside; allowed: 20 to 4000");
+  assert.equal(await open.until("the refusal is shown", refusal, "period_s"), "“0” is outside its range; allowed: 20 to 4000 Hz");
   assert.equal(await open.get(fieldText, "period_s"), rate);
+  // A rate is refused as a rate, a period as a period, where it was entered.
+  await open.enter(input("period_s"), "100000");
+  const ofRate = () => document.querySelector('[data-name="period_s"] .refused').textContent.startsWith("Rate");
+  await open.until("the rate is refused", ofRate);
+  assert.equal(await open.get(refusal, "period_s"), "Rate 100000 Hz is outside its range; allowed: 20 to 4000 Hz");
+  await open.enter(input("period"), "0.01");
+  assert.equal(
+    await open.until("the period is refused", refusal, "period"),
+    "Period 0.01 ms is outside its range; allowed: 0.25 to 50 ms",
+  );
+  assert.equal(await open.get(refusal, "period_s"), "");
+  assert.equal(await open.get(fieldText, "period_s"), rate);
+  // Nothing marks a field whose value is right, and the value that counts takes the reason away.
+  const marked = () => document.querySelectorAll('[aria-invalid="true"], .field.wrong').length;
+  assert.equal(await open.get(marked), 0);
+  await open.enter(input("period_s"), rate);
+  await open.until("the reason is gone", () => document.querySelector('[data-name="period"] .refused').textContent === "");
   // What is right takes the reason away.
   await open.enter(input("stiffness_n_per_m"), "700");
   await open.until("the stiffness is set", () => palpate.model.state.stiffness_n_per_m === 700);
@@ -182,6 +202,12 @@ test("a method that trips is shown; another one, rearmed, holds the same wall", 
   await open.until("there is no force", () => palpate.model.newest(0, "force_on_device_n") === 0);
   await open.page.select("#method-1", "coupled");
   await open.until("it is coupled", () => palpate.model.state.lanes[0].method === "coupled");
+  // The one that renders now is not the one that oscillated.
+  const says = await open.until("the banner names both", () => {
+    const text = document.querySelector('[data-about="trip-1"] p')?.textContent;
+    return /coupled renders now/.test(text) && text;
+  });
+  assert.match(says, /^Lane 1: no force, because of basic, which rendered before/);
   await press(open, -0.01);
   await open.page.click('[data-about="trip-1"] button');
   await open.until("it is armed", () => palpate.model.state.lanes[0].trip === null);

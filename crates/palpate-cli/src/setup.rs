@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use palpate::{
-    BasicParams, Contact, Guard, LoopParams, Mass, ObjectState, ParameterError, Renderer,
+    BasicParams, Contact, Guard, LoopParams, Mass, ObjectState, ParameterError, Renderer, Side,
 };
 use palpate_sim::method::{MethodName, Setting, Settings, SettingsError};
 use palpate_sim::replay::ReplaySetup;
@@ -415,7 +415,11 @@ pub fn receipt(
         ),
         (
             "side".to_owned(),
-            format!("{:?}", contact.side).to_lowercase(),
+            match contact.side {
+                Side::Positive => "positive",
+                Side::Negative => "negative",
+            }
+            .to_owned(),
         ),
         ("unilateral".to_owned(), contact.unilateral.to_string()),
         ("period_s".to_owned(), limits.period.to_string()),

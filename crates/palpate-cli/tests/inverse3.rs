@@ -143,9 +143,12 @@ fn an_emulated_service_says_where_it_is_and_what_it_was_commanded() {
     let ended = child.output();
     let said = String::from_utf8(ended.stderr).unwrap();
     assert!(ended.status.success(), "{said}");
-    assert!(said.contains("at 0.1 s: Answer(Twice)"), "{said}");
     assert!(
-        said.contains("1 sessions") && said.contains("in the end [0.0, 0.0, 0.0] N"),
+        said.contains("at 0.1 s: the next answer comes twice"),
+        "{said}"
+    );
+    assert!(
+        said.contains("1 sessions") && said.contains("in the end 0.000, 0.000, 0.000 N"),
         "{said}"
     );
 }

@@ -187,3 +187,50 @@ fn a_recording_that_cannot_be_written_is_said_at_the_end() {
     assert_eq!(ended.status.code(), Some(1), "{said}");
     assert!(said.contains("wall.mcap"), "{said}");
 }
+
+/// What listens on every address is opened by one that there is: a browser cannot open 0.0.0.0.
+#[test]
+fn a_page_on_every_address_is_said_by_addresses_that_can_be_opened() {
+    let folder = Folder::new();
+    let mut live = program(&folder, "live --listen 0.0.0.0:0 --priority 0");
+    let mut child = Running::start(live.stdout(Stdio::piped()));
+    let mut out = BufReader::new(child.stdout.take().unwrap());
+    let mut lines = [String::new(), String::new()];
+    for line in &mut lines {
+        out.read_line(line).unwrap();
+    }
+    let [here, there] = &lines;
+    assert!(
+        !here.contains("0.0.0.0") && !there.contains("0.0.0.0"),
+        "{lines:?}"
+    );
+    assert!(here.starts_with("http://127.0.0.1:"), "{lines:?}");
+    assert!(there.starts_with("from another machine: "), "{lines:?}");
+    let mut urls = vec![here.trim()];
+    urls.extend(
+        there
+            .split(' ')
+            .map(str::trim)
+            .filter(|word| word.starts_with("http://")),
+    );
+    for url in urls {
+        let (address, path) = url
+            .strip_prefix("http://")
+            .unwrap()
+            .split_once('/')
+            .unwrap();
+        assert!(path.starts_with("?token="), "{url}");
+        let mut page = TcpStream::connect(address).unwrap();
+        page.set_read_timeout(Some(Duration::from_secs(20)))
+            .unwrap();
+        let request = format!("GET /{path} HTTP/1.1\r\nHost: {address}\r\n\r\n");
+        page.write_all(request.as_bytes()).unwrap();
+        let mut answer = String::new();
+        page.read_to_string(&mut answer).unwrap();
+        assert!(answer.starts_with("HTTP/1.1 200 "), "{url}: {answer}");
+    }
+    child.signal("INT");
+    let mut report = String::new();
+    out.read_to_string(&mut report).unwrap();
+    assert!(child.wait().unwrap().success(), "{report}");
+}

@@ -377,3 +377,33 @@ fn limits_act_and_are_counted() {
             .contains(&format!("{limited} forces limited"))
     );
 }
+
+/// The default method corrects with a small force after contact has ended. Each collision is compared
+/// with its own ideal one for all that, and a method that has another number of them is said to have.
+#[test]
+fn collisions_of_the_default_method_are_told_apart() {
+    let folder = Folder::new();
+    folder.write("long.csv", trace_text(&taps(0.001, 4.0)));
+    let render = "render long.csv --stiffness 400 --mass 0.1 --period 0.01 --force -0.981";
+    let report = folder.json(render);
+    let coupled = of_method(&report, "coupled");
+    let collisions = coupled["collisions"].as_array().unwrap();
+    assert!(collisions.len() > 20, "{} collisions", collisions.len());
+    for collision in collisions {
+        let error = number(collision, "impulse_error_percent");
+        assert!(error.abs() < 2.0, "{collision}");
+    }
+    let surplus = number(coupled, "rendered_collisions") - collisions.len() as f64;
+    assert!((0.0..=1.0).contains(&surplus), "{surplus}");
+    assert!(
+        !folder
+            .succeed(render)
+            .contains("compares different collisions")
+    );
+    let basic = folder.succeed(&format!("{render} --method basic"));
+    assert!(
+        basic.contains("collisions rendered for")
+            && basic.contains("compares different collisions"),
+        "{basic}"
+    );
+}

@@ -52,7 +52,8 @@ fn every_method_gets_a_hand_and_the_report_says_how_well_it_is_known() {
         "1 sigma",
         "gives the recorded motion back within",
         "holds on to its motion with 300 N/m and 5 N s/m",
-        "leaves the recorded motion by up to",
+        "the device leaves the recorded motion, which spans",
+        "by up to: basic ",
     ] {
         assert!(table.contains(words), "no {words:?} in:\n{table}");
     }
@@ -199,4 +200,50 @@ fn a_hand_comes_from_standard_input_too() {
         answer.stdout.replace("standard input", "tap.csv"),
         from_file
     );
+}
+
+/// A hand of which nothing is stated holds on as hands do; nothing is carried away.
+#[test]
+fn a_hand_of_which_nothing_is_said_holds_on_to_its_motion() {
+    let folder = with_taps();
+    let render = format!("render tap.csv {CONTACT} --replay hand --device-mass 0.25");
+    let report = folder.json(&render);
+    let replay = &report["replay"];
+    assert_eq!(number(replay, "hand_stiffness_n_per_m"), 60.0);
+    assert_eq!(number(replay, "hand_damping_n_s_per_m"), 2.0);
+    assert_eq!(replay["hand_is_assumed"], true);
+    let departure = replay["largest_departure_m"][0].as_f64().unwrap();
+    assert!((1e-4..0.1).contains(&departure), "{departure} m");
+    let words = folder.succeed(&render);
+    for said in [
+        "it holds on to its motion with 60 N/m and 2 N s/m (assumed; --hand-stiffness and",
+        "mm, by up to: coupled ",
+    ] {
+        assert!(words.contains(said), "no {said:?} in:\n{words}");
+    }
+    let stated = folder.json(&format!("{render} --hand-stiffness 60 --hand-damping 2"));
+    assert_eq!(stated["replay"]["hand_is_assumed"], false);
+    assert_eq!(stated["methods"], report["methods"]);
+}
+
+/// The weight of the block carries a hand away that holds on to nothing: nonsense is refused, and not
+/// in the middle of a report.
+#[test]
+fn what_no_hand_can_follow_is_refused() {
+    let folder = with_taps();
+    folder.write("long.csv", trace_text(&taps(0.001, 4.0)));
+    let free = "--replay hand --device-mass 0.25 --hand-stiffness 0 --hand-damping 0";
+    folder.fail(
+        &format!("render long.csv {CONTACT} {free}"),
+        2,
+        &[
+            "long.csv: held by a hand of 0 N/m and 0 N s/m, the device would leave the recorded motion by",
+            "no arm reaches farther than 1 m",
+            "--hand-stiffness 60 --hand-damping 2",
+        ],
+    );
+    // A wall of so light a touch carries nothing away, and is replayed as before.
+    let light = "--stiffness 10 --mass inf --period 0.01 --object-position 1";
+    let report = folder.json(&format!("render long.csv {light} {free}"));
+    assert_eq!(report["replay"]["hand_stiffness_n_per_m"], 0.0);
 }

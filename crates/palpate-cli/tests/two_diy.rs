@@ -110,7 +110,7 @@ fn a_board_that_has_not_said_that_it_holds_no_torque_is_told_of() {
     );
     let run = Running::start(run.stdout(Stdio::null()).stderr(Stdio::piped()));
     let mut said = BufReader::new(&mut emulated.said).lines();
-    let stalls = said.find(|line| line.as_ref().unwrap().contains("Stall"));
+    let stalls = said.find(|line| line.as_ref().unwrap().contains("the board stands still"));
     assert!(stalls.is_some());
     run.signal("INT");
     let said = String::from_utf8(run.output().stderr).unwrap();

@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use palpate::{Output, Placement};
 use palpate_io::recording::{Flags, Tick};
+use palpate_sim::method::MethodName;
 
 use crate::clock::Clock;
 use crate::deadlines::Deadlines;
@@ -50,6 +51,9 @@ pub struct ControlLoop<D: Device, C: Clock> {
     lost: bool,
     /// When the last tick began.
     ticked: Option<Duration>,
+    /// The method whose energy is counted now, and the one before it that created the most of late.
+    method: MethodName,
+    method_before: MethodName,
 }
 
 /// Longest period: whoever ends a loop should not have to wait for longer.
@@ -109,6 +113,8 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             sequence: 0,
             lost: false,
             ticked: None,
+            method: rendering.method(),
+            method_before: rendering.method(),
         })
     }
 
@@ -299,6 +305,8 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         if let Some(fault) = fault {
             self.note(Note::Fault(fault));
         }
+        // Not before: the interval that this sample ended was the former method's.
+        self.follow_method();
         let sent = self.command(verdict.force);
 
         let ended = self.clock.now();
@@ -333,6 +341,20 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         }
         self.sequence += 1;
         tick
+    }
+
+    /// Takes note of another method that renders from this sample on.
+    fn follow_method(&mut self) {
+        let method = self.rendered.rendering().method();
+        if method == self.method {
+            return;
+        }
+        // Of several changes in a row, the one that is to blame is remembered.
+        if !self.safety.oscillation_is_from_before() {
+            self.method_before = self.method;
+        }
+        self.method = method;
+        self.safety.another_method();
     }
 
     fn deadline(&mut self) -> Duration {
@@ -475,7 +497,17 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             self.note(Note::Recovered(trip));
         }
         if let Some(trip) = verdict.tripped {
-            self.note(Note::Tripped(trip));
+            self.note(match trip {
+                Trip::Oscillation => Note::Oscillated {
+                    method: if self.safety.oscillation_is_from_before() {
+                        self.method_before
+                    } else {
+                        self.method
+                    },
+                    renders_now: self.rendered.rendering().method(),
+                },
+                other => Note::Tripped(other),
+            });
         }
     }
 

@@ -2,6 +2,7 @@
 
 use palpate::Fault;
 use palpate_io::recording::Event;
+use palpate_sim::method::MethodName;
 
 use crate::device::DeviceError;
 use crate::rendering::Rendering;
@@ -10,8 +11,15 @@ use crate::safety::Trip;
 /// Something that happened in the loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Note {
-    /// Safety has tripped: no force is sent.
+    /// Safety has tripped: no force is sent. [`Trip::Oscillation`] has a note of its own.
     Tripped(Trip),
+    /// Safety has tripped on [`Trip::Oscillation`].
+    Oscillated {
+        /// The method whose held forces created the energy.
+        method: MethodName,
+        /// The method that renders now.
+        renders_now: MethodName,
+    },
     /// What had tripped has passed.
     Recovered(Trip),
     /// Somebody rearmed.
@@ -98,6 +106,13 @@ impl Noted {
     pub fn event(&self) -> Event {
         let (kind, text) = match self.note {
             Note::Tripped(trip) => (format!("trip-{}", trip.name()), trip.to_string()),
+            Note::Oscillated {
+                method,
+                renders_now,
+            } => (
+                format!("trip-{}", Trip::Oscillation.name()),
+                oscillated(method, renders_now),
+            ),
             Note::Recovered(trip) => (
                 "recovered".to_owned(),
                 format!("no longer: {trip}; the force comes back"),
@@ -130,5 +145,16 @@ impl Noted {
             kind,
             text,
         }
+    }
+}
+
+/// What has oscillated, in words.
+fn oscillated(method: MethodName, renders_now: MethodName) -> String {
+    let text =
+        format!("held forces created energy while {method} rendered: the contact oscillates");
+    if method == renders_now {
+        text
+    } else {
+        format!("{text}; {renders_now} renders now")
     }
 }

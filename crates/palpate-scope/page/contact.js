@@ -1,7 +1,9 @@
 // The fields of what is touched, and of the rate at which that is rendered.
 
-import { Field, number, plain } from "./field.js";
+import { Field, number } from "./field.js";
 import { say } from "./protocol.js";
+import { RATE, refusalInWords } from "./refusal.js";
+import { plain } from "./si.js";
 
 const GRAVITY = 9.81;
 
@@ -48,7 +50,7 @@ export class Contact {
         limits: inverse(limits.period_s),
         // The server knows periods: what is a round number there may be none here.
         says: (rate) => 1 / rate,
-        set: set("period_s"),
+        set: (value) => this.setPeriod(value, this.fields.period_s),
       }),
     };
     this.period = new Field({
@@ -61,8 +63,9 @@ export class Contact {
         const value = number(text);
         return value === null ? null : value / 1000;
       },
-      set: set("period_s"),
+      set: (value) => this.setPeriod(value, this.period),
     });
+    this.periodFrom = this.fields.period_s;
     this.wall = document.createElement("input");
     this.wall.type = "checkbox";
     this.wall.id = "wall";
@@ -94,6 +97,11 @@ export class Contact {
     );
   }
 
+  setPeriod(value, field) {
+    this.periodFrom = field;
+    this.set({ period_s: value });
+  }
+
   set(change) {
     this.last = Object.keys(change)[0];
     this.send(say.set(change));
@@ -115,14 +123,20 @@ export class Contact {
 
   /** Shows beside its field what the server refused; false if it is about none of these. `wasUsed`: these were used last. */
   refuse(text, wasUsed) {
-    const named = Object.keys(this.fields).find((key) => text.includes(key));
-    const key = named ?? (wasUsed ? this.last : undefined);
+    const { key: named, words } = refusalInWords(text, this.periodFrom === this.period ? undefined : RATE);
+    const key = named in this.fields ? named : named === null && wasUsed ? this.last : null;
     if (!key) {
       return false;
     }
-    const field = key === "period_s" && document.activeElement === this.period.input ? this.period : this.fields[key];
-    field.refuse(text);
+    const field = key === "period_s" ? this.periodFrom : this.fields[key];
+    field.refuse(words);
     this.take(this.model.state);
     return true;
+  }
+
+  /** Takes every reason for a refusal away: something else is asked for. */
+  forgive() {
+    Object.values(this.fields).forEach((field) => field.refuse(""));
+    this.period.refuse("");
   }
 }

@@ -1,5 +1,7 @@
 // A value that can be set: a number and a slider, and beside them what the server refused.
 
+import { limitsInWords } from "./refusal.js";
+import { plain } from "./si.js";
 import { slide } from "./slide.js";
 
 const STEPS = 1000;
@@ -54,6 +56,7 @@ export class Field {
     this.input.addEventListener("input", () => this.refuse(""));
     this.input.addEventListener("keydown", (event) => {
       if (event.key === "Escape") {
+        this.refuse("");
         this.write();
       }
     });
@@ -80,13 +83,13 @@ export class Field {
     const value = this.how.read(text);
     if (value === null || !Number.isFinite(value)) {
       this.refuse(text === "" ? "a number is needed" : `“${text}” is no number`);
-      this.write();
       return;
     }
     const said = this.how.says(value);
     if (!Number.isFinite(said)) {
       // A rate of 0 would be a message without a period, which the server has nothing against.
-      this.refuse(`“${text}” is outside; allowed: ${this.how.limits.map(this.how.write).join(" to ")}`);
+      const { limits, write } = this.how;
+      this.refuse(`“${text}” is outside its range; allowed: ${limitsInWords(limits, this.unit.textContent, write)}`);
       return;
     }
     this.how.set(said);
@@ -127,11 +130,12 @@ export class Field {
     this.slider.setAttribute("aria-valuetext", text);
   }
 
-  /** Shows why a value was refused, and goes back to the one that counts; an empty text takes the reason away. */
+  /**
+   * Shows why a value was refused, and goes back to the one that counts; an empty text takes the reason away. What the
+   * field then shows is right, so the field itself is not marked.
+   */
   refuse(text) {
     this.refusal.textContent = text;
-    this.input.setAttribute("aria-invalid", String(text !== ""));
-    this.root.classList.toggle("wrong", text !== "");
     if (text) {
       this.busyUntil = 0;
       this.place();
@@ -147,11 +151,6 @@ export class Field {
 
 function itself(value) {
   return value;
-}
-
-/** A number as one would write it. */
-export function plain(value) {
-  return String(Number(value.toPrecision(6))).replace("-", "−");
 }
 
 /** Reads a number, also with a true minus or a comma; null if it is none. */

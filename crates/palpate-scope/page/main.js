@@ -9,10 +9,12 @@ import { Methods } from "./methods.js";
 import { Model } from "./model.js";
 import { Pace, SAY_S, Turns } from "./pace.js";
 import { readSamples, say } from "./protocol.js";
+import { refusalInWords } from "./refusal.js";
 import { Scene } from "./scene.js";
 import { Status, aboutBuffer } from "./status.js";
 import { onThemeChange, readTheme } from "./theme.js";
 import { Toolbar } from "./toolbar.js";
+import { tripInWords } from "./trips.js";
 import { View } from "./view.js";
 
 // Somebody who wants less motion sees the charts go on this often.
@@ -65,8 +67,18 @@ function send(message) {
 
 function later(who, message) {
   asked = who;
+  forgive();
   pending = { ...pending, ...message };
 }
+
+/** A reason for a refusal stands until something else is entered, else it would stand beside a value that is right. */
+function forgive() {
+  if (model.hello) {
+    contact.forgive();
+    methods.forgive();
+  }
+}
+place("panel").addEventListener("input", forgive);
 
 function connection(kind, text) {
   place("connection").dataset.kind = kind;
@@ -115,9 +127,8 @@ model.addEventListener("state", () => {
   place("record").setAttribute("aria-pressed", String(state.recording !== null));
   status.takeRecording();
   [0, 1].forEach((lane) => {
-    const { method, trip } = state.lanes[lane] ?? {};
     const rearm = { label: "Rearm", act: () => send(say.rearm(lane)) };
-    banners.show(`trip-${lane + 1}`, trip ? `${method}: no force, because ${trip}.` : null, rearm);
+    banners.show(`trip-${lane + 1}`, tripInWords(state.lanes[lane], lane + 1), rearm);
   });
 });
 
@@ -131,7 +142,7 @@ model.addEventListener("status", () => status.take());
 
 model.addEventListener("refused", ({ detail: { about, text } }) => {
   if (about !== "set" || !model.state) {
-    banners.show("refused", `Refused: ${text}.`, { label: "Close", act: () => banners.show("refused", null) });
+    banners.show("refused", `Refused: ${refusalInWords(text).words}.`, { label: "Close", act: () => banners.show("refused", null) });
   } else if (!contact.refuse(text, asked === contact)) {
     methods.refuse(text);
   }

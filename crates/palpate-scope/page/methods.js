@@ -2,6 +2,7 @@
 
 import { Field } from "./field.js";
 import { say } from "./protocol.js";
+import { refusalInWords } from "./refusal.js";
 
 const SECOND_LANE = ["basic", "hfcr"];
 
@@ -79,14 +80,12 @@ export class Methods {
 
   change(lane, change) {
     this.last = lane;
-    this.refusal.textContent = "";
     const lanes = this.chosen;
     lanes[lane] = { ...lanes[lane], ...change };
     this.send(say.set({ lanes }));
   }
 
   toggle() {
-    this.refusal.textContent = "";
     const [first] = this.chosen;
     const names = this.model.hello.methods.map(({ name }) => name);
     const other = this.otherBefore ?? {
@@ -122,11 +121,18 @@ export class Methods {
   /** Shows beside its field what the server refused. */
   refuse(text) {
     const lane = this.lanes[this.last];
-    if (text.includes("damping") && lane && !lane.damping.root.hidden) {
-      lane.damping.refuse(text);
+    const { key, words } = refusalInWords(text);
+    if (key === "damping_n_s_per_m" && lane && !lane.damping.root.hidden) {
+      lane.damping.refuse(words);
     } else {
-      this.refusal.textContent = text;
+      this.refusal.textContent = words;
     }
     this.take(this.model.state);
+  }
+
+  /** Takes every reason for a refusal away: something else is asked for. */
+  forgive() {
+    this.refusal.textContent = "";
+    this.lanes.forEach(({ damping }) => damping.refuse(""));
   }
 }

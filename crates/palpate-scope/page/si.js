@@ -72,3 +72,8 @@ export function duration(seconds) {
   const whole = Math.max(0, Math.floor(seconds));
   return whole < 120 ? `${whole} s` : `${Math.floor(whole / 60)} min ${whole % 60} s`;
 }
+
+/** A number as one would write it. */
+export function plain(value) {
+  return String(Number(value.toPrecision(6))).replace("-", "−");
+}

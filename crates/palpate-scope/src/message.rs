@@ -255,6 +255,9 @@ pub struct LaneState {
     pub running: bool,
     /// What holds its force at none, if something does.
     pub trip: Option<String>,
+    /// The method whose held forces are the reason for that, if a method's are: it may not be the one
+    /// that renders now.
+    pub trip_method: Option<&'static str>,
 }
 
 /// The recording of the state.

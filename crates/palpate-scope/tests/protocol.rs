@@ -48,7 +48,7 @@ fn a_client_is_greeted_and_told_the_state() {
             "mass_kg": 0.1,
             "virtual_force_n": -0.981,
             "period_s": 0.001,
-            "lanes": [{"method": "coupled", "damping_n_s_per_m": null, "running": true, "trip": null}],
+            "lanes": [{"method": "coupled", "damping_n_s_per_m": null, "running": true, "trip": null, "trip_method": null}],
             "recording": null,
             "hand_m": 0.0,
         })

@@ -13,6 +13,7 @@ pub mod hand_replay;
 pub mod heights;
 pub mod map;
 pub mod method;
+pub mod named_parameters;
 mod plant;
 pub mod replay;
 pub mod run;

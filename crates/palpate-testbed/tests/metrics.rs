@@ -169,6 +169,86 @@ fn collisions_are_paired_by_number() {
     assert_eq!(three.rendered, None);
 }
 
+/// A renderer that corrects what it has held goes on holding a small force after contact has ended, up
+/// to the next collision: that is no contact, and no collision of its own.
+#[test]
+fn a_force_that_dies_away_after_contact_does_not_join_collisions() {
+    let (_, profile) = windowed(FALLING_BLOCK, 0.01, 3);
+    let means: Vec<f64> = profile.mean_forces().collect();
+    let peak = means.iter().copied().fold(0.0, f64::max);
+    for (what, share, fades) in [
+        ("a tail", 0.02, 0.5),
+        ("a tail to the next collision", 0.002, 0.98),
+    ] {
+        let mut held = means.clone();
+        let mut tail = 0.0;
+        for force in &mut held {
+            if *force == 0.0 {
+                *force = tail;
+                tail *= fades;
+            } else {
+                tail = share * peak;
+            }
+        }
+        let judged = ForceJudgement::of(&held, &profile).unwrap();
+        assert_eq!(judged.rendered_collisions, 3, "{what}");
+        for collision in &judged.collisions {
+            let error = collision.rendered.clone().unwrap().impulse_error.unwrap();
+            assert!((0.0..0.05).contains(&error), "{what}: {error}");
+        }
+    }
+    // A remainder with intervals of no force around it.
+    let mut held = means.clone();
+    let free =
+        (20..held.len()).find(|&i| held[i - 1] == 0.0 && held[i] == 0.0 && held[i + 1] == 0.0);
+    held[free.unwrap()] = 1e-3 * peak;
+    let judged = ForceJudgement::of(&held, &profile).unwrap();
+    assert_eq!(judged.rendered_collisions, 3);
+    let error = |number: usize| {
+        judged.collisions[number]
+            .rendered
+            .clone()
+            .unwrap()
+            .impulse_error
+    };
+    assert!((0..3).all(|number| error(number).unwrap().abs() < 1e-2));
+}
+
+/// Collisions with a gap that no force at the loop's rate can show are one, in the ideal as well.
+#[test]
+fn what_the_best_held_force_cannot_show_apart_is_judged_as_one() {
+    let (_, fine) = windowed(FALLING_BLOCK, 0.001, 3);
+    let true_ones: Vec<_> = fine.collisions().to_vec();
+    let duration = fine.period() * fine.intervals() as f64;
+    let mut joined = 0;
+    for intervals in 4..40 {
+        let period = duration / intervals as f64;
+        let (ideal, _) = windowed(FALLING_BLOCK, 0.001, 3);
+        let profile = ideal.profile(period, intervals).unwrap();
+        let means: Vec<f64> = profile.mean_forces().collect();
+        let judged = ForceJudgement::of(&means, &profile).unwrap();
+        assert!(judged.rendered_collisions >= judged.collisions.len());
+        let impulses = judged.collisions.iter().map(|each| each.ideal.impulse);
+        let ended = profile
+            .collisions()
+            .iter()
+            .filter(|each| each.end.is_some());
+        let (judged_impulse, impulse): (f64, f64) =
+            (impulses.sum(), ended.map(|c| c.impulse).sum());
+        if judged.collisions.len() < true_ones.len() {
+            joined += 1;
+        } else {
+            assert_close("impulse", judged_impulse, impulse, 1e-12);
+        }
+        for collision in &judged.collisions {
+            let rendered = collision.rendered.clone().unwrap();
+            let error = rendered.impulse_error.unwrap();
+            assert!(error.abs() < 0.2, "{intervals} intervals: {error}");
+        }
+    }
+    assert!(joined > 0, "no period is too coarse");
+}
+
 #[test]
 fn without_contact_there_is_nothing_to_divide_by() {
     let ideal = Ideal::new(PointMassScene {

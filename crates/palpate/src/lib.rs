@@ -82,3 +82,7 @@ pub use scalar::Scalar;
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 struct ReadmeExamples;
+
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/signs.md")]
+struct SignsExamples;

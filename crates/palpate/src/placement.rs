@@ -8,14 +8,41 @@ use crate::parameter::{ParameterError, check, finite};
 /// The contact's coordinate is the distance from the origin along the normal. A force along the
 /// contact becomes a vector along the normal. The device's own Jacobian stays with the device.
 ///
-/// ```
-/// use palpate::Placement;
+/// **Which side is solid**: with [`Side::Positive`](crate::Side::Positive), the default, the object lies
+/// where the coordinate is greater than the object's position. So the normal points *into* what is solid,
+/// and the force on the device points against it.
 ///
-/// let floor = Placement::new([0.0, 0.0, 0.1], [0.0, 0.0, 1.0])?;
-/// assert_eq!(floor.coordinate([0.3, -0.2, 0.25]), 0.15);
-/// assert_eq!(floor.vector(-2.0), [0.0, 0.0, -2.0]);
+/// ```text
+///        z ▲      device at z = 0.25 m: coordinate −0.25 m, no force
+///          │
+///          │      device at z = −0.002 m: coordinate 0.002 m, +4 N along z
+///  z = 0 ──┼───────────────────  surface: origin (0, 0, 0)
+///          │ ░░░░░░░░░│░░░░░░░░
+///            ░ solid  ▼  normal (0, 0, −1)
+/// ```
+///
+/// A floor of 2000 N/m at z = 0:
+///
+/// ```
+/// use palpate::{BasicParams, Contact, LoopParams, ObjectState, Placement, Renderer, Sample};
+///
+/// let floor = Placement::new([0.0, 0.0, 0.0], [0.0, 0.0, -1.0])?;
+/// let wall = Contact::object(2000.0, f64::INFINITY);
+/// let renderer = Renderer::new(wall, LoopParams::new(0.001), BasicParams)?;
+/// let start = renderer.start(ObjectState::at_rest(0.0))?; // the surface is at the origin
+///
+/// let force_at = |point: [f64; 3]| {
+///     let mut state = start; // each point by itself; a loop goes on with one state
+///     let output = renderer.step(&mut state, Sample::at(floor.coordinate(point)));
+///     floor.vector(output.force_on_device)
+/// };
+/// assert_eq!(force_at([0.3, -0.2, 0.25])[2], 0.0); // above the floor
+/// assert_eq!(force_at([0.3, -0.2, -0.002])[2], 4.0); // 2 mm in it: pushed up
 /// # Ok::<(), palpate::ParameterError>(())
 /// ```
+///
+/// Several contacts on one device, each with its own renderer and placement, add their forces;
+/// `docs/signs.md` has a block on this floor, and what several contacts side by side cannot do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement<S, const N: usize> {
     origin: [S; N],
@@ -24,7 +51,7 @@ pub struct Placement<S, const N: usize> {
 
 impl<S: Scalar, const N: usize> Placement<S, N> {
     /// An axis through `origin` `[m]` along the unit vector `normal` `[1]`, in which device
-    /// positions increase.
+    /// positions increase: into the object of a contact on [`Side::Positive`](crate::Side::Positive).
     ///
     /// # Errors
     /// A coordinate that is not finite; a normal whose length is not 1 within 1e-3 (it is then

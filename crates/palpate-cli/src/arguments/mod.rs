@@ -83,9 +83,10 @@ Hand replay, --replay hand: the force of the hand on a device of --device-mass i
 motion, and the loop is closed again: the device moves under that hand and the new force. What force \
 the motor held while the motion was recorded stands in the column force_on_device_n of the trace, from \
 each sample until the next; without the column it is taken to have been off. The report says how well \
-the hand is known. Nothing in a recording says what the hand would have done elsewhere: by default its \
-force stays what it was, and a push that it did not have carries the device off for good; \
---hand-stiffness and --hand-damping let it hold on to its motion. Times count from the first sample.")]
+the hand is known. Nothing in a recording says what the hand would have done elsewhere. It is taken to \
+hold on to its motion with --hand-stiffness and --hand-damping. With 0 for both, its force stays what \
+it was, and a push that it did not have carries the device off for good. What carries even the ideal \
+device 1 m away is refused. Times count from the first sample.")]
     #[command(after_help = "\
 Examples:
   palpate render tap.csv --stiffness 400 --mass 0.1 --period 0.01 --force -0.981 --out run.csv
@@ -313,8 +314,9 @@ was sent, and the loop is closed again: the device moves under that hand and the
 when it was. The device has the mass of the scene's, or --device-mass. Ticks without a position and \
 ticks that were lost are bridged; the force is less well known there, and a stretch longer than \
 --largest-gap is refused. The report says how well the hand is known. Nothing in a recording says what \
-the hand would have done elsewhere: by default its force stays what it was; --hand-stiffness and \
---hand-damping let it hold on to its motion. Times count from the first position.")]
+the hand would have done elsewhere. It is taken to hold on to its motion with --hand-stiffness and \
+--hand-damping; with 0 for both, its force stays what it was. What carries even the ideal device 1 m \
+away is refused. Times count from the first position.")]
     #[command(after_help = "\
 Examples:
   palpate replay tap.mcap --method hfcr

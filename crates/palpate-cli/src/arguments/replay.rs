@@ -15,11 +15,11 @@ pub struct ReplayFlags {
     /// Bandwidth of the hand's force [Hz] [default: the one under which the recording is most likely]
     #[arg(long, value_name = "Hz", value_parser = number, allow_hyphen_values = true)]
     pub hand_bandwidth: Option<f64>,
-    /// Stiffness with which the hand holds on to its recorded motion [N/m] [default: 0, a hand whose
-    /// force is the recorded one wherever the device goes]
+    /// Stiffness with which the hand holds on to its recorded motion [N/m]; 0 and no damping: its force
+    /// stays the recorded one wherever the device goes [default: 60]
     #[arg(long, value_name = "N/m", value_parser = number, allow_hyphen_values = true)]
     pub hand_stiffness: Option<f64>,
-    /// Damping with which it does [N s/m] [default: 0]
+    /// Damping with which it does [N s/m] [default: 2]
     #[arg(long, value_name = "N s/m", value_parser = number, allow_hyphen_values = true)]
     pub hand_damping: Option<f64>,
 }

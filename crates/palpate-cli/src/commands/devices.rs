@@ -291,7 +291,7 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
             .iter()
             .map(|checked| {
                 serde_json::json!({
-                    "verdict": format!("{:?}", checked.verdict).to_lowercase(),
+                    "verdict": checked.verdict.name(),
                     "turned_deg": checked.turned,
                 })
             })
@@ -303,7 +303,8 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         });
         serde_json::to_string_pretty(&report).expect("a report has string keys only") + "\n"
     } else {
-        let mut text = format!("board {board}, joints at {angles:?} degrees\n");
+        let [first, second] = angles;
+        let mut text = format!("board {board}, joints at {first:.2} and {second:.2} degrees\n");
         for (motor, checked) in checked.iter().enumerate() {
             let [first, second] = checked.turned;
             text += &format!(

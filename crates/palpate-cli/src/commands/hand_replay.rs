@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_sim::hand_replay::{
-    self, HandError, HandModel, RecordedHand, Recording, largest_departure,
+    self, HandError, HandModel, REACH, RecordedHand, Recording, largest_departure,
+    largest_ideal_departure,
 };
 use palpate_sim::method::{MethodName, Settings};
 use palpate_sim::replay::ReplaySetup;
@@ -13,9 +14,9 @@ use palpate_sim::run::{Reference, Run};
 use palpate_testbed::InvalidParameter;
 
 use crate::arguments::ReplayFlags;
-use crate::failure::Failure;
+use crate::failure::{Failure, tell};
 use crate::progress::Progress;
-use crate::report::Replayed;
+use crate::report::{Replayed, digits};
 
 /// What was recorded of a hand.
 pub struct Recorded<'a> {
@@ -51,8 +52,8 @@ pub fn close_loop(
     let model = HandModel {
         encoder_quantum: setup.encoder_quantum,
         bandwidth: flags.hand_bandwidth,
-        stiffness: flags.hand_stiffness.unwrap_or(0.0),
-        damping: flags.hand_damping.unwrap_or(0.0),
+        stiffness: flags.hand_stiffness.unwrap_or(HandModel::USUAL_STIFFNESS),
+        damping: flags.hand_damping.unwrap_or(HandModel::USUAL_DAMPING),
         ..HandModel::force_on(recorded.device_mass)
     };
     progress.begin("the hand's force");
@@ -68,20 +69,55 @@ pub fn close_loop(
     scene.settings.clone_from(settings);
     progress.begin("ideal");
     let bench = Bench::new(&scene).map_err(|error| failure(scene.method, error))?;
+    within_reach(recorded.name, &hand, bench.reference())?;
     let mut runs = Vec::with_capacity(methods.len());
     for &method in methods {
         progress.begin(method.name());
         runs.push(bench.run(method).map_err(|error| failure(method, error))?);
         progress.advance();
     }
-    let departures = runs.iter().map(|run| largest_departure(&hand, run));
+    let departures: Vec<(MethodName, f64)> = runs
+        .iter()
+        .map(|run| (run.method, largest_departure(&hand, run)))
+        .collect();
+    for (method, departure) in departures
+        .iter()
+        .filter(|(_, by)| *by > REACH || by.is_nan())
+    {
+        tell(format_args!(
+            "warning: {method}: the device leaves the recorded motion by {} m, farther than an arm reaches \
+             ({REACH} m); what stands in its row is no answer of a hand",
+            digits(*departure)
+        ));
+    }
     let force_recorded = recorded.recording.forces_on_device.is_some();
-    let replayed = Replayed::hand(&hand, force_recorded, departures.collect());
+    let is_assumed = flags.hand_stiffness.is_none() || flags.hand_damping.is_none();
+    let replayed = Replayed::hand(&hand, force_recorded, is_assumed, departures);
     Ok(ReplayRuns {
         reference: bench.reference().clone(),
         runs,
         replayed,
     })
+}
+
+/// Refuses a replay in which even the ideal device goes where no hand can follow.
+fn within_reach(name: &str, hand: &RecordedHand, ideal: &Reference) -> Result<(), Failure> {
+    let departure = largest_ideal_departure(hand, ideal);
+    if departure <= REACH {
+        return Ok(());
+    }
+    let model = hand.model();
+    Err(Failure::Arguments(format!(
+        "{name}: held by a hand of {} N/m and {} N s/m, the device would leave the recorded motion by {} m \
+         under the new force, even were that ideal, and no arm reaches farther than {REACH} m; allowed: a \
+         hand that holds on (--hand-stiffness {} --hand-damping {} unless you say otherwise), and contact, \
+         weight and --device-mass that it can hold",
+        model.stiffness,
+        model.damping,
+        digits(departure),
+        HandModel::USUAL_STIFFNESS,
+        HandModel::USUAL_DAMPING,
+    )))
 }
 
 /// A recording without a hand, or a flag that gave a wrong model of it.

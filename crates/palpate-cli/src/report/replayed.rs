@@ -1,6 +1,7 @@
 //! What of a recording was replayed, and how well it is known.
 
 use palpate_sim::hand_replay::RecordedHand;
+use palpate_sim::method::MethodName;
 use serde::Serialize;
 
 use super::{counted, digits};
@@ -31,14 +32,26 @@ pub struct HandReport {
     given_back_within_m: f64,
     hand_stiffness_n_per_m: f64,
     hand_damping_n_s_per_m: f64,
+    /// Whether nobody has stated one of the two.
+    hand_is_assumed: bool,
+    /// From the least to the greatest recorded position.
+    recorded_span_m: f64,
     /// How far each method's device got from its recorded motion.
     largest_departure_m: Vec<f64>,
+    #[serde(skip)]
+    methods: Vec<MethodName>,
 }
 
 impl Replayed {
     /// A hand whose device got so far from its recorded motion `[m]`, method by method.
-    pub fn hand(hand: &RecordedHand, force_recorded: bool, departures: Vec<f64>) -> Self {
+    pub fn hand(
+        hand: &RecordedHand,
+        force_recorded: bool,
+        is_assumed: bool,
+        departures: Vec<(MethodName, f64)>,
+    ) -> Self {
         let (known, model) = (hand.uncertainty(), hand.model());
+        let (methods, departures) = departures.into_iter().unzip();
         Self::Hand(HandReport {
             force_recorded,
             moved_mass_kg: model.device_mass,
@@ -50,7 +63,10 @@ impl Replayed {
             given_back_within_m: known.given_back_within,
             hand_stiffness_n_per_m: model.stiffness,
             hand_damping_n_s_per_m: model.damping,
+            hand_is_assumed: is_assumed,
+            recorded_span_m: hand.span(),
             largest_departure_m: departures,
+            methods,
         })
     }
 
@@ -87,7 +103,14 @@ impl Replayed {
         let holds_on = match (hand.hand_stiffness_n_per_m, hand.hand_damping_n_s_per_m) {
             (0.0, 0.0) => "its force is the same wherever the device goes".into(),
             (stiffness, damping) => {
-                format!("it holds on to its motion with {stiffness} N/m and {damping} N s/m")
+                let assumed = if hand.hand_is_assumed {
+                    " (assumed; --hand-stiffness and --hand-damping state another)"
+                } else {
+                    ""
+                };
+                format!(
+                    "it holds on to its motion with {stiffness} N/m and {damping} N s/m{assumed}"
+                )
             }
         };
         let bridged = match hand.bridged_samples {
@@ -97,18 +120,24 @@ impl Replayed {
                 counted(samples, "sample")
             ),
         };
-        let departed = hand.largest_departure_m.iter().copied().fold(0.0, f64::max);
+        let millimetres = |metres: f64| digits(1e3 * metres);
+        let departures = hand.methods.iter().zip(&hand.largest_departure_m);
+        let departed: Vec<String> = departures
+            .map(|(method, by)| format!("{method} {} mm", millimetres(*by)))
+            .collect();
         format!(
             "hand replay ({motor}): the hand's force on {} kg, {} N rms, is known to ±{} N (1 sigma, up to \
              {} Hz);\n\
-             it gives the recorded motion back within {} um; {holds_on};\n\
-             {bridged}the device leaves the recorded motion by up to {} mm",
+             it gives the recorded motion back within {} um;\n\
+             {holds_on};\n\
+             {bridged}the device leaves the recorded motion, which spans {} mm, by up to: {}",
             (hand.moved_mass_kg * 1e6).round() / 1e6,
             digits(hand.hand_force_n),
             digits(hand.hand_force_deviation_n),
             digits(hand.hand_bandwidth_hz),
             micrometres(hand.given_back_within_m),
-            digits(1e3 * departed),
+            millimetres(hand.recorded_span_m),
+            departed.join(", "),
         )
     }
 

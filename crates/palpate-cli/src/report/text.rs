@@ -37,6 +37,9 @@ impl fmt::Display for Report {
                     method.collisions.len()
                 )?;
             }
+            if let Some(words) = self.out_of_step(method) {
+                writeln!(f, "{words}")?;
+            }
         }
         for file in &self.files {
             writeln!(f, "wrote {file}")?;
@@ -119,6 +122,21 @@ impl Report {
             counted(self.window_periods, "period"),
             counted(self.ideal_collisions, "ideal collision")
         )
+    }
+
+    /// Says that the rows of the collisions do not all compare like with like.
+    fn out_of_step(&self, method: &MethodReport) -> Option<String> {
+        let judged = method.collisions.len();
+        // One more may have begun that does not end within the window.
+        let most = judged + usize::from(self.ideal_collisions > judged);
+        let rendered = method.rendered_collisions;
+        (!(judged..=most).contains(&rendered)).then(|| {
+            format!(
+                "{} rendered for {judged} ideal ones: from the first that is missing or surplus on, a row \
+                 compares different collisions.",
+                counted(rendered, "collision")
+            )
+        })
     }
 
     fn method_table(&self) -> Table {

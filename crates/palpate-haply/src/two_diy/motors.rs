@@ -37,6 +37,17 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// Its name in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fine => "fine",
+            Self::Reversed => "reversed",
+            Self::Swapped => "swapped",
+            Self::Dead => "dead",
+        }
+    }
+
     /// What to do about it.
     #[must_use]
     pub fn text(self) -> &'static str {

@@ -128,8 +128,8 @@ pub enum OpenError {
     },
     /// The first angles are those of another board.
     #[error(
-        "the first angles, {angles:?} degrees, are those of the board `{found}`, not of `{told}`",
-        found = .found.name(), told = .told.name()
+        "the first angles, {} degrees, are those of the board `{found}`, not of `{told}`",
+        pair(.angles), found = .found.name(), told = .told.name()
     )]
     OtherBoard {
         /// What came `[degrees]`.
@@ -141,8 +141,9 @@ pub enum OpenError {
     },
     /// The first angles are not those of the start pose.
     #[error(
-        "the first angles, {angles:?} degrees, are not those of the start pose, {start:?}: hold the \
-         arm still while the device is opened; or the counts per revolution are others"
+        "the first angles, {} degrees, are not those of the start pose, {}: hold the \
+         arm still while the device is opened; or the counts per revolution are others",
+        pair(.angles), pair(.start)
     )]
     NotInPose {
         /// What came `[degrees]`.
@@ -362,4 +363,9 @@ fn capabilities(options: &Options, board: Board) -> Capabilities {
         holds_last_force: true,
         ..Capabilities::unknown(&format!("{}, board {}", options.name, board.name()), 2)
     }
+}
+
+/// Two angles as a person writes them.
+fn pair([first, second]: &[f32; 2]) -> String {
+    format!("{first:.2} and {second:.2}")
 }

@@ -76,7 +76,12 @@ impl From<csv::Error> for RunWriteError {
     fn from(error: csv::Error) -> Self {
         Self::Io(match error.into_kind() {
             csv::ErrorKind::Io(error) => error,
-            other => io::Error::other(format!("{other:?}")),
+            csv::ErrorKind::UnequalLengths {
+                expected_len, len, ..
+            } => io::Error::other(format!(
+                "a row has {len} fields where the rows before it have {expected_len}"
+            )),
+            _ => io::Error::other("a row cannot be written as CSV"),
         })
     }
 }

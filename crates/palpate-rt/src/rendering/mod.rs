@@ -9,6 +9,7 @@ use palpate::{
     AnyParams, AnyRenderer, Contact, LoopParams, Mass, ObjectState, ParameterError, Renderer,
 };
 use palpate_sim::method::MethodName;
+use palpate_sim::named_parameters::{in_words, method_of};
 use palpate_sim::scene::{Scene, SetupError};
 
 pub use blend::CHANGE_DURATION;
@@ -63,6 +64,12 @@ impl Rendering {
         parameters(self)
     }
 
+    /// The method; HFCR without dissipation is `hfcr`, whatever it was chosen as.
+    #[must_use]
+    pub fn method(&self) -> MethodName {
+        method_of(&self.params)
+    }
+
     fn is_wall(&self) -> bool {
         self.contact.object_mass == Mass::Infinite
     }
@@ -76,7 +83,12 @@ impl fmt::Display for Rendering {
             Mass::Finite(mass) => write!(f, "{mass} kg behind {stiffness} N/m")?,
             Mass::Infinite => write!(f, "a wall of {stiffness} N/m")?,
         }
-        write!(f, ", f_V {} N, by {:?}", self.virtual_force, self.params)
+        write!(
+            f,
+            ", f_V {} N, by {}",
+            self.virtual_force,
+            in_words(&self.params)
+        )
     }
 }
 

@@ -241,6 +241,18 @@ impl Safety {
         true
     }
 
+    /// Another method renders from the next sample on.
+    pub fn another_method(&mut self) {
+        self.oscillation.another_method();
+    }
+
+    /// Whether most of the energy that counts as an oscillation was created before the method that
+    /// renders now began.
+    #[must_use]
+    pub fn oscillation_is_from_before(&self) -> bool {
+        self.oscillation.is_from_before()
+    }
+
     /// No force is held any more, by the loop's own will: should it go on, the next one comes in softly.
     pub fn let_go(&mut self) {
         self.commanded = 0.0;

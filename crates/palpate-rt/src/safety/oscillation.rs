@@ -24,7 +24,10 @@ impl Default for OscillationParams {
 #[derive(Clone, Debug)]
 pub(super) struct Oscillation {
     params: OscillationParams,
+    /// Created by the method that renders now.
     recent: f64,
+    /// Created by methods that rendered before it.
+    before: f64,
     seen: Option<f64>,
 }
 
@@ -33,6 +36,7 @@ impl Oscillation {
         Self {
             params,
             recent: 0.0,
+            before: 0.0,
             seen: None,
         }
     }
@@ -52,6 +56,49 @@ impl Oscillation {
         self.seen = Some(created);
         let kept = (1.0 - elapsed / self.params.window).max(0.0);
         self.recent = self.recent * kept + new;
-        self.recent > self.params.energy
+        self.before *= kept;
+        self.recent + self.before > self.params.energy
+    }
+
+    /// Another method renders from now on. What was created stays in the sum, else frequent changes
+    /// would hide an oscillation.
+    pub fn another_method(&mut self) {
+        self.before += self.recent;
+        self.recent = 0.0;
+    }
+
+    /// Whether most of the sum was created before the method that renders now began.
+    pub fn is_from_before(&self) -> bool {
+        self.before > self.recent
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 40 mJ by the first method, then so much by the second: whether that is too much, and whether
+    /// most of it is from before.
+    fn after_a_change(second: f64) -> (bool, bool) {
+        let mut oscillation = Oscillation::new(OscillationParams::default());
+        assert!(!oscillation.watch(0.0, 0.001));
+        assert!(!oscillation.watch(0.04, 0.001));
+        oscillation.another_method();
+        let trips = oscillation.watch(0.04 + second, 0.001);
+        (trips, oscillation.is_from_before())
+    }
+
+    #[test]
+    fn what_was_created_before_a_change_counts_and_is_not_the_new_methods() {
+        assert_eq!(after_a_change(0.0), (false, true));
+        assert_eq!(after_a_change(0.012), (true, true));
+        assert_eq!(after_a_change(0.045), (true, false));
+        // A method that changes with every tick hides nothing.
+        let mut oscillation = Oscillation::new(OscillationParams::default());
+        let trips = (0..20).any(|i| {
+            oscillation.another_method();
+            oscillation.watch(0.004 * f64::from(i), 0.001)
+        });
+        assert!(trips);
     }
 }

@@ -1,7 +1,8 @@
 //! What is rendered changes while the loop runs.
 
 use palpate::{AnyParams, CoupledParams, HfcrParams, Mass, Side, VirtualDamperParams};
-use palpate_rt::{ChangeError, Rendering};
+use palpate_rt::safety::{SafetyParams, Trip};
+use palpate_rt::{ChangeError, Note, Rendering, tap};
 use palpate_sim::method::MethodName;
 
 use crate::{at, scene, scripted, simulated, wide};
@@ -285,4 +286,76 @@ fn a_change_within_a_change_and_another_damping_are_no_steps() {
         println!("{what}: {step:.3} N at most from tick to tick, {plain:.3} without");
         assert!(step < 0.2, "{what}: {step} N");
     }
+}
+
+/// A contact that the spring force renders so badly that it trips soon, `ticks` ticks later rendered
+/// by another method. What is said of the trip.
+fn said_after_a_switch(to: MethodName, ticks: usize) -> (Option<usize>, Vec<Note>) {
+    let mut buzzing = scene("experiment2.toml");
+    buzzing.contact.stiffness *= 4.0;
+    let (control, _) = simulated(&buzzing, MethodName::Basic, SafetyParams::default());
+    let (tap, listener) = tap(1 << 14);
+    let mut control = control.tapped(tap);
+    let mut parameters = control.parameters().unwrap();
+    let mut tripped = None;
+    for tick in 0..2000 {
+        if tick == ticks {
+            let rendering = Rendering::of(&buzzing, to).unwrap();
+            parameters.change(rendering).unwrap();
+        }
+        control.tick();
+        if control.trip().is_some() {
+            tripped = Some(tick);
+            break;
+        }
+    }
+    drop(control);
+    let mut notes = Vec::new();
+    for told in listener {
+        if let palpate_rt::Told::Note(noted) = told {
+            notes.push(noted.note);
+        }
+    }
+    (tripped, notes)
+}
+
+#[test]
+fn the_method_that_created_the_energy_is_named_and_not_the_one_that_renders_now() {
+    let (tripped, notes) = said_after_a_switch(MethodName::Basic, usize::MAX);
+    let tripped = tripped.expect("the spring force trips");
+    let by_basic = Note::Oscillated {
+        method: MethodName::Basic,
+        renders_now: MethodName::Basic,
+    };
+    assert!(notes.contains(&by_basic), "{notes:?}");
+    assert!(!notes.contains(&Note::Tripped(Trip::Oscillation)));
+    // The change comes with the very tick that trips: what it ends was held by the spring force.
+    let (at, notes) = said_after_a_switch(MethodName::Coupled, tripped);
+    assert_eq!(at, Some(tripped));
+    let before_coupled = Note::Oscillated {
+        method: MethodName::Basic,
+        renders_now: MethodName::Coupled,
+    };
+    assert!(notes.contains(&before_coupled), "{notes:?}");
+    // A method that oscillates by itself long after the change is the one that is named.
+    let (at, notes) = said_after_a_switch(MethodName::Seh, 0);
+    assert!(at.is_some(), "sample-estimate-hold trips too");
+    let by_seh = Note::Oscillated {
+        method: MethodName::Seh,
+        renders_now: MethodName::Seh,
+    };
+    assert!(notes.contains(&by_seh), "{notes:?}");
+}
+
+#[test]
+fn what_is_rendered_is_said_in_words() {
+    let scene = scene("experiment2.toml");
+    for method in MethodName::ALL {
+        let said = Rendering::of(&scene, method).unwrap().to_string();
+        assert!(!said.contains(['{', '}', ':']), "{said}");
+    }
+    let said = Rendering::of(&scene, MethodName::Coupled).unwrap();
+    let words =
+        "by coupled (device_mass_kg 0.25, encoder_quantum_m 0, placement true, correction true)";
+    assert!(said.to_string().ends_with(words), "{said}");
 }

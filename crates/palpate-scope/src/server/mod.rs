@@ -1,6 +1,7 @@
 //! The server: a page, and a WebSocket for each client. It runs on a thread of its own, like everybody
 //! else's.
 
+mod addresses;
 mod client;
 mod connections;
 mod gate;
@@ -111,12 +112,23 @@ impl Listening {
         self.address
     }
 
-    /// Where the page is, token included.
+    /// Where the page is for a browser on this machine, token included.
     #[must_use]
     pub fn url(&self) -> String {
+        self.url_at(addresses::here(self.address))
+    }
+
+    /// Where the page is for other machines if it listens on every address of this one, token included;
+    /// `None` if it does not, or if this machine is in no network.
+    #[must_use]
+    pub fn url_on_the_network(&self) -> Option<String> {
+        addresses::on_the_network(self.address).map(|address| self.url_at(address))
+    }
+
+    fn url_at(&self, address: SocketAddr) -> String {
         let token = self.gate.token();
         let token = token.map_or(String::new(), |token| format!("?token={token}"));
-        format!("http://{}/{token}", self.address)
+        format!("http://{address}/{token}")
     }
 }
 

@@ -7,11 +7,12 @@ use palpate_io::recording::{Flags, Tick};
 use palpate_rt::clock::MonotonicClock;
 use palpate_rt::device::Capabilities;
 use palpate_rt::realtime::{Answer, Request};
-use palpate_rt::safety::SafetyParams;
+use palpate_rt::safety::{SafetyParams, Trip};
 use palpate_rt::{
     Account, ControlLoop, Durations, Listener, LoopEnd, LoopThread, Note, Noted, Rendering,
     StopFlag, Told, tap,
 };
+use palpate_sim::method::MethodName;
 
 use super::carried::{Carried, Returned};
 use super::recording::{Ending, LaneRecording};
@@ -21,6 +22,9 @@ use crate::rows::Rows;
 
 /// Things that may wait for the scope: 4 s at 4 kHz.
 const ROOM: usize = 1 << 14;
+
+/// Methods that a lane remembers having rendered by.
+const MOST_CHOSEN: usize = 16;
 
 /// How a lane's loop has ended.
 pub type Ended = LoopEnd<Carried, MonotonicClock>;
@@ -37,11 +41,22 @@ pub struct Lane {
     recorded: Option<PathBuf>,
     heard: Heard,
     statistics: Statistics,
-    trip: Option<String>,
+    trip: Option<Tripped>,
+    /// The methods that it was told to render by, the newest last.
+    chosen: Vec<MethodName>,
     account: Account,
     capabilities: Capabilities,
     answers: Vec<Answer>,
     end: Option<Ended>,
+}
+
+/// What holds the force at none.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Tripped {
+    /// Why, in words.
+    pub why: String,
+    /// The method whose held forces are the reason, if it is a method's.
+    pub method: Option<MethodName>,
 }
 
 /// Which ticks were heard of, by their numbers.
@@ -83,11 +98,11 @@ pub struct Run<'a> {
 }
 
 impl Lane {
-    /// Starts a loop that renders `rendering` on `device`, and records it from its first tick on if it
-    /// is to.
+    /// Starts a loop that renders a rendering, by the method of that name, on `placed`, and records it
+    /// from its first tick on if it is to.
     pub fn start(
         placed: Placed,
-        rendering: Rendering,
+        (method, rendering): (MethodName, Rendering),
         run: &Run<'_>,
         recording: Option<LaneRecording>,
     ) -> Result<Self, SessionError> {
@@ -112,6 +127,7 @@ impl Lane {
             heard: Heard::default(),
             statistics: Statistics::default(),
             trip: None,
+            chosen: vec![method],
             account: Account::default(),
             capabilities,
             end: None,
@@ -161,7 +177,18 @@ impl Lane {
 
     fn noted(&mut self, noted: &Noted) {
         match noted.note {
-            Note::Tripped(trip) => self.trip = Some(trip.to_string()),
+            Note::Tripped(trip) => {
+                self.trip = Some(Tripped {
+                    why: trip.to_string(),
+                    method: None,
+                });
+            }
+            Note::Oscillated { method, .. } => {
+                self.trip = Some(Tripped {
+                    why: Trip::Oscillation.to_string(),
+                    method: Some(self.chosen_as(method)),
+                });
+            }
             Note::MissedDeadlines(number) => self.statistics.missed_deadlines += number,
             _ => {}
         }
@@ -182,8 +209,8 @@ impl Lane {
     }
 
     /// What holds the force at none, if something does.
-    pub fn trip(&self) -> Option<&str> {
-        self.trip.as_deref()
+    pub fn trip(&self) -> Option<&Tripped> {
+        self.trip.as_ref()
     }
 
     /// Ends a trip that stays.
@@ -193,16 +220,32 @@ impl Lane {
         }
     }
 
-    /// Renders something else from now on.
+    /// Renders something else from now on, by the method of that name.
     ///
     /// # Errors
     /// What cannot change while the loop runs, in words.
-    pub fn change(&mut self, rendering: Rendering) -> Result<(), String> {
-        let parameters = self.thread.as_mut().and_then(LoopThread::parameters);
-        parameters.map_or(Ok(()), |parameters| {
-            let changed = parameters.change(rendering);
-            changed.map(drop).map_err(|error| error.to_string())
-        })
+    pub fn change(&mut self, method: MethodName, rendering: Rendering) -> Result<(), String> {
+        if let Some(parameters) = self.thread.as_mut().and_then(LoopThread::parameters) {
+            parameters
+                .change(rendering)
+                .map_err(|error| error.to_string())?;
+        }
+        if self.chosen.last() != Some(&method) {
+            self.chosen.push(method);
+            // A page switches between a few.
+            let surplus = self.chosen.len().saturating_sub(MOST_CHOSEN);
+            self.chosen.drain(..surplus);
+        }
+        Ok(())
+    }
+
+    /// The name by which a method of the loop was chosen: HFCR without dissipation has two.
+    fn chosen_as(&self, method: MethodName) -> MethodName {
+        let is_it = |chosen: &&MethodName| {
+            **chosen == method || (method == MethodName::Hfcr && **chosen == MethodName::HfcrModSt)
+        };
+        let newest = self.chosen.iter().rev().find(is_it);
+        newest.copied().unwrap_or(method)
     }
 
     /// Number of the parameters that were handed over last.

@@ -16,6 +16,7 @@ use palpate_io::atomic::WriteError;
 use palpate_rt::device::Capabilities;
 use palpate_rt::realtime::Answer;
 use palpate_rt::{Account, Ending as LoopEnding, Note, StopFlag};
+use palpate_sim::method::MethodName;
 use palpate_sim::scene::Scene;
 
 use crate::hub::{ClientId, Hub};
@@ -424,8 +425,9 @@ impl Running {
             self.settings = new;
             return self.restart();
         }
-        for (lane, rendering) in self.lanes.iter_mut().zip(renderings) {
-            lane.change(rendering)?;
+        let methods = new.lanes.iter().map(|lane| lane.method);
+        for (lane, (method, rendering)) in self.lanes.iter_mut().zip(methods.zip(renderings)) {
+            lane.change(method, rendering)?;
         }
         self.settings = new;
         Ok(())
@@ -459,7 +461,7 @@ impl Running {
                 .iter()
                 .map(|(name, unit)| Column { name, unit })
                 .collect(),
-            methods: palpate_sim::method::MethodName::ALL
+            methods: MethodName::ALL
                 .into_iter()
                 .map(|method| Method {
                     name: method.name(),
@@ -504,10 +506,12 @@ impl Running {
             lanes: lanes
                 .map(|(index, choice)| {
                     let lane = self.lanes.get(index);
+                    let trip = lane.and_then(Lane::trip);
                     LaneState {
                         choice: *choice,
                         running: lane.is_some_and(Lane::is_running),
-                        trip: lane.and_then(Lane::trip).map(str::to_owned),
+                        trip: trip.map(|trip| trip.why.clone()),
+                        trip_method: trip.and_then(|trip| trip.method).map(MethodName::name),
                     }
                 })
                 .collect(),

@@ -218,8 +218,9 @@ impl Running {
             let periods = (periods * (1.0 - 1e-12)).ceil() as u64;
             periods
         });
-        for ((placed, rendering), recording) in devices.into_iter().zip(renderings).zip(recordings)
-        {
+        let methods: Vec<_> = self.settings.lanes.iter().map(|lane| lane.method).collect();
+        let rendered = methods.into_iter().zip(renderings);
+        for ((placed, rendering), recording) in devices.into_iter().zip(rendered).zip(recordings) {
             let run = Run {
                 clock: &self.setup.clock,
                 request: self.setup.request,

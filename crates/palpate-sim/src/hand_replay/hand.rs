@@ -41,6 +41,22 @@ pub struct HandModel {
 }
 
 impl HandModel {
+    /// Stiffness with which a hand holds on that nothing is known of `[N/m]`: about the middle, by
+    /// ratio, of the 10 to 300 N/m of the random plants' hands.
+    pub const USUAL_STIFFNESS: f64 = 60.0;
+
+    /// Damping with which it does `[N s/m]`: likewise of their 0.5 to 5 N s/m.
+    pub const USUAL_DAMPING: f64 = 2.0;
+
+    /// A hand on a device of this mass `[kg]` that holds on to its recorded motion as hands usually do.
+    pub fn holding_on(device_mass: f64) -> Self {
+        Self {
+            stiffness: Self::USUAL_STIFFNESS,
+            damping: Self::USUAL_DAMPING,
+            ..Self::force_on(device_mass)
+        }
+    }
+
     /// A hand whose force is the recorded one wherever the device of this mass `[kg]` goes.
     pub fn force_on(device_mass: f64) -> Self {
         Self {
@@ -253,6 +269,15 @@ impl RecordedHand {
     /// well.
     pub fn unmeasured(&self) -> usize {
         self.unmeasured
+    }
+
+    /// From the least to the greatest position of the recorded motion `[m]`.
+    pub fn span(&self) -> f64 {
+        let positions = self.positions.iter().copied();
+        let (least, greatest) = positions.fold((f64::INFINITY, f64::NEG_INFINITY), |ends, x| {
+            (ends.0.min(x), ends.1.max(x))
+        });
+        greatest - least
     }
 
     /// When samples were taken, since the first `[s]`.

@@ -44,7 +44,7 @@
 //! What is not known is what the hand would have done had the device moved otherwise. By itself the
 //! force stays what it was; then nothing brings the device back, and the two motions part for good once
 //! the forces have differed by an impulse. With [`HandModel::stiffness`] and `damping` the hand holds on
-//! to its recorded motion; both are the caller's to state.
+//! to its recorded motion; both are the caller's to state, and [`HandModel::holding_on`] has usual ones.
 
 mod device;
 mod hand;
@@ -58,7 +58,7 @@ use std::sync::Arc;
 
 use crate::method::MethodName;
 use crate::replay::ReplaySetup;
-use crate::run::Run;
+use crate::run::{Reference, Run};
 use crate::scene::{Measure, PointMassDevice, Scene, Timing};
 
 /// How far, in recording steps, the end of the last period may lie behind that of the recording: time
@@ -122,6 +122,18 @@ pub fn scene_at_recorded_instants(
     let mut scene = scene(hand, setup)?;
     scene.timing.as_recorded = true;
     Ok(scene)
+}
+
+/// No arm follows a device farther than this `[m]`; what is replayed beyond it is no hand.
+pub const REACH: f64 = 1.0;
+
+/// How far from its recorded motion the device of the ideal gets, at most `[m]`: beyond [`REACH`] the
+/// contact, the mass or the hand that was stated makes no sense for the recording.
+pub fn largest_ideal_departure(hand: &RecordedHand, ideal: &Reference) -> f64 {
+    let points = ideal.curve.iter();
+    points
+        .map(|point| (point.device_position - hand.motion(point.time).0).abs())
+        .fold(0.0, f64::max)
 }
 
 /// How far from its recorded motion the device of `run` got, at most `[m]`.

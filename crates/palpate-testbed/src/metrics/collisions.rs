@@ -5,19 +5,31 @@ use std::ops::Range;
 use crate::grid::Grid;
 use crate::profile::{Collision, ForceProfile, Snapshot};
 
+/// What a held force drops to between two collisions, relative to the smaller of their peak forces, at
+/// most. A renderer that corrects what it has held before goes on holding a small force after contact
+/// has ended.
+const VALLEY: f64 = 0.05;
+
+/// What such a remainder has of the impulse of each of its neighbours, at most.
+const REMAINDER: f64 = 0.01;
+
 /// An ideal collision and the rendered collision of the same number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CollisionJudgement {
-    /// The ideal collision.
+    /// The ideal collision; several that no held force can show apart are one.
     pub ideal: Collision,
     /// The rendered collision, `None` if there were fewer.
     pub rendered: Option<RenderedCollision>,
 }
 
-/// A rendered collision: a longest run of intervals whose held force is not 0.
+/// A rendered collision: a run of intervals in which a force is held.
 ///
-/// Two collisions without a whole idle interval between them count as one, and a run is cut at the
-/// end of the window.
+/// Two collisions are apart if the force between them falls to 0, or to a twentieth of the smaller of their
+/// peak forces. The interval with the smallest force is where the second begins. A force with less than
+/// a hundredth of the impulse of each of its neighbours is no collision but belongs to the one before
+/// it. The same rule is applied to the interval means of the ideal force, so that ideal and rendered
+/// collisions are counted alike: two ideal collisions with a gap too short for the loop's rate are one.
+/// A run is cut at the end of the window.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RenderedCollision {
     /// The intervals of the run.
@@ -32,26 +44,107 @@ pub struct RenderedCollision {
     pub peak_force_error: Option<f64>,
 }
 
-/// The rendered collisions of `held`, as ranges of intervals.
-pub(super) fn rendered_runs(held: &[f64]) -> Vec<Range<usize>> {
+/// The collisions of the force `held` over each interval of `grid` \[N\], as ranges of intervals.
+pub(super) fn separated(held: &[f64], grid: &Grid) -> Vec<Range<usize>> {
     let mut runs: Vec<Range<usize>> = Vec::new();
-    for (interval, force) in held.iter().enumerate() {
-        if *force == 0.0 {
-            continue;
+    let mut interval = 0;
+    while interval < held.len() {
+        let start = interval;
+        while interval < held.len() && held[interval] != 0.0 {
+            interval += 1;
         }
-        match runs.last_mut() {
-            Some(run) if run.end == interval => run.end += 1,
-            _ => runs.push(interval..interval + 1),
+        if interval > start {
+            cut_at_valleys(held, start..interval, &mut runs);
         }
+        interval += 1;
     }
-    runs
+    join_remainders(held, grid, runs)
 }
 
-/// The first sample after `runs[number]` at which device and object have parted, if that is before
-/// the next of the runs or the window's end; and the last sample it can be found at. The runs count
-/// intervals of `grid`; samples need not lie on its edges.
+/// Cuts a run without an interval of no force where the force is small between two peaks.
+fn cut_at_valleys(held: &[f64], run: Range<usize>, runs: &mut Vec<Range<usize>>) {
+    let mut start = run.start;
+    // The peak since `start`, and the smallest force since that peak, with its interval.
+    let mut peak = 0.0_f64;
+    let mut valley = (f64::INFINITY, run.start);
+    for interval in run.clone() {
+        let force = held[interval].abs();
+        if force > VALLEY.recip() * valley.0 && peak > VALLEY.recip() * valley.0 {
+            runs.push(start..valley.1);
+            start = valley.1;
+            (peak, valley) = (force, (f64::INFINITY, interval));
+        } else if force > peak {
+            (peak, valley) = (force, (f64::INFINITY, interval));
+        } else if force < valley.0 {
+            valley = (force, interval);
+        }
+    }
+    runs.push(start..run.end);
+}
+
+/// Joins what is too small to be a collision to the one before it; before the first, to the next.
+fn join_remainders(held: &[f64], grid: &Grid, runs: Vec<Range<usize>>) -> Vec<Range<usize>> {
+    let impulse = |run: &Range<usize>| impulse(held, run.clone(), grid).abs();
+    let impulses: Vec<f64> = runs.iter().map(impulse).collect();
+    let mut joined: Vec<Range<usize>> = Vec::with_capacity(runs.len());
+    let mut first = None;
+    for (number, run) in runs.into_iter().enumerate() {
+        let neighbours = [number.checked_sub(1), Some(number + 1)];
+        let mut neighbours = neighbours.iter().flatten().filter_map(|&n| impulses.get(n));
+        let is_remainder = impulses.len() > 1
+            && neighbours.all(|neighbour| impulses[number] < REMAINDER * neighbour);
+        match (is_remainder, joined.last_mut()) {
+            (true, Some(before)) => before.end = run.end,
+            (true, None) => first = Some(run.start),
+            (false, _) => joined.push(first.take().unwrap_or(run.start)..run.end),
+        }
+    }
+    joined
+}
+
+/// The ideal collisions of `profile` that end within its window, those that `means`, its interval
+/// means cut into collisions, cannot show apart as one.
+pub(super) fn ideal_collisions(profile: &ForceProfile) -> Vec<Collision> {
+    let grid = profile.grid();
+    let means: Vec<f64> = profile.mean_forces().collect();
+    let cuts: Vec<f64> = separated(&means, grid)
+        .iter()
+        .skip(1)
+        .map(|run| grid.edge(run.start))
+        .collect();
+    // A run begins in the interval in which its first collision does, or in the one before: what is
+    // cut through by an edge has most of itself after it.
+    let number_of = |collision: &Collision| {
+        let end = collision.end.unwrap_or(grid.end());
+        let middle = 0.5 * (collision.start + end);
+        cuts.partition_point(|&cut| cut <= middle)
+    };
+    let mut joined: Vec<(usize, Collision)> = Vec::new();
+    for collision in profile.collisions() {
+        let number = number_of(collision);
+        match joined.last_mut() {
+            Some((last, before)) if *last == number => {
+                before.end = collision.end;
+                before.release_speed = collision.release_speed;
+                before.impulse += collision.impulse;
+                before.peak_force = before.peak_force.max(collision.peak_force);
+            }
+            _ => joined.push((number, *collision)),
+        }
+    }
+    joined
+        .into_iter()
+        .map(|(_, collision)| collision)
+        .filter(|collision| collision.end.is_some())
+        .collect()
+}
+
+/// The first sample after the force of `runs[number]` at which device and object have parted, if that
+/// is before the next of the runs or the window's end; and the last sample it can be found at. The runs
+/// count intervals of `grid`; samples need not lie on its edges.
 pub(super) fn parted(
     record: &[Snapshot],
+    held: &[f64],
     grid: &Grid,
     runs: &[Range<usize>],
     number: usize,
@@ -59,7 +152,10 @@ pub(super) fn parted(
     let until = runs
         .get(number + 1)
         .map_or(grid.intervals(), |next| next.start);
-    let (from, until) = (grid.edge(runs[number].end), grid.edge(until));
+    let (from, until) = (
+        grid.edge(end_of_push(held, &runs[number])),
+        grid.edge(until),
+    );
     let first = record.partition_point(|snapshot| snapshot.time < from);
     let last = record
         .partition_point(|snapshot| snapshot.time <= until)
@@ -68,18 +164,31 @@ pub(super) fn parted(
     (found, last)
 }
 
+/// The end of `run` without what a renderer still corrects after contact, a hundredth of the run's peak
+/// force at most.
+fn end_of_push(held: &[f64], run: &Range<usize>) -> usize {
+    let least = least_push(held, run);
+    run.clone()
+        .rfind(|&interval| held[interval].abs() >= least)
+        .map_or(run.end, |last| last + 1)
+}
+
+/// The force that counts as a push in `run`; what is smaller is a remainder \[N\].
+pub(super) fn least_push(held: &[f64], run: &Range<usize>) -> f64 {
+    let forces = run.clone().map(|interval| held[interval].abs());
+    REMAINDER * forces.fold(0.0, f64::max)
+}
+
 /// Pairs the ideal collisions that end within the window with `runs`, in order.
 pub(super) fn judged(
     held: &[f64],
     runs: &[Range<usize>],
     profile: &ForceProfile,
 ) -> Vec<CollisionJudgement> {
-    profile
-        .collisions()
-        .iter()
-        .filter(|collision| collision.end.is_some())
+    ideal_collisions(profile)
+        .into_iter()
         .enumerate()
-        .map(|(number, &ideal)| CollisionJudgement {
+        .map(|(number, ideal)| CollisionJudgement {
             ideal,
             rendered: runs
                 .get(number)
@@ -95,11 +204,7 @@ fn rendered(
     grid: &Grid,
 ) -> RenderedCollision {
     let forces = &held[intervals.clone()];
-    let period = grid.period();
-    let in_periods = intervals
-        .clone()
-        .map(|interval| held[interval] * (grid.duration(interval) / period));
-    let impulse = period * in_periods.sum::<f64>();
+    let impulse = impulse(held, intervals.clone(), grid);
     let peak_force = forces.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     RenderedCollision {
         intervals,
@@ -108,6 +213,13 @@ fn rendered(
         impulse_error: relative_error(impulse, ideal.impulse),
         peak_force_error: relative_error(peak_force, ideal.peak_force),
     }
+}
+
+/// Impulse of the force `held` over `intervals` \[N s\].
+fn impulse(held: &[f64], intervals: Range<usize>, grid: &Grid) -> f64 {
+    let period = grid.period();
+    let in_periods = intervals.map(|interval| held[interval] * (grid.duration(interval) / period));
+    period * in_periods.sum::<f64>()
 }
 
 pub(super) fn relative_error(rendered: f64, ideal: f64) -> Option<f64> {

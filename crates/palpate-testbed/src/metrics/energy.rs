@@ -2,7 +2,7 @@
 
 use crate::ideal::Ideal;
 use crate::metrics::WindowMismatch;
-use crate::metrics::collisions::{parted, rendered_runs};
+use crate::metrics::collisions::{ideal_collisions, parted, separated};
 use crate::profile::{Collision, ForceProfile, Snapshot};
 
 /// How far above its start the energy may rise before a loop counts as diverged, in impact
@@ -127,17 +127,15 @@ fn rebounds(
     held: &[f64],
     record: &[Snapshot],
 ) -> Vec<Rebound> {
-    let runs = rendered_runs(held);
-    profile
-        .collisions()
+    let runs = separated(held, profile.grid());
+    ideal_collisions(profile)
         .iter()
-        .filter(|collision| collision.end.is_some())
         .enumerate()
         .map(|(number, collision)| {
             if number >= runs.len() {
                 return Rebound::NotRendered;
             }
-            let (Some(sample), _) = parted(record, profile.grid(), &runs, number) else {
+            let (Some(sample), _) = parted(record, held, profile.grid(), &runs, number) else {
                 return Rebound::NotReleased;
             };
             let gain = ideal.energy_without_spring(&record[sample]) - ideal.energy(&record[0]);

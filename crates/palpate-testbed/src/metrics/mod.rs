@@ -46,7 +46,8 @@ impl WindowMismatch {
 pub struct ForceJudgement {
     /// Errors of the force over the window; `None` if the ideal has no contact in it.
     pub fidelity: Option<Fidelity>,
-    /// Each ideal collision that ends within the window, with the rendered one of the same number.
+    /// Each ideal collision that ends within the window, with the rendered one of the same number;
+    /// [`RenderedCollision`] says what counts as one.
     pub collisions: Vec<CollisionJudgement>,
     /// Number of rendered collisions in the window.
     pub rendered_collisions: usize,
@@ -62,7 +63,7 @@ impl ForceJudgement {
     /// `held` does not have one force for each interval of `profile`.
     pub fn of(held: &[f64], profile: &ForceProfile) -> Result<Self, WindowMismatch> {
         WindowMismatch::unless_equal(held.len(), profile.intervals())?;
-        let runs = collisions::rendered_runs(held);
+        let runs = collisions::separated(held, profile.grid());
         Ok(Self {
             fidelity: Fidelity::of(held, profile),
             collisions: collisions::judged(held, &runs, profile),

@@ -1,7 +1,7 @@
 //! How fast device and object part after a collision, whatever the device.
 
 use crate::metrics::WindowMismatch;
-use crate::metrics::collisions::{parted, relative_error, rendered_runs};
+use crate::metrics::collisions::{ideal_collisions, least_push, parted, relative_error, separated};
 use crate::profile::{ForceProfile, Snapshot};
 
 /// The speeds at which device and object part after a collision, ideal and rendered.
@@ -54,16 +54,22 @@ impl ReboundSpeed {
     ) -> Result<Vec<Self>, WindowMismatch> {
         WindowMismatch::unless_equal(held.len(), profile.intervals())?;
         WindowMismatch::unless_equal(record.len().min(1), 1)?;
-        let runs = rendered_runs(held);
-        Ok(profile
-            .collisions()
-            .iter()
+        let runs = separated(held, profile.grid());
+        Ok(ideal_collisions(profile)
+            .into_iter()
             .filter_map(|collision| collision.release_speed)
             .enumerate()
             .map(|(number, ideal)| {
                 let rendered = (number < runs.len())
-                    .then(|| parted(record, profile.grid(), &runs, number))
-                    .and_then(|(sample, until)| Some(parting_speed(record, sample?, until)))
+                    .then(|| parted(record, held, profile.grid(), &runs, number))
+                    .and_then(|(sample, until)| {
+                        Some(parting_speed(
+                            record,
+                            sample?,
+                            until,
+                            least_push(held, &runs[number]),
+                        ))
+                    })
                     .filter(|speed| speed.is_finite());
                 Self {
                     ideal,
@@ -76,12 +82,14 @@ impl ReboundSpeed {
 }
 
 /// Speed \[m/s\] at which the two were in touch before `sample`, the first out of contact; the next
-/// collision begins at `until`.
-fn parting_speed(record: &[Snapshot], sample: usize, until: usize) -> f64 {
+/// collision begins at `until`, and a force below `least` \[N\] is none.
+fn parting_speed(record: &[Snapshot], sample: usize, until: usize, least: f64) -> f64 {
     let velocity = |at: &Snapshot| at.device_velocity - at.object_velocity;
     let is_free = |&i: &usize| {
         let (begin, end) = (&record[i], &record[i + 1]);
-        begin.force_on_object == 0.0 && begin.penetration() <= 0.0 && end.penetration() <= 0.0
+        begin.force_on_object.abs() <= least
+            && begin.penetration() <= 0.0
+            && end.penetration() <= 0.0
     };
     let mut near = (sample..until).chain((0..sample).rev());
     let acceleration = near.find(is_free).map_or(0.0, |i| {

@@ -19,5 +19,6 @@ mod popc;
 mod seh;
 #[cfg(feature = "serde")]
 mod serde_forms;
+mod side_by_side;
 mod state;
 mod transitions;

@@ -1,5 +1,6 @@
 //! `palpate emulate inverse3`: Haply's Inverse Service, with a device behind it.
 
+use std::fmt;
 use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
@@ -115,6 +116,20 @@ enum Trouble {
     NoPower(Duration),
 }
 
+impl fmt::Display for Trouble {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Answer(fault) => fault.fmt(f),
+            Self::Unplug(lasts) => {
+                write!(f, "the device is unplugged for {} s", lasts.as_secs_f64())
+            }
+            Self::NoPower(lasts) => {
+                write!(f, "the motors have no power for {} s", lasts.as_secs_f64())
+            }
+        }
+    }
+}
+
 /// A fault, and when it strikes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TimedFault {
@@ -218,9 +233,10 @@ pub fn run(arguments: &Inverse3EmulatorArguments) -> Result<(), Failure> {
         .fold(0.0_f64, |largest, force| largest.max(force.abs()));
     let last = emulator.force(id).unwrap_or_default();
     let served = emulator.served();
+    let last = last.map(|force| format!("{force:.3}")).join(", ");
     tell(format_args!(
-        "{} sessions, {} messages, forces up to {largest:.3} N along an axis; in the end {:?} N",
-        served.sessions, served.messages, last
+        "{} sessions, {} messages, forces up to {largest:.3} N along an axis; in the end {last} N",
+        served.sessions, served.messages
     ));
     Ok(())
 }
@@ -248,7 +264,7 @@ fn suffer(
         while let Some((at, trouble, begins)) = changes.next_if(|(at, ..)| begun.elapsed() >= *at) {
             let word = if begins { "" } else { "over: " };
             tell(format_args!(
-                "at {:.1} s: {word}{trouble:?}",
+                "at {:.1} s: {word}{trouble}",
                 at.as_secs_f64()
             ));
             match trouble {

@@ -72,10 +72,10 @@ pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
         SessionError::Setup(error) => Failure::input(format_args!("{}: {error}", path.display())),
         SessionError::Other(text) => Failure::System(text),
     })?;
-    let url = listening.url();
+    let where_it_is = where_it_is(&listening);
     server = Server::start(listening, session.hub(), session.commands())
         .map_err(|error| Failure::System(error.to_string()))?;
-    print(&format!("{url}\nctrl-C ends it\n"))?;
+    print(&format!("{where_it_is}ctrl-C ends it\n"))?;
     for answer in session
         .answers()
         .iter()
@@ -187,6 +187,25 @@ fn listen(arguments: &LiveArguments) -> Result<Listening, Failure> {
         }
         other => Failure::System(other.to_string()),
     })
+}
+
+/// The addresses to open, a line each.
+fn where_it_is(listening: &Listening) -> String {
+    let here = listening.url();
+    if !listening.address().ip().is_unspecified() {
+        return format!("{here}\n");
+    }
+    match listening.url_on_the_network() {
+        Some(there) => format!("{here}\nfrom another machine: {there}\n"),
+        None => format!(
+            "{here}\nfrom another machine: the same, with an address of this machine in place of {}\n",
+            if listening.address().is_ipv4() {
+                "127.0.0.1"
+            } else {
+                "[::1]"
+            }
+        ),
+    }
 }
 
 /// Where recordings go that the page asks for.

@@ -2,13 +2,13 @@
 
 mod arguments;
 pub mod outcome;
+mod receipt;
 pub mod report;
 pub mod scene_text;
 
 use std::path::Path;
 use std::time::Duration;
 
-use palpate_io::recording::Receipt;
 use palpate_rt::clock::{Clock, MonotonicClock, SteppedClock};
 use palpate_rt::device::{Capabilities, Device};
 use palpate_rt::realtime::Request;
@@ -21,6 +21,7 @@ pub use arguments::{
     RealtimeArguments, RecordArguments, RunArguments, SafetyArguments, SessionArguments,
 };
 pub use outcome::Asked;
+pub use receipt::receipt;
 pub use report::Report;
 pub use report::TimingReport;
 
@@ -212,14 +213,6 @@ fn tell_if_unwritten<D: Device, C: Clock>(running: &LoopThread<D, C>, recorder: 
         }
         std::thread::sleep(LOOK_EVERY);
     }
-}
-
-/// The receipt of a recording, but for its scene.
-pub fn receipt(device: &Capabilities, limits: &SafetyParams, request: &Request) -> Receipt {
-    Receipt::new(env!("CARGO_PKG_VERSION"))
-        .with("device", &format!("{device:#?}\n"))
-        .with("safety", &format!("{limits:#?}\n"))
-        .with("real time", &format!("{request:#?}\n"))
 }
 
 /// Guardians for a loop of `scene`: they wait for as long as its supervisor.

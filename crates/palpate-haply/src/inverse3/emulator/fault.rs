@@ -1,6 +1,7 @@
 //! What an emulated service does wrong, when it is told to.
 
 use std::collections::VecDeque;
+use std::fmt;
 use std::time::Duration;
 
 /// Something that goes wrong with one reply.
@@ -24,6 +25,24 @@ pub enum Fault {
     Disconnect,
     /// The connection is closed as a WebSocket is.
     Close,
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Dropped => "the next answer is lost",
+            Self::Twice => "the next answer comes twice",
+            Self::Late => "the next answer comes with the one after it",
+            Self::Stall(lasts) => {
+                return write!(f, "the service stands still for {} s", lasts.as_secs_f64());
+            }
+            Self::Garbage => "the next answer is not JSON",
+            Self::HalfFrame => "the next answer ends in the middle of its JSON",
+            Self::HalfBytes => "the connection is cut in the middle of the next answer",
+            Self::Disconnect => "the connection is cut",
+            Self::Close => "the connection is closed",
+        })
+    }
 }
 
 /// Faults that wait for their reply; of each one the next reply is not touched by those behind it.

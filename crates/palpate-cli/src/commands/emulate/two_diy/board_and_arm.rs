@@ -56,7 +56,7 @@ pub fn run(arguments: &TwoDiyArguments) -> Result<(), Failure> {
     let mut path = emulator.path();
     while !stop.is_raised() && until.is_none_or(|until| begun.elapsed() < until) {
         while let Some((at, fault)) = faults.next_if(|(at, _)| begun.elapsed() >= *at) {
-            tell(format_args!("at {:.1} s: {fault:?}", at.as_secs_f64()));
+            tell(format_args!("at {:.1} s: {fault}", at.as_secs_f64()));
             emulator.suffer(fault);
         }
         if emulator.path() != path {

@@ -1,0 +1,122 @@
+//! What made a recording, besides its scene, as lines of `key = value` with the unit in the key.
+
+use std::fmt::Write as _;
+
+use palpate_io::recording::Receipt;
+use palpate_rt::device::{Capabilities, Vector};
+use palpate_rt::realtime::Request;
+use palpate_rt::safety::SafetyParams;
+
+/// The receipt of a recording, but for its scene.
+pub fn receipt(device: &Capabilities, limits: &SafetyParams, request: &Request) -> Receipt {
+    Receipt::new(env!("CARGO_PKG_VERSION"))
+        .with("device", &of_device(device))
+        .with("safety", &of_safety(limits))
+        .with("real time", &of_request(request))
+}
+
+/// Lines of `key = value`, as TOML has them.
+#[derive(Default)]
+struct Lines(String);
+
+impl Lines {
+    fn put(&mut self, key: &str, value: impl std::fmt::Display) {
+        // A string takes everything.
+        let _ = writeln!(self.0, "{key} = {value}");
+    }
+
+    /// What is not known, or not limited, is said to be so.
+    fn put_or(&mut self, key: &str, value: Option<impl std::fmt::Display>, otherwise: &str) {
+        match value {
+            Some(value) => self.put(key, value),
+            None => {
+                let _ = writeln!(self.0, "# {key}: {otherwise}");
+            }
+        }
+    }
+}
+
+fn of_device(device: &Capabilities) -> String {
+    let mut lines = Lines::default();
+    let unknown = "not known";
+    lines.put("name", serde_json::Value::from(device.name.as_str()));
+    lines.put("axes", device.axes);
+    lines.put_or("largest_force_n", device.largest_force, unknown);
+    lines.put_or(
+        "largest_stiffness_n_per_m",
+        device.largest_stiffness,
+        unknown,
+    );
+    lines.put_or("largest_damping_n_s_per_m", device.largest_damping, unknown);
+    lines.put_or("workspace_m", device.workspace.map(corners), unknown);
+    lines.put_or("effective_mass_kg", device.effective_mass, unknown);
+    lines.put_or("encoder_quantum_m", device.encoder_quantum, unknown);
+    lines.put("holds_last_force", device.holds_last_force);
+    lines.0
+}
+
+fn of_safety(limits: &SafetyParams) -> String {
+    let mut lines = Lines::default();
+    lines.put("largest_force_n", limits.largest_force);
+    lines.put("slew_limit_n_per_s", limits.slew_limit);
+    lines.put_or("workspace_m", limits.workspace.map(corners), "not limited");
+    let range = limits.range.map(|[from, to]| format!("[{from}, {to}]"));
+    lines.put_or("range_m", range, "not limited");
+    lines.put("largest_speed_m_per_s", limits.largest_speed);
+    lines.put("stale_after_periods", limits.stale_after);
+    lines.put("soft_start_s", limits.soft_start);
+    lines.put("oscillation_energy_j", limits.oscillation.energy);
+    lines.put("oscillation_window_s", limits.oscillation.window);
+    lines.put("stall_after_periods", limits.stall_after_periods);
+    lines.put("tolerated_lateness_s", limits.tolerated_lateness);
+    lines.0
+}
+
+fn of_request(request: &Request) -> String {
+    let mut lines = Lines::default();
+    lines.put_or("priority", request.priority, "not asked for");
+    lines.put("lock_memory", request.lock_memory);
+    lines.put_or("processor", request.processor, "any");
+    lines.0
+}
+
+fn corners([lower, upper]: [Vector; 2]) -> String {
+    let corner = |[x, y, z]: Vector| format!("[{x}, {y}, {z}]");
+    format!("[{}, {}]", corner(lower), corner(upper))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_line_is_a_key_and_its_value_and_not_what_rust_prints() {
+        let known = Capabilities {
+            largest_force: Some(3.0),
+            workspace: Some([[-0.1, 0.0, 0.0], [0.1, 0.2, 0.0]]),
+            effective_mass: Some(0.2),
+            ..Capabilities::unknown("a \"quoted\" device", 2)
+        };
+        for device in [known, Capabilities::unknown("another", 1)] {
+            let limits = SafetyParams::for_device(&device);
+            let receipt = receipt(&device, &limits, &Request::default());
+            for (name, text) in &receipt.texts {
+                assert!(!text.contains(['{', '}']), "{name}: {text}");
+                assert!(!text.contains("Some("), "{name}: {text}");
+                for line in text.lines().filter(|line| !line.starts_with("# ")) {
+                    let (key, value) = line.split_once(" = ").unwrap_or_else(|| panic!("{line}"));
+                    assert!(!value.is_empty(), "{line}");
+                    let is_key = |c: char| c.is_ascii_lowercase() || c == '_';
+                    assert!(key.chars().all(is_key), "{line}");
+                }
+            }
+            let limits = &receipt.texts["safety"];
+            assert!(limits.contains("slew_limit_n_per_s = inf\n"), "{limits}");
+        }
+        let named = of_device(&Capabilities::unknown("a \"quoted\" device", 2));
+        assert!(
+            named.starts_with("name = \"a \\\"quoted\\\" device\"\naxes = 2\n"),
+            "{named}"
+        );
+    }
+}

@@ -1,0 +1,40 @@
+// What the server refuses, as people read it: the server names values by the keys of its messages.
+
+import { plain } from "./si.js";
+
+const QUANTITIES = {
+  stiffness_n_per_m: { label: "Stiffness", unit: "N/m" },
+  mass_kg: { label: "Mass", unit: "kg" },
+  virtual_force_n: { label: "Virtual force", unit: "N" },
+  period_s: { label: "Period", unit: "ms", shown: (value) => value * 1000 },
+  damping_n_s_per_m: { label: "Damping b", unit: "N s/m" },
+  position_m: { label: "Position of the hand", unit: "m" },
+};
+
+/** A period as the rate that somebody has entered. */
+export const RATE = { label: "Rate", unit: "Hz", shown: (value) => 1 / value };
+
+const OUTSIDE = /^(\w+) is (\S+); allowed: (\S+) to ([^\s,]+)/;
+
+/** The limits of a value, the smaller first: "20 to 4000 Hz". */
+export function limitsInWords(limits, unit, write = plain) {
+  const [least, most] = [...limits].sort((a, b) => a - b);
+  return `${write(least)} to ${write(most)} ${unit}`;
+}
+
+/**
+ * The key that a refusal is about, and its words: with the label and the unit of the field, and none of the server's
+ * keys. What is about no value that has limits is taken as it is.
+ *
+ * @param {string} text @param {object} periodAs `RATE`: a period that is refused was entered as a rate
+ */
+export function refusalInWords(text, periodAs = QUANTITIES.period_s) {
+  const [, key, given, low, high] = OUTSIDE.exec(text) ?? [];
+  const quantity = key === "period_s" ? periodAs : QUANTITIES[key];
+  if (!quantity) {
+    return { key: null, words: text };
+  }
+  const { label, unit, shown = (value) => value } = quantity;
+  const limits = [low, high].map((limit) => shown(Number(limit)));
+  return { key, words: `${label} ${plain(shown(Number(given)))} ${unit} is outside its range; allowed: ${limitsInWords(limits, unit)}` };
+}
