@@ -264,15 +264,16 @@ fn parquet_is_a_feature() {
 fn an_advice_answers_in_words_first() {
     let folder = Folder::new();
     let device = "advise --device-mass 0.3 --period 0.002 --encoder-quantum 1e-5";
-    let asked = format!("{device} --stiffness 2000 --mass 0.05");
-    let text = folder.succeed(&asked);
+    // Without a quantum: one of 10 um shakes so light an object by a sixth of its weight.
+    let asked = "advise --device-mass 0.3 --period 0.002 --stiffness 2000 --mass 0.05";
+    let text = folder.succeed(asked);
     assert!(
         text.starts_with("Yes: 2000 N/m for an object of 0.05 kg"),
         "{text}"
     );
     assert!(text.contains("Classical bounds"), "{text}");
-    let report = folder.json(&asked);
-    assert_eq!(report["format"], "palpate advise 1");
+    let report = folder.json(asked);
+    assert_eq!(report["format"], "palpate advise 2");
     assert_eq!(report["verdict"]["answer"], "yes");
     // Without tuning, and its limits are beside those of the others.
     assert_eq!(report["verdict"]["method"], "coupled");
@@ -297,6 +298,18 @@ fn an_advice_answers_in_words_first() {
         "{device} --stiffness 3e6 --mass 0.05 --method hfcr"
     ));
     assert!(hard.starts_with("No: 3000000 N/m"), "{hard}");
+    // What bounces well and then swings for ever is no yes, nor is what every hold does badly.
+    let light = "advise --device-mass 0.25 --stiffness 10000 --mass 0.1 --period 0.01";
+    let swings = folder.json(&format!(
+        "{light} --delay 1 --method virtual-damper,hfcr,coupled"
+    ));
+    assert_ne!(swings["verdict"]["answer"], "yes", "{swings}");
+    let coarse = folder.json(&format!("{light} --method coupled"));
+    assert_eq!(coarse["verdict"]["answer"], "hold-too-coarse", "{coarse}");
+    assert!(number(&coarse["contact"], "hold_floor_percent") > 20.0);
+    let coupled = &coarse["methods"][0]["by_itself"];
+    assert!(number(coupled, "resting_swing") < 0.01, "{coupled}");
+    assert!(number(coupled, "pressed_swing") < 0.01, "{coupled}");
     let only = folder.succeed(&format!("{device} --method hfcr"));
     assert!(
         only.starts_with("The stiffest contact with a wall"),

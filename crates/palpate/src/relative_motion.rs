@@ -95,14 +95,14 @@ impl<S: Scalar> Drive<S> {
                     && (at.speed < S::ZERO || (at.speed == S::ZERO && a <= S::ZERO)));
             if free {
                 let Some((after, speed)) = self.entry(at).filter(|(after, _)| *after < left) else {
-                    passed(Part::Free(left));
+                    passed(Part::Free(at, left));
                     return Course {
                         end: self.fly(at, left),
                         impulse,
                         first_transition,
                     };
                 };
-                passed(Part::Free(after));
+                passed(Part::Free(at, after));
                 first_transition = first_transition.or(Some(after));
                 left -= after;
                 at = Relative {

@@ -10,22 +10,30 @@ use crate::relative_motion::{Drive, Relative, circular};
 /// A part of an interval.
 #[derive(Clone, Copy)]
 pub(crate) enum Part<S> {
-    /// Free for so long `[s]`.
-    Free(S),
+    /// Free, from this state on for so long `[s]`.
+    Free(Relative<S>, S),
     /// In contact, from this state on for so long `[s]`.
     Pressed(Relative<S>, S),
     /// Many bounces, taken at once.
     Bounces,
 }
 
-/// Derivatives of an interval's end. Each row is by the penetration and the speed at its start, by
-/// the acceleration a, and by the mobility mu.
+/// Derivatives of an interval's end.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Response<S> {
-    /// Of the penetration.
+    /// Of the penetration: by the penetration and the speed at the start, by the acceleration a,
+    /// and by the mobility mu.
     pub penetration: [S; 4],
-    /// Of the speed.
+    /// Of the speed, by the same.
     pub speed: [S; 4],
+    /// Of penetration and speed, by a steady change of the acceleration `[m/s^3]` that is zero at the
+    /// start.
+    pub ramp: [S; 2],
+    /// Of penetration and speed, by a damping of the relative motion, p'' = ... - c p', at
+    /// c = 0 `[1/s]`.
+    pub damping: [S; 2],
+    /// Duration so far `[s]`.
+    duration: S,
 }
 
 /// Phases of the spring below this `[rad]` are too small to divide by its stiffness.
@@ -37,6 +45,9 @@ impl<S: Scalar> Response<S> {
         Self {
             penetration: [S::ONE, S::ZERO, S::ZERO, S::ZERO],
             speed: [S::ZERO, S::ONE, S::ZERO, S::ZERO],
+            ramp: [S::ZERO; 2],
+            damping: [S::ZERO; 2],
+            duration: S::ZERO,
         }
     }
 
@@ -44,14 +55,26 @@ impl<S: Scalar> Response<S> {
     #[inline]
     pub fn after(self, drive: &Drive<S>, part: Part<S>) -> Option<Self> {
         match part {
-            Part::Free(h) => Some(self.after_flight(h)),
+            Part::Free(at, h) => Some(self.after_flight(drive, at, h)),
             Part::Pressed(at, h) => Some(self.after_contact(drive, at, h)),
             Part::Bounces => None,
         }
     }
 
-    fn after_flight(self, h: S) -> Self {
-        let mut next = self;
+    fn after_flight(self, drive: &Drive<S>, at: Relative<S>, h: S) -> Self {
+        let half = S::HALF * h * h;
+        let sixth = half * h * S::from_f64(1.0 / 3.0);
+        let (a, e) = (drive.acceleration, self.duration);
+        let [ramp, damping] = [self.ramp, self.damping].map(|[p, v]| [p + h * v, v]);
+        let mut next = Self {
+            ramp: [ramp[0] + e * half + sixth, ramp[1] + e * h + half],
+            damping: [
+                damping[0] - at.speed * half - a * sixth,
+                damping[1] - at.speed * h - a * half,
+            ],
+            duration: e + h,
+            ..self
+        };
         for (penetration, speed) in next.penetration.iter_mut().zip(self.speed) {
             *penetration += h * speed;
         }
@@ -65,11 +88,23 @@ impl<S: Scalar> Response<S> {
         let omega = square.sqrt();
         let [sine, versine, excess] = circular(omega, h);
         let cosine = S::ONE - square * versine;
-        let mut next = self;
+        let pull = drive.acceleration - square * at.penetration;
+        let e = self.duration;
+        let turned = |p: S, v: S| [cosine * p + sine * v, cosine * v - square * sine * p];
+        let [ramp, damping] = [self.ramp, self.damping].map(|[p, v]| turned(p, v));
+        // The oscillation about the place of rest falls by exp(-c h/2), and keeps its phase.
+        let end_speed = at.speed * cosine + pull * sine;
+        let mut next = Self {
+            ramp: [ramp[0] + e * versine + excess, ramp[1] + e * sine + versine],
+            damping: [
+                damping[0] + S::HALF * (pull * (excess - h * versine) - h * at.speed * sine),
+                damping[1] - S::HALF * (at.speed * sine + h * end_speed),
+            ],
+            duration: e + h,
+            ..self
+        };
         for i in 0..4 {
-            let (p, v) = (self.penetration[i], self.speed[i]);
-            next.penetration[i] = cosine * p + sine * v;
-            next.speed[i] = cosine * v - square * sine * p;
+            [next.penetration[i], next.speed[i]] = turned(self.penetration[i], self.speed[i]);
         }
         next.penetration[2] += versine;
         next.speed[2] += sine;
@@ -80,22 +115,11 @@ impl<S: Scalar> Response<S> {
         } else {
             (S::HALF * h * sine - versine) / square
         };
-        let pull = drive.acceleration - square * at.penetration;
         next.penetration[3] +=
             drive.stiffness * (at.speed * of_sine + pull * of_versine - at.penetration * versine);
         next.speed[3] += drive.stiffness
             * (pull * of_sine - S::HALF * h * at.speed * sine - at.penetration * sine);
         next
-    }
-
-    /// What a steady change of the acceleration over the interval, from nothing at its start, does
-    /// to penetration and speed at its end, for each m/s^3 and with the interval's duration `h`
-    /// `[s]`. Exact for a free interval.
-    pub fn under_ramp(self, h: S) -> [S; 2] {
-        [
-            self.penetration[2] * h * S::from_f64(1.0 / 3.0),
-            self.speed[2] * h * S::HALF,
-        ]
     }
 }
 
@@ -150,5 +174,70 @@ mod tests {
             }
         }
         assert!(transitions > 50, "{transitions}");
+    }
+
+    /// What fourth-order steps make of penetration and speed where a ramp and a damping are added.
+    fn by_runge_kutta(drive: &Drive<f64>, start: Relative<f64>, h: f64, by: [f64; 2]) -> [f64; 2] {
+        let [ramp, damping] = by;
+        let pull = |t: f64, p: f64, v: f64| {
+            drive.acceleration + ramp * t
+                - damping * v
+                - drive.stiffness * drive.mobility * p.max(0.0)
+        };
+        let steps = 4000;
+        let dt = h / f64::from(steps);
+        let (mut p, mut v) = (start.penetration, start.speed);
+        for i in 0..steps {
+            let t = f64::from(i) * dt;
+            let half = 0.5 * dt;
+            let (k1, l1) = (v, pull(t, p, v));
+            let (k2, l2) = (v + half * l1, pull(t + half, p + half * k1, v + half * l1));
+            let (k3, l3) = (v + half * l2, pull(t + half, p + half * k2, v + half * l2));
+            let (k4, l4) = (v + dt * l3, pull(t + dt, p + dt * k3, v + dt * l3));
+            p += dt / 6.0 * (k1 + 2.0 * (k2 + k3) + k4);
+            v += dt / 6.0 * (l1 + 2.0 * (l2 + l3) + l4);
+        }
+        [p, v]
+    }
+
+    #[test]
+    fn a_ramp_and_a_damping_are_answered_in_phase_however_stiff_the_spring() {
+        let mut stiff = 0;
+        for i in 0..120 {
+            let u = |k: u32| f64::from((i * 6563 + k * 104_729) % 1000) / 1000.0;
+            let h = 0.01;
+            let drive = Drive {
+                stiffness: 10f64.powf(0.5 + 4.5 * u(1)),
+                mobility: 2.0 + 20.0 * u(2),
+                acceleration: 40.0 * u(3),
+            };
+            let omega = (drive.stiffness * drive.mobility).sqrt();
+            let start = Relative {
+                penetration: drive.acceleration / (omega * omega) * 2.0 * u(4),
+                speed: 0.2 * (u(5) - 0.5),
+            };
+            let (_, Some(response)) = drive.over_with_response(start, h) else {
+                continue;
+            };
+            // Past half a turn in an interval the answers change their signs.
+            stiff += u32::from(omega * h > 3.2);
+            let scale = start.speed.abs() + drive.acceleration * h.min(1.0 / omega);
+            for (found, by, size) in [
+                (response.ramp, [1e-3, 0.0], h * h.min(1.0 / omega)),
+                (response.damping, [0.0, 1e-4], h * scale),
+            ] {
+                let more = by_runge_kutta(&drive, start, h, by);
+                let less = by_runge_kutta(&drive, start, h, by.map(|by| -by));
+                let width = 2.0 * (by[0] + by[1]);
+                let slope = [0, 1].map(|k| (more[k] - less[k]) / width);
+                let reach = h.min(1.0 / omega);
+                assert!(
+                    (found[0] - slope[0]).abs() < 5e-3 * size * reach
+                        && (found[1] - slope[1]).abs() < 5e-3 * size,
+                    "{drive:?} {start:?}, by {by:?}: {found:?}, steps {slope:?}"
+                );
+            }
+        }
+        assert!(stiff > 20, "{stiff}");
     }
 }

@@ -16,6 +16,7 @@ mod compute;
 mod grid;
 mod growth;
 mod limits;
+mod stay;
 mod trial;
 
 pub use bounce::default_settings;
@@ -25,6 +26,7 @@ pub use compute::{Done, compute};
 pub use grid::{Cell, MapParams, ParamsError};
 pub use growth::{Class, STABLE_UP_TO, classify};
 pub use limits::{Limit, SEARCHED};
+pub use stay::{PRESSED_WITH, RESTS_BELOW, Stay};
 pub use trial::Outcome;
 
 /// Start heights of every cell, evenly spaced.

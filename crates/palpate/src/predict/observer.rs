@@ -315,6 +315,14 @@ impl<S: Scalar> Observer<S> {
         (smoothed, Some(lesson))
     }
 
+    /// How certain lambda is: 1 where it is known, 0 where it cannot be told from none. A damping that is
+    /// only an error of the mass weighs next to nothing by it.
+    pub fn damping_certainty(&self) -> S {
+        let square = self.motion.damping_rate * self.motion.damping_rate;
+        let sum = square + self.spread.diagonal[DAMPING_RATE];
+        if sum > S::ZERO { square / sum } else { S::ZERO }
+    }
+
     fn is_finite(&self) -> bool {
         let Motion {
             offset,

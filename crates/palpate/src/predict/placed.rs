@@ -46,8 +46,7 @@ impl<S: Scalar> Placed<S> {
         if exact && !touched {
             return *self;
         }
-        let h = lesson.jerk[2];
-        let ramp = response.under_ramp(h);
+        let ramp = response.ramp;
         let by = [
             -device.damping_rate,
             device.damping_rate * held_force,

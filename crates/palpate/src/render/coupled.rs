@@ -191,6 +191,7 @@ impl<S: Scalar> Coupled<S> {
         device: &Motion<S>,
         start: Relative<S>,
         ended: &Ended<S>,
+        certainty: S,
     ) -> (Interval<S>, Option<Response<S>>) {
         let drive = self.drive(motion, device, ended.start.virtual_force);
         let h = ended.elapsed;
@@ -198,12 +199,14 @@ impl<S: Scalar> Coupled<S> {
         let mut ramp = S::ZERO;
         if let Some(response) = &response {
             ramp = device.ramp(ended.held_force);
-            let [farther, faster] = response.under_ramp(h).map(|by| by * ramp);
-            course.end.penetration += farther;
+            let rate = certainty * device.damping_rate;
+            let damped = damped(rate, device, &drive, start, &course, response, h);
+            let faster = response.ramp[1] * ramp + damped.speed;
+            course.end.penetration += response.ramp[0] * ramp + damped.penetration;
             course.end.speed += faster;
             if course.impulse > S::ZERO && drive.mobility > S::ZERO {
-                let more = (S::HALF * ramp * h * h - faster) / drive.mobility;
-                course.impulse = (course.impulse + more).max(S::ZERO);
+                let pushed = S::HALF * ramp * h * h + damped.pushed;
+                course.impulse = (course.impulse + (pushed - faster) / drive.mobility).max(S::ZERO);
             }
         }
         let interval = Interval {
@@ -308,6 +311,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
                 held_force: ended.held_force,
             },
         );
+        let certainty = observer.damping_certainty();
         let device = if self.correction { smoothed } else { before };
         // A wall is where it is.
         let lesson = lesson
@@ -320,7 +324,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             penetration: ended.start.penetration + device.offset - object_off,
             speed: device.velocity - object_velocity,
         };
-        let (interval, response) = self.interval_past(motion, &device, start, ended);
+        let (interval, response) = self.interval_past(motion, &device, start, ended, certainty);
         let touched = interval.course.impulse > S::ZERO;
         memory.placed = match (lesson, &response) {
             (Some(lesson), Some(response)) => {
@@ -435,6 +439,63 @@ impl<S: Scalar> Method<S> for Coupled<S> {
     #[inline]
     fn placement_shift(&self, memory: &CoupledMemory<S>) -> S {
         memory.shift
+    }
+}
+
+/// What a damping does to an interval of relative motion.
+struct Damped<S> {
+    /// Change of the penetration at the interval's end `[m]`.
+    penetration: S,
+    /// Change of its rate `[m/s]`.
+    speed: S,
+    /// Integral of the acceleration by the damping `[m/s]`.
+    pushed: S,
+}
+
+/// What the damping of hand and device does to the relative motion beyond the ramp under the force that
+/// is held. The ideal device's velocity follows the contact force as it comes and goes; what it deviates
+/// from a straight line is the device's share of how p' does,
+///
+/// ```text
+/// p'' = ... - c (p' - p'_line),    c = lambda theta / (theta + 1/M)
+/// ```
+///
+/// to the first order of c, kept below 2/h, where the oscillation is gone after one interval. Nothing
+/// else takes energy from the oscillation of an object that lies on the device: the held force, its
+/// mean, shows the device next to nothing of it. `damping_rate`: lambda, as far as it is certain.
+fn damped<S: Scalar>(
+    damping_rate: S,
+    device: &Motion<S>,
+    drive: &Drive<S>,
+    start: Relative<S>,
+    course: &Course<S>,
+    response: &Response<S>,
+    h: S,
+) -> Damped<S> {
+    let none = Damped {
+        penetration: S::ZERO,
+        speed: S::ZERO,
+        pushed: S::ZERO,
+    };
+    // An estimate below zero would feed the oscillation.
+    if course.impulse <= S::ZERO || drive.mobility <= S::ZERO || damping_rate <= S::ZERO {
+        return none;
+    }
+    let rate = damping_rate * (device.mobility / drive.mobility);
+    let c = rate / (S::ONE + S::HALF * rate * h);
+    let Relative { penetration, speed } = start;
+    let slope = (course.end.speed - speed) / h;
+    let travelled = course.end.penetration - penetration;
+    let by =
+        |damping: S, acceleration: S, ramp: S| c * (damping + speed * acceleration + slope * ramp);
+    Damped {
+        penetration: by(
+            response.damping[0],
+            response.penetration[2],
+            response.ramp[0],
+        ),
+        speed: by(response.damping[1], response.speed[2], response.ramp[1]),
+        pushed: c * ((speed + S::HALF * slope * h) * h - travelled),
     }
 }
 

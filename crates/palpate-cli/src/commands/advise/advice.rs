@@ -1,6 +1,8 @@
 //! What is found out for an advice.
 
-use palpate_sim::map::{Bounce, BounceError, Class, Entry, Limit, Plant, bounds, default_settings};
+use palpate_sim::map::{
+    Bounce, BounceError, Class, Entry, Limit, Plant, Stay, bounds, default_settings,
+};
 use palpate_sim::method::{Damping, MethodName, Setting, Settings};
 use palpate_sim::tune::tunable;
 use serde::Serialize;
@@ -51,8 +53,22 @@ pub struct ContactReport {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case", tag = "answer")]
 pub enum Verdict {
-    /// Stable and faithful.
+    /// Stable and faithful, steady at rest and pressed, and the hold floor is low enough.
     Yes {
+        method: &'static str,
+        damping_n_s_per_m: Option<f64>,
+    },
+    /// Bounces stably, but swings at rest or pressed.
+    Swings {
+        method: &'static str,
+        damping_n_s_per_m: Option<f64>,
+        /// Whether it swings at rest on the device.
+        resting: bool,
+        /// Whether it swings pressed.
+        pressed: bool,
+    },
+    /// As good as a held force can be, which at this rate is far from the ideal.
+    HoldTooCoarse {
         method: &'static str,
         damping_n_s_per_m: Option<f64>,
     },
@@ -89,6 +105,13 @@ pub struct Judged {
     /// Median and worst over the start heights; none where a loop diverged.
     pub growth: [Option<f64>; 2],
     pub error_percent: [Option<f64>; 2],
+    /// Standard deviation of the force at rest, over the weight; none for a wall, for a loop that
+    /// diverged, and for one that was not followed since its bounces gain energy.
+    pub resting_swing: Option<f64>,
+    /// The same pressed, over the force that presses.
+    pub pressed_swing: Option<f64>,
+    #[serde(skip)]
+    stay: Option<Stay>,
     #[serde(skip)]
     rank: (Class, f64),
 }
@@ -124,7 +147,7 @@ impl Advice {
         let device = &bounce.device;
         let (m, t) = (device.mass, bounce.period);
         let mut advice = Self {
-            format: "palpate advise 1",
+            format: "palpate advise 2",
             device: DeviceReport {
                 mass_kg: m,
                 period_s: t,
@@ -174,11 +197,16 @@ impl Advice {
         }
         let settings: Vec<_> = trials.iter().map(|(m, s, _)| (*m, *s)).collect();
         let (entries, _) = bounce.judge(Plant::Damped, &settings)?;
-        let judged: Vec<(MethodName, Judged)> = trials
-            .iter()
-            .zip(&entries)
-            .map(|((method, _, damping), entry)| (*method, Judged::of(entry, *damping)))
-            .collect();
+        let mut judged: Vec<(MethodName, Judged)> = Vec::with_capacity(trials.len());
+        for ((method, settings, damping), entry) in trials.iter().zip(&entries) {
+            // What gains energy from bounce to bounce is no answer, whatever it does at rest.
+            let stay = if entry.class() == Class::Stable {
+                Some(bounce.stay(*method, *settings)?)
+            } else {
+                None
+            };
+            judged.push((*method, Judged::of(entry, *damping, stay)));
+        }
         for advice in &mut self.methods {
             let of_method = judged.iter().filter(|(m, _)| m.name() == advice.method);
             let (tuned, by_itself): (Vec<Judged>, Vec<Judged>) = of_method
@@ -197,12 +225,23 @@ impl Advice {
         });
         if let Some((method, found)) = recommended(judged.iter().map(|(m, j)| (m.name(), *j))) {
             let damping_n_s_per_m = found.damping_n_s_per_m;
-            self.verdict = match found.rank {
+            let stable = found.rank.0 == Class::Stable;
+            self.verdict = match found.stay {
+                Some(stay) if stable && !found.is_steady() => Verdict::Swings {
+                    method,
+                    damping_n_s_per_m,
+                    resting: !stay.rests(),
+                    pressed: !stay.is_steady_pressed(),
+                },
+                _ if found.is_faithful() && floor >= FAITHFUL_PERCENT => Verdict::HoldTooCoarse {
+                    method,
+                    damping_n_s_per_m,
+                },
                 _ if found.is_faithful() => Verdict::Yes {
                     method,
                     damping_n_s_per_m,
                 },
-                (Class::Stable, _) => Verdict::StableOnly {
+                _ if stable => Verdict::StableOnly {
                     method,
                     damping_n_s_per_m,
                 },
@@ -223,7 +262,8 @@ impl Advice {
     /// The judgement that is nearest to the ideal, if that is not the chosen one.
     pub fn nearer(&self) -> Option<(&'static str, Judged)> {
         let (_, chosen) = self.chosen()?;
-        best(self.judged()).filter(|(_, judged)| judged.rank.1 < chosen.rank.1)
+        best(self.judged())
+            .filter(|(_, judged)| judged.is_faithful() && judged.rank.1 < chosen.rank.1)
     }
 
     fn judged(&self) -> impl Iterator<Item = (&'static str, Judged)> + Clone {
@@ -251,9 +291,14 @@ fn recommended(
         .or_else(|| best(judged))
 }
 
-/// The stablest, and of those the one with the least error from the worst start height.
+/// The stablest, of those one that is steady at rest and pressed, and of those the one with the least
+/// error from the worst start height.
 fn best(judged: impl Iterator<Item = (&'static str, Judged)>) -> Option<(&'static str, Judged)> {
-    judged.min_by(|(_, a), (_, b)| (a.rank.0.cmp(&b.rank.0)).then(a.rank.1.total_cmp(&b.rank.1)))
+    judged.min_by(|(_, a), (_, b)| {
+        (a.rank.0.cmp(&b.rank.0))
+            .then(b.is_steady().cmp(&a.is_steady()))
+            .then(a.rank.1.total_cmp(&b.rank.1))
+    })
 }
 
 /// The dampings to try, up to where they are known to be too much.
@@ -287,7 +332,7 @@ fn dampings(method: MethodName, impedance: f64) -> Vec<(Settings, f64)> {
 }
 
 impl Judged {
-    fn of(entry: &Entry, damping: Option<f64>) -> Self {
+    fn of(entry: &Entry, damping: Option<f64>, stay: Option<Stay>) -> Self {
         let finite = |value: f64| Some(value).filter(|value| value.is_finite());
         let class = entry.class();
         Self {
@@ -299,15 +344,24 @@ impl Judged {
             },
             growth: [finite(entry.growth.median), finite(entry.growth.worst)],
             error_percent: [finite(entry.error.median), finite(entry.error.worst)],
+            resting_swing: stay.and_then(|stay| stay.resting).and_then(finite),
+            pressed_swing: stay.and_then(|stay| finite(stay.pressed)),
+            stay,
             rank: (class, entry.error.worst),
         }
     }
 }
 
 impl Judged {
-    /// Whether it is stable with a small error, from every start height.
+    /// Whether it is stable with a small error from every start height, and steady.
     fn is_faithful(&self) -> bool {
-        self.rank.0 == Class::Stable && self.rank.1 < FAITHFUL_PERCENT
+        self.rank.0 == Class::Stable && self.rank.1 < FAITHFUL_PERCENT && self.is_steady()
+    }
+
+    /// Whether the contact comes to rest on the device, and pressed.
+    fn is_steady(&self) -> bool {
+        self.stay
+            .is_some_and(|stay| stay.rests() && stay.is_steady_pressed())
     }
 }
 

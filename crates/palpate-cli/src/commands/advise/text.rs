@@ -3,6 +3,7 @@
 use std::fmt;
 
 use comfy_table::{Cell, CellAlignment};
+use palpate_sim::map::{PRESSED_WITH, RESTS_BELOW};
 
 use super::advice::{Advice, FAITHFUL_PERCENT, Judged, Reach, Verdict};
 use crate::report::{counted, digits, lines, number, percent, plain_table};
@@ -47,9 +48,42 @@ impl Advice {
                 method,
                 damping_n_s_per_m,
             } => format!(
-                "Yes: {what} can be rendered. Use {}: no bounce gains more than 1 % of energy, and \
-                 the mean force is within {error} % of the ideal's from every start height.",
-                with_damping(method, damping_n_s_per_m)
+                "Yes: {what} can be rendered. Use {}: no bounce gains more than 1 % of energy, the \
+                 mean force is within {error} % of the ideal's from every start height, and in a hand \
+                 the contact is steady {}.",
+                with_damping(method, damping_n_s_per_m),
+                if self.device.object_mass_kg.is_some() {
+                    "at rest and pressed"
+                } else {
+                    "pressed"
+                }
+            ),
+            Verdict::Swings {
+                method,
+                damping_n_s_per_m,
+                resting,
+                pressed,
+            } => format!(
+                "No: {what} does not come to rest {} by {}, the steadiest here, though its bounces gain \
+                 no energy: the force keeps swinging by more than {} % of its mean. Use a softer contact, \
+                 a heavier object, a higher rate or a finer encoder.",
+                match (resting, pressed) {
+                    (true, true) => "on the device, nor pressed,",
+                    (true, false) => "on the device",
+                    _ => "when it is pressed",
+                },
+                with_damping(method, damping_n_s_per_m),
+                percent(100.0 * RESTS_BELOW)
+            ),
+            Verdict::HoldTooCoarse {
+                method,
+                damping_n_s_per_m,
+            } => format!(
+                "As well as a held force can, and that is coarse: {what} is stable and steady by {}, but \
+                 no force held for {} s is within {FAITHFUL_PERCENT} % of the ideal's. A higher rate, a \
+                 softer contact or a heavier object would help.",
+                with_damping(method, damping_n_s_per_m),
+                self.device.period_s
             ),
             Verdict::StableOnly {
                 method,
@@ -146,8 +180,9 @@ impl Advice {
         };
         format!(
             "Device of {} kg at {} s{friction}{quantum}{delay}; {} bounces on it from {} m ± 5 % in {} \
-             start heights, held by a hand that gives force but no damping. A real hand damps: what \
-             is stable here is stable in a hand, as a rule.",
+             start heights, held by a hand that gives force but no damping. Resting is an object that \
+             lies on the device by its weight, pressed a contact under {PRESSED_WITH} N, each in a light \
+             hand and in a firm one.",
             device.mass_kg,
             device.period_s,
             self.object(),
@@ -157,7 +192,17 @@ impl Advice {
     }
 
     fn contact_table(&self) -> comfy_table::Table {
-        let header = ["method", "N s/m", "", "growth", "worst", "E %", "worst"];
+        let header = [
+            "method",
+            "N s/m",
+            "",
+            "growth",
+            "worst",
+            "E %",
+            "worst",
+            "resting %",
+            "pressed %",
+        ];
         let mut table = plain_table(CellAlignment::Left, &header);
         for advice in &self.methods {
             let tuned = advice.tuned.as_ref();
@@ -207,7 +252,8 @@ impl Advice {
              Abbott-Okamura {}. An undamped device on a wall with its best virtual damper, {} N s/m: {} \
              N/m. All of these are for the friction of the device alone; \"tuned\" tries {} dampings on \
              this very scene. Stiffest and lightest are limits of stability alone: the force is far \
-             from the ideal's before. Faithful is a mean-force error E below {} %. A dash: not even \
+             from the ideal's before. Faithful is a mean-force error E below {} %, and a hold floor below it; resting and \
+             pressed are the standard deviation of the force over its mean. A dash: not even \
              kappa or Kc = 1e-4.",
             without(bounds.colgate_schenkel_n_per_m),
             without(bounds.gil_n_per_m),
@@ -237,6 +283,8 @@ fn row(name: String, judged: &Judged) -> Vec<Cell> {
         growth(judged.growth[1]),
         number(judged.error_percent[0], percent),
         number(judged.error_percent[1], percent),
+        number(judged.resting_swing, |swing| percent(100.0 * swing)),
+        number(judged.pressed_swing, |swing| percent(100.0 * swing)),
     ]
 }
 
