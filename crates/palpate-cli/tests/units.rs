@@ -110,7 +110,9 @@ fn an_intention_that_no_hand_has_is_doubted() {
             ),
         );
         let answer = folder.palpate("run scene.toml --fast --duration 0.05");
-        assert_eq!(answer.code, 0, "{answer:?}");
+        // A device that moves by metres trips the largest speed: the motors are off for most of the run.
+        let code = if is_doubted { 5 } else { 0 };
+        assert_eq!(answer.code, code, "{answer:?}");
         let said =
             answer.stderr.contains("hand.intention") && answer.stderr.contains("position_mm");
         assert_eq!(said, is_doubted, "{file}: {answer:?}");
