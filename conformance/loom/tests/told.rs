@@ -4,7 +4,10 @@
 //! The tally is the program's own file. The ring is a model of `rtrb` 0.3.6, which has no loom of its
 //! own: the same loads and stores with the same orderings, `push` and `pop` as its source has them.
 
-#![allow(dead_code, reason = "the tally is the program's, and not all of it is used here")]
+#![allow(
+    dead_code,
+    reason = "the tally is the program's, and not all of it is used here"
+)]
 
 use loom::cell::UnsafeCell;
 use loom::sync::Arc;
