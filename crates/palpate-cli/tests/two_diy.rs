@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 
 use common::running::{Running, program};
 use common::{Folder, experiment_text, number, parse};
+use palpate_io::recording::{Entry, Recording};
 
 fn folder() -> Folder {
     let folder = Folder::new();
@@ -34,6 +35,14 @@ fn wait_for(what: &str, mut is_so: impl FnMut() -> bool) {
         assert!(begun.elapsed() < Duration::from_secs(20), "{what}");
         std::thread::sleep(Duration::from_millis(5));
     }
+}
+
+/// Whether a recording that is being made has such an entry among those that were flushed.
+fn has_recorded(folder: &Folder, part: &str, is_it: impl Fn(&Entry) -> bool) -> bool {
+    Recording::open(&folder.path(part)).is_ok_and(|recording| {
+        let mut entries = recording.entries().unwrap();
+        entries.any(|entry| entry.is_ok_and(|entry| is_it(&entry)))
+    })
 }
 
 impl Emulated {
@@ -76,8 +85,13 @@ fn a_wall_is_felt_recorded_and_read_back() {
     assert!(said.contains("in the end 0 and 0"), "{said}");
     folder.succeed("convert tap.mcap");
     let table = folder.read("tap.csv");
-    assert!(table.lines().count() > 1000, "{}", table.lines().count());
     let info = parse(&folder.succeed("info tap.mcap --json"));
+    let rows = table.lines().count() - 1;
+    assert!(rows > 0 && number(&info, "ticks") == rows as f64, "{info}");
+    // A busy machine misses deadlines, and the run has those periods all the same.
+    let periods = |name: &str| number(&report["timing"], name);
+    let whole = periods("ticks") + periods("missed_deadlines");
+    assert!(whole >= 1500.0, "{report}");
     assert_eq!(info["events"]["ended"], 1);
 }
 
@@ -89,8 +103,13 @@ fn a_run_that_is_terminated_leaves_no_torque() {
         &folder,
         &format!("run wall.toml {DEVICE} {WALL} --duration inf --record run.mcap"),
     );
-    wait_for("no recording", || folder.path("run.mcap.part").exists());
-    std::thread::sleep(Duration::from_millis(700));
+    wait_for("no force", || {
+        has_recorded(
+            &folder,
+            "run.mcap.part",
+            |entry| matches!(entry, Entry::Tick(tick) if tick.force_on_device.abs() > 0.5),
+        )
+    });
     run.signal("TERM");
     assert!(run.wait().unwrap().success());
     let said = emulated.end();
@@ -214,7 +233,8 @@ fn no_force_comes_back_before_enter_has_said_that_the_arm_is_in_its_start_pose()
     let flags = " --angles 130,50 --hold 0.019,0.1169 --fault unplug=0.3@2";
     let emulated = Emulated::start(&folder, flags);
     let (mut keys, input) = terminal();
-    let run = format!("run wall.toml {DEVICE} {WALL} --duration inf --reconnect --json");
+    let run =
+        format!("record wall.toml back.mcap {DEVICE} {WALL} --duration inf --reconnect --json");
     let mut run = program(&folder, &run);
     let run = run.stdin(input).stdout(Stdio::piped());
     let mut run = Running::start(run.stderr(Stdio::piped()));
@@ -242,7 +262,13 @@ fn no_force_comes_back_before_enter_has_said_that_the_arm_is_in_its_start_pose()
         "nobody was waited for"
     );
     let keys = typing.join().unwrap();
-    std::thread::sleep(Duration::from_millis(500));
+    wait_for("it does not recover", || {
+        has_recorded(
+            &folder,
+            "back.mcap.part",
+            |entry| matches!(entry, Entry::Event(event) if event.kind.contains("recovered")),
+        )
+    });
     run.signal("TERM");
     let output = run.output();
     drop(keys);
@@ -274,9 +300,12 @@ fn motors_are_checked_when_the_arm_may_move() {
 
 #[test]
 fn a_check_that_is_terminated_leaves_no_torque() {
-    // Rests of 250 ms and pulses of 80 ms take turns: one of these strikes in a pulse.
-    let mut pushed = 0;
-    for (after, name) in [(500, "TERM"), (580, "HUP"), (660, "INT"), (740, "TERM")] {
+    // Rests of 250 ms and pulses of 80 ms take turns, and nobody tells which is on: later and later
+    // until a signal has struck in a pulse or after one.
+    let names = ["TERM", "HUP", "INT"];
+    for (tries, name) in names.iter().cycle().enumerate() {
+        assert!(tries < 60, "every signal came before the first pulse");
+        let after = 500 + 80 * tries as u64;
         let folder = folder();
         let flags = " --angles 130,50 --hold 0.019,0.1169 --hand-stiffness 2000";
         let emulated = Emulated::start(&folder, flags);
@@ -293,9 +322,10 @@ fn a_check_that_is_terminated_leaves_no_torque() {
             said.contains("in the end 0 and 0"),
             "after {after} ms: {said}"
         );
-        pushed += usize::from(!said.contains("up to 0.000"));
+        if tries >= 3 && !said.contains("up to 0.000") {
+            break;
+        }
     }
-    assert!(pushed > 0, "every signal came before the first pulse");
 }
 
 #[test]
