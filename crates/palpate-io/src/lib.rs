@@ -1,6 +1,6 @@
 //! Files of palpate.
 //!
-//! - [`trace`] reads a recorded motion: when the device was where; [`unit`] knows the units of its
+//! - [`trace`] reads a recorded motion: when the device was where; [`mod@unit`] knows the units of its
 //!   positions, and whether a hand can have made it.
 //! - [`run`] writes and reads run files: what a rendering did, sample by sample, with the
 //!   configuration that made it.
