@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate_io::recording::{Gap, Recording, RecordingError};
+use palpate_io::recording::{Gap, Recording, RecordingError, WHOLE};
 
 use crate::failure::{Failure, tell};
 use crate::report::{counted, digits};
@@ -63,8 +63,13 @@ pub fn shortcomings(recording: &Recording) -> Vec<String> {
             counted(made, "event")
         ));
     }
-    let damaged = recording.damage.iter();
-    words.extend(damaged.map(|damage| format!("not what was written, and left out: {damage}")));
+    words.extend(recording.damage.iter().map(|damage| {
+        if damage.starts_with(WHOLE) {
+            format!("{damage}; what is read stands in parts whose own checksums fit")
+        } else {
+            format!("not what was written, and left out: {damage}")
+        }
+    }));
     words
 }
 

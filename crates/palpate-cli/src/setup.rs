@@ -3,7 +3,8 @@
 use std::collections::HashMap;
 
 use palpate::{
-    BasicParams, Contact, Guard, LoopParams, Mass, ObjectState, ParameterError, Renderer, Side,
+    BasicParams, Contact, Guard, LARGEST_DELAY, LoopParams, Mass, ObjectState, ParameterError,
+    Renderer, Side,
 };
 use palpate_sim::method::{MethodName, Setting, Settings, SettingsError};
 use palpate_sim::replay::ReplaySetup;
@@ -12,7 +13,7 @@ use palpate_sim::scene::{Dropped, GUARD_ALLOWANCE, GUARD_SPEED, Jitter, Scene, S
 use palpate_testbed::InvalidParameter;
 
 use crate::arguments::{Flags, TimingFlags};
-use crate::failure::Failure;
+use crate::failure::{Failure, tell};
 use crate::report::{Subject, parameters_of, timing_of};
 
 /// Flag of a parameter, by the name that parameter errors use.
@@ -248,6 +249,14 @@ impl Flags {
         object.velocity = self.object_velocity.unwrap_or(object.velocity);
         scene.virtual_force = self.force.unwrap_or(scene.virtual_force);
         scene.delay = self.delay.unwrap_or(scene.delay);
+        if scene.delay > LARGEST_DELAY {
+            tell(format_args!(
+                "warning: a renderer can be told of {LARGEST_DELAY} samples of delay at most; it does \
+                 not know the other {} of these {}",
+                scene.delay - LARGEST_DELAY,
+                scene.delay
+            ));
+        }
         scene.told_device_mass = self.told_device_mass.or(scene.told_device_mass);
         let device = &mut scene.device;
         device.mass = self.device_mass.unwrap_or(device.mass);

@@ -167,6 +167,55 @@ fn a_recorded_motion_is_a_device() {
         let off = before.force_on_device - after.force_on_device;
         assert!(off.abs() < 1e-9, "{before:?}, {after:?}");
     }
+    // One that is cut is replayed as far as it goes, and that is said.
+    let bytes = std::fs::read(folder.path("push.mcap")).unwrap();
+    folder.write("cut.mcap", &bytes[..bytes.len() * 9 / 10]);
+    let answer =
+        folder.palpate("run wall.toml --fast --device replay --motion cut.mcap --method basic");
+    assert_eq!(answer.code, 4, "{answer:?}");
+    assert!(
+        answer.stderr.contains("cut.mcap: not complete"),
+        "{answer:?}"
+    );
+}
+
+/// The pointer's device is the scene's: its motor gives no more than the scene says, and a delay that
+/// the renderer is told of is the device's too.
+#[test]
+fn a_pointer_leads_the_device_of_the_scene() {
+    let folder = folder_with_scenes();
+    let live =
+        experiment_text("live").replace("period_s = 0.01", "period_s = 0.005\ndelay_samples = 4");
+    folder.write("late.toml", &live);
+    let rests = "record late.toml late.mcap --device pointer --object-position 0 --stiffness 1000 \
+                 --fast --duration 10 --json";
+    let report = parse(&folder.succeed(rests));
+    assert!(report["trip"].is_null(), "{report}");
+    assert!(number(&report, "leak_held_j") < 1e-3, "{report}");
+    let weak = live.replace("[device]\n", "[device]\nmotor_limit_n = 0.5\n");
+    assert_ne!(weak, live);
+    folder.write("weak.toml", weak);
+    let report =
+        parse(&folder.succeed(
+            "run weak.toml --device pointer --object-position 0 --fast --duration 1 --json",
+        ));
+    assert!(number(&report, "peak_force_n") <= 0.5, "{report}");
+}
+
+/// What the renderer cannot be told of is said.
+#[test]
+fn a_delay_beyond_what_a_renderer_knows_is_told() {
+    let folder = folder_with_scenes();
+    let words = "does not know the other 4 of these 12";
+    let answer = folder.palpate("simulate wall.toml --delay 12 --method hfcr");
+    assert!(answer.stderr.contains(words), "{answer:?}");
+    let answer = folder.palpate("simulate wall.toml --delay 8 --method hfcr");
+    assert!(!answer.stderr.contains("warning"), "{answer:?}");
+    folder.fail(
+        "pipe --stiffness 1000 --mass inf --period 0.001 --device-mass 0.2 --delay 12",
+        2,
+        &["--delay is 12 samples", "8 at most"],
+    );
 }
 
 #[test]

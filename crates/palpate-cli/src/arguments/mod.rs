@@ -54,7 +54,8 @@ Exit codes:
   1  a file could not be read or written
   2  the arguments are wrong
   3  an input file is wrong; the message says where
-  4  done, but the recording that was read or made is not whole; standard error says what is missing
+  4  done, but the recording that was read or made is not whole; the output or
+     standard error says what is missing
   5  the loop ran, but safety had the motors off at its end or for most of its ticks
   130  stopped by ctrl-C or another signal before its end; what is done is kept")]
 pub struct Arguments {

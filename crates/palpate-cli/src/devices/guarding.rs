@@ -97,7 +97,8 @@ impl std::fmt::Display for GuardianReport {
         if self.gone {
             write!(
                 f,
-                "\nthe guardian ended before the loop, which then commanded no force"
+                "\nthe guardian ended or no longer listened before the loop ended; the loop commanded no \
+                 force from then on"
             )?;
         }
         Ok(())

@@ -8,7 +8,7 @@ pub mod guarding;
 pub mod inverse3;
 mod placed;
 mod reconnecting;
-mod replayed;
+pub mod replayed;
 #[cfg(unix)]
 pub mod two_diy;
 

@@ -11,7 +11,7 @@ use super::DeviceArguments;
 use crate::commands::render::read_trace;
 use crate::commands::replay::ticks::Ticks;
 use crate::failure::Failure;
-use crate::recorded::open as open_recording;
+use crate::recorded::{self, open as open_recording};
 use crate::values::duration;
 
 /// The motion of `--motion`, from its first sample.
@@ -32,16 +32,26 @@ pub fn open<C: Clock>(arguments: &DeviceArguments, clock: &C) -> Result<Box<dyn 
     Ok(Box::new(device))
 }
 
+/// Whether the recording whose motion was replayed is whole, if it was one: says what it lacks.
+pub fn whole_or_said(arguments: &DeviceArguments) -> Result<(), Failure> {
+    match &arguments.motion {
+        Some(path) if is_recording(path) => recorded::whole_or_said(&open_recording(path)?),
+        _ => Ok(()),
+    }
+}
+
+fn is_recording(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|extension| extension == "mcap")
+}
+
 /// Times `[s]` and positions `[m]` of a trace, or of a recording where the device was seen.
 fn motion(
     path: &Path,
     part: &Part,
     unit: Option<LengthUnit>,
 ) -> Result<(Vec<f64>, Vec<f64>), Failure> {
-    if path
-        .extension()
-        .is_some_and(|extension| extension == "mcap")
-    {
+    if is_recording(path) {
         if unit.is_some() {
             return Err(Failure::Arguments(
                 "--unit is the unit of a trace; a recording has metres".into(),

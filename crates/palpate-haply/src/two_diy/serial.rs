@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::fs::{Mode, OFlags, open};
+use rustix::fs::{FlockOperation, Mode, OFlags, flock, open};
 use rustix::io::Errno;
 use rustix::termios::{
     OptionalActions, QueueSelector, SpecialCodeIndex, ioctl_tiocexcl, ioctl_tiocnxcl, tcflush,
@@ -32,6 +32,14 @@ impl Serial {
         let descriptor = open(path, flags, Mode::empty())?;
         // Also says whether it is a terminal at all.
         let mut mode = tcgetattr(&descriptor)?;
+        // The kernel lets a privileged user open a terminal that is another's alone; a lock holds for
+        // every program that asks for it. A guardian shares the lock with its loop.
+        flock(&descriptor, FlockOperation::NonBlockingLockExclusive).map_err(
+            |error| match error {
+                Errno::WOULDBLOCK => Errno::BUSY,
+                other => other,
+            },
+        )?;
         ioctl_tiocexcl(&descriptor)?;
         mode.make_raw();
         mode.set_speed(BAUD)?;

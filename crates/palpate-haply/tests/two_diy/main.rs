@@ -9,12 +9,13 @@ mod opening;
 mod replies;
 mod wall;
 
+use std::path::Path;
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use palpate::{AnyParams, Contact, LoopParams, ObjectState, Placement};
 use palpate_haply::two_diy::emulator::{Did, Emulator, Hand, Seen, Settings};
-use palpate_haply::two_diy::{Board, Calibration, Generation, Options, TwoDiy};
+use palpate_haply::two_diy::{Board, Calibration, Generation, OpenError, Options, TwoDiy};
 use palpate_rt::clock::MonotonicClock;
 use palpate_rt::device::Device;
 use palpate_rt::safety::SafetyParams;
@@ -50,9 +51,13 @@ fn clock() -> MonotonicClock {
 }
 
 fn open_in_the_middle(emulator: &Emulator, period: Duration) -> TwoDiy<MonotonicClock> {
+    open_at(&emulator.path(), period).unwrap()
+}
+
+fn open_at(port: &Path, period: Duration) -> Result<TwoDiy<MonotonicClock>, OpenError> {
     let calibration = Calibration::At(MIDDLE);
     let options = Options::of(Generation::Three, calibration, period).unwrap();
-    TwoDiy::open(&emulator.path(), &options, clock()).unwrap()
+    TwoDiy::open(port, &options, clock())
 }
 
 /// A wall into which a hand at [`THERE`] presses by some 4 mm.

@@ -1,5 +1,5 @@
+use palpate_haply::two_diy::LARGEST_TORQUE;
 use palpate_haply::two_diy::emulator::Wiring;
-use palpate_haply::two_diy::{LARGEST_TORQUE, OpenError};
 use palpate_testbed::pantograph::kinematics::Geometry;
 
 use super::*;
@@ -118,18 +118,59 @@ fn a_board_told_wrong_and_a_device_that_is_not_there_are_named() {
     );
 }
 
+/// Whoever they are: the kernel alone lets a privileged user in.
+#[test]
+fn a_port_belongs_to_one_program_at_a_time() {
+    let _alone = alone();
+    let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
+    let mut device = open_in_the_middle(&emulator, SLOW);
+    device.read().unwrap();
+    let set_up = || {
+        let seen = emulator.seen();
+        seen.iter()
+            .filter(|seen| matches!(seen.did, Did::Reset | Did::SetUp))
+            .count()
+    };
+    let before = set_up();
+    let error = open_at(&emulator.path(), SLOW).unwrap_err();
+    assert!(matches!(error, OpenError::InUse(_)), "{error}");
+    assert_eq!(set_up(), before, "the board was spoken to");
+    // And it is free as soon as it is closed.
+    device.close().unwrap();
+    open_at(&emulator.path(), SLOW).unwrap();
+}
+
+const PORT: &str = "PALPATE_TEST_PORT";
+
+/// The program that the test below kills.
+#[test]
+#[ignore = "the body of a child process of another test"]
+fn a_program_that_holds_a_torque() {
+    let port = std::env::var_os(PORT).expect("the port to hold a torque on");
+    let mut device = open_at(port.as_ref(), SLOW).unwrap();
+    device.read().unwrap();
+    device.write([0.0, 1.0, 0.0]).unwrap();
+    loop {
+        std::thread::park();
+    }
+}
+
 /// Somebody was killed while a torque was on, in the middle of a packet.
 #[test]
 fn a_board_left_with_a_torque_in_the_middle_of_a_packet_is_taken_over_without_one() {
     let _alone = alone();
     for cut in [0, 1, 3, 9] {
         let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
-        let mut device = open_in_the_middle(&emulator, SLOW);
-        device.read().unwrap();
-        device.write([0.0, 1.0, 0.0]).unwrap();
+        let body = "opening::a_program_that_holds_a_torque";
+        let mut holder = std::process::Command::new(std::env::current_exe().unwrap())
+            .args(["--exact", body, "--ignored"])
+            .env(PORT, emulator.path())
+            .stdout(std::process::Stdio::null())
+            .spawn()
+            .unwrap();
         wait_until("the torque", || !is_none(emulator.torques()));
-        // Killed: nothing runs any more.
-        std::mem::forget(device);
+        holder.kill().unwrap();
+        holder.wait().unwrap();
         let stray = palpate_haply::two_diy::packet::state(&Generation::Three.layout(), [0.1, 0.1]);
         std::io::Write::write_all(
             &mut std::fs::File::options()

@@ -50,6 +50,9 @@ mod unpack;
 mod walk;
 mod write;
 
+/// How damage begins that is of the file as a whole: nothing is left out for it.
+pub const WHOLE: &str = "the file as a whole";
+
 pub use count::LoopCount;
 pub use event::Event;
 pub use loss::Gap;

@@ -9,7 +9,7 @@ use super::chunk::Content;
 use super::frames::{Frame, Frames};
 use super::loss::Loss;
 use super::read::Entry;
-use super::{LoopCount, Receipt, count, receipt};
+use super::{LoopCount, Receipt, WHOLE, count, receipt};
 
 /// What the header of a recording says, before a version, that this program has written.
 pub(super) const LIBRARY: &str = "palpate ";
@@ -184,9 +184,9 @@ impl<R: Read> Walk<R> {
                     self.frames.forget();
                     let lacks_sum = self.is_foreign && end.data_section_crc == 0;
                     if !lacks_sum && end.data_section_crc != before.finalize() {
-                        return Ok(Step::Damaged(
-                            "the whole: its checksum does not fit its bytes".into(),
-                        ));
+                        return Ok(Step::Damaged(format!(
+                            "{WHOLE}: its checksum does not fit its bytes"
+                        )));
                     }
                 }
                 op::SCHEMA

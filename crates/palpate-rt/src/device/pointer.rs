@@ -49,6 +49,10 @@ pub struct PointerParams {
     pub aim_rate: f64,
     /// Where the device is at the start, at rest `[m]`.
     pub position: f64,
+    /// What the motor gives at most `[N]`; `None`: whatever is commanded.
+    pub largest_force: Option<f64>,
+    /// Periods after which a command acts: what is written is held after as many further writes.
+    pub delay: usize,
 }
 
 impl Default for PointerParams {
@@ -64,19 +68,28 @@ impl Default for PointerParams {
             hand_damping: 20.0,
             aim_rate: 100.0,
             position: 0.0,
+            largest_force: None,
+            delay: 0,
         }
     }
 }
 
 impl PointerParams {
-    /// The device of `scene` in a pointer's hand: its mass, its sensor and its place at the start.
+    /// The device of `scene` in a pointer's hand: its mass, sensor, motor, delay of whole samples and
+    /// place at the start. Its friction is that of the scene, and at least that of
+    /// [`default`](Self::default), by which a device comes to rest that nobody holds.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
+        let default = Self::default();
         Self {
             device_mass: scene.device.mass,
             encoder_quantum: scene.device.encoder_quantum,
             position: scene.device.position,
-            ..Self::default()
+            viscous_friction: scene.device.viscous_friction.max(default.viscous_friction),
+            dry_friction: scene.device.coulomb_friction.max(default.dry_friction),
+            largest_force: scene.device.largest_force,
+            delay: scene.delay,
+            ..default
         }
     }
 
@@ -131,6 +144,9 @@ impl PointerParams {
             self.rate() <= 1e5,
             "heavy enough for stiffness and damping of the hand: no faster than 1e5 rad/s together",
         )?;
+        if let Some(force) = self.largest_force {
+            named("largest_force", force, force > 0.0, "finite and above 0 N")?;
+        }
         named("position", self.position, true, "finite [m]")
     }
 
@@ -218,6 +234,8 @@ pub struct PointerDevice<C> {
     moved_until: Option<Duration>,
     /// Force on the device that the motor holds `[N]`.
     held: f64,
+    /// Commands that do not act yet, the oldest first `[N]`.
+    on_their_way: Vec<f64>,
     cut: Cut,
 }
 
@@ -245,6 +263,7 @@ impl<C: Clock> PointerDevice<C> {
         Ok(Self {
             clock,
             capabilities: Capabilities {
+                largest_force: params.largest_force,
                 effective_mass: Some(params.device_mass),
                 encoder_quantum: Some(params.encoder_quantum),
                 ..Capabilities::unknown("pointer", 1)
@@ -254,6 +273,7 @@ impl<C: Clock> PointerDevice<C> {
             } else {
                 Sampler::Ideal
             },
+            on_their_way: vec![0.0; params.delay],
             params,
             hand: hand.clone(),
             motion: Motion::Free(alone.clone()),
@@ -289,6 +309,7 @@ impl<C: Clock> PointerDevice<C> {
         if let Some(cut) = self.cut.between(from, now) {
             self.advance(cut - from);
             self.held = 0.0;
+            self.on_their_way.fill(0.0);
             from = cut;
         }
         self.advance(now.saturating_sub(from));
@@ -391,8 +412,19 @@ impl<C: Clock> Device for PointerDevice<C> {
     fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
         self.move_on();
         self.cut.is_over();
-        self.held = force[0];
-        Ok([force[0], 0.0, 0.0])
+        let mut force = force[0];
+        if let Some(limit) = self.params.largest_force {
+            force = force.clamp(-limit, limit);
+        }
+        if let Some(oldest) = self.on_their_way.first().copied() {
+            self.on_their_way.rotate_left(1);
+            if let Some(newest) = self.on_their_way.last_mut() {
+                *newest = force;
+            }
+            force = oldest;
+        }
+        self.held = force;
+        Ok([force, 0.0, 0.0])
     }
 
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
@@ -401,181 +433,5 @@ impl<C: Clock> Device for PointerDevice<C> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::clock::SteppedClock;
-
-    const MS: Duration = Duration::from_millis(1);
-
-    fn device(
-        params: PointerParams,
-        hand: &PointerHand,
-    ) -> (PointerDevice<SteppedClock>, SteppedClock) {
-        let clock = SteppedClock::new();
-        let mut device = PointerDevice::new(params, hand, clock.clone()).unwrap();
-        device.read().unwrap();
-        (device, clock)
-    }
-
-    /// m x″ = −k x − (b + b_h) x′ + f from rest: the textbook's step response.
-    #[test]
-    fn a_held_force_moves_it_as_the_closed_form_says() {
-        let params = PointerParams::default();
-        let (mut device, clock) = device(params, &PointerHand::at(0.0));
-        device.write([2.0, 0.0, 0.0]).unwrap();
-        let mass = params.device_mass + params.hand_mass;
-        let decay = 0.5 * (params.hand_damping + params.viscous_friction) / mass;
-        let swing = (params.hand_stiffness / mass - decay * decay).sqrt();
-        for millisecond in 1..=300 {
-            clock.advance(MS);
-            let time = f64::from(millisecond) * 1e-3;
-            let (sine, cosine) = (swing * time).sin_cos();
-            let left = (-decay * time).exp() * (cosine + decay / swing * sine);
-            let expected = 2.0 / params.hand_stiffness * (1.0 - left);
-            let position = device.read().unwrap().position[0];
-            assert!((position - expected).abs() < 1e-14, "{time} s: {position}");
-        }
-    }
-
-    /// With a stiff hand on hardly any mass, the device is where the hand aims.
-    #[test]
-    fn the_hand_comes_to_its_target_by_a_critically_damped_step() {
-        let params = PointerParams {
-            device_mass: 1e-3,
-            hand_mass: 0.0,
-            viscous_friction: 0.0,
-            hand_stiffness: 1e5,
-            hand_damping: 10.0,
-            ..PointerParams::default()
-        };
-        let hand = PointerHand::at(0.0);
-        let (mut device, clock) = device(params, &hand);
-        hand.move_to(0.05);
-        device.read().unwrap();
-        for millisecond in 1..=100 {
-            clock.advance(MS);
-            let turned = params.aim_rate * f64::from(millisecond) * 1e-3;
-            let expected = 0.05 * (1.0 - (1.0 + turned) * (-turned).exp());
-            let position = device.read().unwrap().position[0];
-            assert!((position - expected).abs() < 1e-5, "{position}, {expected}");
-        }
-    }
-
-    /// A clock that goes in one step or in a thousand brings it to the same place.
-    #[test]
-    fn how_often_it_is_asked_changes_nothing() {
-        let hand = PointerHand::at(0.0);
-        let mut ends = [1_u32, 1000].map(|pieces| {
-            hand.move_to(0.0);
-            let (mut device, clock) = device(PointerParams::default(), &hand);
-            hand.move_to(0.03);
-            device.write([-1.5, 0.0, 0.0]).unwrap();
-            for _ in 0..pieces {
-                clock.advance(200 * MS / pieces);
-                device.read().unwrap();
-            }
-            device.position()
-        });
-        ends.sort_by(f64::total_cmp);
-        assert!(ends[1] - ends[0] < 1e-14, "{ends:?}");
-        assert!(ends[0] > 0.02, "{ends:?}");
-    }
-
-    /// A mouse at 60 Hz: what reaches the device of its steps is a small part of them.
-    #[test]
-    fn the_steps_of_a_mouse_are_not_felt() {
-        let hand = PointerHand::at(0.0);
-        let (mut device, clock) = device(PointerParams::default(), &hand);
-        let (speed, frame) = (0.3, 16_667);
-        let mut off: f64 = 0.0;
-        let mut fastest: f64 = 0.0;
-        for microsecond in (0..800_000_u32).step_by(1000) {
-            let frames = microsecond / frame;
-            hand.move_to(speed * f64::from(frames * frame) * 1e-6);
-            clock.advance(MS);
-            device.read().unwrap();
-            if microsecond > 400_000 {
-                // Long after the start it moves along with the hand.
-                off = off.max((device.velocity() - speed).abs());
-                fastest = fastest.max(device.velocity());
-            }
-        }
-        // 0.02 mm at 377 rad/s
-        assert!(off < 0.03 * speed, "{off} m/s, {fastest} m/s");
-        assert!(off > 0.0);
-    }
-
-    #[test]
-    fn a_device_that_nobody_holds_comes_to_rest_and_is_taken_hold_of_without_a_jolt() {
-        let hand = PointerHand::at(0.1);
-        let (mut device, clock) = device(PointerParams::default(), &hand);
-        clock.advance(60 * MS);
-        device.read().unwrap();
-        let speed = device.velocity();
-        assert!(speed > 0.3, "{speed}");
-        hand.let_go();
-        device.read().unwrap();
-        assert_eq!(device.velocity(), speed);
-        clock.advance(1000 * MS);
-        device.read().unwrap();
-        assert_eq!(device.velocity(), 0.0);
-        // It carries what is lighter than its dry friction.
-        let rests = device.position();
-        device.write([-1.0, 0.0, 0.0]).unwrap();
-        clock.advance(1000 * MS);
-        device.read().unwrap();
-        assert_eq!(device.position(), rests);
-        device.write([0.0; 3]).unwrap();
-        hand.move_to(0.0);
-        device.read().unwrap();
-        assert_eq!((device.position(), device.velocity()), (rests, 0.0));
-        clock.advance(MS);
-        device.read().unwrap();
-        assert!(device.velocity().abs() < 0.05, "{}", device.velocity());
-        clock.advance(2000 * MS);
-        device.read().unwrap();
-        assert!(device.position().abs() < 1e-9, "{}", device.position());
-    }
-
-    #[test]
-    fn two_devices_are_in_the_same_hand() {
-        let hand = PointerHand::free();
-        let (mut one, clock) = device(PointerParams::default(), &hand);
-        let mut other = PointerDevice::new(PointerParams::default(), &hand, clock.clone()).unwrap();
-        other.read().unwrap();
-        for target in [0.02, f64::NAN, -0.01] {
-            hand.move_to(target);
-            clock.advance(30 * MS);
-            assert_eq!(one.read().unwrap(), other.read().unwrap());
-        }
-        assert_eq!(hand.target(), Some(-0.01));
-        assert!(one.position() != 0.0);
-    }
-
-    #[test]
-    fn what_is_no_hand_is_named() {
-        let refused = |params| {
-            let error = PointerDevice::new(params, &PointerHand::free(), SteppedClock::new());
-            error.unwrap_err().to_string()
-        };
-        let usual = PointerParams::default();
-        assert_eq!(
-            refused(PointerParams {
-                hand_stiffness: 0.0,
-                ..usual
-            }),
-            "hand_stiffness = 0 is not allowed; allowed: finite and above 0 N/m"
-        );
-        let light = PointerParams {
-            device_mass: 1e-9,
-            hand_mass: 0.0,
-            ..usual
-        };
-        assert!(refused(light).contains("no faster than 1e5 rad/s"));
-        let nowhere = PointerParams {
-            position: f64::NAN,
-            ..usual
-        };
-        assert!(refused(nowhere).starts_with("position = NaN"));
-    }
-}
+#[path = "pointer_tests.rs"]
+mod tests;

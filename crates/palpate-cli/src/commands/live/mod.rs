@@ -18,8 +18,8 @@ pub use arguments::LiveArguments;
 use device::{Named, most_lanes};
 
 use super::run::{Asked, Report, guarding, limits, outcome, receipt, request, scene_text};
-use crate::devices::DeviceName;
 use crate::devices::guarding::GuardianReport;
+use crate::devices::{DeviceName, replayed};
 use crate::failure::{Failure, tell};
 use crate::recorded::{in_a_line, open as open_recording, whole_or_said};
 use crate::results::print;
@@ -102,6 +102,7 @@ pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
     for written in end.recordings {
         add(&mut ended, report_recording(written));
     }
+    add(&mut ended, replayed::whole_or_said(&arguments.device));
     let failed = end
         .failed
         .map(|text| Failure::System(format!("no loop ran at the end: {text}")));

@@ -14,7 +14,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::Builder;
 use std::time::Duration;
 
-use palpate::ParameterError;
+use palpate::{LARGEST_DELAY, ParameterError};
 use palpate_rt::StopFlag;
 use palpate_rt::safety::{OscillationParams, Safety, SafetyParams};
 use palpate_sim::method::MethodName;
@@ -118,6 +118,12 @@ fn set_up(arguments: &PipeArguments) -> Result<Stream, Failure> {
     }
     let force_limit = setup.loop_params.force_limit;
     let soft_start = soft_start(arguments, &defaults)?;
+    if setup.delay > LARGEST_DELAY {
+        return Err(Failure::Arguments(format!(
+            "--delay is {} samples, and a renderer can be told of {LARGEST_DELAY} at most",
+            setup.delay
+        )));
+    }
     // Contact and loop first: what is wrong with them is wrong whatever the method.
     check_contact(&setup)?;
     let rendering = rendering(&setup, method, &settings).map_err(|error| wrong_setup(&error))?;

@@ -26,7 +26,7 @@ pub use report::Report;
 pub use report::TimingReport;
 
 use crate::devices::guarding::Guarding;
-use crate::devices::{DeviceName, Opened, open};
+use crate::devices::{DeviceName, Opened, open, replayed};
 use crate::failure::{Failure, tell};
 use crate::progress::Progress;
 use crate::recorded::open as open_recording;
@@ -182,7 +182,10 @@ impl Session<'_> {
             lost: "the device was lost before the end; `palpate run --reconnect` waits for one that \
                    can be opened again",
         };
-        outcome::of(&end, &asked, unwritten, recording.as_ref())
+        outcome::with_motion(
+            outcome::of(&end, &asked, unwritten, recording.as_ref()),
+            replayed::whole_or_said(&self.arguments.device),
+        )
     }
 
     fn most_periods(&self, period: Duration) -> Result<Option<u64>, Failure> {

@@ -49,6 +49,18 @@ pub fn of<D: Device, C: Clock>(
     motors(end, asked)
 }
 
+/// The same, where a recorded motion was replayed: a recording that is not whole counts as one that was
+/// made and is not.
+pub fn with_motion(
+    outcome: Result<(), Failure>,
+    motion: Result<(), Failure>,
+) -> Result<(), Failure> {
+    match outcome {
+        Err(lesser @ (Failure::Interrupted(_) | Failure::MotorsOff(_))) => motion.and(Err(lesser)),
+        other => other.and(motion),
+    }
+}
+
 fn motors<D: Device, C: Clock>(end: &LoopEnd<D, C>, asked: &Asked) -> Result<(), Failure> {
     let stays = |trip: &Trip| match trip {
         Trip::DeviceLost => !asked.device_may_end,
