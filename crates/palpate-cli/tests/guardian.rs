@@ -371,7 +371,10 @@ fn a_loop_whose_guardian_is_killed_gives_no_force_and_says_so() {
         off_since(&emulator).is_some_and(|since| since.elapsed() > Duration::from_millis(300))
     });
     run.signal("TERM");
-    let report = parse(&String::from_utf8(run.output().stdout).unwrap());
+    let output = run.output();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("warning: the guardian ended"), "{said}");
+    let report = parse(&String::from_utf8(output.stdout).unwrap());
     assert_eq!(report["guardian"]["gone"], true, "{report}");
     assert_eq!(report["trip"], "device-refused", "{report}");
     let events = report["events"].to_string();

@@ -45,6 +45,15 @@ impl Guarding {
         }
     }
 
+    /// Whether a guardian ended, or no longer listened, before its device was closed.
+    pub fn is_gone(&self) -> bool {
+        #[cfg(unix)]
+        let is_gone = self.account.is_gone();
+        #[cfg(not(unix))]
+        let is_gone = false;
+        is_gone
+    }
+
     /// How a device was guarded; `None`: it holds no force by itself.
     pub fn report(
         &self,
@@ -58,7 +67,7 @@ impl Guarding {
         #[cfg(unix)]
         let (first, cuts, gone) = {
             let account = &self.account;
-            (account.is_first(), account.cuts(), account.is_gone())
+            (account.is_first(), account.cuts(), self.is_gone())
         };
         #[cfg(not(unix))]
         let (first, cuts, gone) = (false, 0, false);

@@ -150,7 +150,7 @@ impl Session<'_> {
             tell(format_args!("warning: {answer}"));
         }
         let answers = running.answers().to_vec();
-        tell_if_unwritten(&running, &recorder);
+        tell_of_losses(&running, &recorder, &guarding);
         let end = running.join();
         // What the run was is told whether or not it could be written.
         let (account, unwritten) = recorder.finish();
@@ -203,11 +203,23 @@ impl Session<'_> {
 /// How often it is looked whether the loop has ended, or can no longer be written down.
 const LOOK_EVERY: Duration = Duration::from_millis(10);
 
-/// Waits for the end of the loop. A recording that cannot be written is told at once: the rest of a
-/// session would be for nothing, and nobody would know.
-fn tell_if_unwritten<D: Device, C: Clock>(running: &LoopThread<D, C>, recorder: &Recorder) {
+/// Waits for the end of the loop. A recording that cannot be written and a guardian that is lost are told
+/// at once: the rest of a session would be for nothing, and nobody would know.
+fn tell_of_losses<D: Device, C: Clock>(
+    running: &LoopThread<D, C>,
+    recorder: &Recorder,
+    guarding: &Guarding,
+) {
     let mut is_told = false;
+    let mut is_guardian_told = false;
     while !running.has_ended() {
+        if guarding.is_gone() && !is_guardian_told {
+            is_guardian_told = true;
+            tell(
+                "warning: the guardian ended or no longer listens; the loop commands no force until \
+                 the device is opened anew",
+            );
+        }
         if let Some(why) = recorder.failure().filter(|_| !is_told) {
             is_told = true;
             tell(format_args!(
