@@ -38,6 +38,17 @@ pub fn number(text: &str) -> Result<f64, String> {
         .map_err(|_| "a number is needed, such as 0.01 or 1e-2".into())
 }
 
+/// A limit above 0; infinite where there is to be none.
+pub fn limit(text: &str) -> Result<f64, String> {
+    number(text).and_then(|limit| {
+        if limit > 0.0 {
+            Ok(limit)
+        } else {
+            Err("a number above 0 is needed, or inf for no limit".into())
+        }
+    })
+}
+
 /// A unit of positions.
 pub fn length_unit(text: &str) -> Result<LengthUnit, String> {
     LengthUnit::of_symbol(text).ok_or_else(|| {

@@ -5,7 +5,9 @@ use palpate::{SehEstimate, Side};
 use palpate_sim::method::{Damping, Predictor};
 use palpate_sim::scene::GuardMode;
 
-use crate::values::{Methods, damping, estimate, guard, methods, number, predictor, samples, side};
+use crate::values::{
+    Methods, damping, estimate, guard, limit, methods, number, predictor, samples, side,
+};
 
 /// What is not perfect about the loop of a scene.
 #[derive(Args, Debug, Default)]
@@ -105,7 +107,7 @@ pub struct Flags {
     #[arg(
         long,
         value_name = "N",
-        value_parser = number,
+        value_parser = limit,
         allow_hyphen_values = true,
         help_heading = "Loop"
     )]

@@ -186,6 +186,14 @@ pub fn read_trace(
     part: &Part,
     unit: Option<LengthUnit>,
 ) -> Result<HeldTrace, Failure> {
+    if path
+        .extension()
+        .is_some_and(|extension| extension == "mcap")
+    {
+        return Err(Failure::Arguments(format!(
+            "{name} is a recording: `palpate replay` takes it, and `--motion` of `run --device replay`"
+        )));
+    }
     let read = if path == Path::new(STANDARD_INPUT) {
         trace::read_part(io::stdin().lock(), name, part, unit)
     } else {
