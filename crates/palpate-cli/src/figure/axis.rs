@@ -146,9 +146,14 @@ pub(super) fn tick_label(value: f64, step: f64) -> String {
     text.replace('-', "\u{2212}")
 }
 
-/// The label of the tick at the logarithm `value` of what is shown.
+/// The label of the tick at the logarithm `value` of what is shown. Below 0.001 it is a power, so that the
+/// first label of a panel stays clear of the last one of the panel beside it.
 pub(super) fn decade_label(value: f64) -> String {
-    let shown = 10.0_f64.powf(value.round());
+    let decade = value.round();
+    if decade < -3.0 {
+        return format!("1e{decade}").replace('-', "\u{2212}");
+    }
+    let shown = 10.0_f64.powf(decade);
     tick_label(shown, shown)
 }
 
@@ -266,7 +271,17 @@ mod tests {
         assert_eq!(label(0.0, 5e-6), "0");
         assert_eq!(label(2.5e7, 5e6), "2.5e7");
         assert_eq!(label(1000.0, 500.0), "1000");
-        let decades: Vec<String> = (-2..4).map(|at| decade_label(f64::from(at))).collect();
-        assert_eq!(decades, ["0.01", "0.1", "1", "10", "100", "1000"]);
+        let decades: Vec<String> = (-4..4).map(|at| decade_label(f64::from(at))).collect();
+        let expected = [
+            "1e\u{2212}4",
+            "0.001",
+            "0.01",
+            "0.1",
+            "1",
+            "10",
+            "100",
+            "1000",
+        ];
+        assert_eq!(decades, expected);
     }
 }
