@@ -5,7 +5,6 @@ mod commands;
 mod devices;
 mod excerpt;
 mod failure;
-mod figure;
 mod hand;
 mod inside;
 mod plots;

@@ -3,8 +3,8 @@
 use palpate_sim::method::MethodName;
 use palpate_sim::run::{Reference, Run, Tick};
 
-use crate::figure::{Figure, Grid, Kind, Limits, Panel, Role, Row, Series, Sheet};
 use crate::report::Replayed;
+use palpate_figure::{Figure, Grid, Kind, Limits, Panel, Role, Row, Series, Sheet};
 
 const METRE_TO_MILLIMETRE: f64 = 1e3;
 const JOULE_TO_MILLIJOULE: f64 = 1e3;

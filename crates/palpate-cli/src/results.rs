@@ -8,10 +8,10 @@ use palpate_sim::run::Run;
 
 use crate::arguments::Results;
 use crate::failure::{Failure, tell};
-use crate::figure::{Figure, Picture};
 use crate::progress::Progress;
 use crate::report::Report;
 use crate::run_file;
+use palpate_figure::{Figure, Picture};
 
 /// Name that stands for standard output.
 pub const STANDARD_OUTPUT: &str = "-";
@@ -141,9 +141,9 @@ pub fn plan_picture(outputs: &mut Outputs, name: &str, path: &Path) -> Result<()
 /// Draws a figure into a file, whole or not at all.
 pub fn draw(outputs: &Outputs, path: &Path, figure: &impl Picture) -> Result<(), Failure> {
     let bytes = match picture_format(path)? {
-        PictureFormat::Svg => crate::figure::svg(figure).into_bytes(),
+        PictureFormat::Svg => palpate_figure::svg(figure).into_bytes(),
         #[cfg(feature = "png")]
-        PictureFormat::Png => crate::figure::png(figure, PIXELS_PER_UNIT).map_err(|error| {
+        PictureFormat::Png => palpate_figure::png(figure, PIXELS_PER_UNIT).map_err(|error| {
             Failure::System(format!("{} cannot be drawn: {error}", path.display()))
         })?,
         #[cfg(not(feature = "png"))]

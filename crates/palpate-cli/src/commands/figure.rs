@@ -12,11 +12,11 @@ use palpate_sim::scene::{Measure, SceneFile};
 use super::simulate::{simulate, subject};
 use crate::arguments::{FigureArguments, FigureName};
 use crate::failure::Failure;
-use crate::figure::{Figure, Sheet};
 use crate::plots;
 use crate::progress::Progress;
 use crate::report::{Report, lines, number, percent, plain_table};
 use crate::results::{draw, plan_picture, print};
+use palpate_figure::{Figure, Sheet};
 
 /// The scenes of the figures, as in `experiments/`.
 const FIG2: &str = include_str!("../../../../experiments/fig2.toml");

@@ -11,11 +11,11 @@ use serde::Serialize;
 use super::simulate::{explain, read_scene};
 use crate::arguments::{CurveArguments, Least, TuneArguments};
 use crate::failure::Failure;
-use crate::figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 use crate::progress::Progress;
 use crate::report::{digits, lines, number, percent, plain_table};
 use crate::results::{draw, plan_picture, print};
 use crate::setup::flag_of_setting;
+use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 
 /// Tries every value of the curve at every start height.
 pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {

@@ -15,13 +15,13 @@ use super::figure::fig2;
 use super::render::render;
 use crate::arguments::DemoArguments;
 use crate::failure::Failure;
-use crate::figure::svg;
 use crate::hand;
 use crate::plots;
 use crate::progress::Progress;
 use crate::report::{Report, Subject};
 use crate::results::print;
 use made::Made;
+use palpate_figure::svg;
 
 const SCENE_PLOT: &str = "fig2.svg";
 const HAND: &str = "hand.csv";

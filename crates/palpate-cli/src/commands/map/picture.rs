@@ -8,7 +8,7 @@ use super::arguments::Quantity;
 use super::receipt;
 use super::report::{FAITHFUL_PERCENT, is_faithful, is_stable};
 use crate::failure::Failure;
-use crate::figure::{Bound, FieldFigure, FieldPanel, FieldRow, Scale};
+use palpate_figure::{Bound, FieldFigure, FieldPanel, FieldRow, Scale};
 
 /// How far on the axis of Kc the bounds of walls are drawn.
 const NEARLY_A_WALL: f64 = 0.03;

@@ -11,10 +11,10 @@ use palpate_sim::suite::{self, Column, Judged};
 
 use crate::arguments::{Compared, SuiteArguments};
 use crate::failure::Failure;
-use crate::figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 use crate::plots;
 use crate::progress::Progress;
 use crate::results::{draw, plan_picture, print};
+use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 use report::Report;
 
 /// Draws the plants, judges every column on them, and writes what was asked for.

@@ -5,7 +5,7 @@ use kuva::render::render::{Primitive, Scene, TextAnchor};
 
 use super::panel::{self, Place, SIZE, SPLIT, STRIP, line, swatch};
 use super::{FieldFigure, Scale};
-use crate::figure::{ink, text};
+use crate::{ink, text};
 
 const EDGE: f64 = 10.0;
 /// Left of the panels, for the name of the row, the axis' label and its numbers \[px\].
@@ -23,7 +23,7 @@ const SWATCH: f64 = 16.0;
 const LEGEND_LINE: f64 = 17.0;
 
 /// Draws a figure.
-pub(in super::super) fn scene(figure: &FieldFigure) -> Scene {
+pub(crate) fn scene(figure: &FieldFigure) -> Scene {
     let columns = figure
         .rows
         .iter()

@@ -4,7 +4,7 @@ use kuva::backend::raster::RasterBackend;
 use kuva::render::color::Color;
 use kuva::render::render::Primitive;
 
-use super::Picture;
+use crate::Picture;
 
 /// Draws `figure` as a PNG image with `scale` pixels for each pixel of the SVG.
 ///

@@ -106,7 +106,7 @@ fn visible(mut points: Vec<(f64, f64)>, window: &Window) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::Role;
+    use crate::Role;
 
     const WINDOW: Window = Window {
         x: (0.0, 10.0),

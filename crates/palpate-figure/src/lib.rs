@@ -28,27 +28,43 @@ pub use field::{Bound, FieldFigure, FieldPanel, FieldRow, Scale};
 pub use png::png;
 pub use svg::svg;
 
-/// What can be drawn on a page.
-pub trait Picture {
-    /// The page.
-    fn page(&self) -> kuva::render::render::Scene;
-}
+/// What can be drawn: a [`Figure`], a [`Sheet`] or a [`FieldFigure`].
+pub trait Picture: drawn::Drawn {}
 
-impl Picture for Figure {
-    fn page(&self) -> kuva::render::render::Scene {
-        page::scene(&Sheet::from(self))
+impl Picture for Figure {}
+
+impl Picture for Sheet {}
+
+impl Picture for FieldFigure {}
+
+/// Keeps the drawing library out of what users of this crate see.
+mod drawn {
+    use kuva::render::render::Scene;
+
+    use super::{FieldFigure, Figure, Sheet, field, page};
+
+    /// What has a page.
+    pub trait Drawn {
+        /// The page.
+        fn page(&self) -> Scene;
     }
-}
 
-impl Picture for Sheet {
-    fn page(&self) -> kuva::render::render::Scene {
-        page::scene(self)
+    impl Drawn for Figure {
+        fn page(&self) -> Scene {
+            page::scene(&Sheet::from(self))
+        }
     }
-}
 
-impl Picture for FieldFigure {
-    fn page(&self) -> kuva::render::render::Scene {
-        field::scene(self)
+    impl Drawn for Sheet {
+        fn page(&self) -> Scene {
+            page::scene(self)
+        }
+    }
+
+    impl Drawn for FieldFigure {
+        fn page(&self) -> Scene {
+            field::scene(self)
+        }
     }
 }
 

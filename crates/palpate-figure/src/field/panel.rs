@@ -3,9 +3,9 @@
 use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
 
-use super::super::ink;
 use super::region::Grid;
 use super::{Bound, FieldFigure, FieldPanel, Scale};
+use crate::ink;
 
 /// Width and height of the field \[px\].
 pub(super) const SIZE: f64 = 112.0;

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use kuva::backend::svg::SvgBackend;
 use kuva::render::render::{PathData, Primitive, Scene};
 
-use super::Picture;
+use crate::Picture;
 
 /// Draws `figure` as an SVG document; the same figure gives the same bytes.
 pub fn svg(figure: &impl Picture) -> String {

@@ -172,7 +172,7 @@ fn decimals(step: f64) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::{Figure, Kind, Panel};
+    use crate::{Figure, Kind, Panel};
 
     fn series(role: Role, y: &[f64]) -> Series {
         let (name, kind) = (String::new(), Kind::Line);
