@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use common::running::{Running, program};
 use common::{Folder, experiment_text, number, parse};
-use palpate_haply::inverse3::emulator::{Body, Emulator, EmulatorOptions, Fault, holding};
+use palpate_haply_emulator::inverse3::{Body, Emulator, EmulatorOptions, Fault, holding};
 
 const ID: &str = "049D";
 

@@ -2,7 +2,6 @@
 
 mod command;
 mod driver;
-pub mod emulator;
 mod fitness;
 mod frame;
 

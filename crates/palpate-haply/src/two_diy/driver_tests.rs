@@ -4,11 +4,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use palpate_rt::clock::MonotonicClock;
 
-use super::super::emulator::Pty;
 use super::super::packet::STATE_LENGTH;
 use super::super::serial::Serial;
 use super::*;
 use crate::two_diy::Generation;
+use palpate_haply_emulator::two_diy::Pty;
 
 const START: [f32; 2] = [130.0, 50.0];
 /// How long the driver waits for an answer that a test does not give.
@@ -61,10 +61,10 @@ impl Played {
 
     /// Sends, and waits until the driver's end has the bytes. Not while the driver reads.
     fn sends(&self, bytes: &[u8]) {
-        let expected = self.pty.unread() + bytes.len() as u64;
+        let expected = self.pty.unread().unwrap() + bytes.len() as u64;
         self.pty.write(bytes);
         let begun = Instant::now();
-        while self.pty.unread() < expected {
+        while self.pty.unread().unwrap() < expected {
             assert!(begun.elapsed() < LIMIT, "the bytes do not arrive");
             std::thread::sleep(Duration::from_micros(100));
         }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::two_diy::Generation;
-use crate::two_diy::emulator::Pty;
+use palpate_haply_emulator::two_diy::Pty;
 
 /// How long anything that has to happen may take on a busy machine.
 const LIMIT: Duration = Duration::from_secs(30);
@@ -33,12 +33,16 @@ const KEPT: u64 = 4095;
 fn fill(pty: &Pty, line: &Line) {
     let begun = Instant::now();
     loop {
-        let is_full = pty.arrived() >= KEPT;
+        let is_full = pty.arrived().unwrap() >= KEPT;
         let is_refused = line.command([0.1, 0.1]) == Err(Unsent::Full);
         if is_full && is_refused {
             return;
         }
-        assert!(begun.elapsed() < LIMIT, "{} arrived", pty.arrived());
+        assert!(
+            begun.elapsed() < LIMIT,
+            "{} arrived",
+            pty.arrived().unwrap()
+        );
         if is_refused {
             std::thread::sleep(Duration::from_millis(1));
         }

@@ -3,8 +3,6 @@
 mod board;
 #[cfg(unix)]
 mod driver;
-#[cfg(unix)]
-pub mod emulator;
 mod force;
 #[cfg(unix)]
 mod guard;

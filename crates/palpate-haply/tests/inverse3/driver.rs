@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
-use palpate_haply::inverse3::emulator::{Emulator, EmulatorOptions, Fault, Latency};
 use palpate_haply::inverse3::{Form, Inverse3, Inverse3Options, Pace};
+use palpate_haply_emulator::inverse3::{Emulator, EmulatorOptions, Fault, Latency};
 use palpate_rt::clock::MonotonicClock;
 use palpate_rt::device::{Device, DeviceErrorKind};
 

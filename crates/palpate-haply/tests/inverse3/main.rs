@@ -14,8 +14,8 @@ mod wall;
 
 use std::time::{Duration, Instant};
 
-use palpate_haply::inverse3::emulator::{Emulator, EmulatorOptions};
 use palpate_haply::inverse3::{Form, Inverse3, Inverse3Options};
+use palpate_haply_emulator::inverse3::{Emulator, EmulatorOptions};
 use palpate_rt::clock::MonotonicClock;
 use palpate_rt::device::{Device, DeviceError, DeviceErrorKind, Reading};
 

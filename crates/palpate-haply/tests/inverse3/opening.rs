@@ -3,8 +3,8 @@
 use std::io::Write;
 use std::net::{Ipv6Addr, TcpListener};
 
-use palpate_haply::inverse3::emulator::{Body, Emulator, EmulatorOptions};
 use palpate_haply::inverse3::{Form, Found, Inverse3, Inverse3Options, Unfit, devices};
+use palpate_haply_emulator::inverse3::{Body, Emulator, EmulatorOptions};
 use palpate_rt::clock::MonotonicClock;
 
 use crate::{ID, emulator, ms, options, wait_until};

@@ -1,4 +1,4 @@
-use palpate_haply::two_diy::emulator::Fault;
+use palpate_haply_emulator::two_diy::Fault;
 use palpate_io::recording::{Flags, Tick};
 use palpate_rt::realtime::Request;
 use palpate_rt::{Ending, LoopEnd, LoopThread, Noted, StopFlag, Told, tap};

@@ -1,5 +1,5 @@
 use palpate_haply::two_diy::LARGEST_TORQUE;
-use palpate_haply::two_diy::emulator::Wiring;
+use palpate_haply_emulator::two_diy::Wiring;
 use palpate_testbed::pantograph::kinematics::Geometry;
 
 use super::*;

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
 use palpate_haply::inverse3::Form;
-use palpate_haply::inverse3::emulator::{
+use palpate_haply_emulator::inverse3::{
     Body, Emulator, EmulatorError, EmulatorOptions, Fault, Latency,
 };
 use palpate_rt::StopFlag;

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use palpate_haply::two_diy::Generation;
-use palpate_haply::two_diy::emulator::{Did, Emulator, Fault, Hand, Settings, Wiring};
+use palpate_haply_emulator::two_diy::{Did, Emulator, Fault, Hand, Settings, Wiring};
 use palpate_rt::StopFlag;
 
 use super::arguments::{FaultKind, HandArguments, TimedFault, TwoDiyArguments, WiringName};

@@ -22,6 +22,9 @@ pub struct Pty {
 
 impl Pty {
     /// A new pair; `link` is made a symbolic link to the host's end, in place of an older one.
+    ///
+    /// # Errors
+    /// What the operating system says; also where `link` is something else than a symbolic link.
     pub fn open(link: Option<&Path>) -> io::Result<Self> {
         let flags = OpenptFlags::RDWR | OpenptFlags::NOCTTY;
         // macOS knows no such flag here, and is told afterwards.
@@ -60,11 +63,12 @@ impl Pty {
     }
 
     /// Where the host opens it.
+    #[must_use]
     pub fn path(&self) -> &Path {
         self.link.as_deref().unwrap_or(&self.path)
     }
 
-    /// What is there, added to `bytes`.
+    /// Adds what has arrived at the board's end to `bytes`; does not wait.
     pub fn read(&self, bytes: &mut impl Extend<u8>) {
         let mut buffer = [0; 256];
         while let Ok(read) = rustix::io::read(&self.board, &mut buffer) {
@@ -75,12 +79,12 @@ impl Pty {
         }
     }
 
-    /// Sends; what finds no room is lost, as on USB.
+    /// Sends `bytes` to the host; what finds no room is lost, as on USB.
     pub fn write(&self, bytes: &[u8]) {
         let _ = rustix::io::write(&self.board, bytes);
     }
 
-    /// Waits for bytes, at most `limit`.
+    /// Waits until bytes have arrived at the board's end, at most `limit`.
     pub fn wait(&self, limit: Duration) {
         let limit = Timespec {
             tv_sec: limit.as_secs().try_into().unwrap_or(i64::MAX),
@@ -90,16 +94,20 @@ impl Pty {
         let _ = poll(&mut fds, Some(&limit));
     }
 
-    /// Bytes that have arrived at the host's end and were not read there.
-    #[cfg(test)]
-    pub fn unread(&self) -> u64 {
-        rustix::io::ioctl_fionread(&self.host).unwrap()
+    /// Number of bytes that have arrived at the host's end and were not read there.
+    ///
+    /// # Errors
+    /// What the operating system says.
+    pub fn unread(&self) -> io::Result<u64> {
+        Ok(rustix::io::ioctl_fionread(&self.host)?)
     }
 
-    /// Bytes that have arrived at the board's end and were not read there.
-    #[cfg(test)]
-    pub fn arrived(&self) -> u64 {
-        rustix::io::ioctl_fionread(&self.board).unwrap()
+    /// Number of bytes that have arrived at the board's end and were not read there.
+    ///
+    /// # Errors
+    /// What the operating system says.
+    pub fn arrived(&self) -> io::Result<u64> {
+        Ok(rustix::io::ioctl_fionread(&self.board)?)
     }
 
     /// Lets the next one open the host's end, though a killed one has left it shut.

@@ -8,7 +8,7 @@ use palpate_testbed::device::Device as _;
 use palpate_testbed::hand::{Hand, Intention};
 use palpate_testbed::held_mass::HeldMass;
 
-use super::super::frame::Status;
+use palpate_haply::inverse3::Status;
 
 /// What an emulated device is: the same point mass along each axis, in a hand of its own.
 #[derive(Clone, Debug)]

@@ -25,11 +25,11 @@ use palpate_rt::device::Vector;
 use palpate_testbed::InvalidParameter;
 use serde_json::json;
 
-use super::command::Form;
-use super::frame::Status;
 use device::Device;
 use events::Audience;
 use fault::{Faults, SplitMix64};
+use palpate_haply::inverse3::Form;
+use palpate_haply::inverse3::Status;
 
 pub use device::{Body, holding};
 pub use fault::{Fault, Latency};

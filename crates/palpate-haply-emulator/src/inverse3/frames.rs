@@ -3,8 +3,8 @@
 use palpate_rt::device::Vector;
 use serde_json::{Map, Value, json};
 
-use super::super::command::Form;
 use super::device::Device;
+use palpate_haply::inverse3::Form;
 
 /// Everything, as on connect.
 pub(super) fn full(devices: &[Device], form: Form, session: u64) -> Value {

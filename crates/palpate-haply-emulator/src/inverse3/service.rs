@@ -11,10 +11,10 @@ use palpate_rt::device::Vector;
 use serde_json::{Value, json};
 use tungstenite::{Message, WebSocket};
 
-use super::super::command::Form;
 use super::events::event;
 use super::fault::Fault;
 use super::{Received, Shared, frames, http, lock};
+use palpate_haply::inverse3::Form;
 
 /// Serves whoever has connected: a request, or a WebSocket until it closes.
 pub(super) fn serve(mut stream: TcpStream, shared: &Arc<Shared>) {

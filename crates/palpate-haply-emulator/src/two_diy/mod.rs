@@ -21,12 +21,11 @@ use std::time::{Duration, Instant};
 pub use arm::{Hand, Wiring};
 pub use firmware::Did;
 
-use super::Board;
-use super::layout::Generation;
-use super::packet::REPLY_LENGTH;
 use arm::Arm;
 use firmware::{Firmware, Wire};
-pub(super) use pty::Pty;
+use palpate_haply::two_diy::packet::REPLY_LENGTH;
+use palpate_haply::two_diy::{Board, Generation};
+pub use pty::Pty;
 
 /// What is emulated.
 #[derive(Clone, Debug, PartialEq)]

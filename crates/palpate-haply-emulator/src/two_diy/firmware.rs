@@ -1,7 +1,7 @@
 //! What the boards' firmware does, byte by byte: written from published descriptions of it, and
 //! apart from the driver, which it judges.
 
-use crate::two_diy::Board;
+use palpate_haply::two_diy::Board;
 
 /// Where the firmware's bytes come from and go to.
 pub trait Wire {
@@ -319,8 +319,8 @@ mod tests {
     /// Whatever part of a STATE the loop had sent when it was killed.
     #[test]
     fn a_release_takes_the_torque_off_from_anywhere_and_leaves_the_layout() {
-        use crate::two_diy::packet::{release, state};
-        let layout = crate::two_diy::Generation::Three.layout();
+        use palpate_haply::two_diy::packet::{release, state};
+        let layout = palpate_haply::two_diy::Generation::Three.layout();
         for (strict, late) in [(true, true), (true, false), (false, true), (false, false)] {
             for sent in 0..=10 {
                 let mut incoming = bytes(&format!("{SETUP} 02 05 0a d7 23 3d 0a d7 a3 bd"));

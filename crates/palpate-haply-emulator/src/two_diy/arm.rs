@@ -6,7 +6,7 @@ use palpate_sim::scene::Linkage;
 use palpate_testbed::pantograph::{Pantograph, PantographParams};
 
 use super::firmware::{Ports, pins};
-use crate::two_diy::{Board, Generation, LARGEST_TORQUE, Layout};
+use palpate_haply::two_diy::{Board, Generation, LARGEST_TORQUE, Layout};
 
 /// The hand's force changes this often at least.
 const LONGEST_STEP: f64 = 5e-4;
