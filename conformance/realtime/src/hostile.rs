@@ -10,7 +10,7 @@ use palpate_rt::device::{
 };
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, Rendering, tap};
-use palpate_sim::method::MethodName;
+use palpate_scene::method::MethodName;
 
 use crate::situations::{Watch, scene};
 

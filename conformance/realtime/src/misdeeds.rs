@@ -12,7 +12,7 @@ use palpate_rt::device::{
 };
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, Rendering};
-use palpate_sim::method::MethodName;
+use palpate_scene::method::MethodName;
 
 use crate::situations::{Watch, scene};
 

@@ -16,8 +16,8 @@ use palpate_rt::device::{
 };
 use palpate_rt::safety::{OscillationParams, SafetyParams, Trip};
 use palpate_rt::{ControlLoop, Ending, Note, Rendering, StopFlag, Told, tap};
-use palpate_sim::method::MethodName;
-use palpate_sim::scene::{Scene, SceneFile, beside};
+use palpate_scene::method::MethodName;
+use palpate_scene::{Scene, SceneFile, beside};
 
 use crate::hostile::anything;
 

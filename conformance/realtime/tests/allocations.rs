@@ -11,7 +11,7 @@ use palpate_haply::inverse3::{Inverse3, Inverse3Options};
 use palpate_rt::clock::MonotonicClock;
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, Rendering};
-use palpate_sim::method::MethodName;
+use palpate_scene::method::MethodName;
 
 /// The system's allocator, counting what each thread asks of it: memory taken, and given back.
 struct Counting;

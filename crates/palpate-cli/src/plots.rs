@@ -1,6 +1,6 @@
 //! From runs to figures.
 
-use palpate_sim::method::MethodName;
+use palpate_scene::method::MethodName;
 use palpate_sim::run::{Reference, Run, Tick};
 
 use crate::report::Replayed;

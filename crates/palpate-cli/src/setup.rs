@@ -6,10 +6,10 @@ use palpate::{
     BasicParams, Contact, Guard, LARGEST_DELAY, LoopParams, Mass, ObjectState, ParameterError,
     Renderer, Side,
 };
-use palpate_sim::method::{MethodName, Setting, Settings, SettingsError};
+use palpate_scene::method::{MethodName, Setting, Settings, SettingsError};
+use palpate_scene::{Dropped, GUARD_ALLOWANCE, GUARD_SPEED, Jitter, Scene, SetupError};
 use palpate_sim::replay::ReplaySetup;
 use palpate_sim::run::Run;
-use palpate_sim::scene::{Dropped, GUARD_ALLOWANCE, GUARD_SPEED, Jitter, Scene, SetupError};
 use palpate_testbed::InvalidParameter;
 
 use crate::arguments::{Flags, TimingFlags};

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use palpate::{SehEstimate, Side};
 use palpate_io::unit::LengthUnit;
-use palpate_sim::method::{Damping, MethodName, Predictor};
-use palpate_sim::scene::GuardMode;
+use palpate_scene::GuardMode;
+use palpate_scene::method::{Damping, MethodName, Predictor};
 use palpate_testbed::hold::DelayedHold;
 
 use crate::commands::emulate::two_diy::arguments::{FaultKind, TimedFault};

@@ -5,7 +5,7 @@ mod recordings;
 
 use common::{Folder, number, of_method, parse};
 use palpate_io::recording::{LoopCount, Receipt, RecordingWriter};
-use palpate_sim::method::MethodName;
+use palpate_scene::method::MethodName;
 use recordings::{loop_of, record, tick, write};
 
 #[test]

@@ -5,7 +5,7 @@ mod recordings;
 
 use common::{Folder, number, of_method};
 use palpate_io::recording::{Flags, Receipt, RecordingWriter, Tick};
-use palpate_sim::method::MethodName;
+use palpate_scene::method::MethodName;
 use palpate_sim::run::Run;
 use recordings::{loop_in, record, tick, write};
 
@@ -190,7 +190,7 @@ fn write_again(folder: &Folder, text: &str, run: &Run, change: impl Fn(usize, &m
 fn what_was_sent_acts_after_the_delay_of_the_recorded_loop() {
     let folder = Folder::new();
     let text = both_sides()[0].replace("period_s = 0.02", "period_s = 0.005\ndelay_samples = 2");
-    let scene = palpate_sim::scene::SceneFile::parse("scene", &text)
+    let scene = palpate_scene::SceneFile::parse("scene", &text)
         .unwrap()
         .scene;
     let bench = palpate_sim::closed_loop::Bench::new(&scene).unwrap();

@@ -3,9 +3,9 @@
 mod common;
 
 use common::{Folder, METHODS, experiment, experiment_text, number, of_method};
+use palpate_scene::SceneFile;
+use palpate_scene::method::MethodName;
 use palpate_sim::closed_loop::Bench;
-use palpate_sim::method::MethodName;
-use palpate_sim::scene::SceneFile;
 use serde_json::Value;
 
 /// A folder with the scene of Fig. 2.

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use palpate::{Output, Placement};
 use palpate_io::recording::{Flags, Tick};
-use palpate_sim::method::MethodName;
+use palpate_scene::method::MethodName;
 
 use crate::clock::Clock;
 use crate::deadlines::Deadlines;

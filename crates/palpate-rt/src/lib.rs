@@ -18,8 +18,8 @@
 //! use palpate_rt::device::SimulatedDevice;
 //! use palpate_rt::safety::SafetyParams;
 //! use palpate_rt::{ControlLoop, Rendering};
-//! use palpate_sim::method::MethodName;
-//! use palpate_sim::scene::SceneFile;
+//! use palpate_scene::method::MethodName;
+//! use palpate_scene::SceneFile;
 //!
 //! # let text = include_str!("../../../experiments/fig2.toml");
 //! let scene = SceneFile::parse("fig2.toml", text)?.scene;

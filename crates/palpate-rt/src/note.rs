@@ -2,7 +2,7 @@
 
 use palpate::Fault;
 use palpate_io::recording::Event;
-use palpate_sim::method::MethodName;
+use palpate_scene::method::MethodName;
 
 use crate::device::DeviceError;
 use crate::rendering::Rendering;

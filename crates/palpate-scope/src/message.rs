@@ -1,6 +1,6 @@
 //! What page and server tell each other in text; `docs/scope.md` has every field.
 
-use palpate_sim::method::MethodName;
+use palpate_scene::method::MethodName;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::{Map, Value};
 

@@ -2,8 +2,8 @@
 
 use palpate::{AnyMethod, Mass};
 use palpate_rt::Rendering;
-use palpate_sim::method::{Damping, MethodName, Setting};
-use palpate_sim::scene::Scene;
+use palpate_scene::Scene;
+use palpate_scene::method::{Damping, MethodName, Setting};
 use serde::Serialize;
 
 use crate::message::{LaneChoice, Set};
@@ -186,7 +186,7 @@ fn inside(name: &str, value: f64, [least, most]: [f64; 2]) -> Result<f64, String
 
 #[cfg(test)]
 mod tests {
-    use palpate_sim::scene::SceneFile;
+    use palpate_scene::SceneFile;
 
     use super::*;
 

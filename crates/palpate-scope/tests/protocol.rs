@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use common::{Client, DEVICE, FORCE, Play, Samples, Stage, Told, scene};
 use palpate_io::recording::{Entry, Recording};
-use palpate_sim::method::MethodName;
+use palpate_scene::method::MethodName;
 use serde_json::{Value, json};
 
 #[test]

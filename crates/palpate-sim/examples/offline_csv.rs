@@ -9,7 +9,7 @@ use std::error::Error;
 
 use palpate::{Contact, LoopParams, ObjectState};
 use palpate_io::trace::{self, Trace};
-use palpate_sim::method::{MethodName, Settings};
+use palpate_scene::method::{MethodName, Settings};
 use palpate_sim::replay::{Replay, ReplaySetup};
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -11,11 +11,11 @@ use palpate_testbed::timeline::Timeline;
 
 use palpate::Mass;
 
-use crate::method::{MethodName, with_derived_values};
 use crate::plant::{Plant, is_free};
 use crate::run::{Held, IdealPoint, MOST_PERIODS, Reference, Run, Tick};
 use crate::sampled_loop::{Sampled, SampledLoop};
-use crate::scene::{Measure, Scene, SetupError};
+use palpate_scene::method::{MethodName, with_derived_values};
+use palpate_scene::{Measure, Scene, SetupError};
 
 /// Why a scene cannot be run.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

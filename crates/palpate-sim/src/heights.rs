@@ -5,9 +5,9 @@ use rayon::prelude::*;
 use palpate_testbed::metrics::Fidelity;
 
 use crate::closed_loop::{Bench, LoopError};
-use crate::scene::Scene;
 use crate::suite::Column;
 use crate::tune::{HEIGHTS, Spread, at_height, spread};
+use palpate_scene::Scene;
 
 /// What a column did on a scene over the start heights.
 #[derive(Clone, Copy, Debug, PartialEq)]

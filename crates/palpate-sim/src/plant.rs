@@ -9,8 +9,8 @@ use palpate_testbed::held_mass::HeldMass;
 use palpate_testbed::measure::Sampler;
 use palpate_testbed::pantograph::Pantograph;
 
-use crate::hand_replay::HeldByRecording;
-use crate::scene::{Scene, Wave};
+use palpate_scene::{Scene, Wave};
+use palpate_testbed::recorded_hand::HeldByRecording;
 
 /// Device and hand of a scene, on the canonical side.
 #[derive(Clone, Debug)]

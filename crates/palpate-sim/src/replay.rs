@@ -15,9 +15,9 @@ use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::metrics::ForceJudgement;
 use palpate_testbed::recorded_path::{PathError, RecordedPath};
 
-use crate::method::{Basis, MethodName, Settings, SettingsError, with_derived_values};
 use crate::run::{Held, MOST_PERIODS, Reference, Run, Tick};
-use crate::scene::{Scene, SetupError, stored_energy};
+use palpate_scene::method::{Basis, MethodName, Settings, SettingsError, with_derived_values};
+use palpate_scene::{Scene, SetupError, stored_energy};
 
 /// What to render on a recorded motion.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,7 +4,7 @@ use palpate::{AnyParams, Ledger, Output};
 use palpate_testbed::metrics::{EnergyJudgement, ForceJudgement, ReboundSpeed};
 use palpate_testbed::profile::{ForceProfile, Snapshot};
 
-use crate::method::MethodName;
+use palpate_scene::method::MethodName;
 
 /// One sample of a run and the answer to it, in the user's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]

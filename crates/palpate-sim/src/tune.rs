@@ -4,8 +4,8 @@
 //! start heights around the scene's own.
 
 use crate::closed_loop::{Bench, LoopError};
-use crate::method::{Damping, MethodName, Setting, Settings};
-use crate::scene::Scene;
+use palpate_scene::Scene;
+use palpate_scene::method::{Damping, MethodName, Setting, Settings};
 
 /// Start heights a value is judged at.
 pub const HEIGHTS: usize = 21;

@@ -5,7 +5,7 @@ use palpate_testbed::device::Device;
 use palpate_testbed::measure::Sampler;
 
 use crate::plant::Plant;
-use crate::scene::Scene;
+use palpate_scene::Scene;
 
 /// The device of a scene with the hand that holds it, in the user's frame. It knows no loop: it
 /// moves when it is told how long which force has been held.

@@ -4,11 +4,11 @@
 mod common;
 
 use common::{PAPER_SCENES, scene};
+use palpate_scene::method::{MethodName, Settings};
+use palpate_scene::{Measure, Scene};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::heights::over_heights;
-use palpate_sim::method::{MethodName, Settings};
 use palpate_sim::run::Run;
-use palpate_sim::scene::{Measure, Scene};
 use palpate_sim::suite::{Column, DELAYS, run, summary};
 use palpate_testbed::metrics::Fidelity;
 

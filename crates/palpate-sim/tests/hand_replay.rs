@@ -8,13 +8,13 @@ use std::sync::Arc;
 
 use common::{Random, recorded_hands};
 use palpate::{AnyRenderer, Contact, LoopParams, ObjectState, Renderer, Sample, Side};
+use palpate_scene::Scene;
+use palpate_scene::method::MethodName;
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::hand_replay::{
     HandError, HandModel, RecordedHand, Recording, largest_departure, scene,
 };
-use palpate_sim::method::MethodName;
 use palpate_sim::replay::ReplaySetup;
-use palpate_sim::scene::Scene;
 
 /// Recording step `[s]`.
 const STEP: f64 = 0.001;

@@ -6,7 +6,7 @@
 mod common;
 
 use common::{lifted_object, recorded_hands};
-use palpate_sim::method::{MethodName, Settings};
+use palpate_scene::method::{MethodName, Settings};
 
 /// mJ, of the basic model and of the modified force with smooth transition.
 const LEAKS: [(f64, f64); 6] = [

@@ -6,10 +6,10 @@ mod common;
 
 use common::{Random, scene as experiment};
 use palpate::Sample;
+use palpate_scene::method::MethodName;
+use palpate_scene::{Dropped, Jitter, Measure, RateCollapse, Scene, Timing};
 use palpate_sim::closed_loop::{Bench, LoopError};
-use palpate_sim::method::MethodName;
 use palpate_sim::run::Run;
-use palpate_sim::scene::{Dropped, Jitter, Measure, RateCollapse, Scene, Timing};
 use palpate_testbed::device::{Device, PointMass};
 use palpate_testbed::ideal::{Ideal, PointMassScene};
 use palpate_testbed::metrics::ForceJudgement;

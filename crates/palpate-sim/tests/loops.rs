@@ -4,11 +4,11 @@
 mod common;
 
 use palpate::{Contact, CoupledParams, LoopParams, Mass, ObjectState, Renderer, Side};
+use palpate_scene::method::{MethodName, Settings};
+use palpate_scene::{Measure, PointMassDevice, Scene, Timing};
 use palpate_sim::closed_loop::Bench;
-use palpate_sim::method::{MethodName, Settings};
 use palpate_sim::replay::{Replay, ReplaySetup};
 use palpate_sim::run::{Run, Tick};
-use palpate_sim::scene::{Measure, PointMassDevice, Scene, Timing};
 use palpate_testbed::device::{Device, PointMass};
 use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::measure::Sampler;

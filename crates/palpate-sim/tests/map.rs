@@ -5,13 +5,13 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use palpate_scene::method::{Damping, MethodName, Settings};
+use palpate_scene::{Linkage, Measure};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::map::{
     Bounce, CellResult, Class, Done, Entry, Forces, Limit, MapParams, PHASES, Plant, bounds,
     compute,
 };
-use palpate_sim::method::{Damping, MethodName, Settings};
-use palpate_sim::scene::{Linkage, Measure};
 use palpate_testbed::pantograph::Pantograph;
 
 fn params(cells: usize) -> MapParams {

@@ -4,11 +4,11 @@ mod common;
 
 use common::scene;
 use palpate::Side;
+use palpate_scene::method::{MethodName, Settings};
+use palpate_scene::{Dropped, Jitter, Scene};
 use palpate_sim::closed_loop::Bench;
-use palpate_sim::method::{MethodName, Settings};
 use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
 use palpate_sim::run::Run;
-use palpate_sim::scene::{Dropped, Jitter, Scene};
 use palpate_testbed::recorded_path::PathError;
 
 /// A loop that comes early and late, and misses samples.

@@ -6,10 +6,10 @@ mod common;
 use std::sync::Arc;
 
 use common::scene as experiment;
+use palpate_scene::method::MethodName;
+use palpate_scene::{Grip, Measure, Scene, Wave};
 use palpate_sim::closed_loop::{Bench, error_against};
-use palpate_sim::method::MethodName;
 use palpate_sim::run::Run;
-use palpate_sim::scene::{Grip, Measure, Scene, Wave};
 use palpate_testbed::recorded_path::RecordedPath;
 
 fn run(scene: &Scene, method: MethodName) -> Run {
@@ -371,8 +371,8 @@ fn in_the_second_experiment_the_timing_is_lost_after_three_collisions() {
 fn in_the_first_experiment_a_damper_is_good_in_a_narrow_valley_only() {
     let at = |damping: f64| {
         let mut scene = experiment("fig4");
-        let settings = palpate_sim::method::Settings {
-            damping: Some(palpate_sim::method::Damping::Value(damping)),
+        let settings = palpate_scene::method::Settings {
+            damping: Some(palpate_scene::method::Damping::Value(damping)),
             ..Default::default()
         };
         scene.settings.insert(MethodName::VirtualDamper, settings);

@@ -7,14 +7,14 @@ use std::sync::Arc;
 
 use common::scene;
 use palpate::Side;
+use palpate_scene::method::MethodName;
+use palpate_scene::{Dropped, Grip, Jitter, Measure, Scene, Wave};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::hand_replay::{
     HandModel, RecordedHand, Recording, largest_departure, scene_at_recorded_instants,
 };
-use palpate_sim::method::MethodName;
 use palpate_sim::replay::ReplaySetup;
 use palpate_sim::run::Run;
-use palpate_sim::scene::{Dropped, Grip, Jitter, Measure, Scene, Wave};
 
 const QUANTUM: f64 = 2e-6;
 

@@ -5,10 +5,10 @@ mod common;
 
 use common::{PAPER_SCENES, experiments, scene};
 use palpate::Mass;
+use palpate_scene::SceneFile;
+use palpate_scene::method::{Damping, MethodName, Settings};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::heights::over_heights;
-use palpate_sim::method::{Damping, MethodName, Settings};
-use palpate_sim::scene::SceneFile;
 use palpate_sim::suite::{Column, DELAYS, Judged, RandomPlant, quantile, run, summary};
 use palpate_sim::tune::{Objective, best as tuned_best, tune};
 use rayon::prelude::*;

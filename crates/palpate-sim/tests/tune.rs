@@ -4,8 +4,8 @@
 mod common;
 
 use common::scene;
+use palpate_scene::method::{Damping, MethodName, Settings};
 use palpate_sim::closed_loop::Bench;
-use palpate_sim::method::{Damping, MethodName, Settings};
 use palpate_sim::tune::{HEIGHTS, Objective, TuneError, best, tune};
 
 fn grid(from: f64, step: f64, count: u32) -> Vec<f64> {
@@ -103,7 +103,7 @@ fn a_method_without_a_damping_and_a_scene_without_contact_are_refused() {
     let error = tune(&scene, MethodName::Seh, &[0.1], || ()).unwrap_err();
     assert_eq!(error, TuneError::NothingToTune(MethodName::Seh));
     let mut apart = scene;
-    apart.measure = palpate_sim::scene::Measure::Duration(0.05);
+    apart.measure = palpate_scene::Measure::Duration(0.05);
     let error = tune(&apart, MethodName::Hfcr, &[0.1], || ()).unwrap_err();
     assert_eq!(error, TuneError::NoContact);
 }

@@ -74,6 +74,7 @@ pub mod metrics;
 pub mod pantograph;
 mod power_series;
 pub mod profile;
+pub mod recorded_hand;
 pub mod recorded_path;
 pub mod reference;
 pub mod relative_motion;

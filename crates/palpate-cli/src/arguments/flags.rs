@@ -2,8 +2,8 @@
 
 use clap::{ArgAction, Args};
 use palpate::{SehEstimate, Side};
-use palpate_sim::method::{Damping, Predictor};
-use palpate_sim::scene::GuardMode;
+use palpate_scene::GuardMode;
+use palpate_scene::method::{Damping, Predictor};
 
 use crate::values::{
     Methods, damping, estimate, guard, limit, methods, number, predictor, samples, side,

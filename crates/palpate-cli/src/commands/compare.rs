@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use palpate_io::outputs::Outputs;
+use palpate_scene::SetupError;
+use palpate_scene::method::MethodName;
 use palpate_sim::closed_loop::{Bench, LoopError};
-use palpate_sim::method::MethodName;
-use palpate_sim::scene::SetupError;
 
 use super::simulate::{explain, read_scene, subject};
 use crate::arguments::{CompareArguments, Flags, TimingFlags};

@@ -4,10 +4,10 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use comfy_table::CellAlignment;
+use palpate_scene::method::MethodName;
+use palpate_scene::{Measure, SceneFile};
 use palpate_sim::closed_loop::error_against;
-use palpate_sim::method::MethodName;
 use palpate_sim::run::Run;
-use palpate_sim::scene::{Measure, SceneFile};
 
 use super::simulate::{simulate, subject};
 use crate::arguments::{FigureArguments, FigureName};

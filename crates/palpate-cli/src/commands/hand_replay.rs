@@ -3,12 +3,12 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use palpate_scene::method::{MethodName, Settings};
 use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_sim::hand_replay::{
     self, HandError, HandModel, REACH, RecordedHand, Recording, largest_departure,
     largest_ideal_departure,
 };
-use palpate_sim::method::{MethodName, Settings};
 use palpate_sim::replay::ReplaySetup;
 use palpate_sim::run::{Reference, Run};
 use palpate_testbed::InvalidParameter;

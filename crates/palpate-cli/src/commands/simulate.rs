@@ -4,10 +4,10 @@ use std::path::Path;
 use std::string::FromUtf8Error;
 
 use palpate::ParameterError;
+use palpate_scene::method::MethodName;
+use palpate_scene::{Measure, Scene, SceneError, SceneFile, SetupError, beside};
 use palpate_sim::closed_loop::{Bench, LoopError};
-use palpate_sim::method::MethodName;
 use palpate_sim::run::Run;
-use palpate_sim::scene::{Measure, Scene, SceneError, SceneFile, SetupError, beside};
 
 use crate::arguments::{Flags, SimulateArguments, TimingFlags};
 use crate::failure::{Failure, tell};

@@ -3,8 +3,8 @@
 use std::fmt;
 
 use comfy_table::CellAlignment;
-use palpate_sim::method::{MethodName, Setting};
-use palpate_sim::scene::Scene;
+use palpate_scene::Scene;
+use palpate_scene::method::{MethodName, Setting};
 use palpate_sim::tune::{self, HEIGHT_RANGE, HEIGHTS, Objective, Spread, TuneError, TunedPoint};
 use serde::Serialize;
 

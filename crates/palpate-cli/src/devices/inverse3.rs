@@ -6,7 +6,7 @@ use palpate_haply::inverse3::{
 };
 use palpate_rt::clock::Clock;
 use palpate_rt::device::{Capabilities, Device, DeviceError, Reading, Vector, ZeroWriter};
-use palpate_sim::scene::Scene;
+use palpate_scene::Scene;
 
 use super::placed::{Axis, FIRST_AXIS};
 use super::{DeviceArguments, DeviceName, Reconnecting, Reopen};

@@ -19,7 +19,7 @@ use palpate_rt::clock::Clock;
 use palpate_rt::device::{
     Device, NullDevice, PointerDevice, PointerHand, PointerParams, SimulatedDevice,
 };
-use palpate_sim::scene::Scene;
+use palpate_scene::Scene;
 
 use crate::failure::{Failure, tell};
 #[cfg(unix)]

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use comfy_table::{Cell, CellAlignment};
-use palpate_sim::method::MethodName;
+use palpate_scene::method::MethodName;
 use palpate_sim::run::{Reference, Run};
 use serde::Serialize;
 use serde_json::Value;

@@ -14,8 +14,8 @@ pub use text::{counted, digits, lines, motors_off, number, percent, plain_table,
 pub use timing::of as timing_of;
 
 use palpate::{Contact, Difficulty, LoopParams, Mass, Side};
+use palpate_scene::Timing;
 use palpate_sim::run::{Reference, Run};
-use palpate_sim::scene::Timing;
 use palpate_testbed::metrics::Rebound;
 use serde::Serialize;
 use serde_json::Value;

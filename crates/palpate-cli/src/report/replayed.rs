@@ -1,7 +1,7 @@
 //! What of a recording was replayed, and how well it is known.
 
+use palpate_scene::method::MethodName;
 use palpate_sim::hand_replay::RecordedHand;
-use palpate_sim::method::MethodName;
 use serde::Serialize;
 
 use super::{counted, digits};

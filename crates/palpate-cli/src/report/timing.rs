@@ -1,6 +1,6 @@
 //! What is not perfect about a loop, under the names of scene files.
 
-use palpate_sim::scene::{Dropped, Jitter, Timing};
+use palpate_scene::{Dropped, Jitter, Timing};
 use serde_json::{Map, Value, json};
 
 /// Every imperfection, by key; empty for a perfect loop.

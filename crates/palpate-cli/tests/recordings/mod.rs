@@ -4,10 +4,10 @@
 use std::path::Path;
 
 use palpate_io::recording::{Event, Flags, LoopCount, Phase, Receipt, RecordingWriter, Tick};
+use palpate_scene::method::MethodName;
+use palpate_scene::{Jitter, SceneFile};
 use palpate_sim::closed_loop::Bench;
-use palpate_sim::method::MethodName;
 use palpate_sim::run::Run;
-use palpate_sim::scene::{Jitter, SceneFile};
 
 /// A committed scene whose loop comes early and late, run by a method; its text and what it did.
 pub fn loop_of(name: &str, method: MethodName) -> (String, Run) {

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use palpate_sim::scene::Linkage;
+use palpate_scene::Linkage;
 use palpate_testbed::pantograph::{Pantograph, PantographParams};
 
 use super::firmware::{Ports, pins};

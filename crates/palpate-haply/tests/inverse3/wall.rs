@@ -12,8 +12,8 @@ use palpate_rt::safety::{SafetyParams, Trip};
 use palpate_rt::{
     ControlLoop, Ending, Listener, LoopEnd, LoopThread, Note, Rendering, StopFlag, Told,
 };
-use palpate_sim::method::MethodName;
-use palpate_sim::scene::SceneFile;
+use palpate_scene::SceneFile;
+use palpate_scene::method::MethodName;
 
 use crate::{ID, ms, options, wait_until};
 

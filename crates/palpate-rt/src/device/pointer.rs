@@ -16,7 +16,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use palpate_sim::scene::Scene;
+use palpate_scene::Scene;
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::device::Device as _;
 use palpate_testbed::hand::Hand;

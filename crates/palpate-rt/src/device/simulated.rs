@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
+use palpate_scene::Scene;
 use palpate_sim::VirtualDevice;
-use palpate_sim::scene::Scene;
 use palpate_testbed::InvalidParameter;
 
 use super::cut::Cut;

@@ -8,9 +8,9 @@ use std::fmt;
 use palpate::{
     AnyParams, AnyRenderer, Contact, LoopParams, Mass, ObjectState, ParameterError, Renderer,
 };
-use palpate_sim::method::MethodName;
-use palpate_sim::named_parameters::{in_words, method_of};
-use palpate_sim::scene::{Scene, SetupError};
+use palpate_scene::method::MethodName;
+use palpate_scene::named_parameters::{in_words, method_of};
+use palpate_scene::{Scene, SetupError};
 
 pub use blend::CHANGE_DURATION;
 pub use rendered::Rendered;

@@ -3,7 +3,7 @@
 use palpate::{AnyParams, CoupledParams, HfcrParams, Mass, Side, VirtualDamperParams};
 use palpate_rt::safety::{SafetyParams, Trip};
 use palpate_rt::{ChangeError, Note, Rendering, tap};
-use palpate_sim::method::MethodName;
+use palpate_scene::method::MethodName;
 
 use crate::{at, scene, scripted, simulated, wide};
 

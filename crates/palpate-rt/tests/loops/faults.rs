@@ -8,7 +8,7 @@ use palpate_rt::clock::{Clock, SteppedClock};
 use palpate_rt::device::{DeviceErrorKind, Step};
 use palpate_rt::safety::{SafetyParams, Trip};
 use palpate_rt::{Listener, Note, StopFlag, Told, tap};
-use palpate_sim::method::MethodName;
+use palpate_scene::method::MethodName;
 
 use crate::{Scripted, at, scene, scripted, simulated, wide};
 

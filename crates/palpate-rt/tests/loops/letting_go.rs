@@ -9,7 +9,7 @@ use palpate_rt::device::{
 };
 use palpate_rt::safety::{SafetyParams, Trip};
 use palpate_rt::{ControlLoop, Ending, Rendering, StopFlag, Told, tap};
-use palpate_sim::method::MethodName;
+use palpate_scene::method::MethodName;
 
 use crate::{at, scene, scripted, wide};
 

@@ -16,8 +16,8 @@ use palpate_rt::clock::SteppedClock;
 use palpate_rt::device::{ScriptedDevice, SimulatedDevice, Step};
 use palpate_rt::safety::{OscillationParams, SafetyParams};
 use palpate_rt::{ControlLoop, Rendering};
-use palpate_sim::method::MethodName;
-use palpate_sim::scene::{Scene, SceneFile, beside};
+use palpate_scene::method::MethodName;
+use palpate_scene::{Scene, SceneFile, beside};
 
 /// A scene of `experiments/`.
 pub(crate) fn scene(name: &str) -> Scene {

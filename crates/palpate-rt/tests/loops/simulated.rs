@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use palpate_rt::clock::SteppedClock;
 use palpate_rt::device::{Device, SimulatedDevice};
+use palpate_scene::method::MethodName;
 use palpate_sim::closed_loop::Bench;
-use palpate_sim::method::MethodName;
 
 use crate::{scene, simulated, wide};
 

@@ -8,7 +8,7 @@ use palpate_rt::clock::{Clock, SteppedClock};
 use palpate_rt::device::{Capabilities, Device, DeviceError, NullDevice, Reading, Vector};
 use palpate_rt::safety::Trip;
 use palpate_rt::{ControlLoop, Ending, Note, Rendering, StopFlag, Told, tap};
-use palpate_sim::method::MethodName;
+use palpate_scene::method::MethodName;
 
 use crate::{at, scene, scripted, wide};
 

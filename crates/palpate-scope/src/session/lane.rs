@@ -12,7 +12,7 @@ use palpate_rt::{
     Account, ControlLoop, Durations, Listener, LoopEnd, LoopThread, Note, Noted, Rendering,
     StopFlag, Told, tap,
 };
-use palpate_sim::method::MethodName;
+use palpate_scene::method::MethodName;
 
 use super::carried::{Carried, Returned};
 use super::recording::{Ending, LaneRecording};

@@ -16,8 +16,8 @@ use palpate_io::atomic::WriteError;
 use palpate_rt::device::Capabilities;
 use palpate_rt::realtime::Answer;
 use palpate_rt::{Account, Ending as LoopEnding, Note, StopFlag};
-use palpate_sim::method::MethodName;
-use palpate_sim::scene::Scene;
+use palpate_scene::Scene;
+use palpate_scene::method::MethodName;
 
 use crate::hub::{ClientId, Hub};
 use crate::message::{
@@ -466,7 +466,7 @@ impl Running {
                 .map(|method| Method {
                     name: method.name(),
                     title: method.summary(),
-                    damping: method.uses(palpate_sim::method::Setting::Damping),
+                    damping: method.uses(palpate_scene::method::Setting::Damping),
                 })
                 .collect(),
             limits: self.limits,

@@ -13,8 +13,8 @@ use palpate_rt::device::{Capabilities, Device, PointerHand};
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{Rendering, SetupError, StopFlag};
-use palpate_sim::method::MethodName;
-use palpate_sim::scene::Scene;
+use palpate_scene::Scene;
+use palpate_scene::method::MethodName;
 
 use super::lane::{Lane, Run};
 use super::recording::{Ending, LaneRecording};

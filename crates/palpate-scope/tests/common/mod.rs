@@ -18,9 +18,9 @@ use palpate_rt::device::{
 };
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
+use palpate_scene::method::MethodName;
+use palpate_scene::{Scene, SceneFile};
 use palpate_scope::{Devices, Listening, Placed, Server, Session, SessionError, Setup};
-use palpate_sim::method::MethodName;
-use palpate_sim::scene::{Scene, SceneFile};
 use serde_json::Value;
 use tungstenite::client::IntoClientRequest;
 use tungstenite::{Message, WebSocket};

@@ -6,8 +6,8 @@ use palpate::{AnyRenderer, Contact, LoopParams, ObjectState};
 use palpate_testbed::InvalidParameter;
 
 use crate::closed_loop::LoopError;
-use crate::method::{Damping, MethodName, Settings};
-use crate::scene::{Measure, PointMassDevice, Scene, SetupError, Timing};
+use palpate_scene::method::{Damping, MethodName, Settings};
+use palpate_scene::{Measure, PointMassDevice, Scene, SetupError, Timing};
 
 /// A device as it is, and what the renderer is told of it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,7 +7,7 @@ use super::bounce::{Bounce, BounceError, Plant, default_settings};
 use super::grid::MapParams;
 use super::growth::{Class, classify};
 use super::trial::{Course, Judged, Outcome};
-use crate::method::{MethodName, Settings};
+use palpate_scene::method::{MethodName, Settings};
 
 /// Median and worst over the start heights.
 #[derive(Clone, Copy, Debug, PartialEq)]

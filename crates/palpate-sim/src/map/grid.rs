@@ -2,7 +2,7 @@
 
 use super::bounce::{Bounce, BounceDevice, Forces};
 use super::cell;
-use crate::method::MethodName;
+use palpate_scene::method::MethodName;
 
 /// Both axes reach from the smaller to the larger of these.
 pub(crate) const AXIS: (f64, f64) = (1e-3, 10.0);

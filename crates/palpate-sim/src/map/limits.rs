@@ -2,7 +2,7 @@
 
 use super::bounce::{Bounce, BounceError};
 use super::growth::{Class, classify};
-use crate::method::{MethodName, Settings};
+use palpate_scene::method::{MethodName, Settings};
 
 /// The numbers of difficulty, kappa or Kc, between which a limit is looked for.
 pub const SEARCHED: (f64, f64) = (1e-4, 100.0);

@@ -7,10 +7,10 @@ use palpate_testbed::measure::Sampler;
 
 use super::bounce::{Bounce, BounceError};
 use crate::closed_loop::LoopError;
-use crate::method::{MethodName, Settings};
 use crate::plant::Plant;
 use crate::sampled_loop::SampledLoop;
-use crate::scene::Grip;
+use palpate_scene::Grip;
+use palpate_scene::method::{MethodName, Settings};
 
 /// Largest standard deviation of the force, over its mean, of a contact that has come to rest.
 pub const RESTS_BELOW: f64 = 0.1;

@@ -6,8 +6,8 @@ use serde::Deserialize;
 
 use palpate::Guard;
 
-use crate::method::{Damping, MethodName, Setting, Settings, SettingsError};
-use crate::scene::{GUARD_ALLOWANCE, GUARD_SPEED, GuardMode, RawSettings, Scene, in_plain_words};
+use palpate_scene::method::{Damping, MethodName, Setting, Settings, SettingsError};
+use palpate_scene::{GUARD_ALLOWANCE, GUARD_SPEED, GuardMode, Scene, in_plain_words};
 
 /// A method with settings, under a name of its own.
 #[derive(Clone, Debug, PartialEq)]
@@ -154,7 +154,7 @@ impl Column {
             .map(RawGuard::deserialize)
             .transpose()
             .map_err(|error| wrong(format!("guard: {}", in_plain_words(error.message()))))?;
-        let settings: Settings = RawSettings::deserialize(keys)
+        let settings: Settings = Settings::deserialize(keys)
             .map_err(|error| wrong(in_plain_words(error.message())))?
             .into();
         if let Some(setting) = method.unused(&settings) {

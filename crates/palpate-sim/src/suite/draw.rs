@@ -6,9 +6,9 @@ use palpate_testbed::reference::{self, POINTS_PER_PERIOD, ReferenceScene, Stop};
 use super::COLLISIONS;
 use super::chance::Chance;
 use crate::closed_loop::{LoopError, object_mass};
-use crate::method::MethodName;
 use crate::plant::Plant;
-use crate::scene::{Grip, Measure, PointMassDevice, Scene, Timing, Wave};
+use palpate_scene::method::MethodName;
+use palpate_scene::{Grip, Measure, PointMassDevice, Scene, Timing, Wave};
 
 /// Gravity on the object `[m/s²]`.
 const GRAVITY: f64 = 9.81;

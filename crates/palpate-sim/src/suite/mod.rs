@@ -18,7 +18,7 @@ use palpate_testbed::metrics::{Fidelity, ForceJudgement};
 use rayon::prelude::*;
 
 use crate::closed_loop::{Bench, LoopError};
-use crate::scene::Scene;
+use palpate_scene::Scene;
 
 /// Delays that every plant is judged with `[samples]`.
 pub const DELAYS: [usize; 2] = [0, 1];

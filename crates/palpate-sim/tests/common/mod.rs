@@ -6,9 +6,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use palpate::{Contact, LoopParams, ObjectState};
-use palpate_sim::method::{Damping, MethodName, Settings};
+use palpate_scene::method::{Damping, MethodName, Settings};
+use palpate_scene::{Scene, SceneFile, beside};
 use palpate_sim::replay::{Replay, ReplaySetup};
-use palpate_sim::scene::{Scene, SceneFile, beside};
 use palpate_testbed::metrics::Fidelity;
 
 /// The paper's scenes, in the order of tables.

@@ -1,8 +1,8 @@
 //! How much leak dissipation a contact needs.
 
 use palpate::{AnyMethod, Difficulty, Mass};
-use palpate_sim::method::{Damping, MethodName, Settings};
-use palpate_sim::scene::Scene;
+use palpate_scene::Scene;
+use palpate_scene::method::{Damping, MethodName, Settings};
 
 use crate::common::{PAPER_SCENES, damping, fidelity, scene, with};
 

@@ -1,7 +1,7 @@
 //! Force rendering errors of the paper's scenes, in percent.
 
+use palpate_scene::method::{MethodName, Settings};
 use palpate_sim::closed_loop::Bench;
-use palpate_sim::method::{MethodName, Settings};
 
 use crate::common::{PAPER_SCENES, cap, damping, fidelity, scene, with};
 

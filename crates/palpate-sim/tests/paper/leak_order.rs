@@ -1,10 +1,10 @@
 //! Which method leaks most: sums of absolute leaks, whose terms cannot cancel.
 
 use palpate::Contact;
+use palpate_scene::Measure;
+use palpate_scene::method::{MethodName, Settings};
 use palpate_sim::closed_loop::Bench;
-use palpate_sim::method::{MethodName, Settings};
 use palpate_sim::replay::Replay;
-use palpate_sim::scene::Measure;
 
 use crate::common::{
     Motion, Random, damping, lifted_object, recorded_hands, scene, synthetic_hand,

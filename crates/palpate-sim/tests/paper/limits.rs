@@ -1,10 +1,10 @@
 //! Where every method must end up: fast loops, heavy objects, no dissipation.
 
 use palpate::{Contact, Mass, Phase};
+use palpate_scene::Measure;
+use palpate_scene::method::{MethodName, Settings};
 use palpate_sim::closed_loop::Bench;
-use palpate_sim::method::{MethodName, Settings};
 use palpate_sim::run::{Run, Tick};
-use palpate_sim::scene::Measure;
 
 use crate::common::{PAPER_SCENES, damping, scene, synthetic_hand, with};
 

@@ -1,6 +1,6 @@
 //! What an optimum is worth: the same setting from 21 heights.
 
-use palpate_sim::method::{MethodName, Settings};
+use palpate_scene::method::{MethodName, Settings};
 
 use crate::common::{PAPER_SCENES, cap, damping, fidelity, scene, with};
 

@@ -1,8 +1,8 @@
 //! On a wall, methods that look different are the same.
 
 use palpate::{AnyParams, HfcrParams, ObjectState, Phase, SehParams, VirtualDamperParams};
+use palpate_scene::method::{MethodName, Settings};
 use palpate_sim::closed_loop::Bench;
-use palpate_sim::method::{MethodName, Settings};
 use palpate_sim::run::Run;
 
 use crate::common::{Random, damping, scene, with};

@@ -1,9 +1,9 @@
 //! What is found out for an advice.
 
+use palpate_scene::method::{Damping, MethodName, Setting, Settings};
 use palpate_sim::map::{
     Bounce, BounceError, Class, Entry, Limit, Plant, Stay, bounds, default_settings,
 };
-use palpate_sim::method::{Damping, MethodName, Setting, Settings};
 use palpate_sim::tune::tunable;
 use serde::Serialize;
 

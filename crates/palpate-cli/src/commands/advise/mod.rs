@@ -6,8 +6,8 @@ mod text;
 
 pub use arguments::AdviseArguments;
 
+use palpate_scene::SetupError;
 use palpate_sim::map::{Bounce, BounceDevice, BounceError, MapParams};
-use palpate_sim::scene::SetupError;
 
 use crate::failure::Failure;
 use crate::progress::Progress;

@@ -7,9 +7,9 @@ use std::path::Path;
 
 use palpate::{Contact, LoopParams, ObjectState};
 use palpate_io::trace::Trace;
-use palpate_sim::method::{MethodName, Settings};
+use palpate_scene::Timing;
+use palpate_scene::method::{MethodName, Settings};
 use palpate_sim::replay::ReplaySetup;
-use palpate_sim::scene::Timing;
 
 use super::figure::fig2;
 use super::render::render;

@@ -2,8 +2,8 @@
 
 use palpate_rt::clock::MonotonicClock;
 use palpate_rt::device::{PointerDevice, PointerHand, PointerParams};
+use palpate_scene::Scene;
 use palpate_scope::{Devices, Placed};
-use palpate_sim::scene::Scene;
 
 use crate::devices::guarding::Guarding;
 use crate::devices::{DeviceArguments, DeviceName, Opened, open};

@@ -8,11 +8,11 @@ use std::time::Duration;
 
 use palpate_rt::clock::MonotonicClock;
 use palpate_rt::{Rendering, SetupError, StopFlag};
+use palpate_scene::method::MethodName;
+use palpate_scene::{Scene, SceneFile, Timing};
 use palpate_scope::{
     LaneEnd, ListenError, Listening, Server, Session, SessionError, Setup, Written,
 };
-use palpate_sim::method::MethodName;
-use palpate_sim::scene::{Scene, SceneFile, Timing};
 
 pub use arguments::LiveArguments;
 use device::{Named, most_lanes};

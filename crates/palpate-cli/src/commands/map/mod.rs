@@ -13,8 +13,8 @@ pub use arguments::MapArguments;
 use std::path::PathBuf;
 
 use palpate_io::map::Map;
+use palpate_scene::method::MethodName;
 use palpate_sim::map::{Forces, MapParams};
-use palpate_sim::method::MethodName;
 
 use crate::failure::Failure;
 use crate::results::print;

@@ -1,8 +1,8 @@
 //! A map as a figure: a column for each method, a row for each quantity and plant.
 
 use palpate_io::map::{Map, Row};
+use palpate_scene::method::MethodName;
 use palpate_sim::map::{Plant, STABLE_UP_TO, bounds};
-use palpate_sim::method::MethodName;
 
 use super::arguments::Quantity;
 use super::receipt;

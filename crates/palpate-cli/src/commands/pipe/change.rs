@@ -4,9 +4,9 @@ use std::fmt;
 
 use palpate::{Contact, ParameterError};
 use palpate_rt::{ChangeError, Parameters, Rendering};
-use palpate_sim::method::{MethodName, Settings, SettingsError, nearest};
+use palpate_scene::SetupError;
+use palpate_scene::method::{MethodName, Settings, SettingsError, nearest};
 use palpate_sim::replay::ReplaySetup;
-use palpate_sim::scene::SetupError;
 
 use crate::setup::flag_of_setting;
 

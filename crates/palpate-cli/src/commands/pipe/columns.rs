@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use palpate::{Ledger, Limited, Output};
-use palpate_sim::method::nearest;
+use palpate_scene::method::nearest;
 
 /// A quantity that a line can say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -17,7 +17,7 @@ use std::time::Duration;
 use palpate::{LARGEST_DELAY, ParameterError};
 use palpate_rt::StopFlag;
 use palpate_rt::safety::{OscillationParams, Safety, SafetyParams};
-use palpate_sim::method::MethodName;
+use palpate_scene::method::MethodName;
 use palpate_testbed::hold::DelayedHold;
 
 pub use arguments::PipeArguments;

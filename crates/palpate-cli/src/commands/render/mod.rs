@@ -6,12 +6,12 @@ use std::path::Path;
 
 use palpate_io::trace::{self, HeldTrace, Part, Trace, TraceError, TraceFault};
 use palpate_io::unit::LengthUnit;
+use palpate_scene::Timing;
+use palpate_scene::method::{MethodName, Settings};
 use palpate_sim::closed_loop::LoopError;
 use palpate_sim::hand_replay::Recording as OfAHand;
-use palpate_sim::method::{MethodName, Settings};
 use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
 use palpate_sim::run::{MOST_PERIODS, Run};
-use palpate_sim::scene::Timing;
 
 use super::hand_replay::{Recorded, ReplayRuns, close_loop};
 use crate::arguments::{RenderArguments, ReplayKind};

@@ -8,11 +8,11 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
 use palpate_io::recording::Recording;
+use palpate_scene::method::MethodName;
+use palpate_scene::{Scene, SceneFile, SetupError, Timing};
 use palpate_sim::closed_loop::LoopError;
 use palpate_sim::hand_replay::Recording as OfAHand;
-use palpate_sim::method::MethodName;
 use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
-use palpate_sim::scene::{Scene, SceneFile, SetupError, Timing};
 
 use self::ticks::Ticks;
 use super::hand_replay::{Recorded, ReplayRuns, close_loop};

@@ -14,8 +14,8 @@ use palpate_rt::device::{Capabilities, Device};
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, LoopThread, Recorder, Rendering, SetupError, StopFlag};
-use palpate_sim::method::MethodName;
-use palpate_sim::scene::{Scene, Timing};
+use palpate_scene::method::MethodName;
+use palpate_scene::{Scene, Timing};
 
 pub use arguments::{
     RealtimeArguments, RecordArguments, RunArguments, SafetyArguments, SessionArguments,

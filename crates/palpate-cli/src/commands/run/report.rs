@@ -9,8 +9,8 @@ use palpate_rt::clock::Clock;
 use palpate_rt::device::{Capabilities, Device};
 use palpate_rt::realtime::Answer;
 use palpate_rt::{Account, Durations, LoopEnd, LoopStatistics};
-use palpate_sim::method::MethodName;
-use palpate_sim::scene::Scene;
+use palpate_scene::Scene;
+use palpate_scene::method::MethodName;
 use serde::Serialize;
 
 use crate::devices::guarding::GuardianReport;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use palpate_io::recording::Receipt;
-use palpate_sim::scene::{Scene, SceneFile, beside};
+use palpate_scene::{Scene, SceneFile, beside};
 
 use crate::failure::Failure;
 

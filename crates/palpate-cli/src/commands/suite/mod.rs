@@ -6,7 +6,7 @@ mod table;
 use std::path::{Path, PathBuf};
 
 use palpate_io::outputs::Outputs;
-use palpate_sim::method::MethodName;
+use palpate_scene::method::MethodName;
 use palpate_sim::suite::{self, Column, Judged};
 
 use crate::arguments::{Compared, SuiteArguments};

@@ -85,10 +85,9 @@ pub(super) fn write(
 /// In the order of [`PLANT`]. Where there is no hand or no tremor, there is no number of it.
 fn plant_cells(one: &Judged) -> [f64; PLANT.len()] {
     let (plant, scene) = (&one.plant, &one.plant.scene);
-    let grip =
-        |value: fn(&palpate_sim::scene::Grip) -> f64| scene.grip.as_ref().map_or(f64::NAN, value);
+    let grip = |value: fn(&palpate_scene::Grip) -> f64| scene.grip.as_ref().map_or(f64::NAN, value);
     let tremor =
-        |value: fn(&palpate_sim::scene::Wave) -> f64| scene.tremor.as_ref().map_or(f64::NAN, value);
+        |value: fn(&palpate_scene::Wave) -> f64| scene.tremor.as_ref().map_or(f64::NAN, value);
     [
         plant.index as f64,
         f64::from(plant.redrawn),

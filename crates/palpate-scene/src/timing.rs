@@ -117,7 +117,7 @@ impl Timing {
     }
 
     /// Shortest period of a loop whose nominal one is `period` `[s]`.
-    pub(crate) fn shortest_period(&self, period: f64) -> f64 {
+    pub fn shortest_period(&self, period: f64) -> f64 {
         self.collapse
             .map_or(period, |collapse| period.min(collapse.period))
     }
@@ -151,7 +151,7 @@ impl Scene {
     }
 
     /// The samples and commands of the loop over so many periods.
-    pub(crate) fn timeline(&self, periods: usize) -> Result<Timeline, InvalidParameter> {
+    pub fn timeline(&self, periods: usize) -> Result<Timeline, InvalidParameter> {
         match &self.recorded_hand {
             Some(hand) if self.timing.as_recorded => {
                 let period = self.loop_params.period;

@@ -12,16 +12,16 @@
 
 use std::sync::Arc;
 
-use palpate_testbed::InvalidParameter;
-use palpate_testbed::device::{Device, PointMass};
-use palpate_testbed::hand::{Hand, Intention};
-use palpate_testbed::held_mass::HeldMass;
+use crate::InvalidParameter;
+use crate::device::{Device, PointMass};
+use crate::hand::{Hand, Intention};
+use crate::held_mass::HeldMass;
 
-use super::hand::RecordedHand;
+use super::RecordedHand;
 
 /// A device in a recorded hand, on the canonical side.
 #[derive(Clone, Debug)]
-pub(crate) struct HeldByRecording {
+pub struct HeldByRecording {
     hand: Arc<RecordedHand>,
     sign: f64,
     /// The interval of the recording.

@@ -58,7 +58,7 @@ impl Places {
 /// A message of the TOML reader without Rust's names of types, and for an unknown key with the one
 /// it most likely meant. The reader names both:
 /// ``unknown field `x`, expected one of `a`, `b` ``.
-pub(crate) fn in_plain_words(message: &str) -> String {
+pub fn in_plain_words(message: &str) -> String {
     let Some(rest) = message.strip_prefix("unknown field `") else {
         return message
             .replace("expected f64", "expected a number")

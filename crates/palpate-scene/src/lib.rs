@@ -1,4 +1,5 @@
-//! Scenes: an object, a device, a hand, a loop and a renderer, as a user writes them.
+//! Scenes: an object, a device, a hand, a loop and a renderer, as a user writes them; and the methods
+//! by name, with the settings of each ([`method`]).
 //!
 //! A scene file is TOML with a format version; every quantity is SI and carries its unit in its
 //! key. Unknown keys are errors. See `experiments/` for the paper's scenes. A linkage is described by
@@ -12,13 +13,14 @@ mod fault;
 mod file;
 mod hand;
 mod linkage;
+pub mod method;
+pub mod named_parameters;
 mod timing;
 mod write;
 
 pub use beside::beside;
 pub use fault::SceneError;
-pub(crate) use fault::in_plain_words;
-pub(crate) use file::RawSettings;
+pub use fault::in_plain_words;
 pub use file::{GUARD_ALLOWANCE, GUARD_SPEED, GuardMode, SceneFile};
 pub use linkage::Linkage;
 pub use timing::{Dropped, Jitter, RateCollapse, Timing};
@@ -32,9 +34,9 @@ use palpate::{
     Renderer,
 };
 
+use palpate_testbed::recorded_hand::RecordedHand;
 use palpate_testbed::recorded_path::RecordedPath;
 
-use crate::hand_replay::RecordedHand;
 use crate::method::{Basis, MethodName, Settings, SettingsError};
 
 /// A closed loop to simulate: everything but the choice of the method is fixed.
@@ -61,7 +63,7 @@ pub struct Scene {
     pub linkage: Option<Linkage>,
     /// The hand's own mass, spring and damper, if it has any.
     pub grip: Option<Grip>,
-    /// A recorded hand in place of every other ([`hand_replay`](crate::hand_replay)); no scene file has one.
+    /// A recorded hand in place of every other ; no scene file has one.
     pub recorded_hand: Option<Arc<RecordedHand>>,
     /// Tremor force of the hand, its amplitude in `[N]`.
     pub tremor: Option<Wave>,
@@ -180,7 +182,7 @@ impl Scene {
 
 /// Kinetic energy of an object and elastic energy of its contact with a device at
 /// `device_position` `[J]`.
-pub(crate) fn stored_energy(
+pub fn stored_energy(
     contact: &Contact<f64>,
     object: ObjectState<f64>,
     device_position: f64,

@@ -206,7 +206,8 @@ pub enum Damping {
 }
 
 /// Settings of a method; what is `None` takes its default.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(from = "crate::file::RawSettings")]
 pub struct Settings {
     /// B of the virtual damper (default K T/2, which makes up for the half period the hold lags
     /// on a wall), or b of HFCR (default 0) `[N s/m]`.
@@ -399,10 +400,7 @@ impl MethodName {
 }
 
 /// Parameters of a renderer with the value in place of a choice to derive it.
-pub(crate) fn with_derived_values(
-    params: AnyParams<f64>,
-    renderer: &AnyRenderer<f64>,
-) -> AnyParams<f64> {
+pub fn with_derived_values(params: AnyParams<f64>, renderer: &AnyRenderer<f64>) -> AnyParams<f64> {
     match (params, renderer.method()) {
         (AnyParams::Hfcr(hfcr), AnyMethod::Hfcr(method))
             if hfcr.leak_dissipation != LeakDissipation::Off =>

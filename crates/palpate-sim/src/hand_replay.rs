@@ -9,7 +9,7 @@
 //! use palpate::{Contact, LoopParams, ObjectState};
 //! use palpate_sim::closed_loop::Bench;
 //! use palpate_sim::hand_replay::{self, HandModel, RecordedHand, Recording};
-//! use palpate_sim::method::MethodName;
+//! use palpate_scene::method::MethodName;
 //! use palpate_sim::replay::ReplaySetup;
 //!
 //! // Half a second of a hand that swings by 5 mm, seen at 1 kHz; the motor was off.
@@ -46,20 +46,17 @@
 //! the forces have differed by an impulse. With [`HandModel::stiffness`] and `damping` the hand holds on
 //! to its recorded motion; both are the caller's to state, and [`HandModel::holding_on`] has usual ones.
 
-mod device;
-mod hand;
-mod smoother;
-
-pub(crate) use device::HeldByRecording;
-pub use hand::{HandError, HandForce, HandModel, HandUncertainty, RecordedHand, Recording};
+pub use palpate_testbed::recorded_hand::{
+    HandError, HandForce, HandModel, HandUncertainty, RecordedHand, Recording,
+};
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use crate::method::MethodName;
 use crate::replay::ReplaySetup;
 use crate::run::{Reference, Run};
-use crate::scene::{Measure, PointMassDevice, Scene, Timing};
+use palpate_scene::method::MethodName;
+use palpate_scene::{Measure, PointMassDevice, Scene, Timing};
 
 /// How far, in recording steps, the end of the last period may lie behind that of the recording: time
 /// stamps are written in decimals.

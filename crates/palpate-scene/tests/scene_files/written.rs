@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use palpate_sim::scene::{Grip, Scene, SceneFile};
+use palpate_scene::{Grip, Scene, SceneFile};
 use palpate_testbed::recorded_path::RecordedPath;
 
 use crate::{GOOD, common, edited};

@@ -1,6 +1,6 @@
 //! Every fault a scene file can have: place, message, and what is marked.
 
-use palpate_sim::scene::SceneFile;
+use palpate_scene::SceneFile;
 
 use crate::edited;
 

@@ -7,19 +7,19 @@ use palpate_testbed::pantograph::{Actuation, Pantograph, PantographParams, Pid, 
 const PRESETS: [(&str, &str); 4] = [
     (
         "paper-like",
-        include_str!("../../../../devices/paper-like.toml"),
+        include_str!("../../../devices/paper-like.toml"),
     ),
     (
         "2diy-gen1",
-        include_str!("../../../../devices/haply-2diy-gen1.toml"),
+        include_str!("../../../devices/haply-2diy-gen1.toml"),
     ),
     (
         "2diy-gen2",
-        include_str!("../../../../devices/haply-2diy-gen2.toml"),
+        include_str!("../../../devices/haply-2diy-gen2.toml"),
     ),
     (
         "2diy-gen3",
-        include_str!("../../../../devices/haply-2diy-gen3.toml"),
+        include_str!("../../../devices/haply-2diy-gen3.toml"),
     ),
 ];
 
@@ -79,13 +79,13 @@ impl Linkage {
     }
 
     /// End-point in the home pose `[m]`.
-    pub(crate) fn home(&self) -> Result<[f64; 2], InvalidParameter> {
+    pub fn home(&self) -> Result<[f64; 2], InvalidParameter> {
         Ok(Pantograph::new(self.params)?.end_point())
     }
 
     /// The device at rest, `offset` `[m]` along y from home, pushed along y by `user_force` `[N]`.
     /// `ideal` is without the limits of its motors and without the safety box.
-    pub(crate) fn device(
+    pub fn device(
         &self,
         offset: f64,
         user_force: f64,

@@ -1,9 +1,13 @@
 //! The hand of a recording: the force that it must have had on the device.
 
-use palpate_testbed::InvalidParameter;
-use palpate_testbed::recorded_path::{PathError, RecordedPath};
+use crate::InvalidParameter;
+use crate::recorded_path::{PathError, RecordedPath};
 
-use super::smoother::{Motion, Smoothed};
+mod device;
+mod smoother;
+
+pub use device::HeldByRecording;
+use smoother::{Motion, Smoothed};
 
 /// Fewest samples from which a force can be estimated.
 const FEWEST_SAMPLES: usize = 8;
@@ -313,7 +317,7 @@ impl RecordedHand {
     }
 
     /// Step between the last two samples `[s]`.
-    pub(super) fn last_step(&self) -> f64 {
+    pub fn last_step(&self) -> f64 {
         self.duration() - self.times[self.times.len() - 2]
     }
 

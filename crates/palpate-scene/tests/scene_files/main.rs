@@ -9,11 +9,9 @@ mod written;
 use std::path::{Path, PathBuf};
 
 use palpate::{AnyParams, HfcrParams, Mass, ParameterError, Side};
+use palpate_scene::method::{Damping, MethodName, UnknownMethod};
+use palpate_scene::{Dropped, Jitter, Measure, RateCollapse, Scene, SceneFile, Timing, beside};
 use palpate_sim::closed_loop::{Bench, LoopError};
-use palpate_sim::method::{Damping, MethodName, UnknownMethod};
-use palpate_sim::scene::{
-    Dropped, Jitter, Measure, RateCollapse, Scene, SceneFile, Timing, beside,
-};
 
 /// A good file with every key there is, but duration_s.
 const GOOD: &str = r#"scene_format = 1
@@ -367,7 +365,7 @@ fn a_scene_made_in_code_is_checked_before_it_runs() {
     let mut scene = SceneFile::parse("good", GOOD).unwrap().scene;
     scene.device.encoder_quantum = -1.0;
     let error = Bench::new(&scene).unwrap_err();
-    let LoopError::Setup(palpate_sim::scene::SetupError::Parameter(ParameterError {
+    let LoopError::Setup(palpate_scene::SetupError::Parameter(ParameterError {
         parameter,
         value,
         ..

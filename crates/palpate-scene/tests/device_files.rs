@@ -5,9 +5,9 @@ mod common;
 
 use std::path::{Path, PathBuf};
 
+use palpate_scene::method::MethodName;
+use palpate_scene::{Linkage, Scene, SceneFile, beside};
 use palpate_sim::closed_loop::Bench;
-use palpate_sim::method::MethodName;
-use palpate_sim::scene::{Linkage, Scene, SceneFile, beside};
 
 /// A good file with every key there is.
 const GOOD: &str = r#"device_format = 1
