@@ -4,10 +4,8 @@ use std::hint::black_box;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use palpate_rt::clock::{Clock, SteppedClock};
-use palpate_rt::device::{
-    Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector, ZeroWriter,
-};
+use palpate_device::clock::{Clock, SteppedClock};
+use palpate_device::{Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector, ZeroWriter};
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, Rendering, tap};
 use palpate_scene::method::MethodName;

@@ -6,10 +6,8 @@ use std::sync::{Arc, Mutex, mpsc};
 use std::thread;
 use std::time::Duration;
 
-use palpate_rt::clock::SteppedClock;
-use palpate_rt::device::{
-    Capabilities, Device, DeviceError, NullDevice, Reading, Vector, ZeroWriter,
-};
+use palpate_device::clock::SteppedClock;
+use palpate_device::{Capabilities, Device, DeviceError, NullDevice, Reading, Vector, ZeroWriter};
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, Rendering};
 use palpate_scene::method::MethodName;

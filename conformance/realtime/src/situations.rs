@@ -9,11 +9,9 @@ use std::thread;
 use std::time::Duration;
 
 use palpate_io::recording::Flags;
-use palpate_rt::clock::{Clock, MonotonicClock, SteppedClock};
-use palpate_rt::device::{
-    Device, DeviceErrorKind, NullDevice, PointerDevice, PointerHand, PointerParams, ReplayDevice,
-    ScriptedDevice, SimulatedDevice, Step,
-};
+use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
+use palpate_device::{Device, DeviceErrorKind, NullDevice, ReplayDevice, ScriptedDevice, Step};
+use palpate_sim::device::{PointerDevice, PointerHand, PointerParams, SimulatedDevice};
 use palpate_rt::safety::{OscillationParams, SafetyParams, Trip};
 use palpate_rt::{ControlLoop, Ending, Note, Rendering, StopFlag, Told, tap};
 use palpate_scene::method::MethodName;

@@ -16,10 +16,10 @@ use std::time::{Duration, Instant};
 use common::running::{Running, program};
 use common::{Folder, experiment_text, parse};
 use palpate::{AnyParams, Contact, LoopParams, ObjectState, Placement};
+use palpate_device::Device;
+use palpate_device::clock::MonotonicClock;
 use palpate_haply::two_diy::{Board, Calibration, Generation, Options, TwoDiy};
 use palpate_haply_emulator::two_diy::{Did, Emulator, Fault, Hand, Seen, Settings};
-use palpate_rt::clock::MonotonicClock;
-use palpate_rt::device::Device;
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, Rendering};
 

@@ -9,10 +9,8 @@ use palpate::{Output, Placement};
 use palpate_io::recording::{Flags, Tick};
 use palpate_scene::method::MethodName;
 
-use crate::clock::Clock;
 use crate::deadlines::Deadlines;
 use crate::delivered::Delivered;
-use crate::device::{Device, DeviceError, DeviceErrorKind, Reading, Vector};
 use crate::held::HeldSince;
 use crate::note::{Ending, Note, Noted};
 use crate::rendering::{Parameters, Rendered, Rendering, parameters};
@@ -22,6 +20,8 @@ use crate::statistics::LoopStatistics;
 use crate::stop::StopFlag;
 use crate::tap::Tap;
 use crate::wire::phase;
+use palpate_device::clock::Clock;
+use palpate_device::{Device, DeviceError, DeviceErrorKind, Reading, Vector};
 
 /// A haptic loop on one device. Everything that it needs is there before its first tick; a tick
 /// allocates nothing, locks nothing and waits for nobody but the clock and the device.

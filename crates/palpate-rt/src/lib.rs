@@ -6,16 +6,16 @@
 //!                        +-- tap ---+--> recorder
 //! ```
 //!
-//! A [`ControlLoop`] ticks at absolute deadlines of a [`Clock`](clock::Clock), reads a
-//! [`Device`](device::Device), renders, and commands what [`Safety`](safety::Safety) lets through. It
+//! A [`ControlLoop`] ticks at absolute deadlines of a [`Clock`](palpate_device::clock::Clock), reads a
+//! [`Device`](palpate_device::Device), renders, and commands what [`Safety`](safety::Safety) lets through. It
 //! allocates nothing, locks nothing and waits for nobody else once it runs; what it does goes
 //! through a [`tap`] to whoever listens, for instance a [`Recorder`]. [`realtime`] asks the
 //! machine for the loop's thread to be served first, and says what was refused. [`LoopThread`] puts
 //! all of it on a thread with a supervisor beside it.
 //!
 //! ```
-//! use palpate_rt::clock::SteppedClock;
-//! use palpate_rt::device::SimulatedDevice;
+//! use palpate_device::clock::SteppedClock;
+//! use palpate_sim::device::SimulatedDevice;
 //! use palpate_rt::safety::SafetyParams;
 //! use palpate_rt::{ControlLoop, Rendering};
 //! use palpate_scene::method::MethodName;
@@ -45,11 +45,9 @@
 )]
 
 mod atomics;
-pub mod clock;
 mod control_loop;
 mod deadlines;
 mod delivered;
-pub mod device;
 #[cfg(unix)]
 #[allow(
     clippy::disallowed_methods,

@@ -4,9 +4,9 @@ use palpate::Fault;
 use palpate_io::recording::Event;
 use palpate_scene::method::MethodName;
 
-use crate::device::DeviceError;
 use crate::rendering::Rendering;
 use crate::safety::Trip;
+use palpate_device::DeviceError;
 
 /// Something that happened in the loop.
 #[derive(Clone, Copy, Debug, PartialEq)]

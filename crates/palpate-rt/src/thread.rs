@@ -7,15 +7,15 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{Builder, JoinHandle};
 
-use crate::clock::Clock;
 use crate::control_loop::ControlLoop;
-use crate::device::Device;
 use crate::note::Ending;
 use crate::realtime::{Answer, Request};
 use crate::rendering::Parameters;
 use crate::safety::{Heartbeat, Trip};
 use crate::statistics::LoopStatistics;
 use crate::stop::StopFlag;
+use palpate_device::Device;
+use palpate_device::clock::Clock;
 
 /// A loop that runs on its own thread. Dropping it stops the loop and waits for the device to be
 /// commanded no force.

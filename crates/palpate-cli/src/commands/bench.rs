@@ -4,8 +4,8 @@ use std::fmt;
 
 use clap::{Args, Subcommand};
 use palpate::{AnyParams, Contact, LoopParams, ObjectState};
-use palpate_rt::clock::MonotonicClock;
-use palpate_rt::device::NullDevice;
+use palpate_device::NullDevice;
+use palpate_device::clock::MonotonicClock;
 use palpate_rt::realtime::{Answer, Request};
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, LoopThread, Rendering, StopFlag};

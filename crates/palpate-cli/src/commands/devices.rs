@@ -245,9 +245,9 @@ impl fmt::Display for List {
 
 #[cfg(unix)]
 fn check(arguments: &CheckArguments) -> Result<(), Failure> {
+    use palpate_device::clock::MonotonicClock;
     use palpate_haply::two_diy::{Unchecked, Verdict};
     use palpate_rt::StopFlag;
-    use palpate_rt::clock::MonotonicClock;
 
     use crate::devices::guarding::Guarding;
     use crate::devices::two_diy;
@@ -267,7 +267,7 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     let guarding = Guarding::new(2 * period);
     let clock = MonotonicClock::new();
     let mut device = two_diy::open(&arguments.device, period, &clock, &guarding)?;
-    let failed = |error: palpate_rt::device::DeviceError| Failure::System(error.to_string());
+    let failed = |error: palpate_device::DeviceError| Failure::System(error.to_string());
     let checked = match device.check_motors(&stop) {
         Ok(checked) => checked,
         Err(unchecked) => {

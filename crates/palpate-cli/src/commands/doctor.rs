@@ -5,7 +5,7 @@ use std::io;
 use std::time::Duration;
 
 use clap::Args;
-use palpate_rt::clock::MonotonicClock;
+use palpate_device::clock::MonotonicClock;
 use palpate_rt::realtime::{Answer, Finding, machine};
 use palpate_rt::safety::SafetyParams;
 use serde::Serialize;

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use palpate_rt::device::Capabilities;
+use palpate_device::Capabilities;
 use serde::Serialize;
 
 use super::DeviceArguments;

@@ -1,11 +1,11 @@
 //! The Haply Inverse3 behind its service.
 
 use clap::Args;
+use palpate_device::clock::Clock;
+use palpate_device::{Capabilities, Device, DeviceError, Reading, Vector, ZeroWriter};
 use palpate_haply::inverse3::{
     ConnectError, Inspector, Inverse3, Inverse3Options, OpenError, Pace, SERVICE,
 };
-use palpate_rt::clock::Clock;
-use palpate_rt::device::{Capabilities, Device, DeviceError, Reading, Vector, ZeroWriter};
 use palpate_scene::Scene;
 
 use super::placed::{Axis, FIRST_AXIS};

@@ -15,11 +15,10 @@ pub mod two_diy;
 pub use arguments::{DeviceArguments, DeviceName};
 
 use palpate::Placement;
-use palpate_rt::clock::Clock;
-use palpate_rt::device::{
-    Device, NullDevice, PointerDevice, PointerHand, PointerParams, SimulatedDevice,
-};
+use palpate_device::clock::Clock;
+use palpate_device::{Device, NullDevice};
 use palpate_scene::Scene;
+use palpate_sim::device::{PointerDevice, PointerHand, PointerParams, SimulatedDevice};
 
 use crate::failure::{Failure, tell};
 #[cfg(unix)]

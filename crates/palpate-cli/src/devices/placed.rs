@@ -1,7 +1,7 @@
 //! Where the axis of the contact lies in a device.
 
 use palpate::Placement;
-use palpate_rt::device::{Capabilities, Vector};
+use palpate_device::{Capabilities, Vector};
 
 use super::DeviceArguments;
 use crate::failure::Failure;

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::Builder;
 use std::time::Duration;
 
-use palpate_rt::device::{
+use palpate_device::{
     Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector, ZeroWriter,
 };
 

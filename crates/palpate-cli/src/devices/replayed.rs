@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
+use palpate_device::clock::Clock;
+use palpate_device::{Device, ReplayDevice};
 use palpate_io::trace::Part;
 use palpate_io::unit::LengthUnit;
-use palpate_rt::clock::Clock;
-use palpate_rt::device::{Device, ReplayDevice};
 
 use super::DeviceArguments;
 use crate::commands::render::read_trace;

@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-use palpate_haply::two_diy::{Board, Calibration, Generation, Options, TwoDiy};
-use palpate_rt::clock::Clock;
-use palpate_rt::device::{
+use palpate_device::clock::Clock;
+use palpate_device::{
     Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector, ZeroWriter,
 };
+use palpate_haply::two_diy::{Board, Calibration, Generation, Options, TwoDiy};
 use palpate_rt::guardian::GuardianError;
 use rustix::termios::{QueueSelector, tcflush};
 

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use palpate_rt::device::Vector;
+use palpate_device::Vector;
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::device::Device as _;
 use palpate_testbed::hand::{Hand, Intention};

@@ -1,6 +1,6 @@
 //! Frames as the service writes them. Written apart from the parser, which is tested on them.
 
-use palpate_rt::device::Vector;
+use palpate_device::Vector;
 use serde_json::{Map, Value, json};
 
 use super::device::Device;

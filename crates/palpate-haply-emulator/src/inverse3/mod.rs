@@ -21,7 +21,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use palpate_rt::device::Vector;
+use palpate_device::Vector;
 use palpate_testbed::InvalidParameter;
 use serde_json::json;
 

@@ -7,7 +7,7 @@ use std::sync::atomic::Ordering;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use palpate_rt::device::Vector;
+use palpate_device::Vector;
 use serde_json::{Value, json};
 use tungstenite::{Message, WebSocket};
 

@@ -1,6 +1,6 @@
 //! What is sent to the service: one device's force, or the wish to know where it is.
 
-use palpate_rt::device::Vector;
+use palpate_device::Vector;
 use serde_json::{Value, json};
 
 /// Which form of the interface is spoken.

@@ -5,7 +5,7 @@
 
 use std::fmt;
 
-use palpate_rt::device::Vector;
+use palpate_device::Vector;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
 

@@ -2,8 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use palpate_rt::clock::Clock;
-use palpate_rt::device::{
+use palpate_device::clock::Clock;
+use palpate_device::{
     Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector, ZeroWriter,
 };
 

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use palpate_rt::clock::MonotonicClock;
+use palpate_device::clock::MonotonicClock;
 
 use super::super::packet::STATE_LENGTH;
 use super::super::serial::Serial;

@@ -26,7 +26,7 @@ impl<C> TwoDiy<C> {
     /// [`serve`](palpate_rt::guardian::serve). It commands no torque as soon as this program is gone,
     /// and when the driver has sent nothing for `limit` while a torque is on. It ends when the device
     /// is closed. If it ends before that, the device commands no torque any more and says
-    /// [`Refused`](palpate_rt::device::DeviceErrorKind::Refused).
+    /// [`Refused`](palpate_device::DeviceErrorKind::Refused).
     ///
     /// What the guardian has done is counted in `account`.
     ///

@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
+use palpate_device::clock::Clock;
+use palpate_device::{DeviceError, DeviceErrorKind};
 use palpate_rt::StopFlag;
-use palpate_rt::clock::Clock;
-use palpate_rt::device::{DeviceError, DeviceErrorKind};
 
 use super::driver::TwoDiy;
 

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use palpate_rt::clock::Clock;
-use palpate_rt::device::{Capabilities, DeviceError};
+use palpate_device::clock::Clock;
+use palpate_device::{Capabilities, DeviceError};
 use rustix::io::Errno;
 
 use super::board::{Board, LARGEST_TORQUE};
@@ -45,7 +45,7 @@ pub struct Options {
     pub board: Option<Board>,
     /// What to take it for where the answer does not tell.
     pub usual_board: Board,
-    /// How long a [`read`](palpate_rt::device::Device::read) waits for the board. Half a period
+    /// How long a [`read`](palpate_device::Device::read) waits for the board. Half a period
     /// leaves room for the rest of a tick.
     pub patience: Duration,
     /// Its name in reports.

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
+use palpate_device::clock::MonotonicClock;
+use palpate_device::{Device, DeviceErrorKind};
 use palpate_haply::inverse3::{Counts, Form, Inverse3, Inverse3Options, Pace};
 use palpate_haply_emulator::inverse3::{Emulator, Fault};
-use palpate_rt::clock::MonotonicClock;
-use palpate_rt::device::{Device, DeviceErrorKind};
 use serde_json::json;
 use tungstenite::Message;
 

@@ -14,10 +14,10 @@ mod wall;
 
 use std::time::{Duration, Instant};
 
+use palpate_device::clock::MonotonicClock;
+use palpate_device::{Device, DeviceError, DeviceErrorKind, Reading};
 use palpate_haply::inverse3::{Form, Inverse3, Inverse3Options};
 use palpate_haply_emulator::inverse3::{Emulator, EmulatorOptions};
-use palpate_rt::clock::MonotonicClock;
-use palpate_rt::device::{Device, DeviceError, DeviceErrorKind, Reading};
 
 /// The only device of most emulators.
 pub(crate) const ID: &str = "049D";

@@ -3,9 +3,9 @@
 use std::io::Write;
 use std::net::{Ipv6Addr, TcpListener};
 
+use palpate_device::clock::MonotonicClock;
 use palpate_haply::inverse3::{Form, Found, Inverse3, Inverse3Options, Unfit, devices};
 use palpate_haply_emulator::inverse3::{Body, Emulator, EmulatorOptions};
-use palpate_rt::clock::MonotonicClock;
 
 use crate::{ID, emulator, ms, options, wait_until};
 
@@ -83,7 +83,7 @@ fn of_several_devices_one_has_to_be_chosen() {
     );
     asked.device_id = Some("04BA".into());
     let mut device = Inverse3::open(&asked, MonotonicClock::new()).unwrap();
-    palpate_rt::device::Device::write(&mut device, [1.0, 0.0, 0.0]).unwrap();
+    palpate_device::Device::write(&mut device, [1.0, 0.0, 0.0]).unwrap();
     wait_until("the force", || {
         emulator.force("04BA") == Some([1.0, 0.0, 0.0])
     });

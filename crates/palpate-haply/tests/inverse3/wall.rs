@@ -3,10 +3,10 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use palpate_device::Device;
+use palpate_device::clock::MonotonicClock;
 use palpate_haply::inverse3::{Form, Inspector, Inverse3};
 use palpate_haply_emulator::inverse3::{Body, Emulator, EmulatorOptions, Fault, Latency, holding};
-use palpate_rt::clock::MonotonicClock;
-use palpate_rt::device::Device;
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::{SafetyParams, Trip};
 use palpate_rt::{

@@ -1,6 +1,6 @@
+use palpate_device::clock::Clock;
+use palpate_device::{Capabilities, DeviceError, Reading, Vector, ZeroWriter};
 use palpate_rt::StopFlag;
-use palpate_rt::clock::Clock;
-use palpate_rt::device::{Capabilities, DeviceError, Reading, Vector, ZeroWriter};
 use palpate_rt::realtime::Request;
 use palpate_rt::{Ending, LoopThread};
 

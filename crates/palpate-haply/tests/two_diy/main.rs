@@ -14,10 +14,10 @@ use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use palpate::{AnyParams, Contact, LoopParams, ObjectState, Placement};
+use palpate_device::Device;
+use palpate_device::clock::MonotonicClock;
 use palpate_haply::two_diy::{Board, Calibration, Generation, OpenError, Options, TwoDiy};
 use palpate_haply_emulator::two_diy::{Did, Emulator, Hand, Seen, Settings};
-use palpate_rt::clock::MonotonicClock;
-use palpate_rt::device::Device;
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, Rendering};
 

@@ -30,7 +30,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
-use crate::clock::{Clock, MonotonicClock};
+use palpate_device::clock::{Clock, MonotonicClock};
 
 pub use process::serve;
 pub use watch::{Outcome, Watch};

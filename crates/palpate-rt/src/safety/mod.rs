@@ -15,8 +15,8 @@ pub use params::{SafetyError, SafetyParams};
 pub use supervisor::{Heartbeat, Supervisor};
 pub use trip::Trip;
 
-use crate::device::Vector;
 use oscillation::Oscillation;
+use palpate_device::Vector;
 
 /// Limits that changed a force on its way to the device.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

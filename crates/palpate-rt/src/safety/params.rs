@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use crate::device::{Capabilities, Vector};
 use crate::safety::OscillationParams;
+use palpate_device::{Capabilities, Vector};
 
 /// Limits of what may reach a device. The default lets through what a desktop device can do;
 /// [`for_device`](Self::for_device) fits it to one.

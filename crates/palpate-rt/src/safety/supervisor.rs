@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
-use crate::clock::Clock;
-use crate::device::ZeroWriter;
+use palpate_device::ZeroWriter;
+use palpate_device::clock::Clock;
 
 /// What loop and supervisor tell each other, without ever waiting.
 #[derive(Debug, Default)]

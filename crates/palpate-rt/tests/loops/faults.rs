@@ -3,9 +3,9 @@
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
+use palpate_device::clock::{Clock, SteppedClock};
+use palpate_device::{DeviceErrorKind, Step};
 use palpate_io::recording::Flags;
-use palpate_rt::clock::{Clock, SteppedClock};
-use palpate_rt::device::{DeviceErrorKind, Step};
 use palpate_rt::safety::{SafetyParams, Trip};
 use palpate_rt::{Listener, Note, StopFlag, Told, tap};
 use palpate_scene::method::MethodName;

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
-use palpate_rt::clock::{Clock, SteppedClock};
-use palpate_rt::device::{
+use palpate_device::clock::{Clock, SteppedClock};
+use palpate_device::{
     Capabilities, Device, DeviceError, DeviceErrorKind, NullDevice, Reading, Step, Vector,
 };
 use palpate_rt::safety::{SafetyParams, Trip};

@@ -12,12 +12,13 @@ mod time;
 
 use std::path::Path;
 
-use palpate_rt::clock::SteppedClock;
-use palpate_rt::device::{ScriptedDevice, SimulatedDevice, Step};
+use palpate_device::clock::SteppedClock;
+use palpate_device::{ScriptedDevice, Step};
 use palpate_rt::safety::{OscillationParams, SafetyParams};
 use palpate_rt::{ControlLoop, Rendering};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile, beside};
+use palpate_sim::device::SimulatedDevice;
 
 /// A scene of `experiments/`.
 pub(crate) fn scene(name: &str) -> Scene {

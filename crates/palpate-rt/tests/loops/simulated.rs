@@ -2,10 +2,11 @@
 
 use std::time::Duration;
 
-use palpate_rt::clock::SteppedClock;
-use palpate_rt::device::{Device, SimulatedDevice};
+use palpate_device::Device;
+use palpate_device::clock::SteppedClock;
 use palpate_scene::method::MethodName;
 use palpate_sim::closed_loop::Bench;
+use palpate_sim::device::SimulatedDevice;
 
 use crate::{scene, simulated, wide};
 

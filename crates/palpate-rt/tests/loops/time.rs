@@ -4,8 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-use palpate_rt::clock::{Clock, SteppedClock};
-use palpate_rt::device::{Capabilities, Device, DeviceError, NullDevice, Reading, Vector};
+use palpate_device::clock::{Clock, SteppedClock};
+use palpate_device::{Capabilities, Device, DeviceError, NullDevice, Reading, Vector};
 use palpate_rt::safety::Trip;
 use palpate_rt::{ControlLoop, Ending, Note, Rendering, StopFlag, Told, tap};
 use palpate_scene::method::MethodName;

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use palpate::Placement;
+use palpate_device::Capabilities;
+use palpate_device::clock::MonotonicClock;
 use palpate_io::recording::{Flags, Tick};
-use palpate_rt::clock::MonotonicClock;
-use palpate_rt::device::Capabilities;
 use palpate_rt::realtime::{Answer, Request};
 use palpate_rt::safety::{SafetyParams, Trip};
 use palpate_rt::{

@@ -12,8 +12,8 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
+use palpate_device::Capabilities;
 use palpate_io::atomic::WriteError;
-use palpate_rt::device::Capabilities;
 use palpate_rt::realtime::Answer;
 use palpate_rt::{Account, Ending as LoopEnding, Note, StopFlag};
 use palpate_scene::Scene;

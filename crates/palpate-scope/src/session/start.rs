@@ -7,14 +7,15 @@ use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 
 use palpate::{Placement, Side};
+use palpate_device::clock::MonotonicClock;
+use palpate_device::{Capabilities, Device};
 use palpate_io::recording::Receipt;
-use palpate_rt::clock::MonotonicClock;
-use palpate_rt::device::{Capabilities, Device, PointerHand};
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{Rendering, SetupError, StopFlag};
 use palpate_scene::Scene;
 use palpate_scene::method::MethodName;
+use palpate_sim::device::PointerHand;
 
 use super::lane::{Lane, Run};
 use super::recording::{Ending, LaneRecording};

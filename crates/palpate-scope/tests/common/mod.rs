@@ -9,18 +9,16 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use palpate::Placement;
+use palpate_device::clock::MonotonicClock;
+use palpate_device::{Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector};
 use palpate_io::recording::Receipt;
 use palpate_rt::StopFlag;
-use palpate_rt::clock::MonotonicClock;
-use palpate_rt::device::{
-    Capabilities, Device, DeviceError, DeviceErrorKind, PointerDevice, PointerHand, PointerParams,
-    Reading, Vector,
-};
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile};
 use palpate_scope::{Devices, Listening, Placed, Server, Session, SessionError, Setup};
+use palpate_sim::device::{PointerDevice, PointerHand, PointerParams};
 use serde_json::Value;
 use tungstenite::client::IntoClientRequest;
 use tungstenite::{Message, WebSocket};

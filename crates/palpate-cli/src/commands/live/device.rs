@@ -1,9 +1,9 @@
 //! Devices of a live session.
 
-use palpate_rt::clock::MonotonicClock;
-use palpate_rt::device::{PointerDevice, PointerHand, PointerParams};
+use palpate_device::clock::MonotonicClock;
 use palpate_scene::Scene;
 use palpate_scope::{Devices, Placed};
+use palpate_sim::device::{PointerDevice, PointerHand, PointerParams};
 
 use crate::devices::guarding::Guarding;
 use crate::devices::{DeviceArguments, DeviceName, Opened, open};

@@ -6,7 +6,7 @@ mod device;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use palpate_rt::clock::MonotonicClock;
+use palpate_device::clock::MonotonicClock;
 use palpate_rt::{Rendering, SetupError, StopFlag};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile, Timing};

@@ -9,8 +9,8 @@ pub mod scene_text;
 use std::path::Path;
 use std::time::Duration;
 
-use palpate_rt::clock::{Clock, MonotonicClock, SteppedClock};
-use palpate_rt::device::{Capabilities, Device};
+use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
+use palpate_device::{Capabilities, Device};
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, LoopThread, Recorder, Rendering, SetupError, StopFlag};

@@ -1,8 +1,8 @@
 //! What became of a loop, as an exit code.
 
+use palpate_device::Device;
+use palpate_device::clock::Clock;
 use palpate_io::recording::Recording;
-use palpate_rt::clock::Clock;
-use palpate_rt::device::Device;
 use palpate_rt::safety::Trip;
 use palpate_rt::{Ending, LoopEnd};
 

@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
+use palpate_device::{Capabilities, Vector};
 use palpate_io::recording::Receipt;
-use palpate_rt::device::{Capabilities, Vector};
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
 

@@ -4,9 +4,9 @@ use std::fmt;
 use std::time::Duration;
 
 use comfy_table::CellAlignment;
+use palpate_device::clock::Clock;
+use palpate_device::{Capabilities, Device};
 use palpate_io::recording::{Event, Recording};
-use palpate_rt::clock::Clock;
-use palpate_rt::device::{Capabilities, Device};
 use palpate_rt::realtime::Answer;
 use palpate_rt::{Account, Durations, LoopEnd, LoopStatistics};
 use palpate_scene::Scene;

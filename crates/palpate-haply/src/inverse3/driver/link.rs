@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use palpate_rt::device::{DeviceError, DeviceErrorKind, Vector};
+use palpate_device::{DeviceError, DeviceErrorKind, Vector};
 
 use super::super::fitness::Unfit;
 

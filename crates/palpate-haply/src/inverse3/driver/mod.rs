@@ -12,8 +12,8 @@ use std::sync::Arc;
 use std::thread::{JoinHandle, Thread};
 use std::time::Duration;
 
-use palpate_rt::clock::Clock;
-use palpate_rt::device::{
+use palpate_device::clock::Clock;
+use palpate_device::{
     Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector, ZeroWriter,
 };
 use triple_buffer::{Input, Output};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::thread::{self, Builder};
 use std::time::{Duration, Instant};
 
-use palpate_rt::clock::Clock;
+use palpate_device::clock::Clock;
 use palpate_rt::realtime::Request;
 use tungstenite::{Message, WebSocket};
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::thread::Thread;
 use std::time::{Duration, Instant};
 
-use palpate_rt::clock::Clock;
+use palpate_device::clock::Clock;
 use triple_buffer::Input;
 use tungstenite::{Error, Message, WebSocket};
 

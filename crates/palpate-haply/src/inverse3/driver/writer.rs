@@ -6,8 +6,8 @@ use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use palpate_rt::clock::Clock;
-use palpate_rt::device::Vector;
+use palpate_device::Vector;
+use palpate_device::clock::Clock;
 use triple_buffer::Output;
 use tungstenite::{Message, WebSocket};
 

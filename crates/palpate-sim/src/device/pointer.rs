@@ -23,9 +23,8 @@ use palpate_testbed::hand::Hand;
 use palpate_testbed::held_mass::HeldMass;
 use palpate_testbed::measure::Sampler;
 
-use super::cut::Cut;
-use super::{Capabilities, Device, DeviceError, Reading, Vector, ZeroWriter};
-use crate::clock::Clock;
+use palpate_device::clock::Clock;
+use palpate_device::{Capabilities, Cut, Device, DeviceError, Reading, Vector, ZeroWriter};
 
 /// What a pointer's device is, and the hand that holds it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! A pointer's device against closed forms, and what it takes over from its hand.
 
 use super::*;
-use crate::clock::SteppedClock;
+use palpate_device::clock::SteppedClock;
 
 const MS: Duration = Duration::from_millis(1);
 

@@ -23,8 +23,8 @@ pub struct Capabilities {
     /// Quantum of the position `[m]`; 0 for a sensor without one.
     pub encoder_quantum: Option<f64>,
     /// Whether the device holds the last force that it was commanded for as long as nobody commands
-    /// another one. If the program that commanded it is killed, only a
-    /// [guardian](crate::guardian) can take the force off.
+    /// another one. If the program that commanded it is killed, only another process can take the
+    /// force off: the guardian of `palpate-rt`.
     pub holds_last_force: bool,
 }
 

@@ -1,22 +1,34 @@
-//! Devices: what gives positions and takes forces.
+//! What gives positions and takes forces: the [`Device`] trait, which a driver implements, and the
+//! [clocks](clock) that a loop can run on.
+//!
+//! A driver needs this crate alone. [`NullDevice`], [`ScriptedDevice`] and [`ReplayDevice`] stand in
+//! for a device in tests; `palpate-sim` has simulated ones.
+
+// What the loop calls does not panic, and prints nothing: what may stands in set-up only.
+#![warn(
+    clippy::expect_used,
+    clippy::indexing_slicing,
+    clippy::panic,
+    clippy::print_stderr,
+    clippy::unreachable,
+    clippy::unwrap_used
+)]
 
 mod capabilities;
+pub mod clock;
 mod cut;
 mod null;
-mod pointer;
 mod replay;
 mod scripted;
-mod simulated;
 
 use std::fmt;
 use std::time::Duration;
 
 pub use capabilities::Capabilities;
+pub use cut::Cut;
 pub use null::NullDevice;
-pub use pointer::{PointerDevice, PointerHand, PointerParams};
 pub use replay::ReplayDevice;
 pub use scripted::{Script, ScriptedDevice, Step};
-pub use simulated::SimulatedDevice;
 
 /// A position `[m]` or a force `[N]` in the device's frame. A device with fewer than three axes
 /// uses the first ones and leaves the others at 0.

@@ -2,13 +2,12 @@
 
 use std::time::Duration;
 
+use crate::VirtualDevice;
 use palpate_scene::Scene;
-use palpate_sim::VirtualDevice;
 use palpate_testbed::InvalidParameter;
 
-use super::cut::Cut;
-use super::{Capabilities, Device, DeviceError, Reading, Vector, ZeroWriter};
-use crate::clock::Clock;
+use palpate_device::clock::Clock;
+use palpate_device::{Capabilities, Cut, Device, DeviceError, Reading, Vector, ZeroWriter};
 
 /// A virtual device with its hand, moved by the time that passes on the loop's clock: between two
 /// calls it moves under the force that was written last. Its one axis is the contact's.
