@@ -93,6 +93,11 @@ impl Flags {
         }
     }
 
+    /// Whether a setting was given whose faults are told in terms of flags.
+    pub fn explain_settings(&self) -> bool {
+        self.damping.is_some() || self.prediction.is_some() || self.longest_window.is_some()
+    }
+
     /// Refuses a setting that one of the methods has no use for.
     pub fn check_settings(&self, methods: &[MethodName]) -> Result<(), Failure> {
         let settings = self.settings();
@@ -386,8 +391,8 @@ pub fn wrong_setup(error: &SetupError) -> Failure {
         }
         SetupError::Settings(SettingsError::NoWindow(method, predictor)) => {
             Failure::Arguments(format!(
-                "--longest-window is for --prediction first-order-adaptive-window, but that of {method} is \
-                 {}",
+                "--longest-window, or longest_window_s of a scene, is for --prediction \
+                 first-order-adaptive-window, but the prediction of {method} is {}",
                 predictor.name()
             ))
         }
