@@ -53,7 +53,7 @@ fn the_counter_counts() {
 fn a_renderer_is_made_started_and_stepped_without_allocating() {
     let methods = [
         AnyParams::Basic,
-        AnyParams::VirtualDamper(VirtualDamperParams { damping: 0.5 }),
+        AnyParams::VirtualDamper(VirtualDamperParams::new(0.5)),
         AnyParams::Seh(SehParams::default()),
         AnyParams::Popc(PopcParams::new(6.0)),
         AnyParams::PopcRef(PopcRefParams::new(6.0)),

@@ -17,7 +17,7 @@ use crate::failure::{Failure, tell};
 use crate::report::{Subject, parameters_of, timing_of};
 
 /// Flag of a parameter, by the name that parameter errors use.
-const FLAG_OF: [(&str, &str); 22] = [
+const FLAG_OF: [(&str, &str); 23] = [
     ("stiffness", "--stiffness"),
     ("object_mass", "--mass"),
     ("virtual force", "--force"),
@@ -35,6 +35,7 @@ const FLAG_OF: [(&str, &str); 22] = [
     ("damping_cap", "--damping-cap"),
     ("speed_threshold", "--speed-threshold"),
     ("initial_energy", "--initial-energy"),
+    ("longest_window", "--longest-window"),
     ("device_mass", "--device-mass"),
     ("told device_mass", "--told-device-mass"),
     ("delay_fraction", "--delay-fraction"),
@@ -84,9 +85,17 @@ impl Flags {
             initial_energy: self.initial_energy,
             estimate: self.estimate,
             prediction: self.prediction,
+            longest_window: self.longest_window,
+            damper_object: self.damper_object,
+            entry_hold: self.entry_hold,
             placement: self.no_placement.then_some(false),
             correction: self.no_correction.then_some(false),
         }
+    }
+
+    /// Whether a setting was given whose faults are told in terms of flags.
+    pub fn explain_settings(&self) -> bool {
+        self.damping.is_some() || self.prediction.is_some() || self.longest_window.is_some()
     }
 
     /// Refuses a setting that one of the methods has no use for.
@@ -295,6 +304,7 @@ impl Flags {
             ("damping_cap", self.damping_cap.is_some()),
             ("speed_threshold", self.speed_threshold.is_some()),
             ("initial_energy", self.initial_energy.is_some()),
+            ("longest_window", self.longest_window.is_some()),
             ("device_mass", self.device_mass.is_some()),
             ("told device_mass", self.told_device_mass.is_some()),
         ]
@@ -371,12 +381,19 @@ pub fn wrong_setup(error: &SetupError) -> Failure {
         SetupError::Settings(SettingsError::NoPushedMass(method)) => {
             let without = match method {
                 MethodName::Coupled => "--method hfcr",
-                _ => "--prediction constant-velocity",
+                _ => "--prediction last-step",
             };
             Failure::Arguments(format!(
                 "{method} needs --device-mass <kg>: what your device weighs where it is held, above 0 \
                  and right within a factor of 2; or --scene <SCENE.toml>, whose device has a mass; \
                  or {without}, which needs none"
+            ))
+        }
+        SetupError::Settings(SettingsError::NoWindow(method, predictor)) => {
+            Failure::Arguments(format!(
+                "--longest-window, or longest_window_s of a scene, is for --prediction \
+                 first-order-adaptive-window, but the prediction of {method} is {}",
+                predictor.name()
             ))
         }
         SetupError::Settings(other) => Failure::Arguments(format!("--damping auto: {other}")),
@@ -391,6 +408,9 @@ pub fn flag_of_setting(setting: Setting) -> &'static str {
         Setting::InitialEnergy => "--initial-energy",
         Setting::Estimate => "--estimate",
         Setting::Prediction => "--prediction",
+        Setting::LongestWindow => "--longest-window",
+        Setting::DamperObject => "--damper-object",
+        Setting::EntryHold => "--entry-hold",
         Setting::Placement => "--no-placement",
         Setting::Correction => "--no-correction",
     }

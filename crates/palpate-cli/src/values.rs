@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::Duration;
 
-use palpate::{SehEstimate, Side};
+use palpate::{DamperObject, EntryHold, SehEstimate, Side};
 use palpate_io::unit::LengthUnit;
 use palpate_scene::GuardMode;
 use palpate_scene::method::{Damping, MethodName, Predictor};
@@ -205,10 +205,36 @@ pub fn estimate(text: &str) -> Result<SehEstimate, String> {
 
 /// A way to predict the device.
 pub fn predictor(text: &str) -> Result<Predictor, String> {
+    if text == "constant-velocity" {
+        // Its name of before there were others at constant velocity.
+        return Ok(Predictor::LastStep);
+    }
+    Predictor::ALL
+        .into_iter()
+        .find(|predictor| predictor.name() == text)
+        .ok_or_else(|| {
+            let [others @ .., last] = Predictor::ALL.map(Predictor::name);
+            format!("the predictions are {} and {last}", others.join(", "))
+        })
+}
+
+/// What moves the object of the virtual damper.
+pub fn damper_object(text: &str) -> Result<DamperObject, String> {
     match text {
-        "constant-velocity" => Ok(Predictor::ConstantVelocity),
-        "observer" => Ok(Predictor::Observer),
-        _ => Err("the predictions are constant-velocity and observer".into()),
+        "spring-and-damper" => Ok(DamperObject::SpringAndDamper),
+        "spring" => Ok(DamperObject::Spring),
+        "held-force" => Ok(DamperObject::HeldForce),
+        _ => Err("the choices are spring-and-damper, spring and held-force".into()),
+    }
+}
+
+/// Where HFCR holds the device after an entry.
+pub fn entry_hold(text: &str) -> Result<EntryHold, String> {
+    match text {
+        "crossing" => Ok(EntryHold::Crossing),
+        "sample" => Ok(EntryHold::Sample),
+        "midpoint" => Ok(EntryHold::Midpoint),
+        _ => Err("the choices are crossing, sample and midpoint".into()),
     }
 }
 

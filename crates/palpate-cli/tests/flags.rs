@@ -7,7 +7,7 @@ use common::{
 };
 
 /// Each flag, a value that is not allowed, and what is said of it.
-const WRONG: [(&str, &str, &str); 53] = [
+const WRONG: [(&str, &str, &str); 57] = [
     ("--stiffness", "0", "0 N/m"),
     ("--stiffness", "-400", "-400 N/m"),
     ("--stiffness", "nan", "NaN N/m"),
@@ -56,7 +56,19 @@ const WRONG: [(&str, &str, &str); 53] = [
     ("--initial-energy", "-1", "-1 J"),
     ("--initial-energy", "inf", "inf J"),
     ("--estimate", "ab4", "ab2, differences and ab3"),
-    ("--prediction", "spline", "constant-velocity and observer"),
+    (
+        "--prediction",
+        "spline",
+        "last-step, first-order-adaptive-window, extrapolation and observer",
+    ),
+    (
+        "--damper-object",
+        "both",
+        "spring-and-damper, spring and held-force",
+    ),
+    ("--entry-hold", "end", "crossing, sample and midpoint"),
+    ("--longest-window", "0", "0 s"),
+    ("--longest-window", "inf", "inf s"),
     ("--device-mass", "0", "0 kg"),
     ("--device-mass", "inf", "inf kg"),
     ("--encoder-quantum", "-1e-6", "-0.000001 m"),
@@ -97,7 +109,8 @@ fn method_for(flag: &str) -> Option<&'static str> {
     match flag {
         "--damping-cap" | "--speed-threshold" | "--initial-energy" => Some("popc"),
         "--estimate" => Some("seh"),
-        "--damping" | "--prediction" => Some("hfcr"),
+        "--damping" | "--prediction" | "--entry-hold" | "--longest-window" => Some("hfcr"),
+        "--damper-object" => Some("virtual-damper"),
         _ => None,
     }
 }
@@ -108,6 +121,9 @@ fn a_wrong_value_is_named_with_its_flag_and_what_is_allowed_on_every_command() {
     for (flag, value, said) in WRONG {
         let mut flags = vec![(flag, value)];
         flags.extend(method_for(flag).map(|method| ("--method", method)));
+        if flag == "--longest-window" {
+            flags.push(("--prediction", "first-order-adaptive-window"));
+        }
         for command in commands(&flags) {
             folder.fail(
                 &command,
@@ -143,13 +159,15 @@ fn a_flag_without_its_value_is_an_error() {
 
 #[test]
 fn a_setting_is_refused_by_every_method_that_cannot_use_it() {
-    let settings: [(&str, &str, &[&str]); 8] = [
+    let settings: [(&str, &str, &[&str]); 10] = [
         ("--damping", "0.5", &["virtual-damper", "hfcr"]),
         ("--damping-cap", "2", &["popc", "popc-ref"]),
         ("--speed-threshold", "0.001", &["popc", "popc-ref"]),
         ("--initial-energy", "0.1", &["popc"]),
         ("--estimate", "ab3", &["seh"]),
-        ("--prediction", "observer", &["hfcr"]),
+        ("--prediction", "observer", &["virtual-damper", "hfcr"]),
+        ("--damper-object", "spring", &["virtual-damper"]),
+        ("--entry-hold", "sample", &["hfcr-mod-st", "hfcr"]),
         ("--no-placement", "", &["coupled"]),
         ("--no-correction", "", &["coupled"]),
     ];

@@ -5,7 +5,8 @@ use std::io;
 use std::ops::Range;
 
 use palpate::{
-    Contact, Guard, GuardParams, LoopParams, ObjectState, ParameterError, SehEstimate, Side,
+    Contact, DamperObject, EntryHold, Guard, GuardParams, LoopParams, ObjectState, ParameterError,
+    SehEstimate, Side,
 };
 use serde::Deserialize;
 use toml::Spanned;
@@ -136,6 +137,9 @@ pub(crate) struct RawSettings {
     initial_energy_j: Option<f64>,
     estimate: Option<SehEstimate>,
     prediction: Option<Predictor>,
+    longest_window_s: Option<f64>,
+    damper_object: Option<DamperObject>,
+    entry_hold: Option<EntryHold>,
     placement: Option<bool>,
     correction: Option<bool>,
 }
@@ -149,6 +153,9 @@ impl From<RawSettings> for Settings {
             initial_energy: raw.initial_energy_j,
             estimate: raw.estimate,
             prediction: raw.prediction,
+            longest_window: raw.longest_window_s,
+            damper_object: raw.damper_object,
+            entry_hold: raw.entry_hold,
             placement: raw.placement,
             correction: raw.correction,
         }

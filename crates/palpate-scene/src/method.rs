@@ -4,8 +4,9 @@ use std::fmt;
 use std::str::FromStr;
 
 use palpate::{
-    AnyMethod, AnyParams, AnyRenderer, CoupledParams, HfcrParams, LeakDissipation, Mass,
-    PopcParams, PopcRefParams, Prediction, SehEstimate, SehParams, VirtualDamperParams,
+    AnyMethod, AnyParams, AnyRenderer, CoupledParams, DamperObject, EntryHold, HfcrParams,
+    LeakDissipation, Mass, PopcParams, PopcRefParams, Prediction, SehEstimate, SehParams,
+    VirtualDamperParams,
 };
 use serde::Deserialize;
 
@@ -88,7 +89,11 @@ impl MethodName {
             }
             Setting::InitialEnergy => self == Self::Popc,
             Setting::Estimate => self == Self::Seh,
-            Setting::Prediction => self == Self::Hfcr,
+            Setting::Prediction | Setting::LongestWindow => {
+                matches!(self, Self::VirtualDamper | Self::Hfcr)
+            }
+            Setting::DamperObject => self == Self::VirtualDamper,
+            Setting::EntryHold => matches!(self, Self::HfcrModSt | Self::Hfcr),
             Setting::Placement | Setting::Correction => self == Self::Coupled,
         }
     }
@@ -150,8 +155,14 @@ pub enum Setting {
     InitialEnergy,
     /// Member of the SEH family.
     Estimate,
-    /// How HFCR predicts the device.
+    /// How the virtual damper and HFCR predict the device.
     Prediction,
+    /// Longest window of a prediction that has one.
+    LongestWindow,
+    /// What moves the object of the virtual damper.
+    DamperObject,
+    /// Where HFCR holds the device after an entry.
+    EntryHold,
     /// Whether coupled rendering places the object.
     Placement,
     /// Whether coupled rendering predicts an interval anew when it has ended.
@@ -160,13 +171,16 @@ pub enum Setting {
 
 impl Setting {
     /// Every setting.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 11] = [
         Self::Damping,
         Self::DampingCap,
         Self::SpeedThreshold,
         Self::InitialEnergy,
         Self::Estimate,
         Self::Prediction,
+        Self::LongestWindow,
+        Self::DamperObject,
+        Self::EntryHold,
         Self::Placement,
         Self::Correction,
     ];
@@ -180,6 +194,9 @@ impl Setting {
             Self::InitialEnergy => "initial_energy_j",
             Self::Estimate => "estimate",
             Self::Prediction => "prediction",
+            Self::LongestWindow => "longest_window_s",
+            Self::DamperObject => "damper_object",
+            Self::EntryHold => "entry_hold",
             Self::Placement => "placement",
             Self::Correction => "correction",
         }
@@ -220,23 +237,58 @@ pub struct Settings {
     pub initial_energy: Option<f64>,
     /// Member of the SEH family; default AB2.
     pub estimate: Option<SehEstimate>,
-    /// How HFCR predicts the device; default constant velocity.
+    /// How the virtual damper and HFCR predict the device; default by its last step.
     pub prediction: Option<Predictor>,
+    /// Longest window of first-order adaptive windowing `[s]`; default 15 periods.
+    pub longest_window: Option<f64>,
+    /// What moves the object of the virtual damper; default spring and damper.
+    pub damper_object: Option<DamperObject>,
+    /// Where HFCR holds the device after an entry; default at the crossing.
+    pub entry_hold: Option<EntryHold>,
     /// Whether coupled rendering places the object; default yes.
     pub placement: Option<bool>,
     /// Whether coupled rendering predicts an interval anew when it has ended; default yes.
     pub correction: Option<bool>,
 }
 
-/// How HFCR predicts the device.
+/// How the virtual damper and HFCR predict the device: a [`Prediction`] without what it is derived
+/// from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Predictor {
     /// At the velocity of its last step, as in the paper.
-    ConstantVelocity,
+    #[serde(alias = "constant-velocity")]
+    LastStep,
+    /// At the velocity of first-order adaptive windowing, whose noise bound is the sensor's quantum.
+    FirstOrderAdaptiveWindow,
+    /// At constant acceleration, through the last three samples.
+    Extrapolation,
     /// By the observer of coupled rendering.
     Observer,
 }
+
+impl Predictor {
+    /// Every choice.
+    pub const ALL: [Self; 4] = [
+        Self::LastStep,
+        Self::FirstOrderAdaptiveWindow,
+        Self::Extrapolation,
+        Self::Observer,
+    ];
+
+    /// The name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::LastStep => "last-step",
+            Self::FirstOrderAdaptiveWindow => "first-order-adaptive-window",
+            Self::Extrapolation => "extrapolation",
+            Self::Observer => "observer",
+        }
+    }
+}
+
+/// Periods in the longest window of first-order adaptive windowing where nothing is said.
+const PERIODS_OF_WINDOW: f64 = 15.0;
 
 impl Settings {
     /// Whether a value was given for `setting`.
@@ -248,6 +300,9 @@ impl Settings {
             Setting::InitialEnergy => self.initial_energy.is_some(),
             Setting::Estimate => self.estimate.is_some(),
             Setting::Prediction => self.prediction.is_some(),
+            Setting::LongestWindow => self.longest_window.is_some(),
+            Setting::DamperObject => self.damper_object.is_some(),
+            Setting::EntryHold => self.entry_hold.is_some(),
             Setting::Placement => self.placement.is_some(),
             Setting::Correction => self.correction.is_some(),
         }
@@ -262,6 +317,9 @@ impl Settings {
             initial_energy: self.initial_energy.or(others.initial_energy),
             estimate: self.estimate.or(others.estimate),
             prediction: self.prediction.or(others.prediction),
+            longest_window: self.longest_window.or(others.longest_window),
+            damper_object: self.damper_object.or(others.damper_object),
+            entry_hold: self.entry_hold.or(others.entry_hold),
             placement: self.placement.or(others.placement),
             correction: self.correction.or(others.correction),
         }
@@ -316,6 +374,12 @@ pub enum SettingsError {
     /// A method that predicts the device, without the device's mass.
     #[error("{0} needs the device's effective mass, within a factor of 2")]
     NoPushedMass(MethodName),
+    /// A longest window for a prediction that has no window.
+    #[error(
+        "longest_window_s is for prediction first-order-adaptive-window, but that of {0} is {name}",
+        name = .1.name()
+    )]
+    NoWindow(MethodName, Predictor),
 }
 
 impl MethodName {
@@ -346,6 +410,8 @@ impl MethodName {
         Ok(match self {
             Self::Basic => AnyParams::Basic,
             Self::VirtualDamper => AnyParams::VirtualDamper(VirtualDamperParams {
+                object: settings.damper_object.unwrap_or_default(),
+                prediction: self.prediction(settings, basis)?,
                 damping: match settings.damping {
                     None => 0.5 * impedance,
                     Some(Damping::Value(damping)) => damping,
@@ -371,7 +437,10 @@ impl MethodName {
                 })
             }
             Self::HfcrMod => AnyParams::Hfcr(HfcrParams::modified_force_only()),
-            Self::HfcrModSt => AnyParams::Hfcr(HfcrParams::default()),
+            Self::HfcrModSt => AnyParams::Hfcr(HfcrParams {
+                entry_hold: settings.entry_hold.unwrap_or_default(),
+                ..HfcrParams::default()
+            }),
             Self::Hfcr => AnyParams::Hfcr(HfcrParams {
                 leak_dissipation: match settings.damping {
                     None => LeakDissipation::Off,
@@ -380,13 +449,8 @@ impl MethodName {
                         device_mass: basis.device_mass.ok_or(SettingsError::NoDeviceMass)?,
                     },
                 },
-                prediction: match settings.prediction {
-                    None | Some(Predictor::ConstantVelocity) => Prediction::ConstantVelocity,
-                    Some(Predictor::Observer) => Prediction::Observer {
-                        device_mass: basis.pushed_mass(self)?,
-                        encoder_quantum: basis.encoder_quantum,
-                    },
-                },
+                prediction: self.prediction(settings, basis)?,
+                entry_hold: settings.entry_hold.unwrap_or_default(),
                 ..HfcrParams::default()
             }),
             Self::Coupled => AnyParams::Coupled(CoupledParams {
@@ -395,6 +459,34 @@ impl MethodName {
                 placement: settings.placement.unwrap_or(true),
                 correction: settings.correction.unwrap_or(true),
             }),
+        })
+    }
+}
+
+impl MethodName {
+    /// How this method predicts the device.
+    fn prediction(
+        self,
+        settings: &Settings,
+        basis: &Basis,
+    ) -> Result<Prediction<f64>, SettingsError> {
+        let predictor = settings.prediction.unwrap_or(Predictor::LastStep);
+        if settings.longest_window.is_some() && predictor != Predictor::FirstOrderAdaptiveWindow {
+            return Err(SettingsError::NoWindow(self, predictor));
+        }
+        Ok(match predictor {
+            Predictor::LastStep => Prediction::LastStep,
+            Predictor::FirstOrderAdaptiveWindow => Prediction::FirstOrderAdaptiveWindow {
+                noise_bound: basis.encoder_quantum,
+                longest_window: settings
+                    .longest_window
+                    .unwrap_or(PERIODS_OF_WINDOW * basis.period),
+            },
+            Predictor::Extrapolation => Prediction::Extrapolation,
+            Predictor::Observer => Prediction::Observer {
+                device_mass: basis.pushed_mass(self)?,
+                encoder_quantum: basis.encoder_quantum,
+            },
         })
     }
 }

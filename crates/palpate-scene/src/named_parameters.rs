@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use palpate::{AnyParams, LeakDissipation, Mass, Prediction, SehEstimate};
+use palpate::{AnyParams, DamperObject, EntryHold, LeakDissipation, Mass, Prediction, SehEstimate};
 
-use crate::method::MethodName;
+use crate::method::{MethodName, Predictor};
 
 /// The value of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +36,14 @@ pub fn named_parameters(params: &AnyParams<f64>) -> Vec<(&'static str, Parameter
     use ParameterValue::{Number, Switch, ToBeDerived, Word};
     match params {
         AnyParams::Basic => Vec::new(),
-        AnyParams::VirtualDamper(damper) => vec![("damping_n_s_per_m", Number(damper.damping))],
+        AnyParams::VirtualDamper(damper) => {
+            let mut named = vec![
+                ("damping_n_s_per_m", Number(damper.damping)),
+                ("damper_object", Word(damper_object_name(damper.object))),
+            ];
+            named.extend(prediction(&damper.prediction));
+            named
+        }
         AnyParams::Seh(seh) => vec![(
             "estimate",
             Word(match seh.estimate {
@@ -66,25 +73,67 @@ pub fn named_parameters(params: &AnyParams<f64>) -> Vec<(&'static str, Parameter
             ("placement", Switch(coupled.placement)),
             ("correction", Switch(coupled.correction)),
         ],
-        AnyParams::Hfcr(hfcr) => vec![
-            ("modified_force", Switch(hfcr.modified_force)),
-            ("smooth_transition", Switch(hfcr.smooth_transition)),
-            (
-                "damping_n_s_per_m",
-                match hfcr.leak_dissipation {
-                    LeakDissipation::Off => Number(0.0),
-                    LeakDissipation::Damping(damping) => Number(damping),
-                    LeakDissipation::Auto { .. } => ToBeDerived,
-                },
-            ),
-            (
-                "prediction",
-                Word(match hfcr.prediction {
-                    Prediction::ConstantVelocity => "constant-velocity",
-                    Prediction::Observer { .. } => "observer",
-                }),
-            ),
-        ],
+        AnyParams::Hfcr(hfcr) => {
+            let mut named = vec![
+                ("modified_force", Switch(hfcr.modified_force)),
+                ("smooth_transition", Switch(hfcr.smooth_transition)),
+                (
+                    "damping_n_s_per_m",
+                    match hfcr.leak_dissipation {
+                        LeakDissipation::Off => Number(0.0),
+                        LeakDissipation::Damping(damping) => Number(damping),
+                        LeakDissipation::Auto { .. } => ToBeDerived,
+                    },
+                ),
+            ];
+            named.extend(prediction(&hfcr.prediction));
+            if hfcr.smooth_transition {
+                named.push(("entry_hold", Word(entry_hold_name(hfcr.entry_hold))));
+            }
+            named
+        }
+    }
+}
+
+fn prediction(prediction: &Prediction<f64>) -> Vec<(&'static str, ParameterValue)> {
+    use ParameterValue::{Number, Word};
+    let (predictor, own) = match *prediction {
+        Prediction::LastStep => (Predictor::LastStep, Vec::new()),
+        Prediction::FirstOrderAdaptiveWindow {
+            noise_bound,
+            longest_window,
+        } => (
+            Predictor::FirstOrderAdaptiveWindow,
+            vec![
+                ("noise_bound_m", Number(noise_bound)),
+                ("longest_window_s", Number(longest_window)),
+            ],
+        ),
+        Prediction::Extrapolation => (Predictor::Extrapolation, Vec::new()),
+        Prediction::Observer { .. } => (Predictor::Observer, Vec::new()),
+    };
+    let mut named = vec![("prediction", Word(predictor.name()))];
+    named.extend(own);
+    named
+}
+
+/// What moves the object of a virtual damper, as files and flags spell it.
+#[must_use]
+pub fn damper_object_name(object: DamperObject) -> &'static str {
+    match object {
+        DamperObject::SpringAndDamper => "spring-and-damper",
+        DamperObject::Spring => "spring",
+        DamperObject::HeldForce => "held-force",
+    }
+}
+
+/// Where HFCR holds the device after an entry, as files and flags spell it.
+#[must_use]
+pub fn entry_hold_name(hold: EntryHold) -> &'static str {
+    match hold {
+        EntryHold::Crossing => "crossing",
+        EntryHold::Sample => "sample",
+        EntryHold::Midpoint => "midpoint",
     }
 }
 

@@ -7,6 +7,7 @@ use palpate_testbed::pantograph::SafetyBox;
 
 use super::{Dropped, Grip, Jitter, Measure, PointMassDevice, Scene, Timing, Wave};
 use crate::method::{Damping, MethodName, Predictor, Settings};
+use crate::named_parameters::{damper_object_name, entry_hold_name};
 
 /// Something of a scene that scene files have no key for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -261,6 +262,9 @@ impl File {
             initial_energy,
             estimate,
             prediction,
+            longest_window,
+            damper_object,
+            entry_hold,
             placement,
             correction,
         } = *settings;
@@ -280,13 +284,17 @@ impl File {
             };
             self.line("estimate", &format!("\"{name}\""));
         }
-        if let Some(prediction) = prediction {
-            let name = match prediction {
-                Predictor::ConstantVelocity => "constant-velocity",
-                Predictor::Observer => "observer",
-            };
-            self.line("prediction", &format!("\"{name}\""));
+        let words = [
+            ("prediction", prediction.map(Predictor::name)),
+            ("damper_object", damper_object.map(damper_object_name)),
+            ("entry_hold", entry_hold.map(entry_hold_name)),
+        ];
+        for (key, word) in words {
+            if let Some(word) = word {
+                self.line(key, &format!("\"{word}\""));
+            }
         }
+        self.if_given("longest_window_s", longest_window);
         for (key, on) in [("placement", placement), ("correction", correction)] {
             if let Some(on) = on {
                 self.line(key, &on.to_string());

@@ -14,6 +14,8 @@ use palpate_scene::Scene;
 pub struct OverHeights {
     /// Mean-force error E `[%]`.
     pub error: Spread,
+    /// Force rendering error FRE `[%]`.
+    pub force_rendering_error: Spread,
     /// Errors at the scene's own height.
     pub own: Fidelity,
     /// Heights at which the loop diverged.
@@ -76,6 +78,9 @@ pub fn over_heights(
                     let of = |one: &[Vec<(Fidelity, bool)>]| one[column][candidate];
                     OverHeights {
                         error: spread(heights.iter().map(|one| of(one).0.mean_force_error)),
+                        force_rendering_error: spread(
+                            heights.iter().map(|one| of(one).0.force_rendering_error),
+                        ),
                         own: of(&heights[HEIGHTS / 2]).0,
                         diverged: heights.iter().filter(|one| of(one).1).count(),
                         damping: *damping,

@@ -72,7 +72,7 @@ fn methods() -> Vec<(&'static str, AnyParams<f64>)> {
         ("seh", AnyParams::Seh(SehParams::default())),
         (
             "virtual-damper",
-            AnyParams::VirtualDamper(VirtualDamperParams { damping: 0.5 }),
+            AnyParams::VirtualDamper(VirtualDamperParams::new(0.5)),
         ),
         ("popc-ref", AnyParams::PopcRef(PopcRefParams::new(6.0))),
         (

@@ -70,10 +70,11 @@ pub use guard::{Guard, GuardParams};
 pub use motion::{Displacement, ObjectMotion, ObjectState, Rule, Start};
 pub use parameter::ParameterError;
 pub use placement::Placement;
+pub use predict::{LONGEST_WINDOW, Prediction, PredictionMemory};
 pub use render::{
     AnyMemory, AnyMethod, AnyParams, AnyRenderer, Basic, BasicParams, Coupled, CoupledMemory,
-    CoupledParams, Ended, Hfcr, HfcrMemory, HfcrParams, LeakDissipation, Method, MethodParams,
-    OnItsWay, Plan, Popc, PopcParams, PopcRef, PopcRefParams, Prediction, Renderer, Seh,
+    CoupledParams, DamperObject, Ended, EntryHold, Hfcr, HfcrParams, LeakDissipation, Method,
+    MethodParams, OnItsWay, Plan, Popc, PopcParams, PopcRef, PopcRefParams, Renderer, Seh,
     SehEstimate, SehMemory, SehParams, Situation, State, VirtualDamper, VirtualDamperParams,
 };
 pub use sample::{Fault, Limited, Output, Phase, Sample};

@@ -30,15 +30,20 @@ impl<S: Scalar> ObjectState<S> {
 }
 
 /// What happens to the object within an interval. The device is held where it was sampled, but
-/// for an entry, which holds it where it is predicted to be when contact begins.
+/// for an entry, which says where.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule<S> {
     /// Free flight throughout, Eq. (4).
     Free,
     /// Contact throughout, Eq. (6a).
     Contact,
-    /// Free flight, and contact from this instant on `[s]`.
-    Enters(S),
+    /// Free flight, and contact from an instant on.
+    Enters {
+        /// The instant, after the interval's start `[s]`.
+        after: S,
+        /// Where the device is held from then on, counted from where it was sampled `[m]`.
+        held_at: S,
+    },
     /// Contact, and free flight from this instant on `[s]`.
     Leaves(S),
 }
@@ -242,8 +247,7 @@ impl<S: Scalar> ObjectMotion<S> {
             .displace(self.distance_to_rest(start), start.object_velocity)
     }
 
-    /// The object's motion over `h` `[s]` when `rule` was chosen at the interval's start. The
-    /// device is taken to move at its backward-difference velocity until contact is entered.
+    /// The object's motion over `h` `[s]` when `rule` was chosen at the interval's start.
     ///
     /// A rule is a statement about instants, not about the period, so it serves any `h`: a sample
     /// that comes before the transition finds it not yet made.
@@ -251,12 +255,12 @@ impl<S: Scalar> ObjectMotion<S> {
         match rule {
             Rule::Free => self.fly(start, h),
             Rule::Contact => self.press_for(start, h),
-            Rule::Enters(after) if after >= h => self.fly(start, h),
+            Rule::Enters { after, .. } if after >= h => self.fly(start, h),
             Rule::Leaves(after) if after >= h => self.press_for(start, h),
-            Rule::Enters(after) => {
+            Rule::Enters { after, held_at } => {
                 let first = self.fly(start, after);
                 let touch = Start {
-                    penetration: start.penetration + start.device_velocity * after - first.by,
+                    penetration: start.penetration + held_at - first.by,
                     object_velocity: first.velocity,
                     ..*start
                 };

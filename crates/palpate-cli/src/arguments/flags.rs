@@ -1,12 +1,13 @@
 //! Flags that several commands share, in SI units.
 
 use clap::{ArgAction, Args};
-use palpate::{SehEstimate, Side};
+use palpate::{DamperObject, EntryHold, SehEstimate, Side};
 use palpate_scene::GuardMode;
 use palpate_scene::method::{Damping, Predictor};
 
 use crate::values::{
-    Methods, damping, estimate, guard, limit, methods, number, predictor, samples, side,
+    Methods, damper_object, damping, entry_hold, estimate, guard, limit, methods, number,
+    predictor, samples, side,
 };
 
 /// What is not perfect about the loop of a scene.
@@ -203,10 +204,30 @@ pub struct Flags {
     /// Extrapolation of seh: ab2, differences or ab3 [default: ab2]
     #[arg(long, value_name = "NAME", value_parser = estimate, help_heading = "Method")]
     pub estimate: Option<SehEstimate>,
-    /// Where hfcr takes the device to be at the next sample: constant-velocity or observer
-    /// [default: constant-velocity]
+    /// How virtual-damper tells the velocity of the penetration, and hfcr where the device will be:
+    /// last-step, first-order-adaptive-window (which is last-step without --encoder-quantum, its noise
+    /// bound), extrapolation (constant acceleration) or observer [default: last-step]
     #[arg(long, value_name = "NAME", value_parser = predictor, help_heading = "Method")]
     pub prediction: Option<Predictor>,
+    /// Longest window of --prediction first-order-adaptive-window [s]; it never holds more than 16 steps
+    /// [default: 15 periods]
+    #[arg(
+        long,
+        value_name = "s",
+        value_parser = number,
+        allow_hyphen_values = true,
+        help_heading = "Method"
+    )]
+    pub longest_window: Option<f64>,
+    /// What moves the object of virtual-damper in contact: spring-and-damper, spring, or held-force, the
+    /// one that the device feels [default: spring-and-damper]
+    #[arg(long, value_name = "NAME", value_parser = damper_object, help_heading = "Method")]
+    pub damper_object: Option<DamperObject>,
+    /// Where hfcr-mod-st and hfcr hold the device once contact has begun within a period: at the
+    /// crossing, at the sample, or at the midpoint of the crossing and the predicted end [default:
+    /// crossing]
+    #[arg(long, value_name = "NAME", value_parser = entry_hold, help_heading = "Method")]
+    pub entry_hold: Option<EntryHold>,
     /// Let the object of coupled keep its own momentum: a step of the method, to compare with
     #[arg(long, action = ArgAction::SetTrue, help_heading = "Method")]
     pub no_placement: bool,

@@ -5,7 +5,7 @@ use std::fmt;
 use comfy_table::CellAlignment;
 use palpate_sim::heights::{HeightsError, OverHeights, over_heights};
 use palpate_sim::suite::Column;
-use palpate_sim::tune::{HEIGHT_RANGE, HEIGHTS};
+use palpate_sim::tune::{HEIGHT_RANGE, HEIGHTS, Spread};
 use serde::Serialize;
 
 use super::simulate::{explain, read_scene};
@@ -86,6 +86,7 @@ struct ColumnReport {
     method: &'static str,
     mean_force_error_percent: ErrorReport,
     force_rendering_error_percent: f64,
+    force_rendering_error_over_heights_percent: ErrorReport,
     error_over_floor: Option<f64>,
     diverged: usize,
     /// Of a column that chooses.
@@ -100,6 +101,13 @@ struct ErrorReport {
     worst: f64,
 }
 
+impl From<Spread> for ErrorReport {
+    fn from(spread: Spread) -> Self {
+        let Spread { own, median, worst } = spread;
+        Self { own, median, worst }
+    }
+}
+
 impl SceneReport {
     fn new(title: &str, columns: &[Column], found: &[OverHeights]) -> Self {
         Self {
@@ -112,12 +120,9 @@ impl SceneReport {
                 .map(|(column, found)| ColumnReport {
                     name: column.name.clone(),
                     method: column.method.name(),
-                    mean_force_error_percent: ErrorReport {
-                        own: found.error.own,
-                        median: found.error.median,
-                        worst: found.error.worst,
-                    },
+                    mean_force_error_percent: found.error.into(),
                     force_rendering_error_percent: found.own.force_rendering_error,
+                    force_rendering_error_over_heights_percent: found.force_rendering_error.into(),
                     error_over_floor: found.own.error_over_floor,
                     diverged: found.diverged,
                     damping_n_s_per_m: found.damping,
@@ -148,6 +153,8 @@ impl fmt::Display for Report {
                 "median",
                 "worst",
                 "FRE % own",
+                "median",
+                "worst",
                 "diverged",
                 "best B",
             ];
@@ -159,6 +166,7 @@ impl fmt::Display for Report {
             let mut table = plain_table(CellAlignment::Left, header);
             for column in &scene.columns {
                 let error = &column.mean_force_error_percent;
+                let fre = &column.force_rendering_error_over_heights_percent;
                 let hundredths = |value: f64| number(Some(value), |value| format!("{value:.2}"));
                 let mut cells = vec![
                     (&*column.name).into(),
@@ -166,6 +174,8 @@ impl fmt::Display for Report {
                     hundredths(error.median),
                     hundredths(error.worst),
                     number(Some(column.force_rendering_error_percent), percent),
+                    number(Some(fre.median), percent),
+                    number(Some(fre.worst), percent),
                     number(Some(column.diverged as f64), |count| {
                         format!("{count} of {}", self.start_heights)
                     }),

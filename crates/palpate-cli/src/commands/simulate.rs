@@ -188,7 +188,7 @@ pub(super) fn explain(
         {
             wrong_flag(&parameter)
         }
-        LoopError::Setup(setup @ SetupError::Settings(_)) if flags.damping.is_some() => {
+        LoopError::Setup(setup @ SetupError::Settings(_)) if flags.explain_settings() => {
             wrong_setup(&setup)
         }
         LoopError::Setup(setup) => in_file(file.locate(method, &setup)),

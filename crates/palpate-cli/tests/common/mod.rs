@@ -216,9 +216,9 @@ pub fn default_params(
     match method {
         "basic" => AnyParams::Basic,
         "seh" => AnyParams::Seh(SehParams::default()),
-        "virtual-damper" => AnyParams::VirtualDamper(VirtualDamperParams {
-            damping: 0.5 * (stiffness * period),
-        }),
+        "virtual-damper" => {
+            AnyParams::VirtualDamper(VirtualDamperParams::new(0.5 * (stiffness * period)))
+        }
         "popc" => AnyParams::Popc(PopcParams::new(cap)),
         "popc-ref" => AnyParams::PopcRef(PopcRefParams::new(cap)),
         "hfcr-mod" => AnyParams::Hfcr(HfcrParams::modified_force_only()),

@@ -113,7 +113,7 @@ fn another_method_takes_over_at_the_force_of_the_one_before() {
 /// damper of 4 N s/m come and go little by little.
 #[test]
 fn what_another_method_adds_fades_over_the_change() {
-    let damper = AnyParams::VirtualDamper(VirtualDamperParams { damping: 4.0 });
+    let damper = AnyParams::VirtualDamper(VirtualDamperParams::new(4.0));
     for (from, to) in [(damper, AnyParams::Basic), (AnyParams::Basic, damper)] {
         let script = (-20..400).map(|period| at(0.05 * f64::from(period)));
         let (mut control, _) = scripted(script.collect(), wide());
@@ -189,7 +189,7 @@ fn what_becomes_a_wall_touches_a_device_that_is_beyond_its_place() {
         assert!(tick.force_on_object.abs() < 1e-9, "{tick:?}");
     }
     // It is a wall from there on, and another method finds it in the same place.
-    let damper = AnyParams::VirtualDamper(VirtualDamperParams { damping: 4.0 });
+    let damper = AnyParams::VirtualDamper(VirtualDamperParams::new(4.0));
     let params = Rendering {
         params: damper,
         ..wall
@@ -256,7 +256,7 @@ fn largest_step(changes: &[(usize, AnyParams<f64>, f64)]) -> f64 {
 
 #[test]
 fn a_change_within_a_change_and_another_damping_are_no_steps() {
-    let damper = |damping| AnyParams::VirtualDamper(VirtualDamperParams { damping });
+    let damper = |damping| AnyParams::VirtualDamper(VirtualDamperParams::new(damping));
     // The tick at which the device of the script stands still at its end is one more.
     let plain = largest_step(&[(0, damper(4.0), 1000.0)]);
     println!("without a change {plain:.3} N from tick to tick");

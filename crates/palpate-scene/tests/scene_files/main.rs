@@ -243,7 +243,7 @@ fn what_is_left_out_takes_its_documented_default() {
         ),
         (
             MethodName::VirtualDamper,
-            AnyParams::VirtualDamper(palpate::VirtualDamperParams { damping: 4.0 }),
+            AnyParams::VirtualDamper(palpate::VirtualDamperParams::new(4.0)),
         ),
         (MethodName::Popc, AnyParams::Popc(popc)),
         (MethodName::PopcRef, AnyParams::PopcRef(reference)),

@@ -126,7 +126,10 @@ impl Method<f64> for Printed {
             }
         } else {
             match motion.entry(start) {
-                Some(after) if self.smooth_transition => Rule::Enters(after),
+                Some(after) if self.smooth_transition => Rule::Enters {
+                    after,
+                    held_at: start.device_velocity * after,
+                },
                 _ => Rule::Free,
             }
         };

@@ -40,9 +40,7 @@ fn settles<P: MethodParams<f64>>(kappa: f64, method: P) -> bool {
 }
 
 fn damper(beta: f64) -> VirtualDamperParams<f64> {
-    VirtualDamperParams {
-        damping: beta * MASS / PERIOD,
-    }
+    VirtualDamperParams::new(beta * MASS / PERIOD)
 }
 
 /// Source: Colgate and Schenkel's condition for a backward-difference damper, reduced to an undamped

@@ -118,7 +118,7 @@ fn a_damped_contact_moves_as_its_equation_of_motion_says() {
             case.virtual_force *= 1e-3 * case.stiffness / case.virtual_force.abs();
             case.object = ObjectState::at_rest(random.between(-2e-3, -1e-3));
             let damping = 2.0 * ratio * (case.stiffness * case.mass).sqrt();
-            let params = AnyParams::VirtualDamper(VirtualDamperParams { damping });
+            let params = AnyParams::VirtualDamper(VirtualDamperParams::new(damping));
             let mut trial = Trial::new(&case, params);
             let before = random.between(0.0, 1e-3);
             let now = before + random.between(-1e-3, 1e-3);

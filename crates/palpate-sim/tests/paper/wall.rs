@@ -24,9 +24,7 @@ fn in_contact_with_a_wall_modified_force_seh_and_a_damper_of_half_kt_are_one() {
             AnyParams::Hfcr(HfcrParams::modified_force_only()),
             AnyParams::Hfcr(HfcrParams::default()),
             AnyParams::Seh(SehParams::default()),
-            AnyParams::VirtualDamper(VirtualDamperParams {
-                damping: 0.5 * case.stiffness * case.period,
-            }),
+            AnyParams::VirtualDamper(VirtualDamperParams::new(0.5 * case.stiffness * case.period)),
         ]
         .map(|params| {
             let mut trial = Trial::new(&case, params);

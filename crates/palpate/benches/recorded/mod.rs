@@ -54,7 +54,7 @@ impl Recorded {
     pub fn run(method: &str) -> Self {
         let params = match method {
             "basic" => AnyParams::Basic,
-            "virtual-damper" => AnyParams::VirtualDamper(VirtualDamperParams { damping: 0.5 }),
+            "virtual-damper" => AnyParams::VirtualDamper(VirtualDamperParams::new(0.5)),
             "seh" => AnyParams::Seh(SehParams::default()),
             "popc" => AnyParams::Popc(PopcParams::new(6.0)),
             "popc-ref" => AnyParams::PopcRef(PopcRefParams::new(6.0)),

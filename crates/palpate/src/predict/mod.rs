@@ -2,7 +2,12 @@
 
 mod observer;
 mod placed;
+mod prediction;
 mod spread;
+mod steps;
 
 pub(crate) use observer::{Motion, Observer, ObserverParams, Seen};
 pub(crate) use placed::Placed;
+pub(crate) use prediction::Predictor;
+pub use prediction::{Prediction, PredictionMemory};
+pub use steps::LONGEST_WINDOW;

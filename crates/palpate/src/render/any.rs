@@ -2,7 +2,7 @@
 
 use super::basic::{Basic, BasicParams};
 use super::coupled::{Coupled, CoupledMemory, CoupledParams};
-use super::hfcr::{Hfcr, HfcrMemory, HfcrParams};
+use super::hfcr::{Hfcr, HfcrParams};
 use super::method::{Ended, Method, MethodParams, Plan, Situation};
 use super::popc::{Popc, PopcParams};
 use super::popc_ref::{PopcRef, PopcRefParams};
@@ -12,6 +12,7 @@ use crate::Scalar;
 use crate::contact::{Contact, LoopParams};
 use crate::motion::{Displacement, ObjectMotion};
 use crate::parameter::ParameterError;
+use crate::predict::PredictionMemory;
 
 /// Parameters of any method. As a serde value, they stand under the method's name in kebab case.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +59,7 @@ pub enum AnyMethod<S> {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AnyMemory<S> {
     seh: SehMemory<S>,
-    hfcr: HfcrMemory<S>,
+    device: PredictionMemory<S>,
     coupled: CoupledMemory<S>,
 }
 
@@ -97,11 +98,11 @@ impl<S: Scalar> Method<S> for AnyMethod<S> {
     ) -> Plan<S> {
         match self {
             Self::Basic(method) => method.plan(motion, now, &mut ()),
-            Self::VirtualDamper(method) => method.plan(motion, now, &mut ()),
+            Self::VirtualDamper(method) => method.plan(motion, now, &mut memory.device),
             Self::Seh(method) => method.plan(motion, now, &mut memory.seh),
             Self::Popc(method) => method.plan(motion, now, &mut ()),
             Self::PopcRef(method) => method.plan(motion, now, &mut ()),
-            Self::Hfcr(method) => method.plan(motion, now, &mut memory.hfcr),
+            Self::Hfcr(method) => method.plan(motion, now, &mut memory.device),
             Self::Coupled(method) => method.plan(motion, now, &mut memory.coupled),
         }
     }
@@ -115,7 +116,8 @@ impl<S: Scalar> Method<S> for AnyMethod<S> {
     ) -> Displacement<S> {
         match self {
             Self::Coupled(method) => method.conclude(motion, ended, &mut memory.coupled),
-            Self::Hfcr(method) => method.conclude(motion, ended, &mut memory.hfcr),
+            Self::Hfcr(method) => method.conclude(motion, ended, &mut memory.device),
+            Self::VirtualDamper(method) => method.conclude(motion, ended, &mut memory.device),
             _ => ended.as_planned(motion),
         }
     }
@@ -127,7 +129,10 @@ impl<S: Scalar> Method<S> for AnyMethod<S> {
                 method.begin_anew(&mut memory.coupled, device_known, object_known)
             }
             Self::Seh(method) => method.begin_anew(&mut memory.seh, device_known, object_known),
-            Self::Hfcr(method) => method.begin_anew(&mut memory.hfcr, device_known, object_known),
+            Self::Hfcr(method) => method.begin_anew(&mut memory.device, device_known, object_known),
+            Self::VirtualDamper(method) => {
+                method.begin_anew(&mut memory.device, device_known, object_known)
+            }
             _ => {}
         }
     }

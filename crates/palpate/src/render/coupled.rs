@@ -6,7 +6,7 @@ use crate::Scalar;
 use crate::contact::{Contact, LoopParams, Mass};
 use crate::motion::{Displacement, ObjectMotion, Rule};
 use crate::parameter::ParameterError;
-use crate::predict::{Motion, Observer, ObserverParams, Placed, Seen};
+use crate::predict::{Motion, Observer, ObserverParams, Placed};
 use crate::relative_motion::{Course, Drive, Relative};
 use crate::response::Response;
 
@@ -303,14 +303,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             return ended.as_planned(motion);
         };
         let before = observer.motion;
-        let (smoothed, lesson) = observer.see(
-            &self.observer,
-            &Seen {
-                moved: ended.device_moved,
-                elapsed: ended.elapsed,
-                held_force: ended.held_force,
-            },
-        );
+        let (smoothed, lesson) = observer.see(&self.observer, &ended.seen());
         let certainty = observer.damping_certainty();
         let device = if self.correction { smoothed } else { before };
         // A wall is where it is.
@@ -391,7 +384,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
                 owed += interval.course.impulse - on_its_way.intended * period;
             }
             let (travel, gained) = device.under(on_its_way.commanded, period);
-            first = first.or(Some((moved, rule(&interval))));
+            first = first.or(Some((moved, rule(&interval, now.start.device_velocity))));
             relative.penetration += travel - moved.by;
             device.velocity += gained;
             object_velocity = moved.velocity;
@@ -417,7 +410,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
                 force,
                 wall_offset,
             );
-            (moved, rule(&interval))
+            (moved, rule(&interval, now.start.device_velocity))
         });
         Plan { force, rule, moved }
     }
@@ -499,13 +492,17 @@ fn damped<S: Scalar>(
     }
 }
 
-/// What an interval holds, in the words that every method shares.
-fn rule<S: Scalar>(interval: &Interval<S>) -> Rule<S> {
+/// What an interval holds, in the words that every method shares: `device_velocity` `[m/s]`, that of the
+/// device's last step, says where an entry takes place.
+fn rule<S: Scalar>(interval: &Interval<S>, device_velocity: S) -> Rule<S> {
     let pressed = interval.start.penetration > S::ZERO;
     match interval.course.first_transition {
         None if interval.course.impulse > S::ZERO => Rule::Contact,
         None => Rule::Free,
         Some(after) if pressed => Rule::Leaves(after),
-        Some(after) => Rule::Enters(after),
+        Some(after) => Rule::Enters {
+            after,
+            held_at: device_velocity * after,
+        },
     }
 }

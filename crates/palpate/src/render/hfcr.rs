@@ -3,9 +3,9 @@
 use super::method::{Ended, Method, MethodParams, Plan, Situation};
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams, Mass};
-use crate::motion::{Displacement, ObjectMotion, Rule, Start};
+use crate::motion::{Displacement, ObjectMotion, Rule};
 use crate::parameter::{ParameterError, not_negative, positive};
-use crate::predict::{Observer, ObserverParams, Seen};
+use crate::predict::{Prediction, PredictionMemory, Predictor};
 
 /// Device displacements shorter than this `[m]` are taken as 0 where the force divides by them.
 const STANDSTILL: f64 = 1e-9;
@@ -32,29 +32,24 @@ pub enum LeakDissipation<S> {
     },
 }
 
-/// How HFCR predicts where the device will be at the next sample, xi~.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// Where the device is held from the instant on at which contact begins within an interval, tau.
+///
+/// Eq. (6a) needs a device that stands still, and the paper does not say where after an entry. The
+/// force follows from the balance of energy, Eq. (9), for each of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "S: Scalar + serde::Serialize",
-        deserialize = "S: Scalar + serde::Deserialize<'de>"
-    ))
-)]
-pub enum Prediction<S> {
-    /// At the velocity of its last step, as in the paper: `xi~ = 2 xi_i - xi_{i-1}`.
+pub enum EntryHold {
+    /// Where it is predicted to touch the object, `xi_c = xi_i + d tau/T`: the spring is relaxed at
+    /// that instant.
     #[default]
-    ConstantVelocity,
-    /// By an observer of its motion, at the acceleration it has now. There to be compared: what
-    /// the force about to be held will do to the device is still left out.
-    Observer {
-        /// Effective mass of the device, within a factor of 2 `[kg]`.
-        device_mass: Mass<S>,
-        /// Quantum of the position sensor `[m]`, 0 if it is not known to have one.
-        encoder_quantum: S,
-    },
+    Crossing,
+    /// Where it was sampled, xi_i: only quantities of t_i are used. A spring that begins stretched,
+    /// where the device moves towards the object.
+    Sample,
+    /// Half-way between the crossing and where it is predicted to be at the interval's end,
+    /// `(xi_c + xi~)/2`: its mean position while in contact.
+    Midpoint,
 }
 
 /// Parameters of HFCR: its three steps, independently on or off. The default has the first two
@@ -78,6 +73,8 @@ pub struct HfcrParams<S> {
     pub leak_dissipation: LeakDissipation<S>,
     /// Where the device is taken to be at the next sample.
     pub prediction: Prediction<S>,
+    /// Where the device is held after contact has begun within an interval. Of smooth transitions.
+    pub entry_hold: EntryHold,
 }
 
 impl<S> Default for HfcrParams<S> {
@@ -86,7 +83,8 @@ impl<S> Default for HfcrParams<S> {
             modified_force: true,
             smooth_transition: true,
             leak_dissipation: LeakDissipation::Off,
-            prediction: Prediction::ConstantVelocity,
+            prediction: Prediction::LastStep,
+            entry_hold: EntryHold::Crossing,
         }
     }
 }
@@ -110,7 +108,7 @@ impl<S> HfcrParams<S> {
 }
 
 /// HFCR: a held force whose work equals the change of the object's stored energy, if the device
-/// moves on at constant velocity.
+/// moves on at the velocity predicted for it.
 ///
 /// The stored energy carries the work of the virtual force, which the paper's Eq. (8) leaves out.
 /// With it Eq. (9) has closed forms that need no division by the device's displacement.
@@ -119,21 +117,8 @@ pub struct Hfcr<S> {
     modified_force: bool,
     smooth_transition: bool,
     damping: S,
-    observer: Option<ObserverParams<S>>,
-}
-
-/// What HFCR remembers: nothing, unless an observer predicts.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct HfcrMemory<S>(Option<Followed<S>>);
-
-/// The device, as an observer follows it.
-#[derive(Clone, Copy, Debug)]
-struct Followed<S> {
-    observer: Observer<S>,
-    /// Force held over the last interval `[N]`.
-    held_force: S,
-    /// Mean velocity predicted for the interval in progress `[m/s]`.
-    velocity: S,
+    predictor: Predictor<S>,
+    entry_hold: EntryHold,
 }
 
 impl<S: Scalar> Hfcr<S> {
@@ -170,44 +155,24 @@ impl<S: Scalar> MethodParams<S> for HfcrParams<S> {
             modified_force: self.modified_force,
             smooth_transition: self.smooth_transition,
             damping,
-            observer: match self.prediction {
-                Prediction::ConstantVelocity => None,
-                Prediction::Observer {
-                    device_mass,
-                    encoder_quantum,
-                } => Some(ObserverParams::new(device_mass, encoder_quantum)?),
-            },
+            predictor: self.prediction.check()?,
+            entry_hold: self.entry_hold,
         })
     }
 }
 
 impl<S: Scalar> Method<S> for Hfcr<S> {
-    type Memory = HfcrMemory<S>;
+    type Memory = PredictionMemory<S>;
 
     #[inline]
     fn conclude(
         &self,
         motion: &ObjectMotion<S>,
         ended: &Ended<S>,
-        memory: &mut HfcrMemory<S>,
+        memory: &mut PredictionMemory<S>,
     ) -> Displacement<S> {
-        let (Some(params), Some(followed)) = (&self.observer, &mut memory.0) else {
-            return ended.as_planned(motion);
-        };
-        followed.observer.see(
-            params,
-            &Seen {
-                moved: ended.device_moved,
-                elapsed: ended.elapsed,
-                held_force: ended.held_force,
-            },
-        );
-        followed.held_force = ended.held_force;
-        let start = Start {
-            device_velocity: followed.velocity,
-            ..ended.start
-        };
-        Ended { start, ..*ended }.as_planned(motion)
+        self.predictor.see(memory, &ended.seen(), S::ZERO);
+        ended.as_planned(motion)
     }
 
     #[inline]
@@ -215,25 +180,17 @@ impl<S: Scalar> Method<S> for Hfcr<S> {
         &self,
         motion: &ObjectMotion<S>,
         now: &Situation<'_, S>,
-        memory: &mut HfcrMemory<S>,
+        memory: &mut PredictionMemory<S>,
     ) -> Plan<S> {
         let mut start = now.start;
-        if let Some(params) = &self.observer {
-            let followed = memory.0.get_or_insert_with(|| Followed {
-                observer: Observer::new(params),
-                held_force: S::ZERO,
-                velocity: S::ZERO,
-            });
-            let device = followed.observer.motion;
-            let (travel, _) = device.under(followed.held_force, motion.period());
-            start.device_velocity = (device.offset + travel) / motion.period();
-            followed.velocity = start.device_velocity;
+        if let Some(velocity) = self.predictor.mean_velocity(memory, motion.period()) {
+            start.device_velocity = velocity;
         }
         let start = &start;
         let period = motion.period();
         let k = motion.stiffness();
         let p = start.penetration;
-        // d = xi~ - xi_i with the paper's prediction xi~ = 2 xi_i - xi_{i-1}.
+        // d = xi~ - xi_i; the paper's prediction is xi~ = 2 xi_i - xi_{i-1}.
         let d = start.device_velocity * period;
 
         // Modified force, rule, displacement, and the part of the interval spent in contact.
@@ -265,13 +222,28 @@ impl<S: Scalar> Method<S> for Hfcr<S> {
                     (S::ZERO, Rule::Free, flown, S::ZERO)
                 }
                 Some(after) => {
-                    let rule = Rule::Enters(after);
-                    let moved = motion.advance(rule, start, period);
                     let waiting = after / period;
                     let share = S::ONE - waiting;
-                    // Mean of where the device touches and where it is predicted to end.
-                    let device = S::HALF * d * (S::ONE + waiting);
-                    (share * k * (p + device - moved.by), rule, moved, share)
+                    // Where the device touches and where it is held then, as parts of d.
+                    let touched_at = start.device_velocity * after;
+                    let (hold, held_at) = match self.entry_hold {
+                        EntryHold::Crossing => (waiting, touched_at),
+                        EntryHold::Sample => (S::ZERO, S::ZERO),
+                        EntryHold::Midpoint => {
+                            (S::HALF * (S::ONE + waiting), S::HALF * (touched_at + d))
+                        }
+                    };
+                    let rule = Rule::Enters { after, held_at };
+                    let moved = motion.advance(rule, start, period);
+                    // Mean of where the device is held and where it is predicted to end.
+                    let device = S::HALF * d * (S::ONE + hold);
+                    let mut force = (S::ONE - hold) * k * (p + device - moved.by);
+                    if self.entry_hold != EntryHold::Crossing {
+                        // The spring does not begin relaxed: what it then stores is put in, too.
+                        let stretched = hold - waiting;
+                        force += S::HALF * k * d * stretched * stretched;
+                    }
+                    (force, rule, moved, share)
                 }
             }
         };

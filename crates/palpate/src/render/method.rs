@@ -7,6 +7,7 @@ use crate::Scalar;
 use crate::contact::{Contact, LoopParams};
 use crate::motion::{Displacement, ObjectMotion, Rule, Start};
 use crate::parameter::ParameterError;
+use crate::predict::Seen;
 
 /// Parameters of a method, still unchecked.
 pub trait MethodParams<S: Scalar> {
@@ -113,6 +114,16 @@ pub struct Ended<S> {
 }
 
 impl<S: Scalar> Ended<S> {
+    /// What its end tells of the device.
+    #[inline]
+    pub(crate) fn seen(&self) -> Seen<S> {
+        Seen {
+            moved: self.device_moved,
+            elapsed: self.elapsed,
+            held_force: self.held_force,
+        }
+    }
+
     /// The object's displacement by the rule of the interval's start.
     #[inline]
     pub fn as_planned(&self, motion: &ObjectMotion<S>) -> Displacement<S> {

@@ -19,14 +19,14 @@ mod virtual_damper;
 pub use any::{AnyMemory, AnyMethod, AnyParams};
 pub use basic::{Basic, BasicParams};
 pub use coupled::{Coupled, CoupledMemory, CoupledParams};
-pub use hfcr::{Hfcr, HfcrMemory, HfcrParams, LeakDissipation, Prediction};
+pub use hfcr::{EntryHold, Hfcr, HfcrParams, LeakDissipation};
 pub use method::{Ended, Method, MethodParams, Plan, Situation};
 pub use popc::{Popc, PopcParams};
 pub use popc_ref::{PopcRef, PopcRefParams};
 pub use queue::OnItsWay;
 pub use seh::{Seh, SehEstimate, SehMemory, SehParams};
 pub use state::State;
-pub use virtual_damper::{VirtualDamper, VirtualDamperParams};
+pub use virtual_damper::{DamperObject, VirtualDamper, VirtualDamperParams};
 
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams};
@@ -359,7 +359,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         let (phase, transition_after) = match plan.rule {
             Rule::Free => (Phase::Free, S::ZERO),
             Rule::Contact => (Phase::Contact, S::ZERO),
-            Rule::Enters(after) => (Phase::Enters, after),
+            Rule::Enters { after, .. } => (Phase::Enters, after),
             Rule::Leaves(after) => (Phase::Leaves, after),
         };
         // Adding 0 turns a mirrored -0 into 0, which reads better and commands the same.

@@ -1,30 +1,77 @@
 //! The virtual damper, also known as the classic virtual coupling.
 
-use super::method::{Method, MethodParams, Plan, Situation};
+use super::method::{Ended, Method, MethodParams, Plan, Situation};
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams};
-use crate::motion::ObjectMotion;
+use crate::motion::{Displacement, ObjectMotion, Start};
 use crate::parameter::{ParameterError, not_negative};
+use crate::predict::{Prediction, PredictionMemory, Predictor};
+
+/// What moves the object of a virtual damper in contact.
+///
+/// Eq. (3) gives the force that is held. The paper does not say whether its damper is in the object's
+/// equation of motion, Eq. (6a), as well.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+pub enum DamperObject {
+    /// Spring and damper, between the object and the device where it was sampled, which moves on at its
+    /// last step's velocity v_i as far as the damper is concerned:
+    /// `M eta'' = f_V + K (xi_i - eta) + B (v_i - eta')`.
+    #[default]
+    SpringAndDamper,
+    /// The spring alone, Eq. (6a): the damper is in the held force only.
+    Spring,
+    /// The force that the device feels, held: `M eta'' = f_V + f_i`. Device and object then exchange
+    /// the same impulse, limits and delays included.
+    HeldForce,
+}
 
 /// Parameters of the virtual damper.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: Scalar + serde::Serialize",
+        deserialize = "S: Scalar + serde::Deserialize<'de>"
+    ))
+)]
 pub struct VirtualDamperParams<S> {
     /// Damping B of the contact `[N s/m]`, not below 0.
     pub damping: S,
+    /// What moves the object in contact.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub object: DamperObject,
+    /// How the velocity of the penetration in the force is told. It is that of the sampled penetration;
+    /// an observer gives the device's, from which that of the object is taken off.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub prediction: Prediction<S>,
+}
+
+impl<S> VirtualDamperParams<S> {
+    /// A virtual damper of `damping` `[N s/m]`.
+    pub fn new(damping: S) -> Self {
+        Self {
+            damping,
+            object: DamperObject::SpringAndDamper,
+            prediction: Prediction::LastStep,
+        }
+    }
 }
 
 /// A spring and a damper in parallel, Eq. (3): `f_i = K p_i + B (p_i - p_{i-1}) / T` while
 /// `p_i > 0`.
 ///
-/// The object feels the damper too: in contact it follows
-/// `M eta'' = f_V + K (xi_i - eta) + B (v_i - eta')` with the device position and its
-/// backward-difference velocity held, in closed form. The two damping terms use different
-/// velocities: the force that of the penetration, the object's motion that of the device.
+/// By default the object feels the damper too, in closed form; [`DamperObject`] has other readings. The
+/// two damping terms then use different velocities: the force that of the penetration, the object's
+/// motion that of the device.
 #[derive(Clone, Copy, Debug)]
 pub struct VirtualDamper<S> {
     damping: S,
+    object: DamperObject,
+    predictor: Predictor<S>,
 }
 
 impl<S: Scalar> MethodParams<S> for VirtualDamperParams<S> {
@@ -33,24 +80,66 @@ impl<S: Scalar> MethodParams<S> for VirtualDamperParams<S> {
     fn check(self, _: &Contact<S>, _: &LoopParams<S>) -> Result<Self::Method, ParameterError> {
         Ok(VirtualDamper {
             damping: not_negative("damping", "N s/m", self.damping)?,
+            object: self.object,
+            predictor: self.prediction.check()?,
         })
     }
 }
 
 impl<S: Scalar> Method<S> for VirtualDamper<S> {
-    type Memory = ();
+    type Memory = PredictionMemory<S>;
 
     #[inline]
-    fn plan(&self, motion: &ObjectMotion<S>, now: &Situation<'_, S>, (): &mut ()) -> Plan<S> {
-        now.unswitched(motion, || {
-            let penetration_velocity =
-                (now.start.penetration - now.previous_penetration) / now.elapsed;
+    fn plan(
+        &self,
+        motion: &ObjectMotion<S>,
+        now: &Situation<'_, S>,
+        memory: &mut PredictionMemory<S>,
+    ) -> Plan<S> {
+        let mut plan = now.unswitched(motion, || {
+            let predicted = self.predictor.velocity(memory, now.start.object_velocity);
+            let penetration_velocity = predicted.unwrap_or_else(|| {
+                (now.start.penetration - now.previous_penetration) / now.elapsed
+            });
             now.spring_force(motion) + self.damping * penetration_velocity
-        })
+        });
+        if self.object == DamperObject::HeldForce {
+            plan.moved = under(motion, &now.start, plan.force, motion.period());
+        }
+        plan
+    }
+
+    #[inline]
+    fn conclude(
+        &self,
+        motion: &ObjectMotion<S>,
+        ended: &Ended<S>,
+        memory: &mut PredictionMemory<S>,
+    ) -> Displacement<S> {
+        let moved = if self.object == DamperObject::HeldForce {
+            // What was really held: a limit or a delay may have made it another one.
+            under(motion, &ended.start, ended.held_force, ended.elapsed)
+        } else {
+            ended.as_planned(motion)
+        };
+        self.predictor.see(memory, &ended.seen(), moved.by);
+        moved
     }
 
     #[inline]
     fn contact_damping(&self) -> S {
-        self.damping
+        match self.object {
+            DamperObject::SpringAndDamper => self.damping,
+            DamperObject::Spring | DamperObject::HeldForce => S::ZERO,
+        }
     }
+}
+
+/// The object's motion under f_V and a held `force` `[N]` over `h` `[s]`.
+fn under<S: Scalar>(motion: &ObjectMotion<S>, start: &Start<S>, force: S, h: S) -> Displacement<S> {
+    let pushed = Start {
+        virtual_force: start.virtual_force + force,
+        ..*start
+    };
+    motion.fly(&pushed, h)
 }

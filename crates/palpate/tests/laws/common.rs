@@ -1,16 +1,16 @@
 //! What the tests share: every method, a device, a random source, and books kept from outside.
 
 use palpate::{
-    AnyParams, Contact, CoupledParams, HfcrParams, LeakDissipation, Ledger, Mass, Output,
-    PopcParams, PopcRefParams, Prediction, Sample, Scalar, SehEstimate, SehParams,
-    VirtualDamperParams,
+    AnyParams, Contact, CoupledParams, DamperObject, EntryHold, HfcrParams, LeakDissipation,
+    Ledger, Mass, Output, PopcParams, PopcRefParams, Prediction, Sample, Scalar, SehEstimate,
+    SehParams, VirtualDamperParams,
 };
 
 /// Every method, in the settings that differ in kind.
 pub fn methods<S: Scalar>() -> Vec<(&'static str, AnyParams<S>)> {
     let of = S::from_f64;
     let seh = |estimate| AnyParams::Seh(SehParams { estimate });
-    let damper = |damping| AnyParams::VirtualDamper(VirtualDamperParams { damping });
+    let damper = |damping| AnyParams::VirtualDamper(VirtualDamperParams::new(damping));
     vec![
         ("basic", AnyParams::Basic),
         ("damper", damper(of(0.5))),
@@ -32,6 +32,54 @@ pub fn methods<S: Scalar>() -> Vec<(&'static str, AnyParams<S>)> {
                 modified_force: false,
                 smooth_transition: true,
                 leak_dissipation: LeakDissipation::Damping(of(0.02)),
+                ..HfcrParams::default()
+            }),
+        ),
+        (
+            "damper, spring moves the object, extrapolation",
+            AnyParams::VirtualDamper(VirtualDamperParams {
+                object: DamperObject::Spring,
+                prediction: Prediction::Extrapolation,
+                ..VirtualDamperParams::new(of(0.5))
+            }),
+        ),
+        (
+            "damper, held force moves the object, adaptive window",
+            AnyParams::VirtualDamper(VirtualDamperParams {
+                object: DamperObject::HeldForce,
+                prediction: Prediction::FirstOrderAdaptiveWindow {
+                    noise_bound: of(1e-5),
+                    longest_window: of(0.008),
+                },
+                ..VirtualDamperParams::new(of(0.5))
+            }),
+        ),
+        (
+            "damper, observer",
+            AnyParams::VirtualDamper(VirtualDamperParams {
+                prediction: Prediction::Observer {
+                    device_mass: Mass::Finite(of(0.25)),
+                    encoder_quantum: of(0.0),
+                },
+                ..VirtualDamperParams::new(of(0.5))
+            }),
+        ),
+        (
+            "hfcr, held at the sample, adaptive window",
+            AnyParams::Hfcr(HfcrParams {
+                prediction: Prediction::FirstOrderAdaptiveWindow {
+                    noise_bound: of(1e-5),
+                    longest_window: of(0.008),
+                },
+                entry_hold: EntryHold::Sample,
+                ..HfcrParams::default()
+            }),
+        ),
+        (
+            "hfcr, held at the midpoint, extrapolation",
+            AnyParams::Hfcr(HfcrParams {
+                prediction: Prediction::Extrapolation,
+                entry_hold: EntryHold::Midpoint,
                 ..HfcrParams::default()
             }),
         ),

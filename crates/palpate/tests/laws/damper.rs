@@ -14,7 +14,7 @@ const SAMPLES: [f64; 2] = [0.001, 0.0014];
 /// Plans an interval from a moving object and a moving device, and ends it after `h`.
 fn interval(damping: f64, h: f64) -> (Output<f64>, Output<f64>) {
     let contact = Contact::object(STIFFNESS, MASS);
-    let params = VirtualDamperParams { damping };
+    let params = VirtualDamperParams::new(damping);
     let renderer = Renderer::new(contact, LoopParams::new(PERIOD), params).unwrap();
     let object = ObjectState {
         position: 0.0,

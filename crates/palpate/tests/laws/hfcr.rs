@@ -210,7 +210,7 @@ proptest! {
     ) {
         let wall = Contact::wall(stiffness);
         let l = LoopParams { speed_limit: None, ..LoopParams::new(period) };
-        let damper = VirtualDamperParams { damping: 0.5 * stiffness * period };
+        let damper = VirtualDamperParams::new(0.5 * stiffness * period);
         let methods = [
             AnyParams::Hfcr(HfcrParams::default()),
             AnyParams::Hfcr(HfcrParams::modified_force_only()),

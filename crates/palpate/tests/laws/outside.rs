@@ -105,7 +105,7 @@ fn a_teleport_is_outside_work_of_exactly_the_energy_it_changes() {
 
 #[test]
 fn after_a_teleport_a_damper_sees_no_velocity_that_never_was() {
-    let params = VirtualDamperParams { damping: 5.0 };
+    let params = VirtualDamperParams::new(5.0);
     let renderer = renderer(object(), AnyParams::VirtualDamper(params));
     let mut state = pressed(&renderer, 10);
     renderer

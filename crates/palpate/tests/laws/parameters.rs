@@ -79,7 +79,7 @@ fn positive_parameters<S: Scalar>() -> Vec<(&'static str, &'static str, Attempt<
 fn parameters_that_may_be_zero<S: Scalar>() -> Vec<(&'static str, &'static str, Attempt<S>)> {
     vec![
         ("damping", "N s/m", |damping| {
-            with_method(AnyParams::VirtualDamper(VirtualDamperParams { damping }))
+            with_method(AnyParams::VirtualDamper(VirtualDamperParams::new(damping)))
         }),
         ("damping", "N s/m", |b| hfcr(LeakDissipation::Damping(b))),
         ("speed_threshold", "m/s", |x| {

@@ -4,8 +4,9 @@ use std::fmt::Debug;
 
 use crate::common::methods;
 use palpate::{
-    AnyParams, Contact, Guard, GuardParams, HfcrParams, LeakDissipation, LoopParams, Mass,
-    ObjectState, PopcParams, PopcRefParams, SehEstimate, SehParams, Side, VirtualDamperParams,
+    AnyParams, Contact, EntryHold, Guard, GuardParams, HfcrParams, LeakDissipation, LoopParams,
+    Mass, ObjectState, PopcParams, PopcRefParams, SehEstimate, SehParams, Side,
+    VirtualDamperParams,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -79,11 +80,10 @@ fn the_forms_are_the_documented_ones() {
     assert_eq!(written(&SehEstimate::Ab3), "\"ab3\"");
     assert_eq!(written(&Side::Negative), "\"negative\"");
     assert_eq!(
-        written(&AnyParams::VirtualDamper(VirtualDamperParams {
-            damping: 2.0
-        })),
-        r#"{"virtual-damper":{"damping":2.0}}"#
+        written(&AnyParams::VirtualDamper(VirtualDamperParams::new(2.0))),
+        r#"{"virtual-damper":{"damping":2.0,"object":"spring-and-damper","prediction":"last-step"}}"#
     );
+    assert_eq!(written(&EntryHold::Midpoint), "\"midpoint\"");
 }
 
 #[test]
@@ -105,6 +105,19 @@ fn what_is_left_out_is_as_the_paper_has_it() {
     let hfcr: HfcrParams<f64> = json("{}").unwrap();
     assert_eq!(hfcr, HfcrParams::default());
     assert_eq!(json::<SehParams>("{}").unwrap(), SehParams::default());
+    let damper: VirtualDamperParams<f64> = json(r#"{"damping": 2.0}"#).unwrap();
+    assert_eq!(damper, VirtualDamperParams::new(2.0));
+}
+
+/// As written before there were other predictions at constant velocity, and other readings.
+#[test]
+fn parameters_of_before_the_readings_are_read_as_they_were() {
+    let hfcr: HfcrParams<f64> = json(
+        r#"{"modified_force":true,"smooth_transition":true,"leak_dissipation":"off",
+            "prediction":"constant-velocity"}"#,
+    )
+    .unwrap();
+    assert_eq!(hfcr, HfcrParams::default());
 }
 
 #[test]

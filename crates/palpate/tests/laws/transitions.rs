@@ -89,7 +89,7 @@ fn a_start_in_penetration_stores_its_energy_and_gives_the_force_of_a_device_at_r
             "seh ab2" => 1.5 * spring,
             "seh differences" => 2.0 * spring,
             "seh ab3" => 23.0 / 12.0 * spring,
-            "hfcr" | "hfcr-mod" | "hfcr-mod-st" | "hfcr, observer" => STIFFNESS * (p - by),
+            name if name.starts_with("hfcr") && name != "hfcr-st" => STIFFNESS * (p - by),
             // Device and object give way together, as far as each is known to.
             "coupled" => spring * mean_of_cosine(1.0 / 0.25 + 1.0 / 0.1),
             "coupled, no placement" => spring * mean_of_cosine(1.0 / 0.1 + 1.0 / 0.1),

@@ -77,7 +77,7 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
         {
             wrong_flag(&parameter)
         }
-        ReplayError::Setup(setup) if flags.damping.is_some() => wrong_setup(&setup),
+        ReplayError::Setup(setup) if flags.explain_settings() => wrong_setup(&setup),
         ReplayError::Setup(setup) => in_file(file.locate(method, &setup)),
         ReplayError::Bench(error) => wrong_on_bench(&error),
         ReplayError::TooLong(periods) => Failure::input(format_args!(

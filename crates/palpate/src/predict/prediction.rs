@@ -1,0 +1,189 @@
+//! How fast the device moves, and where it will be at the next sample: one choice for every method that
+//! needs it.
+
+use super::observer::{Motion, Observer, ObserverParams, Seen};
+use super::steps::{Step, Steps};
+use crate::Scalar;
+use crate::contact::Mass;
+use crate::parameter::{ParameterError, not_negative, positive};
+
+/// How a method tells how fast the device moves, and where it will be at the next sample, xi~.
+///
+/// The virtual damper takes from it the velocity of the penetration in its force, HFCR the displacement
+/// `d = xi~ - xi_i`. Every choice but the observer needs samples only.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: Scalar + serde::Serialize",
+        deserialize = "S: Scalar + serde::Deserialize<'de>"
+    ))
+)]
+pub enum Prediction<S> {
+    /// At the mean velocity of the last step, as in the paper: `xi~ = 2 xi_i - xi_{i-1}`.
+    #[default]
+    #[cfg_attr(feature = "serde", serde(alias = "constant-velocity"))]
+    LastStep,
+    /// At the velocity of end-fit first-order adaptive windowing (Janabi-Sharifi, Hayward and Chen,
+    /// IEEE Trans. Control Systems Technology 8(6), 2000): that of the longest straight line from the
+    /// last sample to an earlier one that passes every sample in between within the noise bound. A
+    /// quantised ramp keeps the whole window if the bound is the quantum; with a bound of 0 this is
+    /// the last step wherever the motion is curved.
+    FirstOrderAdaptiveWindow {
+        /// Largest error of a measured position `[m]`, not below 0: the quantum of the sensor.
+        noise_bound: S,
+        /// Longest window `[s]`, greater than 0. One step always counts, and never more than
+        /// [`LONGEST_WINDOW`](crate::LONGEST_WINDOW).
+        longest_window: S,
+    },
+    /// On the parabola through the last three samples, at constant acceleration:
+    /// `xi~ = 3 xi_i - 3 xi_{i-1} + xi_{i-2}`.
+    Extrapolation,
+    /// By an observer of the device's motion, at the acceleration it has now. There to be compared:
+    /// what the force about to be held will do to the device is still left out.
+    Observer {
+        /// Effective mass of the device, within a factor of 2 `[kg]`.
+        device_mass: Mass<S>,
+        /// Quantum of the position sensor `[m]`, 0 if it is not known to have one.
+        encoder_quantum: S,
+    },
+}
+
+/// A checked [`Prediction`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Predictor<S> {
+    LastStep,
+    AdaptiveWindow { noise_bound: S, longest: S },
+    Extrapolation,
+    Observer(ObserverParams<S>),
+}
+
+/// What a method remembers of the device's motion: nothing, if it needs the last step only.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PredictionMemory<S>(Past<S>);
+
+#[derive(Clone, Copy, Debug, Default)]
+enum Past<S> {
+    #[default]
+    Unknown,
+    Sampled(Steps<S>),
+    Observed {
+        observer: Observer<S>,
+        /// Force held over the last interval `[N]`.
+        held_force: S,
+    },
+}
+
+impl<S: Scalar> Prediction<S> {
+    pub(crate) fn check(self) -> Result<Predictor<S>, ParameterError> {
+        Ok(match self {
+            Self::LastStep => Predictor::LastStep,
+            Self::FirstOrderAdaptiveWindow {
+                noise_bound,
+                longest_window,
+            } => Predictor::AdaptiveWindow {
+                noise_bound: not_negative("noise_bound", "m", noise_bound)?,
+                longest: positive("longest_window", "s", longest_window)?,
+            },
+            Self::Extrapolation => Predictor::Extrapolation,
+            Self::Observer {
+                device_mass,
+                encoder_quantum,
+            } => Predictor::Observer(ObserverParams::new(device_mass, encoder_quantum)?),
+        })
+    }
+}
+
+impl<S: Scalar> Predictor<S> {
+    /// Takes the sample at an interval's end. What is followed moves against something that has moved
+    /// by `against` `[m]`: 0 for the device itself, the object's displacement for the penetration. An
+    /// observer follows the device itself.
+    #[inline]
+    pub fn see(&self, memory: &mut PredictionMemory<S>, seen: &Seen<S>, against: S) {
+        match self {
+            Self::LastStep => {}
+            Self::AdaptiveWindow { .. } | Self::Extrapolation => {
+                if !matches!(memory.0, Past::Sampled(_)) {
+                    memory.0 = Past::Sampled(Steps::none());
+                }
+                if let Past::Sampled(steps) = &mut memory.0 {
+                    steps.push(Step {
+                        moved: seen.moved - against,
+                        elapsed: seen.elapsed,
+                    });
+                }
+            }
+            Self::Observer(params) => {
+                if !matches!(memory.0, Past::Observed { .. }) {
+                    memory.0 = Past::Observed {
+                        observer: Observer::new(params),
+                        held_force: S::ZERO,
+                    };
+                }
+                if let Past::Observed {
+                    observer,
+                    held_force,
+                } = &mut memory.0
+                {
+                    observer.see(params, seen);
+                    *held_force = seen.held_force;
+                }
+            }
+        }
+    }
+
+    /// Velocity at the last sample against something that moves at `against` `[m/s]`. None where the
+    /// last step says it all.
+    #[inline]
+    pub fn velocity(&self, memory: &PredictionMemory<S>, against: S) -> Option<S> {
+        match (self, &memory.0) {
+            (Self::LastStep, _) => None,
+            (Self::Observer(params), _) => Some(memory.observed(params).0.velocity - against),
+            (Self::AdaptiveWindow { .. }, _) => self.mean_velocity(memory, S::ZERO),
+            (Self::Extrapolation, Past::Sampled(steps)) => Some(steps.parabola()?.velocity),
+            (Self::Extrapolation, _) => None,
+        }
+    }
+
+    /// Mean velocity of the device predicted for the coming `period` `[s]`: `(xi~ - xi_i) / T`. None
+    /// where the last step says it all.
+    #[inline]
+    pub fn mean_velocity(&self, memory: &PredictionMemory<S>, period: S) -> Option<S> {
+        match (self, &memory.0) {
+            (Self::LastStep, _) => None,
+            (Self::Observer(params), _) => {
+                let (device, held_force) = memory.observed(params);
+                let (travel, _) = device.under(held_force, period);
+                Some((device.offset + travel) / period)
+            }
+            (
+                Self::AdaptiveWindow {
+                    noise_bound,
+                    longest,
+                },
+                Past::Sampled(steps),
+            ) => steps.adaptive_window(*noise_bound, *longest),
+            (Self::Extrapolation, Past::Sampled(steps)) => {
+                let parabola = steps.parabola()?;
+                Some(parabola.velocity + parabola.half_acceleration * period)
+            }
+            (Self::AdaptiveWindow { .. } | Self::Extrapolation, _) => None,
+        }
+    }
+}
+
+impl<S: Scalar> PredictionMemory<S> {
+    /// The device as an observer knows it, and the force held over the last interval `[N]`.
+    #[inline]
+    fn observed(&self, params: &ObserverParams<S>) -> (Motion<S>, S) {
+        match &self.0 {
+            Past::Observed {
+                observer,
+                held_force,
+            } => (observer.motion, *held_force),
+            _ => (Observer::new(params).motion, S::ZERO),
+        }
+    }
+}
