@@ -5,9 +5,11 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use palpate_device::clock::{Clock, SteppedClock};
-use palpate_device::{Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector, ZeroWriter};
+use palpate_device::{
+    Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector, ZeroWriter,
+};
 use palpate_rt::safety::SafetyParams;
-use palpate_rt::{ControlLoop, Rendering, tap};
+use palpate_rt::{ControlLoop, tap};
 use palpate_scene::method::MethodName;
 
 use crate::situations::{Watch, scene};
@@ -95,7 +97,7 @@ pub fn anything(watch: &mut Watch) {
         let methods = MethodName::ALL;
         let rendering = |random: &mut fastrand::Rng| {
             let method = methods[random.usize(..methods.len())];
-            let mut rendering = Rendering::of(scene, method).unwrap();
+            let mut rendering = scene.rendering(method).unwrap();
             rendering.loop_params.period = 0.001;
             rendering.contact.stiffness *= 10_f64.powf(6.0 * random.f64() - 3.0);
             rendering

@@ -8,8 +8,8 @@ use std::time::Duration;
 
 use palpate_device::clock::SteppedClock;
 use palpate_device::{Capabilities, Device, DeviceError, NullDevice, Reading, Vector, ZeroWriter};
+use palpate_rt::ControlLoop;
 use palpate_rt::safety::SafetyParams;
-use palpate_rt::{ControlLoop, Rendering};
 use palpate_scene::method::MethodName;
 
 use crate::situations::{Watch, scene};
@@ -66,7 +66,7 @@ impl FromStr for Misdeed {
 /// Ten ticks of a loop whose device commits `misdeed` in each.
 pub fn commit(misdeed: Misdeed, watch: &mut Watch) {
     let clock = SteppedClock::new();
-    let rendering = Rendering::of(&scene("wall.toml"), MethodName::Coupled).unwrap();
+    let rendering = scene("wall.toml").rendering(MethodName::Coupled).unwrap();
     let device = Misbehaving {
         misdeed,
         device: NullDevice::new(clock.clone()),

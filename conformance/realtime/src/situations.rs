@@ -8,14 +8,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use palpate_io::recording::Flags;
 use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
 use palpate_device::{Device, DeviceErrorKind, NullDevice, ReplayDevice, ScriptedDevice, Step};
-use palpate_sim::device::{PointerDevice, PointerHand, PointerParams, SimulatedDevice};
+use palpate_io::recording::Flags;
 use palpate_rt::safety::{OscillationParams, SafetyParams, Trip};
-use palpate_rt::{ControlLoop, Ending, Note, Rendering, StopFlag, Told, tap};
+use palpate_rt::{ControlLoop, Ending, Note, StopFlag, Told, tap};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile, beside};
+use palpate_sim::device::{PointerDevice, PointerHand, PointerParams, SimulatedDevice};
 
 use crate::hostile::anything;
 
@@ -73,7 +73,7 @@ type Simulated = ControlLoop<SimulatedDevice<SteppedClock>, SteppedClock>;
 fn simulated(scene: &Scene, method: MethodName, limits: SafetyParams) -> Simulated {
     let clock = SteppedClock::new();
     let device = SimulatedDevice::of(scene, clock.clone()).unwrap();
-    let rendering = Rendering::of(scene, method).unwrap();
+    let rendering = scene.rendering(method).unwrap();
     ControlLoop::new(device, clock, rendering, limits).unwrap()
 }
 
@@ -83,7 +83,7 @@ type Scripted = ControlLoop<ScriptedDevice<SteppedClock>, SteppedClock>;
 fn scripted(script: Vec<Step>, limits: SafetyParams) -> (Scripted, SteppedClock) {
     let clock = SteppedClock::new();
     let device = ScriptedDevice::new(clock.clone(), 1, script);
-    let rendering = Rendering::of(&scene("wall.toml"), MethodName::Basic).unwrap();
+    let rendering = scene("wall.toml").rendering(MethodName::Basic).unwrap();
     let control = ControlLoop::new(device, clock.clone(), rendering, limits).unwrap();
     (control, clock)
 }
@@ -118,7 +118,7 @@ fn every_method(watch: &mut Watch) {
 
 fn no_device(watch: &mut Watch) {
     let clock = SteppedClock::new();
-    let rendering = Rendering::of(&scene("wall.toml"), MethodName::Coupled).unwrap();
+    let rendering = scene("wall.toml").rendering(MethodName::Coupled).unwrap();
     let device = NullDevice::new(clock.clone());
     let mut control = ControlLoop::new(device, clock, rendering, SafetyParams::default()).unwrap();
     ticks(&mut control, 1000, watch);
@@ -134,7 +134,7 @@ fn replay(watch: &mut Watch) {
         })
         .collect();
     let device = ReplayDevice::new(clock.clone(), 1, samples).unwrap();
-    let rendering = Rendering::of(&scene("wall.toml"), MethodName::Hfcr).unwrap();
+    let rendering = scene("wall.toml").rendering(MethodName::Hfcr).unwrap();
     let mut control = ControlLoop::new(device, clock, rendering, SafetyParams::default()).unwrap();
     ticks(&mut control, 600, watch);
     assert_eq!(control.trip(), Some(Trip::DeviceLost));
@@ -228,7 +228,7 @@ fn changes(watch: &mut Watch) {
                 let mut control = simulated(&scene, from, wide());
                 let mut parameters = control.parameters().unwrap();
                 ticks(&mut control, 200, watch);
-                let mut next = Rendering::of(&scene, to).unwrap();
+                let mut next = scene.rendering(to).unwrap();
                 next.contact.stiffness *= 1.5;
                 next.virtual_force -= 0.1;
                 parameters.change(next).unwrap();
@@ -306,7 +306,7 @@ fn a_pointer(watch: &mut Watch) {
         let clock = SteppedClock::new();
         let hand = PointerHand::at(0.0);
         let device = PointerDevice::new(PointerParams::of(&scene), &hand, clock.clone()).unwrap();
-        let rendering = Rendering::of(&scene, method).unwrap();
+        let rendering = scene.rendering(method).unwrap();
         let mut control =
             ControlLoop::new(device, clock, rendering, SafetyParams::default()).unwrap();
         for number in 0..60 {
@@ -347,7 +347,7 @@ fn real_time(watch: &mut Watch) {
     for spin in [Duration::ZERO, Duration::from_micros(300)] {
         let clock = MonotonicClock::new().with_spin(spin);
         let device = SimulatedDevice::of(&scene, clock).unwrap();
-        let rendering = Rendering::of(&scene, MethodName::Coupled).unwrap();
+        let rendering = scene.rendering(MethodName::Coupled).unwrap();
         let (tap, listener) = tap(1000);
         let mut control = ControlLoop::new(device, clock, rendering, SafetyParams::default())
             .unwrap()
@@ -361,7 +361,7 @@ fn real_time(watch: &mut Watch) {
 fn a_run_that_is_stopped(watch: &mut Watch) {
     let clock = MonotonicClock::new();
     let device = SimulatedDevice::of(&scene("wall.toml"), clock).unwrap();
-    let rendering = Rendering::of(&scene("wall.toml"), MethodName::Hfcr).unwrap();
+    let rendering = scene("wall.toml").rendering(MethodName::Hfcr).unwrap();
     let mut control = ControlLoop::new(device, clock, rendering, SafetyParams::default()).unwrap();
     let stop = StopFlag::new();
     let raised = stop.clone();

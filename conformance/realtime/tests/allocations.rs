@@ -6,11 +6,11 @@ use std::time::Duration;
 
 use palpate_conformance_realtime::misdeeds::{Misdeed, commit};
 use palpate_conformance_realtime::situations::{MONOTONIC, STEPPED, Situation, scene};
-use palpate_haply_emulator::inverse3::{Emulator, EmulatorOptions, Fault};
-use palpate_haply::inverse3::{Inverse3, Inverse3Options};
 use palpate_device::clock::MonotonicClock;
+use palpate_haply::inverse3::{Inverse3, Inverse3Options};
+use palpate_haply_emulator::inverse3::{Emulator, EmulatorOptions, Fault};
+use palpate_rt::ControlLoop;
 use palpate_rt::safety::SafetyParams;
-use palpate_rt::{ControlLoop, Rendering};
 use palpate_scene::method::MethodName;
 
 /// The system's allocator, counting what each thread asks of it: memory taken, and given back.
@@ -95,7 +95,7 @@ fn nor_does_it_on_an_inverse3_whatever_its_service_does() {
     let mut pressed = scene("wall.toml");
     pressed.object.position = -0.001;
     pressed.loop_params.period = 0.001;
-    let rendering = Rendering::of(&pressed, MethodName::Basic).unwrap();
+    let rendering = pressed.rendering(MethodName::Basic).unwrap();
     let mut control = ControlLoop::new(device, clock, rendering, SafetyParams::default()).unwrap();
     let stall = Fault::Stall(Duration::from_millis(30));
     let faults = [

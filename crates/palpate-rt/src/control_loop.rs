@@ -7,7 +7,6 @@ use std::time::Duration;
 
 use palpate::{Output, Placement};
 use palpate_io::recording::{Flags, Tick};
-use palpate_scene::method::MethodName;
 
 use crate::deadlines::Deadlines;
 use crate::delivered::Delivered;
@@ -52,8 +51,8 @@ pub struct ControlLoop<D: Device, C: Clock> {
     /// When the last tick began.
     ticked: Option<Duration>,
     /// The method whose energy is counted now, and the one before it that created the most of late.
-    method: MethodName,
-    method_before: MethodName,
+    method: &'static str,
+    method_before: &'static str,
 }
 
 /// Longest period: whoever ends a loop should not have to wait for longer.

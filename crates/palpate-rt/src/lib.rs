@@ -17,7 +17,7 @@
 //! use palpate_device::clock::SteppedClock;
 //! use palpate_sim::device::SimulatedDevice;
 //! use palpate_rt::safety::SafetyParams;
-//! use palpate_rt::{ControlLoop, Rendering};
+//! use palpate_rt::ControlLoop;
 //! use palpate_scene::method::MethodName;
 //! use palpate_scene::SceneFile;
 //!
@@ -25,7 +25,7 @@
 //! let scene = SceneFile::parse("fig2.toml", text)?.scene;
 //! let clock = SteppedClock::new();
 //! let device = SimulatedDevice::of(&scene, clock.clone())?;
-//! let rendering = Rendering::of(&scene, MethodName::Coupled)?;
+//! let rendering = scene.rendering(MethodName::Coupled)?;
 //! let mut control = ControlLoop::new(device, clock, rendering, SafetyParams::default())?;
 //! for _ in 0..100 {
 //!     let tick = control.tick();
@@ -84,7 +84,7 @@ mod wire;
 pub use control_loop::ControlLoop;
 pub use note::{Ending, Note, Noted};
 pub use recorder::{Account, Recorder};
-pub use rendering::{CHANGE_DURATION, ChangeError, Parameters, Rendered, Rendering};
+pub use rendering::{CHANGE_DURATION, ChangeError, Parameters, Rendered, Rendering, parameters};
 pub use setup::SetupError;
 pub use statistics::{Durations, LoopStatistics};
 pub use stop::StopFlag;

@@ -2,7 +2,6 @@
 
 use palpate::Fault;
 use palpate_io::recording::Event;
-use palpate_scene::method::MethodName;
 
 use crate::rendering::Rendering;
 use crate::safety::Trip;
@@ -16,9 +15,9 @@ pub enum Note {
     /// Safety has tripped on [`Trip::Oscillation`].
     Oscillated {
         /// The method whose held forces created the energy.
-        method: MethodName,
+        method: &'static str,
         /// The method that renders now.
-        renders_now: MethodName,
+        renders_now: &'static str,
     },
     /// What had tripped has passed.
     Recovered(Trip),
@@ -149,7 +148,7 @@ impl Noted {
 }
 
 /// What has oscillated, in words.
-fn oscillated(method: MethodName, renders_now: MethodName) -> String {
+fn oscillated(method: &'static str, renders_now: &'static str) -> String {
     let text =
         format!("held forces created energy while {method} rendered: the contact oscillates");
     if method == renders_now {

@@ -31,7 +31,7 @@ use std::sync::Arc;
 
 use palpate::{
     AnyParams, AnyRenderer, Contact, LARGEST_DELAY, LoopParams, Mass, ObjectState, ParameterError,
-    Renderer,
+    Renderer, Rendering,
 };
 
 use palpate_testbed::recorded_hand::RecordedHand;
@@ -160,6 +160,21 @@ impl Scene {
             ..self.loop_params
         };
         Ok(Renderer::new(self.contact, loop_params, params)?)
+    }
+
+    /// What this scene renders by `method`.
+    ///
+    /// # Errors
+    /// As [`renderer`](Self::renderer).
+    pub fn rendering(&self, method: MethodName) -> Result<Rendering<f64>, SetupError> {
+        let renderer = self.renderer(method)?;
+        Ok(Rendering {
+            contact: self.contact,
+            loop_params: *renderer.loop_params(),
+            params: self.params(method)?,
+            virtual_force: self.virtual_force,
+            object: self.object,
+        })
     }
 
     /// Parameters of `method` here, from its settings and their defaults.

@@ -2,12 +2,11 @@
 
 use std::fmt::Write;
 
-use palpate::{Contact, Guard, LoopParams, Mass, SehEstimate, Side};
+use palpate::{Contact, DamperObject, EntryHold, Guard, LoopParams, Mass, SehEstimate, Side};
 use palpate_testbed::pantograph::SafetyBox;
 
 use super::{Dropped, Grip, Jitter, Measure, PointMassDevice, Scene, Timing, Wave};
 use crate::method::{Damping, MethodName, Predictor, Settings};
-use crate::named_parameters::{damper_object_name, entry_hold_name};
 
 /// Something of a scene that scene files have no key for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -276,18 +275,11 @@ impl File {
         self.if_given("damping_cap_n_s_per_m", damping_cap);
         self.if_given("speed_threshold_m_per_s", speed_threshold);
         self.if_given("initial_energy_j", initial_energy);
-        if let Some(estimate) = estimate {
-            let name = match estimate {
-                SehEstimate::Ab2 => "ab2",
-                SehEstimate::Differences => "differences",
-                SehEstimate::Ab3 => "ab3",
-            };
-            self.line("estimate", &format!("\"{name}\""));
-        }
         let words = [
+            ("estimate", estimate.map(SehEstimate::name)),
             ("prediction", prediction.map(Predictor::name)),
-            ("damper_object", damper_object.map(damper_object_name)),
-            ("entry_hold", entry_hold.map(entry_hold_name)),
+            ("damper_object", damper_object.map(DamperObject::name)),
+            ("entry_hold", entry_hold.map(EntryHold::name)),
         ];
         for (key, word) in words {
             if let Some(word) = word {

@@ -146,7 +146,9 @@ impl Settings {
             .map(|lane| {
                 let scene = self.scene(scene, *lane);
                 scene.check().map_err(|error| error.to_string())?;
-                Rendering::of(&scene, lane.method).map_err(|error| error.to_string())
+                scene
+                    .rendering(lane.method)
+                    .map_err(|error| error.to_string())
             })
             .collect()
     }

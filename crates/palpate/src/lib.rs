@@ -58,6 +58,7 @@ mod placement;
 mod predict;
 mod relative_motion;
 mod render;
+mod rendering;
 mod response;
 mod sample;
 mod scalar;
@@ -68,7 +69,7 @@ pub use difficulty::Difficulty;
 pub use energy::{Leak, Ledger};
 pub use guard::{Guard, GuardParams};
 pub use motion::{Displacement, ObjectMotion, ObjectState, Rule, Start};
-pub use parameter::ParameterError;
+pub use parameter::{ParameterError, ParameterValue};
 pub use placement::Placement;
 pub use predict::{LONGEST_WINDOW, Prediction, PredictionMemory};
 pub use render::{
@@ -77,6 +78,7 @@ pub use render::{
     MethodParams, OnItsWay, Plan, Popc, PopcParams, PopcRef, PopcRefParams, Renderer, Seh,
     SehEstimate, SehMemory, SehParams, Situation, State, VirtualDamper, VirtualDamperParams,
 };
+pub use rendering::Rendering;
 pub use sample::{Fault, Limited, Output, Phase, Sample};
 pub use scalar::Scalar;
 

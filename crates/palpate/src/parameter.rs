@@ -96,3 +96,27 @@ pub(crate) fn check<S: Scalar>(
         })
     }
 }
+
+/// The value of a parameter, for a report.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ParameterValue<S> {
+    /// A number, in the unit that the parameter's key ends with.
+    Number(S),
+    /// One of several words.
+    Word(&'static str),
+    /// On or off.
+    Switch(bool),
+    /// A number that is derived from the contact and the loop, and has not been derived yet.
+    ToBeDerived,
+}
+
+impl<S: fmt::Display> fmt::Display for ParameterValue<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(number) => write!(f, "{number}"),
+            Self::Word(word) => f.write_str(word),
+            Self::Switch(on) => write!(f, "{on}"),
+            Self::ToBeDerived => f.write_str("auto"),
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! Parameters of a method in a report.
 
-use palpate::AnyParams;
-use palpate_scene::named_parameters::{ParameterValue, named_parameters};
+use palpate::{AnyParams, ParameterValue};
+use palpate_scene::named_parameters::named_parameters;
 use serde_json::{Map, Value};
 
 /// Parameters by name, with the unit in the name; empty for a method without any.

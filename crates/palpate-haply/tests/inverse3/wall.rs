@@ -26,7 +26,7 @@ fn wall(method: MethodName) -> Rendering {
     scene.object.position = 0.0;
     scene.loop_params.period = 0.001;
     scene.virtual_force = 0.0;
-    Rendering::of(&scene, method).unwrap()
+    scene.rendering(method).unwrap()
 }
 
 /// A device that a hand of 100 N/m and 5 N s/m pulls 10 mm into the wall, from 10 mm before it.

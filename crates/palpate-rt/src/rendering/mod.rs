@@ -3,94 +3,13 @@
 mod blend;
 mod rendered;
 
-use std::fmt;
-
-use palpate::{
-    AnyParams, AnyRenderer, Contact, LoopParams, Mass, ObjectState, ParameterError, Renderer,
-};
-use palpate_scene::method::MethodName;
-use palpate_scene::named_parameters::{in_words, method_of};
-use palpate_scene::{Scene, SetupError};
+use palpate::{AnyRenderer, ParameterError};
 
 pub use blend::CHANGE_DURATION;
 pub use rendered::Rendered;
 
-/// What the loop renders: a contact, by a method.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rendering {
-    /// The contact.
-    pub contact: Contact<f64>,
-    /// The loop; its period is that of the deadlines.
-    pub loop_params: LoopParams<f64>,
-    /// The method, with its parameters.
-    pub params: AnyParams<f64>,
-    /// Virtual force f_V on the object `[N]`.
-    pub virtual_force: f64,
-    /// Where the object is at the start; where a wall always is.
-    pub object: ObjectState<f64>,
-}
-
-impl Rendering {
-    /// What `scene` renders by `method`.
-    ///
-    /// # Errors
-    /// A parameter outside its range; a setting that the method cannot use.
-    pub fn of(scene: &Scene, method: MethodName) -> Result<Self, SetupError> {
-        let renderer = scene.renderer(method)?;
-        Ok(Self {
-            contact: scene.contact,
-            loop_params: *renderer.loop_params(),
-            params: scene.params(method)?,
-            virtual_force: scene.virtual_force,
-            object: scene.object,
-        })
-    }
-
-    /// The renderer of it.
-    ///
-    /// # Errors
-    /// A parameter outside its range.
-    pub fn renderer(&self) -> Result<AnyRenderer<f64>, ParameterError> {
-        Renderer::new(self.contact, self.loop_params, self.params)
-    }
-
-    /// The contact of it, for a loop that is not a [`ControlLoop`](crate::ControlLoop), and the
-    /// other end of its parameters. What that loop commands has to pass a
-    /// [`Safety`](crate::safety::Safety) of its own.
-    ///
-    /// # Errors
-    /// A parameter outside its range.
-    pub fn begin(self) -> Result<(Parameters, Rendered), ParameterError> {
-        parameters(self)
-    }
-
-    /// The method; HFCR without dissipation is `hfcr`, whatever it was chosen as.
-    #[must_use]
-    pub fn method(&self) -> MethodName {
-        method_of(&self.params)
-    }
-
-    fn is_wall(&self) -> bool {
-        self.contact.object_mass == Mass::Infinite
-    }
-}
-
-impl fmt::Display for Rendering {
-    /// What a change can change.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let stiffness = self.contact.stiffness;
-        match self.contact.object_mass {
-            Mass::Finite(mass) => write!(f, "{mass} kg behind {stiffness} N/m")?,
-            Mass::Infinite => write!(f, "a wall of {stiffness} N/m")?,
-        }
-        write!(
-            f,
-            ", f_V {} N, by {}",
-            self.virtual_force,
-            in_words(&self.params)
-        )
-    }
-}
+/// What a loop renders, in the loop's numbers.
+pub type Rendering = palpate::Rendering<f64>;
 
 /// A change of what is rendered that has been checked, with its number.
 #[derive(Clone, Copy, Debug)]
@@ -171,7 +90,13 @@ impl Parameters {
 }
 
 /// Both ends of the parameters of a loop that begins with `rendering`.
-pub(crate) fn parameters(rendering: Rendering) -> Result<(Parameters, Rendered), ParameterError> {
+///
+/// A [`ControlLoop`](crate::ControlLoop) does this by itself. For another loop it gives the contact to
+/// render; what that loop commands has to pass a [`Safety`](crate::safety::Safety) of its own.
+///
+/// # Errors
+/// The first parameter outside its range.
+pub fn parameters(rendering: Rendering) -> Result<(Parameters, Rendered), ParameterError> {
     let renderer = rendering.renderer()?;
     let change = Change {
         rendering,

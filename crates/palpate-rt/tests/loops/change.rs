@@ -88,9 +88,7 @@ fn another_method_takes_over_at_the_force_of_the_one_before() {
                 last = control.tick();
                 assert!(last.time < 5.0, "no contact");
             }
-            parameters
-                .change(Rendering::of(&held, to).unwrap())
-                .unwrap();
+            parameters.change(held.rendering(to).unwrap()).unwrap();
             let steps: Vec<f64> = (0..20)
                 .map(|_| {
                     let tick = control.tick();
@@ -300,7 +298,7 @@ fn said_after_a_switch(to: MethodName, ticks: usize) -> (Option<usize>, Vec<Note
     let mut tripped = None;
     for tick in 0..2000 {
         if tick == ticks {
-            let rendering = Rendering::of(&buzzing, to).unwrap();
+            let rendering = buzzing.rendering(to).unwrap();
             parameters.change(rendering).unwrap();
         }
         control.tick();
@@ -324,8 +322,8 @@ fn the_method_that_created_the_energy_is_named_and_not_the_one_that_renders_now(
     let (tripped, notes) = said_after_a_switch(MethodName::Basic, usize::MAX);
     let tripped = tripped.expect("the spring force trips");
     let by_basic = Note::Oscillated {
-        method: MethodName::Basic,
-        renders_now: MethodName::Basic,
+        method: MethodName::Basic.name(),
+        renders_now: MethodName::Basic.name(),
     };
     assert!(notes.contains(&by_basic), "{notes:?}");
     assert!(!notes.contains(&Note::Tripped(Trip::Oscillation)));
@@ -333,16 +331,16 @@ fn the_method_that_created_the_energy_is_named_and_not_the_one_that_renders_now(
     let (at, notes) = said_after_a_switch(MethodName::Coupled, tripped);
     assert_eq!(at, Some(tripped));
     let before_coupled = Note::Oscillated {
-        method: MethodName::Basic,
-        renders_now: MethodName::Coupled,
+        method: MethodName::Basic.name(),
+        renders_now: MethodName::Coupled.name(),
     };
     assert!(notes.contains(&before_coupled), "{notes:?}");
     // A method that oscillates by itself long after the change is the one that is named.
     let (at, notes) = said_after_a_switch(MethodName::Seh, 0);
     assert!(at.is_some(), "sample-estimate-hold trips too");
     let by_seh = Note::Oscillated {
-        method: MethodName::Seh,
-        renders_now: MethodName::Seh,
+        method: MethodName::Seh.name(),
+        renders_now: MethodName::Seh.name(),
     };
     assert!(notes.contains(&by_seh), "{notes:?}");
 }
@@ -351,10 +349,10 @@ fn the_method_that_created_the_energy_is_named_and_not_the_one_that_renders_now(
 fn what_is_rendered_is_said_in_words() {
     let scene = scene("experiment2.toml");
     for method in MethodName::ALL {
-        let said = Rendering::of(&scene, method).unwrap().to_string();
+        let said = scene.rendering(method).unwrap().to_string();
         assert!(!said.contains(['{', '}', ':']), "{said}");
     }
-    let said = Rendering::of(&scene, MethodName::Coupled).unwrap();
+    let said = scene.rendering(MethodName::Coupled).unwrap();
     let words =
         "by coupled (device_mass_kg 0.25, encoder_quantum_m 0, placement true, correction true)";
     assert!(said.to_string().ends_with(words), "{said}");

@@ -8,7 +8,7 @@ use palpate_device::{
     Capabilities, Device, DeviceError, DeviceErrorKind, NullDevice, Reading, Step, Vector,
 };
 use palpate_rt::safety::{SafetyParams, Trip};
-use palpate_rt::{ControlLoop, Ending, Rendering, StopFlag, Told, tap};
+use palpate_rt::{ControlLoop, Ending, StopFlag, Told, tap};
 use palpate_scene::method::MethodName;
 
 use crate::{at, scene, scripted, wide};
@@ -56,7 +56,7 @@ fn a_loop_that_is_dropped_commands_no_force_and_asks_twice() {
             held: Arc::clone(&held),
             refusals: Arc::clone(&refusals),
         };
-        let rendering = Rendering::of(&scene("wall.toml"), MethodName::Basic).unwrap();
+        let rendering = scene("wall.toml").rendering(MethodName::Basic).unwrap();
         let mut control = ControlLoop::new(device, clock, rendering, wide()).unwrap();
         for _ in 0..5 {
             control.tick();

@@ -14,8 +14,8 @@ use std::path::Path;
 
 use palpate_device::clock::SteppedClock;
 use palpate_device::{ScriptedDevice, Step};
+use palpate_rt::ControlLoop;
 use palpate_rt::safety::{OscillationParams, SafetyParams};
-use palpate_rt::{ControlLoop, Rendering};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile, beside};
 use palpate_sim::device::SimulatedDevice;
@@ -56,7 +56,7 @@ pub(crate) fn simulated(
 ) {
     let clock = SteppedClock::new();
     let device = SimulatedDevice::of(scene, clock.clone()).unwrap();
-    let rendering = Rendering::of(scene, method).unwrap();
+    let rendering = scene.rendering(method).unwrap();
     let control = ControlLoop::new(device, clock.clone(), rendering, limits).unwrap();
     (control, clock)
 }
@@ -74,7 +74,7 @@ pub(crate) fn scripted(script: Vec<Step>, limits: SafetyParams) -> (Scripted, St
     pressed.virtual_force = 0.0;
     let clock = SteppedClock::new();
     let device = ScriptedDevice::new(clock.clone(), 1, script);
-    let rendering = Rendering::of(&pressed, MethodName::Basic).unwrap();
+    let rendering = pressed.rendering(MethodName::Basic).unwrap();
     let control = ControlLoop::new(device, clock.clone(), rendering, limits).unwrap();
     (control, clock)
 }

@@ -7,7 +7,7 @@ use std::time::Duration;
 use palpate_device::clock::{Clock, SteppedClock};
 use palpate_device::{Capabilities, Device, DeviceError, NullDevice, Reading, Vector};
 use palpate_rt::safety::Trip;
-use palpate_rt::{ControlLoop, Ending, Note, Rendering, StopFlag, Told, tap};
+use palpate_rt::{ControlLoop, Ending, Note, StopFlag, Told, tap};
 use palpate_scene::method::MethodName;
 
 use crate::{at, scene, scripted, wide};
@@ -48,7 +48,7 @@ fn stamps(ahead: Duration) -> (ControlLoop<Stamps, SteppedClock>, Arc<AtomicUsiz
         ahead,
         wrong: Arc::clone(&wrong),
     };
-    let rendering = Rendering::of(&scene("wall.toml"), MethodName::Basic).unwrap();
+    let rendering = scene("wall.toml").rendering(MethodName::Basic).unwrap();
     let control = ControlLoop::new(device, clock, rendering, wide()).unwrap();
     (control, wrong)
 }

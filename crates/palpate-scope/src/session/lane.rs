@@ -186,7 +186,7 @@ impl Lane {
             Note::Oscillated { method, .. } => {
                 self.trip = Some(Tripped {
                     why: Trip::Oscillation.to_string(),
-                    method: Some(self.chosen_as(method)),
+                    method: self.chosen_as(method),
                 });
             }
             Note::MissedDeadlines(number) => self.statistics.missed_deadlines += number,
@@ -239,13 +239,14 @@ impl Lane {
         Ok(())
     }
 
-    /// The name by which a method of the loop was chosen: HFCR without dissipation has two.
-    fn chosen_as(&self, method: MethodName) -> MethodName {
+    /// The choice behind the name of a method that the loop gives: HFCR without dissipation has two.
+    fn chosen_as(&self, name: &str) -> Option<MethodName> {
+        let method: MethodName = name.parse().ok()?;
         let is_it = |chosen: &&MethodName| {
             **chosen == method || (method == MethodName::Hfcr && **chosen == MethodName::HfcrModSt)
         };
         let newest = self.chosen.iter().rev().find(is_it);
-        newest.copied().unwrap_or(method)
+        Some(newest.copied().unwrap_or(method))
     }
 
     /// Number of the parameters that were handed over last.

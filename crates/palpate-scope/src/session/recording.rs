@@ -278,7 +278,7 @@ mod tests {
     fn what_changed_before_the_first_tick_is_written_with_it() {
         let text = include_str!("../../../../experiments/live.toml");
         let scene = palpate_scene::SceneFile::parse("live.toml", text).unwrap();
-        let rendering = palpate_rt::Rendering::of(&scene.scene, scene.scene.method).unwrap();
+        let rendering = scene.scene.rendering(scene.scene.method).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("changed.mcap");
         let mut recording = LaneRecording::begin(path.clone(), &Receipt::new("test"), 3).unwrap();

@@ -108,6 +108,10 @@ impl MethodParams<f64> for Printed {
     fn check(self, _: &Contact<f64>, _: &LoopParams<f64>) -> Result<Self, ParameterError> {
         Ok(self)
     }
+
+    fn name(&self) -> &'static str {
+        "hfcr as printed"
+    }
 }
 
 impl Method<f64> for Printed {

@@ -5,7 +5,7 @@ use super::observer::{Motion, Observer, ObserverParams, Seen};
 use super::steps::{Step, Steps};
 use crate::Scalar;
 use crate::contact::Mass;
-use crate::parameter::{ParameterError, not_negative, positive};
+use crate::parameter::{ParameterError, ParameterValue, not_negative, positive};
 
 /// How a method tells how fast the device moves, and where it will be at the next sample, xi~.
 ///
@@ -77,6 +77,29 @@ enum Past<S> {
 }
 
 impl<S: Scalar> Prediction<S> {
+    /// The choice's name, as files, flags and reports spell it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::LastStep => "last-step",
+            Self::FirstOrderAdaptiveWindow { .. } => "first-order-adaptive-window",
+            Self::Extrapolation => "extrapolation",
+            Self::Observer { .. } => "observer",
+        }
+    }
+
+    /// As of a method's parameters; what an observer is told of the device is told to it elsewhere.
+    pub(crate) fn describe(&self, take: &mut dyn FnMut(&'static str, ParameterValue<S>)) {
+        take("prediction", ParameterValue::Word(self.name()));
+        if let Self::FirstOrderAdaptiveWindow {
+            noise_bound,
+            longest_window,
+        } = *self
+        {
+            take("noise_bound_m", ParameterValue::Number(noise_bound));
+            take("longest_window_s", ParameterValue::Number(longest_window));
+        }
+    }
+
     pub(crate) fn check(self) -> Result<Predictor<S>, ParameterError> {
         Ok(match self {
             Self::LastStep => Predictor::LastStep,

@@ -1,5 +1,7 @@
 //! All methods behind one type, for programs that choose one by name.
 
+use core::fmt;
+
 use super::basic::{Basic, BasicParams};
 use super::coupled::{Coupled, CoupledMemory, CoupledParams};
 use super::hfcr::{Hfcr, HfcrParams};
@@ -11,7 +13,7 @@ use super::virtual_damper::{VirtualDamper, VirtualDamperParams};
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams};
 use crate::motion::{Displacement, ObjectMotion};
-use crate::parameter::ParameterError;
+use crate::parameter::{ParameterError, ParameterValue};
 use crate::predict::PredictionMemory;
 
 /// Parameters of any method. As a serde value, they stand under the method's name in kebab case.
@@ -83,6 +85,45 @@ impl<S: Scalar> MethodParams<S> for AnyParams<S> {
             Self::Hfcr(params) => AnyMethod::Hfcr(params.check(c, l)?),
             Self::Coupled(params) => AnyMethod::Coupled(params.check(c, l)?),
         })
+    }
+
+    fn name(&self) -> &'static str {
+        match self {
+            Self::Basic => MethodParams::<S>::name(&BasicParams),
+            Self::VirtualDamper(params) => params.name(),
+            Self::Seh(params) => MethodParams::<S>::name(params),
+            Self::Popc(params) => params.name(),
+            Self::PopcRef(params) => params.name(),
+            Self::Hfcr(params) => params.name(),
+            Self::Coupled(params) => params.name(),
+        }
+    }
+
+    fn describe(&self, take: &mut dyn FnMut(&'static str, ParameterValue<S>)) {
+        match self {
+            Self::Basic => BasicParams.describe(take),
+            Self::VirtualDamper(params) => params.describe(take),
+            Self::Seh(params) => params.describe(take),
+            Self::Popc(params) => params.describe(take),
+            Self::PopcRef(params) => params.describe(take),
+            Self::Hfcr(params) => params.describe(take),
+            Self::Coupled(params) => params.describe(take),
+        }
+    }
+}
+
+/// The method and its parameters, in words: `virtual-damper (damping_n_s_per_m 2.5)`.
+impl<S: Scalar + fmt::Display> fmt::Display for AnyParams<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())?;
+        let (mut result, mut is_first) = (Ok(()), true);
+        self.describe(&mut |key, value| {
+            let before = if is_first { " (" } else { ", " };
+            result = result.and_then(|()| write!(f, "{before}{key} {value}"));
+            is_first = false;
+        });
+        result?;
+        if is_first { Ok(()) } else { f.write_str(")") }
     }
 }
 

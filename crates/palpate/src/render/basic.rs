@@ -21,6 +21,10 @@ impl<S: Scalar> MethodParams<S> for BasicParams {
     fn check(self, _: &Contact<S>, _: &LoopParams<S>) -> Result<Basic, ParameterError> {
         Ok(Basic)
     }
+
+    fn name(&self) -> &'static str {
+        "basic"
+    }
 }
 
 impl<S: Scalar> Method<S> for Basic {

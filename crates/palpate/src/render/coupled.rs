@@ -5,7 +5,7 @@ use super::method::{Ended, Method, MethodParams, Plan, Situation};
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams, Mass};
 use crate::motion::{Displacement, ObjectMotion, Rule};
-use crate::parameter::ParameterError;
+use crate::parameter::{ParameterError, ParameterValue};
 use crate::predict::{Motion, Observer, ObserverParams, Placed};
 use crate::relative_motion::{Course, Drive, Relative};
 use crate::response::Response;
@@ -151,6 +151,22 @@ impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
             placement: self.placement,
             correction: self.correction,
         })
+    }
+
+    fn name(&self) -> &'static str {
+        "coupled"
+    }
+
+    fn describe(&self, take: &mut dyn FnMut(&'static str, ParameterValue<S>)) {
+        let device_mass = match self.device_mass {
+            Mass::Finite(mass) => ParameterValue::Number(mass),
+            Mass::Infinite => ParameterValue::Word("inf"),
+        };
+        take("device_mass_kg", device_mass);
+        let quantum = ParameterValue::Number(self.encoder_quantum);
+        take("encoder_quantum_m", quantum);
+        take("placement", ParameterValue::Switch(self.placement));
+        take("correction", ParameterValue::Switch(self.correction));
     }
 }
 

@@ -4,7 +4,7 @@ use super::method::{Ended, Method, MethodParams, Plan, Situation};
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams, Mass};
 use crate::motion::{Displacement, ObjectMotion, Rule};
-use crate::parameter::{ParameterError, not_negative, positive};
+use crate::parameter::{ParameterError, ParameterValue, not_negative, positive};
 use crate::predict::{Prediction, PredictionMemory, Predictor};
 
 /// Device displacements shorter than this `[m]` are taken as 0 where the force divides by them.
@@ -50,6 +50,17 @@ pub enum EntryHold {
     /// Half-way between the crossing and where it is predicted to be at the interval's end,
     /// `(xi_c + xi~)/2`: its mean position while in contact.
     Midpoint,
+}
+
+impl EntryHold {
+    /// The choice's name, as files, flags and reports spell it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Crossing => "crossing",
+            Self::Sample => "sample",
+            Self::Midpoint => "midpoint",
+        }
+    }
 }
 
 /// Parameters of HFCR: its three steps, independently on or off. The default has the first two
@@ -158,6 +169,32 @@ impl<S: Scalar> MethodParams<S> for HfcrParams<S> {
             predictor: self.prediction.check()?,
             entry_hold: self.entry_hold,
         })
+    }
+
+    /// Without smooth transitions the method is a step of HFCR with a name of its own. HFCR without
+    /// dissipation is `hfcr`.
+    fn name(&self) -> &'static str {
+        if self.smooth_transition {
+            "hfcr"
+        } else {
+            "hfcr-mod"
+        }
+    }
+
+    fn describe(&self, take: &mut dyn FnMut(&'static str, ParameterValue<S>)) {
+        let switch = ParameterValue::Switch;
+        take("modified_force", switch(self.modified_force));
+        take("smooth_transition", switch(self.smooth_transition));
+        let damping = match self.leak_dissipation {
+            LeakDissipation::Off => ParameterValue::Number(S::ZERO),
+            LeakDissipation::Damping(damping) => ParameterValue::Number(damping),
+            LeakDissipation::Auto { .. } => ParameterValue::ToBeDerived,
+        };
+        take("damping_n_s_per_m", damping);
+        self.prediction.describe(take);
+        if self.smooth_transition {
+            take("entry_hold", ParameterValue::Word(self.entry_hold.name()));
+        }
     }
 }
 

@@ -6,7 +6,7 @@ use super::queue::OnItsWay;
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams};
 use crate::motion::{Displacement, ObjectMotion, Rule, Start};
-use crate::parameter::ParameterError;
+use crate::parameter::{ParameterError, ParameterValue};
 use crate::predict::Seen;
 
 /// Parameters of a method, still unchecked.
@@ -23,6 +23,13 @@ pub trait MethodParams<S: Scalar> {
         contact: &Contact<S>,
         loop_params: &LoopParams<S>,
     ) -> Result<Self::Method, ParameterError>;
+
+    /// The method's name, as files, flags and reports spell it.
+    fn name(&self) -> &'static str;
+
+    /// Gives every parameter to `take`: its key as files and reports spell it, with the unit at its
+    /// end, and its value. A method without parameters gives none.
+    fn describe(&self, _take: &mut dyn FnMut(&'static str, ParameterValue<S>)) {}
 }
 
 /// A rendering method: a force law and the object motion that goes with it, with checked

@@ -4,7 +4,7 @@ use super::method::{Method, MethodParams, Plan, Situation};
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams};
 use crate::motion::ObjectMotion;
-use crate::parameter::{ParameterError, not_negative, positive};
+use crate::parameter::{ParameterError, ParameterValue, not_negative, positive};
 
 /// Slowest device speed `[m/s]` at which a passivity controller acts unless told otherwise.
 pub(super) const DEFAULT_SPEED_THRESHOLD: f64 = 1e-4;
@@ -50,6 +50,17 @@ impl<S: Scalar> MethodParams<S> for PopcParams<S> {
         not_negative("speed_threshold", "m/s", self.speed_threshold)?;
         not_negative("initial_energy", "J", self.initial_energy)?;
         Ok(Popc { params: self })
+    }
+
+    fn name(&self) -> &'static str {
+        "popc"
+    }
+
+    fn describe(&self, take: &mut dyn FnMut(&'static str, ParameterValue<S>)) {
+        let number = ParameterValue::Number;
+        take("damping_cap_n_s_per_m", number(self.damping_cap));
+        take("speed_threshold_m_per_s", number(self.speed_threshold));
+        take("initial_energy_j", number(self.initial_energy));
     }
 }
 

@@ -5,7 +5,7 @@ use super::popc::{DEFAULT_SPEED_THRESHOLD, dissipating_force};
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams};
 use crate::motion::ObjectMotion;
-use crate::parameter::{ParameterError, not_negative, positive};
+use crate::parameter::{ParameterError, ParameterValue, not_negative, positive};
 
 /// Parameters of reference energy following.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,6 +46,16 @@ impl<S: Scalar> MethodParams<S> for PopcRefParams<S> {
         positive("damping_cap", "N s/m", self.damping_cap)?;
         not_negative("speed_threshold", "m/s", self.speed_threshold)?;
         Ok(PopcRef { params: self })
+    }
+
+    fn name(&self) -> &'static str {
+        "popc-ref"
+    }
+
+    fn describe(&self, take: &mut dyn FnMut(&'static str, ParameterValue<S>)) {
+        let number = ParameterValue::Number;
+        take("damping_cap_n_s_per_m", number(self.damping_cap));
+        take("speed_threshold_m_per_s", number(self.speed_threshold));
     }
 }
 

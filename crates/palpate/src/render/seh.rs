@@ -4,7 +4,7 @@ use super::method::{Method, MethodParams, Plan, Situation};
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams};
 use crate::motion::ObjectMotion;
-use crate::parameter::ParameterError;
+use crate::parameter::{ParameterError, ParameterValue};
 
 /// How the mean force of the coming interval is extrapolated from past spring forces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -19,6 +19,17 @@ pub enum SehEstimate {
     Differences,
     /// Three-step Adams-Bashforth, `(23 f_i - 16 f_{i-1} + 5 f_{i-2}) / 12`.
     Ab3,
+}
+
+impl SehEstimate {
+    /// The estimate's name, as files, flags and reports spell it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ab2 => "ab2",
+            Self::Differences => "differences",
+            Self::Ab3 => "ab3",
+        }
+    }
 }
 
 /// Parameters of sample-estimate-hold.
@@ -55,6 +66,14 @@ impl<S: Scalar> MethodParams<S> for SehParams {
         Ok(Seh {
             estimate: self.estimate,
         })
+    }
+
+    fn name(&self) -> &'static str {
+        "seh"
+    }
+
+    fn describe(&self, take: &mut dyn FnMut(&'static str, ParameterValue<S>)) {
+        take("estimate", ParameterValue::Word(self.estimate.name()));
     }
 }
 

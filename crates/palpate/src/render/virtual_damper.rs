@@ -4,7 +4,7 @@ use super::method::{Ended, Method, MethodParams, Plan, Situation};
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams};
 use crate::motion::{Displacement, ObjectMotion, Start};
-use crate::parameter::{ParameterError, not_negative};
+use crate::parameter::{ParameterError, ParameterValue, not_negative};
 use crate::predict::{Prediction, PredictionMemory, Predictor};
 
 /// What moves the object of a virtual damper in contact.
@@ -25,6 +25,17 @@ pub enum DamperObject {
     /// The force that the device feels, held: `M eta'' = f_V + f_i`. Device and object then exchange
     /// the same impulse, limits and delays included.
     HeldForce,
+}
+
+impl DamperObject {
+    /// The choice's name, as files, flags and reports spell it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SpringAndDamper => "spring-and-damper",
+            Self::Spring => "spring",
+            Self::HeldForce => "held-force",
+        }
+    }
 }
 
 /// Parameters of the virtual damper.
@@ -83,6 +94,16 @@ impl<S: Scalar> MethodParams<S> for VirtualDamperParams<S> {
             object: self.object,
             predictor: self.prediction.check()?,
         })
+    }
+
+    fn name(&self) -> &'static str {
+        "virtual-damper"
+    }
+
+    fn describe(&self, take: &mut dyn FnMut(&'static str, ParameterValue<S>)) {
+        take("damping_n_s_per_m", ParameterValue::Number(self.damping));
+        take("damper_object", ParameterValue::Word(self.object.name()));
+        self.prediction.describe(take);
     }
 }
 

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use palpate_device::clock::MonotonicClock;
-use palpate_rt::{Rendering, SetupError, StopFlag};
+use palpate_rt::{SetupError, StopFlag};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile, Timing};
 use palpate_scope::{
@@ -158,7 +158,7 @@ fn read(arguments: &LiveArguments) -> Result<(Scene, PathBuf, Vec<MethodName>), 
     flags.change(&mut scene, &methods)?;
     scene.method = methods[0];
     for method in &methods {
-        Rendering::of(&scene, *method).map_err(Failure::input)?;
+        scene.rendering(*method).map_err(Failure::input)?;
     }
     if scene.timing != Timing::default() {
         tell(

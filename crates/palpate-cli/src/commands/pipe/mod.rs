@@ -127,7 +127,8 @@ fn set_up(arguments: &PipeArguments) -> Result<Stream, Failure> {
     // Contact and loop first: what is wrong with them is wrong whatever the method.
     check_contact(&setup)?;
     let rendering = rendering(&setup, method, &settings).map_err(|error| wrong_setup(&error))?;
-    let (parameters, rendered) = rendering.begin().map_err(|error| wrong_flag(&error))?;
+    let (parameters, rendered) =
+        palpate_rt::parameters(rendering).map_err(|error| wrong_flag(&error))?;
     let safety = Safety::new(
         limits(force_limit, soft_start, defaults),
         setup.loop_params.period,

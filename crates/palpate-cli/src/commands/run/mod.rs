@@ -13,7 +13,7 @@ use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
 use palpate_device::{Capabilities, Device};
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
-use palpate_rt::{ControlLoop, LoopThread, Recorder, Rendering, SetupError, StopFlag};
+use palpate_rt::{ControlLoop, LoopThread, Recorder, SetupError, StopFlag};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, Timing};
 
@@ -118,7 +118,7 @@ impl Session<'_> {
             SetupError::Safety(error) => Failure::Arguments(error.to_string()),
             other => Failure::input(format_args!("{}: {other}", self.path.display())),
         };
-        let rendering = Rendering::of(self.scene, self.method).map_err(Failure::input)?;
+        let rendering = self.scene.rendering(self.method).map_err(Failure::input)?;
         let capabilities = device.capabilities().clone();
         let control = ControlLoop::new(device, clock.clone(), rendering, limits)
             .map_err(wrong)?
