@@ -12,7 +12,7 @@ use crate::plant::Plant;
 use crate::sampled_loop::{LoopDevice, SampledLoop};
 use crate::scene::Grip;
 
-/// Largest standard deviation of the force, over its mean, of a contact that has come to rest.
+/// Largest standard deviation of the force, over what presses it, of a contact that has come to rest.
 pub const RESTS_BELOW: f64 = 0.1;
 
 /// Force with which a contact is pressed `[N]`.
