@@ -235,23 +235,25 @@ fn scale(quantity: Quantity) -> Scale {
         },
         Quantity::Resting => swing_scale(
             "Resting by its weight: standard deviation of the force over what presses, worse hand",
+            "≤ 10 %: rests",
             "border of what rests, below 10 %",
         ),
         Quantity::Pressed => swing_scale(
             "Pressed with 3 N: standard deviation of the force over what presses, worse hand",
+            "≤ 10 %: steady",
             "border of what is steady, below 10 %",
         ),
     }
 }
 
-fn swing_scale(name: &str, border: &str) -> Scale {
+fn swing_scale(name: &str, last: &str, border: &str) -> Scale {
     Scale {
         name: name.into(),
         steps: steps(&[
             ("#08306b", "≤ 0.1 %"),
             ("#3b7dbc", "≤ 1 %"),
             ("#9ecae1", "≤ 5 %"),
-            ("#deebf7", "≤ 10 %: rests"),
+            ("#deebf7", last),
             ("#fee391", "≤ 100 %"),
             ("#fe9929", "more"),
             ("#7f2704", "lost or diverged"),
