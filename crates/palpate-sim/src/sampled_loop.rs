@@ -4,6 +4,7 @@
 use palpate::{AnyMemory, AnyRenderer, ObjectState, Output, ParameterError, Sample, State};
 use palpate_testbed::device::{Device, PointMass};
 use palpate_testbed::measure::Sampler;
+use palpate_testbed::sprung_mass::SprungMass;
 use palpate_testbed::viscous_mass::ViscousMass;
 
 use crate::plant::Plant;
@@ -25,6 +26,7 @@ pub(crate) trait LoopDevice: Device {
 
 impl LoopDevice for PointMass {}
 impl LoopDevice for ViscousMass {}
+impl LoopDevice for SprungMass {}
 
 impl LoopDevice for Plant {
     fn measured(&self, sampler: &Sampler) -> f64 {

@@ -9,10 +9,12 @@ use palpate_scene::method::{Damping, MethodName, Settings};
 use palpate_scene::{Linkage, Measure};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::map::{
-    Bounce, CellResult, Class, Done, Entry, Forces, Limit, MapParams, PHASES, Plant, bounds,
-    compute,
+    Bounce, CellResult, Class, Done, Entry, Forces, Limit, MapParams, PHASES, Plant, RESTS_BELOW,
+    Stay, bounds, compute, default_settings,
 };
+use palpate_testbed::device::Device;
 use palpate_testbed::pantograph::Pantograph;
+use palpate_testbed::sprung_mass::SprungMass;
 
 fn params(cells: usize) -> MapParams {
     MapParams {
@@ -54,7 +56,8 @@ fn the_lean_loop_gives_the_numbers_of_the_bench_to_the_bit() {
         let params = MapParams { delay, ..params(5) };
         for index in [0, 9, 14, 16, 20, 29] {
             let bounce = params.cell(index).bounce.on(Plant::Undamped);
-            let entries = params.run_cell(index).unwrap().entries;
+            let cell = params.run_cell(index).unwrap();
+            let entries = cell.methods.iter().map(|result| result.bounce);
             let mut errors = vec![Vec::new(); params.methods.len()];
             for phase in 0..PHASES {
                 on_the_bench(&bounce, phase, |bench| {
@@ -64,7 +67,7 @@ fn the_lean_loop_gives_the_numbers_of_the_bench_to_the_bit() {
                     }
                 });
             }
-            for (errors, entry) in errors.iter_mut().zip(&entries) {
+            for (errors, entry) in errors.iter_mut().zip(entries) {
                 errors.sort_by(f64::total_cmp);
                 let expected = (errors[PHASES / 2], errors[PHASES - 1]);
                 let found = (entry.error.median, entry.error.worst);
@@ -151,9 +154,9 @@ fn what_the_renderer_is_told_wrong_is_no_part_of_the_plant() {
             ..params(5)
         };
         params.device.told_mass = told_mass;
-        let entries = params.run_cell(15).unwrap().entries;
-        let found = entries.iter().find(|entry| entry.method == method);
-        *found.unwrap()
+        let results = params.run_cell(15).unwrap().methods;
+        let mut entries = results.iter().map(|result| result.bounce);
+        entries.find(|entry| entry.method == method).unwrap()
     };
     let right = of(1.0, 1.0, MethodName::Hfcr);
     // A wrong mass reaches what derives its damping from it, and nothing else.
@@ -331,4 +334,123 @@ fn the_damped_device_has_the_friction_of_the_virtual_pantograph_along_y() {
     let ours = MapParams::default().device.viscous_friction;
     println!("{friction} N s/m at the home pose; the map has {ours}");
     assert!((friction / ours - 1.0).abs() < 2e-3, "{friction}");
+}
+
+/// kappa and Kc on the device of the map.
+fn object(kappa: f64, object_kappa: f64) -> Bounce {
+    let bounce = wall(kappa, 0.0);
+    Bounce {
+        object_mass: bounce.device.mass * kappa / object_kappa,
+        ..bounce
+    }
+}
+
+fn stay(bounce: &Bounce, method: MethodName) -> Stay {
+    bounce.stay(method, default_settings(method)).unwrap().0
+}
+
+/// The stiffness up to which a device in a hand and the plain spring of a wall are stable: both
+/// eigenvalues of the step from sample to sample lie in the unit circle (Jury).
+fn stiffest_wall_in_a_hand(device: f64, hand: (f64, f64, f64), period: f64) -> f64 {
+    let (mass, stiffness, damping) = hand;
+    let from = |position, velocity, force| {
+        let mut held = SprungMass::new(device + mass, stiffness, damping, 0.0)
+            .and_then(|held| held.starting_at(position, velocity))
+            .unwrap();
+        held.advance(force, period);
+        (held.position(), held.velocity())
+    };
+    let ((a, c), (b, d)) = (from(1.0, 0.0, 0.0), from(0.0, 1.0, 0.0));
+    let (p, v) = from(0.0, 0.0, 1.0);
+    let is_stable = |wall: f64| {
+        let (a, c) = (a + wall * p, c + wall * v);
+        let (trace, determinant) = (a + d, a * d - b * c);
+        determinant < 1.0 && trace.abs() < 1.0 + determinant
+    };
+    let (mut stable, mut unstable) = (0.0, 1e6);
+    for _ in 0..60 {
+        let middle = 0.5 * (stable + unstable);
+        if is_stable(middle) {
+            stable = middle;
+        } else {
+            unstable = middle;
+        }
+    }
+    stable
+}
+
+#[test]
+fn a_wall_that_is_pressed_with_the_plain_spring_is_steady_up_to_the_bound_of_linear_theory() {
+    let mut bounce = wall(0.1, 0.0);
+    for period in [0.02, 0.005] {
+        bounce.period = period;
+        let most = [(0.05, 300.0, 3.0), (0.1, 400.0, 20.0)]
+            .map(|hand| stiffest_wall_in_a_hand(bounce.device.mass, hand, period))
+            .into_iter()
+            .fold(f64::INFINITY, f64::min);
+        for (share, is_steady) in [(0.3, true), (0.8, true), (1.25, false), (4.0, false)] {
+            bounce.stiffness = share * most;
+            let stay = stay(&bounce, MethodName::Basic);
+            println!("{period} s, {share} of {most:.0} N/m: {stay:?}");
+            assert_eq!(stay.is_steady_pressed(), is_steady, "{share}: {stay:?}");
+            assert_eq!(stay.resting, None);
+            assert!(stay.rests());
+        }
+    }
+}
+
+#[test]
+fn what_rests_and_what_does_not() {
+    for (method, kappa, object_kappa, rests) in [
+        // An object that hardly moves the device: no damping of the hand reaches its swing.
+        (MethodName::Basic, 0.01, 1.0, false),
+        (MethodName::Basic, 1.0, 0.1, false),
+        (MethodName::Basic, 0.1, 0.1, true),
+        (MethodName::VirtualDamper, 0.01, 1.0, true),
+        (MethodName::VirtualDamper, 3.0, 0.1, false),
+        (MethodName::Hfcr, 1.0, 1.0, false),
+        (MethodName::Coupled, 0.01, 1.0, true),
+        (MethodName::Coupled, 1.0, 0.1, true),
+        (MethodName::Coupled, 1.0, 4.0, true),
+        (MethodName::Coupled, 3.0, 4.0, true),
+        (MethodName::Coupled, 0.1, 4.0, true),
+    ] {
+        let stay = stay(&object(kappa, object_kappa), method);
+        println!("{method}, kappa {kappa}, Kc {object_kappa}: {stay:?}");
+        assert_eq!(stay.rests(), rests, "{method}, {kappa}, {object_kappa}");
+        assert_eq!(stay.is_steady_pressed(), rests, "{stay:?}");
+    }
+}
+
+#[test]
+fn an_object_that_is_lost_does_not_rest() {
+    // The force is 0 while the object flies: there is nothing left that swings.
+    let stay = stay(&object(3.1622776601683795, 0.001), MethodName::Basic);
+    assert_eq!(stay.resting, Some(f64::INFINITY), "{stay:?}");
+    assert!(!stay.rests());
+}
+
+#[test]
+fn without_an_encoder_the_plain_spring_swings_as_much_whatever_presses() {
+    for (kappa, object_kappa) in [(0.01, 0.01), (0.1, 0.1), (0.001, 1.0)] {
+        let stay = stay(&object(kappa, object_kappa), MethodName::Basic);
+        let resting = stay.resting.unwrap();
+        assert!((resting - stay.pressed).abs() < 1e-6, "{stay:?}");
+        // An ideal contact keeps the 10 % it begins with, a standard deviation of 7.07 %.
+        assert!(resting > 0.0 && resting < 2.0 * RESTS_BELOW);
+    }
+}
+
+#[test]
+fn a_cell_has_the_contacts_that_stay_of_its_scene() {
+    let params = params(5);
+    for index in [0, 9, 15, 22] {
+        let cell = params.run_cell(index).unwrap();
+        let bounce = params.cell(index).bounce;
+        for result in &cell.methods {
+            let scene = bounce.on(result.bounce.plant);
+            assert_eq!(result.stay, stay(&scene, result.bounce.method));
+            assert_eq!(result.stay.resting.is_none(), bounce.is_wall());
+        }
+    }
 }

@@ -79,6 +79,7 @@ pub mod recorded_path;
 pub mod reference;
 pub mod relative_motion;
 pub mod schedule;
+pub mod sprung_mass;
 pub mod timeline;
 pub mod viscous_ideal;
 pub mod viscous_mass;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use thiserror::Error;
 
-use super::{CELLS, LINES_PER_CELL, Map, Row, SHARD};
+use super::{CELLS, Format, LINES_PER_CELL, Map, Row, SHARD};
 
 /// Why parts do not make a map.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
@@ -27,6 +27,22 @@ pub enum MergeError {
         expected: String,
         /// Its value in the other.
         found: String,
+    },
+    /// Two parts have not looked at the same.
+    #[error(
+        "{first} and {other} are not parts of one map: {first} has {}, {other} has {}; compute the older \
+         one again",
+        contents(*.expected), contents(*.found)
+    )]
+    Formats {
+        /// The first part.
+        first: String,
+        /// The part that differs from it.
+        other: String,
+        /// Format of the first part; none where its lines differ.
+        expected: Option<Format>,
+        /// Format of the other.
+        found: Option<Format>,
     },
     /// A part does not say what a map must.
     #[error("{file}: the receipt has no number under {key}")]
@@ -68,6 +84,10 @@ pub enum MergeError {
         /// The parts that are not there, `2/3`.
         parts: Vec<String>,
     },
+}
+
+fn contents(format: Option<Format>) -> &'static str {
+    format.map_or("lines of two formats", Format::contents)
 }
 
 fn parts_in_words(parts: &[String]) -> String {
@@ -161,6 +181,15 @@ fn absent(given: &[String]) -> Vec<String> {
 }
 
 fn same_map(first: &str, reference: &Map, other: &str, part: &Map) -> Result<(), MergeError> {
+    let (expected, found) = (reference.format(), part.format());
+    if expected != found {
+        return Err(MergeError::Formats {
+            first: first.to_owned(),
+            other: other.to_owned(),
+            expected,
+            found,
+        });
+    }
     let keys = reference.receipt.iter().chain(&part.receipt);
     for (key, _) in keys.filter(|(key, _)| key != SHARD) {
         let (expected, found) = (reference.value(key), part.value(key));
@@ -180,7 +209,7 @@ fn same_map(first: &str, reference: &Map, other: &str, part: &Map) -> Result<(),
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::{bytes, part};
+    use super::super::tests::{bytes, of_bounces, part};
     use super::*;
 
     fn parts(of: usize) -> Vec<(String, Map)> {
@@ -243,6 +272,22 @@ mod tests {
             error.contains("delay_samples is 1 in the first and missing"),
             "{error}"
         );
+    }
+
+    #[test]
+    fn an_older_part_and_a_newer_one_are_not_joined() {
+        let mut given = parts(2);
+        given[1].1 = of_bounces(given[1].1.clone());
+        assert_eq!(
+            merge(given).unwrap_err().to_string(),
+            "p1.csv and p2.csv are not parts of one map: p1.csv has bounces and contacts that stay, \
+             p2.csv has bounces alone; compute the older one again"
+        );
+        let old = parts(2)
+            .into_iter()
+            .map(|(name, part)| (name, of_bounces(part)));
+        let joined = merge(old.collect()).unwrap();
+        assert_eq!(bytes(&joined), bytes(&of_bounces(part(1, 1))));
     }
 
     #[test]

@@ -1,18 +1,20 @@
 //! Maps: what each method can render, as a CSV table, in parts or as a whole.
 //!
-//! One line per cell, plant and method. The column [`FORMAT_COLUMN`] holds, in the first line, what
-//! made the map as a JSON object of strings: its parameters, which part it is, the number of lines
+//! One line per cell, plant and method. The last column, [`Format::column`], holds, in the first line,
+//! what made the map as a JSON object of strings: its parameters, which part it is, the number of lines
 //! and their checksum, so that a torn part is told from a whole one.
 
+mod format;
 mod merge;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod row;
 
+pub use format::Format;
 pub use merge::{MergeError, merge};
 #[cfg(feature = "parquet")]
 pub use parquet::write_parquet;
-pub use row::Row;
+pub use row::{Row, StaySwing};
 
 use std::io::{self, Read, Write};
 
@@ -20,9 +22,6 @@ use thiserror::Error;
 
 use crate::checksum::Checksum;
 use crate::run::receipt;
-
-/// Column that names format and version.
-pub const FORMAT_COLUMN: &str = "palpate_map_1";
 
 /// Keys of the receipt that the file itself is answerable for.
 const OWN: [&str; 2] = ["lines", "checksum"];
@@ -58,7 +57,10 @@ pub enum MapError {
     },
     /// It is something else.
     #[error(
-        "{file}:1: this is not a map of palpate; its first line must name the column {FORMAT_COLUMN}"
+        "{file}:1: this is not a map of palpate; its first line must name the column {}, or {} of older \
+         versions",
+        Format::BouncesAndStays.column(),
+        Format::Bounces.column()
     )]
     NotAMap {
         /// The file.
@@ -93,11 +95,21 @@ impl Map {
             .map(|(_, value)| value.as_str())
     }
 
+    /// The format of the file it is written to; none where only some of the lines have contacts that
+    /// stay.
+    #[must_use]
+    pub fn format(&self) -> Option<Format> {
+        let format = self.rows.first()?.format();
+        let are_alike = self.rows.iter().all(|row| row.format() == format);
+        are_alike.then_some(format)
+    }
+
     /// Writes the map.
     ///
     /// # Errors
-    /// What the writer says, or a key of the receipt that stands twice.
+    /// What the writer says, a key of the receipt that stands twice, or lines of different formats.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let format = self.written_format()?;
         let lines: Vec<String> = self.rows.iter().map(Row::to_line).collect();
         let mut checksum = Checksum::new();
         for line in &lines {
@@ -109,7 +121,7 @@ impl Map {
         receipt.push(("checksum".into(), checksum.text()));
         let json = receipt::to_json(&receipt)
             .map_err(|key| io::Error::other(format!("the key `{key}` is empty or stands twice")))?;
-        writeln!(out, "{},{FORMAT_COLUMN}", row::COLUMNS.join(","))?;
+        out.write_all(format.head().as_bytes())?;
         for (number, line) in lines.iter().enumerate() {
             if number == 0 {
                 writeln!(out, "{line},\"{}\"", json.replace('"', "\"\""))?;
@@ -118,6 +130,11 @@ impl Map {
             }
         }
         Ok(())
+    }
+
+    fn written_format(&self) -> io::Result<Format> {
+        let mixed = "a map has contacts that stay in all of its lines or in none, and has a line";
+        self.format().ok_or_else(|| io::Error::other(mixed))
     }
 
     /// Reads a map; `file` is what to call it in errors.
@@ -130,7 +147,6 @@ impl Map {
         if let Err(source) = source.read_to_end(&mut bytes) {
             return Err(MapError::Unreadable { file, source });
         }
-        let header = format!("{},{FORMAT_COLUMN}\n", row::COLUMNS.join(","));
         let torn = |fault: String| MapError::Torn {
             file: file.clone(),
             fault,
@@ -138,12 +154,16 @@ impl Map {
         let Ok(text) = String::from_utf8(bytes) else {
             return Err(torn("it has bytes that are no text".into()));
         };
-        let Some(body) = text.strip_prefix(&header) else {
-            return Err(if !text.is_empty() && header.starts_with(&text) {
-                torn("it ends within its first line".into())
-            } else {
-                MapError::NotAMap { file }
-            });
+        let body_of = |format: Format| Some((format, text.strip_prefix(&format.head())?));
+        let Some((format, body)) = Format::ALL.into_iter().find_map(body_of) else {
+            let is_begun = |format: Format| format.head().starts_with(&text);
+            return Err(
+                if !text.is_empty() && Format::ALL.into_iter().any(is_begun) {
+                    torn("it ends within its first line".into())
+                } else {
+                    MapError::NotAMap { file }
+                },
+            );
         };
         let at_line = |line: usize, fault: String| MapError::Line {
             file: file.clone(),
@@ -157,7 +177,7 @@ impl Map {
         let mut rows = Vec::new();
         let mut checksum = Checksum::new();
         for (number, line) in body.lines().enumerate() {
-            let (row, rest) = row::split(line)
+            let (row, rest) = row::split(line, format)
                 .ok_or_else(|| torn(format!("line {} has too few fields", number + 2)))?;
             checksum.add(row.as_bytes());
             checksum.add(b"\n");
@@ -177,7 +197,7 @@ impl Map {
                     "only the first line has a receipt".into(),
                 ));
             }
-            rows.push(Row::from_line(row).map_err(|fault| at_line(number + 2, fault))?);
+            rows.push(Row::from_line(row, format).map_err(|fault| at_line(number + 2, fault))?);
         }
         let mut receipt = receipt.ok_or_else(|| torn("it has no lines".into()))?;
         let take = |key: &str| receipt.iter().find(|(name, _)| name == key).map(|(_, v)| v);
@@ -231,7 +251,52 @@ pub(crate) mod tests {
         assert_eq!(Map::read(written.as_slice(), "m.csv").unwrap(), map);
         let text = String::from_utf8(written).unwrap();
         assert!(text.starts_with("cell,kappa,object_kappa,"), "{text}");
-        assert!(text.lines().next().unwrap().ends_with(FORMAT_COLUMN));
+        let head = text.lines().next().unwrap();
+        assert!(
+            head.ends_with("resting_swing,pressed_swing,palpate_map_2"),
+            "{head}"
+        );
+    }
+
+    /// The same part as an older version wrote it.
+    pub(crate) fn of_bounces(mut part: Map) -> Map {
+        for row in &mut part.rows {
+            row.stay = None;
+        }
+        part
+    }
+
+    #[test]
+    fn an_older_map_is_read_and_written_as_it_is() {
+        let map = of_bounces(part(2, 3));
+        let written = bytes(&map);
+        let text = String::from_utf8(written.clone()).unwrap();
+        assert!(
+            text.starts_with("cell,kappa,")
+                && text
+                    .lines()
+                    .next()
+                    .unwrap()
+                    .ends_with("diverged,palpate_map_1")
+        );
+        let read = Map::read(written.as_slice(), "m.csv").unwrap();
+        assert_eq!(read, map);
+        assert_eq!(read.format(), Some(Format::Bounces));
+        assert!(read.rows.iter().all(|row| row.stay.is_none()));
+        assert_eq!(bytes(&read), written);
+        for length in 0..written.len() {
+            let error = Map::read(&written[..length], "p1.csv").unwrap_err();
+            assert!(error.to_string().starts_with("p1.csv"), "{length}: {error}");
+        }
+    }
+
+    #[test]
+    fn lines_of_different_formats_are_not_written() {
+        let mut map = part(1, 1);
+        map.rows[3].stay = None;
+        assert_eq!(map.format(), None);
+        let error = map.write(&mut Vec::new()).unwrap_err().to_string();
+        assert!(error.contains("in all of its lines or in none"), "{error}");
     }
 
     #[test]
@@ -277,7 +342,7 @@ pub(crate) mod tests {
         assert_eq!(
             error.to_string(),
             "hand.csv:1: this is not a map of palpate; its first line must name the column \
-             palpate_map_1"
+             palpate_map_2, or palpate_map_1 of older versions"
         );
     }
 }

@@ -4,24 +4,24 @@ use std::io::{self, Write};
 
 use parquet::data_type::ByteArray;
 
-use super::row::COLUMNS;
-use super::{FORMAT_COLUMN, Map, Row};
+use super::{Format, Map, Row};
 use crate::parquet_table::{self, Column, count};
 
-/// Writes a map as Parquet.
+/// Writes a map as Parquet. A wall's swing at rest, of which there is none, is a NaN.
 ///
 /// # Errors
-/// What the writer says.
+/// What the writer says, or lines of different formats.
 pub fn write_parquet(map: &Map, out: &mut dyn Write) -> io::Result<()> {
-    let receipt = [(FORMAT_COLUMN.to_owned(), "1".to_owned())]
+    let format = map.written_format()?;
+    let receipt = [(format.column().to_owned(), format.version().to_string())]
         .into_iter()
         .chain(map.receipt.iter().cloned())
         .collect();
-    let rows = [Ok(columns(&map.rows))];
-    parquet_table::write(out, "map", &COLUMNS, receipt, rows)
+    let rows = [Ok(columns(&map.rows, format))];
+    parquet_table::write(out, "map", format.columns(), receipt, rows)
 }
 
-fn columns(rows: &[Row]) -> Vec<Column> {
+fn columns(rows: &[Row], format: Format) -> Vec<Column> {
     let numbers = |of: &dyn Fn(&Row) -> f64| Column::Numbers(rows.iter().map(of).collect());
     let names = |of: &dyn Fn(&Row) -> &str| {
         Column::Names(rows.iter().map(|row| ByteArray::from(of(row))).collect())
@@ -39,6 +39,13 @@ fn columns(rows: &[Row]) -> Vec<Column> {
     ];
     columns.extend((0..8).map(|at| numbers(&|row| row.numbers()[at])));
     columns.extend((0..3).map(|at| counts(&|row| row.classes[at])));
+    if format >= Format::BouncesAndStays {
+        let resting = |row: &Row| row.stay.and_then(|stay| stay.resting);
+        columns.push(numbers(&|row| resting(row).unwrap_or(f64::NAN)));
+        columns.push(numbers(&|row| {
+            row.stay.map_or(f64::NAN, |stay| stay.pressed)
+        }));
+    }
     columns
 }
 
@@ -68,7 +75,7 @@ mod tests {
             .iter()
             .map(|column| column.name().to_owned())
             .collect();
-        assert_eq!(names, COLUMNS);
+        assert_eq!(names, Format::BouncesAndStays.columns());
         let mut count = 0;
         for (read, row) in file.get_row_iter(None).unwrap().zip(&map.rows) {
             let read = read.unwrap();
@@ -78,6 +85,8 @@ mod tests {
                 assert_eq!(read.get_double(7 + at).unwrap().to_bits(), number.to_bits());
             }
             assert_eq!(read.get_long(17).unwrap(), 1);
+            assert!(read.get_double(18).unwrap().is_nan());
+            assert_eq!(read.get_double(19).unwrap(), 0.0625);
             count += 1;
         }
         assert_eq!(count, map.rows.len());

@@ -1,5 +1,7 @@
 //! A line of a map.
 
+use super::Format;
+
 /// One method on one plant in one cell; `[median, worst]` over the start heights.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
@@ -27,10 +29,22 @@ pub struct Row {
     pub hold_floor: [f64; 2],
     /// Start heights from which the loop was stable, grew, diverged.
     pub classes: [u64; 3],
+    /// Contacts that stay; none in a file of [`Format::Bounces`], which says nothing of them.
+    pub stay: Option<StaySwing>,
+}
+
+/// Standard deviation of the force of a contact that stays, over what presses it; infinite where the
+/// contact was lost or diverged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StaySwing {
+    /// Of an object that lies on the device by its weight; none for a wall.
+    pub resting: Option<f64>,
+    /// Of an object or a wall that is pressed.
+    pub pressed: f64,
 }
 
 /// The columns of a line, in order.
-pub(super) const COLUMNS: [&str; 18] = [
+pub(super) const COLUMNS: [&str; 20] = [
     "cell",
     "kappa",
     "object_kappa",
@@ -49,15 +63,26 @@ pub(super) const COLUMNS: [&str; 18] = [
     "stable",
     "growing",
     "diverged",
+    "resting_swing",
+    "pressed_swing",
 ];
 
 /// The fields of the columns, and what follows them.
-pub(super) fn split(line: &str) -> Option<(&str, &str)> {
-    let (at, _) = line.match_indices(',').nth(COLUMNS.len() - 1)?;
+pub(super) fn split(line: &str, format: Format) -> Option<(&str, &str)> {
+    let (at, _) = line.match_indices(',').nth(format.columns().len() - 1)?;
     Some((&line[..at], &line[at + 1..]))
 }
 
 impl Row {
+    /// The format of a file that has this row.
+    pub(super) fn format(&self) -> Format {
+        if self.stay.is_some() {
+            Format::BouncesAndStays
+        } else {
+            Format::Bounces
+        }
+    }
+
     /// The numbers of the columns after the names, in order.
     pub(super) fn numbers(&self) -> [f64; 8] {
         let ([a, b], [c, d]) = (self.growth, self.error);
@@ -89,21 +114,22 @@ impl Row {
         for count in self.classes {
             add(&count.to_string());
         }
+        if let Some(stay) = self.stay {
+            add(&stay.resting.map(text).unwrap_or_default());
+            add(&text(stay.pressed));
+        }
         line
     }
 
-    /// Reads what [`to_line`](Self::to_line) wrote.
+    /// Reads what [`to_line`](Self::to_line) wrote in a file of this format.
     ///
     /// # Errors
     /// Which column does not hold what it should.
-    pub fn from_line(line: &str) -> Result<Self, String> {
+    pub fn from_line(line: &str, format: Format) -> Result<Self, String> {
         let fields: Vec<&str> = line.split(',').collect();
-        if fields.len() != COLUMNS.len() {
-            return Err(format!(
-                "{} fields where {} should be",
-                fields.len(),
-                COLUMNS.len()
-            ));
+        let columns = format.columns().len();
+        if fields.len() != columns {
+            return Err(format!("{} fields where {columns} should be", fields.len()));
         }
         let wrong = |at: usize, needed: &str| {
             format!("{} is `{}`, but must be {needed}", COLUMNS[at], fields[at])
@@ -114,6 +140,13 @@ impl Row {
         };
         let count = |at: usize| fields[at].parse().map_err(|_| wrong(at, "a count"));
         let pair = |at: usize| Ok::<_, String>([number(at)?, number(at + 1)?]);
+        let stay = || {
+            let is_wall = fields[18].is_empty();
+            Ok::<_, String>(StaySwing {
+                resting: if is_wall { None } else { Some(number(18)?) },
+                pressed: number(19)?,
+            })
+        };
         Ok(Self {
             cell: count(0)?,
             kappa: number(1)?,
@@ -127,6 +160,10 @@ impl Row {
             error_over_floor: pair(11)?,
             hold_floor: pair(13)?,
             classes: [count(15)?, count(16)?, count(17)?],
+            stay: match format {
+                Format::Bounces => None,
+                Format::BouncesAndStays => Some(stay()?),
+            },
         })
     }
 }
@@ -159,6 +196,10 @@ pub(super) mod tests {
             error_over_floor: [1.0, 2.5],
             hold_floor: [11.0, 12.0],
             classes: [14, 1, 1],
+            stay: Some(StaySwing {
+                resting: None,
+                pressed: 0.0625,
+            }),
         }
     }
 
@@ -166,17 +207,43 @@ pub(super) mod tests {
     fn every_bit_comes_back() {
         let row = row(17, "damped");
         let line = row.to_line();
-        assert_eq!(Row::from_line(&line).unwrap(), row);
+        let read = |line: &str| Row::from_line(line, Format::BouncesAndStays);
+        assert_eq!(read(&line).unwrap(), row);
+        let bounces = "17,0.125,0,0.3333333333333333,inf,damped,hfcr,0.999,inf,1e-9,1.7e300,1,2.5,11,12,14,1,1";
+        assert_eq!(line, format!("{bounces},,0.0625"));
+        let object = Row {
+            stay: Some(StaySwing {
+                resting: Some(1.0 / 3.0),
+                pressed: f64::INFINITY,
+            }),
+            ..row.clone()
+        };
+        let line = object.to_line();
+        assert_eq!(line, format!("{bounces},0.3333333333333333,inf"));
+        assert_eq!(read(&line).unwrap(), object);
+    }
+
+    #[test]
+    fn a_row_without_contacts_that_stay_is_of_the_older_format() {
+        let old = Row {
+            stay: None,
+            ..row(17, "damped")
+        };
+        assert_eq!(old.format(), Format::Bounces);
+        let line = old.to_line();
+        assert_eq!(Row::from_line(&line, Format::Bounces).unwrap(), old);
         assert_eq!(
-            line,
-            "17,0.125,0,0.3333333333333333,inf,damped,hfcr,0.999,inf,1e-9,1.7e300,1,2.5,11,12,14,1,1"
+            Row::from_line(&line, Format::BouncesAndStays).unwrap_err(),
+            "18 fields where 20 should be"
         );
     }
 
     #[test]
     fn a_wrong_field_is_named() {
         let line = row(1, "damped").to_line();
-        let fault = |from: &str, to: &str| Row::from_line(&line.replace(from, to)).unwrap_err();
+        let fault = |from: &str, to: &str| {
+            Row::from_line(&line.replace(from, to), Format::BouncesAndStays).unwrap_err()
+        };
         assert_eq!(
             fault("0.999", "fast"),
             "growth_median is `fast`, but must be a number"
@@ -186,6 +253,14 @@ pub(super) mod tests {
             "growth_median is `NaN`, but must be a number"
         );
         assert_eq!(fault(",14", ",-1"), "stable is `-1`, but must be a count");
-        assert_eq!(fault(",14", ""), "17 fields where 18 should be");
+        assert_eq!(fault(",14", ""), "19 fields where 20 should be");
+        assert_eq!(
+            fault(",,0.0625", ",,"),
+            "pressed_swing is ``, but must be a number"
+        );
+        assert_eq!(
+            fault(",,0.0625", ",NaN,0.0625"),
+            "resting_swing is `NaN`, but must be a number"
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! A cell of the map: every method on both plants, from all start heights.
+//! A cell of the map: every method on both plants, in bounces from all start heights and in contacts
+//! that stay.
 
 use palpate::AnyRenderer;
 
@@ -6,6 +7,7 @@ use super::PHASES;
 use super::bounce::{Bounce, BounceError, Plant, default_settings};
 use super::grid::MapParams;
 use super::growth::{Class, classify};
+use super::stay::Stay;
 use super::trial::{Course, Judged, Outcome};
 use palpate_scene::method::{MethodName, Settings};
 
@@ -18,7 +20,7 @@ pub struct Summary {
     pub worst: f64,
 }
 
-/// What a method came to on one plant.
+/// What the bounces of a method came to on one plant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
     /// The plant.
@@ -37,13 +39,22 @@ pub struct Entry {
     pub classes: [usize; 3],
 }
 
-/// All entries of a cell, plant by plant in the order of [`MapParams::methods`].
+/// What a method came to on one plant of a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MethodResult {
+    /// Its bounces.
+    pub bounce: Entry,
+    /// Its contacts that stay.
+    pub stay: Stay,
+}
+
+/// All results of a cell, plant by plant in the order of [`MapParams::methods`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellResult {
     /// Index of the cell.
     pub index: usize,
-    /// The entries.
-    pub entries: Vec<Entry>,
+    /// The results of its methods.
+    pub methods: Vec<MethodResult>,
     /// Ticks that were run.
     pub ticks: u64,
 }
@@ -64,7 +75,7 @@ impl MapParams {
         let bounce = self.cell(index).bounce;
         let mut result = CellResult {
             index,
-            entries: Vec::with_capacity(self.entries()),
+            methods: Vec::with_capacity(self.entries()),
             ticks: 0,
         };
         let methods: Vec<_> = self
@@ -73,9 +84,17 @@ impl MapParams {
             .map(|method| (*method, default_settings(*method)))
             .collect();
         for plant in Plant::ALL {
-            let (entries, ticks) = bounce.on(plant).judge(plant, &methods)?;
-            result.entries.extend(entries);
+            let bounce = bounce.on(plant);
+            let (entries, ticks) = bounce.judge(plant, &methods)?;
             result.ticks += ticks;
+            for ((method, settings), entry) in methods.iter().zip(entries) {
+                let (stay, ticks) = bounce.stay(*method, *settings)?;
+                result.methods.push(MethodResult {
+                    bounce: entry,
+                    stay,
+                });
+                result.ticks += ticks;
+            }
         }
         Ok(result)
     }

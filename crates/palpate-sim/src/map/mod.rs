@@ -1,9 +1,10 @@
-//! What can be rendered: the energy growth and the force error of every method over
+//! What can be rendered: the energy growth, the force error and the rest of every method over
 //! (kappa, Kc) = (K T²/m, K T²/M).
 //!
 //! A cell of the map is a [`Bounce`]: an object falls onto the device and bounces. It is run from
-//! [`PHASES`] start heights by every method. The loop keeps no record, so a tick allocates nothing
-//! and a map of a million runs takes a minute or two; it takes its steps where
+//! [`PHASES`] start heights by every method. Then the same object and device begin near their place of
+//! rest, and [`Stay`] says whether the contact stays there. The loop keeps no record, so a tick
+//! allocates nothing and a map of a million runs takes a minute or two; it takes its steps where
 //! [`Bench`](crate::closed_loop::Bench) takes them.
 //!
 //! A cell's scene follows from its index alone. There are no random numbers, so a map is the same
@@ -21,7 +22,7 @@ mod trial;
 
 pub use bounce::default_settings;
 pub use bounce::{Bounce, BounceDevice, BounceError, Forces, Plant};
-pub use cell::{CellResult, Entry, Summary};
+pub use cell::{CellResult, Entry, MethodResult, Summary};
 pub use compute::{Done, compute};
 pub use grid::{Cell, MapParams, ParamsError};
 pub use growth::{Class, STABLE_UP_TO, classify};

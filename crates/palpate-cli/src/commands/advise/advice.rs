@@ -201,7 +201,7 @@ impl Advice {
         for ((method, settings, damping), entry) in trials.iter().zip(&entries) {
             // What gains energy from bounce to bounce is no answer, whatever it does at rest.
             let stay = if entry.class() == Class::Stable {
-                Some(bounce.stay(*method, *settings)?)
+                Some(bounce.stay(*method, *settings)?.0)
             } else {
                 None
             };

@@ -65,7 +65,7 @@ impl Advice {
                 pressed,
             } => format!(
                 "No: {what} does not come to rest {} by {}, the steadiest here, though its bounces gain \
-                 no energy: the force keeps swinging by more than {} % of its mean. Use a softer contact, \
+                 no energy: the force keeps swinging by more than {} % of what presses, or the contact is lost. Use a softer contact, \
                  a heavier object, a higher rate or a finer encoder.",
                 match (resting, pressed) {
                     (true, true) => "on the device, nor pressed,",
@@ -253,8 +253,8 @@ impl Advice {
              N/m. All of these are for the friction of the device alone; \"tuned\" tries {} dampings on \
              this very scene. Stiffest and lightest are limits of stability alone: the force is far \
              from the ideal's before. Faithful is a mean-force error E below {} %, and a hold floor below it; resting and \
-             pressed are the standard deviation of the force over its mean. A dash: not even \
-             kappa or Kc = 1e-4.",
+             pressed are the standard deviation of the force over what presses; a dash there: the bounce is not \
+             stable, or the contact is lost or diverges. A dash elsewhere: not even kappa or Kc = 1e-4.",
             without(bounds.colgate_schenkel_n_per_m),
             without(bounds.gil_n_per_m),
             without(bounds.abbott_okamura_n_per_m),

@@ -32,7 +32,7 @@ pub enum MapAction {
     #[command(after_help = "\
 Examples:
   palpate map merge map-1-of-3.csv map-2-of-3.csv map-3-of-3.csv --out map.csv
-  palpate map merge map.csv --plot map.svg --show error")]
+  palpate map merge map.csv --plot map.svg --show error,resting")]
     Merge(MergeArguments),
 }
 
@@ -119,8 +119,9 @@ pub struct MapResults {
     /// name of the map with .svg]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub plot: Option<PathBuf>,
-    /// What the figure shows, separated by commas
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Quantity::Growth, Quantity::Error])]
+    /// What the figure shows, separated by commas [default: growth,error,resting,pressed, as far as
+    /// the map has them]
+    #[arg(long, value_enum, value_delimiter = ',')]
     pub show: Vec<Quantity>,
     /// The map as Parquet, too, where built with the feature parquet
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
@@ -142,6 +143,10 @@ pub enum Quantity {
     Error,
     /// Force rendering error over the hold floor
     OverFloor,
+    /// How far the force swings of an object that lies on the device by its weight
+    Resting,
+    /// How far the force swings of a contact that is pressed
+    Pressed,
 }
 
 /// Part `number` of `of`.

@@ -8,8 +8,8 @@ use std::time::Instant;
 
 use palpate_io::atomic::{Existing, check};
 use palpate_io::journal::{Journal, JournalError};
-use palpate_io::map::{Map, Row};
-use palpate_sim::map::{Done, MapParams, compute};
+use palpate_io::map::{Format, Map, Row, StaySwing};
+use palpate_sim::map::{Done, MapParams, MethodResult, Summary, compute};
 
 use super::arguments::{Shard, WorkArguments};
 use super::files::Files;
@@ -183,6 +183,11 @@ fn complete(
     match Map::read(file, &out.display().to_string()) {
         Ok(map) if map.receipt == receipt => Ok(Some(map)),
         _ if may_overwrite => Ok(None),
+        Ok(map) if map.format() != Some(Format::BouncesAndStays) => Err(Failure::input(format!(
+            "{} is by an older version and has bounces alone; name another file with --out, or replace it \
+             with --overwrite",
+            out.display()
+        ))),
         Ok(_) => Err(Failure::input(format!(
             "{} is another map, and complete; name another file with --out, or replace it with \
              --overwrite",
@@ -214,22 +219,27 @@ pub fn unusable(error: JournalError) -> Failure {
 
 fn rows(params: &MapParams, result: &palpate_sim::map::CellResult) -> Vec<Row> {
     let cell = params.cell(result.index);
+    let both = |summary: Summary| [summary.median, summary.worst];
     result
-        .entries
+        .methods
         .iter()
-        .map(|entry| Row {
+        .map(|MethodResult { bounce, stay }| Row {
             cell: cell.index as u64,
             kappa: cell.kappa,
             object_kappa: cell.object_kappa,
             stiffness: cell.bounce.stiffness,
             object_mass: cell.bounce.object_mass,
-            plant: entry.plant.name().to_owned(),
-            method: entry.method.name().to_owned(),
-            growth: [entry.growth.median, entry.growth.worst],
-            error: [entry.error.median, entry.error.worst],
-            error_over_floor: [entry.error_over_floor.median, entry.error_over_floor.worst],
-            hold_floor: [entry.hold_floor.median, entry.hold_floor.worst],
-            classes: entry.classes.map(|count| count as u64),
+            plant: bounce.plant.name().to_owned(),
+            method: bounce.method.name().to_owned(),
+            growth: both(bounce.growth),
+            error: both(bounce.error),
+            error_over_floor: both(bounce.error_over_floor),
+            hold_floor: both(bounce.hold_floor),
+            classes: bounce.classes.map(|count| count as u64),
+            stay: Some(StaySwing {
+                resting: stay.resting,
+                pressed: stay.pressed,
+            }),
         })
         .collect()
 }
@@ -241,5 +251,7 @@ fn line_of(rows: &[Row]) -> String {
 }
 
 fn rows_of(line: &str) -> Result<Vec<Row>, String> {
-    line.split(';').map(Row::from_line).collect()
+    line.split(';')
+        .map(|row| Row::from_line(row, Format::BouncesAndStays))
+        .collect()
 }

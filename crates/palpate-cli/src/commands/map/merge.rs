@@ -8,6 +8,7 @@ use palpate_io::map::{Map, merge};
 use super::arguments::MergeArguments;
 use super::deliver;
 use super::files::Files;
+use super::picture;
 use crate::failure::Failure;
 
 /// Joins parts into a whole map.
@@ -36,6 +37,7 @@ pub fn run(arguments: &MergeArguments) -> Result<(), Failure> {
         parts.push((name, part));
     }
     let map = merge(parts).map_err(Failure::input)?;
+    picture::quantities(&map, &results.show)?;
     files.write_map(&map)?;
     deliver(results, &map, &files, None)
 }

@@ -1,17 +1,49 @@
 //! A map as a figure: a column for each method, a row for each quantity and plant.
 
-use palpate_io::map::{Map, Row};
+use clap::ValueEnum;
+use palpate_io::map::{Format, Map, Row};
 use palpate_scene::method::MethodName;
-use palpate_sim::map::{Plant, STABLE_UP_TO, bounds};
+use palpate_sim::map::{Plant, RESTS_BELOW, STABLE_UP_TO, bounds};
 
 use super::arguments::Quantity;
 use super::receipt;
-use super::report::{FAITHFUL_PERCENT, is_faithful, is_stable};
+use super::report::{FAITHFUL_PERCENT, is_faithful, is_stable, stay};
 use crate::failure::Failure;
 use palpate_figure::{Bound, FieldFigure, FieldPanel, FieldRow, Scale};
 
 /// How far on the axis of Kc the bounds of walls are drawn.
 const NEARLY_A_WALL: f64 = 0.03;
+
+/// What a figure of this map shows where `asked` is asked for; where nothing is, what matters of what
+/// the map has.
+///
+/// # Errors
+/// The map does not have what is asked for.
+pub fn quantities(map: &Map, asked: &[Quantity]) -> Result<Vec<Quantity>, Failure> {
+    let has_stays = map.format() == Some(Format::BouncesAndStays);
+    let is_there = |quantity: &Quantity| {
+        has_stays || !matches!(quantity, Quantity::Resting | Quantity::Pressed)
+    };
+    if asked.is_empty() {
+        let all = [
+            Quantity::Growth,
+            Quantity::Error,
+            Quantity::Resting,
+            Quantity::Pressed,
+        ];
+        return Ok(all.into_iter().filter(is_there).collect());
+    }
+    match asked.iter().find(|quantity| !is_there(quantity)) {
+        Some(missing) => Err(Failure::input(format!(
+            "--show {}: the map is by an older version and has bounces alone; compute it again",
+            missing
+                .to_possible_value()
+                .map(|value| value.get_name().to_owned())
+                .unwrap_or_default()
+        ))),
+        None => Ok(asked.to_vec()),
+    }
+}
 
 /// The figure of a whole map.
 pub fn figure(map: &Map, show: &[Quantity]) -> Result<FieldFigure, Failure> {
@@ -19,7 +51,8 @@ pub fn figure(map: &Map, show: &[Quantity]) -> Result<FieldFigure, Failure> {
     let columns: Vec<&str> = columns.split(' ').collect();
     let loop_numbers = LoopNumbers::of(map)?;
     let mut rows = Vec::new();
-    for quantity in show {
+    let show = quantities(map, show)?;
+    for quantity in &show {
         for plant in Plant::ALL {
             rows.push(FieldRow {
                 name: plant.name().into(),
@@ -34,7 +67,7 @@ pub fn figure(map: &Map, show: &[Quantity]) -> Result<FieldFigure, Failure> {
     Ok(FieldFigure {
         title: "What each method can render: stiffness against the inertia of device and object"
             .into(),
-        footnote: footnote(map, &loop_numbers),
+        footnote: footnote(map, &loop_numbers, &show),
         x_label: "Kc = K T²/M".into(),
         y_label: "κ = K T²/m".into(),
         zero_label: "wall".into(),
@@ -88,6 +121,8 @@ fn panel(
     let marked = |row: &Row| match quantity {
         Quantity::Growth => is_stable(row),
         Quantity::Error | Quantity::OverFloor => is_faithful(row),
+        Quantity::Resting => stay(row).is_some_and(|stay| stay.resting.is_some() && stay.rests()),
+        Quantity::Pressed => stay(row).is_some_and(|stay| stay.is_steady_pressed()),
     };
     FieldPanel {
         columns,
@@ -97,6 +132,9 @@ fn panel(
                 Quantity::Growth => row.growth[0],
                 Quantity::Error => row.error[0],
                 Quantity::OverFloor => row.error_over_floor[0],
+                // Walls do not rest: their strip stays blank.
+                Quantity::Resting => stay(row).and_then(|stay| stay.resting).unwrap_or(f64::NAN),
+                Quantity::Pressed => stay(row).map_or(f64::NAN, |stay| stay.pressed),
             })
             .collect(),
         marked: rows.iter().map(|row| marked(row)).collect(),
@@ -195,6 +233,33 @@ fn scale(quantity: Quantity) -> Scale {
             limits: vec![1.05, 1.2, 1.5, 2.0, 5.0, 10.0],
             border: "border of E < 20 % and stable, from the worst start".into(),
         },
+        Quantity::Resting => swing_scale(
+            "Resting by its weight: standard deviation of the force over what presses, worse hand",
+            "≤ 10 %: rests",
+            "border of what rests, below 10 %",
+        ),
+        Quantity::Pressed => swing_scale(
+            "Pressed with 3 N: standard deviation of the force over what presses, worse hand",
+            "≤ 10 %: steady",
+            "border of what is steady, below 10 %",
+        ),
+    }
+}
+
+fn swing_scale(name: &str, last: &str, border: &str) -> Scale {
+    Scale {
+        name: name.into(),
+        steps: steps(&[
+            ("#08306b", "≤ 0.1 %"),
+            ("#3b7dbc", "≤ 1 %"),
+            ("#9ecae1", "≤ 5 %"),
+            ("#deebf7", last),
+            ("#fee391", "≤ 100 %"),
+            ("#fe9929", "more"),
+            ("#7f2704", "lost or diverged"),
+        ]),
+        limits: vec![0.001, 0.01, 0.05, RESTS_BELOW, 1.0, f64::MAX],
+        border: border.into(),
     }
 }
 
@@ -205,7 +270,7 @@ fn steps(steps: &[(&'static str, &str)]) -> Vec<(&'static str, String)> {
         .collect()
 }
 
-fn footnote(map: &Map, numbers: &LoopNumbers) -> String {
+fn footnote(map: &Map, numbers: &LoopNumbers, show: &[Quantity]) -> String {
     let value = |key: &str| map.value(key).unwrap_or("?");
     let forces = if value("forces") == "balanced" {
         format!(
@@ -238,10 +303,20 @@ fn footnote(map: &Map, numbers: &LoopNumbers) -> String {
             unusual.push_str(&format!(", {name} {}", value(key)));
         }
     }
+    let stays = if show.contains(&Quantity::Resting) || show.contains(&Quantity::Pressed) {
+        format!(
+            " A contact that stays begins {} of its deflection off its place of rest, in each of two hands \
+             ({}); they make these rows hold for this device and period alone.",
+            value("stay_begins_off"),
+            value("stay_hands")
+        )
+    } else {
+        String::new()
+    };
     format!(
         "An object bounces on a point-mass device ({} kg, {} s, gap {} m ± 5 % in {} start heights) \
          under {forces}{unusual}. Damped: viscous friction b T/m = {:.4} of the device. Growth: over \
-         {} ideal collisions; E: over the first {}. Bounds are of walls; they are drawn up to Kc = 0.03.",
+         {} ideal collisions; E: over the first {}. Bounds are of walls; they are drawn up to Kc = 0.03.{stays}",
         value("device_mass_kg"),
         value("period_s"),
         value("gap_m"),

@@ -2,7 +2,7 @@
 
 use palpate_io::map::{CELLS, LINES_PER_CELL, Map, SHARD};
 use palpate_sim::map::{
-    ERROR_COLLISIONS, Forces, GROWTH_COLLISIONS, MapParams, PHASE_RANGE, PHASES, STABLE_UP_TO,
+    ERROR_COLLISIONS, Forces, GROWTH_COLLISIONS, MapParams, PHASE_RANGE, PHASES, STABLE_UP_TO, Stay,
 };
 
 use super::arguments::Shard;
@@ -52,6 +52,7 @@ pub fn of(params: &MapParams, shard: Shard) -> Vec<(String, String)> {
         ("told_period_factor", params.told_period.to_string()),
     ];
     receipt.extend(forces);
+    receipt.extend(Stay::criterion());
     receipt
         .into_iter()
         .map(|(key, value)| (key.to_owned(), value))

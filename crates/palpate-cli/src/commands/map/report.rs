@@ -4,8 +4,8 @@ use std::fmt;
 use std::path::Path;
 
 use comfy_table::CellAlignment;
-use palpate_io::map::{Map, Row};
-use palpate_sim::map::{Class, Plant, classify};
+use palpate_io::map::{Format, Map, Row};
+use palpate_sim::map::{Class, PRESSED_WITH, Plant, RESTS_BELOW, Stay, classify};
 use serde::Serialize;
 
 use super::compute::Speed;
@@ -62,6 +62,22 @@ struct MethodReport {
     faithful_wall_kappa: Option<f64>,
     /// The same, of objects with Kc nearest to 1.
     stable_light_object_kappa: Option<f64>,
+    /// Contacts that stay; none where the map is by an older version and says nothing of them.
+    stay: Option<StayReport>,
+}
+
+#[derive(Debug, Serialize)]
+struct StayReport {
+    /// Share of the objects, walls left out, that come to rest on the device by their weight.
+    rests_percent: f64,
+    /// Share of the cells whose contact is steady when it is pressed.
+    pressed_percent: f64,
+    /// Share of the cells that are both, and stable, and have an error below 20 %.
+    stays_faithful_percent: f64,
+    /// Stiffest wall up to which all walls of the map are steady when they are pressed.
+    pressed_wall_kappa: Option<f64>,
+    /// Stiffness up to which all objects with Kc nearest to 1 rest.
+    resting_light_object_kappa: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]
@@ -94,12 +110,12 @@ impl Report {
             for method in methods.split(' ') {
                 let of_method = |row: &&Row| row.plant == plant.name() && row.method == method;
                 let rows: Vec<&Row> = map.rows.iter().filter(of_method).collect();
-                reports.push(MethodReport::new(plant, method, &rows));
+                reports.push(MethodReport::new(plant, method, &rows, map.format()));
             }
         }
         let lines_per_cell = receipt::count(map, palpate_io::map::LINES_PER_CELL)?;
         Ok(Self {
-            format: "palpate map report 1",
+            format: "palpate map report 2",
             palpate_version: value("palpate_version"),
             shard: value(palpate_io::map::SHARD),
             cells_per_axis: receipt::count(map, "cells_per_axis")?,
@@ -155,12 +171,30 @@ pub fn is_faithful(row: &Row) -> bool {
     is_stable(row) && row.error[1] < FAITHFUL_PERCENT
 }
 
+/// The contacts of a row that stay; none of an older map.
+pub fn stay(row: &Row) -> Option<Stay> {
+    row.stay.map(|stay| Stay {
+        resting: stay.resting,
+        pressed: stay.pressed,
+    })
+}
+
+fn rests(row: &Row) -> bool {
+    stay(row).is_some_and(|stay| stay.rests())
+}
+
+fn is_steady_pressed(row: &Row) -> bool {
+    stay(row).is_some_and(|stay| stay.is_steady_pressed())
+}
+
+/// Share of rows `[%]`.
+fn share(rows: &[&Row], holds: fn(&Row) -> bool) -> f64 {
+    let count = rows.iter().filter(|row| holds(row)).count();
+    100.0 * count as f64 / rows.len().max(1) as f64
+}
+
 impl MethodReport {
-    fn new(plant: Plant, method: &str, rows: &[&Row]) -> Self {
-        let share = |holds: fn(&Row) -> bool| {
-            let count = rows.iter().filter(|row| holds(row)).count();
-            100.0 * count as f64 / rows.len().max(1) as f64
-        };
+    fn new(plant: Plant, method: &str, rows: &[&Row], format: Option<Format>) -> Self {
         // Rows come by increasing kappa within a column.
         let up_to = |object_kappa: f64, holds: fn(&Row) -> bool| {
             rows.iter()
@@ -177,12 +211,66 @@ impl MethodReport {
         Self {
             plant: plant.name(),
             method: method.to_owned(),
-            stable_percent: share(is_stable),
-            faithful_percent: share(is_faithful),
+            stable_percent: share(rows, is_stable),
+            faithful_percent: share(rows, is_faithful),
             stable_wall_kappa: up_to(0.0, is_stable),
             faithful_wall_kappa: up_to(0.0, is_faithful),
             stable_light_object_kappa: near_one.and_then(|kappa| up_to(kappa, is_stable)),
+            stay: (format == Some(Format::BouncesAndStays)).then(|| {
+                let is_object = |row: &&&Row| row.object_kappa > 0.0;
+                let objects: Vec<&Row> = rows.iter().filter(is_object).copied().collect();
+                StayReport {
+                    rests_percent: share(&objects, rests),
+                    pressed_percent: share(rows, is_steady_pressed),
+                    stays_faithful_percent: share(rows, |row| {
+                        is_faithful(row) && rests(row) && is_steady_pressed(row)
+                    }),
+                    pressed_wall_kappa: up_to(0.0, is_steady_pressed),
+                    resting_light_object_kappa: near_one.and_then(|kappa| up_to(kappa, rests)),
+                }
+            }),
         }
+    }
+}
+
+impl Report {
+    /// The contacts that stay, method by method.
+    fn write_stays(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let header = [
+            "method",
+            "device",
+            "rests % of objects",
+            "pressed % of cells",
+            "both, E < 20 %",
+            "pressed walls to",
+            "Kc = 1 rests to",
+        ];
+        let mut table = plain_table(CellAlignment::Left, &header);
+        for method in &self.methods {
+            let Some(stay) = &method.stay else {
+                return writeln!(
+                    f,
+                    "This map is by an older version and has bounces alone: whether an object rests on the\n\
+                     device, or a contact is steady when it is pressed, is not known of it.\n"
+                );
+            };
+            table.add_row(vec![
+                (&*method.method).into(),
+                comfy_table::Cell::new(method.plant).set_alignment(CellAlignment::Right),
+                number(Some(stay.rests_percent), percent),
+                number(Some(stay.pressed_percent), percent),
+                number(Some(stay.stays_faithful_percent), percent),
+                number(stay.pressed_wall_kappa, digits),
+                number(stay.resting_light_object_kappa, digits),
+            ]);
+        }
+        writeln!(f, "{}\n", lines(&table))?;
+        writeln!(
+            f,
+            "Rests by its weight, pressed with {PRESSED_WITH} N: in a light and in a firm hand, the force \
+             swings by less than\n{} % of what presses (standard deviation). \"Both\" are stable, too.\n",
+            percent(100.0 * RESTS_BELOW)
+        )
     }
 }
 
@@ -248,6 +336,7 @@ impl fmt::Display for Report {
                 "Stable: from every start height, energy grows by at most 1 % per collision. A dash: \
                  not\neven the softest of the map.\n"
             )?;
+            self.write_stays(f)?;
         } else {
             writeln!(
                 f,
