@@ -9,8 +9,8 @@ use std::cell::Cell;
 use std::hint::black_box;
 
 use palpate::{
-    AnyParams, AnyRenderer, Contact, CoupledParams, HfcrParams, LoopParams, Mass, ObjectState,
-    PopcParams, PopcRefParams, Prediction, Sample, SehParams, VirtualDamperParams,
+    AnyParams, AnyRenderer, Contact, CoupledParams, DamperObject, EntryHold, HfcrParams, LoopParams,
+    Mass, ObjectState, PopcParams, PopcRefParams, Prediction, Sample, SehParams, VirtualDamperParams,
 };
 
 /// The system's allocator, counting what each thread asks of it.
@@ -65,6 +65,19 @@ fn a_renderer_is_made_started_and_stepped_without_allocating() {
                 encoder_quantum: 1e-5,
             },
             ..HfcrParams::default()
+        }),
+        AnyParams::Hfcr(HfcrParams {
+            prediction: Prediction::FirstOrderAdaptiveWindow {
+                noise_bound: 1e-5,
+                longest_window: 0.15,
+            },
+            entry_hold: EntryHold::Midpoint,
+            ..HfcrParams::default()
+        }),
+        AnyParams::VirtualDamper(VirtualDamperParams {
+            object: DamperObject::HeldForce,
+            prediction: Prediction::Extrapolation,
+            ..VirtualDamperParams::new(0.5)
         }),
         AnyParams::Coupled(CoupledParams::new(0.25).with_encoder_quantum(1e-5)),
         AnyParams::Coupled(CoupledParams {

@@ -194,6 +194,59 @@ fn a_setting_is_refused_by_every_method_that_cannot_use_it() {
 }
 
 #[test]
+fn a_longest_window_needs_a_prediction_that_has_one() {
+    let folder = folder();
+    for method in ["virtual-damper", "hfcr"] {
+        let flags = [
+            ("--method", method),
+            ("--longest-window", "0.05"),
+            ("--device-mass", "0.2"),
+        ];
+        for (prediction, code) in [
+            ("last-step", 2),
+            ("extrapolation", 2),
+            ("observer", 2),
+            ("first-order-adaptive-window", 0),
+        ] {
+            let mut flags = flags.to_vec();
+            flags.push(("--prediction", prediction));
+            for command in commands(&flags) {
+                let answer = folder.palpate(&command);
+                assert_eq!(answer.code, code, "{command}: {answer:?}");
+                if code == 2 {
+                    let words = [
+                        "--longest-window",
+                        "first-order-adaptive-window",
+                        method,
+                        prediction,
+                    ];
+                    answer.failed(&command, 2, &words);
+                }
+            }
+        }
+        for command in commands(&flags) {
+            folder.fail(&command, 2, &["--longest-window", "is last-step"]);
+        }
+    }
+}
+
+#[test]
+fn a_prediction_at_constant_velocity_is_the_last_step_as_it_was_called_before() {
+    let folder = folder();
+    let answers = ["constant-velocity", "last-step", "extrapolation"].map(|prediction| {
+        let command = format!("simulate scene.toml --method hfcr --json --prediction {prediction}");
+        folder.palpate(&command).stdout
+    });
+    assert_eq!(answers[0], answers[1]);
+    assert_ne!(answers[1], answers[2]);
+    assert!(
+        answers[0].contains("\"prediction\": \"last-step\""),
+        "{}",
+        answers[0]
+    );
+}
+
+#[test]
 fn facts_about_the_device_are_taken_by_every_method() {
     let folder = folder();
     for method in METHODS {

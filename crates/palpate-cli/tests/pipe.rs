@@ -457,7 +457,7 @@ fn coupled_asks_for_the_mass_it_needs() {
     folder.fail(
         &format!("{contact} --method hfcr --prediction observer"),
         2,
-        &["hfcr needs --device-mass", "--prediction constant-velocity"],
+        &["hfcr needs --device-mass", "--prediction last-step"],
     );
     folder.fail(
         &format!("{contact} --device-mass 0"),

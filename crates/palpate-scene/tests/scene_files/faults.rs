@@ -47,7 +47,7 @@ collisions = 3 -> collisons = 3
   28:1: unknown key collisons, did you mean collisions? Known here: collisions, duration_s
   collisons
 damping_cap_n_s_per_m -> damping_cap
-  41:1: unknown key damping_cap, did you mean damping_cap_n_s_per_m? Known here: damping_n_s_per_m, damping_cap_n_s_per_m, speed_threshold_m_per_s, initial_energy_j, estimate, prediction, placement, correction
+  41:1: unknown key damping_cap, did you mean damping_cap_n_s_per_m? Known here: damping_n_s_per_m, damping_cap_n_s_per_m, speed_threshold_m_per_s, initial_energy_j, estimate, prediction, longest_window_s, damper_object, entry_hold, placement, correction
   damping_cap"#,
         6,
     );
@@ -255,12 +255,27 @@ estimate = "ab2" -> damping_n_s_per_m = 1
   45:10: seh has no use for damping_n_s_per_m; it is for virtual-damper, hfcr
   seh
 estimate = "ab2" -> prediction = "observer"
-  45:10: seh has no use for prediction; it is for hfcr
+  45:10: seh has no use for prediction; it is for virtual-damper, hfcr
   seh
 estimate = "ab2" -> correction = false
   45:10: seh has no use for correction; it is for coupled
-  seh"#,
-        16,
+  seh
+estimate = "ab2" -> entry_hold = "sample"
+  45:10: seh has no use for entry_hold; it is for hfcr-mod-st, hfcr
+  seh
+damping_n_s_per_m = 0.1 -> damper_object = "spring"
+  37:10: hfcr has no use for damper_object; it is for virtual-damper
+  hfcr
+damping_n_s_per_m = 0.1 -> damper_object = "both"
+  38:17: unknown variant `both`, expected one of `spring-and-damper`, `spring`, `held-force`
+  "both"
+damping_n_s_per_m = 0.1 -> longest_window_s = 0.1
+  37:10: longest_window_s is for prediction first-order-adaptive-window, but that of hfcr is last-step
+  hfcr
+damping_n_s_per_m = 0.1 -> prediction = "first-order-adaptive-window"\nlongest_window_s = 0
+  37:10: longest_window is 0 s, but must be finite and greater than 0
+  hfcr"#,
+        21,
     );
 }
 

@@ -82,6 +82,23 @@ fn every_key_is_written() {
             "estimate = \"ab2\"\n\n[methods.coupled]\nplacement = false\ncorrection = false",
         ),
         ("damping_n_s_per_m = 0.1", "prediction = \"observer\""),
+        (
+            "damping_n_s_per_m = 0.1",
+            "prediction = \"extrapolation\"\nentry_hold = \"sample\"",
+        ),
+        ("damping_n_s_per_m = 0.1", "entry_hold = \"midpoint\""),
+        (
+            "damping_n_s_per_m = 0.1",
+            "prediction = \"first-order-adaptive-window\"\nlongest_window_s = 0.05",
+        ),
+        (
+            "estimate = \"ab2\"",
+            "estimate = \"ab2\"\n\n[methods.virtual-damper]\ndamper_object = \"held-force\"",
+        ),
+        (
+            "estimate = \"ab2\"",
+            "estimate = \"ab2\"\n\n[methods.virtual-damper]\ndamper_object = \"spring\"",
+        ),
         ("unilateral = false", "largest_gap_s = 0.5"),
         ("damping_n_s_per_m = 0.1", "damping_n_s_per_m = \"auto\""),
         ("estimate = \"ab2\"", "estimate = \"ab3\""),

@@ -1,8 +1,8 @@
 //! Eq. (9) as a quotient, and the closed forms that replace it.
 
 use palpate::{
-    AnyParams, Contact, HfcrParams, LoopParams, Method, MethodParams, ObjectMotion, ObjectState,
-    ParameterError, Phase, Plan, Renderer, Rule, Sample, Situation,
+    AnyParams, Contact, EntryHold, HfcrParams, LoopParams, Method, MethodParams, ObjectMotion,
+    ObjectState, ParameterError, Phase, Plan, Renderer, Rule, Sample, Situation,
 };
 use palpate_sim::closed_loop::Bench;
 use palpate_testbed::device::{Device, PointMass};
@@ -10,11 +10,20 @@ use palpate_testbed::device::{Device, PointMass};
 use crate::common::{PAPER_SCENES, Random, scene};
 use crate::trial::{Case, Trial, loop_params, object};
 
-const CASES: usize = 40_000;
+const CASES: usize = 80_000;
 
-fn params(smooth_transition: bool) -> AnyParams<f64> {
+/// Every reading of where the device is held after an entry, and no transitions at all.
+const TRANSITIONS: [Option<EntryHold>; 4] = [
+    Some(EntryHold::Crossing),
+    Some(EntryHold::Sample),
+    Some(EntryHold::Midpoint),
+    None,
+];
+
+fn params(smooth_transition: Option<EntryHold>) -> AnyParams<f64> {
     AnyParams::Hfcr(HfcrParams {
-        smooth_transition,
+        smooth_transition: smooth_transition.is_some(),
+        entry_hold: smooth_transition.unwrap_or_default(),
         ..HfcrParams::default()
     })
 }
@@ -31,8 +40,9 @@ fn every_closed_form_is_the_quotient_of_eq_9() {
     let mut met = std::collections::BTreeMap::<String, (usize, f64)>::new();
     for case_number in 0..CASES {
         let case = Case::random(&mut random);
-        let smooth = case_number % 2 == 0;
-        let mut trial = Trial::new(&case, params(smooth));
+        let transitions = TRANSITIONS[case_number % TRANSITIONS.len()];
+        let smooth = transitions.is_some();
+        let mut trial = Trial::new(&case, params(transitions));
         let before = random.between(-2e-3, 2e-3);
         let now = before + random.between(-2e-3, 2e-3);
         trial.at(before);
@@ -83,7 +93,10 @@ fn every_closed_form_is_the_quotient_of_eq_9() {
             );
         }
         let (count, worst) = met
-            .entry(format!("{row}{}", if smooth { ", st" } else { "" }))
+            .entry(match transitions {
+                Some(hold) => format!("{row}, st, {hold:?}"),
+                None => row.to_owned(),
+            })
             .or_default();
         *count += 1;
         *worst = worst.max(error);
@@ -236,7 +249,8 @@ fn without_the_work_of_f_v_closed_loops_reach_many_times_the_ideal_force() {
                 closed_loop(name, method, 200)
             };
             let (printed, consistent) = (held(false), held(true));
-            let closed = closed_loop(name, params(smooth_transition), window);
+            let transitions = smooth_transition.then_some(EntryHold::Crossing);
+            let closed = closed_loop(name, params(transitions), window);
             // The quotient is the closed form in a loop, too.
             for (quotient, closed) in consistent.iter().zip(&closed) {
                 assert!((quotient - closed).abs() < 1e-6 * ideal, "{name}");
@@ -280,7 +294,8 @@ fn a_device_that_stands_still_gets_the_spring_force_at_the_interval_s_end() {
         let case = Case::random(&mut random);
         let device = random.between(-2e-3, 2e-3);
         for (smooth_transition, moved) in [(true, 0.0), (false, 0.0), (false, 0.9e-9)] {
-            let mut trial = Trial::new(&case, params(smooth_transition));
+            let transitions = smooth_transition.then_some(EntryHold::Crossing);
+            let mut trial = Trial::new(&case, params(transitions));
             trial.at(device);
             let output = trial.at(device + moved);
             if output.phase != Phase::Contact {

@@ -18,5 +18,6 @@ mod leak_order;
 mod limits;
 mod object_motion;
 mod passivity;
+mod readings;
 mod robustness;
 mod wall;

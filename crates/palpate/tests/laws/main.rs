@@ -16,6 +16,7 @@ mod modified_force;
 mod outside;
 mod parameters;
 mod popc;
+mod readings;
 mod resting;
 mod seh;
 #[cfg(feature = "serde")]

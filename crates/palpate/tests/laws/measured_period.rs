@@ -2,8 +2,8 @@
 
 use crate::common::{PointMass, Random, entries, methods};
 use palpate::{
-    AnyParams, AnyRenderer, Contact, HfcrParams, LoopParams, ObjectState, Output, Phase, Renderer,
-    Sample,
+    AnyParams, AnyRenderer, Contact, EntryHold, HfcrParams, LoopParams, ObjectState, Output, Phase,
+    Renderer, Sample,
 };
 
 const STIFFNESS: f64 = 100.0;
@@ -92,7 +92,13 @@ enum Course {
 }
 
 /// Where the interval that `planned` began has brought the object after `h`, piece by piece.
-fn expected(planned: &Output<f64>, xi: f64, velocity: f64, h: f64) -> (Course, (f64, f64)) {
+fn expected(
+    planned: &Output<f64>,
+    hold: EntryHold,
+    xi: f64,
+    velocity: f64,
+    h: f64,
+) -> (Course, (f64, f64)) {
     let start = (planned.object_position, planned.object_velocity);
     let tau = planned.transition_after;
     match planned.phase {
@@ -101,8 +107,13 @@ fn expected(planned: &Output<f64>, xi: f64, velocity: f64, h: f64) -> (Course, (
         Phase::Enters if h <= tau => (Course::BeforeEntry, fly(start, h)),
         Phase::Enters => {
             let touch = fly(start, tau);
-            let held_at = xi + velocity * tau;
-            assert!((held_at - touch.0).abs() < 1e-12, "tau is not the entry");
+            let crossing = xi + velocity * tau;
+            assert!((crossing - touch.0).abs() < 1e-12, "tau is not the entry");
+            let held_at = match hold {
+                EntryHold::Crossing => crossing,
+                EntryHold::Sample => xi,
+                EntryHold::Midpoint => 0.5 * (crossing + xi + velocity * PERIOD),
+            };
             (Course::AfterEntry, press(touch, held_at, h - tau))
         }
         Phase::Leaves if h <= tau => (Course::BeforeRelease, press(start, xi, h)),
@@ -120,7 +131,16 @@ fn expected(planned: &Output<f64>, xi: f64, velocity: f64, h: f64) -> (Course, (
 
 #[test]
 fn an_early_or_late_sample_finds_the_object_where_its_plan_had_it_at_that_instant() {
-    let renderer = renderer(AnyParams::Hfcr(HfcrParams::default()));
+    for entry_hold in [EntryHold::Crossing, EntryHold::Sample, EntryHold::Midpoint] {
+        finds_the_object_where_its_plan_had_it(entry_hold);
+    }
+}
+
+fn finds_the_object_where_its_plan_had_it(entry_hold: EntryHold) {
+    let renderer = renderer(AnyParams::Hfcr(HfcrParams {
+        entry_hold,
+        ..HfcrParams::default()
+    }));
     let mut random = Random(3);
     let mut seen = Vec::new();
     for _ in 0..40 {
@@ -137,7 +157,8 @@ fn an_early_or_late_sample_finds_the_object_where_its_plan_had_it_at_that_instan
                 .as_ref()
                 .map_or(0.0, |(_, before, _)| (xi - before) / elapsed);
             if let Some((planned, xi, velocity)) = &last {
-                let (course, (eta, eta_velocity)) = expected(planned, *xi, *velocity, elapsed);
+                let (course, (eta, eta_velocity)) =
+                    expected(planned, entry_hold, *xi, *velocity, elapsed);
                 seen.push(course);
                 assert!(
                     (output.object_position - eta).abs() < 1e-13
