@@ -3,9 +3,9 @@
 //! docs/readings.md has the readings and these numbers in tables.
 
 use palpate::{AnyParams, DamperObject, EntryHold, HfcrParams, ObjectState, Phase, Prediction};
+use palpate_scene::Scene;
+use palpate_scene::method::{MethodName, Predictor, Settings};
 use palpate_sim::heights::over_heights;
-use palpate_sim::method::{MethodName, Predictor, Settings};
-use palpate_sim::scene::Scene;
 use palpate_sim::suite::Column;
 
 use crate::common::{PAPER_SCENES, Random, damping, experiments, fidelity, scene, with};
