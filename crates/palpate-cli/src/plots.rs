@@ -1,7 +1,7 @@
 //! From runs to figures.
 
 use palpate_scene::method::MethodName;
-use palpate_sim::run::{Reference, Run, Tick};
+use palpate_sim::run::{Reference, Run, RunMethod, Tick};
 
 use crate::report::Replayed;
 use palpate_figure::{Figure, Grid, Kind, Limits, Panel, Role, Row, Series, Sheet};
@@ -330,7 +330,11 @@ pub fn method_by_method(
 }
 
 /// A method looks the same in every figure.
-pub fn role(method: MethodName) -> Role {
+pub fn role(method: impl Into<RunMethod>) -> Role {
+    let method = match method.into() {
+        RunMethod::BuiltIn(method) => method,
+        RunMethod::Own(_) => return Role::Compared(10),
+    };
     Role::Compared(match method {
         MethodName::Hfcr => 0,
         MethodName::Coupled => 4,

@@ -484,7 +484,7 @@ pub fn receipt(
         lines.push((format!("loop_{name}"), value.to_string()));
     }
     for run in runs {
-        for (name, value) in parameters_of(&run.params) {
+        for (name, value) in parameters_of(&run.parameters) {
             let value = value
                 .as_str()
                 .map_or_else(|| value.to_string(), str::to_owned);

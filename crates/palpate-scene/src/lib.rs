@@ -155,11 +155,19 @@ impl Scene {
     /// method cannot use.
     pub fn renderer(&self, method: MethodName) -> Result<AnyRenderer<f64>, SetupError> {
         let params = self.params(method)?;
-        let loop_params = LoopParams {
+        Ok(Renderer::new(
+            self.contact,
+            self.loop_params_with_delay(),
+            params,
+        )?)
+    }
+
+    /// The loop as a renderer is told it: with the scene's delay, as far as one can be told.
+    pub fn loop_params_with_delay(&self) -> LoopParams<f64> {
+        LoopParams {
             delay: self.delay.min(LARGEST_DELAY),
             ..self.loop_params
-        };
-        Ok(Renderer::new(self.contact, loop_params, params)?)
+        }
     }
 
     /// What this scene renders by `method`.

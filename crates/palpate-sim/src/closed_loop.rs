@@ -9,12 +9,14 @@ use palpate_testbed::profile::{ForceProfile, Snapshot};
 use palpate_testbed::reference::{self, ReferenceScene, Stop};
 use palpate_testbed::timeline::Timeline;
 
-use palpate::Mass;
+use palpate::{Mass, Method, MethodParams, ParameterValue, Renderer};
 
+use crate::own_device::{OwnDevice, Seen};
 use crate::plant::{Plant, is_free};
-use crate::run::{Held, IdealPoint, MOST_PERIODS, Reference, Run, Tick};
+use crate::run::{Held, IdealPoint, MOST_PERIODS, Reference, Run, RunMethod, Tick};
 use crate::sampled_loop::{Sampled, SampledLoop};
 use palpate_scene::method::{MethodName, with_derived_values};
+use palpate_scene::named_parameters::named_parameters;
 use palpate_scene::{Measure, Scene, SetupError};
 
 /// Why a scene cannot be run.
@@ -72,11 +74,34 @@ impl<'a> Bench<'a> {
     /// A value the bench refuses; a window that the ideal cannot fill or that is too long.
     pub fn new(scene: &'a Scene) -> Result<Self, LoopError> {
         scene.check().map_err(SetupError::from)?;
+        let sign: f64 = scene.contact.side.sign();
+        Self::on(scene, Plant::of(scene, sign)?, is_free(scene))
+    }
+
+    /// As [`new`](Self::new), with `device` in the place of the scene's device and hand. It starts where
+    /// it is, on the scene's side of the object, in the user's frame. Of the scene's device, only what a
+    /// renderer is told of it still counts: its effective mass and its encoder's quantum; the encoder
+    /// itself, too. The ideal is integrated on a copy of `device`, so [`Device::advance`] should be exact,
+    /// or much more accurate than what is to be measured.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_device(
+        scene: &'a Scene,
+        device: impl OwnDevice + 'static,
+    ) -> Result<Self, LoopError> {
+        scene.check().map_err(SetupError::from)?;
+        let sign: f64 = scene.contact.side.sign();
+        let plant = Plant::Own(Seen::new(Box::new(device), sign));
+        Self::on(scene, plant, false)
+    }
+
+    /// The bench of a scene that was checked, whose ideal is known in closed form where `is_free`.
+    fn on(scene: &'a Scene, plant: Plant, is_free: bool) -> Result<Self, LoopError> {
         // Checks contact and loop, whatever the method.
         scene.renderer(scene.method)?;
         let sign: f64 = scene.contact.side.sign();
         let period = scene.loop_params.period;
-        let plant = Plant::of(scene, sign)?;
         let too_long = |periods: f64| {
             if periods > MOST_PERIODS as f64 {
                 Err(LoopError::TooLong(periods))
@@ -93,7 +118,7 @@ impl<'a> Bench<'a> {
             too_long((periods as f64 * period / shortest).floor())?;
             Ok::<_, LoopError>(scene.timeline(periods)?)
         };
-        let (timeline, profile, error, motion) = if is_free(scene) {
+        let (timeline, profile, error, motion) = if is_free {
             let ideal = exact_ideal(scene, sign)?;
             let intervals = match scene.measure {
                 Measure::Collisions(asked) => {
@@ -165,11 +190,25 @@ impl<'a> Bench<'a> {
         self.run_as(self.scene, method)
     }
 
+    /// Runs the loop by a method of the caller's own and judges it, as [`run`](Self::run) does.
+    ///
+    /// # Errors
+    /// The first parameter outside its range.
+    pub fn run_own(&self, params: impl MethodParams<f64>) -> Result<Run, LoopError> {
+        let mut parameters = Vec::new();
+        params.describe(&mut |key, value| parameters.push((key, value)));
+        let method = RunMethod::Own(params.name());
+        let loop_params = self.scene.loop_params_with_delay();
+        let renderer =
+            Renderer::new(self.scene.contact, loop_params, params).map_err(SetupError::from)?;
+        self.run_along(&self.timeline, self.scene, &renderer, method, parameters)
+    }
+
     /// Runs `scene`, which is this bench's own but for the settings of its methods, and for its
     /// delay if the loop is perfect otherwise: the ideal knows neither.
     pub(crate) fn run_as(&self, scene: &Scene, method: MethodName) -> Result<Run, LoopError> {
         if scene.delay == self.scene.delay {
-            return self.run_along(&self.timeline, scene, method);
+            return self.run_built_in(&self.timeline, scene, method);
         }
         let delayed = scene.timeline(self.timeline.samples().len() - 1)?;
         assert_eq!(
@@ -177,17 +216,31 @@ impl<'a> Bench<'a> {
             self.timeline.grid(),
             "whole samples of delay leave the grid of a perfect loop"
         );
-        self.run_along(&delayed, scene, method)
+        self.run_built_in(&delayed, scene, method)
     }
 
-    fn run_along(
+    fn run_built_in(
         &self,
         timeline: &Timeline,
         scene: &Scene,
         method: MethodName,
     ) -> Result<Run, LoopError> {
-        let sign = self.sign;
         let renderer = scene.renderer(method)?;
+        let params = scene.params(method).map_err(SetupError::from)?;
+        let parameters = named_parameters(&with_derived_values(params, &renderer));
+        let method = RunMethod::BuiltIn(method);
+        self.run_along(timeline, scene, &renderer, method, parameters)
+    }
+
+    fn run_along<M: Method<f64>>(
+        &self,
+        timeline: &Timeline,
+        scene: &Scene,
+        renderer: &Renderer<f64, M>,
+        method: RunMethod,
+        parameters: Vec<(&'static str, ParameterValue<f64>)>,
+    ) -> Result<Run, LoopError> {
+        let sign = self.sign;
         let mut in_progress = SampledLoop {
             sampler: if scene.device.encoder_quantum > 0.0 {
                 Sampler::quantum(scene.device.encoder_quantum)?
@@ -196,7 +249,7 @@ impl<'a> Bench<'a> {
             },
             sign,
             virtual_force: scene.virtual_force,
-            ..SampledLoop::new(&renderer, scene.object, self.plant.clone())
+            ..SampledLoop::new(renderer, scene.object, self.plant.clone())
                 .map_err(SetupError::from)?
         };
 
@@ -278,7 +331,7 @@ impl<'a> Bench<'a> {
         let energy = self.energy_judgement(&forces, &record);
         Ok(Run {
             method,
-            params: with_derived_values(scene.params(method).map_err(SetupError::from)?, &renderer),
+            parameters,
             ticks,
             held,
             force: ForceJudgement::of(&forces, profile).expect("one force per interval"),

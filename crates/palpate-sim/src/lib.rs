@@ -14,6 +14,7 @@ pub mod device;
 pub mod hand_replay;
 pub mod heights;
 pub mod map;
+mod own_device;
 mod plant;
 pub mod replay;
 pub mod run;
@@ -22,4 +23,5 @@ pub mod suite;
 pub mod tune;
 mod virtual_device;
 
+pub use own_device::OwnDevice;
 pub use virtual_device::VirtualDevice;

@@ -12,6 +12,8 @@ use palpate_testbed::pantograph::Pantograph;
 use palpate_scene::{Scene, Wave};
 use palpate_testbed::recorded_hand::HeldByRecording;
 
+use crate::own_device::Seen;
+
 /// Device and hand of a scene, on the canonical side.
 #[derive(Clone, Debug)]
 pub(crate) enum Plant {
@@ -28,6 +30,8 @@ pub(crate) enum Plant {
         /// y in the home pose `[m]`.
         home: f64,
     },
+    /// A device of the caller's own.
+    Own(Seen),
 }
 
 impl Plant {
@@ -98,7 +102,7 @@ impl Plant {
             // A linkage's motors give torques; what they give at the end-point varies over the
             // interval. Once the safety box has switched them off, it is nothing.
             Self::Linkage { device, .. } if device.is_disconnected() => 0.0,
-            Self::Free(_) | Self::Recorded(_) | Self::Linkage { .. } => force,
+            Self::Free(_) | Self::Recorded(_) | Self::Linkage { .. } | Self::Own(_) => force,
             Self::Held(held) => held.given_force(force),
         }
     }
@@ -161,6 +165,7 @@ impl Device for Plant {
             Self::Free(device) => device.position(),
             Self::Held(device) => device.position(),
             Self::Recorded(device) => device.position(),
+            Self::Own(device) => device.position(),
             Self::Linkage { device, home } => device.position() - home,
         }
     }
@@ -170,6 +175,7 @@ impl Device for Plant {
             Self::Free(device) => device.velocity(),
             Self::Held(device) => device.velocity(),
             Self::Recorded(device) => device.velocity(),
+            Self::Own(device) => device.velocity(),
             Self::Linkage { device, .. } => device.velocity(),
         }
     }
@@ -179,13 +185,16 @@ impl Device for Plant {
             Self::Free(device) => device.advance(force_on_object, duration),
             Self::Held(device) => device.advance(force_on_object, duration),
             Self::Recorded(device) => device.advance(force_on_object, duration),
+            Self::Own(device) => device.advance(force_on_object, duration),
             Self::Linkage { device, .. } => device.advance(force_on_object, duration),
         }
     }
 
     fn sample(&mut self, period: f64) {
-        if let Self::Linkage { device, .. } = self {
-            device.sample(period);
+        match self {
+            Self::Linkage { device, .. } => device.sample(period),
+            Self::Own(device) => device.sample(period),
+            Self::Free(_) | Self::Held(_) | Self::Recorded(_) => {}
         }
     }
 
@@ -194,6 +203,7 @@ impl Device for Plant {
             Self::Free(device) => device.stored_energy(),
             Self::Held(device) => device.stored_energy(),
             Self::Recorded(device) => device.stored_energy(),
+            Self::Own(device) => device.stored_energy(),
             Self::Linkage { device, .. } => device.stored_energy(),
         }
     }

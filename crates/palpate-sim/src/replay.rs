@@ -6,7 +6,8 @@
 //! recording at its full rate, straight lines between its samples.
 
 use palpate::{
-    AnyParams, AnyRenderer, Contact, LARGEST_DELAY, LoopParams, Mass, ObjectState, Renderer, Sample,
+    AnyParams, AnyRenderer, Contact, LARGEST_DELAY, LoopParams, Mass, Method, MethodParams,
+    ObjectState, ParameterValue, Renderer, Sample,
 };
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::driven::{DrivenIdeal, DrivenScene};
@@ -15,8 +16,9 @@ use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::metrics::ForceJudgement;
 use palpate_testbed::recorded_path::{PathError, RecordedPath};
 
-use crate::run::{Held, MOST_PERIODS, Reference, Run, Tick};
+use crate::run::{Held, MOST_PERIODS, Reference, Run, RunMethod, Tick};
 use palpate_scene::method::{Basis, MethodName, Settings, SettingsError, with_derived_values};
+use palpate_scene::named_parameters::named_parameters;
 use palpate_scene::{Scene, SetupError, stored_energy};
 
 /// What to render on a recorded motion.
@@ -239,6 +241,30 @@ impl Replay {
             .map_err(SetupError::from)?;
         let renderer: AnyRenderer<f64> =
             Renderer::new(setup.contact, setup.known_loop(), params).map_err(SetupError::from)?;
+        let parameters = named_parameters(&with_derived_values(params, &renderer));
+        self.run_with(&renderer, RunMethod::BuiltIn(method), parameters)
+    }
+
+    /// Renders the recording by a method of the caller's own.
+    ///
+    /// # Errors
+    /// The first parameter outside its range.
+    pub fn run_own(&self, params: impl MethodParams<f64>) -> Result<Run, ReplayError> {
+        let mut parameters = Vec::new();
+        params.describe(&mut |key, value| parameters.push((key, value)));
+        let method = RunMethod::Own(params.name());
+        let renderer = Renderer::new(self.setup.contact, self.setup.known_loop(), params)
+            .map_err(SetupError::from)?;
+        self.run_with(&renderer, method, parameters)
+    }
+
+    fn run_with<M: Method<f64>>(
+        &self,
+        renderer: &Renderer<f64, M>,
+        method: RunMethod,
+        parameters: Vec<(&'static str, ParameterValue<f64>)>,
+    ) -> Result<Run, ReplayError> {
+        let setup = &self.setup;
         let mut state = renderer.start(setup.object).map_err(SetupError::from)?;
         let mut hold = DelayedHold::new(setup.delay)?;
         let ticks: Vec<Tick> = self
@@ -278,7 +304,7 @@ impl Replay {
             .collect();
         Ok(Run {
             method,
-            params: with_derived_values(params, &renderer),
+            parameters,
             force: ForceJudgement::of(&forces, &self.reference.profile)
                 .expect("one force per interval"),
             ticks,

@@ -1,6 +1,8 @@
 //! What a run gives: every tick, and the bench's judgement.
 
-use palpate::{AnyParams, Ledger, Output};
+use std::fmt;
+
+use palpate::{Ledger, Output, ParameterValue};
 use palpate_testbed::metrics::{EnergyJudgement, ForceJudgement, ReboundSpeed};
 use palpate_testbed::profile::{ForceProfile, Snapshot};
 
@@ -36,13 +38,51 @@ pub struct Held {
     pub force_on_object: f64,
 }
 
+/// The method of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum RunMethod {
+    /// One of the program's methods, as it was chosen.
+    BuiltIn(MethodName),
+    /// A method of the caller's own, by its name.
+    Own(&'static str),
+}
+
+impl RunMethod {
+    /// The method's name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::BuiltIn(method) => method.name(),
+            Self::Own(name) => name,
+        }
+    }
+}
+
+impl fmt::Display for RunMethod {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl From<MethodName> for RunMethod {
+    fn from(method: MethodName) -> Self {
+        Self::BuiltIn(method)
+    }
+}
+
+impl PartialEq<MethodName> for RunMethod {
+    fn eq(&self, method: &MethodName) -> bool {
+        *self == Self::BuiltIn(*method)
+    }
+}
+
 /// A run of one method, from the first sample to the one that closes the last interval.
 #[derive(Clone, Debug)]
 pub struct Run {
     /// The method.
-    pub method: MethodName,
-    /// Its parameters, defaults included.
-    pub params: AnyParams<f64>,
+    pub method: RunMethod,
+    /// Its parameters by key, with the unit at the key's end; defaults included.
+    pub parameters: Vec<(&'static str, ParameterValue<f64>)>,
     /// Every sample that was taken; the last one closes the window and is not acted on. A perfect loop
     /// has one more than periods.
     pub ticks: Vec<Tick>,

@@ -1,7 +1,7 @@
 //! One step of the sampled-data loop: sample, render, hold, advance. Every study of closed loops
 //! takes its steps here; when it takes them is its own affair.
 
-use palpate::{AnyMemory, AnyRenderer, ObjectState, Output, ParameterError, Sample, State};
+use palpate::{Method, ObjectState, Output, ParameterError, Renderer, Sample, State};
 use palpate_testbed::device::{Device, PointMass};
 use palpate_testbed::measure::Sampler;
 use palpate_testbed::sprung_mass::SprungMass;
@@ -40,9 +40,9 @@ impl LoopDevice for Plant {
 
 /// A loop in progress. The device lives on the canonical side, the renderer in the user's frame;
 /// `sign` is between them.
-pub(crate) struct SampledLoop<'a, D> {
-    pub renderer: &'a AnyRenderer<f64>,
-    pub state: State<f64, AnyMemory<f64>>,
+pub(crate) struct SampledLoop<'a, M: Method<f64>, D> {
+    pub renderer: &'a Renderer<f64, M>,
+    pub state: State<f64, M::Memory>,
     pub device: D,
     pub sampler: Sampler,
     pub sign: f64,
@@ -56,10 +56,10 @@ pub(crate) struct Sampled {
     pub output: Output<f64>,
 }
 
-impl<'a, D: LoopDevice> SampledLoop<'a, D> {
+impl<'a, M: Method<f64>, D: LoopDevice> SampledLoop<'a, M, D> {
     /// A loop before its first sample.
     pub fn new(
-        renderer: &'a AnyRenderer<f64>,
+        renderer: &'a Renderer<f64, M>,
         object: ObjectState<f64>,
         device: D,
     ) -> Result<Self, ParameterError> {

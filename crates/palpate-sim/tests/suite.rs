@@ -451,12 +451,12 @@ fn the_told_mass_reaches_what_is_derived_from_it_and_nothing_else() {
     let told = run(&scene, MethodName::Hfcr);
     let basic = run(&scene, MethodName::Basic);
     scene.told_device_mass = None;
-    assert_ne!(run(&scene, MethodName::Hfcr).params, told.params);
+    assert_ne!(run(&scene, MethodName::Hfcr).parameters, told.parameters);
     assert_eq!(run(&scene, MethodName::Basic).force, basic.force);
     scene.told_device_mass = Some(scene.device.mass);
     let right = run(&scene, MethodName::Hfcr);
     scene.told_device_mass = None;
-    assert_eq!(run(&scene, MethodName::Hfcr).params, right.params);
+    assert_eq!(run(&scene, MethodName::Hfcr).parameters, right.parameters);
 }
 
 #[test]

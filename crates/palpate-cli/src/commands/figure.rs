@@ -137,7 +137,7 @@ fn beside_the_paper(runs: &[Run], fine: &Run, measured: &Measured) -> String {
     let mut table = plain_table(CellAlignment::Left, &header);
     for run in runs {
         let fidelity = run.force.fidelity;
-        let found = measured.iter().find(|(method, _)| *method == run.method);
+        let found = measured.iter().find(|(method, _)| run.method == *method);
         table.add_row([
             run.method.name().into(),
             number(fidelity.map(|f| f.force_rendering_error), percent),

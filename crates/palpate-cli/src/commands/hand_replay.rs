@@ -76,9 +76,10 @@ pub fn close_loop(
         runs.push(bench.run(method).map_err(|error| failure(method, error))?);
         progress.advance();
     }
-    let departures: Vec<(MethodName, f64)> = runs
+    let departures: Vec<(MethodName, f64)> = methods
         .iter()
-        .map(|run| (run.method, largest_departure(&hand, run)))
+        .zip(&runs)
+        .map(|(method, run)| (*method, largest_departure(&hand, run)))
         .collect();
     for (method, departure) in departures
         .iter()

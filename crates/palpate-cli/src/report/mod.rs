@@ -221,7 +221,7 @@ impl MethodReport {
         let rebounds = run.energy.as_ref().map(|energy| &energy.rebounds);
         Self {
             method: run.method.name(),
-            parameters: parameters::of(&run.params),
+            parameters: parameters::of(&run.parameters),
             mean_force_error_percent: fidelity.map(|f| f.mean_force_error),
             force_rendering_error_percent: fidelity.map(|f| f.force_rendering_error),
             error_over_floor: fidelity.and_then(|f| f.error_over_floor),

@@ -1,14 +1,13 @@
 //! Parameters of a method in a report.
 
-use palpate::{AnyParams, ParameterValue};
-use palpate_scene::named_parameters::named_parameters;
+use palpate::ParameterValue;
 use serde_json::{Map, Value};
 
-/// Parameters by name, with the unit in the name; empty for a method without any.
-pub fn of(params: &AnyParams<f64>) -> Map<String, Value> {
-    let named = named_parameters(params).into_iter();
+/// Parameters by key, with the unit at the key's end; empty for a method without any.
+pub fn of(parameters: &[(&'static str, ParameterValue<f64>)]) -> Map<String, Value> {
+    let named = parameters.iter();
     named
-        .map(|(name, value)| {
+        .map(|&(name, value)| {
             let value = match value {
                 ParameterValue::Number(number) => number.into(),
                 ParameterValue::Word(word) => word.into(),
