@@ -58,6 +58,7 @@ pub mod device;
 )]
 pub mod guardian;
 mod held;
+mod motors_off;
 mod note;
 #[allow(clippy::disallowed_methods, reason = "asks before the first tick")]
 pub mod realtime;
