@@ -1,55 +1,7 @@
-//! The program `palpate`: arguments in, files and reports out. The physics is in the libraries.
-
-mod arguments;
-mod commands;
-mod devices;
-mod excerpt;
-mod failure;
-mod hand;
-mod inside;
-mod plots;
-mod progress;
-mod recorded;
-mod report;
-mod results;
-mod run_file;
-mod setup;
-mod values;
+//! The program `palpate`; all of it is in the library beside it.
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
-use arguments::{Arguments, Command};
-
 fn main() -> ExitCode {
-    let outcome = match Arguments::parse().command {
-        Command::Render(arguments) => commands::render::run(&arguments),
-        Command::Simulate(arguments) => commands::simulate::run(&arguments),
-        Command::Compare(arguments) => commands::compare::run(&arguments),
-        Command::Pipe(arguments) => commands::pipe::run(&arguments),
-        Command::Run(arguments) => commands::run::run(&arguments),
-        Command::Record(arguments) => commands::run::record(&arguments),
-        Command::Live(arguments) => commands::live::run(&arguments),
-        Command::Devices(arguments) => commands::devices::run(&arguments),
-        Command::Emulate(arguments) => commands::emulate::run(&arguments),
-        Command::Guardian => commands::guardian::run(),
-        Command::Doctor(arguments) => commands::doctor::run(&arguments),
-        Command::Bench(arguments) => commands::bench::run(&arguments),
-        Command::Info(arguments) => commands::info::run(&arguments),
-        Command::Convert(arguments) => commands::convert::run(&arguments),
-        Command::Replay(arguments) => commands::replay::run(&arguments),
-        Command::Tune(arguments) => commands::tune::run(&arguments),
-        Command::Suite(arguments) => commands::suite::run(&arguments),
-        Command::Heights(arguments) => commands::heights::run(&arguments),
-        Command::Map(arguments) => commands::map::run(&arguments),
-        Command::Advise(arguments) => commands::advise::run(&arguments),
-        Command::Figure(arguments) => commands::figure::run(&arguments),
-        Command::Demo(arguments) => commands::demo::run(&arguments),
-        Command::Completions(arguments) => commands::completions::run(&arguments),
-    };
-    match outcome {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => failure.report(),
-    }
+    palpate_cli::run()
 }

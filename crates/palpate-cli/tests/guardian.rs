@@ -14,7 +14,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use common::running::{Running, program};
-use common::{Folder, experiment_text, parse};
+use common::{Folder, experiment_text, number, parse};
 use palpate::{AnyParams, Contact, LoopParams, ObjectState, Placement};
 use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
@@ -338,16 +338,21 @@ fn silence(seen: &[Seen]) -> Duration {
     commanded[last_on + 1].at - commanded[last_on].at
 }
 
-/// It was only late: nothing is wrong with it, and its force comes back.
+/// It was only late: nothing is wrong with it, and its force comes back. What it missed counts by its
+/// time, of which its ticks know nothing.
 #[test]
 fn a_loop_that_was_stopped_for_a_while_comes_back() {
     let (folder, emulator) = (folder(), emulator());
     let port = emulator.path();
+    let begun = Instant::now();
     let run = pressing(&folder, &emulator, "--json --priority 0 --stall-after 50");
     assert!(signal(19, run.id()));
+    // For most of its time.
+    let quiet = 3 * begun.elapsed();
     wait_for("no torque", || {
-        off_since(&emulator).is_some_and(|since| since.elapsed() > Duration::from_millis(300))
+        off_since(&emulator).is_some_and(|since| since.elapsed() > quiet)
     });
+    let stood_still = off_since(&emulator).unwrap().elapsed();
     assert!(signal(18, run.id()));
     wait_for("the torque again", || is_on(&emulator));
     run.signal("TERM");
@@ -359,6 +364,18 @@ fn a_loop_that_was_stopped_for_a_while_comes_back() {
     assert_eq!(report["guardian"]["gone"], false, "{report}");
     assert_eq!(report["guardian"]["silence_s"], 0.05, "{report}");
     assert!(holders(&port).is_empty());
+    let (off, lasted) = (number(&report, "motors_off_s"), number(&report, "lasted_s"));
+    println!(
+        "no force for {off} s of {lasted} s, {}",
+        report["motors_off_ticks"]
+    );
+    assert!(
+        off >= stood_still.as_secs_f64(),
+        "{stood_still:?}: {report}"
+    );
+    assert!(off < lasted, "{report}");
+    let code = if off > lasted / 2.0 { 5 } else { 0 };
+    assert_eq!(output.status.code(), Some(code), "{report}");
 }
 
 #[test]

@@ -123,6 +123,7 @@ fn a_tail_that_is_lost_is_said_and_has_an_exit_code() {
         ticks: 36,
         events: 2,
         motors_off: 9,
+        time: None,
         ending: None,
     };
     write("late.mcap", Some(count));

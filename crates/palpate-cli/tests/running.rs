@@ -362,13 +362,18 @@ fn a_run_whose_motors_were_off_says_so_and_has_an_exit_code() {
     let report = parse(&answer.stdout);
     let off = number(&report, "motors_off_ticks");
     assert!((1000.0..2500.0).contains(&off), "{off}");
-    let words = format!("safety had the motors off for {off} of 2500 ticks");
-    assert!(answer.stderr.contains(&words), "{}", answer.stderr);
-    assert!(
-        answer
-            .stderr
-            .contains("and at the end: held forces created")
-    );
+    // Of 5 s, the first period is before the first tick; the motors are off from the end of a tick on.
+    let off_s = number(&report, "motors_off_s");
+    assert!((off_s - 0.002 * (off - 1.0)).abs() < 1e-9, "{off_s} s");
+    assert!((number(&report, "lasted_s") - 4.998).abs() < 1e-9);
+    let words = "safety had the motors off for ";
+    for part in [
+        words,
+        &format!(" s of 5.00 s ("),
+        &format!(" %), and at the end of {off} of 2500 ticks; when it ended: held forces created"),
+    ] {
+        assert!(answer.stderr.contains(part), "{part}: {}", answer.stderr);
+    }
     // All of it was created before the trip: 50 mJ and one period more of a stiff wall.
     let created = number(&report, "leak_held_j");
     assert!((0.05..0.5).contains(&created), "{created} J");
@@ -378,7 +383,9 @@ fn a_run_whose_motors_were_off_says_so_and_has_an_exit_code() {
     // The recording itself is complete, by the same numbers.
     assert_eq!(report["recording"]["complete"], true);
     let info = folder.json("info off.mcap");
-    assert_eq!(info["motors_off_ticks"], report["motors_off_ticks"]);
+    for key in ["motors_off_ticks", "motors_off_s", "lasted_s"] {
+        assert_eq!(info[key], report[key], "{key}");
+    }
     assert_eq!(info["flags"]["safety-tripped"], report["motors_off_ticks"]);
     for (of_run, of_info) in [
         (&report["timing"]["ticks"], &info["ticks_made"]),
@@ -392,7 +399,7 @@ fn a_run_whose_motors_were_off_says_so_and_has_an_exit_code() {
     let text = folder.palpate(&run.replace(" --json", "").replace("off.mcap", "again.mcap"));
     assert!(
         text.stdout
-            .contains(&format!("its time was over, but {words} (")),
+            .contains(&format!("its time was over, but {words}")),
         "{}",
         text.stdout
     );

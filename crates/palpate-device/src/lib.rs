@@ -77,6 +77,12 @@ pub trait Device: Send {
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
         None
     }
+
+    /// Whether somebody beside this program, a [guardian](crate::guardian), has commanded no force since
+    /// this was asked last. A loop asks after it has stood still.
+    fn was_cut(&mut self) -> bool {
+        false
+    }
 }
 
 /// Commands no force, apart from the device that it belongs to.
@@ -135,5 +141,9 @@ impl<D: Device + ?Sized> Device for Box<D> {
 
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
         (**self).zero_writer()
+    }
+
+    fn was_cut(&mut self) -> bool {
+        (**self).was_cut()
     }
 }

@@ -1,7 +1,7 @@
 //! A device that does what it is told beforehand, faults included.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use super::{Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector, ZeroWriter};
 use crate::clock::Clock;
@@ -32,6 +32,7 @@ pub struct ScriptedDevice<C> {
     last: Reading,
     forces: Vec<Vector>,
     zeroed: Arc<AtomicUsize>,
+    guardian: Arc<AtomicBool>,
 }
 
 /// Forces that are remembered; there is room for them before the loop starts.
@@ -52,6 +53,7 @@ impl<C: Clock> ScriptedDevice<C> {
             },
             forces: Vec::with_capacity(REMEMBERED),
             zeroed: Arc::default(),
+            guardian: Arc::default(),
         }
     }
 
@@ -74,6 +76,12 @@ impl<C: Clock> ScriptedDevice<C> {
     #[must_use]
     pub fn times_zeroed(&self) -> Arc<AtomicUsize> {
         Arc::clone(&self.zeroed)
+    }
+
+    /// Raising it plays a guardian that has commanded no force.
+    #[must_use]
+    pub fn guardian(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.guardian)
     }
 }
 
@@ -120,5 +128,9 @@ impl<C: Clock> Device for ScriptedDevice<C> {
             }
         }
         Some(Box::new(Counts(Arc::clone(&self.zeroed))))
+    }
+
+    fn was_cut(&mut self) -> bool {
+        self.guardian.swap(false, Ordering::SeqCst)
     }
 }

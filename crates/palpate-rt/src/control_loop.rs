@@ -11,6 +11,7 @@ use palpate_io::recording::{Flags, Tick};
 use crate::deadlines::Deadlines;
 use crate::delivered::Delivered;
 use crate::held::HeldSince;
+use crate::motors_off::MotorsOff;
 use crate::note::{Ending, Note, Noted};
 use crate::rendering::{Parameters, Rendered, Rendering, parameters};
 use crate::safety::{self, Heartbeat, Safety, SafetyParams, Supervisor, Trip, Verdict};
@@ -40,7 +41,8 @@ pub struct ControlLoop<D: Device, C: Clock> {
     held: HeldSince,
     delivered: Delivered,
     /// Whether a trip kept the motors off at the end of the last tick.
-    motors_off: bool,
+    is_off: bool,
+    motors_off: MotorsOff,
     last: Option<(Reading, Output<f64>)>,
     heartbeat: Arc<Heartbeat>,
     cuts: u64,
@@ -103,7 +105,8 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             period,
             held: HeldSince::default(),
             delivered: Delivered::default(),
-            motors_off: false,
+            is_off: false,
+            motors_off: MotorsOff::default(),
             last: None,
             heartbeat: Arc::default(),
             cuts: 0,
@@ -148,8 +151,8 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
     /// A supervisor for another thread; none if the device has no second way to command no force.
     pub fn supervisor(&mut self) -> Option<Supervisor> {
         let zero = self.device.zero_writer()?;
-        let limit = self.safety.params().stall_after(self.period);
-        Some(Supervisor::new(Arc::clone(&self.heartbeat), zero, limit))
+        let heartbeat = Arc::clone(&self.heartbeat);
+        Some(Supervisor::new(heartbeat, zero, self.stall_limit()))
     }
 
     pub(crate) fn clock(&self) -> C {
@@ -228,6 +231,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             let _ = self.device.write([0.0; 3]);
         }
         self.held.change(0.0, self.clock.now());
+        self.motors_off.let_go();
         self.safety.let_go();
         self.heartbeat.end();
     }
@@ -237,7 +241,8 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         let deadline = self.deadline();
         self.clock.sleep_until(deadline);
         let woke = self.clock.now();
-        let mut stalled = self.was_cut() | self.has_overslept(woke);
+        let has_overslept = self.has_overslept(woke);
+        let mut stalled = self.was_cut(has_overslept) | has_overslept;
         self.heartbeat.beat(woke);
         self.ticked = Some(woke);
         if self.rearm.swap(false, Ordering::AcqRel) && self.safety.rearm() {
@@ -253,7 +258,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
 
         let (sampled, answered) = self.sample();
         // The device may have been the one that stood still.
-        stalled |= self.was_cut();
+        stalled |= self.was_cut(answered.saturating_sub(woke) > self.stall_limit());
         let elapsed = match (&sampled, &self.last) {
             (Sampled::Fresh(now), Some((before, _))) => {
                 Some(now.time.saturating_sub(before.time).as_secs_f64())
@@ -271,7 +276,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
                 let before = self.rendered.ledger().held_leak;
                 let output = self.rendered.step(coordinate, elapsed);
                 let after = self.rendered.ledger().held_leak;
-                let was_off = self.motors_off && held == Some(0.0);
+                let was_off = self.is_off && held == Some(0.0);
                 self.delivered.close(&before, &after, was_off);
                 fault = output.fault;
                 self.last = Some((reading, output));
@@ -296,7 +301,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             Sampled::Gone(trip) => self.safety.trip_on(trip),
         };
         self.notes_of(&verdict);
-        if self.was_cut() {
+        if self.was_cut(false) {
             // Just now: what the supervisor has taken off is not put on again.
             verdict = self.safety.trip_on(Trip::Stalled);
             self.notes_of(&verdict);
@@ -313,12 +318,13 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         if missed > 0 {
             self.note(Note::MissedDeadlines(missed));
         }
-        self.motors_off = self.safety.trip().is_some();
+        self.is_off = self.safety.trip().is_some();
+        self.motors_off.tick(woke, ended, self.is_off);
         let is_fresh = matches!(sampled, Sampled::Fresh(_));
         let flags = Flags::default()
             .with(Flags::FAULT, fault.is_some())
             .with(Flags::SAFETY_LIMITED, verdict.bounded.any())
-            .with(Flags::SAFETY_TRIPPED, self.motors_off)
+            .with(Flags::SAFETY_TRIPPED, self.is_off)
             .with(Flags::MISSED_DEADLINE, missed > 0)
             .with(Flags::DEVICE_FAULT, !is_fresh);
         let tick = Tick {
@@ -331,12 +337,14 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         };
         self.statistics.ticks += 1;
         self.statistics.missed_deadlines += missed;
-        self.statistics.motors_off += u64::from(self.motors_off);
+        self.statistics.motors_off += u64::from(self.is_off);
+        self.statistics.time = self.motors_off.time();
         self.statistics.lateness.add(woke - deadline.min(woke));
         self.statistics.tick.add(ended - answered);
         self.statistics.round_trip.add(answered - woke);
         if let Some(tap) = &mut self.tap {
             tap.tick(&tick);
+            tap.ran(self.motors_off.time());
         }
         self.sequence += 1;
         tick
@@ -365,22 +373,39 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         self.started
     }
 
-    /// Whether the supervisor has commanded no force since the last tick; the books are told.
-    fn was_cut(&mut self) -> bool {
+    /// Whether somebody else has commanded no force since this was asked last: the supervisor, or, where
+    /// the loop `stood_still`, a guardian. The books are told who was the first; a supervisor that stood
+    /// still with the loop comes too late.
+    fn was_cut(&mut self, stood_still: bool) -> bool {
         let cuts = self.heartbeat.cuts();
-        let was_cut = cuts != self.cuts;
+        let supervisor = (cuts != self.cuts).then(|| self.heartbeat.cut_at());
         self.cuts = cuts;
-        if was_cut {
-            self.held.change(0.0, self.heartbeat.cut_at());
+        let guardian = (supervisor.is_some() || stood_still)
+            .then(|| self.guardian_cut())
+            .flatten();
+        let first = guardian.into_iter().chain(supervisor).min();
+        if let Some(first) = first {
+            self.held.change(0.0, first);
+            self.motors_off.cut(first);
         }
-        was_cut
+        first.is_some()
+    }
+
+    /// When a guardian has commanded no force, if it has: it is as patient as a supervisor.
+    fn guardian_cut(&mut self) -> Option<Duration> {
+        let since = self.ticked?.saturating_add(self.stall_limit());
+        self.device.was_cut().then(|| since.min(self.clock.now()))
+    }
+
+    fn stall_limit(&self) -> Duration {
+        self.safety.params().stall_after(self.period)
     }
 
     /// Whether the loop woke so late that a supervisor would have cut it, had there been one awake.
     fn has_overslept(&self, woke: Duration) -> bool {
-        let limit = self.safety.params().stall_after(self.period);
+        let longest = self.period.saturating_add(self.stall_limit());
         self.ticked
-            .is_some_and(|last| woke.saturating_sub(last) > self.period.saturating_add(limit))
+            .is_some_and(|last| woke.saturating_sub(last) > longest)
     }
 
     /// What the device says, and when it has said it.

@@ -56,6 +56,7 @@ mod delivered;
 )]
 pub mod guardian;
 mod held;
+mod motors_off;
 mod note;
 #[allow(clippy::disallowed_methods, reason = "asks before the first tick")]
 pub mod realtime;

@@ -7,7 +7,7 @@ use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
 use palpate_io::atomic::WriteError;
-use palpate_io::recording::{Event, LoopCount, Receipt, RecordingWriter, Summary, Tick};
+use palpate_io::recording::{Event, LoopCount, LoopTime, Receipt, RecordingWriter, Summary, Tick};
 
 use crate::note::Ending;
 use crate::tap::{Counted, Listener, Tap, Told, tap};
@@ -204,6 +204,7 @@ fn count(counted: &Counted) -> LoopCount {
         ticks: counted.ticks,
         events: counted.notes,
         motors_off: counted.motors_off,
+        time: Some(counted.time).filter(|time| *time != LoopTime::default()),
         ending: counted.ending.map(Ending::text).map(str::to_owned),
     }
 }

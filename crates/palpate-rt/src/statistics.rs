@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use hdrhistogram::Histogram;
+use palpate_io::recording::LoopTime;
 
 /// Longest time that is told apart: 10 s.
 const LONGEST: u64 = 10_000_000_000;
@@ -62,6 +63,9 @@ pub struct LoopStatistics {
     pub without_sample: u64,
     /// Ticks at whose end a trip of the safety kept the motors off.
     pub motors_off: u64,
+    /// How long it ran, and for how much of that no force was delivered: a stall, in which there are no
+    /// ticks, counts too.
+    pub time: LoopTime,
     /// How long after its deadline a tick began.
     pub lateness: Durations,
     /// How long a tick took, from the sample's arrival to the force's.
@@ -77,6 +81,7 @@ impl LoopStatistics {
             missed_deadlines: 0,
             without_sample: 0,
             motors_off: 0,
+            time: LoopTime::default(),
             lateness: Durations::new(),
             tick: Durations::new(),
             round_trip: Durations::new(),

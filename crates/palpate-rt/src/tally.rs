@@ -1,6 +1,8 @@
 //! What a loop counts of what it tells. It is shared beside the ring that carries ticks and notes, so a
 //! ring that is full drops none of it.
 
+use std::time::Duration;
+
 use crate::atomics::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 
 /// Counters that one side, the tap, writes, and that the other, the listener, reads.
@@ -14,6 +16,10 @@ pub(crate) struct Tally {
     notes: AtomicU64,
     lost: AtomicU64,
     motors_off: AtomicU64,
+    /// In nanoseconds.
+    lasted: AtomicU64,
+    /// In nanoseconds.
+    motors_off_for: AtomicU64,
     /// A number of the ending, which its user gives meaning; 0: none was told.
     ending: AtomicU8,
     closed: AtomicBool,
@@ -31,6 +37,10 @@ pub(crate) struct Counts {
     pub lost: u64,
     /// Ticks that ended with the motors off.
     pub motors_off: u64,
+    /// How long the loop ran.
+    pub lasted: Duration,
+    /// For how much of that no force was delivered.
+    pub motors_off_for: Duration,
     /// Number of the ending; 0: none was told.
     pub ending: u8,
 }
@@ -42,6 +52,8 @@ impl Tally {
             notes: AtomicU64::new(0),
             lost: AtomicU64::new(0),
             motors_off: AtomicU64::new(0),
+            lasted: AtomicU64::new(0),
+            motors_off_for: AtomicU64::new(0),
             ending: AtomicU8::new(0),
             closed: AtomicBool::new(false),
             deaf: AtomicBool::new(false),
@@ -68,11 +80,19 @@ impl Tally {
         add_one(&self.motors_off);
     }
 
-    /// Ticks, notes and ticks with the motors off are as many as in `counts`.
+    /// So long did the loop run so far, and no force was delivered for so much of it.
+    pub fn ran(&self, lasted: Duration, motors_off_for: Duration) {
+        self.lasted.store(nanoseconds(lasted), Ordering::Relaxed);
+        self.motors_off_for
+            .store(nanoseconds(motors_off_for), Ordering::Relaxed);
+    }
+
+    /// Ticks, notes, ticks with the motors off and times are those of `counts`.
     pub fn set(&self, counts: &Counts) {
         self.made(counts.ticks);
         self.notes.store(counts.notes, Ordering::Relaxed);
         self.motors_off.store(counts.motors_off, Ordering::Relaxed);
+        self.ran(counts.lasted, counts.motors_off_for);
     }
 
     /// The loop has ended, by `ending`.
@@ -107,9 +127,16 @@ impl Tally {
             notes: self.notes.load(Ordering::Relaxed),
             lost: self.lost.load(Ordering::Relaxed),
             motors_off: self.motors_off.load(Ordering::Relaxed),
+            lasted: Duration::from_nanos(self.lasted.load(Ordering::Relaxed)),
+            motors_off_for: Duration::from_nanos(self.motors_off_for.load(Ordering::Relaxed)),
             ending: self.ending.load(Ordering::Relaxed),
         }
     }
+}
+
+/// More than 580 years count as that.
+fn nanoseconds(duration: Duration) -> u64 {
+    u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)
 }
 
 /// Only one thread writes a counter, so it need not be one step.

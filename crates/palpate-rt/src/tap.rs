@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use palpate_io::recording::{Flags, Tick};
+use palpate_io::recording::{Flags, LoopTime, Tick};
 
 use crate::note::{Ending, Noted};
 use crate::tally::{Counts, Tally};
@@ -30,6 +30,8 @@ pub struct Counted {
     pub lost: u64,
     /// Ticks at whose end a trip of the safety kept the motors off.
     pub motors_off: u64,
+    /// How long the loop ran, and for how much of that no force was delivered; zero where nobody said.
+    pub time: LoopTime,
     /// Why the loop ended; `None` while it runs, or where nobody said.
     pub ending: Option<Ending>,
 }
@@ -41,6 +43,10 @@ impl From<Counts> for Counted {
             notes: counts.notes,
             lost: counts.lost,
             motors_off: counts.motors_off,
+            time: LoopTime {
+                lasted: counts.lasted,
+                motors_off: counts.motors_off_for,
+            },
             ending: Ending::of_number(counts.ending),
         }
     }
@@ -85,19 +91,26 @@ impl Tap {
         self.push(Told::Tick(*tick));
     }
 
+    /// Tells how long the loop ran so far, and for how much of that no force was delivered.
+    pub fn ran(&mut self, time: LoopTime) {
+        self.tally.ran(time.lasted, time.motors_off);
+    }
+
     /// Tells something that happened.
     pub fn note(&mut self, noted: &Noted) {
         self.tally.noted();
         self.push(Told::Note(*noted));
     }
 
-    /// Says how many ticks and notes there were and how many ticks ended with the motors off, where not
-    /// all of them were told here. What found no room is counted as it was.
+    /// Says how many ticks and notes there were, how many ticks ended with the motors off, and for how
+    /// long, where not all of them were told here. What found no room is counted as it was.
     pub fn count(&mut self, counted: &Counted) {
         self.tally.set(&Counts {
             ticks: counted.ticks,
             notes: counted.notes,
             motors_off: counted.motors_off,
+            lasted: counted.time.lasted,
+            motors_off_for: counted.time.motors_off,
             ..Counts::default()
         });
     }

@@ -56,7 +56,7 @@ Exit codes:
   3  an input file is wrong; the message says where
   4  done, but the recording that was read or made is not whole; the output or
      standard error says what is missing
-  5  the loop ran, but safety had the motors off at its end or for most of its ticks
+  5  the loop ran, but safety had the motors off at its end or for most of its time
   130  stopped by ctrl-C or another signal before its end; what is done is kept")]
 pub struct Arguments {
     /// What to do.

@@ -5,7 +5,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
-use palpate_io::recording::{Entry, Flags, Recording};
+use palpate_io::recording::{Entry, Flags, LoopTime, Recording};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -81,6 +81,12 @@ struct Report {
     /// Ticks and events of a chunk that is cut off, which no checksum covers.
     unchecked: u64,
     gaps: Vec<GapReport>,
+    /// How long the loop ran; `None` where nobody said, as in recordings of older versions.
+    lasted_s: Option<f64>,
+    /// For how much of that no force was delivered, stalls included.
+    motors_off_s: Option<f64>,
+    #[serde(skip)]
+    time: Option<LoopTime>,
     /// Ticks with the motors off, lost ones among them; of an older recording those that are there.
     motors_off_ticks: u64,
     /// Why the loop ended.
@@ -138,6 +144,8 @@ impl Report {
         let duration = ends.map(|(first, last)| last.time - first.time);
         let steps = ends.map(|(first, last)| (last.sequence - first.sequence) as f64);
         let texts = recording.receipt.texts.iter();
+        let counted = recording.counted.as_ref();
+        let time = counted.and_then(|count| count.time);
         Ok(Self {
             format: "palpate info 1",
             recording: recording.path().display().to_string(),
@@ -152,14 +160,11 @@ impl Report {
             ticks_lost: recording.lost(),
             events_lost: recording.lost_events(),
             unchecked: recording.unchecked,
-            motors_off_ticks: recording
-                .counted
-                .as_ref()
-                .map_or(off, |count| count.motors_off),
-            ending: recording
-                .counted
-                .as_ref()
-                .and_then(|count| count.ending.clone()),
+            lasted_s: time.map(|time| time.lasted.as_secs_f64()),
+            motors_off_s: time.map(|time| time.motors_off.as_secs_f64()),
+            time,
+            motors_off_ticks: counted.map_or(off, |count| count.motors_off),
+            ending: counted.and_then(|count| count.ending.clone()),
             gaps: recording
                 .missing
                 .iter()
@@ -217,7 +222,8 @@ impl fmt::Display for Report {
         }
         if self.motors_off_ticks > 0 {
             let all = self.ticks_made.unwrap_or(self.ticks + self.ticks_lost);
-            writeln!(f, "{}", motors_off(self.motors_off_ticks, all))?;
+            let words = motors_off(self.time, self.motors_off_ticks, all);
+            writeln!(f, "{words}")?;
         }
         writeln!(f)?;
         let over = match (self.duration_s, self.rate_hz) {

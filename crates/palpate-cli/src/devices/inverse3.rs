@@ -167,6 +167,10 @@ impl<C: Clock> Device for Watched<C> {
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
         self.device.zero_writer()
     }
+
+    fn was_cut(&mut self) -> bool {
+        self.device.was_cut()
+    }
 }
 
 impl<C> Drop for Watched<C> {

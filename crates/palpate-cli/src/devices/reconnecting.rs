@@ -178,6 +178,10 @@ impl Device for Reconnecting {
         self.has_zero
             .then(|| Box::new(Zero(Arc::clone(&self.zero))) as Box<dyn ZeroWriter>)
     }
+
+    fn was_cut(&mut self) -> bool {
+        self.device.as_mut().is_some_and(Device::was_cut)
+    }
 }
 
 impl Drop for Reconnecting {

@@ -175,6 +175,10 @@ impl<C: Clock> Device for Watched<C> {
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
         self.device.as_mut()?.zero_writer()
     }
+
+    fn was_cut(&mut self) -> bool {
+        self.device.as_mut().is_some_and(Device::was_cut)
+    }
 }
 
 impl<C> Drop for Watched<C> {

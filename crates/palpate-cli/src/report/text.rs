@@ -5,6 +5,7 @@ use std::fmt;
 use comfy_table::presets::NOTHING;
 use comfy_table::{Cell, CellAlignment, Table, TableComponent};
 use palpate::Mass;
+use palpate_io::recording::LoopTime;
 
 use super::{CollisionReport, MethodReport, Report};
 
@@ -294,13 +295,26 @@ pub fn counted<N: fmt::Display + From<u8> + PartialEq>(count: N, thing: &str) ->
     format!("{count} {thing}{plural}")
 }
 
-/// That safety had the motors off for some of all ticks.
-pub fn motors_off(ticks: u64, of: u64) -> String {
-    let percent = digits(100.0 * ticks as f64 / of as f64);
-    format!(
-        "safety had the motors off for {ticks} of {} ({percent} %)",
-        counted(of, "tick")
-    )
+/// That safety had the motors off for some of the time, and at the end of some of all ticks. Where the
+/// time is not known, the ticks stand for it.
+pub fn motors_off(time: Option<LoopTime>, ticks: u64, of: u64) -> String {
+    let of_ticks = format!("{ticks} of {}", counted(of, "tick"));
+    let percent = |part: f64, of: f64| digits(if of > 0.0 { 100.0 * part / of } else { 0.0 });
+    match time {
+        Some(LoopTime { lasted, motors_off }) => {
+            let (off, all) = (motors_off.as_secs_f64(), lasted.as_secs_f64());
+            format!(
+                "safety had the motors off for {} s of {} s ({} %), and at the end of {of_ticks}",
+                digits(off),
+                digits(all),
+                percent(off, all)
+            )
+        }
+        None => format!(
+            "safety had the motors off for {of_ticks} ({} %)",
+            percent(ticks as f64, of as f64)
+        ),
+    }
 }
 
 /// Three significant digits, in plain notation where that is short.

@@ -84,6 +84,7 @@ pub fn write(path: &Path, text: &str, run: &Run, keeps: impl Fn(usize) -> bool) 
         ticks: run.ticks.len() as u64,
         events: 2,
         motors_off: 0,
+        time: None,
         ending: Some("it was asked to stop".into()),
     };
     writer.count(&count).unwrap();

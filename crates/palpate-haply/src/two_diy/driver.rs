@@ -61,6 +61,8 @@ pub struct TwoDiy<C> {
     given: [f64; 2],
     /// How often none had been commanded because it was wanted, by then.
     cuts: u64,
+    /// Times that a guardian had commanded none when the loop asked last.
+    told_cuts: u64,
     closed: bool,
     /// Since when answers are missing.
     behind: Option<Instant>,
@@ -153,6 +155,7 @@ impl<C> TwoDiy<C> {
             commanded: [0.0; 2],
             given: [0.0; 2],
             cuts: 0,
+            told_cuts: 0,
             closed: false,
             behind: None,
             heard: now,
@@ -534,6 +537,12 @@ impl<C: Clock> Device for TwoDiy<C> {
             }
         }
         Some(Box::new(Zero(self.line.cutter())))
+    }
+
+    fn was_cut(&mut self) -> bool {
+        self.mind_cuts();
+        let cuts = self.counts.guardian_cuts;
+        std::mem::replace(&mut self.told_cuts, cuts) != cuts
     }
 }
 

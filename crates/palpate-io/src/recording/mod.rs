@@ -53,7 +53,7 @@ mod write;
 /// How damage begins that is of the file as a whole: nothing is left out for it.
 pub const WHOLE: &str = "the file as a whole";
 
-pub use count::LoopCount;
+pub use count::{LoopCount, LoopTime};
 pub use event::Event;
 pub use loss::Gap;
 pub use read::{Entries, Entry, Recording, RecordingError};

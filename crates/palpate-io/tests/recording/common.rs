@@ -55,6 +55,7 @@ pub fn count(ticks: u64, events: u64) -> LoopCount {
         ticks,
         events,
         motors_off: 0,
+        time: None,
         ending: Some("its time was over".into()),
     }
 }

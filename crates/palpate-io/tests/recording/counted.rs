@@ -1,8 +1,9 @@
 //! What the loop counted, and what the file holds.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
-use palpate_io::recording::{Gap, LoopCount, Recording, RecordingWriter};
+use palpate_io::recording::{Gap, LoopCount, LoopTime, Recording, RecordingWriter};
 
 use super::common::{content, count, event, receipt, tick};
 
@@ -30,6 +31,10 @@ fn recorded(
 fn it_is_complete_where_the_loop_counted_as_much_as_there_is() {
     let counted = LoopCount {
         motors_off: 2,
+        time: Some(LoopTime {
+            lasted: Duration::from_micros(5_000_001),
+            motors_off: Duration::from_millis(3_200),
+        }),
         ..count(5, 1)
     };
     let (_folder, recording) = recorded(0..5, Some(&counted));

@@ -284,20 +284,31 @@ fn a_wake_up_that_is_late_as_they_are_is_not_cut() {
     }
 }
 
-/// The loop did not run when it was cut: the supervisor leaves word of when that was. 1 N for 1.6 of
-/// 5 ms did the work over the millimetre.
+/// The loop did not run when it was cut. The supervisor leaves word of when that was: 1 N for 1.6 of
+/// 5 ms did the work over the millimetre. A guardian acts after its limit, 1.5 ms, also where the
+/// supervisor has stood still with the loop.
 #[test]
 fn the_ledger_counts_no_force_from_the_cut_on() {
-    let (mut control, clock, _listener) = meets(&[at(1.0), at(2.0)]);
-    let mut supervisor = control.supervisor().unwrap();
-    let before = control.tick();
-    clock.advance(Duration::from_micros(1600));
-    assert!(supervisor.look(clock.now()));
-    clock.advance(Duration::from_micros(3400));
-    let after = control.tick();
-    assert!((after.period - 5e-3).abs() < 1e-12);
-    let work = after.port_work - before.port_work;
-    assert!((work - 0.32e-3).abs() < 1e-12, "{work}");
+    for (supervisor_after, is_guarded, held) in [
+        (Some(1600), false, 1.6),
+        (None, false, 5.0),
+        (None, true, 1.5),
+        (Some(5000), true, 1.5),
+    ] {
+        let (mut control, clock, _listener) = meets(&[at(1.0), at(2.0)]);
+        let mut supervisor = control.supervisor().unwrap();
+        let before = control.tick();
+        let guardian = control.device().guardian();
+        guardian.store(is_guarded, Ordering::SeqCst);
+        let after = supervisor_after.unwrap_or(0);
+        clock.advance(Duration::from_micros(after));
+        assert_eq!(supervisor.look(clock.now()), supervisor_after.is_some());
+        clock.advance(Duration::from_micros(5000 - after));
+        let after = control.tick();
+        assert!((after.period - 5e-3).abs() < 1e-12);
+        let work = after.port_work - before.port_work;
+        assert!((work - 0.2e-3 * held).abs() < 1e-12, "{work}, {held}");
+    }
 }
 
 #[test]

@@ -1,9 +1,12 @@
 //! What is counted while a trip keeps the motors off.
 
 use std::sync::atomic::Ordering;
+use std::time::Duration;
 
-use palpate_io::recording::{Flags, Tick};
-use palpate_rt::safety::SafetyParams;
+use palpate_device::clock::Clock;
+use palpate_io::recording::{Flags, LoopTime, Tick};
+use palpate_rt::safety::{SafetyParams, Trip};
+use palpate_rt::tap;
 
 use super::{at, scripted, wide};
 
@@ -40,4 +43,65 @@ fn what_passes_with_the_motors_off_is_not_created_by_held_forces() {
     let after = control.tick();
     assert_eq!(control.statistics().motors_off, 31);
     assert!((after.held_leak - delivered).abs() < 1e-3, "{after:?}");
+}
+
+/// Who takes the force off a loop that stands still.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Cut {
+    Nobody,
+    Supervisor,
+    Guardian,
+    /// The supervisor has stood still with the loop.
+    GuardianThenSupervisor,
+}
+
+/// The loop stands still for 3 s, and a force of 1 N is held until somebody takes it off.
+#[test]
+fn a_stall_counts_by_its_time_from_when_the_force_was_taken_off() {
+    let us = Duration::from_micros;
+    for (cut, held) in [
+        (Cut::Nobody, 3_000_000),
+        (Cut::Supervisor, 4500),
+        // Its limit at 1 kHz, as the supervisor's.
+        (Cut::Guardian, 4000),
+        (Cut::GuardianThenSupervisor, 4000),
+    ] {
+        let (control, clock) = scripted(vec![at(1.0)], wide());
+        let (tap, listener) = tap(1);
+        let mut control = control.tapped(tap);
+        let guardian = control.device().guardian();
+        let mut supervisor = control.supervisor().unwrap();
+        for _ in 0..=2000 {
+            control.tick();
+        }
+        let begun = clock.now();
+        if cut == Cut::Supervisor {
+            clock.advance(us(4500));
+            assert!(supervisor.look(clock.now()));
+        }
+        guardian.store(
+            matches!(cut, Cut::Guardian | Cut::GuardianThenSupervisor),
+            Ordering::SeqCst,
+        );
+        clock.advance(begun + us(3_000_000) - clock.now());
+        if cut == Cut::GuardianThenSupervisor {
+            assert!(supervisor.look(clock.now()));
+        }
+        control.tick();
+        assert_eq!(control.trip(), Some(Trip::Stalled), "{cut:?}");
+        let off = us(3_000_000 - held);
+        let time = LoopTime {
+            lasted: us(5_000_000),
+            motors_off: off,
+        };
+        assert_eq!(control.statistics().time, time, "{cut:?}");
+        assert_eq!(listener.counted().time, time, "{cut:?}: a full ring");
+        // Back from then on; of 2002 ticks one had the motors off.
+        for _ in 0..3 {
+            control.tick();
+        }
+        assert_eq!(control.trip(), None, "{cut:?}");
+        assert_eq!(control.statistics().time.motors_off, off + us(1000));
+        assert_eq!(control.statistics().motors_off, 1, "{cut:?}");
+    }
 }

@@ -50,6 +50,10 @@ impl Device for Carried {
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
         self.device.as_mut()?.zero_writer()
     }
+
+    fn was_cut(&mut self) -> bool {
+        self.device.as_mut().is_some_and(Device::was_cut)
+    }
 }
 
 impl Drop for Carried {

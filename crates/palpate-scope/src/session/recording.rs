@@ -198,7 +198,9 @@ impl Ending {
 
 #[cfg(test)]
 mod tests {
-    use palpate_io::recording::{Entry, Recording};
+    use std::time::Duration;
+
+    use palpate_io::recording::{Entry, LoopTime, Recording};
 
     use super::*;
 
@@ -239,6 +241,10 @@ mod tests {
             notes: 1,
             lost: 6,
             motors_off: 3,
+            time: LoopTime {
+                lasted: Duration::from_millis(12),
+                motors_off: Duration::from_millis(3),
+            },
             ending: Some(palpate_rt::Ending::Complete),
         };
         for (name, from_the_start, made, missing) in
@@ -268,8 +274,10 @@ mod tests {
                 (Some(made), missing),
                 "{name}"
             );
-            let ending = read.counted.unwrap().ending;
-            assert_eq!(ending.as_deref(), Some("its time was over"), "{name}");
+            let here = read.counted.unwrap();
+            assert_eq!(here.ending.as_deref(), Some("its time was over"), "{name}");
+            // The loop's times are not those of a part of it.
+            assert_eq!(here.time, from_the_start.then_some(counted.time), "{name}");
         }
     }
 

@@ -23,7 +23,7 @@ pub struct Asked {
 
 /// Whether the loop did what it was asked to: `Err` is the gravest thing that went wrong, in the order
 /// of a panic, a recording that could not be written, a lost device, a recording that is not whole, an
-/// end before its time, and motors that were off at the end or for most of the ticks.
+/// end before its time, and motors that were off at the end or for most of the time.
 pub fn of<D: Device, C: Clock>(
     end: &LoopEnd<D, C>,
     asked: &Asked,
@@ -66,15 +66,17 @@ fn motors<D: Device, C: Clock>(end: &LoopEnd<D, C>, asked: &Asked) -> Result<(),
         Trip::DeviceLost => !asked.device_may_end,
         other => !other.is_passing(),
     };
-    let (off, ticks) = (end.statistics.motors_off, end.statistics.ticks);
+    let statistics = &end.statistics;
+    let time = statistics.time;
+    let words = || motors_off(Some(time), statistics.motors_off, statistics.ticks);
     if let Some(trip) = end.trip.filter(stays) {
         return Err(Failure::MotorsOff(format!(
-            "{}, and at the end: {trip}",
-            motors_off(off, ticks)
+            "{}; when it ended: {trip}",
+            words()
         )));
     }
-    if off > ticks / 2 {
-        return Err(Failure::MotorsOff(motors_off(off, ticks)));
+    if time.motors_off > time.lasted / 2 {
+        return Err(Failure::MotorsOff(words()));
     }
     Ok(())
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use comfy_table::CellAlignment;
 use palpate_device::clock::Clock;
 use palpate_device::{Capabilities, Device};
-use palpate_io::recording::{Event, Recording};
+use palpate_io::recording::{Event, LoopTime, Recording};
 use palpate_rt::realtime::Answer;
 use palpate_rt::{Account, Durations, LoopEnd, LoopStatistics};
 use palpate_scene::Scene;
@@ -35,8 +35,14 @@ pub struct Report {
     /// What holds the force at none at the end, if something does.
     trip: Option<&'static str>,
     supervisor_cuts: u64,
+    /// How long the loop ran.
+    lasted_s: f64,
+    /// For how much of that no force was delivered, stalls included.
+    motors_off_s: f64,
     /// Ticks at whose end safety had tripped.
     motors_off_ticks: u64,
+    #[serde(skip)]
+    time: LoopTime,
     /// Who would take the force off a device that holds its last one.
     guardian: Option<GuardianReport>,
     peak_force_n: f64,
@@ -162,7 +168,10 @@ impl Report {
             timing: (&end.statistics).into(),
             trip: end.trip.map(palpate_rt::safety::Trip::name),
             supervisor_cuts: end.cuts,
+            lasted_s: seconds(end.statistics.time.lasted),
+            motors_off_s: seconds(end.statistics.time.motors_off),
             motors_off_ticks: end.statistics.motors_off,
+            time: end.statistics.time,
             guardian: None,
             peak_force_n: account.peak_force,
             deepest_penetration_m: account.deepest,
@@ -209,7 +218,10 @@ impl Report {
     fn but_motors_off(&self) -> String {
         match self.motors_off_ticks {
             0 => String::new(),
-            off => format!(", but {}", motors_off(off, self.timing.ticks)),
+            off => {
+                let words = motors_off(Some(self.time), off, self.timing.ticks);
+                format!(", but {words}")
+            }
         }
     }
 }

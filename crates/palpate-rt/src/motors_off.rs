@@ -1,0 +1,118 @@
+//! For how long no force was delivered.
+
+use std::time::Duration;
+
+use palpate_io::recording::LoopTime;
+
+/// Adds up the time in which the motors were off. The time counts and not the ticks, since a loop that
+/// stands still makes none.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct MotorsOff {
+    time: LoopTime,
+    /// Up to when it has been added up; `None`: before the first tick, and after the loop has let go.
+    until: Option<Duration>,
+    /// Whether the motors are off from then on.
+    is_off: bool,
+    /// When somebody beside the loop has taken the force off since then.
+    cut: Option<Duration>,
+}
+
+impl MotorsOff {
+    /// Somebody beside the loop has taken the force off at `at`. The first of several counts.
+    pub fn cut(&mut self, at: Duration) {
+        self.cut = Some(self.cut.map_or(at, |before| before.min(at)));
+    }
+
+    /// A tick that began at `began` has commanded its force at `ended`: none, where `is_off`.
+    pub fn tick(&mut self, began: Duration, ended: Duration, is_off: bool) {
+        let from = self.until.unwrap_or(began);
+        let off_from = if self.is_off {
+            from
+        } else {
+            self.cut.map_or(ended, |cut| cut.max(from))
+        };
+        self.time.lasted += ended.saturating_sub(from);
+        self.time.motors_off += ended.saturating_sub(off_from);
+        self.until = Some(ended);
+        self.is_off = is_off;
+        self.cut = None;
+    }
+
+    /// The loop ends, or pauses: what follows is none of its time.
+    pub fn let_go(&mut self) {
+        let Self { time, .. } = *self;
+        *self = Self {
+            time,
+            ..Self::default()
+        };
+    }
+
+    /// What it came to.
+    pub fn time(&self) -> LoopTime {
+        self.time
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const fn ms(count: u64) -> Duration {
+        Duration::from_millis(count)
+    }
+
+    fn after(ticks: impl FnOnce(&mut MotorsOff)) -> (u128, u128) {
+        let mut off = MotorsOff::default();
+        ticks(&mut off);
+        let LoopTime { lasted, motors_off } = off.time();
+        (lasted.as_millis(), motors_off.as_millis())
+    }
+
+    #[test]
+    fn a_trip_counts_from_its_command_to_the_next_force() {
+        let came_back = after(|off| {
+            off.tick(ms(10), ms(11), false);
+            off.tick(ms(20), ms(21), true);
+            off.tick(ms(30), ms(31), true);
+            off.tick(ms(40), ms(41), false);
+            off.tick(ms(50), ms(51), false);
+        });
+        assert_eq!(came_back, (41, 20));
+    }
+
+    /// One tick, and 3 s in which the loop stood still.
+    #[test]
+    fn a_stall_counts_from_when_the_force_was_taken_off() {
+        let stalled = after(|off| {
+            off.tick(ms(0), ms(0), false);
+            off.cut(ms(3004));
+            off.cut(ms(4));
+            off.cut(ms(3005));
+            off.tick(ms(3006), ms(3006), true);
+            off.tick(ms(3007), ms(3007), false);
+        });
+        assert_eq!(stalled, (3007, 3003));
+        let was_off_before = after(|off| {
+            off.tick(ms(0), ms(0), true);
+            off.cut(ms(4));
+            off.tick(ms(100), ms(100), true);
+        });
+        assert_eq!(was_off_before, (100, 100));
+        let no_earlier_than_the_last_command = after(|off| {
+            off.tick(ms(0), ms(50), false);
+            off.cut(ms(4));
+            off.tick(ms(100), ms(100), true);
+        });
+        assert_eq!(no_earlier_than_the_last_command, (100, 50));
+    }
+
+    #[test]
+    fn a_pause_between_two_runs_counts_as_neither() {
+        let paused = after(|off| {
+            off.tick(ms(0), ms(1), true);
+            off.let_go();
+            off.tick(ms(1000), ms(1001), false);
+        });
+        assert_eq!(paused, (2, 0));
+    }
+}
