@@ -6,8 +6,9 @@
 //! with the run. [`VirtualDevice`] is a scene's device for a loop outside this crate.
 //! [`tune`] asks how a method's damping changes that judgement, [`heights`] how the start height
 //! does, [`suite`] judges methods on plants drawn at random, and [`map`] asks what can be rendered
-//! at all.
+//! at all. [`sweep`] varies one quantity of a scene, and [`claims`] checks the numbers of the paper.
 
+pub mod claims;
 pub mod closed_loop;
 pub mod hand_replay;
 pub mod heights;
@@ -20,6 +21,7 @@ pub mod run;
 mod sampled_loop;
 pub mod scene;
 pub mod suite;
+pub mod sweep;
 pub mod tune;
 mod virtual_device;
 

@@ -8,7 +8,7 @@ use palpate_sim::closed_loop::Bench;
 use palpate_sim::method::{MethodName, Settings};
 use palpate_sim::replay::{Replay, ReplaySetup};
 use palpate_sim::run::{Run, Tick};
-use palpate_sim::scene::{Measure, PointMassDevice, Scene, Timing};
+use palpate_sim::scene::{HandForceAt, Measure, PointMassDevice, Scene, Timing};
 use palpate_testbed::device::{Device, PointMass};
 use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::measure::Sampler;
@@ -80,6 +80,8 @@ prop_compose! {
             tremor: None,
             release: None,
             user_force: sign * accelerations.0 * per_period * device_mass,
+            user_force_at: HandForceAt::default(),
+            object_radius: 0.0,
             delay,
             timing: Timing::default(),
             measure: Measure::Duration(PERIODS * period),

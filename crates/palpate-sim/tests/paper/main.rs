@@ -19,4 +19,5 @@ mod limits;
 mod object_motion;
 mod passivity;
 mod robustness;
+mod scenes;
 mod wall;
