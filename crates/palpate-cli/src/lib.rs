@@ -46,6 +46,8 @@ pub fn run() -> ExitCode {
         Command::Tune(arguments) => commands::tune::run(&arguments),
         Command::Suite(arguments) => commands::suite::run(&arguments),
         Command::Heights(arguments) => commands::heights::run(&arguments),
+        Command::Sweep(arguments) => commands::sweep::run(&arguments),
+        Command::Claims(arguments) => commands::claims::run(&arguments),
         Command::Map(arguments) => commands::map::run(&arguments),
         Command::Advise(arguments) => commands::advise::run(&arguments),
         Command::Figure(arguments) => commands::figure::run(&arguments),

@@ -1,7 +1,8 @@
 //! From runs to figures.
 
+use palpate_scene::Scene;
 use palpate_scene::method::MethodName;
-use palpate_sim::run::{Reference, Run, RunMethod, Tick};
+use palpate_sim::run::{IdealPoint, Reference, Run, RunMethod, Tick};
 
 use crate::report::Replayed;
 use palpate_figure::{Figure, Grid, Kind, Limits, Panel, Role, Row, Series, Sheet};
@@ -20,12 +21,12 @@ pub fn overlay(title: &str, reference: &Reference, runs: &[Run]) -> Figure {
             y: run.ticks.iter().map(|tick| scale * value(tick)).collect(),
         })
     };
-    let mut positions = ideal_positions(reference);
-    positions.extend(compared(
-        |tick| tick.output.object_position,
-        METRE_TO_MILLIMETRE,
-        Kind::Line,
-    ));
+    let centre = runs.first().map_or(0.0, |run| run.centre_offset);
+    let mut positions = ideal_positions(reference, centre);
+    positions.extend(
+        runs.iter()
+            .map(|run| object_position(run, run.method.name(), role(run.method))),
+    );
     if runs.len() == 1 {
         positions.push(device_position(&runs[0], "device"));
     }
@@ -192,19 +193,8 @@ pub fn step_by_step(title: &str, reference: &Reference, steps: &[(&str, &Run)]) 
         columns: steps.iter().map(|(name, _)| (*name).into()).collect(),
         rows: vec![
             row("position [mm]", &|run| {
-                let mut series = ideal_positions(reference);
-                let object = run
-                    .ticks
-                    .iter()
-                    .map(|tick| METRE_TO_MILLIMETRE * tick.output.object_position)
-                    .collect();
-                series.push(Series {
-                    name: "rendered".into(),
-                    kind: Kind::Line,
-                    role: Role::Compared(0),
-                    x: times(run),
-                    y: object,
-                });
+                let mut series = ideal_positions(reference, run.centre_offset);
+                series.push(object_position(run, "rendered", Role::Compared(0)));
                 series.push(device_position(run, "rendered device"));
                 series
             }),
@@ -227,11 +217,12 @@ pub fn step_by_step(title: &str, reference: &Reference, steps: &[(&str, &Run)]) 
 /// The paper's Figs. 4 and 5: a row for each method, with positions beside the force, and the leaks
 /// of all of them below. `fine` is the loop that the paper takes for the truth.
 pub fn method_by_method(
-    title: &str,
+    scene: &Scene,
     reference: &Reference,
     methods: &[(&str, &Run)],
     fine: (&str, &Run),
 ) -> Sheet {
+    let centre = scene.centre_offset();
     // What follows the end of the motors is the hand alone.
     let seen = |run: &Run| -> Vec<Tick> {
         let end = run.left_box_at.unwrap_or(f64::INFINITY);
@@ -252,9 +243,11 @@ pub fn method_by_method(
         let device: fn(&Tick) -> f64 = |tick| tick.true_device_position;
         let object: fn(&Tick) -> f64 = |tick| tick.output.object_position;
         let (mm, line) = (METRE_TO_MILLIMETRE, Kind::Line);
-        let mut all = ideal_positions(reference);
+        let mut all = ideal_positions(reference, centre);
         all.push(series(run, "device", DEVICE, line, mm, device));
-        all.push(series(run, name, role(run.method), line, mm, object));
+        let mut object = series(run, name, role(run.method), line, mm, object);
+        object.y.iter_mut().for_each(|place| *place += mm * centre);
+        all.push(object);
         all
     };
     let forces = |&(name, run): &(&str, &Run)| {
@@ -290,14 +283,18 @@ pub fn method_by_method(
         let scale = JOULE_TO_MILLIJOULE;
         series(run, name, role(run.method), Kind::Line, scale, leak)
     });
+    let object = if centre == 0.0 {
+        "object"
+    } else {
+        "the object's centre"
+    };
     Sheet {
-        title: title.into(),
-        footnote: Some(
-            "Left: object and device. Right: the force held on the object; FRE is its error to the \
+        title: scene.title.clone(),
+        footnote: Some(format!(
+            "Left: {object} and device. Right: the force held on the object; FRE is its error to the \
              ideal. Below: energy created by the held force, accumulated. Curves end where the \
              device leaves the safety box, which switches the motors off."
-                .into(),
-        ),
+        )),
         x_label: "time [s]".into(),
         x_decades: false,
         lines: vec![
@@ -393,8 +390,24 @@ fn ideal_force(reference: &Reference) -> Series {
     }
 }
 
-fn ideal_positions(reference: &Reference) -> Vec<Series> {
-    let curve = |name: &str, value: fn(&palpate_sim::run::IdealPoint) -> f64| Series {
+/// The object's centre, or its place where it has no radius.
+fn object_position(run: &Run, name: &str, role: Role) -> Series {
+    Series {
+        name: name.into(),
+        kind: Kind::Line,
+        role,
+        x: times(run),
+        y: run
+            .ticks
+            .iter()
+            .map(|tick| METRE_TO_MILLIMETRE * (tick.output.object_position + run.centre_offset))
+            .collect(),
+    }
+}
+
+/// The object's centre, `centre` `[m]` from its place, and the device.
+fn ideal_positions(reference: &Reference, centre: f64) -> Vec<Series> {
+    let curve = |name: &str, offset: f64, value: fn(&IdealPoint) -> f64| Series {
         name: name.into(),
         kind: Kind::Line,
         role: Role::Reference,
@@ -402,12 +415,12 @@ fn ideal_positions(reference: &Reference) -> Vec<Series> {
         y: reference
             .curve
             .iter()
-            .map(|point| METRE_TO_MILLIMETRE * value(point))
+            .map(|point| METRE_TO_MILLIMETRE * (value(point) + offset))
             .collect(),
     };
     vec![
-        curve("ideal", |point| point.object_position),
-        curve("", |point| point.device_position),
+        curve("ideal", centre, |point| point.object_position),
+        curve("", 0.0, |point| point.device_position),
     ]
 }
 

@@ -139,7 +139,11 @@ pub fn plan_picture(outputs: &mut Outputs, name: &str, path: &Path) -> Result<()
 }
 
 /// Draws a figure into a file, whole or not at all.
-pub fn draw(outputs: &Outputs, path: &Path, figure: &impl Picture) -> Result<(), Failure> {
+pub fn draw(
+    outputs: &Outputs,
+    path: &Path,
+    figure: &(impl Picture + ?Sized),
+) -> Result<(), Failure> {
     let bytes = match picture_format(path)? {
         PictureFormat::Svg => palpate_figure::svg(figure).into_bytes(),
         #[cfg(feature = "png")]

@@ -31,13 +31,19 @@ pub const COLUMNS: [&str; 22] = [
     "method",
 ];
 
+/// The column that follows where an object has a radius: its centre.
+const CENTRE: &str = "object_centre_m";
+
 /// Writes `runs`, one after the other, with a receipt of what made them.
 pub fn write(
     writer: &mut dyn Write,
     receipt: &[(String, String)],
     runs: &[Run],
 ) -> Result<(), RunWriteError> {
-    let mut file = RunWriter::new(writer, receipt, &COLUMNS)?;
+    let centre = runs.iter().any(|run| run.centre_offset != 0.0);
+    let mut columns = COLUMNS.to_vec();
+    columns.extend(centre.then_some(CENTRE));
+    let mut file = RunWriter::new(writer, receipt, &columns)?;
     for run in runs {
         for tick in &run.ticks {
             let (output, ledger) = (&tick.output, &tick.ledger);
@@ -51,7 +57,7 @@ pub fn write(
             .filter_map(|(acted, name)| acted.then_some(name))
             .collect::<Vec<_>>()
             .join(" ");
-            file.row(&[
+            let mut row = vec![
                 tick.time.into(),
                 tick.device_position.into(),
                 output.object_position.into(),
@@ -75,7 +81,12 @@ pub fn write(
                 limited.as_str().into(),
                 output.fault.map_or("", |fault| fault.name()).into(),
                 run.method.name().into(),
-            ])?;
+            ];
+            let place = output.object_position + run.centre_offset;
+            if centre {
+                row.push(place.into());
+            }
+            file.row(&row)?;
         }
     }
     file.finish()?;

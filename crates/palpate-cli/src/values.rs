@@ -5,8 +5,9 @@ use std::time::Duration;
 
 use palpate::{DamperObject, EntryHold, SehEstimate, Side};
 use palpate_io::unit::LengthUnit;
-use palpate_scene::GuardMode;
 use palpate_scene::method::{Damping, MethodName, Predictor};
+use palpate_scene::{GuardMode, HandForceAt};
+use palpate_sim::sweep::Quantity;
 use palpate_testbed::hold::DelayedHold;
 
 use crate::commands::emulate::two_diy::arguments::{FaultKind, TimedFault};
@@ -15,6 +16,10 @@ use crate::failure::Failure;
 /// The methods a command is to run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Methods(pub Vec<MethodName>);
+
+/// The values of a quantity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Numbers(pub Vec<f64>);
 
 /// `all`, or names separated by commas.
 pub fn methods(text: &str) -> Result<Methods, String> {
@@ -47,6 +52,39 @@ pub fn limit(text: &str) -> Result<f64, String> {
             Err("a number above 0 is needed, or inf for no limit".into())
         }
     })
+}
+
+/// Where the hand's force acts on a pantograph.
+pub fn force_place(text: &str) -> Result<HandForceAt, String> {
+    let places = [HandForceAt::EndPoint, HandForceAt::Motors];
+    places
+        .into_iter()
+        .find(|place| place.name() == text)
+        .ok_or_else(|| {
+            format!(
+                "the places are {}",
+                places.map(HandForceAt::name).join(", ")
+            )
+        })
+}
+
+/// Numbers separated by commas; their range is the business of what they are for.
+pub fn numbers(text: &str) -> Result<Numbers, String> {
+    let values: Result<_, _> = text.split(',').map(|value| number(value.trim())).collect();
+    values.map(Numbers)
+}
+
+/// A quantity of a scene that can be varied.
+pub fn quantity(text: &str) -> Result<Quantity, String> {
+    Quantity::ALL
+        .into_iter()
+        .find(|quantity| quantity.name() == text)
+        .ok_or_else(|| {
+            format!(
+                "the quantities are {}",
+                Quantity::ALL.map(Quantity::name).join(", ")
+            )
+        })
 }
 
 /// A unit of positions.

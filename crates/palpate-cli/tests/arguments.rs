@@ -5,7 +5,7 @@ mod recordings;
 
 use common::{Folder, taps, trace_text};
 
-const COMMANDS: [&str; 22] = [
+const COMMANDS: [&str; 24] = [
     "render",
     "simulate",
     "compare",
@@ -23,6 +23,8 @@ const COMMANDS: [&str; 22] = [
     "tune",
     "suite",
     "heights",
+    "sweep",
+    "claims",
     "map",
     "advise",
     "figure",
@@ -80,6 +82,8 @@ fn with_what_examples_read(command: &str) -> Folder {
         "experiment1",
         "experiment1_in_a_hand",
         "experiment2",
+        "fig4",
+        "fig5",
         "wall",
     ];
     for name in scenes {
@@ -138,7 +142,7 @@ fn the_examples_of_the_help_are_understood() {
             tried += 1;
         }
     }
-    assert!(tried >= 42, "{tried} examples");
+    assert!(tried >= 47, "{tried} examples");
 }
 
 #[test]

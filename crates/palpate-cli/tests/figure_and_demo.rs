@@ -64,6 +64,68 @@ fn fig2_tells_the_errors_of_its_steps() {
 }
 
 #[test]
+fn the_drawings_name_what_they_show() {
+    let folder = Folder::new();
+    assert_eq!(folder.succeed("figure fig1"), "wrote fig1.svg\n");
+    let modes = [
+        "(a) free motion",
+        "(b) contact",
+        "p = ξ − η > 0",
+        "f = K (ξ − η)",
+        "device, m",
+        "object, M",
+        "K",
+        "η",
+        "ξ",
+        "−f",
+    ];
+    drawn(&folder, "fig1.svg", &modes);
+    let report = folder.json("figure fig3 --plot linkage.svg");
+    assert_eq!(report["format"], "palpate figure 1");
+    assert_eq!(report["files"], serde_json::json!(["linkage.svg"]));
+    let joints = [
+        "A",
+        "B",
+        "end-point P, m",
+        "θ",
+        "d",
+        "l",
+        "L",
+        "x",
+        "y",
+        "r",
+    ];
+    drawn(&folder, "linkage.svg", &joints);
+}
+
+#[test]
+fn leak_dissipation_is_drawn_over_ten_collisions() {
+    let folder = Folder::new();
+    let table = folder.succeed("figure fig2-long");
+    assert!(table.contains("10 ideal collisions"), "{table}");
+    assert!(table.contains("b = 0, 0.0125, 0.03, 0.05 N s/m"), "{table}");
+    drawn(
+        &folder,
+        "fig2-long.svg",
+        &["b = 0: FRE 92.3 %", "b = 0.03: FRE 30.1 %"],
+    );
+}
+
+#[test]
+fn an_experiment_says_how_true_the_paper_s_truth_is_and_shows_coupled_rendering() {
+    let folder = Folder::new();
+    let table = folder.succeed("figure fig5-box");
+    assert!(table.contains("left the safety box at 0.34 s"), "{table}");
+    let shown = [
+        "basic at 1 kHz, itself 105 % off the ideal",
+        "coupled (ours): FRE 35.0 %",
+        "HFCR: FRE 93.2 %",
+        "the object's centre",
+    ];
+    drawn(&folder, "fig5-box.svg", &shown);
+}
+
+#[test]
 fn a_figure_without_a_place_leaves_nothing() {
     let folder = Folder::new();
     folder.fail("figure fig2 --plot no/fig2.svg", 1, &["no directory `no`"]);

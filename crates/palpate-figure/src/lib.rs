@@ -1,5 +1,5 @@
 //! Figures for a paper: panels in a grid over one time axis, as SVG (and PNG with the feature
-//! `png`).
+//! `png`), and [drawings](drawing) of what is no plot.
 //!
 //! The panels of a column stand on the same time axis, the panels of a row share their vertical
 //! range, so that columns can be compared by eye. Colours are those of Okabe and Ito, told apart
@@ -7,6 +7,7 @@
 
 mod axis;
 mod cut;
+pub mod drawing;
 mod field;
 mod grid;
 mod ink;
@@ -23,12 +24,13 @@ mod thin;
 #[cfg(test)]
 mod tests;
 
+pub use drawing::{Beside, Drawing, Pen};
 pub use field::{Bound, FieldFigure, FieldPanel, FieldRow, Scale};
 #[cfg(feature = "png")]
 pub use png::png;
 pub use svg::svg;
 
-/// What can be drawn: a [`Figure`], a [`Sheet`] or a [`FieldFigure`].
+/// What can be drawn: a [`Figure`], a [`Sheet`], a [`FieldFigure`] or a [`Drawing`].
 pub trait Picture: drawn::Drawn {}
 
 impl Picture for Figure {}

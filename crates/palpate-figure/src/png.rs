@@ -11,7 +11,7 @@ use crate::Picture;
 /// # Errors
 ///
 /// What the drawing library says where it cannot encode the image.
-pub fn png(figure: &impl Picture, scale: f32) -> Result<Vec<u8>, String> {
+pub fn png(figure: &(impl Picture + ?Sized), scale: f32) -> Result<Vec<u8>, String> {
     let mut scene = figure.page();
     let elements = std::mem::take(&mut scene.elements);
     scene.elements = elements.into_iter().flat_map(solid).collect();

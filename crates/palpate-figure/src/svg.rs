@@ -8,7 +8,7 @@ use kuva::render::render::{PathData, Primitive, Scene};
 use crate::Picture;
 
 /// Draws `figure` as an SVG document; the same figure gives the same bytes.
-pub fn svg(figure: &impl Picture) -> String {
+pub fn svg(figure: &(impl Picture + ?Sized)) -> String {
     let mut scene = figure.page();
     number_clips(&mut scene);
     for element in &mut scene.elements {

@@ -3,7 +3,8 @@
 use palpate::{Mass, ParameterError, Side};
 use palpate_testbed::hold::DelayedHold;
 
-use super::{Measure, Scene};
+use super::hand::FORCE_AT;
+use super::{HandForceAt, Measure, Scene};
 
 /// Longest delay `[samples]`, that of the bench's hold.
 const MOST_DELAY: usize = DelayedHold::LONGEST_DELAY;
@@ -48,6 +49,14 @@ impl Scene {
             if !value.is_finite() {
                 return out_of_range(parameter, unit, value, "finite");
             }
+        }
+        if !(self.object_radius.is_finite() && self.object_radius >= 0.0) {
+            let allowed = "finite and not below 0";
+            return out_of_range("object radius", "m", self.object_radius, allowed);
+        }
+        if self.user_force_at == HandForceAt::Motors && self.linkage.is_none() {
+            let allowed = "that of a pantograph, whose motors give torques";
+            return out_of_range(FORCE_AT, "N", self.user_force, allowed);
         }
         let is_wall = self.contact.object_mass == Mass::Infinite;
         if is_wall && self.object.velocity != 0.0 {

@@ -63,6 +63,7 @@ struct RawObject {
     mass_kg: Spanned<f64>,
     position_m: Spanned<f64>,
     velocity_m_per_s: Option<Spanned<f64>>,
+    radius_m: Option<Spanned<f64>>,
     force_n: Option<Spanned<f64>>,
     side: Option<Side>,
 }
@@ -256,6 +257,7 @@ impl SceneFile {
         };
         let ReadHand {
             force,
+            force_at,
             tremor,
             release,
             grip,
@@ -289,6 +291,7 @@ impl SceneFile {
                 position: places.take("object position", raw.object.position_m),
                 velocity: places.take_or("object velocity", raw.object.velocity_m_per_s, 0.0),
             },
+            object_radius: places.take_or("object radius", raw.object.radius_m, 0.0),
             virtual_force: places.take_or("virtual force", raw.object.force_n, 0.0),
             linkage,
             device: PointMassDevice {
@@ -302,6 +305,7 @@ impl SceneFile {
             },
             told_device_mass: limit(&mut places, "told device_mass", raw.renderer.device_mass_kg),
             user_force: force,
+            user_force_at: force_at,
             tremor,
             release,
             grip,

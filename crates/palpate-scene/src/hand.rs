@@ -9,7 +9,7 @@ use toml::Spanned;
 
 use super::beside::Files;
 use super::fault::Places;
-use super::{Grip, Wave};
+use super::{Grip, HandForceAt, Wave};
 
 /// A fault and the place of the key that has it.
 type Fault = (Range<usize>, String);
@@ -28,6 +28,7 @@ pub(super) struct RawHand {
     #[serde(default)]
     kind: HandKind,
     force_n: Option<Spanned<f64>>,
+    force_at: Option<Spanned<HandForceAt>>,
     tremor_n: Option<Spanned<f64>>,
     tremor_hz: Option<Spanned<f64>>,
     release_s: Option<Spanned<f64>>,
@@ -40,9 +41,13 @@ pub(super) struct RawHand {
     intention: Option<Spanned<String>>,
 }
 
+/// Name of the place where the hand's force acts, in errors.
+pub(super) const FORCE_AT: &str = "hand force in the motors";
+
 /// What a scene keeps of its hand.
 pub(super) struct ReadHand {
     pub force: f64,
+    pub force_at: HandForceAt,
     pub tremor: Option<Wave>,
     pub release: Option<f64>,
     pub grip: Option<Grip>,
@@ -59,6 +64,7 @@ impl RawHand {
             "a tremor needs both tremor_n and tremor_hz",
         )?;
         let force = places.take_or("user force", self.force_n, 0.0);
+        let force_at = places.take_or(FORCE_AT, self.force_at, HandForceAt::default());
         let release = self
             .release_s
             .map(|release| places.take("release", release));
@@ -110,6 +116,7 @@ impl RawHand {
         };
         Ok(ReadHand {
             force,
+            force_at,
             tremor,
             release,
             grip,

@@ -22,7 +22,7 @@ pub use beside::beside;
 pub use fault::SceneError;
 pub use fault::in_plain_words;
 pub use file::{GUARD_ALLOWANCE, GUARD_SPEED, GuardMode, SceneFile};
-pub use linkage::Linkage;
+pub use linkage::{HandForceAt, Linkage};
 pub use timing::{Dropped, Jitter, RateCollapse, Timing};
 pub use write::Unwritable;
 
@@ -50,6 +50,9 @@ pub struct Scene {
     pub loop_params: LoopParams<f64>,
     /// The object at the start.
     pub object: ObjectState<f64>,
+    /// Distance from the object's place to its centre, on its far side from the device `[m]`: the
+    /// radius of a ball. What is drawn and written as the centre; no force depends on it.
+    pub object_radius: f64,
     /// Virtual force f_V on the object `[N]`.
     pub virtual_force: f64,
     /// The device.
@@ -58,6 +61,8 @@ pub struct Scene {
     pub told_device_mass: Option<f64>,
     /// Constant force f_u of the hand on the device `[N]`.
     pub user_force: f64,
+    /// Where that force acts on a linkage; a point mass has one place only.
+    pub user_force_at: HandForceAt,
     /// The linkage that stands in place of a point mass, if one does; then `device.mass` is its
     /// effective mass along the contact, and its own friction, encoders and motors count.
     pub linkage: Option<Linkage>,
@@ -148,6 +153,12 @@ pub enum SetupError {
 }
 
 impl Scene {
+    /// How far the object's centre lies from its place, in the user's frame `[m]`.
+    pub fn centre_offset(&self) -> f64 {
+        let sign: f64 = self.contact.side.sign();
+        sign * self.object_radius
+    }
+
     /// The renderer of this scene by `method`.
     ///
     /// # Errors

@@ -23,6 +23,28 @@ const PRESETS: [(&str, &str); 4] = [
     ),
 ];
 
+/// Where the hand's constant force acts on a pantograph.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum HandForceAt {
+    /// At the end-point itself, in continuous time.
+    #[default]
+    EndPoint,
+    /// In the motors, as joint torques: by the Jacobian of the pose that the encoders report at a
+    /// sample, held over the period, within the motors' range, and none outside the safety box.
+    Motors,
+}
+
+impl HandForceAt {
+    /// Its name in scene files and flags.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::EndPoint => "end-point",
+            Self::Motors => "motors",
+        }
+    }
+}
+
 /// A five-bar pantograph as a device file describes it. The contact acts along its y axis, counted
 /// from its home pose.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,12 +105,12 @@ impl Linkage {
         Ok(Pantograph::new(self.params)?.end_point())
     }
 
-    /// The device at rest, `offset` `[m]` along y from home, pushed along y by `user_force` `[N]`.
-    /// `ideal` is without the limits of its motors and without the safety box.
+    /// The device at rest, `offset` `[m]` along y from home, pushed along y by `user_force` `[N]`,
+    /// which acts `at` a place. `ideal` is without the limits of its motors and without the safety box.
     pub fn device(
         &self,
         offset: f64,
-        user_force: f64,
+        (user_force, at): (f64, HandForceAt),
         ideal: bool,
     ) -> Result<Pantograph, InvalidParameter> {
         let mut params = self.params;
@@ -109,9 +131,11 @@ impl Linkage {
             let inverse = params.geometry.inverse([x, y + offset], elbows);
             inverse.map_err(no_pose)?
         };
-        let mut device = at_home
-            .starting_at(angles, [0.0, 0.0])?
-            .with_user_force([0.0, user_force])?;
+        let at_rest = at_home.starting_at(angles, [0.0, 0.0])?;
+        let mut device = match at {
+            HandForceAt::EndPoint => at_rest.with_user_force([0.0, user_force])?,
+            HandForceAt::Motors => at_rest.with_user_force_by_motors([0.0, user_force])?,
+        };
         if let Some(pid) = self.hold_x {
             device = device.with_pid(Pid {
                 target: x + pid.target,
@@ -132,6 +156,7 @@ impl Linkage {
     /// # Errors
     /// An offset that the linkage cannot reach.
     pub fn effective_mass(&self, offset: f64) -> Result<f64, InvalidParameter> {
-        Ok(self.device(offset, 0.0, true)?.effective_mass_y())
+        let unpushed = (0.0, HandForceAt::EndPoint);
+        Ok(self.device(offset, unpushed, true)?.effective_mass_y())
     }
 }

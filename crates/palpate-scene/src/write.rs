@@ -5,7 +5,7 @@ use std::fmt::Write;
 use palpate::{Contact, DamperObject, EntryHold, Guard, LoopParams, Mass, SehEstimate, Side};
 use palpate_testbed::pantograph::SafetyBox;
 
-use super::{Dropped, Grip, Jitter, Measure, PointMassDevice, Scene, Timing, Wave};
+use super::{Dropped, Grip, HandForceAt, Jitter, Measure, PointMassDevice, Scene, Timing, Wave};
 use crate::method::{Damping, MethodName, Predictor, Settings};
 
 /// Something of a scene that scene files have no key for.
@@ -25,10 +25,12 @@ impl Scene {
             contact,
             loop_params,
             object,
+            object_radius,
             virtual_force,
             device,
             told_device_mass,
             user_force,
+            user_force_at,
             linkage,
             grip,
             recorded_hand,
@@ -77,6 +79,7 @@ impl Scene {
         file.number("stiffness_n_per_m", stiffness);
         file.number("position_m", object.position);
         file.unless_zero("velocity_m_per_s", object.velocity);
+        file.unless_zero("radius_m", *object_radius);
         file.unless_zero("force_n", *virtual_force);
         if side == Side::Negative {
             file.line("side", "\"negative\"");
@@ -102,6 +105,9 @@ impl Scene {
         file.table("hand");
         file.hand(grip.as_ref());
         file.number("force_n", *user_force);
+        if *user_force_at != HandForceAt::default() {
+            file.line("force_at", &format!("\"{}\"", user_force_at.name()));
+        }
         file.wave(["tremor_n", "tremor_hz"], *tremor);
         file.if_given("release_s", *release);
 

@@ -6,7 +6,7 @@ mod common;
 use std::path::{Path, PathBuf};
 
 use palpate_scene::method::MethodName;
-use palpate_scene::{Linkage, Scene, SceneFile, beside};
+use palpate_scene::{HandForceAt, Linkage, Scene, SceneFile, beside};
 use palpate_sim::closed_loop::Bench;
 
 /// A good file with every key there is.
@@ -388,6 +388,13 @@ fn a_scene_on_a_preset_is_written_with_its_box_and_one_on_a_file_is_not() {
         let written = read.to_toml().unwrap();
         let again = SceneFile::parse("written", &written).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(again.scene, read, "{written}");
+        let in_motors = Scene {
+            user_force_at: HandForceAt::Motors,
+            ..read
+        };
+        let written = in_motors.to_toml().unwrap();
+        let again = SceneFile::parse("written", &written).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(again.scene, in_motors, "{written}");
     }
     let own = scene("file = \"small.toml\"", GOOD).unwrap();
     assert_eq!(

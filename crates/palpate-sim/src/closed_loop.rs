@@ -345,6 +345,7 @@ impl<'a> Bench<'a> {
                 .expect("one force per interval, and a sample"),
             energy,
             bench_port_work: Some(port_work),
+            centre_offset: scene.centre_offset(),
         })
     }
 }

@@ -56,7 +56,7 @@ use std::sync::Arc;
 use crate::replay::ReplaySetup;
 use crate::run::{Reference, Run};
 use palpate_scene::method::MethodName;
-use palpate_scene::{Measure, PointMassDevice, Scene, Timing};
+use palpate_scene::{HandForceAt, Measure, PointMassDevice, Scene, Timing};
 
 /// How far, in recording steps, the end of the last period may lie behind that of the recording: time
 /// stamps are written in decimals.
@@ -94,6 +94,8 @@ pub fn scene(hand: Arc<RecordedHand>, setup: &ReplaySetup) -> Result<Scene, Hand
         },
         told_device_mass: setup.device_mass,
         user_force: 0.0,
+        user_force_at: HandForceAt::default(),
+        object_radius: 0.0,
         linkage: None,
         grip: None,
         recorded_hand: Some(hand),

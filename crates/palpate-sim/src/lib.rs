@@ -7,8 +7,9 @@
 //! in a pointer's hand, as devices of a loop that runs in time.
 //! [`tune`] asks how a method's damping changes that judgement, [`heights`] how the start height
 //! does, [`suite`] judges methods on plants drawn at random, and [`map`] asks what can be rendered
-//! at all.
+//! at all. [`sweep`] varies one quantity of a scene, and [`claims`] checks the numbers of the paper.
 
+pub mod claims;
 pub mod closed_loop;
 pub mod device;
 pub mod hand_replay;
@@ -20,6 +21,7 @@ pub mod replay;
 pub mod run;
 mod sampled_loop;
 pub mod suite;
+pub mod sweep;
 pub mod tune;
 mod virtual_device;
 

@@ -9,7 +9,7 @@ use palpate_testbed::held_mass::HeldMass;
 use palpate_testbed::measure::Sampler;
 use palpate_testbed::pantograph::Pantograph;
 
-use palpate_scene::{Scene, Wave};
+use palpate_scene::{HandForceAt, Scene, Wave};
 use palpate_testbed::recorded_hand::HeldByRecording;
 
 use crate::own_device::Seen;
@@ -38,7 +38,7 @@ impl Plant {
     /// The plant of a scene that has been checked; `sign` mirrors it to the canonical side.
     pub fn of(scene: &Scene, sign: f64) -> Result<Self, InvalidParameter> {
         if let Some(linkage) = &scene.linkage {
-            let device = linkage.device(scene.device.position, scene.user_force, false)?;
+            let device = linkage.device(scene.device.position, pushed(scene), false)?;
             return Ok(Self::Linkage {
                 device: Box::new(device),
                 home: linkage.home()?[1],
@@ -111,7 +111,7 @@ impl Plant {
     pub fn without_motor_limits(&self, scene: &Scene, sign: f64) -> Result<Self, InvalidParameter> {
         match (self, &scene.linkage) {
             (Self::Linkage { home, .. }, Some(linkage)) => Ok(Self::Linkage {
-                device: Box::new(linkage.device(scene.device.position, scene.user_force, true)?),
+                device: Box::new(linkage.device(scene.device.position, pushed(scene), true)?),
                 home: *home,
             }),
             (Self::Held(_), _) => {
@@ -146,6 +146,11 @@ impl Plant {
             _ => sampler.sample(self.position()),
         }
     }
+}
+
+/// The hand's force on a linkage `[N]`, and where it acts.
+fn pushed(scene: &Scene) -> (f64, HandForceAt) {
+    (scene.user_force, scene.user_force_at)
 }
 
 /// Whether the scene's ideal is known in closed form. A motor's limit is no part of the ideal.

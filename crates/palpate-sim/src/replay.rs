@@ -315,6 +315,7 @@ impl Replay {
             energy: None,
             rebounds: Vec::new(),
             bench_port_work: None,
+            centre_offset: 0.0,
         })
     }
 }

@@ -107,6 +107,9 @@ pub struct Run {
     /// Work through the port as the bench integrates it, without the renderer's books, positive
     /// into the object `[J]`; closed loops only.
     pub bench_port_work: Option<f64>,
+    /// How far the object's centre lies from its place, in the user's frame `[m]`; 0 where the scene
+    /// states no radius. Nothing in the run depends on it.
+    pub centre_offset: f64,
 }
 
 /// The ideal of a scene, over the window of a run.

@@ -5,7 +5,7 @@ mod common;
 
 use palpate::{Contact, CoupledParams, LoopParams, Mass, ObjectState, Renderer, Side};
 use palpate_scene::method::{MethodName, Settings};
-use palpate_scene::{Measure, PointMassDevice, Scene, Timing};
+use palpate_scene::{HandForceAt, Measure, PointMassDevice, Scene, Timing};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::replay::{Replay, ReplaySetup};
 use palpate_sim::run::{Run, Tick};
@@ -80,6 +80,8 @@ prop_compose! {
             tremor: None,
             release: None,
             user_force: sign * accelerations.0 * per_period * device_mass,
+            user_force_at: HandForceAt::default(),
+            object_radius: 0.0,
             delay,
             timing: Timing::default(),
             measure: Measure::Duration(PERIODS * period),

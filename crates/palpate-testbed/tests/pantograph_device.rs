@@ -274,6 +274,89 @@ fn leaving_the_box_disconnects_the_motors_until_reset() {
 }
 
 #[test]
+fn a_hand_in_the_motors_is_a_part_of_what_they_are_to_give() {
+    let params = PantographParams {
+        actuation: Actuation::MotorsAtTruePose,
+        ..pantographs::desktop().frictionless()
+    };
+    let new = || Pantograph::new(params).unwrap();
+    // As if the loop had asked for a force that is as much weaker, held from sample to sample.
+    let mut hand = new().with_user_force_by_motors([0.0, 1.0]).unwrap();
+    let mut loop_alone = new();
+    for _ in 0..5 {
+        hand.sample(0.02);
+        loop_alone.sample(0.02);
+        hand.advance(0.25, 0.02);
+        loop_alone.advance(0.25 - 1.0, 0.02);
+        assert_eq!(hand.motor_torques(), loop_alone.motor_torques());
+        assert_eq!(hand.position(), loop_alone.position());
+    }
+    // A force at the end-point begins with the same acceleration and then differs, since torques are
+    // held while the pose changes.
+    let moved = |in_motors: bool, duration: f64| {
+        let device = new();
+        let mut device = if in_motors {
+            device.with_user_force_by_motors([0.0, 1.0]).unwrap()
+        } else {
+            device.with_user_force([0.0, 1.0]).unwrap()
+        };
+        let before = device.position();
+        device.sample(duration);
+        device.advance(0.0, duration);
+        device.position() - before
+    };
+    let apart = |duration: f64| (moved(true, duration) / moved(false, duration) - 1.0).abs();
+    assert!(apart(1e-4) < 1e-6, "{}", apart(1e-4));
+    assert!(apart(0.1) > 1e-3, "{}", apart(0.1));
+    // Its work is the motors'.
+    let (start, end) = (account(&new()), account(&hand));
+    assert!((end - start).abs() < 1e-10, "{start} {end}");
+    assert!(hand.motor_work() > 0.0);
+}
+
+#[test]
+fn a_hand_in_the_motors_is_gone_outside_the_box_and_weak_at_their_limit() {
+    let safety_box = SafetyBox {
+        x: [-0.1, 0.1],
+        y: [0.18, 0.2],
+    };
+    let mut device = Pantograph::new(pantographs::desktop())
+        .and_then(|device| device.with_user_force_by_motors([0.0, 2.0]))
+        .and_then(|device| device.with_safety_box(safety_box))
+        .unwrap();
+    for _ in 0..1000 {
+        device.sample(1e-3);
+        device.advance(0.0, 1e-3);
+    }
+    assert!(device.is_disconnected());
+    assert_eq!(device.motor_torques(), [0.0, 0.0]);
+    let mut weak = Pantograph::new(pantographs::haply(3))
+        .and_then(|device| device.with_user_force_by_motors([0.0, 50.0]))
+        .unwrap();
+    weak.sample(1e-3);
+    weak.advance(0.0, 1e-3);
+    assert!(weak.is_saturated());
+    // Without motors the force itself acts.
+    let ideal = PantographParams {
+        actuation: Actuation::Ideal,
+        ..pantographs::desktop()
+    };
+    let position = |device: Pantograph| {
+        let mut device = device;
+        device.sample(0.02);
+        device.advance(0.3, 0.02);
+        device.position()
+    };
+    let force = [0.0, 1.0];
+    let new = || Pantograph::new(ideal).unwrap();
+    assert_eq!(
+        position(new().with_user_force_by_motors(force).unwrap()),
+        position(new().with_user_force(force).unwrap())
+    );
+    assert!(new().with_user_force_by_motors([f64::NAN, 0.0]).is_err());
+}
+
+#[test]
 fn a_rejected_parameter_is_named() {
     let good = pantographs::desktop();
     let mut bad = [good; 5];

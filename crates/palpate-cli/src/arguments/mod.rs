@@ -8,9 +8,9 @@ mod replay;
 pub use files::{Overwriting, PartFlags};
 pub use flags::{Flags, TimingFlags};
 pub use offline::{
-    CompareArguments, Compared, CompletionArguments, CurveArguments, DemoArguments,
-    FigureArguments, FigureName, HeightsArguments, Least, RenderArguments, Results,
-    SimulateArguments, SuiteArguments, TuneArguments,
+    ClaimsArguments, CompareArguments, Compared, CompletionArguments, CurveArguments,
+    DemoArguments, FigureArguments, FigureName, HeightsArguments, Least, RenderArguments, Results,
+    SimulateArguments, SuiteArguments, SweepArguments, TuneArguments,
 };
 pub use replay::{ReplayFlags, ReplayKind};
 
@@ -374,6 +374,32 @@ Examples:
   palpate heights experiments/fig2.toml experiments/experiment1.toml --told-mass-factor 1.5
   palpate heights experiments/experiment2.toml --method hfcr,hfcr-mod-st --json")]
     Heights(HeightsArguments),
+    /// Vary one quantity of a scene, and see what each method does
+    #[command(override_usage = "\
+palpate sweep <SCENE.toml> --over <QUANTITY> --values <NUMBERS> [OPTIONS]")]
+    #[command(long_about = "\
+Vary one quantity of a scene, and see what each method does.
+
+Each value is a closed loop of its own, judged against its own ideal. A bounce is called by the largest \
+energy of its rebounds over that of the ideal's first one: stable up to 1.1, almost stable up to 2, \
+unstable above; diverged is as in `simulate`.")]
+    #[command(after_help = "\
+Examples:
+  palpate sweep experiments/fig4.toml --over friction --values 0,1,10 --collisions 8 --method seh
+  palpate sweep experiments/fig5.toml --over box --values 0.1,0.11,0.5 --method hfcr,coupled
+  palpate sweep experiments/fig2.toml --over damping --values 0,0.03 --method hfcr --heights --json")]
+    Sweep(SweepArguments),
+    /// Check the numbers that the paper claims
+    #[command(long_about = "\
+Check the numbers that the paper claims.
+
+Each claim is computed anew on the scenes of experiments/, with what it takes for the claim to hold. A \
+claim that does not hold here is no fault of this program: the exit code is 0.")]
+    #[command(after_help = "\
+Examples:
+  palpate claims
+  palpate claims --json")]
+    Claims(ClaimsArguments),
     /// Map which stiffness and mass each method can render
     #[command(long_about = "\
 Map which stiffness and mass each method can render.
@@ -407,7 +433,7 @@ Examples:
     /// Draw a figure of the paper
     #[command(after_help = "\
 Examples:
-  palpate figure fig2
+  palpate figure fig1
   palpate figure fig4
   palpate figure fig2 --plot figures/fig2.svg --json")]
     Figure(FigureArguments),

@@ -4,9 +4,13 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
 use palpate_io::unit::LengthUnit;
+use palpate_scene::HandForceAt;
+use palpate_sim::sweep::Quantity;
 
 use super::{Flags, Overwriting, PartFlags, ReplayFlags, TimingFlags};
-use crate::values::{Methods, length_unit, methods, number};
+use crate::values::{
+    Methods, Numbers, force_place, length_unit, methods, number, numbers, quantity,
+};
 
 /// Arguments of `render`.
 #[derive(Args, Debug)]
@@ -41,12 +45,52 @@ pub struct SimulateArguments {
     /// Contact, loop, method and device.
     #[command(flatten)]
     pub flags: Flags,
+    /// Where the hand's force acts on a pantograph: at its end-point, or in its motors as torques
+    /// held over each period [default: end-point, or the scene's]
+    #[arg(long, value_name = "end-point|motors", value_parser = force_place,
+          help_heading = "Device")]
+    pub hand_force_at: Option<HandForceAt>,
     /// What is not perfect about the loop.
     #[command(flatten)]
     pub timing: TimingFlags,
     /// Where results go.
     #[command(flatten)]
     pub results: Results,
+}
+
+/// Arguments of `sweep`.
+#[derive(Args, Debug)]
+pub struct SweepArguments {
+    /// Scene file (TOML); experiments/ has the paper's
+    #[arg(value_name = "SCENE.toml", value_hint = ValueHint::FilePath)]
+    pub scene: PathBuf,
+    /// What is varied: friction of the device, as a factor on the scene's; box, the half-width of a
+    /// pantograph's safety box along y [m]; damping, B, b or cap of the methods [N s/m]
+    #[arg(long, value_name = "QUANTITY", value_parser = quantity)]
+    pub over: Quantity,
+    /// Values of the quantity, separated by commas
+    #[arg(long, value_name = "NUMBERS", value_parser = numbers, allow_hyphen_values = true)]
+    pub values: Numbers,
+    /// Collisions of the ideal over which the methods run [default: the scene's window]
+    #[arg(long, value_name = "COUNT")]
+    pub collisions: Option<usize>,
+    /// Give FRE from 21 start heights, too: median and worst
+    #[arg(long)]
+    pub heights: bool,
+    /// What is compared.
+    #[command(flatten)]
+    pub compared: Compared,
+    /// Print the report as JSON
+    #[arg(long, help_heading = "Results")]
+    pub json: bool,
+}
+
+/// Arguments of `claims`.
+#[derive(Args, Debug)]
+pub struct ClaimsArguments {
+    /// Print the report as JSON
+    #[arg(long, help_heading = "Results")]
+    pub json: bool,
 }
 
 /// Arguments of `compare`.
@@ -203,12 +247,20 @@ pub struct FigureArguments {
 /// Figures of the paper.
 #[derive(clap::ValueEnum, Clone, Copy, Debug)]
 pub enum FigureName {
+    /// The two modes, free motion and contact: a drawing
+    Fig1,
     /// HFCR step by step: basic, modified force, smooth transitions, leak dissipation
     Fig2,
-    /// Experiment 1 on a virtual pantograph, 100 N/m at 50 Hz: five methods beside each other
+    /// The scene of Fig. 2 over 10 collisions: HFCR with four dampings
+    Fig2Long,
+    /// The pantograph, its frame and its joints: a drawing
+    Fig3,
+    /// Experiment 1 on a virtual pantograph, 100 N/m at 50 Hz: six methods beside each other
     Fig4,
-    /// Experiment 2 on a virtual pantograph, 400 N/m at 50 Hz: five methods beside each other
+    /// Experiment 2 on a virtual pantograph, 400 N/m at 50 Hz: six methods beside each other
     Fig5,
+    /// Fig. 5 in the safety box that the paper's text fits best, with the ball's centre
+    Fig5Box,
 }
 
 /// Arguments of `demo`.

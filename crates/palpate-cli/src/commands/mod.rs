@@ -2,6 +2,7 @@
 
 pub mod advise;
 pub mod bench;
+pub mod claims;
 pub mod compare;
 pub mod completions;
 pub mod convert;
@@ -22,4 +23,5 @@ pub mod replay;
 pub mod run;
 pub mod simulate;
 pub mod suite;
+pub mod sweep;
 pub mod tune;

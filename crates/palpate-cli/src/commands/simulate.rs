@@ -5,7 +5,7 @@ use std::string::FromUtf8Error;
 
 use palpate::ParameterError;
 use palpate_scene::method::MethodName;
-use palpate_scene::{Measure, Scene, SceneError, SceneFile, SetupError, beside};
+use palpate_scene::{HandForceAt, Measure, Scene, SceneError, SceneFile, SetupError, beside};
 use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_sim::run::Run;
 
@@ -27,6 +27,16 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     let mut scene = file.scene.clone();
     flags.change(&mut scene, &methods)?;
     arguments.timing.change(&mut scene);
+    if let Some(place) = arguments.hand_force_at {
+        if scene.linkage.is_none() {
+            return Err(Failure::Arguments(format!(
+                "--hand-force-at {}: the scene's device is a point mass, and only a pantograph has \
+                 motors at joints",
+                place.name()
+            )));
+        }
+        scene.user_force_at = place;
+    }
     let outputs = arguments.results.check(&arguments.scene)?;
     let failure = |method, error| explain((flags, &arguments.timing), &file, method, error);
     let progress = Progress::new(methods.len());
@@ -63,7 +73,10 @@ fn plant_receipt(scene: &Scene) -> Vec<(String, String)> {
         ("device_viscous_n_s_per_m", device.viscous_friction),
         ("device_coulomb_n", device.coulomb_friction),
         ("hand_force_n", scene.user_force),
+        ("object_radius_m", scene.object_radius),
     ];
+    // A radius of 0 is none.
+    numbers.retain(|&(name, value)| name != "object_radius_m" || value != 0.0);
     numbers.extend(
         device
             .largest_force
@@ -96,6 +109,10 @@ fn plant_receipt(scene: &Scene) -> Vec<(String, String)> {
         .into_iter()
         .map(|(name, value)| (name.to_owned(), value.to_string()))
         .collect();
+    if scene.user_force_at != HandForceAt::default() {
+        let at = scene.user_force_at.name().to_owned();
+        lines.push(("hand_force_at".into(), at));
+    }
     if let Some(linkage) = &scene.linkage {
         lines.push(("device.title".into(), linkage.title.clone()));
         let keys = linkage.keys.iter().cloned();

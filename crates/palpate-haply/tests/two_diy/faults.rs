@@ -1,8 +1,7 @@
 use palpate_haply_emulator::two_diy::Fault;
 use palpate_io::recording::{Flags, Tick};
 use palpate_rt::realtime::Request;
-use palpate_rt::{Ending, LoopEnd, LoopThread, Noted, StopFlag, Told, tap};
-use palpate_rt::{Note, safety::Trip};
+use palpate_rt::{Ending, LoopEnd, LoopThread, Note, Noted, StopFlag, Told, safety::Trip, tap};
 
 use super::*;
 

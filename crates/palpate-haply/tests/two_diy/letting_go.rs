@@ -1,8 +1,7 @@
 use palpate_device::clock::Clock;
 use palpate_device::{Capabilities, DeviceError, Reading, Vector, ZeroWriter};
-use palpate_rt::StopFlag;
 use palpate_rt::realtime::Request;
-use palpate_rt::{Ending, LoopThread};
+use palpate_rt::{Ending, LoopThread, StopFlag};
 
 use super::*;
 

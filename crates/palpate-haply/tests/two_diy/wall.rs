@@ -1,8 +1,6 @@
 use palpate_io::recording::Flags;
-use palpate_rt::LoopThread;
-use palpate_rt::StopFlag;
 use palpate_rt::realtime::Request;
-use palpate_rt::{Told, tap};
+use palpate_rt::{LoopThread, StopFlag, Told, tap};
 
 use super::*;
 

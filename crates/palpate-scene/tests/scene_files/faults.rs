@@ -492,3 +492,19 @@ fn a_file_of_another_version_is_refused_for_that_and_not_for_its_new_keys() {
         "scene.toml:1:16: scene_format is 2, but this version reads 1 only"
     );
 }
+
+#[test]
+fn a_radius_and_a_hand_in_the_motors_have_their_limits() {
+    assert_faults(
+        r#"force_n = -0.981 -> force_n = -0.981\nradius_m = -0.01
+  10:12: object radius is -0.01 m, but must be finite and not below 0
+  -0.01
+force_n = 1\n -> force_n = 1\nforce_at = "motors"\n
+  22:12: hand force in the motors is 1 N, but must be that of a pantograph, whose motors give torques
+  "motors"
+force_n = 1\n -> force_n = 1\nforce_at = "elbow"\n
+  22:12: unknown variant `elbow`, expected `end-point` or `motors`
+  "elbow""#,
+        3,
+    );
+}

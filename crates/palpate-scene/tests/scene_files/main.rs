@@ -69,9 +69,10 @@ fn edited(from: &str, to: &str) -> String {
     GOOD.replacen(from, to, 1)
 }
 
-/// The committed scenes: the paper's, those of users, and those on which coupled rendering is shown.
+/// The committed scenes: the paper's, those of users, those on which coupled rendering is shown, and
+/// readings of the paper's.
 fn committed() -> Vec<PathBuf> {
-    let folders = ["", "users", "coupled"].map(|name| common::experiments().join(name));
+    let folders = ["", "users", "coupled", "readings"].map(|name| common::experiments().join(name));
     let entries = folders
         .iter()
         .flat_map(|folder| std::fs::read_dir(folder).unwrap())
@@ -104,7 +105,7 @@ fn the_committed_scenes_are_good_and_run_by_every_method() {
         }
         eprintln!("{path:?}: {}", scene.title);
     }
-    assert_eq!(scenes.len(), 8 + 13 + 9);
+    assert_eq!(scenes.len(), 10 + 13 + 9 + 4);
 }
 
 #[test]

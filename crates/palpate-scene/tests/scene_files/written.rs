@@ -104,6 +104,7 @@ fn every_key_is_written() {
         ("estimate = \"ab2\"", "estimate = \"ab3\""),
         ("estimate = \"ab2\"", "estimate = \"differences\""),
         ("period_s = 0.02", "period_s = 0.1e-4"),
+        ("force_n = -0.981", "force_n = -0.981\nradius_m = 0.01"),
     ] {
         edit(from, to);
     }

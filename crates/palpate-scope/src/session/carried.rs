@@ -2,8 +2,9 @@
 
 use std::sync::mpsc::{Receiver, Sender, channel};
 
-use palpate_device::{Capabilities, Device, DeviceError, DeviceErrorKind};
-use palpate_device::{Reading, Vector, ZeroWriter};
+use palpate_device::{
+    Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector, ZeroWriter,
+};
 
 /// A device in a loop that gives it back when it goes.
 pub struct Carried {

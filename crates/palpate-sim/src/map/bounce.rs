@@ -7,7 +7,7 @@ use palpate_testbed::InvalidParameter;
 
 use crate::closed_loop::LoopError;
 use palpate_scene::method::{Damping, MethodName, Settings};
-use palpate_scene::{Measure, PointMassDevice, Scene, SetupError, Timing};
+use palpate_scene::{HandForceAt, Measure, PointMassDevice, Scene, SetupError, Timing};
 
 /// A device as it is, and what the renderer is told of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -170,6 +170,8 @@ impl Bounce {
                 ..PointMassDevice::default()
             },
             user_force: self.user_force(),
+            user_force_at: HandForceAt::default(),
+            object_radius: 0.0,
             linkage: None,
             grip: None,
             recorded_hand: None,

@@ -9,6 +9,14 @@ pub fn colgate_schenkel(device: f64, virtual_damping: f64) -> f64 {
     (2.0 * (device - virtual_damping.abs())).max(0.0)
 }
 
+/// HFCR without leak dissipation, while contact is sustained: the device's damping pays for every leak
+/// of it for b > K T, that is kappa < βb, whatever the object's mass, and for no less (the leak identity of
+/// the modified force, `docs/method.md`). It says nothing of a bounce, whose leaks at its transitions it does not
+/// know, and nothing of a loop with a delay.
+pub fn hfcr_sustained(device: f64) -> f64 {
+    device.max(0.0)
+}
+
 /// Gil: stable for K < (b + B)/(T/2 + t_d), that is kappa < (βb + βB)/(1/2 + t_d/T), for a delay of
 /// t_d/T periods. A bound for small damping of a light device.
 pub fn gil(device: f64, virtual_damping: f64, delay: f64) -> f64 {
@@ -66,6 +74,7 @@ mod tests {
         let of = |damping: f64| damping * t / m;
         assert!((colgate_schenkel(of(b), of(big_b)) - kappa(2.0 * (b - big_b) / t)).abs() < 1e-12);
         assert!((gil(of(b), of(big_b), 1.0) - kappa((b + big_b) / (1.5 * t))).abs() < 1e-12);
+        assert!((hfcr_sustained(of(b)) - kappa(b / t)).abs() < 1e-12);
         assert_eq!(colgate_schenkel(0.1, -0.2), 0.0);
         assert_eq!(abbott_okamura(1.0, 0.1, 0.001, 1e-4), 2000.0);
         assert_eq!(abbott_okamura(1.0, 0.01, 0.001, 1e-4), 200.0);

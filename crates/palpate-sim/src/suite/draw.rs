@@ -8,7 +8,7 @@ use super::chance::Chance;
 use crate::closed_loop::{LoopError, object_mass};
 use crate::plant::Plant;
 use palpate_scene::method::MethodName;
-use palpate_scene::{Grip, Measure, PointMassDevice, Scene, Timing, Wave};
+use palpate_scene::{Grip, HandForceAt, Measure, PointMassDevice, Scene, Timing, Wave};
 
 /// Gravity on the object `[m/s²]`.
 const GRAVITY: f64 = 9.81;
@@ -129,6 +129,8 @@ fn draw(chance: &mut Chance) -> RandomPlant {
             },
             told_device_mass: Some(told_device_mass),
             user_force,
+            user_force_at: HandForceAt::default(),
+            object_radius: 0.0,
             linkage: None,
             grip: is_held.then_some(grip),
             recorded_hand: None,

@@ -20,4 +20,5 @@ mod object_motion;
 mod passivity;
 mod readings;
 mod robustness;
+mod scenes;
 mod wall;

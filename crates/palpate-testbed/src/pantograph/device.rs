@@ -57,7 +57,9 @@ struct PidMemory {
 /// of the Jacobian **at the last [`sample`](Device::sample)**, each limited to the motor's range,
 /// and the torques are held, however often [`advance`](Device::advance) is called. Before the
 /// first sample every advance counts as a sample of its own, without the controller. The user's
-/// constant force acts on the end-point itself.
+/// constant force acts on the end-point itself
+/// ([`with_user_force`](Pantograph::with_user_force)), or comes from the motors as the other forces
+/// do ([`with_user_force_by_motors`](Pantograph::with_user_force_by_motors)).
 ///
 /// # Energy
 ///
@@ -84,6 +86,8 @@ pub struct Pantograph {
     pid: Option<Pid>,
     safety_box: Option<SafetyBox>,
     user_force: [f64; 2],
+    /// The part of the user's force that the motors give.
+    motor_user_force: [f64; 2],
     state: State,
     /// The pose of `state`.
     pose: Pose,
@@ -112,6 +116,7 @@ impl Pantograph {
             pid: None,
             safety_box: None,
             user_force: [0.0, 0.0],
+            motor_user_force: [0.0, 0.0],
             state: State {
                 angles: params.home,
                 rates: [0.0, 0.0],
@@ -162,6 +167,22 @@ impl Pantograph {
             finite("user_force", component, "finite [N]")?;
         }
         self.user_force = force;
+        Ok(self)
+    }
+
+    /// The same device pushed by a constant force (x, y) \[N\] that its motors give, as if it were a
+    /// part of the force to render: torques by the Jacobian at the last sample, held, within the motors'
+    /// range together with the other forces, and none once the motors are disconnected. Under
+    /// [`Actuation::Ideal`] the force itself acts on the end-point.
+    ///
+    /// # Errors
+    ///
+    /// A component is not finite.
+    pub fn with_user_force_by_motors(mut self, force: [f64; 2]) -> Result<Self, InvalidParameter> {
+        for component in force {
+            finite("user_force", component, "finite [N]")?;
+        }
+        self.motor_user_force = force;
         Ok(self)
     }
 
@@ -294,7 +315,7 @@ impl Pantograph {
         self.state.dissipated
     }
 
-    /// The user's constant force at the end-point \[N\].
+    /// The user's constant force at the end-point \[N\], without what the motors give of it.
     #[must_use]
     pub fn user_force(&self) -> [f64; 2] {
         self.user_force
@@ -420,7 +441,8 @@ impl Device for Pantograph {
         } else {
             0.0
         };
-        let mut wanted = [self.memory.force, -asked];
+        let user = self.motor_user_force;
+        let mut wanted = [self.memory.force + user[0], user[1] - asked];
         if self.disconnected {
             wanted = [0.0, 0.0];
         }
@@ -439,7 +461,9 @@ impl Device for Pantograph {
         asked * travel[1]
     }
 
-    /// Kinetic energy, gravity, and minus the user's force times the end-point's position \[J\].
+    /// Kinetic energy, gravity, and minus the user's force at the end-point times its position \[J\].
+    /// What the motors give of the user's force is in
+    /// [`motor_work`](Pantograph::motor_work).
     fn stored_energy(&self) -> f64 {
         self.dynamics.kinetic_energy(&self.pose, self.state.rates)
             + self.dynamics.potential_energy(&self.pose)

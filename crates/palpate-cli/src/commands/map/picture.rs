@@ -160,6 +160,15 @@ fn bounds_on(plant: Plant, method: &str, numbers: &LoopNumbers) -> Vec<Bound> {
         return vec![bound(name, bounds::stiffest_undamped_wall(), 0)];
     }
     let mut drawn = Vec::new();
+    let without_dissipation = [MethodName::HfcrMod, MethodName::HfcrModSt];
+    if numbers.delay == 0.0 && without_dissipation.iter().any(|of| method == of.name()) {
+        // The one bound here that is about objects as well: it reaches over all of them.
+        let name = "HFCR while contact is sustained, any mass: κ = b T/m";
+        drawn.push(Bound {
+            to: f64::INFINITY,
+            ..bound(name, bounds::hfcr_sustained(numbers.damping), 2)
+        });
+    }
     if method == MethodName::VirtualDamper.name() {
         // The map's B is K T/2, so beta_B is kappa/2: kappa < 2 (beta_b - kappa/2).
         let name = "Colgate-Schenkel with B = K T/2: κ = b T/m";
@@ -167,12 +176,8 @@ fn bounds_on(plant: Plant, method: &str, numbers: &LoopNumbers) -> Vec<Bound> {
         return drawn;
     }
     let name = "Colgate-Schenkel: κ = 2 b T/m";
-    drawn.push(bound(
-        name,
-        bounds::colgate_schenkel(numbers.damping, 0.0),
-        1,
-    ));
-    let colgate = drawn[0].at;
+    let colgate = bounds::colgate_schenkel(numbers.damping, 0.0);
+    drawn.push(bound(name, colgate, 1));
     let mut unless_equal = |name: &str, at: f64, look| {
         if (at / colgate - 1.0).abs() > 1e-6 {
             drawn.push(bound(name, at, look));
@@ -316,7 +321,8 @@ fn footnote(map: &Map, numbers: &LoopNumbers, show: &[Quantity]) -> String {
     format!(
         "An object bounces on a point-mass device ({} kg, {} s, gap {} m ± 5 % in {} start heights) \
          under {forces}{unusual}. Damped: viscous friction b T/m = {:.4} of the device. Growth: over \
-         {} ideal collisions; E: over the first {}. Bounds are of walls; they are drawn up to Kc = 0.03.{stays}",
+         {} ideal collisions; E: over the first {}. Bounds are of walls and \
+         drawn up to Kc = 0.03, but for that of HFCR's sustained contact.{stays}",
         value("device_mass_kg"),
         value("period_s"),
         value("gap_m"),

@@ -88,7 +88,7 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
     };
     let ReplayRuns {
         reference,
-        runs,
+        mut runs,
         replayed,
     } = match arguments.replay.replay {
         ReplayKind::Motion => motion(&ticks, setup, (&scene, &methods), &progress, &failure)?,
@@ -124,6 +124,11 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
             )?
         }
     };
+    // A recording has the object's place; its scene says where the centre is.
+    let centre = scene.centre_offset();
+    runs.iter_mut().for_each(|run| run.centre_offset = centre);
+    let object = ticks.curves.object_position.iter_mut();
+    object.for_each(|position| *position += centre);
     let title = format!("{}: {name}", replayed.title());
     let subject = Subject {
         title: title.clone(),

@@ -1,0 +1,356 @@
+//! Drawings: lines, arrows, springs and words at places of a page, for what is not a plot.
+//!
+//! Places are in \[px\] from the upper left corner, y down. Words may have subscripts, `f_V`: what
+//! follows an underscore, up to the next character that is neither letter nor digit, is lowered.
+
+use kuva::render::color::Color;
+use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
+
+use crate::drawn::Drawn;
+use crate::{Picture, ink, text};
+
+/// A place on the page \[px\].
+pub type Place = (f64, f64);
+
+/// How a line looks.
+#[derive(Debug, Clone, Copy)]
+pub struct Pen {
+    /// As `#rrggbb`.
+    pub colour: &'static str,
+    /// Width of the line \[px\].
+    pub width: f64,
+    /// Lengths of dashes and gaps \[px\]; empty for a line without gaps.
+    pub dashes: &'static [f64],
+}
+
+impl Pen {
+    /// Outlines of bodies.
+    pub const BODY: Self = Self::of("#111111", 1.8);
+    /// Lines that measure, and axes.
+    pub const THIN: Self = Self::of("#555555", 1.0);
+    /// Lines that are only thought of.
+    pub const THOUGHT: Self = Self {
+        dashes: &[5.0, 3.5],
+        ..Self::THIN
+    };
+    /// Forces.
+    pub const FORCE: Self = Self::of("#d55e00", 2.4);
+    /// Motions and what measures them.
+    pub const MOTION: Self = Self::of("#0072b2", 1.4);
+
+    const fn of(colour: &'static str, width: f64) -> Self {
+        Self {
+            colour,
+            width,
+            dashes: &[],
+        }
+    }
+}
+
+/// Where words stand against their place.
+#[derive(Debug, Clone, Copy)]
+pub enum Beside {
+    /// They begin there.
+    Right,
+    /// They end there.
+    Left,
+    /// It is their middle.
+    Middle,
+}
+
+/// Size of words \[px\].
+pub const WORDS: u32 = 14;
+/// Size of a head \[px\].
+pub const HEAD: u32 = 16;
+/// Size of small print \[px\].
+pub const SMALL: u32 = 12;
+
+/// A page that is drawn on.
+#[derive(Debug, Clone)]
+pub struct Drawing {
+    size: (f64, f64),
+    elements: Vec<Primitive>,
+}
+
+impl Drawing {
+    /// An empty page of a width and a height \[px\].
+    pub fn new(width: f64, height: f64) -> Self {
+        Self {
+            size: (width, height),
+            elements: Vec::new(),
+        }
+    }
+
+    /// A line from place to place.
+    pub fn line(&mut self, places: &[Place], pen: Pen) {
+        self.elements.push(Primitive::PolyLine {
+            points: places.to_vec(),
+            stroke: Color::from(pen.colour),
+            stroke_width: pen.width,
+            stroke_dasharray: ink::dash_array(pen.dashes),
+        });
+    }
+
+    /// A closed shape through the places, filled.
+    pub fn shape(&mut self, places: &[Place], pen: Pen, fill: &str) {
+        let mut path = String::new();
+        for (number, (x, y)) in places.iter().enumerate() {
+            let begin = if number == 0 { 'M' } else { 'L' };
+            path += &format!("{begin}{x:.2} {y:.2}");
+        }
+        path.push('Z');
+        self.elements.push(Primitive::Path(Box::new(PathData {
+            d: path,
+            fill: Some(Color::from(fill)),
+            stroke: Color::from(pen.colour),
+            stroke_width: pen.width,
+            opacity: None,
+            stroke_dasharray: ink::dash_array(pen.dashes),
+        })));
+    }
+
+    /// A rectangle about a middle, filled.
+    pub fn block(&mut self, (x, y): Place, (width, height): (f64, f64), fill: &str) {
+        let (w, h) = (0.5 * width, 0.5 * height);
+        let corners = [
+            (x - w, y - h),
+            (x + w, y - h),
+            (x + w, y + h),
+            (x - w, y + h),
+        ];
+        self.shape(&corners, Pen::BODY, fill);
+    }
+
+    /// A circle, filled.
+    pub fn circle(&mut self, (cx, cy): Place, r: f64, pen: Pen, fill: &str) {
+        self.elements.push(Primitive::Circle {
+            cx,
+            cy,
+            r,
+            fill: Color::from(fill),
+            fill_opacity: None,
+            stroke: Some(Color::from(pen.colour)),
+            stroke_width: Some(pen.width),
+        });
+    }
+
+    /// An arrow with its head at `to`.
+    pub fn arrow(&mut self, from: Place, to: Place, pen: Pen) {
+        let length = (to.0 - from.0).hypot(to.1 - from.1);
+        if length <= 0.0 {
+            return;
+        }
+        let along = ((to.0 - from.0) / length, (to.1 - from.1) / length);
+        let head = (6.0 + 2.0 * pen.width).min(length);
+        let neck = (to.0 - head * along.0, to.1 - head * along.1);
+        let half = 0.36 * head;
+        self.line(&[from, neck], pen);
+        let sides = [
+            (neck.0 - half * along.1, neck.1 + half * along.0),
+            to,
+            (neck.0 + half * along.1, neck.1 - half * along.0),
+        ];
+        let outline = Pen {
+            width: 0.5,
+            dashes: &[],
+            ..pen
+        };
+        self.shape(&sides, outline, pen.colour);
+    }
+
+    /// A line with a head at each end: a length.
+    pub fn length(&mut self, from: Place, to: Place, pen: Pen) {
+        let middle = (0.5 * (from.0 + to.0), 0.5 * (from.1 + to.1));
+        self.arrow(middle, from, pen);
+        self.arrow(middle, to, pen);
+    }
+
+    /// A part of a circle about `middle`, from one angle to another \[rad\], counter-clockwise as seen,
+    /// with a head at its end.
+    pub fn turn(&mut self, middle: Place, radius: f64, (from, to): (f64, f64), pen: Pen) {
+        const STEPS: u32 = 40;
+        const HEAD_LENGTH: f64 = 10.0;
+        let at = |angle: f64| {
+            let (sin, cos) = angle.sin_cos();
+            (middle.0 + radius * cos, middle.1 - radius * sin)
+        };
+        // The head lies on a chord at the end.
+        let back = to - (to - from).signum() * (HEAD_LENGTH / radius).min((to - from).abs());
+        let angle = |step: u32| from + (back - from) * (f64::from(step) / f64::from(STEPS));
+        let arc: Vec<Place> = (0..=STEPS).map(|step| at(angle(step))).collect();
+        self.line(&arc, pen);
+        self.arrow(at(back), at(to), pen);
+    }
+
+    /// A spring from place to place with so many turns, `width` across \[px\].
+    pub fn spring(&mut self, from: Place, to: Place, turns: u32, width: f64, pen: Pen) {
+        let length = (to.0 - from.0).hypot(to.1 - from.1).max(f64::MIN_POSITIVE);
+        let along = ((to.0 - from.0) / length, (to.1 - from.1) / length);
+        let across = (-along.1, along.0);
+        let at = |share: f64, side: f64| {
+            let (s, w) = (share * length, 0.5 * width * side);
+            (
+                from.0 + s * along.0 + w * across.0,
+                from.1 + s * along.1 + w * across.1,
+            )
+        };
+        // Straight at both ends.
+        const END: f64 = 0.12;
+        let corners = 2 * turns;
+        let mut places = vec![from, at(END, 0.0)];
+        for corner in 0..corners {
+            let share = (f64::from(corner) + 0.5) / f64::from(corners);
+            let side = if corner % 2 == 0 { 1.0 } else { -1.0 };
+            places.push(at(END + (1.0 - 2.0 * END) * share, side));
+        }
+        places.extend([at(1.0 - END, 0.0), to]);
+        self.line(&places, pen);
+    }
+
+    /// Solid ground below a horizontal line, in strokes.
+    pub fn ground(&mut self, left: Place, width: f64) {
+        const STROKE: f64 = 9.0;
+        self.line(&[left, (left.0 + width, left.1)], Pen::BODY);
+        let mut x = left.0 + STROKE;
+        while x <= left.0 + width {
+            self.line(&[(x, left.1), (x - STROKE, left.1 + STROKE)], Pen::THIN);
+            x += STROKE;
+        }
+    }
+
+    /// Words of a size at a place, on their baseline.
+    pub fn words(&mut self, words: &str, place: Place, beside: Beside, size: u32) {
+        self.coloured(words, place, beside, size, None);
+    }
+
+    /// Words in a colour.
+    pub fn coloured(
+        &mut self,
+        words: &str,
+        (x, y): Place,
+        beside: Beside,
+        size: u32,
+        colour: Option<&'static str>,
+    ) {
+        let runs = runs(words);
+        let width = |run: &(String, bool)| width_of(&run.0, size_of(run, size));
+        let whole: f64 = runs.iter().map(width).sum();
+        let mut left = match beside {
+            Beside::Right => x,
+            Beside::Left => x - whole,
+            Beside::Middle => x - 0.5 * whole,
+        };
+        for run in &runs {
+            // SVG leaves out space at the beginning of a text.
+            let words = run.0.trim_start();
+            let space = width(run) - width_of(words, size_of(run, size));
+            let lowered = if run.1 { 0.28 * f64::from(size) } else { 0.0 };
+            self.elements.push(Primitive::Text {
+                x: left + space,
+                y: y + lowered,
+                content: words.to_owned(),
+                size: size_of(run, size),
+                anchor: TextAnchor::Start,
+                rotate: None,
+                bold: size == HEAD,
+                color: colour.map(Color::from),
+            });
+            left += width(run);
+        }
+    }
+}
+
+impl Picture for Drawing {}
+
+impl Drawn for Drawing {
+    fn page(&self) -> Scene {
+        let mut page = Scene::new(self.size.0, self.size.1);
+        page.font_family = Some(text::FAMILY.to_owned());
+        page.text_color = Some("#111111".to_owned());
+        for element in &self.elements {
+            page.add(element.clone());
+        }
+        page
+    }
+}
+
+/// Width of a run of any length \[px\]: by itself, a short one counts as broad as a tick label.
+fn width_of(run: &str, size: u32) -> f64 {
+    const BROAD: &str = "MMMM";
+    let together = format!("{BROAD}{run}{BROAD}");
+    text::width(&together, size) - text::width(&[BROAD, BROAD].concat(), size)
+}
+
+fn size_of((_, subscript): &(String, bool), size: u32) -> u32 {
+    if *subscript { size * 7 / 10 } else { size }
+}
+
+/// Runs of words, and whether each is a subscript.
+fn runs(words: &str) -> Vec<(String, bool)> {
+    let mut runs = vec![(String::new(), false)];
+    for c in words.chars() {
+        let (run, subscript) = runs.last_mut().expect("one at least");
+        if c == '_' {
+            runs.push((String::new(), true));
+        } else if *subscript && !c.is_alphanumeric() {
+            runs.push((c.to_string(), false));
+        } else {
+            run.push(c);
+        }
+    }
+    runs.retain(|(run, _)| !run.is_empty());
+    runs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_subscript_ends_at_the_next_sign() {
+        let split = |words| -> Vec<(String, bool)> { runs(words) };
+        let run = |text: &str, low| (text.to_owned(), low);
+        assert_eq!(
+            split("f_V = 0"),
+            [run("f", false), run("V", true), run(" = 0", false)]
+        );
+        assert_eq!(split("x"), [run("x", false)]);
+        assert_eq!(
+            split("m ξ″ = f_u − f"),
+            [run("m ξ″ = f", false), run("u", true), run(" − f", false)]
+        );
+    }
+
+    #[test]
+    fn an_arrow_ends_where_it_points() {
+        let mut drawing = Drawing::new(100.0, 100.0);
+        drawing.arrow((10.0, 90.0), (10.0, 20.0), Pen::FORCE);
+        let Some(Primitive::Path(head)) = drawing.elements.last() else {
+            panic!("an arrow has a head");
+        };
+        assert!(head.d.contains("10.00 20.00"), "{}", head.d);
+        // One without a length is none.
+        let before = drawing.elements.len();
+        drawing.arrow((1.0, 1.0), (1.0, 1.0), Pen::FORCE);
+        assert_eq!(drawing.elements.len(), before);
+    }
+
+    #[test]
+    fn a_spring_reaches_from_end_to_end_and_turns_between() {
+        let mut drawing = Drawing::new(100.0, 100.0);
+        drawing.spring((50.0, 10.0), (50.0, 90.0), 4, 20.0, Pen::BODY);
+        let Some(Primitive::PolyLine { points, .. }) = drawing.elements.last() else {
+            panic!("a spring is a line");
+        };
+        assert_eq!(
+            (points[0], points[points.len() - 1]),
+            ((50.0, 10.0), (50.0, 90.0))
+        );
+        let widest = points
+            .iter()
+            .map(|(x, _)| (x - 50.0).abs())
+            .fold(0.0, f64::max);
+        assert!((widest - 10.0).abs() < 1e-9);
+        assert!(points.iter().all(|&(_, y)| (10.0..=90.0).contains(&y)));
+    }
+}
