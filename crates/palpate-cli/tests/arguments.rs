@@ -214,7 +214,7 @@ fn what_is_not_known_is_answered_by_what_is() {
         2,
         &["--stifness", "'--stiffness'"],
     );
-    folder.fail("figure fig3", 2, &["fig3", "fig2"]);
+    folder.fail("figure fig7", 2, &["fig7", "fig5"]);
     folder.fail("simulate", 2, &["<SCENE.toml>"]);
     folder.fail("render", 2, &["<TRACE.csv>"]);
     folder.fail(
