@@ -378,25 +378,36 @@ fn a_loop_that_was_stopped_for_a_while_comes_back() {
     assert_eq!(output.status.code(), Some(code), "{report}");
 }
 
+/// One that was stopped is there, and listens no more than one that was killed.
 #[test]
-fn a_loop_whose_guardian_is_killed_gives_no_force_and_says_so() {
-    let (folder, emulator) = (folder(), emulator());
-    let port = emulator.path();
-    let run = pressing(&folder, &emulator, "--json --priority 0 --stall-after 50");
-    assert!(signal(9, guardian(&run, &port)));
-    wait_for("no torque", || {
-        off_since(&emulator).is_some_and(|since| since.elapsed() > Duration::from_millis(300))
-    });
-    run.signal("TERM");
-    let output = run.output();
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert!(said.contains("warning: the guardian ended"), "{said}");
-    let report = parse(&String::from_utf8(output.stdout).unwrap());
-    assert_eq!(report["guardian"]["gone"], true, "{report}");
-    assert_eq!(report["trip"], "device-refused", "{report}");
-    let events = report["events"].to_string();
-    assert!(events.contains("the guardian has ended"), "{report}");
-    assert!(holders(&port).is_empty());
+fn a_loop_that_has_lost_its_guardian_gives_no_force_and_says_how() {
+    for (number, lost, warning, event) in [
+        (9, "ended", "the guardian ended", "the guardian has ended"),
+        (
+            19,
+            "not-listening",
+            "the guardian is there and does not listen",
+            "the guardian is there and does not listen",
+        ),
+    ] {
+        let (folder, emulator) = (folder(), emulator());
+        let port = emulator.path();
+        let run = pressing(&folder, &emulator, "--json --priority 0 --stall-after 50");
+        assert!(signal(number, guardian(&run, &port)));
+        wait_for("no torque", || {
+            off_since(&emulator).is_some_and(|since| since.elapsed() > Duration::from_millis(300))
+        });
+        run.signal("TERM");
+        let output = run.output();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(said.contains(&format!("warning: {warning}")), "{said}");
+        let report = parse(&String::from_utf8(output.stdout).unwrap());
+        assert_eq!(report["guardian"]["gone"], true, "{report}");
+        assert_eq!(report["guardian"]["lost"], lost, "{report}");
+        assert_eq!(report["trip"], "device-refused", "{report}");
+        assert!(report["events"].to_string().contains(event), "{report}");
+        wait_for("the end of the guardian", || holders(&port).is_empty());
+    }
 }
 
 /// A port that is pulled out is held open by nobody, and the device that comes back is guarded anew.

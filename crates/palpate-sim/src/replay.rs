@@ -85,6 +85,11 @@ impl ReplaySetup {
     }
 }
 
+/// A difference of two times `[s]` without what their rounding has left behind the nanoseconds.
+pub(crate) fn to_nanoseconds(difference: f64) -> f64 {
+    (difference * 1e9).round() / 1e9
+}
+
 /// Why a recording cannot be replayed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ReplayError {
@@ -104,7 +109,7 @@ pub enum ReplayError {
     #[error("the recording has {0} periods; at most {MOST_PERIODS} fit, so cut it")]
     TooLong(usize),
     /// The recording is shorter than a period.
-    #[error("the recording lasts {recorded} s, less than one period of {period} s")]
+    #[error("the recording lasts {} s, less than one period of {period} s", to_nanoseconds(*recorded))]
     TooShort {
         /// Length of the recording `[s]`.
         recorded: f64,

@@ -4,6 +4,7 @@ use palpate_testbed::InvalidParameter;
 use palpate_testbed::recorded_path::{PathError, RecordedPath};
 
 use super::smoother::{Motion, Smoothed};
+use crate::replay::to_nanoseconds;
 
 /// Fewest samples from which a force can be estimated.
 const FEWEST_SAMPLES: usize = 8;
@@ -144,7 +145,7 @@ pub enum HandError {
     #[error("the force of a hand needs at least {FEWEST_SAMPLES} samples with a position, not {0}")]
     TooFewSamples(usize),
     /// The recording is shorter than a period.
-    #[error("the recording lasts {recorded} s, less than one period of {period} s")]
+    #[error("the recording lasts {} s, less than one period of {period} s", to_nanoseconds(*recorded))]
     TooShort {
         /// Length of the recording `[s]`.
         recorded: f64,
