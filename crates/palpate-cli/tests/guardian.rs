@@ -104,6 +104,15 @@ fn guardian(run: &Running, port: &Path) -> u32 {
     found.unwrap()
 }
 
+/// A loop that is killed leaves no torque, and no guardian that holds the port.
+#[track_caller]
+fn killed_it_leaves_no_torque(mut run: Running, emulator: &Emulator, port: &Path) {
+    assert!(signal(9, run.id()));
+    run.wait().unwrap();
+    wait_for("no torque", || !is_on(emulator));
+    wait_for("the end of the guardian", || holders(port).is_empty());
+}
+
 fn signal(number: i32, id: u32) -> bool {
     let kill = Command::new("kill")
         .args([format!("-{number}"), id.to_string()])
@@ -434,10 +443,7 @@ fn a_device_that_comes_back_has_a_guardian_of_its_own() {
     wait_for("the torque again", || is_on(&emulator));
     let port = std::fs::read_link(folder.path("haply")).unwrap();
     assert_ne!(guardian(&run, &port), first);
-    assert!(signal(9, run.id()));
-    run.wait().unwrap();
-    wait_for("no torque", || !is_on(&emulator));
-    wait_for("the end of the guardian", || holders(&port).is_empty());
+    killed_it_leaves_no_torque(run, &emulator, &port);
 }
 
 /// Neither what a terminal sends to a loop, nor any signal that can be caught.
@@ -445,7 +451,7 @@ fn a_device_that_comes_back_has_a_guardian_of_its_own() {
 fn a_guardian_heeds_no_signal_and_is_in_no_session_of_the_loop() {
     let (folder, emulator) = (folder(), emulator());
     let port = emulator.path();
-    let mut run = pressing(&folder, &emulator, "--priority 0 --stall-after 50");
+    let run = pressing(&folder, &emulator, "--priority 0 --stall-after 50");
     let guardian = guardian(&run, &port);
     let session = |id: u32| -> i32 {
         let stat = std::fs::read_to_string(format!("/proc/{id}/stat")).unwrap();
@@ -458,10 +464,7 @@ fn a_guardian_heeds_no_signal_and_is_in_no_session_of_the_loop() {
             assert!(signal(number, guardian), "{number}");
         }
     }
-    assert!(signal(9, run.id()));
-    run.wait().unwrap();
-    wait_for("no torque", || !is_on(&emulator));
-    wait_for("the end of the guardian", || holders(&port).is_empty());
+    killed_it_leaves_no_torque(run, &emulator, &port);
 }
 
 #[test]
