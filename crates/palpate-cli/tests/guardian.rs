@@ -104,6 +104,15 @@ fn guardian(run: &Running, port: &Path) -> u32 {
     found.unwrap()
 }
 
+/// A loop that is killed leaves no torque, and no guardian that holds the port.
+#[track_caller]
+fn killed_it_leaves_no_torque(mut run: Running, emulator: &Emulator, port: &Path) {
+    assert!(signal(9, run.id()));
+    run.wait().unwrap();
+    wait_for("no torque", || !is_on(emulator));
+    wait_for("the end of the guardian", || holders(port).is_empty());
+}
+
 fn signal(number: i32, id: u32) -> bool {
     let kill = Command::new("kill")
         .args([format!("-{number}"), id.to_string()])
@@ -378,25 +387,36 @@ fn a_loop_that_was_stopped_for_a_while_comes_back() {
     assert_eq!(output.status.code(), Some(code), "{report}");
 }
 
+/// One that was stopped is there, and listens no more than one that was killed.
 #[test]
-fn a_loop_whose_guardian_is_killed_gives_no_force_and_says_so() {
-    let (folder, emulator) = (folder(), emulator());
-    let port = emulator.path();
-    let run = pressing(&folder, &emulator, "--json --priority 0 --stall-after 50");
-    assert!(signal(9, guardian(&run, &port)));
-    wait_for("no torque", || {
-        off_since(&emulator).is_some_and(|since| since.elapsed() > Duration::from_millis(300))
-    });
-    run.signal("TERM");
-    let output = run.output();
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert!(said.contains("warning: the guardian ended"), "{said}");
-    let report = parse(&String::from_utf8(output.stdout).unwrap());
-    assert_eq!(report["guardian"]["gone"], true, "{report}");
-    assert_eq!(report["trip"], "device-refused", "{report}");
-    let events = report["events"].to_string();
-    assert!(events.contains("the guardian has ended"), "{report}");
-    assert!(holders(&port).is_empty());
+fn a_loop_that_has_lost_its_guardian_gives_no_force_and_says_how() {
+    for (number, lost, warning, event) in [
+        (9, "ended", "the guardian ended", "the guardian has ended"),
+        (
+            19,
+            "not-listening",
+            "the guardian is there and does not listen",
+            "the guardian is there and does not listen",
+        ),
+    ] {
+        let (folder, emulator) = (folder(), emulator());
+        let port = emulator.path();
+        let run = pressing(&folder, &emulator, "--json --priority 0 --stall-after 50");
+        assert!(signal(number, guardian(&run, &port)));
+        wait_for("no torque", || {
+            off_since(&emulator).is_some_and(|since| since.elapsed() > Duration::from_millis(300))
+        });
+        run.signal("TERM");
+        let output = run.output();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(said.contains(&format!("warning: {warning}")), "{said}");
+        let report = parse(&String::from_utf8(output.stdout).unwrap());
+        assert_eq!(report["guardian"]["gone"], true, "{report}");
+        assert_eq!(report["guardian"]["lost"], lost, "{report}");
+        assert_eq!(report["trip"], "device-refused", "{report}");
+        assert!(report["events"].to_string().contains(event), "{report}");
+        wait_for("the end of the guardian", || holders(&port).is_empty());
+    }
 }
 
 /// A port that is pulled out is held open by nobody, and the device that comes back is guarded anew.
@@ -423,10 +443,7 @@ fn a_device_that_comes_back_has_a_guardian_of_its_own() {
     wait_for("the torque again", || is_on(&emulator));
     let port = std::fs::read_link(folder.path("haply")).unwrap();
     assert_ne!(guardian(&run, &port), first);
-    assert!(signal(9, run.id()));
-    run.wait().unwrap();
-    wait_for("no torque", || !is_on(&emulator));
-    wait_for("the end of the guardian", || holders(&port).is_empty());
+    killed_it_leaves_no_torque(run, &emulator, &port);
 }
 
 /// Neither what a terminal sends to a loop, nor any signal that can be caught.
@@ -434,7 +451,7 @@ fn a_device_that_comes_back_has_a_guardian_of_its_own() {
 fn a_guardian_heeds_no_signal_and_is_in_no_session_of_the_loop() {
     let (folder, emulator) = (folder(), emulator());
     let port = emulator.path();
-    let mut run = pressing(&folder, &emulator, "--priority 0 --stall-after 50");
+    let run = pressing(&folder, &emulator, "--priority 0 --stall-after 50");
     let guardian = guardian(&run, &port);
     let session = |id: u32| -> i32 {
         let stat = std::fs::read_to_string(format!("/proc/{id}/stat")).unwrap();
@@ -447,10 +464,7 @@ fn a_guardian_heeds_no_signal_and_is_in_no_session_of_the_loop() {
             assert!(signal(number, guardian), "{number}");
         }
     }
-    assert!(signal(9, run.id()));
-    run.wait().unwrap();
-    wait_for("no torque", || !is_on(&emulator));
-    wait_for("the end of the guardian", || holders(&port).is_empty());
+    killed_it_leaves_no_torque(run, &emulator, &port);
 }
 
 #[test]

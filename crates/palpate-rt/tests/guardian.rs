@@ -199,8 +199,33 @@ fn a_guardian_that_is_gone_or_does_not_listen_is_noticed() {
     }
     println!("{words} words are not listened to before that is noticed");
     assert!(words > 20, "a guardian may be late for a few periods");
-    assert!(account.is_gone());
+    assert_eq!(account.lost(), Some(Unguarded::NotListening));
+    assert_eq!(guardian.force(), Err(Unguarded::NotListening));
     drop(socket);
-    assert_eq!(guardian.has_cut(), Err(Unguarded));
-    assert_eq!(guardian.force(), Err(Unguarded));
+    assert_eq!(guardian.has_cut(), Err(Unguarded::Ended));
+    assert_eq!(guardian.force(), Err(Unguarded::Ended));
+    // The first that was lost is the one to know.
+    assert_eq!(account.lost(), Some(Unguarded::NotListening));
+}
+
+/// Nothing comes of a program that is not there, or that ends without a word.
+#[test]
+fn a_guardian_that_cannot_be_started_is_an_error_that_says_so() {
+    use std::os::fd::AsFd;
+    let (port, _board) = UnixStream::pair().unwrap();
+    let orders = Orders {
+        limit: LIMIT,
+        release: RELEASE.to_vec(),
+        probe: PROBE.to_vec(),
+        answer: ANSWER.len(),
+    };
+    for (program, words) in [
+        ("/there/is/no/guardian", "cannot be started"),
+        ("true", "has started and does not answer"),
+    ] {
+        let account = Arc::new(GuardianAccount::default());
+        let command = std::process::Command::new(program);
+        let error = Guardian::start(command, port.as_fd(), &orders, account).unwrap_err();
+        assert!(error.to_string().contains(words), "{program}: {error}");
+    }
 }

@@ -14,7 +14,7 @@ use palpate_testbed::driven::{DrivenIdeal, DrivenScene};
 use palpate_testbed::grid::Grid;
 use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::metrics::ForceJudgement;
-use palpate_testbed::recorded_path::{PathError, RecordedPath};
+use palpate_testbed::recorded_path::{PathError, RecordedPath, to_nanoseconds};
 
 use crate::run::{Held, MOST_PERIODS, Reference, Run, RunMethod, Tick};
 use palpate_scene::method::{Basis, MethodName, Settings, SettingsError, with_derived_values};
@@ -106,7 +106,7 @@ pub enum ReplayError {
     #[error("the recording has {0} periods; at most {MOST_PERIODS} fit, so cut it")]
     TooLong(usize),
     /// The recording is shorter than a period.
-    #[error("the recording lasts {recorded} s, less than one period of {period} s")]
+    #[error("the recording lasts {} s, less than one period of {period} s", to_nanoseconds(*recorded))]
     TooShort {
         /// Length of the recording `[s]`.
         recorded: f64,

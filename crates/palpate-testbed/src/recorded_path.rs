@@ -5,6 +5,12 @@ use thiserror::Error;
 use crate::InvalidParameter;
 use crate::error::positive;
 
+/// A difference of two times \[s\] without what their rounding has left behind the nanoseconds.
+#[must_use]
+pub fn to_nanoseconds(difference: f64) -> f64 {
+    (difference * 1e9).round() / 1e9
+}
+
 /// How far, in recording steps, an instant may lie from a recorded one and still be that one: time
 /// stamps are written in decimals.
 const SAME_INSTANT: f64 = 1e-6;

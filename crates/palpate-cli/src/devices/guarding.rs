@@ -3,6 +3,8 @@
 use std::time::Duration;
 
 use palpate_device::Capabilities;
+#[cfg(unix)]
+use palpate_rt::guardian::Unguarded;
 use serde::Serialize;
 
 use super::DeviceArguments;
@@ -31,8 +33,12 @@ pub struct GuardianReport {
     first: Option<bool>,
     /// How often it commanded no force.
     cuts: u64,
-    /// Whether it ended before the device was closed.
+    /// Whether it was lost before the device was closed.
     gone: bool,
+    /// How: `ended` or `not-listening`.
+    lost: Option<&'static str>,
+    #[serde(skip)]
+    lost_in_words: Option<&'static str>,
 }
 
 impl Guarding {
@@ -45,13 +51,19 @@ impl Guarding {
         }
     }
 
-    /// Whether a guardian ended, or no longer listened, before its device was closed.
-    pub fn is_gone(&self) -> bool {
+    /// How a guardian was lost before its device was closed, if one was: a key and a sentence.
+    pub fn lost(&self) -> Option<(&'static str, &'static str)> {
         #[cfg(unix)]
-        let is_gone = self.account.is_gone();
+        let lost = self.account.lost().map(|how| match how {
+            Unguarded::Ended => ("ended", "the guardian ended"),
+            Unguarded::NotListening => (
+                "not-listening",
+                "the guardian is there and does not listen, as if it were stopped",
+            ),
+        });
         #[cfg(not(unix))]
-        let is_gone = false;
-        is_gone
+        let lost = None;
+        lost
     }
 
     /// How a device was guarded; `None`: it holds no force by itself.
@@ -65,18 +77,18 @@ impl Guarding {
         }
         let on = arguments.is_guarded();
         #[cfg(unix)]
-        let (first, cuts, gone) = {
-            let account = &self.account;
-            (account.is_first(), account.cuts(), self.is_gone())
-        };
+        let (first, cuts) = (self.account.is_first(), self.account.cuts());
         #[cfg(not(unix))]
-        let (first, cuts, gone) = (false, 0, false);
+        let (first, cuts) = (false, 0);
+        let lost = self.lost();
         Some(GuardianReport {
             on,
             silence_s: on.then_some(self.limit.as_secs_f64()),
             first: on.then_some(first),
             cuts,
-            gone,
+            gone: lost.is_some(),
+            lost: lost.map(|(key, _)| key),
+            lost_in_words: lost.map(|(_, words)| words),
         })
     }
 }
@@ -103,12 +115,8 @@ impl std::fmt::Display for GuardianReport {
             let times = crate::report::counted(self.cuts, "time");
             write!(f, "\nthe guardian commanded no force {times}")?;
         }
-        if self.gone {
-            write!(
-                f,
-                "\nthe guardian ended or no longer listened before the loop ended; the loop commanded no \
-                 force from then on"
-            )?;
+        if let Some(lost) = self.lost_in_words {
+            write!(f, "\n{lost}; the loop commanded no force from then on")?;
         }
         Ok(())
     }

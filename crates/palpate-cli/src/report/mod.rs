@@ -10,7 +10,7 @@ mod timing;
 pub use parameters::of as parameters_of;
 pub use recording::FromRecording;
 pub use replayed::Replayed;
-pub use text::{counted, digits, lines, motors_off, number, percent, plain_table, short};
+pub use text::{counted, digits, exactly, lines, motors_off, number, percent, plain_table, short};
 pub use timing::of as timing_of;
 
 use palpate::{Contact, Difficulty, LoopParams, Mass, Side};

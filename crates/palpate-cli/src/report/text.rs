@@ -317,6 +317,16 @@ pub fn motors_off(time: Option<LoopTime>, ticks: u64, of: u64) -> String {
     }
 }
 
+/// All digits that tell it from its neighbours, with an exponent where plain notation is mostly zeros.
+pub fn exactly(value: f64) -> String {
+    let is_plain = value == 0.0 || !value.is_finite() || (1e-5..1e16).contains(&value.abs());
+    if is_plain {
+        value.to_string()
+    } else {
+        format!("{value:e}")
+    }
+}
+
 /// Three significant digits, in plain notation where that is short.
 pub fn digits(value: f64) -> String {
     if value == 0.0 {

@@ -6,6 +6,7 @@ use palpate_device::clock::Clock;
 use palpate_device::{
     Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector, ZeroWriter,
 };
+use palpate_rt::guardian::Unguarded;
 
 use super::board::Board;
 use super::force::torques;
@@ -118,11 +119,22 @@ const FULL: DeviceError = DeviceError {
            board may hold its last torque",
 };
 
-const UNGUARDED: DeviceError = DeviceError {
-    kind: DeviceErrorKind::Refused,
-    what: "the guardian has ended, which takes the torque off if this program is killed: no force \
-           without it",
-};
+/// What the loop is told when nobody would take the torque off for it.
+fn unguarded(how: Unguarded) -> DeviceError {
+    DeviceError {
+        kind: DeviceErrorKind::Refused,
+        what: match how {
+            Unguarded::Ended => {
+                "the guardian has ended, which takes the torque off if this program is killed: no \
+                 force without it"
+            }
+            Unguarded::NotListening => {
+                "the guardian is there and does not listen, which takes the torque off if this \
+                 program is killed: no force without it"
+            }
+        },
+    }
+}
 
 /// The line, the mechanism and the first sample of a device that has been set up.
 pub(super) struct Ready<C> {
@@ -220,9 +232,9 @@ impl<C> TwoDiy<C> {
                 self.cut();
                 Err(FULL)
             }
-            Err(Unsent::Unguarded) => {
+            Err(Unsent::Unguarded(how)) => {
                 self.cut();
-                Err(UNGUARDED)
+                Err(unguarded(how))
             }
             Err(Unsent::Gone) => Err(GONE),
         }
@@ -434,7 +446,7 @@ impl From<Unsent> for DeviceError {
             Unsent::Busy => nothing_new("somebody else is commanding no force"),
             Unsent::Full => FULL,
             Unsent::Gone => GONE,
-            Unsent::Unguarded => UNGUARDED,
+            Unsent::Unguarded(how) => unguarded(how),
         }
     }
 }
@@ -460,8 +472,8 @@ impl<C: Clock> Device for TwoDiy<C> {
     fn read(&mut self) -> Result<Reading, DeviceError> {
         let asked = Instant::now();
         let angles = self.ask()?;
-        if self.line.is_unguarded() {
-            return Err(UNGUARDED);
+        if let Some(how) = self.line.unguarded() {
+            return Err(unguarded(how));
         }
         let time = self.clock.now();
         let now = Instant::now();

@@ -397,14 +397,36 @@ fn without_its_guardian_a_device_gives_no_torque_and_says_so() {
     assert!(played.reads(START).is_ok());
     played.device.write([0.0, 1.0, 0.0]).unwrap();
     drop(socket);
-    assert_eq!(played.reads(START).unwrap_err(), UNGUARDED);
-    assert_eq!(played.device.write([0.0, 1.0, 0.0]).unwrap_err(), UNGUARDED);
+    let ended = unguarded(Unguarded::Ended);
+    assert!(ended.what.contains("has ended"), "{ended}");
+    assert_eq!(played.reads(START).unwrap_err(), ended);
+    assert_eq!(played.device.write([0.0, 1.0, 0.0]).unwrap_err(), ended);
     assert!(played.device.write([0.0; 3]).is_ok());
     let mut bytes = Vec::new();
     played.pty.wait(Duration::from_secs(5));
     played.pty.read(&mut bytes);
     let last = &bytes[bytes.len() - STATE_LENGTH..];
     assert_eq!(last, state_of_none(&played));
+}
+
+/// As a guardian that was stopped: its socket fills up.
+#[test]
+fn a_guardian_that_does_not_listen_is_told_from_one_that_has_ended() {
+    let mut played = Played::new();
+    let _socket = guarded(&played);
+    assert!(played.reads(START).is_ok());
+    let mut words = 0;
+    let refused = loop {
+        match played.device.write([0.0, 1.0, 0.0]) {
+            Ok(_) => words += 1,
+            Err(error) => break error,
+        }
+        assert!(words < 1_000_000, "somebody listens");
+        // The board answers, or no force goes out for another reason.
+        let _ = played.reads(START);
+    };
+    assert_eq!(refused, unguarded(Unguarded::NotListening));
+    assert!(refused.what.contains("does not listen"), "{refused}");
 }
 
 fn state_of_none(played: &Played) -> [u8; STATE_LENGTH] {

@@ -12,7 +12,7 @@
 //! the middle of any other.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
 use std::thread::{Builder, JoinHandle, Thread};
 use std::time::{Duration, Instant};
 
@@ -37,8 +37,8 @@ pub enum Unsent {
     Full,
     /// The port is gone.
     Gone,
-    /// The guardian is gone, and so no torque goes out.
-    Unguarded,
+    /// There is no guardian any more, and so no torque goes out.
+    Unguarded(Unguarded),
 }
 
 impl From<Gone> for Unsent {
@@ -78,8 +78,8 @@ struct Shared {
     cuts: AtomicU64,
     /// How often a guardian has sent no force.
     guardian_cuts: AtomicU64,
-    /// Whether the guardian that there was is gone.
-    is_unguarded: AtomicBool,
+    /// How the guardian that there was got lost.
+    unguarded: OnceLock<Unguarded>,
     closing: AtomicBool,
 }
 
@@ -115,7 +115,7 @@ impl Line {
             requests: AtomicU64::new(0),
             cuts: AtomicU64::new(0),
             guardian_cuts: AtomicU64::new(0),
-            is_unguarded: AtomicBool::new(false),
+            unguarded: OnceLock::new(),
             closing: AtomicBool::new(false),
         });
         let theirs = Arc::clone(&shared);
@@ -177,9 +177,9 @@ impl Line {
         self.shared.guardian_cuts.load(Ordering::Acquire)
     }
 
-    /// Whether the guardian that there was is gone.
-    pub fn is_unguarded(&self) -> bool {
-        self.shared.is_unguarded.load(Ordering::Acquire)
+    /// How the guardian that there was got lost, if it did.
+    pub fn unguarded(&self) -> Option<Unguarded> {
+        self.shared.unguarded.get().copied()
     }
 
     /// Asks for the angles, repeating the torques that are held: none, if somebody has cut them.
@@ -246,7 +246,7 @@ impl Line {
                 Ok(()) => {}
                 Err(Unsent::Full) => self.shared.serial.wait_writable(WAIT),
                 Err(Unsent::Busy) => std::thread::sleep(Duration::from_micros(100)),
-                Err(Unsent::Gone | Unsent::Unguarded) => return,
+                Err(Unsent::Gone | Unsent::Unguarded(_)) => return,
             }
         }
     }
@@ -344,16 +344,16 @@ impl Shared {
                 let packet = release(&outgoing.layout);
                 self.begin(outgoing, &packet, true)
             }
-            Err(Unguarded) => {
-                self.lose_guardian(outgoing);
+            Err(how) => {
+                self.lose_guardian(outgoing, how);
                 Ok(())
             }
         }
     }
 
-    fn lose_guardian(&self, outgoing: &mut Outgoing) {
-        // Dropped where somebody may wait for it.
-        if !self.is_unguarded.swap(true, Ordering::AcqRel) {
+    fn lose_guardian(&self, outgoing: &mut Outgoing, how: Unguarded) {
+        // Dropped where somebody may wait for it. Whoever is here has what goes out, and is alone.
+        if self.unguarded.set(how).is_ok() {
             self.wished.fetch_add(1, Ordering::AcqRel);
         }
         outgoing.is_armed = false;
@@ -361,15 +361,15 @@ impl Shared {
 
     /// Tells the guardian of torques that are about to go out.
     fn announce(&self, outgoing: &mut Outgoing) -> Result<(), Unsent> {
-        if self.is_unguarded.load(Ordering::Acquire) {
-            return Err(Unsent::Unguarded);
+        if let Some(how) = self.unguarded.get() {
+            return Err(Unsent::Unguarded(*how));
         }
         let Some(guardian) = &outgoing.guardian else {
             return Ok(());
         };
-        if guardian.force().is_err() {
-            self.lose_guardian(outgoing);
-            return Err(Unsent::Unguarded);
+        if let Err(how) = guardian.force() {
+            self.lose_guardian(outgoing, how);
+            return Err(Unsent::Unguarded(how));
         }
         outgoing.is_armed = true;
         Ok(())
@@ -378,8 +378,8 @@ impl Shared {
     /// Tells the guardian that no torque is on, if it may think otherwise.
     fn stand_down(&self, outgoing: &mut Outgoing) {
         if let Some(guardian) = outgoing.guardian.as_ref().filter(|_| outgoing.is_armed) {
-            if guardian.none().is_err() {
-                self.lose_guardian(outgoing);
+            if let Err(how) = guardian.none() {
+                self.lose_guardian(outgoing, how);
             }
             outgoing.is_armed = false;
         }
@@ -457,7 +457,7 @@ impl Shared {
                 Err(Unsent::Full) => self.serial.wait_writable(WAIT),
                 Err(Unsent::Busy) => std::thread::sleep(Duration::from_micros(100)),
                 // Nobody is there to hear it; no force needs no guardian.
-                Err(Unsent::Gone | Unsent::Unguarded) => std::thread::sleep(WAIT),
+                Err(Unsent::Gone | Unsent::Unguarded(_)) => std::thread::sleep(WAIT),
             }
         }
     }

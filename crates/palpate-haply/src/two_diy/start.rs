@@ -226,7 +226,7 @@ impl From<Unsent> for OpenError {
     fn from(unsent: Unsent) -> Self {
         match unsent {
             Unsent::Gone => Self::Gone,
-            Unsent::Busy | Unsent::Full | Unsent::Unguarded => Self::TakesNothing,
+            Unsent::Busy | Unsent::Full | Unsent::Unguarded(_) => Self::TakesNothing,
         }
     }
 }

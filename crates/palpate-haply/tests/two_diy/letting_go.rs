@@ -159,3 +159,25 @@ fn the_zero_writer_waits_for_nobody() {
     assert!(is_none(emulator.torques()));
     came_whole_and_without_torque_at_resets(&emulator.seen());
 }
+
+/// Without its guardian a device is not opened: it is closed again, holds no torque and leaves its port.
+#[test]
+fn a_device_whose_guardian_cannot_be_started_is_closed_again() {
+    let _alone = alone();
+    let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
+    for (program, words) in [
+        ("/there/is/no/guardian", "cannot be started"),
+        ("true", "does not answer"),
+    ] {
+        let device = open_in_the_middle(&emulator, SLOW);
+        let command = std::process::Command::new(program);
+        let error = device
+            .guarded_by(command, Duration::from_millis(100), Default::default())
+            .unwrap_err();
+        assert!(error.to_string().contains(words), "{program}: {error}");
+        assert!(is_none(emulator.torques()), "{program}");
+    }
+    // The port is free, and the board is as it was.
+    open_in_the_middle(&emulator, SLOW).read().unwrap();
+    came_whole_and_without_torque_at_resets(&emulator.seen());
+}

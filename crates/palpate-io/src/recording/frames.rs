@@ -102,11 +102,12 @@ impl<R: Read> Frames<R> {
         self.passed = crc32fast::Hasher::new();
     }
 
-    /// What follows the last record, up to one byte more than should.
-    pub fn rest(&mut self) -> io::Result<Vec<u8>> {
-        let mut rest = [0; MAGIC.len() + 1];
+    /// What follows the last record, as much as should, and how many bytes stand behind that.
+    pub fn rest(&mut self) -> io::Result<(Vec<u8>, u64)> {
+        let mut rest = [0; MAGIC.len()];
         let taken = fill(&mut self.source, &mut rest)?;
-        Ok(rest[..taken].to_vec())
+        let behind = io::copy(&mut self.source, &mut io::sink())?;
+        Ok((rest[..taken].to_vec(), behind))
     }
 }
 

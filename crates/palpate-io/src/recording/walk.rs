@@ -25,6 +25,8 @@ pub(super) struct Walk<R> {
     count: Option<LoopCount>,
     /// Whether all chunks have been passed.
     in_summary: bool,
+    /// Whether the end has been passed.
+    has_ended: bool,
 }
 
 /// Why this is no recording.
@@ -71,6 +73,7 @@ impl<R: Read> Walk<R> {
             receipt: None,
             count: None,
             in_summary: false,
+            has_ended: false,
         };
         for expected in [op::HEADER, op::METADATA] {
             match walk.frames.next()? {
@@ -124,6 +127,9 @@ impl<R: Read> Walk<R> {
     }
 
     pub fn next(&mut self) -> Result<Step, Refused> {
+        if self.has_ended {
+            return Ok(Step::Complete);
+        }
         loop {
             let (opcode, at, body, before) = match self.frames.next()? {
                 Frame::Record {
@@ -201,9 +207,20 @@ impl<R: Read> Walk<R> {
                     let lacks_sum = self.is_foreign && body.ends_with(&[0; 4]);
                     let sound = lacks_sum
                         || summary_checksum(before, &body) == body.last_chunk::<4>().copied();
-                    let rest = self.frames.rest()?;
+                    let (rest, behind) = self.frames.rest()?;
                     return Ok(if sound && rest == MAGIC {
-                        Step::Complete
+                        self.has_ended = true;
+                        if behind == 0 {
+                            return Ok(Step::Complete);
+                        }
+                        Step::Damaged(format!(
+                            "{WHOLE}: {behind} {} behind the end of the recording",
+                            if behind == 1 {
+                                "byte stands"
+                            } else {
+                                "bytes stand"
+                            }
+                        ))
                     } else if sound && MAGIC.starts_with(&rest) {
                         self.tail("within its last bytes")
                     } else {

@@ -51,9 +51,7 @@ impl RecordingWriter {
     pub fn create(path: &Path, receipt: &Receipt) -> Result<Self, WriteError> {
         let part = part_of(path);
         let begin = || {
-            if path.symlink_metadata().is_ok() {
-                return Err(exists("there is a file of that name".into()));
-            }
+            refuse_what_is_there(path)?;
             let file = OpenOptions::new().write(true).create_new(true).open(&part);
             let file = file.map_err(|error| match error.kind() {
                 io::ErrorKind::AlreadyExists => exists(format!(
@@ -187,6 +185,24 @@ pub(super) fn part_of(path: &Path) -> PathBuf {
     let mut name = OsString::from(path);
     name.push(".part");
     PathBuf::from(name)
+}
+
+/// A recording needs a name that is free, in a folder in which it can grow under another one.
+fn refuse_what_is_there(path: &Path) -> io::Result<()> {
+    let names_a_directory = path.to_string_lossy().ends_with(std::path::is_separator);
+    if names_a_directory || path.is_dir() {
+        return Err(io::ErrorKind::IsADirectory.into());
+    }
+    match path.symlink_metadata() {
+        Err(_) => Ok(()),
+        Ok(found) if found.is_file() || found.is_symlink() => {
+            Err(exists("there is a file of that name".into()))
+        }
+        Ok(_) => Err(io::Error::other(
+            "it is no regular file; a recording is a file in a folder, where it grows under the name \
+             with `.part` behind it",
+        )),
+    }
 }
 
 fn exists(what: String) -> io::Error {

@@ -169,11 +169,38 @@ fn a_recording_whose_first_chunk_is_damaged_still_has_its_ticks() {
 }
 
 #[test]
-fn bytes_after_the_end_are_not_the_end() {
-    let (mut bytes, _) = small(true);
-    bytes.push(0);
-    let recording = Scratch::new().open(&bytes).unwrap();
-    assert_eq!((recording.finished, recording.ticks), (false, 9));
+fn bytes_behind_the_end_are_counted_and_nothing_else_is_wrong() {
+    let (bytes, _) = small(true);
+    for (count, words) in [
+        (1, "1 byte stands behind the end of the recording"),
+        (20_000, "20000 bytes stand behind the end of the recording"),
+        (
+            bytes.len(),
+            &format!(
+                "{} bytes stand behind the end of the recording",
+                bytes.len()
+            ),
+        ),
+    ] {
+        let behind = bytes.iter().cycle().take(count);
+        let longer: Vec<u8> = bytes.iter().chain(behind).copied().collect();
+        let scratch = Scratch::new();
+        let recording = scratch.open(&longer).unwrap();
+        assert_eq!((recording.finished, recording.ticks), (true, 9));
+        assert!(!recording.is_whole() && recording.lost() == 0, "{count}");
+        assert_eq!(
+            (&recording.tail, recording.bytes),
+            (&None, longer.len() as u64)
+        );
+        assert_eq!(recording.damage, [format!("the file as a whole: {words}")]);
+        let read = recording.entries().unwrap().filter(Result::is_ok).count();
+        assert_eq!(read, 10, "{count}");
+    }
+    // The index itself is another matter.
+    let mut changed = bytes.clone();
+    let at = bytes.len() - mcap::MAGIC.len() - 30;
+    changed[at] ^= 1;
+    let recording = Scratch::new().open(&changed).unwrap();
     assert_eq!(
         recording.tail.as_deref(),
         Some("the index at its end is damaged")

@@ -42,6 +42,29 @@ fn a_recording_overwrites_nothing() {
     assert_eq!(names(folder.path()), ["tap.mcap"]);
 }
 
+#[cfg(unix)]
+#[test]
+fn what_can_be_no_recording_is_named_for_what_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let inside = folder.path().display().to_string();
+    let no_file = "it is no regular file; a recording is a file in a folder, where it grows under the \
+                   name with `.part` behind it";
+    for (path, words) in [
+        ("/dev/full".to_owned(), no_file),
+        ("/dev/null".to_owned(), no_file),
+        (inside.clone(), "it is a directory"),
+        (format!("{inside}/"), "it is a directory"),
+        (format!("{inside}/new/"), "it is a directory"),
+    ] {
+        let error = RecordingWriter::create(path.as_ref(), &receipt()).err();
+        assert_eq!(
+            error.unwrap().to_string(),
+            format!("cannot write `{path}`: {words}")
+        );
+    }
+    assert!(names(folder.path()).is_empty());
+}
+
 #[test]
 fn neither_does_it_overwrite_what_was_cut_off() {
     let folder = tempfile::tempdir().unwrap();

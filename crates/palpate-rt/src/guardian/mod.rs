@@ -26,8 +26,8 @@ use std::io::{self, ErrorKind, Read, Write};
 use std::os::fd::BorrowedFd;
 use std::os::unix::net::UnixStream;
 use std::process::{Child, Command, Stdio};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use palpate_device::clock::{Clock, MonotonicClock};
@@ -125,7 +125,7 @@ impl Orders {
 #[derive(Debug, Default)]
 pub struct GuardianAccount {
     cuts: AtomicU64,
-    is_gone: AtomicBool,
+    lost: OnceLock<Unguarded>,
     is_first: AtomicBool,
 }
 
@@ -136,10 +136,10 @@ impl GuardianAccount {
         self.cuts.load(Ordering::Acquire)
     }
 
-    /// Whether a guardian has ended that was not dismissed.
+    /// How a guardian was lost that was not dismissed, if one was: the first of several.
     #[must_use]
-    pub fn is_gone(&self) -> bool {
-        self.is_gone.load(Ordering::Acquire)
+    pub fn lost(&self) -> Option<Unguarded> {
+        self.lost.get().copied()
     }
 
     /// Whether the machine serves the guardian before everybody else.
@@ -160,9 +160,15 @@ pub enum GuardianError {
     Silent(io::Error),
 }
 
-/// The guardian is gone, or has not listened for a long time: nobody would take off a force.
+/// Why nobody would take off a force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Unguarded;
+pub enum Unguarded {
+    /// The guardian's process has ended.
+    Ended,
+    /// It is there, and has not listened for more than a hundred periods: it was stopped, or the machine
+    /// gives it no time.
+    NotListening,
+}
 
 /// A guardian, as the driver of a device has it.
 #[derive(Debug)]
@@ -266,12 +272,19 @@ impl Guardian {
         let written = self.socket.as_ref().map(|mut socket| socket.write(&word));
         match written {
             Some(Ok(WORD)) => Ok(()),
-            // A full socket is one to which nobody has listened for more than a hundred periods.
-            _ => {
-                self.account.is_gone.store(true, Ordering::Release);
-                Err(Unguarded)
+            // A full socket, or one that takes a part: nobody listens.
+            Some(Ok(_)) => Err(self.lose(Unguarded::NotListening)),
+            Some(Err(error)) if error.kind() == ErrorKind::WouldBlock => {
+                Err(self.lose(Unguarded::NotListening))
             }
+            _ => Err(self.lose(Unguarded::Ended)),
         }
+    }
+
+    fn lose(&self, how: Unguarded) -> Unguarded {
+        // The account keeps the first of several guardians.
+        let _ = self.account.lost.set(how);
+        how
     }
 
     /// Whether it has commanded no force since the last time this was asked.
@@ -292,10 +305,7 @@ impl Guardian {
             }
             Some(Err(error)) if error.kind() == ErrorKind::WouldBlock => Ok(false),
             Some(Err(error)) if error.kind() == ErrorKind::Interrupted => Ok(false),
-            _ => {
-                self.account.is_gone.store(true, Ordering::Release);
-                Err(Unguarded)
-            }
+            _ => Err(self.lose(Unguarded::Ended)),
         }
     }
 

@@ -1,7 +1,7 @@
 //! The hand of a recording: the force that it must have had on the device.
 
 use crate::InvalidParameter;
-use crate::recorded_path::{PathError, RecordedPath};
+use crate::recorded_path::{PathError, RecordedPath, to_nanoseconds};
 
 mod device;
 mod smoother;
@@ -148,7 +148,7 @@ pub enum HandError {
     #[error("the force of a hand needs at least {FEWEST_SAMPLES} samples with a position, not {0}")]
     TooFewSamples(usize),
     /// The recording is shorter than a period.
-    #[error("the recording lasts {recorded} s, less than one period of {period} s")]
+    #[error("the recording lasts {} s, less than one period of {period} s", to_nanoseconds(*recorded))]
     TooShort {
         /// Length of the recording `[s]`.
         recorded: f64,

@@ -123,7 +123,8 @@ impl Advice {
             ));
         }
         answer.push_str(&format!(
-            " No force held for {} s can come nearer to the ideal than {} %.",
+            " E compares means of the force. Within the {} s for which a force is held, the ideal force \
+             goes on changing: no held force comes nearer to it than the hold floor, {} %.",
             self.device.period_s,
             percent(contact.hold_floor_percent)
         ));

@@ -8,6 +8,7 @@ use palpate_scene::SetupError;
 use palpate_scene::method::{MethodName, Settings, SettingsError, nearest};
 use palpate_sim::replay::ReplaySetup;
 
+use crate::report::exactly;
 use crate::setup::flag_of_setting;
 
 /// Names of what can be set.
@@ -30,7 +31,7 @@ impl fmt::Display for Change {
         let set: Vec<_> = NAMES
             .iter()
             .zip(values)
-            .filter_map(|(name, value)| value.map(|value| format!("{name}={value}")))
+            .filter_map(|(name, value)| value.map(|value| format!("{name}={}", exactly(value))))
             .collect();
         f.write_str(&set.join(" "))
     }
@@ -172,6 +173,18 @@ mod tests {
     fn read(text: &str) -> Result<Change, String> {
         let words: Vec<_> = text.split_whitespace().collect();
         Change::try_from(words.as_slice())
+    }
+
+    #[test]
+    fn a_change_is_said_as_a_line_would_set_it() {
+        for line in [
+            "stiffness_n_per_m=800 mass_kg=inf virtual_force_n=-0.25",
+            "mass_kg=1e-300",
+            "stiffness_n_per_m=1.5e300",
+            "virtual_force_n=0",
+        ] {
+            assert_eq!(read(line).unwrap().to_string(), line);
+        }
     }
 
     #[test]

@@ -213,12 +213,11 @@ fn tell_of_losses<D: Device, C: Clock>(
     let mut is_told = false;
     let mut is_guardian_told = false;
     while !running.has_ended() {
-        if guarding.is_gone() && !is_guardian_told {
+        if let Some((_, lost)) = guarding.lost().filter(|_| !is_guardian_told) {
             is_guardian_told = true;
-            tell(
-                "warning: the guardian ended or no longer listens; the loop commands no force until \
-                 the device is opened anew",
-            );
+            tell(format_args!(
+                "warning: {lost}; the loop commands no force until the device is opened anew"
+            ));
         }
         if let Some(why) = recorder.failure().filter(|_| !is_told) {
             is_told = true;
