@@ -74,26 +74,34 @@ fn with_the_damper_in_the_force_only_no_damper_has_good_fidelity() {
     let (best, lowest) = least(&second);
     eprintln!("experiment 2, spring: least FRE {lowest:.1} % at {best:.2}");
     assert!(lowest > 130.0, "{lowest}");
-
-    let (best, lowest) = least(&over_all_dampings(
-        "experiment1",
-        DamperObject::SpringAndDamper,
-    ));
-    eprintln!("experiment 1, spring and damper: least FRE {lowest:.1} % at {best:.2}");
-    near(lowest, 23.4, 0.2);
 }
 
-/// Source: derived here: the reading in which device and object exchange the same impulse.
+/// Source: derived here. The least FRE of any B up to 8 N s/m, and that B: found with knowledge of the
+/// ideal.
 #[test]
-fn an_object_moved_by_the_held_force_is_rendered_between_the_other_readings() {
-    let (best, lowest) = least(&over_all_dampings("experiment1", DamperObject::HeldForce));
-    eprintln!("experiment 1, held force: least FRE {lowest:.1} % at {best:.2}");
-    near(lowest, 42.8, 0.2);
-    assert!((best - 1.38).abs() < 1e-9, "{best}");
-    let (best, lowest) = least(&over_all_dampings("experiment2", DamperObject::HeldForce));
-    eprintln!("experiment 2, held force: least FRE {lowest:.1} % at {best:.2}");
-    near(lowest, 124.2, 1.0);
-    assert!((best - 5.18).abs() < 1e-9, "{best}");
+fn the_best_damper_of_a_scene_depends_on_what_moves_its_object() {
+    let expected: [(DamperObject, [(f64, f64); 3]); 3] = [
+        (
+            DamperObject::SpringAndDamper,
+            [(19.0, 0.53), (23.4, 0.57), (96.3, 6.65)],
+        ),
+        (
+            DamperObject::Spring,
+            [(27.6, 0.97), (64.0, 1.68), (130.4, 0.43)],
+        ),
+        (
+            DamperObject::HeldForce,
+            [(20.7, 0.61), (42.8, 1.38), (124.2, 5.18)],
+        ),
+    ];
+    for (object, expected) in expected {
+        for (name, (error, value)) in PAPER_SCENES.into_iter().zip(expected) {
+            let (best, lowest) = least(&over_all_dampings(name, object));
+            eprintln!("{name}, {object:?}: least FRE {lowest:.1} % at {best:.2} N s/m");
+            near(lowest, error, if lowest > 90.0 { 1.0 } else { 0.2 });
+            assert!((best - value).abs() < 1e-9, "{best} for {value}");
+        }
+    }
 }
 
 /// Source: Fig. 5, FRE 52.2 % with some b, and the paper's remark that only quantities of t_i are used.

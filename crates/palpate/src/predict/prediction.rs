@@ -119,41 +119,20 @@ impl<S: Scalar> Prediction<S> {
     }
 }
 
+/// What is not the last step stands in functions of its own: their frames would lie on the stack of every
+/// tick otherwise.
 impl<S: Scalar> Predictor<S> {
+    fn is_last_step(&self) -> bool {
+        matches!(self, Self::LastStep)
+    }
+
     /// Takes the sample at an interval's end. What is followed moves against something that has moved
     /// by `against` `[m]`: 0 for the device itself, the object's displacement for the penetration. An
     /// observer follows the device itself.
     #[inline]
     pub fn see(&self, memory: &mut PredictionMemory<S>, seen: &Seen<S>, against: S) {
-        match self {
-            Self::LastStep => {}
-            Self::AdaptiveWindow { .. } | Self::Extrapolation => {
-                if !matches!(memory.0, Past::Sampled(_)) {
-                    memory.0 = Past::Sampled(Steps::none());
-                }
-                if let Past::Sampled(steps) = &mut memory.0 {
-                    steps.push(Step {
-                        moved: seen.moved - against,
-                        elapsed: seen.elapsed,
-                    });
-                }
-            }
-            Self::Observer(params) => {
-                if !matches!(memory.0, Past::Observed { .. }) {
-                    memory.0 = Past::Observed {
-                        observer: Observer::new(params),
-                        held_force: S::ZERO,
-                    };
-                }
-                if let Past::Observed {
-                    observer,
-                    held_force,
-                } = &mut memory.0
-                {
-                    observer.see(params, seen);
-                    *held_force = seen.held_force;
-                }
-            }
+        if !self.is_last_step() {
+            self.follow(memory, seen, against);
         }
     }
 
@@ -161,26 +140,60 @@ impl<S: Scalar> Predictor<S> {
     /// last step says it all.
     #[inline]
     pub fn velocity(&self, memory: &PredictionMemory<S>, against: S) -> Option<S> {
-        match (self, &memory.0) {
-            (Self::LastStep, _) => None,
-            (Self::Observer(params), _) => Some(memory.observed(params).0.velocity - against),
-            (Self::AdaptiveWindow { .. }, _) => self.mean_velocity(memory, S::ZERO),
-            (Self::Extrapolation, Past::Sampled(steps)) => Some(steps.parabola()?.velocity),
-            (Self::Extrapolation, _) => None,
+        if self.is_last_step() {
+            return None;
         }
+        self.followed_velocity(memory, against)
     }
 
     /// Mean velocity of the device predicted for the coming `period` `[s]`: `(xi~ - xi_i) / T`. None
     /// where the last step says it all.
     #[inline]
     pub fn mean_velocity(&self, memory: &PredictionMemory<S>, period: S) -> Option<S> {
-        match (self, &memory.0) {
-            (Self::LastStep, _) => None,
-            (Self::Observer(params), _) => {
-                let (device, held_force) = memory.observed(params);
-                let (travel, _) = device.under(held_force, period);
-                Some((device.offset + travel) / period)
+        if self.is_last_step() {
+            return None;
+        }
+        self.followed_mean_velocity(memory, period)
+    }
+
+    #[inline(never)]
+    fn follow(&self, memory: &mut PredictionMemory<S>, seen: &Seen<S>, against: S) {
+        if let Self::Observer(params) = self {
+            if !matches!(memory.0, Past::Observed { .. }) {
+                memory.0 = Past::Observed {
+                    observer: Observer::new(params),
+                    held_force: S::ZERO,
+                };
             }
+            if let Past::Observed {
+                observer,
+                held_force,
+            } = &mut memory.0
+            {
+                observer.see(params, seen);
+                *held_force = seen.held_force;
+            }
+            return;
+        }
+        if !matches!(memory.0, Past::Sampled(_)) {
+            memory.0 = Past::Sampled(Steps::none());
+        }
+        if let Past::Sampled(steps) = &mut memory.0 {
+            steps.push(Step {
+                moved: seen.moved - against,
+                elapsed: seen.elapsed,
+            });
+        }
+    }
+
+    #[inline(never)]
+    fn followed_velocity(&self, memory: &PredictionMemory<S>, against: S) -> Option<S> {
+        match (self, &memory.0) {
+            (Self::Observer(params), _) => {
+                let (device, _) = memory.observed(params);
+                Some(device.velocity - against)
+            }
+            (Self::Extrapolation, Past::Sampled(steps)) => Some(steps.parabola()?.velocity),
             (
                 Self::AdaptiveWindow {
                     noise_bound,
@@ -188,11 +201,24 @@ impl<S: Scalar> Predictor<S> {
                 },
                 Past::Sampled(steps),
             ) => steps.adaptive_window(*noise_bound, *longest),
+            _ => None,
+        }
+    }
+
+    #[inline(never)]
+    fn followed_mean_velocity(&self, memory: &PredictionMemory<S>, period: S) -> Option<S> {
+        match (self, &memory.0) {
+            (Self::Observer(params), _) => {
+                let (device, held_force) = memory.observed(params);
+                let (travel, _) = device.under(held_force, period);
+                Some((device.offset + travel) / period)
+            }
             (Self::Extrapolation, Past::Sampled(steps)) => {
                 let parabola = steps.parabola()?;
                 Some(parabola.velocity + parabola.half_acceleration * period)
             }
-            (Self::AdaptiveWindow { .. } | Self::Extrapolation, _) => None,
+            // At constant velocity.
+            _ => self.followed_velocity(memory, S::ZERO),
         }
     }
 }
