@@ -35,11 +35,6 @@ fn a_sweep_over_the_box_says_who_leaves_when() {
     let coupled = column(&report["values"][0], "coupled");
     assert_eq!(coupled["bounce"], "stable");
     assert!((number(coupled, "force_rendering_error_percent") - 35.0).abs() < 0.1);
-    let table = folder.succeed(&sweep);
-    assert!(
-        table.contains("box 0.11 m") && table.contains("left box s"),
-        "{table}"
-    );
 }
 
 #[test]
@@ -54,6 +49,15 @@ fn a_sweep_over_dampings_takes_the_methods_that_have_one_and_all_heights() {
         .map(|column| column["name"].as_str().unwrap().to_owned())
         .collect();
     assert_eq!(names, ["virtual-damper", "popc", "popc-ref", "hfcr"]);
+    let table = folder.succeed(&format!("sweep {scene} --over damping --values 0.01"));
+    for words in [
+        "damping 0.01 N s/m: floor 11.03 %",
+        "rebound",
+        "left box s",
+        "stable",
+    ] {
+        assert!(table.contains(words), "{words}:\n{table}");
+    }
     let high = folder.json(&format!(
         "sweep {scene} --over damping --values 0,0.0125 --method hfcr --collisions 10 --heights"
     ));
@@ -127,16 +131,9 @@ fn the_claims_are_told_with_their_numbers() {
             ("who stays in the box", "holds in part"),
         ]
     );
-    let text = folder.succeed("claims");
     for claim in claims {
-        let name = claim["name"].as_str().unwrap();
-        assert!(text.contains(&format!("{name}: ")), "{text}");
-        assert!(!claim["found"].as_array().unwrap().is_empty(), "{name}");
+        assert!(!claim["found"].as_array().unwrap().is_empty(), "{claim}");
     }
-    assert!(
-        text.contains("does not fit") && text.contains("The paper: "),
-        "{text}"
-    );
 }
 
 #[test]

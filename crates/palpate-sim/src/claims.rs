@@ -96,6 +96,9 @@ pub enum ClaimError {
 /// Period of the loop that the paper takes for the truth `[s]`.
 pub const FINE_PERIOD: f64 = 0.001;
 
+/// Computes one claim.
+type Check = fn(&PaperScenes<'_>) -> Result<Claim, ClaimError>;
+
 /// Number of claims that [`check`] checks.
 pub const CLAIMS: usize = 6;
 
@@ -104,7 +107,7 @@ pub const CLAIMS: usize = 6;
 /// # Errors
 /// A scene that cannot be run.
 pub fn check(scenes: &PaperScenes<'_>, mut done: impl FnMut()) -> Result<Vec<Claim>, ClaimError> {
-    let checks: [fn(&PaperScenes<'_>) -> Result<Claim, ClaimError>; CLAIMS] = [
+    let checks: [Check; CLAIMS] = [
         remaining_leak,
         leak_at_1_khz,
         truth_at_1_khz,

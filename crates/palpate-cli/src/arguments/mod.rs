@@ -385,7 +385,7 @@ energy of its rebounds over that of the ideal's first one: stable up to 1.1, alm
 unstable above; diverged is as in `simulate`.")]
     #[command(after_help = "\
 Examples:
-  palpate sweep experiments/fig4.toml --over friction --values 0,1,10 --collisions 8 --method seh
+  palpate sweep experiments/fig4.toml --over friction --values 1,10 --collisions 8 --method seh
   palpate sweep experiments/fig5.toml --over box --values 0.1,0.11,0.5 --method hfcr,coupled
   palpate sweep experiments/fig2.toml --over damping --values 0,0.03 --method hfcr --heights --json")]
     Sweep(SweepArguments),
@@ -396,9 +396,8 @@ Check the numbers that the paper claims.
 Each claim is computed anew on the scenes of experiments/, with what it takes for the claim to hold. A \
 claim that does not hold here is no fault of this program: the exit code is 0.")]
     #[command(after_help = "\
-Examples:
-  palpate claims
-  palpate claims --json")]
+Example:
+  palpate claims")]
     Claims(ClaimsArguments),
     /// Map which stiffness and mass each method can render
     #[command(long_about = "\

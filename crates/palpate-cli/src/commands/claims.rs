@@ -113,3 +113,45 @@ fn report(claims: &[Claim]) -> Value {
         .collect();
     json!({ "format": "palpate claims 1", "claims": claims })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_sim::claims::Holds;
+
+    #[test]
+    fn a_claim_is_told_in_words_with_every_number() {
+        let found = |what: &str, value, fits| Found {
+            what: what.into(),
+            value,
+            unit: "s",
+            fits,
+        };
+        let claim = Claim {
+            name: "the box",
+            paper: "it stays",
+            takes: "the same here".into(),
+            found: vec![
+                found("one", Some(0.34), Some(true)),
+                found("other", None, Some(false)),
+                found("beside", Some(2.0), None),
+            ],
+            holds: Holds::InPart,
+        };
+        let text = in_words(&claim);
+        assert!(text.starts_with("the box: holds in part\n"), "{text}");
+        assert!(text.contains("The paper: it stays."), "{text}");
+        assert!(text.contains("To hold here: the same here."), "{text}");
+        let line = |what: &str| {
+            let mut lines = text.lines();
+            let line = lines.find(|line| line.trim_start().starts_with(what));
+            line.unwrap_or_else(|| panic!("no {what} in {text}"))
+                .to_owned()
+        };
+        assert!(line("one").contains("0.340") && line("one").ends_with(" fits"));
+        assert!(line("other").contains(" - ") && line("other").ends_with("does not fit"));
+        assert!(line("beside").ends_with(" s"), "{text}");
+        let report = report(&[claim]);
+        assert_eq!(report["claims"][0]["found"][1]["value"], Value::Null);
+    }
+}
