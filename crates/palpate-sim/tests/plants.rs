@@ -410,3 +410,50 @@ fn rebound_speeds_are_known_with_friction_and_a_hand() {
     let rebounds = run(&experiment("fig4"), MethodName::Basic).rebounds;
     assert!(rebounds[0].error.unwrap() > 0.3, "{rebounds:?}");
 }
+
+/// A scene with a delay whose device is a point mass without friction, with the object on `side`.
+fn point_mass(side: palpate::Side) -> Scene {
+    let mut scene = experiment("experiment1");
+    let sign: f64 = side.sign();
+    scene.contact.side = side;
+    scene.object.position *= sign;
+    scene.user_force *= sign;
+    scene.virtual_force *= sign;
+    scene.delay = 1;
+    scene.measure = Measure::Duration(1.0);
+    scene
+}
+
+#[test]
+fn a_device_of_the_callers_own_moves_as_the_scene_s_on_both_sides() {
+    for side in [palpate::Side::Positive, palpate::Side::Negative] {
+        let scene = point_mass(side);
+        let own = palpate_testbed::device::PointMass::new(scene.device.mass, scene.user_force)
+            .and_then(|device| device.starting_at(scene.device.position, scene.device.velocity))
+            .unwrap();
+        let bench = Bench::with_device(&scene, own).unwrap();
+        assert!(bench.reference().error > 0.0, "its ideal is integrated");
+        for method in [MethodName::Basic, MethodName::Coupled] {
+            let (own, scenes) = (bench.run(method).unwrap(), run(&scene, method));
+            assert_eq!(own.ticks, scenes.ticks);
+            assert!(
+                own.ticks
+                    .iter()
+                    .any(|tick| tick.held_force_on_object != 0.0)
+            );
+            assert!((error(&own) - error(&scenes)).abs() < 0.01);
+        }
+    }
+}
+
+#[test]
+fn a_method_of_the_callers_own_is_told_what_a_built_in_one_is() {
+    let scene = point_mass(palpate::Side::Positive);
+    let bench = Bench::new(&scene).unwrap();
+    let params = palpate::CoupledParams::new(scene.device.mass);
+    let own = bench.run_own(params).unwrap();
+    let built_in = bench.run(MethodName::Coupled).unwrap();
+    assert_eq!(own.ticks, built_in.ticks);
+    assert_eq!(own.parameters, built_in.parameters);
+    assert_eq!(own.method, palpate_sim::run::RunMethod::Own("coupled"));
+}
