@@ -369,7 +369,7 @@ fn a_run_whose_motors_were_off_says_so_and_has_an_exit_code() {
     let words = "safety had the motors off for ";
     for part in [
         words,
-        &format!(" s of 5.00 s ("),
+        " s of 5.00 s (",
         &format!(" %), and at the end of {off} of 2500 ticks; when it ended: held forces created"),
     ] {
         assert!(answer.stderr.contains(part), "{part}: {}", answer.stderr);

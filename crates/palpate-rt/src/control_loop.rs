@@ -38,6 +38,8 @@ pub struct ControlLoop<D: Device, C: Clock> {
     deadlines: Option<Deadlines>,
     started: Duration,
     period: Duration,
+    /// How long the loop may stand still before a supervisor or a guardian takes the force off.
+    stall_limit: Duration,
     held: HeldSince,
     delivered: Delivered,
     /// Whether a trip kept the motors off at the end of the last tick.
@@ -103,6 +105,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             deadlines: None,
             started: Duration::ZERO,
             period,
+            stall_limit: limits.stall_after(period),
             held: HeldSince::default(),
             delivered: Delivered::default(),
             is_off: false,
@@ -152,7 +155,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
     pub fn supervisor(&mut self) -> Option<Supervisor> {
         let zero = self.device.zero_writer()?;
         let heartbeat = Arc::clone(&self.heartbeat);
-        Some(Supervisor::new(heartbeat, zero, self.stall_limit()))
+        Some(Supervisor::new(heartbeat, zero, self.stall_limit))
     }
 
     pub(crate) fn clock(&self) -> C {
@@ -258,7 +261,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
 
         let (sampled, answered) = self.sample();
         // The device may have been the one that stood still.
-        stalled |= self.was_cut(answered.saturating_sub(woke) > self.stall_limit());
+        stalled |= self.was_cut(answered.saturating_sub(woke) > self.stall_limit);
         let elapsed = match (&sampled, &self.last) {
             (Sampled::Fresh(now), Some((before, _))) => {
                 Some(now.time.saturating_sub(before.time).as_secs_f64())
@@ -393,17 +396,13 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
 
     /// When a guardian has commanded no force, if it has: it is as patient as a supervisor.
     fn guardian_cut(&mut self) -> Option<Duration> {
-        let since = self.ticked?.saturating_add(self.stall_limit());
+        let since = self.ticked?.saturating_add(self.stall_limit);
         self.device.was_cut().then(|| since.min(self.clock.now()))
-    }
-
-    fn stall_limit(&self) -> Duration {
-        self.safety.params().stall_after(self.period)
     }
 
     /// Whether the loop woke so late that a supervisor would have cut it, had there been one awake.
     fn has_overslept(&self, woke: Duration) -> bool {
-        let longest = self.period.saturating_add(self.stall_limit());
+        let longest = self.period.saturating_add(self.stall_limit);
         self.ticked
             .is_some_and(|last| woke.saturating_sub(last) > longest)
     }

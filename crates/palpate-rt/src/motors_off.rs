@@ -32,7 +32,10 @@ impl MotorsOff {
             self.cut.map_or(ended, |cut| cut.max(from))
         };
         self.time.lasted += ended.saturating_sub(from);
-        self.time.motors_off += ended.saturating_sub(off_from);
+        // Mostly nothing.
+        if off_from < ended {
+            self.time.motors_off += ended - off_from;
+        }
         self.until = Some(ended);
         self.is_off = is_off;
         self.cut = None;
