@@ -70,6 +70,8 @@ fn a_sweep_over_dampings_takes_the_methods_that_have_one_and_all_heights() {
         near("force_rendering_error_percent", own);
         near("median_force_rendering_error_percent", median);
         near("worst_force_rendering_error_percent", worst);
+        assert_eq!(hfcr["left_box_heights"], 0);
+        assert_eq!(hfcr["almost_stable_heights"], 21);
     }
 }
 

@@ -82,8 +82,8 @@ impl Stability {
 pub struct Swept {
     /// Errors at the scene's own start height.
     pub own: Fidelity,
-    /// Force rendering error FRE over the start heights `[%]`, where they were asked for.
-    pub over_heights: Option<Spread>,
+    /// What came of the start heights, where they were asked for.
+    pub over_heights: Option<SweptHeights>,
     /// Strongest held force at the scene's own height `[N]`.
     pub peak_force: f64,
     /// Strongest force of the ideal `[N]`.
@@ -96,6 +96,17 @@ pub struct Swept {
     pub left_box_at: Option<f64>,
     /// What became of the bounce.
     pub stability: Stability,
+}
+
+/// What a column did at a value from all start heights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SweptHeights {
+    /// Force rendering error FRE `[%]`.
+    pub force_rendering_error: Spread,
+    /// Heights from which the device left its safety box.
+    pub left_box: usize,
+    /// Heights from which the bounce was stable or almost stable.
+    pub almost_stable: usize,
 }
 
 /// Why a quantity cannot be varied.
@@ -193,18 +204,18 @@ fn at_value(
         return Ok(own);
     }
     // One height after the other: the values are what runs at once.
-    let mut heights: Vec<Vec<f64>> = vec![Vec::with_capacity(HEIGHTS); columns.len()];
+    let mut heights: Vec<Vec<Swept>> = vec![Vec::with_capacity(HEIGHTS); columns.len()];
     for height in 0..HEIGHTS {
         let at = at_height_of(&at_height(&varied, height), quantity, value, &columns)?;
-        for (errors, swept) in heights.iter_mut().zip(at) {
-            errors.push(swept.own.force_rendering_error);
+        for (column, swept) in heights.iter_mut().zip(at) {
+            column.push(swept);
         }
     }
     Ok(own
         .into_iter()
-        .zip(heights)
-        .map(|(swept, errors)| Swept {
-            over_heights: Some(spread(errors.into_iter())),
+        .zip(&heights)
+        .map(|(swept, heights)| Swept {
+            over_heights: Some(SweptHeights::of(heights)),
             ..swept
         })
         .collect())
@@ -250,6 +261,19 @@ impl Swept {
             left_box_at: run.left_box_at,
             stability: stability(run.diverged == Some(true), rebound_energy),
         })
+    }
+}
+
+impl SweptHeights {
+    fn of(heights: &[Swept]) -> Self {
+        let count = |of: fn(&Swept) -> bool| heights.iter().filter(|swept| of(swept)).count();
+        Self {
+            force_rendering_error: spread(
+                heights.iter().map(|swept| swept.own.force_rendering_error),
+            ),
+            left_box: count(|swept| swept.left_box_at.is_some()),
+            almost_stable: count(|swept| swept.stability <= Stability::AlmostStable),
+        }
     }
 }
 

@@ -74,7 +74,8 @@ pub struct SweepArguments {
     /// Collisions of the ideal over which the methods run [default: the scene's window]
     #[arg(long, value_name = "COUNT")]
     pub collisions: Option<usize>,
-    /// Give FRE from 21 start heights, too: median and worst
+    /// Look at 21 start heights, too: FRE in the median and at the worst, how many are almost stable, and
+    /// how many leave the box
     #[arg(long)]
     pub heights: bool,
     /// What is compared.

@@ -7,7 +7,7 @@ use palpate_scene::Measure;
 use palpate_scene::method::MethodName;
 use palpate_sim::suite::Column;
 use palpate_sim::sweep::{Quantity, Swept, sweep};
-use palpate_sim::tune::tunable;
+use palpate_sim::tune::{HEIGHTS, tunable};
 use serde::Serialize;
 
 use super::simulate::read_scene;
@@ -86,6 +86,11 @@ struct ColumnReport {
     median_force_rendering_error_percent: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     worst_force_rendering_error_percent: Option<f64>,
+    /// Of the start heights.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    left_box_heights: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    almost_stable_heights: Option<usize>,
     peak_force_n: f64,
     absolute_leak_held_j: f64,
     largest_rebound_energy: Option<f64>,
@@ -109,8 +114,14 @@ impl ValueReport {
                     method: column.method.name(),
                     force_rendering_error_percent: swept.own.force_rendering_error,
                     mean_force_error_percent: swept.own.mean_force_error,
-                    median_force_rendering_error_percent: swept.over_heights.map(|of| of.median),
-                    worst_force_rendering_error_percent: swept.over_heights.map(|of| of.worst),
+                    median_force_rendering_error_percent: swept
+                        .over_heights
+                        .map(|of| of.force_rendering_error.median),
+                    worst_force_rendering_error_percent: swept
+                        .over_heights
+                        .map(|of| of.force_rendering_error.worst),
+                    left_box_heights: swept.over_heights.map(|of| of.left_box),
+                    almost_stable_heights: swept.over_heights.map(|of| of.almost_stable),
                     peak_force_n: swept.peak_force,
                     absolute_leak_held_j: swept.leak,
                     largest_rebound_energy: swept.rebound_energy,
@@ -145,10 +156,20 @@ impl fmt::Display for Report {
                 "rebound",
                 "bounce",
                 "left box s",
+                "almost stable",
+                "left box",
             ];
-            let mut table = plain_table(CellAlignment::Left, &header);
+            // The last two count start heights.
+            let heights = at.columns.iter().any(|of| of.left_box_heights.is_some());
+            let header = &header[..header.len() - if heights { 0 } else { 2 }];
+            let of_heights = |count: Option<usize>| {
+                number(count.map(|count| count as f64), |count| {
+                    format!("{count} of {HEIGHTS}")
+                })
+            };
+            let mut table = plain_table(CellAlignment::Left, header);
             for column in &at.columns {
-                table.add_row([
+                let mut cells = vec![
                     (&*column.name).into(),
                     number(Some(column.force_rendering_error_percent), percent),
                     number(column.median_force_rendering_error_percent, percent),
@@ -158,7 +179,12 @@ impl fmt::Display for Report {
                     number(column.largest_rebound_energy, |ratio| format!("{ratio:.2}")),
                     comfy_table::Cell::new(column.bounce).set_alignment(CellAlignment::Right),
                     number(column.left_box_at_s, |time| format!("{time:.2}")),
-                ]);
+                ];
+                if heights {
+                    cells.push(of_heights(column.almost_stable_heights));
+                    cells.push(of_heights(column.left_box_heights));
+                }
+                table.add_row(cells);
             }
             writeln!(f, "{}", lines(&table))?;
         }
