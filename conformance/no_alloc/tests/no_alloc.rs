@@ -9,8 +9,9 @@ use std::cell::Cell;
 use std::hint::black_box;
 
 use palpate::{
-    AnyParams, AnyRenderer, Contact, CoupledParams, DamperObject, EntryHold, HfcrParams, LoopParams,
-    Mass, ObjectState, PopcParams, PopcRefParams, Prediction, Sample, SehParams, VirtualDamperParams,
+    AnyParams, AnyRenderer, Contact, CoupledParams, DamperObject, EntryHold, HfcrParams,
+    LoopParams, Mass, ObjectState, PopcParams, PopcRefParams, Prediction, Sample, SehParams,
+    VirtualDamperParams,
 };
 
 /// The system's allocator, counting what each thread asks of it.

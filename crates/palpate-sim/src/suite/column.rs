@@ -154,9 +154,8 @@ impl Column {
             .map(RawGuard::deserialize)
             .transpose()
             .map_err(|error| wrong(format!("guard: {}", in_plain_words(error.message()))))?;
-        let settings: Settings = Settings::deserialize(keys)
-            .map_err(|error| wrong(in_plain_words(error.message())))?
-            .into();
+        let settings: Settings =
+            Settings::deserialize(keys).map_err(|error| wrong(in_plain_words(error.message())))?;
         if let Some(setting) = method.unused(&settings) {
             return Err(wrong(format!(
                 "{}: {}; it is for {}",
