@@ -78,7 +78,7 @@ pub trait Device: Send {
         None
     }
 
-    /// Whether somebody beside this program, a [guardian](crate::guardian), has commanded no force since
+    /// Whether somebody beside this program, the guardian of `palpate-rt`, has commanded no force since
     /// this was asked last. A loop asks after it has stood still.
     fn was_cut(&mut self) -> bool {
         false
