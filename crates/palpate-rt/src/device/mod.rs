@@ -67,7 +67,7 @@ pub trait Device: Send {
     }
 
     /// Whether somebody beside this program, a [guardian](crate::guardian), has commanded no force since
-    /// this was asked last. A loop asks after it has stood still.
+    /// this was asked last. A loop asks after it has stood still and has read.
     fn was_cut(&mut self) -> bool {
         false
     }
