@@ -79,7 +79,7 @@ pub trait Device: Send {
     }
 
     /// Whether somebody beside this program, the guardian of `palpate-rt`, has commanded no force since
-    /// this was asked last. A loop asks after it has stood still.
+    /// this was asked last. A loop asks after it has stood still and has read.
     fn was_cut(&mut self) -> bool {
         false
     }

@@ -33,6 +33,8 @@ pub struct ScriptedDevice<C> {
     forces: Vec<Vector>,
     zeroed: Arc<AtomicUsize>,
     guardian: Arc<AtomicBool>,
+    /// Whether it has heard of that.
+    was_cut: bool,
 }
 
 /// Forces that are remembered; there is room for them before the loop starts.
@@ -54,6 +56,7 @@ impl<C: Clock> ScriptedDevice<C> {
             forces: Vec::with_capacity(REMEMBERED),
             zeroed: Arc::default(),
             guardian: Arc::default(),
+            was_cut: false,
         }
     }
 
@@ -78,7 +81,7 @@ impl<C: Clock> ScriptedDevice<C> {
         Arc::clone(&self.zeroed)
     }
 
-    /// Raising it plays a guardian that has commanded no force.
+    /// Raising it plays a guardian that has commanded no force; the device hears of it when it reads.
     #[must_use]
     pub fn guardian(&self) -> Arc<AtomicBool> {
         Arc::clone(&self.guardian)
@@ -91,6 +94,7 @@ impl<C: Clock> Device for ScriptedDevice<C> {
     }
 
     fn read(&mut self) -> Result<Reading, DeviceError> {
+        self.was_cut |= self.guardian.swap(false, Ordering::SeqCst);
         let step = self.script.get(self.next).or(self.script.last());
         self.next += 1;
         match step.copied().unwrap_or(Step::Stale) {
@@ -131,6 +135,6 @@ impl<C: Clock> Device for ScriptedDevice<C> {
     }
 
     fn was_cut(&mut self) -> bool {
-        self.guardian.swap(false, Ordering::SeqCst)
+        std::mem::take(&mut self.was_cut)
     }
 }

@@ -244,10 +244,10 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         let deadline = self.deadline();
         self.clock.sleep_until(deadline);
         let woke = self.clock.now();
-        let has_overslept = self.has_overslept(woke);
-        let mut stalled = self.was_cut(has_overslept) | has_overslept;
+        let before = self.ticked.replace(woke);
+        let has_overslept = self.has_overslept(before, woke);
+        let mut cut = self.supervisor_cut();
         self.heartbeat.beat(woke);
-        self.ticked = Some(woke);
         if self.rearm.swap(false, Ordering::AcqRel) && self.safety.rearm() {
             self.note(Note::Rearmed);
         }
@@ -261,7 +261,17 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
 
         let (sampled, answered) = self.sample();
         // The device may have been the one that stood still.
-        stalled |= self.was_cut(answered.saturating_sub(woke) > self.stall_limit);
+        cut = first(cut, self.supervisor_cut());
+        let stood_still_in_read = answered.saturating_sub(woke) > self.stall_limit;
+        if has_overslept || stood_still_in_read || cut.is_some() {
+            // Not before: a device hears of its guardian when it reads. A supervisor that stood still
+            // with the loop comes too late.
+            let in_read = stood_still_in_read && !has_overslept;
+            let since = before.filter(|_| !in_read).unwrap_or(woke);
+            cut = first(cut, self.guardian_cut(since));
+        }
+        let stalled = has_overslept || cut.is_some();
+        self.book_cut(cut);
         let elapsed = match (&sampled, &self.last) {
             (Sampled::Fresh(now), Some((before, _))) => {
                 Some(now.time.saturating_sub(before.time).as_secs_f64())
@@ -304,7 +314,9 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             Sampled::Gone(trip) => self.safety.trip_on(trip),
         };
         self.notes_of(&verdict);
-        if self.was_cut(false) {
+        let cut = self.supervisor_cut();
+        if cut.is_some() {
+            self.book_cut(cut);
             // Just now: what the supervisor has taken off is not put on again.
             verdict = self.safety.trip_on(Trip::Stalled);
             self.notes_of(&verdict);
@@ -322,6 +334,10 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             self.note(Note::MissedDeadlines(missed));
         }
         self.is_off = self.safety.trip().is_some();
+        if ended.saturating_sub(answered) > self.stall_limit {
+            let cut = self.guardian_cut(woke);
+            self.book_cut(cut);
+        }
         self.motors_off.tick(woke, ended, self.is_off);
         let is_fresh = matches!(sampled, Sampled::Fresh(_));
         let flags = Flags::default()
@@ -376,35 +392,33 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         self.started
     }
 
-    /// Whether somebody else has commanded no force since this was asked last: the supervisor, or, where
-    /// the loop `stood_still`, a guardian. The books are told who was the first; a supervisor that stood
-    /// still with the loop comes too late.
-    fn was_cut(&mut self, stood_still: bool) -> bool {
+    /// When the supervisor has commanded no force, if it has since this was asked last.
+    fn supervisor_cut(&mut self) -> Option<Duration> {
         let cuts = self.heartbeat.cuts();
-        let supervisor = (cuts != self.cuts).then(|| self.heartbeat.cut_at());
+        let was_cut = cuts != self.cuts;
         self.cuts = cuts;
-        let guardian = (supervisor.is_some() || stood_still)
-            .then(|| self.guardian_cut())
-            .flatten();
-        let first = guardian.into_iter().chain(supervisor).min();
-        if let Some(first) = first {
-            self.held.change(0.0, first);
-            self.motors_off.cut(first);
-        }
-        first.is_some()
+        was_cut.then(|| self.heartbeat.cut_at())
     }
 
-    /// When a guardian has commanded no force, if it has: it is as patient as a supervisor.
-    fn guardian_cut(&mut self) -> Option<Duration> {
-        let since = self.ticked?.saturating_add(self.stall_limit);
-        self.device.was_cut().then(|| since.min(self.clock.now()))
+    /// When a guardian has commanded no force, if it has since this was asked last. It is as patient as
+    /// a supervisor, and the loop has been silent since `since`.
+    fn guardian_cut(&mut self, since: Duration) -> Option<Duration> {
+        let at = since.saturating_add(self.stall_limit);
+        self.device.was_cut().then(|| at.min(self.clock.now()))
+    }
+
+    /// The books learn that no force was held from `cut` on.
+    fn book_cut(&mut self, cut: Option<Duration>) {
+        if let Some(at) = cut {
+            self.held.change(0.0, at);
+            self.motors_off.cut(at);
+        }
     }
 
     /// Whether the loop woke so late that a supervisor would have cut it, had there been one awake.
-    fn has_overslept(&self, woke: Duration) -> bool {
+    fn has_overslept(&self, before: Option<Duration>, woke: Duration) -> bool {
         let longest = self.period.saturating_add(self.stall_limit);
-        self.ticked
-            .is_some_and(|last| woke.saturating_sub(last) > longest)
+        before.is_some_and(|last| woke.saturating_sub(last) > longest)
     }
 
     /// What the device says, and when it has said it.
@@ -552,6 +566,11 @@ impl<D: Device, C: Clock> Drop for ControlLoop<D, C> {
             let _ = catch_unwind(AssertUnwindSafe(|| self.cut_off()));
         }
     }
+}
+
+/// The earlier of two instants.
+fn first(a: Option<Duration>, b: Option<Duration>) -> Option<Duration> {
+    a.into_iter().chain(b).min()
 }
 
 fn dot(a: Vector, b: Vector) -> f64 {

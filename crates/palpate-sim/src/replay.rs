@@ -326,3 +326,20 @@ fn check(setup: &ReplaySetup) -> Result<(), SetupError> {
         .and_then(|renderer| renderer.start(setup.object))?;
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_short_recording_is_said_without_the_rounding_of_its_times() {
+        let error = ReplayError::TooShort {
+            recorded: 0.501 - 0.5,
+            period: 0.01,
+        };
+        assert_eq!(
+            error.to_string(),
+            "the recording lasts 0.001 s, less than one period of 0.01 s"
+        );
+    }
+}
