@@ -355,6 +355,8 @@ fn a_loop_that_was_stopped_for_a_while_comes_back() {
     let port = emulator.path();
     let begun = Instant::now();
     let run = pressing(&folder, &emulator, "--json --priority 0 --stall-after 50");
+    // More ticks than it takes to come back.
+    wait_for("ticks", || emulator.seen().len() > 1000);
     assert!(signal(19, run.id()));
     // For most of its time.
     let quiet = 3 * begun.elapsed();
