@@ -24,7 +24,7 @@ pub struct Rendering<S> {
 }
 
 impl<S: Scalar> Rendering<S> {
-    /// The renderer of it.
+    /// Checks all parameters and gives the renderer.
     ///
     /// # Errors
     /// The first parameter outside its range.

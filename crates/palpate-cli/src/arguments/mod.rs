@@ -380,9 +380,9 @@ palpate sweep <SCENE.toml> --over <QUANTITY> --values <NUMBERS> [OPTIONS]")]
     #[command(long_about = "\
 Vary one quantity of a scene, and see what each method does.
 
-Each value is a closed loop of its own, judged against its own ideal. A bounce is called by the largest \
-energy of its rebounds over that of the ideal's first one: stable up to 1.1, almost stable up to 2, \
-unstable above; diverged is as in `simulate`.")]
+For each value, the scene runs in closed loop and is judged against the ideal of that value. The column \
+`rebound` is the largest energy of a rebound, divided by the energy of the ideal's first rebound. Up to 1.1 \
+the bounce is stable, up to 2 almost stable, above that unstable. `diverged` is as in `simulate`.")]
     #[command(after_help = "\
 Examples:
   palpate sweep experiments/fig4.toml --over friction --values 1,10 --collisions 8 --method seh
