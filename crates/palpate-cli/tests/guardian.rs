@@ -19,7 +19,7 @@ use palpate::{AnyParams, Contact, LoopParams, ObjectState, Placement};
 use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
 use palpate_haply::two_diy::{Board, Calibration, Generation, Options, TwoDiy};
-use palpate_haply_emulator::two_diy::{Did, Emulator, Fault, Hand, Seen, Settings};
+use palpate_haply_emulator::two_diy::{Did, Emulator, Fault, Hand, PortSettings, Seen, Settings};
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, Rendering};
 
@@ -430,7 +430,9 @@ fn a_device_that_comes_back_has_a_guardian_of_its_own() {
         angles: Some([130.0, 50.0]),
         hand: Hand::at([0.019, 0.1169]),
         hand_waits: true,
-        link: Some(folder.path("haply")),
+        port: PortSettings::Terminal {
+            link: Some(folder.path("haply")),
+        },
         ..Settings::of(Generation::Three, Board::M0)
     };
     let emulator = Emulator::start(&settings).unwrap();

@@ -1,4 +1,4 @@
-//! A 2DIY to try without one: board, arm and hand, behind a pseudo-terminal.
+//! A 2DIY to try without one: board, arm and hand, behind a pseudo-terminal or a Unix socket.
 //!
 //! The board does byte by byte what the firmware of the real ones does, holding its last torque
 //! included; the arm is the testbed's pantograph with the geometry of the generation (its masses
@@ -7,7 +7,9 @@
 
 mod arm;
 mod firmware;
+mod port;
 mod pty;
+mod socket;
 
 use std::collections::VecDeque;
 use std::fmt;
@@ -25,6 +27,8 @@ use arm::Arm;
 use firmware::{Firmware, Wire};
 use palpate_haply::two_diy::packet::REPLY_LENGTH;
 use palpate_haply::two_diy::{Board, Generation};
+use port::Port;
+pub use port::PortSettings;
 pub use pty::Pty;
 
 /// What is emulated.
@@ -45,8 +49,8 @@ pub struct Settings {
     pub hand_waits: bool,
     /// Where the arm is at the start `[degrees]`; `None`: in the generation's start pose.
     pub angles: Option<[f64; 2]>,
-    /// A name for the port that stays when it is plugged in again.
-    pub link: Option<PathBuf>,
+    /// What a driver opens.
+    pub port: PortSettings,
 }
 
 impl Settings {
@@ -61,7 +65,7 @@ impl Settings {
             hand: Hand::None,
             hand_waits: false,
             angles: None,
-            link: None,
+            port: PortSettings::Terminal { link: None },
         }
     }
 }
@@ -163,18 +167,18 @@ impl Emulator {
         if settings.hand_waits {
             arm.wait();
         }
-        let pty = Pty::open(settings.link.as_deref())?;
+        let port = Port::open(&settings.port)?;
         let state = Arc::new(Mutex::new(State {
             arm,
             faults: VecDeque::new(),
             seen: VecDeque::new(),
-            path: pty.path().to_owned(),
+            path: port.path().to_owned(),
         }));
         let ending = Arc::new(AtomicBool::new(false));
         let mut running = Running {
             state: Arc::clone(&state),
             settings: settings.clone(),
-            pty: Some(pty),
+            port: Some(port),
             incoming: VecDeque::new(),
             outgoing: VecDeque::new(),
             active: Instant::now(),
@@ -203,6 +207,12 @@ impl Emulator {
     /// Lets something go wrong.
     pub fn suffer(&self, fault: Fault) {
         self.state().faults.push_back(fault);
+    }
+
+    /// Whether all that was to go wrong has begun.
+    #[must_use]
+    pub fn has_suffered(&self) -> bool {
+        self.state().faults.is_empty()
     }
 
     /// Another hand at the handle.
@@ -248,7 +258,7 @@ impl Drop for Emulator {
 struct Running {
     state: Arc<Mutex<State>>,
     settings: Settings,
-    pty: Option<Pty>,
+    port: Option<Port>,
     incoming: VecDeque<u8>,
     /// Answers on their way, and when they come.
     outgoing: VecDeque<(Instant, Vec<u8>)>,
@@ -276,7 +286,7 @@ impl Running {
             match self.next_board_fault() {
                 Some(Fault::Stall(duration)) => still_until = now + duration,
                 Some(Fault::Unplug(duration)) => {
-                    self.pty = None;
+                    self.port = None;
                     self.incoming.clear();
                     self.outgoing.clear();
                     firmware = Firmware::new(self.settings.board, self.settings.strict);
@@ -295,13 +305,13 @@ impl Running {
                 _ => {}
             }
             if unplugged_until.is_some_and(|until| now >= until)
-                && let Ok(pty) = Pty::open(self.settings.link.as_deref())
+                && let Ok(port) = Port::open(&self.settings.port)
             {
                 unplugged_until = None;
-                self.locked(|state| state.path = pty.path().to_owned());
-                self.pty = Some(pty);
+                self.locked(|state| state.path = port.path().to_owned());
+                self.port = Some(port);
             }
-            if self.pty.is_none() || now < still_until {
+            if self.port.is_none() || now < still_until {
                 std::thread::sleep(REST);
                 continue;
             }
@@ -341,16 +351,16 @@ impl Running {
 
     /// Takes in what has come, waiting for it up to `limit`.
     fn fill(&mut self, limit: Duration) {
-        let Some(pty) = &self.pty else { return };
+        let Some(port) = &mut self.port else { return };
         if self.incoming.is_empty() {
-            pty.wait(limit);
+            port.wait(limit);
         }
         let before = self.incoming.len();
-        pty.read(&mut self.incoming);
+        port.read(&mut self.incoming);
         if self.incoming.len() > before {
             self.active = Instant::now();
         } else if self.active.elapsed() > Duration::from_millis(100) {
-            pty.let_in();
+            port.let_in();
             self.active = Instant::now();
         }
     }
@@ -359,8 +369,8 @@ impl Running {
     fn deliver(&mut self) {
         let now = Instant::now();
         while self.outgoing.front().is_some_and(|(due, _)| *due <= now) {
-            if let (Some((_, bytes)), Some(pty)) = (self.outgoing.pop_front(), &self.pty) {
-                pty.write(&bytes);
+            if let (Some((_, bytes)), Some(port)) = (self.outgoing.pop_front(), &mut self.port) {
+                port.write(&bytes);
             }
         }
     }

@@ -208,7 +208,7 @@ impl<C> TwoDiy<C> {
     /// Commands no torque and waits until the board has answered: whether it is known to hold none.
     ///
     /// # Errors
-    /// The port is gone, or the board did not answer within a tenth of a second, and not even after
+    /// The port is gone, or the board did not answer within a second, and not even after
     /// it was set up anew.
     pub fn close(mut self) -> Result<(), DeviceError> {
         self.finish()
@@ -268,9 +268,8 @@ impl<C> TwoDiy<C> {
 
     /// Commands no torque, and waits for an answer to that.
     fn hold_none(&mut self) -> Result<(), DeviceError> {
-        const LIMIT: Duration = Duration::from_millis(100);
         self.commanded = [0.0; 2];
-        if let Err(unsent) = self.line.command_patiently([0.0; 2], LIMIT) {
+        if let Err(unsent) = self.line.command_patiently([0.0; 2], GONE_AFTER) {
             // Tried on, until the line has been closed.
             self.cut();
             return Err(unsent.into());
@@ -278,7 +277,7 @@ impl<C> TwoDiy<C> {
         // What is still in the port when it is closed may be lost: an answer says that it is not.
         let begun = Instant::now();
         while self.unanswered() > 0 {
-            if begun.elapsed() > LIMIT {
+            if begun.elapsed() > GONE_AFTER {
                 return Err(SILENT);
             }
             self.line.serial().wait_readable(Duration::from_millis(1));
@@ -350,6 +349,19 @@ impl<C> TwoDiy<C> {
         }
     }
 
+    /// The board has given a good sample.
+    fn is_heard(&mut self) {
+        self.heard = Instant::now();
+        self.failures = 0;
+    }
+
+    /// The angles of the joints `[degrees]`, for whoever asks outside a loop.
+    pub(super) fn ask_angles(&mut self) -> Result<[f32; 2], DeviceError> {
+        let angles = self.ask()?;
+        self.is_heard();
+        Ok(angles)
+    }
+
     /// What was commanded does not hold any more where somebody else has commanded none.
     fn mind_cuts(&mut self) {
         self.line.listen_to_guardian();
@@ -367,7 +379,7 @@ impl<C> TwoDiy<C> {
         }
     }
 
-    pub(super) fn ask(&mut self) -> Result<[f32; 2], DeviceError> {
+    fn ask(&mut self) -> Result<[f32; 2], DeviceError> {
         self.mind_cuts();
         self.listen()?;
         if self.unanswered() == 0 {
@@ -491,8 +503,7 @@ impl<C: Clock> Device for TwoDiy<C> {
         }
         match pose(&self.layout, angles) {
             Ok(pose) => {
-                self.heard = now;
-                self.failures = 0;
+                self.is_heard();
                 let [x, y] = pose.position;
                 self.pose = Some(pose);
                 Ok(Reading {
@@ -502,8 +513,7 @@ impl<C: Clock> Device for TwoDiy<C> {
             }
             Err(no_pose) => {
                 self.pose = None;
-                self.heard = now;
-                self.failures = 0;
+                self.is_heard();
                 self.command([0.0; 2])?;
                 Err(nothing_new(match no_pose {
                     NoPose::NotANumber => "an angle is not a number",

@@ -164,7 +164,7 @@ impl<C: Clock> TwoDiy<C> {
         while begun.elapsed() < LONGEST_PULSE && moved.iter().all(|by| by.abs() < FARTHEST) {
             std::thread::sleep(Duration::from_millis(1));
             go_on(stop)?;
-            match self.ask() {
+            match self.ask_angles() {
                 Ok(angles) => moved = [0, 1].map(|k| angles[k] - start[k]),
                 Err(error) if error.kind == DeviceErrorKind::NothingNew => {}
                 Err(error) => return Err(error.into()),
@@ -184,7 +184,7 @@ impl<C: Clock> TwoDiy<C> {
         while begun.elapsed() < LONGEST_REST {
             std::thread::sleep(Duration::from_millis(2));
             go_on(stop)?;
-            let angles = match self.ask() {
+            let angles = match self.ask_angles() {
                 Err(error) if error.kind == DeviceErrorKind::NothingNew => continue,
                 answered => answered?,
             };

@@ -214,7 +214,7 @@ impl<C: Clock> TwoDiy<C> {
 fn refused(path: &Path, error: Errno) -> OpenError {
     let path = path.to_owned();
     match error {
-        Errno::NOENT | Errno::NODEV | Errno::NXIO => OpenError::NotThere(path),
+        Errno::NOENT | Errno::NODEV | Errno::NXIO | Errno::CONNREFUSED => OpenError::NotThere(path),
         Errno::ACCESS | Errno::PERM => OpenError::NotAllowed(path),
         Errno::BUSY => OpenError::InUse(path),
         Errno::NOTTY | Errno::INVAL | Errno::ISDIR => OpenError::NotSerial(path),

@@ -1,4 +1,4 @@
-use palpate_haply_emulator::two_diy::Fault;
+use palpate_haply_emulator::two_diy::{Fault, PortSettings};
 use palpate_io::recording::{Flags, Tick};
 use palpate_rt::realtime::Request;
 use palpate_rt::{Ending, LoopEnd, LoopThread, Note, Noted, StopFlag, Told, safety::Trip, tap};
@@ -186,7 +186,9 @@ fn a_cable_that_is_pulled_ends_the_run_and_can_be_put_back() {
     let folder = tempfile::tempdir().unwrap();
     let link = folder.path().join("haply");
     let emulator = Emulator::start(&Settings {
-        link: Some(link.clone()),
+        port: PortSettings::Terminal {
+            link: Some(link.clone()),
+        },
         ..in_the_middle(Hand::at(THERE))
     })
     .unwrap();

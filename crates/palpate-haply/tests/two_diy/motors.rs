@@ -1,5 +1,5 @@
 use palpate_haply::two_diy::{Unchecked, Verdict};
-use palpate_haply_emulator::two_diy::Wiring;
+use palpate_haply_emulator::two_diy::{Fault, Wiring};
 use palpate_rt::StopFlag;
 
 use super::*;
@@ -66,6 +66,25 @@ fn motors_that_are_wired_wrong_are_found() {
             .fold(0.0_f64, |most, torque| most.max(torque.abs()));
         assert!(most < 0.031, "{most}");
     }
+}
+
+/// A check takes seconds. An answer that is lost on the way does not make the board a silent one.
+#[test]
+fn a_check_gets_over_an_answer_that_is_lost() {
+    let _alone = alone();
+    let emulator = Emulator::start(&Settings::of(
+        Generation::Three,
+        palpate_haply::two_diy::Board::M0,
+    ))
+    .unwrap();
+    let options = Options::of(Generation::Three, Calibration::Retracted, SLOW).unwrap();
+    let mut device = TwoDiy::open(&emulator.path(), &options, MonotonicClock::new()).unwrap();
+    // A board is called silent a second after its last good answer.
+    std::thread::sleep(Duration::from_millis(1100));
+    device.check_motors(&StopFlag::new()).unwrap();
+    emulator.suffer(Fault::NoAnswer);
+    device.check_motors(&StopFlag::new()).unwrap();
+    assert!(device.counts().late > 0, "no answer was lost");
 }
 
 #[test]

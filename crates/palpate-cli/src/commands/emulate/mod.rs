@@ -18,17 +18,17 @@ pub struct EmulateArguments {
 /// What can be emulated.
 #[derive(Subcommand, Debug)]
 pub enum What {
-    /// A Haply 2DIY on a pseudo-terminal
+    /// A Haply 2DIY on a pseudo-terminal or a Unix socket
     #[command(
         name = "haply-2diy",
         long_about = "\
-A Haply 2DIY on a pseudo-terminal, whose path is printed: board, arm and hand in real time, until ctrl-C.
+A Haply 2DIY on a pseudo-terminal, whose path is printed, or on a Unix socket: board, arm and hand in real time, until ctrl-C.
 
 Faults strike by themselves: --fault KIND[=VALUE]@SECONDS, as often as wanted, with the kinds stall \
 (for VALUE seconds), unplug (for VALUE seconds), garbage (VALUE bytes), half, lost, late (by VALUE \
 seconds), twice, other-id, nan and slip (by VALUE degrees)."
     )]
-    Haply2diy(two_diy::arguments::TwoDiyArguments),
+    Haply2diy(Box<two_diy::arguments::TwoDiyArguments>),
     /// A Haply Inverse3 behind an Inverse Service
     #[command(long_about = "\
 Haply's Inverse Service on this machine's loopback, whose address is printed, and behind it a point mass \

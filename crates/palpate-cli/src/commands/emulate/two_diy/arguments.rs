@@ -22,6 +22,9 @@ pub struct TwoDiyArguments {
     /// A symbolic link to the port, which stays when the device is plugged in again
     #[arg(long, value_name = "PATH", value_hint = ValueHint::AnyPath)]
     pub link: Option<PathBuf>,
+    /// A Unix socket at this path in place of a pseudo-terminal: a busy machine does not delay its bytes
+    #[arg(long, value_name = "PATH", value_hint = ValueHint::AnyPath, conflicts_with = "link")]
+    pub socket: Option<PathBuf>,
     /// How the motors are wired
     #[arg(long, value_name = "NAME", value_enum, default_value_t = WiringName::AsSold)]
     pub wiring: WiringName,

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use palpate_haply::two_diy::Generation;
-use palpate_haply_emulator::two_diy::{Did, Emulator, Fault, Hand, Settings, Wiring};
+use palpate_haply_emulator::two_diy::{Did, Emulator, Fault, Hand, PortSettings, Settings, Wiring};
 use palpate_rt::StopFlag;
 
 use super::arguments::{FaultKind, HandArguments, TimedFault, TwoDiyArguments, WiringName};
@@ -37,7 +37,12 @@ pub fn run(arguments: &TwoDiyArguments) -> Result<(), Failure> {
         hand: hand(&arguments.hand)?,
         hand_waits: true,
         angles: arguments.angles,
-        link: arguments.link.clone(),
+        port: match &arguments.socket {
+            Some(path) => PortSettings::Socket { path: path.clone() },
+            None => PortSettings::Terminal {
+                link: arguments.link.clone(),
+            },
+        },
         ..Settings::of(generation, board)
     };
     let stop =
