@@ -5,9 +5,7 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use palpate_device::clock::{Clock, SteppedClock};
-use palpate_device::{
-    Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector, ZeroWriter,
-};
+use palpate_device::{Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Wrench, ZeroWriter};
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, tap};
 use palpate_scene::method::MethodName;
@@ -45,7 +43,7 @@ impl Device for Hostile {
         &self.capabilities
     }
 
-    fn read(&mut self) -> Result<Reading, DeviceError> {
+    fn read(&mut self) -> Result<Pose, DeviceError> {
         let random = &mut self.random;
         if random.u8(..10) == 0 {
             return Err(error(random));
@@ -64,17 +62,18 @@ impl Device for Hostile {
             _ => now,
         };
         let position = [5e-3, 5e-3, 5e-3].map(|scale| number(random, scale));
-        Ok(Reading { position, time })
+        Ok(Pose::at(position, time))
     }
 
-    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+        let force = wrench.force;
         let size = force.iter().map(|x| x * x).sum::<f64>().sqrt();
         assert!(size <= self.largest_force * (1.0 + 1e-12), "{force:?} N");
         let random = &mut self.random;
         match random.u8(..10) {
             0 => Err(error(random)),
-            1 => Ok([1.0, 1.0, 1.0].map(|scale| number(random, scale))),
-            _ => Ok(force),
+            1 => Ok([1.0, 1.0, 1.0].map(|scale| number(random, scale)).into()),
+            _ => Ok(wrench),
         }
     }
 

@@ -7,7 +7,7 @@ use std::thread;
 use std::time::Duration;
 
 use palpate_device::clock::SteppedClock;
-use palpate_device::{Capabilities, Device, DeviceError, NullDevice, Reading, Vector, ZeroWriter};
+use palpate_device::{Capabilities, Device, DeviceError, NullDevice, Pose, Wrench, ZeroWriter};
 use palpate_rt::ControlLoop;
 use palpate_rt::safety::SafetyParams;
 use palpate_scene::method::MethodName;
@@ -108,7 +108,7 @@ impl Device for Misbehaving {
         self.device.capabilities()
     }
 
-    fn read(&mut self) -> Result<Reading, DeviceError> {
+    fn read(&mut self) -> Result<Pose, DeviceError> {
         match self.misdeed {
             Misdeed::Nothing => {}
             Misdeed::Allocate => drop(black_box(Box::new([0_u8; 64]))),
@@ -127,8 +127,8 @@ impl Device for Misbehaving {
         self.device.read()
     }
 
-    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
-        self.device.write(force)
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+        self.device.write(wrench)
     }
 
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {

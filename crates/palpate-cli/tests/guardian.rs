@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 
 use common::running::{Running, program};
 use common::{Folder, experiment_text, number, parse};
-use palpate::{AnyParams, Contact, LoopParams, ObjectState, Placement};
+use palpate::{AlongAxis, AnyParams, Contact, LoopParams, ObjectState};
 use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
 use palpate_haply::two_diy::{Board, Calibration, Generation, Options, TwoDiy};
@@ -276,11 +276,11 @@ fn a_program_whose_loop_does_something_bad() {
         stall_after_periods: 50.0,
         ..SafetyParams::for_device(device.capabilities())
     };
-    let placement = Placement::new([0.019, 0.11, 0.0], [0.0, 1.0, 0.0]).unwrap();
+    let axis = AlongAxis::new([0.019, 0.11, 0.0], [0.0, 1.0, 0.0]).unwrap();
     // Without a thread, and so without a supervisor.
     let mut control = ControlLoop::new(device, clock, rendering, limits)
         .unwrap()
-        .along(placement);
+        .along(axis);
     let mut pressed = 0;
     while pressed < 50 {
         let tick = control.tick();

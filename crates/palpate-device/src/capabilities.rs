@@ -8,10 +8,14 @@ use super::Vector;
 pub struct Capabilities {
     /// The device's name, for reports and recordings.
     pub name: String,
-    /// Number of axes, 1 to 3.
+    /// Number of axes with a position and a force, 1 to 3.
     pub axes: usize,
+    /// Number of axes with a torque, 0 to 3.
+    pub torque_axes: usize,
     /// Largest force in every pose `[N]`.
     pub largest_force: Option<f64>,
+    /// Largest torque in every pose `[N m]`.
+    pub largest_torque: Option<f64>,
     /// Largest stiffness that the maker advises `[N/m]`.
     pub largest_stiffness: Option<f64>,
     /// Largest damping that the maker advises `[N s/m]`.
@@ -39,7 +43,9 @@ impl Capabilities {
         Self {
             name: name.to_owned(),
             axes,
+            torque_axes: 0,
             largest_force: None,
+            largest_torque: None,
             largest_stiffness: None,
             largest_damping: None,
             workspace: None,

@@ -1,4 +1,4 @@
-//! What gives positions and takes forces: the [`Device`] trait, which a driver implements, and the
+//! What gives poses and takes wrenches: the [`Device`] trait, which a driver implements, and the
 //! [clocks](clock) that a loop can run on.
 //!
 //! A driver needs this crate alone. [`NullDevice`], [`ScriptedDevice`] and [`ReplayDevice`] stand in
@@ -18,34 +18,20 @@ mod capabilities;
 pub mod clock;
 mod cut;
 mod null;
+mod pose;
 mod replay;
 mod scripted;
 
 use std::fmt;
-use std::time::Duration;
 
 pub use capabilities::Capabilities;
 pub use cut::Cut;
 pub use null::NullDevice;
+pub use pose::{Pose, Vector, Wrench};
 pub use replay::ReplayDevice;
 pub use scripted::{Script, ScriptedDevice, Step};
 
-/// A position `[m]` or a force `[N]` in the device's frame. A device with fewer than three axes
-/// uses the first ones and leaves the others at 0.
-pub type Vector = [f64; 3];
-
-/// What a device says of where it is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reading {
-    /// Position of the end-point `[m]`.
-    pub position: Vector,
-    /// When it was there, on the loop's clock: measured by the device if it can, else when the
-    /// answer came. A device that repeats a time stamp has nothing new to say, and a stamp more than
-    /// a period ahead of the clock is none.
-    pub time: Duration,
-}
-
-/// A haptic device with one end-point and up to three axes.
+/// A haptic device with one end-point: up to three axes with a force, up to three with a torque.
 ///
 /// Each period the loop reads once and writes once, in this order. The device holds a written force
 /// until the next write. Neither call may allocate, lock or panic, and both return well within a
@@ -55,22 +41,22 @@ pub trait Device: Send {
     /// What the device can do; it stays the same while the device lives.
     fn capabilities(&self) -> &Capabilities;
 
-    /// Where the end-point is.
+    /// Where the end-point is, and how it is turned where the device measures that.
     ///
     /// # Errors
     /// [`DeviceErrorKind::NothingNew`]: there was no sample in this period; go on with the last force
     /// for a period, then with none. [`DeviceErrorKind::Disconnected`]: the device is gone, and only
     /// opening it again helps. [`DeviceErrorKind::Refused`]: the device is there and does not do what
     /// it was asked; whoever runs it has to look at it.
-    fn read(&mut self) -> Result<Reading, DeviceError>;
+    fn read(&mut self) -> Result<Pose, DeviceError>;
 
-    /// Commands `force` on the end-point `[N]`, and says which force is held from now on as far as
-    /// is known: a driver that clamps, rounds or delays returns what it really gives. 0 is always
-    /// taken, and on any doubt.
+    /// Commands `wrench` on the end-point, and says which one is held from now on as far as is known: a
+    /// driver that clamps, rounds or delays returns what it really gives, and 0 on axes that have no
+    /// motor. [`Wrench::NONE`] is always taken, and on any doubt.
     ///
     /// # Errors
     /// As [`read`](Self::read). The force that is held is then not known.
-    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError>;
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError>;
 
     /// A second way to command no force, for a supervisor on another thread while this one is not
     /// answering. `None`: there is none, and a stalled loop leaves the last force on.
@@ -131,12 +117,12 @@ impl<D: Device + ?Sized> Device for Box<D> {
         (**self).capabilities()
     }
 
-    fn read(&mut self) -> Result<Reading, DeviceError> {
+    fn read(&mut self) -> Result<Pose, DeviceError> {
         (**self).read()
     }
 
-    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
-        (**self).write(force)
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+        (**self).write(wrench)
     }
 
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {

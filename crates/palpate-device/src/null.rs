@@ -1,6 +1,6 @@
 //! No device at all.
 
-use super::{Capabilities, Device, DeviceError, Reading, Vector, ZeroWriter};
+use super::{Capabilities, Device, DeviceError, Pose, Wrench, ZeroWriter};
 use crate::clock::Clock;
 
 /// A device that rests at the origin and gives every force to nobody: for measuring the loop itself.
@@ -29,15 +29,16 @@ impl<C: Clock> Device for NullDevice<C> {
         &self.capabilities
     }
 
-    fn read(&mut self) -> Result<Reading, DeviceError> {
-        Ok(Reading {
+    fn read(&mut self) -> Result<Pose, DeviceError> {
+        Ok(Pose {
+            orientation: None,
             position: [0.0; 3],
             time: self.clock.now(),
         })
     }
 
-    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
-        Ok(force)
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+        Ok(wrench)
     }
 
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::{Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector};
+use super::{Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Vector, Wrench};
 use crate::clock::Clock;
 
 /// A device that is moved through recorded positions by nobody's force: motion replay. It is where
@@ -73,7 +73,7 @@ impl<C: Clock> Device for ReplayDevice<C> {
         &self.capabilities
     }
 
-    fn read(&mut self) -> Result<Reading, DeviceError> {
+    fn read(&mut self) -> Result<Pose, DeviceError> {
         let time = self.clock.now();
         let started = *self.started.get_or_insert(time);
         let at = self.first + (time - started);
@@ -98,11 +98,11 @@ impl<C: Clock> Device for ReplayDevice<C> {
             None if at == before => {}
             None => return Err(ended),
         }
-        Ok(Reading { position, time })
+        Ok(Pose::at(position, time))
     }
 
-    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
-        Ok(force)
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+        Ok(wrench)
     }
 }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use super::{Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector, ZeroWriter};
+use super::{Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Vector, Wrench, ZeroWriter};
 use crate::clock::Clock;
 
 /// What a scripted device does in one period.
@@ -29,7 +29,7 @@ pub struct ScriptedDevice<C> {
     capabilities: Capabilities,
     script: Script,
     next: usize,
-    last: Reading,
+    last: Pose,
     forces: Vec<Vector>,
     zeroed: Arc<AtomicUsize>,
     guardian: Arc<AtomicBool>,
@@ -49,7 +49,8 @@ impl<C: Clock> ScriptedDevice<C> {
             capabilities: Capabilities::unknown("scripted", axes),
             script,
             next: 0,
-            last: Reading {
+            last: Pose {
+                orientation: None,
                 position: [0.0; 3],
                 time: std::time::Duration::ZERO,
             },
@@ -93,13 +94,14 @@ impl<C: Clock> Device for ScriptedDevice<C> {
         &self.capabilities
     }
 
-    fn read(&mut self) -> Result<Reading, DeviceError> {
+    fn read(&mut self) -> Result<Pose, DeviceError> {
         self.was_cut |= self.guardian.swap(false, Ordering::SeqCst);
         let step = self.script.get(self.next).or(self.script.last());
         self.next += 1;
         match step.copied().unwrap_or(Step::Stale) {
             Step::At(position) | Step::RefusesForce(position) => {
-                self.last = Reading {
+                self.last = Pose {
+                    orientation: None,
                     position,
                     time: self.clock.now(),
                 };
@@ -110,9 +112,9 @@ impl<C: Clock> Device for ScriptedDevice<C> {
         Ok(self.last)
     }
 
-    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
         if self.forces.len() < REMEMBERED {
-            self.forces.push(force);
+            self.forces.push(wrench.force);
         }
         let now = self.next.saturating_sub(1);
         match self.script.get(now).or(self.script.last()) {
@@ -120,7 +122,7 @@ impl<C: Clock> Device for ScriptedDevice<C> {
                 DeviceErrorKind::Refused,
                 "so the script says",
             )),
-            _ => Ok(force),
+            _ => Ok(wrench),
         }
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use palpate::{Output, Placement};
+use palpate::{AlongAxis, Output};
 use palpate_io::recording::{Flags, Tick};
 
 use crate::deadlines::Deadlines;
@@ -21,7 +21,7 @@ use crate::stop::StopFlag;
 use crate::tap::Tap;
 use crate::wire::phase;
 use palpate_device::clock::Clock;
-use palpate_device::{Device, DeviceError, DeviceErrorKind, Reading, Vector};
+use palpate_device::{Device, DeviceError, DeviceErrorKind, Pose, Vector, Wrench};
 
 /// A haptic loop on one device. Everything that it needs is there before its first tick; a tick
 /// allocates nothing, locks nothing and waits for nobody but the clock and the device.
@@ -30,7 +30,7 @@ use palpate_device::{Device, DeviceError, DeviceErrorKind, Reading, Vector};
 pub struct ControlLoop<D: Device, C: Clock> {
     device: D,
     clock: C,
-    placement: Placement<f64, 3>,
+    axis: AlongAxis<f64, 3>,
     rendered: Rendered,
     parameters: Option<Parameters>,
     safety: Safety,
@@ -45,7 +45,7 @@ pub struct ControlLoop<D: Device, C: Clock> {
     /// Whether a trip kept the motors off at the end of the last tick.
     is_off: bool,
     motors_off: MotorsOff,
-    last: Option<(Reading, Output<f64>)>,
+    last: Option<(Pose, Output<f64>)>,
     heartbeat: Arc<Heartbeat>,
     cuts: u64,
     statistics: LoopStatistics,
@@ -70,7 +70,7 @@ const AHEAD: DeviceError = DeviceError {
 
 /// What a sample came to.
 enum Sampled {
-    Fresh(Reading),
+    Fresh(Pose),
     Missing,
     Gone(Trip),
 }
@@ -97,7 +97,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         Ok(Self {
             device,
             clock,
-            placement: Placement::new([0.0; 3], [1.0, 0.0, 0.0])?,
+            axis: AlongAxis::new([0.0; 3], [1.0, 0.0, 0.0])?,
             rendered,
             parameters: Some(parameters),
             safety: Safety::new(limits, seconds)?,
@@ -125,8 +125,8 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
 
     /// The same loop, its contact's axis placed elsewhere in the device's space.
     #[must_use]
-    pub fn along(mut self, placement: Placement<f64, 3>) -> Self {
-        self.placement = placement;
+    pub fn along(mut self, axis: AlongAxis<f64, 3>) -> Self {
+        self.axis = axis;
         self
     }
 
@@ -230,8 +230,8 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
     /// Commands the device no force, and stands the supervisor down.
     pub fn let_go(&mut self) {
         // A device that does not take it is asked again once; more cannot be done here.
-        if self.device.write([0.0; 3]).is_err() {
-            let _ = self.device.write([0.0; 3]);
+        if self.device.write(Wrench::NONE).is_err() {
+            let _ = self.device.write(Wrench::NONE);
         }
         self.held.change(0.0, self.clock.now());
         self.motors_off.let_go();
@@ -285,7 +285,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
                 if let Some(mean) = held {
                     self.rendered.report_held(-mean);
                 }
-                let coordinate = self.placement.coordinate(reading.position);
+                let coordinate = self.axis.coordinate(reading.position);
                 let before = self.rendered.ledger().held_leak;
                 let output = self.rendered.step(coordinate, elapsed);
                 let after = self.rendered.ledger().held_leak;
@@ -297,7 +297,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
                     elapsed,
                     position: reading.position,
                     coordinate,
-                    force: output.force_on_device,
+                    wrench: Wrench::of_force(self.axis.vector(output.force_on_device)),
                     created_energy: self.delivered.leak,
                     refused: fault.is_some(),
                     stalled,
@@ -326,7 +326,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         }
         // Not before: the interval that this sample ended was the former method's.
         self.follow_method();
-        let sent = self.command(verdict.force);
+        let sent = self.command(verdict.wrench);
 
         let ended = self.clock.now();
         let missed = self.deadlines.as_mut().map_or(0, |d| d.ended(woke, ended));
@@ -460,11 +460,11 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         (sampled, answered)
     }
 
-    /// Commands a force along the contact's axis; the one that is held from now on `[N]`.
-    fn command(&mut self, force: f64) -> f64 {
-        let written = self.device.write(self.placement.vector(force));
+    /// Commands a wrench; the force along the contact's axis that is held from now on `[N]`.
+    fn command(&mut self, wrench: Wrench) -> f64 {
+        let written = self.device.write(wrench);
         let sent = match written {
-            Ok(sent) => dot(sent, self.placement.vector(1.0)),
+            Ok(sent) => dot(sent.force, self.axis.vector(1.0)),
             Err(error) => {
                 self.note(Note::Device(error));
                 let trip = if error.kind == DeviceErrorKind::Disconnected {
@@ -476,7 +476,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
                 let verdict = self.safety.trip_on(trip);
                 self.notes_of(&verdict);
                 // It may take none where it does not take some.
-                let _ = self.device.write([0.0; 3]);
+                let _ = self.device.write(Wrench::NONE);
                 0.0
             }
         };
@@ -512,7 +512,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         let limited = output.limited;
         Tick {
             time: (reading.time.saturating_sub(self.started)).as_secs_f64(),
-            device_position: self.placement.coordinate(reading.position),
+            device_position: self.axis.coordinate(reading.position),
             object_position: output.object_position,
             object_velocity: output.object_velocity,
             penetration: output.penetration,

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 use palpate::{AnyParams, Contact, LoopParams, ObjectState};
 use palpate_device::clock::{Clock, MonotonicClock};
-use palpate_device::{Capabilities, Device, DeviceError, Reading, Vector, ZeroWriter};
+use palpate_device::{Capabilities, Device, DeviceError, Pose, Wrench, ZeroWriter};
 use palpate_io::recording::{Entry, Receipt, Recording, Tick};
 use palpate_rt::realtime::{Answer, Request};
 use palpate_rt::safety::SafetyParams;
@@ -53,7 +53,7 @@ impl Device for Troubled {
         &self.capabilities
     }
 
-    fn read(&mut self) -> Result<Reading, DeviceError> {
+    fn read(&mut self) -> Result<Pose, DeviceError> {
         if self.seen.reads.fetch_add(1, Ordering::SeqCst) == 100 {
             match self.trouble {
                 Trouble::None => {}
@@ -65,15 +65,16 @@ impl Device for Troubled {
                 }
             }
         }
-        Ok(Reading {
+        Ok(Pose {
+            orientation: None,
             position: [1e-3, 0.0, 0.0],
             time: self.clock.now(),
         })
     }
 
-    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
-        *self.seen.last_force.lock().unwrap() = force[0];
-        Ok(force)
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+        *self.seen.last_force.lock().unwrap() = wrench.force[0];
+        Ok(wrench)
     }
 
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {

@@ -48,13 +48,13 @@
 //! `std` (default) is not needed by anything here. `serde` makes every parameter type
 //! serialisable.
 
+mod along_axis;
 mod contact;
 mod difficulty;
 mod energy;
 mod guard;
 mod motion;
 mod parameter;
-mod placement;
 mod predict;
 mod relative_motion;
 mod render;
@@ -64,13 +64,13 @@ mod sample;
 mod scalar;
 mod transition;
 
+pub use along_axis::AlongAxis;
 pub use contact::{Contact, LARGEST_DELAY, LoopParams, Mass, Side};
 pub use difficulty::Difficulty;
 pub use energy::{Leak, Ledger};
 pub use guard::{Guard, GuardParams};
 pub use motion::{Displacement, ObjectMotion, ObjectState, Rule, Start};
 pub use parameter::{ParameterError, ParameterValue};
-pub use placement::Placement;
 pub use predict::{LONGEST_WINDOW, Prediction, PredictionMemory};
 pub use render::{
     AnyMemory, AnyMethod, AnyParams, AnyRenderer, Basic, BasicParams, Coupled, CoupledMemory,

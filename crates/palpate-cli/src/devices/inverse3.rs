@@ -2,7 +2,7 @@
 
 use clap::Args;
 use palpate_device::clock::Clock;
-use palpate_device::{Capabilities, Device, DeviceError, Reading, Vector, ZeroWriter};
+use palpate_device::{Capabilities, Device, DeviceError, Pose, Vector, Wrench, ZeroWriter};
 use palpate_haply::inverse3::{
     ConnectError, Inspector, Inverse3, Inverse3Options, OpenError, Pace, SERVICE,
 };
@@ -156,12 +156,12 @@ impl<C: Clock> Device for Watched<C> {
         self.device.capabilities()
     }
 
-    fn read(&mut self) -> Result<Reading, DeviceError> {
+    fn read(&mut self) -> Result<Pose, DeviceError> {
         self.device.read()
     }
 
-    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
-        self.device.write(force)
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+        self.device.write(wrench)
     }
 
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {

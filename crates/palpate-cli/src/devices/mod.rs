@@ -14,7 +14,7 @@ pub mod two_diy;
 
 pub use arguments::{DeviceArguments, DeviceName};
 
-use palpate::Placement;
+use palpate::AlongAxis;
 use palpate_device::clock::Clock;
 use palpate_device::{Device, NullDevice};
 use palpate_scene::Scene;
@@ -31,7 +31,7 @@ pub struct Opened {
     /// The device.
     pub device: Box<dyn Device>,
     /// Origin and direction of the contact's axis in the device's frame.
-    pub placement: Placement<f64, 3>,
+    pub axis: AlongAxis<f64, 3>,
 }
 
 /// Opens the device that `arguments` name, for the scene that will be rendered on it; with a guardian
@@ -43,7 +43,7 @@ pub fn open<C: Clock>(
     guarding: &Guarding,
 ) -> Result<Opened, Failure> {
     arguments.check()?;
-    let (device, axis): (Box<dyn Device>, _) = match arguments.device {
+    let (device, usual): (Box<dyn Device>, _) = match arguments.device {
         DeviceName::Simulated => {
             let device = SimulatedDevice::of(scene, clock.clone()).map_err(Failure::input)?;
             (Box::new(device), placed::FIRST_AXIS)
@@ -66,8 +66,8 @@ pub fn open<C: Clock>(
              device holds that force",
         );
     }
-    let placement = placed::placement(arguments, device.capabilities(), axis)?;
-    Ok(Opened { device, placement })
+    let axis = placed::axis(arguments, device.capabilities(), usual)?;
+    Ok(Opened { device, axis })
 }
 
 #[cfg(unix)]

@@ -1,6 +1,6 @@
 //! Where the axis of the contact lies in a device.
 
-use palpate::Placement;
+use palpate::AlongAxis;
 use palpate_device::{Capabilities, Vector};
 
 use super::DeviceArguments;
@@ -14,11 +14,11 @@ pub type Axis = (Vector, Vector);
 pub const FIRST_AXIS: Axis = ([0.0; 3], [1.0, 0.0, 0.0]);
 
 /// The axis that the flags place, or else the `usual` one of the device.
-pub fn placement(
+pub fn axis(
     arguments: &DeviceArguments,
     device: &Capabilities,
     usual: Axis,
-) -> Result<Placement<f64, 3>, Failure> {
+) -> Result<AlongAxis<f64, 3>, Failure> {
     let of = |flag: &str, place: &Option<Place>, usual: Vector| match place {
         None => Ok(usual),
         Some(place) => in_axes(place, device)
@@ -32,7 +32,7 @@ pub fn placement(
             "--normal has no direction; allowed: any that is not 0 in all axes".into(),
         ));
     }
-    Placement::new(origin, normal.map(|x| x / length))
+    AlongAxis::new(origin, normal.map(|x| x / length))
         .map_err(|error| Failure::Arguments(format!("--origin: {error}")))
 }
 

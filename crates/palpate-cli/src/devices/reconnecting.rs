@@ -7,7 +7,7 @@ use std::thread::Builder;
 use std::time::Duration;
 
 use palpate_device::{
-    Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector, ZeroWriter,
+    Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Wrench, ZeroWriter,
 };
 
 use crate::failure::{Failure, tell};
@@ -126,7 +126,7 @@ impl Device for Reconnecting {
         &self.capabilities
     }
 
-    fn read(&mut self) -> Result<Reading, DeviceError> {
+    fn read(&mut self) -> Result<Pose, DeviceError> {
         if self.device.is_none()
             && let Ok(device) = self.back.try_recv()
         {
@@ -149,14 +149,14 @@ impl Device for Reconnecting {
         })
     }
 
-    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
         let Some(device) = &mut self.device else {
-            return Ok([0.0; 3]);
+            return Ok(Wrench::NONE);
         };
-        match device.write(force) {
+        match device.write(wrench) {
             Err(error) if error.kind == DeviceErrorKind::Disconnected => {
                 self.lose(error);
-                Ok([0.0; 3])
+                Ok(Wrench::NONE)
             }
             written => written,
         }
@@ -210,13 +210,13 @@ mod tests {
             &self.capabilities
         }
 
-        fn read(&mut self) -> Result<Reading, DeviceError> {
+        fn read(&mut self) -> Result<Pose, DeviceError> {
             let kind = DeviceErrorKind::Disconnected;
             Err(DeviceError::new(kind, "the board does not answer"))
         }
 
-        fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
-            Ok(force)
+        fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+            Ok(wrench)
         }
     }
 

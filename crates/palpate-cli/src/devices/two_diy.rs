@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use palpate_device::clock::Clock;
 use palpate_device::{
-    Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector, ZeroWriter,
+    Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Wrench, ZeroWriter,
 };
 use palpate_haply::two_diy::{Board, Calibration, Generation, Options, TwoDiy};
 use palpate_rt::guardian::GuardianError;
@@ -164,12 +164,12 @@ impl<C: Clock> Device for Watched<C> {
         &self.capabilities
     }
 
-    fn read(&mut self) -> Result<Reading, DeviceError> {
+    fn read(&mut self) -> Result<Pose, DeviceError> {
         self.with(Device::read)
     }
 
-    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
-        self.with(|device| device.write(force))
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+        self.with(|device| device.write(wrench))
     }
 
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {

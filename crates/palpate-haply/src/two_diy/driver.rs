@@ -4,13 +4,13 @@ use std::time::{Duration, Instant};
 
 use palpate_device::clock::Clock;
 use palpate_device::{
-    Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector, ZeroWriter,
+    Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Wrench, ZeroWriter,
 };
 use palpate_rt::guardian::Unguarded;
 
 use super::board::Board;
 use super::force::torques;
-use super::kinematics::{NoPose, Pose};
+use super::kinematics::{ArmPose, NoPose};
 use super::layout::Layout;
 use super::line::{Cutter, Line, Unsent};
 use super::packet::{Heard, Replies};
@@ -56,7 +56,7 @@ pub struct TwoDiy<C> {
     answered: u64,
     trust: Trust,
     plausible: Plausible,
-    pose: Option<Pose>,
+    pose: Option<ArmPose>,
     /// Torques that were commanded last `[N m]`, and the force that they make `[N]`.
     commanded: [f32; 2],
     given: [f64; 2],
@@ -201,7 +201,7 @@ impl<C> TwoDiy<C> {
 
     /// The last pose, if the last good sample had one.
     #[must_use]
-    pub fn pose(&self) -> Option<&Pose> {
+    pub fn pose(&self) -> Option<&ArmPose> {
         self.pose.as_ref()
     }
 
@@ -245,6 +245,12 @@ impl<C> TwoDiy<C> {
         self.line.cutter().cut();
         self.commanded = [0.0; 2];
         self.given = [0.0; 2];
+    }
+
+    /// What the board holds, as far as is known.
+    fn held(&self) -> Wrench {
+        let [x, y] = self.given;
+        Wrench::of_force([x, y, 0.0])
     }
 
     fn finish(&mut self) -> Result<(), DeviceError> {
@@ -464,7 +470,7 @@ impl From<Unsent> for DeviceError {
 }
 
 /// The pose for angles of the joints `[degrees]`.
-fn pose(layout: &Layout, angles: [f32; 2]) -> Result<Pose, NoPose> {
+fn pose(layout: &Layout, angles: [f32; 2]) -> Result<ArmPose, NoPose> {
     let angles = angles.map(|angle| f64::from(angle).to_radians());
     layout.geometry.pose(angles)
 }
@@ -481,7 +487,7 @@ impl<C: Clock> Device for TwoDiy<C> {
         &self.capabilities
     }
 
-    fn read(&mut self) -> Result<Reading, DeviceError> {
+    fn read(&mut self) -> Result<Pose, DeviceError> {
         let asked = Instant::now();
         let angles = self.ask()?;
         if let Some(how) = self.line.unguarded() {
@@ -506,7 +512,8 @@ impl<C: Clock> Device for TwoDiy<C> {
                 self.is_heard();
                 let [x, y] = pose.position;
                 self.pose = Some(pose);
-                Ok(Reading {
+                Ok(Pose {
+                    orientation: None,
                     position: [x, y, 0.0],
                     time,
                 })
@@ -526,8 +533,8 @@ impl<C: Clock> Device for TwoDiy<C> {
         }
     }
 
-    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
-        let [x, y, _] = force;
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+        let [x, y, _] = wrench.force;
         let (torques, given) = match &self.pose {
             Some(pose) => torques(pose, self.board, [x, y]),
             None => ([0.0; 2], [0.0; 2]),
@@ -541,14 +548,14 @@ impl<C: Clock> Device for TwoDiy<C> {
             let is_on_its_way = torques == self.commanded && torques != [0.0; 2];
             let has_none = self.commanded == [0.0; 2];
             if is_on_its_way || has_none && (unanswered > MOST_UNANSWERED || !is_trusted) {
-                return Ok([self.given[0], self.given[1], 0.0]);
+                return Ok(self.held());
             }
             self.given = [0.0; 2];
-            return self.command([0.0; 2]).map(|()| [0.0; 3]);
+            return self.command([0.0; 2]).map(|()| Wrench::NONE);
         }
         self.given = given;
         self.command(torques)?;
-        Ok([self.given[0], self.given[1], 0.0])
+        Ok(self.held())
     }
 
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {

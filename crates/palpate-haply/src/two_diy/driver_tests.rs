@@ -93,7 +93,7 @@ impl Played {
     }
 
     /// A read during which the board answers everything that it was asked.
-    fn reads(&mut self, angles: [f32; 2]) -> Result<Reading, DeviceError> {
+    fn reads(&mut self, angles: [f32; 2]) -> Result<Pose, DeviceError> {
         self.device.patience = LIMIT;
         let reading = self.reads_with(angles, usize::MAX);
         self.device.patience = PATIENCE;
@@ -101,7 +101,7 @@ impl Played {
     }
 
     /// A read during which so many answers come at most.
-    fn reads_with(&mut self, angles: [f32; 2], most: usize) -> Result<Reading, DeviceError> {
+    fn reads_with(&mut self, angles: [f32; 2], most: usize) -> Result<Pose, DeviceError> {
         let answer = self.answer(angles);
         let pty = &self.pty;
         let device = &mut self.device;
@@ -243,12 +243,12 @@ fn half_an_answer_and_garbage_are_waited_out() {
 fn a_board_that_is_behind_gets_no_force_and_no_flood() {
     let mut played = Played::new();
     assert!(played.reads(START).is_ok());
-    let given = played.device.write([0.0, 1.0, 0.0]).unwrap();
+    let given = played.device.write([0.0, 1.0, 0.0].into()).unwrap().force;
     assert!((given[1] - 1.0).abs() < 0.01, "{given:?}");
     let begun = Instant::now();
     for _ in 0..20 {
         assert!(played.device.read().is_err());
-        let given = played.device.write([0.0, 0.5, 0.0]).unwrap();
+        let given = played.device.write([0.0, 0.5, 0.0].into()).unwrap().force;
         assert_eq!(given, [0.0; 3]);
     }
     // Each new try takes at least as long as an answer may be missing, and a quiet line.
@@ -262,7 +262,7 @@ fn a_board_that_is_behind_gets_no_force_and_no_flood() {
 fn what_is_repeated_after_a_cut_is_no_torque() {
     let mut played = Played::new();
     assert!(played.reads(START).is_ok());
-    played.device.write([0.0, 1.0, 0.0]).unwrap();
+    played.device.write([0.0, 1.0, 0.0].into()).unwrap();
     let mut zero = played.device.zero_writer().unwrap();
     zero.write_zero();
     let told = played.was_told();
@@ -271,7 +271,7 @@ fn what_is_repeated_after_a_cut_is_no_torque() {
     assert!(played.was_told().iter().all(|torque| *torque == 0.0));
     // And a force that is commanded afterwards is one.
     played.comes_back();
-    played.device.write([0.0, 1.0, 0.0]).unwrap();
+    played.device.write([0.0, 1.0, 0.0].into()).unwrap();
     assert!(played.was_told().iter().any(|torque| *torque != 0.0));
 }
 
@@ -281,11 +281,11 @@ fn a_force_behind_a_cut_that_was_waiting_is_taken_off() {
     let mut played = Played::new();
     assert!(played.reads(START).is_ok());
     played.device.line.cutter().want();
-    played.device.write([0.0, 1.0, 0.0]).unwrap();
+    played.device.write([0.0, 1.0, 0.0].into()).unwrap();
     let told = played.was_told();
     assert!(told.last().is_some_and(|torque| *torque != 0.0), "{told:?}");
     played.device.go_astray();
-    assert_eq!(played.device.write([0.0; 3]).unwrap(), [0.0; 3]);
+    assert_eq!(played.device.write(Wrench::NONE).unwrap(), Wrench::NONE);
     assert_eq!(played.was_told(), [0.0]);
 }
 
@@ -294,11 +294,11 @@ fn a_force_behind_a_cut_that_was_waiting_is_taken_off() {
 fn no_force_that_finds_the_line_busy_goes_out_after_all() {
     let mut played = Played::new();
     assert!(played.reads(START).is_ok());
-    played.device.write([0.0, 1.0, 0.0]).unwrap();
+    played.device.write([0.0, 1.0, 0.0].into()).unwrap();
     assert!(played.was_told()[0] != 0.0);
     let cutter = played.device.line.cutter();
     let busy = cutter.hold();
-    assert_eq!(played.device.write([0.0; 3]).unwrap(), [0.0; 3]);
+    assert_eq!(played.device.write(Wrench::NONE).unwrap(), Wrench::NONE);
     drop(busy);
     assert_eq!(played.was_told().last(), Some(&0.0));
 }
@@ -322,7 +322,7 @@ fn a_silent_board_is_gone_after_a_second_and_a_dead_port_at_once() {
     let other = Pty::open(None).unwrap();
     drop(std::mem::replace(&mut played.pty, other));
     assert_eq!(played.device.read().unwrap_err(), GONE);
-    assert_eq!(played.device.write([0.0; 3]).unwrap_err(), GONE);
+    assert_eq!(played.device.write([0.0; 3].into()).unwrap_err(), GONE);
 }
 
 /// The other side of a guardian that the test plays.
@@ -353,11 +353,11 @@ fn a_guardian_hears_of_every_torque_and_once_of_none() {
     let socket = guarded(&played);
     assert!(played.reads(START).is_ok());
     assert_eq!(heard(&socket), "");
-    played.device.write([0.0, 1.0, 0.0]).unwrap();
+    played.device.write([0.0, 1.0, 0.0].into()).unwrap();
     assert_eq!(heard(&socket), "F");
     assert!(played.reads(START).is_ok());
     assert_eq!(heard(&socket), "F", "a torque is repeated");
-    played.device.write([0.0; 3]).unwrap();
+    played.device.write([0.0; 3].into()).unwrap();
     assert!(played.reads(START).is_ok());
     assert_eq!(heard(&socket), "0");
 }
@@ -370,7 +370,7 @@ fn a_loop_that_a_guardian_has_cut_drops_what_it_had_begun_and_comes_back() {
     let mut played = Played::new();
     let mut socket = guarded(&played);
     assert!(played.reads(START).is_ok());
-    played.device.write([0.0, 1.0, 0.0]).unwrap();
+    played.device.write([0.0, 1.0, 0.0].into()).unwrap();
     socket.write_all(b"C").unwrap();
     let mut bytes = Vec::new();
     played.pty.wait(Duration::from_secs(5));
@@ -386,7 +386,7 @@ fn a_loop_that_a_guardian_has_cut_drops_what_it_had_begun_and_comes_back() {
     assert_eq!(played.device.counts().guardian_cuts, 1);
     assert_eq!(heard(&socket), "F");
     played.comes_back();
-    played.device.write([0.0, 1.0, 0.0]).unwrap();
+    played.device.write([0.0, 1.0, 0.0].into()).unwrap();
     assert!(heard(&socket).ends_with('F'));
 }
 
@@ -395,13 +395,16 @@ fn without_its_guardian_a_device_gives_no_torque_and_says_so() {
     let mut played = Played::new();
     let socket = guarded(&played);
     assert!(played.reads(START).is_ok());
-    played.device.write([0.0, 1.0, 0.0]).unwrap();
+    played.device.write([0.0, 1.0, 0.0].into()).unwrap();
     drop(socket);
     let ended = unguarded(Unguarded::Ended);
     assert!(ended.what.contains("has ended"), "{ended}");
     assert_eq!(played.reads(START).unwrap_err(), ended);
-    assert_eq!(played.device.write([0.0, 1.0, 0.0]).unwrap_err(), ended);
-    assert!(played.device.write([0.0; 3]).is_ok());
+    assert_eq!(
+        played.device.write([0.0, 1.0, 0.0].into()).unwrap_err(),
+        ended
+    );
+    assert!(played.device.write([0.0; 3].into()).is_ok());
     let mut bytes = Vec::new();
     played.pty.wait(Duration::from_secs(5));
     played.pty.read(&mut bytes);
@@ -417,7 +420,7 @@ fn a_guardian_that_does_not_listen_is_told_from_one_that_has_ended() {
     assert!(played.reads(START).is_ok());
     let mut words = 0;
     let refused = loop {
-        match played.device.write([0.0, 1.0, 0.0]) {
+        match played.device.write([0.0, 1.0, 0.0].into()) {
             Ok(_) => words += 1,
             Err(error) => break error,
         }

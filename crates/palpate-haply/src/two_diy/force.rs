@@ -1,7 +1,7 @@
 //! From a force to torques on the wire, and back to the force that they really make.
 
 use super::board::{Board, LARGEST_TORQUE};
-use super::kinematics::Pose;
+use super::kinematics::ArmPose;
 
 /// Torques of joints 1 and 2 `[N m]`.
 pub type Torques = [f32; 2];
@@ -14,7 +14,7 @@ const LEAST_TORQUE: f64 = 1e-9;
 /// Where a motor cannot give its part, both give less, so that the **direction** of the force stays.
 /// Near a singular pose the force fades. A force that is not finite is none.
 #[must_use]
-pub fn torques(pose: &Pose, board: Board, force: [f64; 2]) -> (Torques, [f64; 2]) {
+pub fn torques(pose: &ArmPose, board: Board, force: [f64; 2]) -> (Torques, [f64; 2]) {
     const NONE: (Torques, [f64; 2]) = ([0.0; 2], [0.0; 2]);
     let wanted = pose.torques(force);
     let most = wanted[0].abs().max(wanted[1].abs());

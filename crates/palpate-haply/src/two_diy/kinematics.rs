@@ -44,7 +44,7 @@ pub enum NoPose {
 
 /// A pose in which forces can be made.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pose {
+pub struct ArmPose {
     /// End-point (x, y) `[m]`.
     pub position: [f64; 2],
     /// Columns of the Jacobian: how the end-point moves with joints 1 and 2 `[m/rad]`.
@@ -68,7 +68,7 @@ impl Geometry {
     ///
     /// # Errors
     /// The angles are no numbers, out of reach, or singular within [`LEAST_SINE`].
-    pub fn pose(&self, [first, second]: [f64; 2]) -> Result<Pose, NoPose> {
+    pub fn pose(&self, [first, second]: [f64; 2]) -> Result<ArmPose, NoPose> {
         if !(first.is_finite() && second.is_finite()) {
             return Err(NoPose::NotANumber);
         }
@@ -100,7 +100,7 @@ impl Geometry {
             let rate = l * (angle - own).sin() / (own - other).sin();
             [rate * other.sin(), -rate * other.cos()]
         };
-        Ok(Pose {
+        Ok(ArmPose {
             position,
             columns: [
                 column(first, along_first, along_second),
@@ -111,7 +111,7 @@ impl Geometry {
     }
 }
 
-impl Pose {
+impl ArmPose {
     /// Torques of joints 1 and 2 `[N m]` that make `force` `[N]` on the end-point: the transpose of
     /// the Jacobian times it.
     #[must_use]
@@ -152,7 +152,7 @@ mod tests {
     use super::*;
     use crate::two_diy::Generation;
 
-    fn pose(generation: Generation, degrees: [f64; 2]) -> Pose {
+    fn pose(generation: Generation, degrees: [f64; 2]) -> ArmPose {
         let angles = degrees.map(f64::to_radians);
         generation.layout().geometry.pose(angles).unwrap()
     }

@@ -1,6 +1,6 @@
 //! Which motor and which encoder is on which port, and how long the links are.
 
-use super::kinematics::{Geometry, NoPose, Pose};
+use super::kinematics::{ArmPose, Geometry, NoPose};
 
 /// Which way a motor or an encoder counts as positive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -161,7 +161,7 @@ impl Layout {
     ///
     /// # Errors
     /// The links do not reach it, or it is singular.
-    pub fn start_pose(&self) -> Result<Pose, NoPose> {
+    pub fn start_pose(&self) -> Result<ArmPose, NoPose> {
         let angles = self.joints.map(|joint| f64::from(joint.start).to_radians());
         self.geometry.pose(angles)
     }

@@ -20,7 +20,7 @@ fn a_force_moves_the_device_in_both_forms() {
         let force = [1.0, 0.0, -2.0];
         let mut last = next(&mut device);
         wait_until("the device to move", || {
-            assert_eq!(device.write(force), Ok(force));
+            assert_eq!(device.write(force.into()), Ok(force.into()));
             let reading = next(&mut device);
             assert!(reading.time > last.time);
             last = reading;
@@ -43,7 +43,7 @@ fn a_force_moves_the_device_in_both_forms() {
 fn the_last_message_of_a_device_that_goes_commands_no_force() {
     let emulator = emulator(Form::V35);
     let mut device = open(&emulator);
-    device.write([0.0, 3.0, 0.0]).unwrap();
+    device.write([0.0, 3.0, 0.0].into()).unwrap();
     wait_until("the force", || emulator.force(ID) == Some([0.0, 3.0, 0.0]));
     drop(device);
     assert_eq!(emulator.received().last().unwrap().force, Some([0.0; 3]));
@@ -54,7 +54,7 @@ fn the_last_message_of_a_device_that_goes_commands_no_force() {
 fn a_thread_that_panics_lets_go_of_the_device() {
     let emulator = emulator(Form::V35);
     let mut device = open(&emulator);
-    device.write([0.0, 3.0, 0.0]).unwrap();
+    device.write([0.0, 3.0, 0.0].into()).unwrap();
     wait_until("the force", || emulator.force(ID) == Some([0.0, 3.0, 0.0]));
     let panicked = std::thread::spawn(move || {
         let _device = device;
@@ -84,7 +84,7 @@ fn the_supervisors_cut_goes_out_by_itself_and_lasts_until_the_next_order() {
     let mut device = open_patient(&emulator);
     let mut zero = device.zero_writer().unwrap();
     let force = [2.0, 0.0, 0.0];
-    device.write(force).unwrap();
+    device.write(force.into()).unwrap();
     wait_until("the force", || emulator.force(ID) == Some(force));
     let cut = Instant::now();
     zero.write_zero();
@@ -94,7 +94,7 @@ fn the_supervisors_cut_goes_out_by_itself_and_lasts_until_the_next_order() {
     std::thread::sleep(ms(20));
     assert_eq!(commanded(), Some([0.0; 3]));
     assert_eq!(emulator.force(ID), Some([0.0; 3]));
-    device.write(force).unwrap();
+    device.write(force.into()).unwrap();
     wait_until("the force again", || emulator.force(ID) == Some(force));
 }
 
@@ -103,16 +103,16 @@ fn no_force_does_not_wait_for_an_answer() {
     let emulator = emulator(Form::V35);
     let mut device = open_patient(&emulator);
     let inspector = device.inspector();
-    device.write([1.0, 0.0, 0.0]).unwrap();
+    device.write([1.0, 0.0, 0.0].into()).unwrap();
     wait_until("the force", || emulator.force(ID) == Some([1.0, 0.0, 0.0]));
     emulator.inject(Fault::Stall(ms(1000)));
     std::thread::sleep(ms(50));
     // Another force waits, none does not.
     let (sent, received) = (inspector.counts().sent, emulator.received().len());
-    device.write([2.0, 0.0, 0.0]).unwrap();
+    device.write([2.0, 0.0, 0.0].into()).unwrap();
     std::thread::sleep(ms(50));
     assert_eq!(inspector.counts().sent, sent);
-    device.write([0.0; 3]).unwrap();
+    device.write([0.0; 3].into()).unwrap();
     wait_until("it is sent", || inspector.counts().sent > sent);
     assert_eq!(emulator.received().len(), received, "it still stands");
     wait_until("it is back", || emulator.received().len() > received + 1);
@@ -136,7 +136,7 @@ fn a_loop_that_says_nothing_any_more_holds_no_force() {
     };
     let mut device = Inverse3::open(&patient, MonotonicClock::new()).unwrap();
     let ordered = Instant::now();
-    device.write([2.0, 0.0, 0.0]).unwrap();
+    device.write([2.0, 0.0, 0.0].into()).unwrap();
     wait_until("the force", || emulator.force(ID) == Some([2.0, 0.0, 0.0]));
     wait_until("no force", || emulator.force(ID) == Some([0.0; 3]));
     assert!(ordered.elapsed() >= Pace::default().hold);
@@ -171,7 +171,7 @@ fn each_message_has_one_answer_and_one_answer_is_one_sample() {
                 nothing += 1;
             }
         }
-        device.write([0.0; 3]).unwrap();
+        device.write([0.0; 3].into()).unwrap();
         std::thread::sleep(ms(1));
     }
     drop(device);
@@ -228,14 +228,14 @@ fn a_slow_loop_keeps_its_force() {
         MonotonicClock::new(),
     )
     .unwrap();
-    device.write([1.0, 0.0, 0.0]).unwrap();
+    device.write([1.0, 0.0, 0.0].into()).unwrap();
     wait_until("the force", || emulator.force(ID) == Some([1.0, 0.0, 0.0]));
     for _ in 0..2 {
         std::thread::sleep(ms(400));
         // A busy machine may have let go of it for a moment; a service that idles does for good.
         wait_until("the force", || emulator.force(ID) == Some([1.0, 0.0, 0.0]));
         next(&mut device);
-        device.write([1.0, 0.0, 0.0]).unwrap();
+        device.write([1.0, 0.0, 0.0].into()).unwrap();
     }
 }
 
@@ -243,10 +243,10 @@ fn a_slow_loop_keeps_its_force() {
 fn a_force_beyond_the_largest_is_shortened_and_one_that_is_none_is_refused() {
     let emulator = emulator(Form::V35);
     let mut device = open(&emulator);
-    let given = device.write([0.0, 30.0, -40.0]).unwrap();
+    let given = device.write([0.0, 30.0, -40.0].into()).unwrap().force;
     assert!((given[1] - 6.0).abs() < 1e-12 && (given[2] + 8.0).abs() < 1e-12);
     wait_until("the force", || emulator.force(ID) == Some(given));
-    let error = device.write([f64::NAN, 0.0, 0.0]).unwrap_err();
+    let error = device.write([f64::NAN, 0.0, 0.0].into()).unwrap_err();
     assert_eq!(error.kind, DeviceErrorKind::Refused);
     wait_until("no force", || emulator.force(ID) == Some([0.0; 3]));
 }

@@ -22,7 +22,7 @@ fn driven(device: &mut Inverse3<MonotonicClock>, duration: Duration) {
     let until = Instant::now() + duration;
     while Instant::now() < until {
         let _ = device.read();
-        let _ = device.write(FORCE);
+        let _ = device.write(FORCE.into());
         std::thread::sleep(ms(1));
     }
 }
@@ -38,7 +38,7 @@ fn after(emulator: &Emulator, fault: Fault) -> Counts {
     let counts = device.inspector().counts();
     assert!(counts.fresh > before + 5, "{fault:?}: {counts:?}");
     wait_until("the force again", || {
-        let _ = device.write(FORCE);
+        let _ = device.write(FORCE.into());
         emulator.force(ID) == Some(FORCE)
     });
     println!("{fault:?}: {counts:?}");
@@ -112,7 +112,7 @@ fn a_service_that_stands_still_is_commanded_no_force_when_it_comes_back() {
     let emulator = emulator(Form::V35);
     let mut device = open(&emulator);
     wait_until("the force", || {
-        device.write(FORCE).unwrap();
+        device.write(FORCE.into()).unwrap();
         emulator.force(ID) == Some(FORCE)
     });
     emulator.inject(Fault::Stall(ms(100)));
@@ -128,7 +128,7 @@ fn a_service_that_stands_still_is_commanded_no_force_when_it_comes_back() {
     let received = emulator.received();
     assert_eq!(received[before + 1].force, Some([0.0; 3]));
     wait_until("the force again", || {
-        device.write(FORCE).unwrap();
+        device.write(FORCE.into()).unwrap();
         emulator.force(ID) == Some(FORCE)
     });
     assert!(device.inspector().counts().late >= 1);
@@ -165,7 +165,7 @@ fn a_connection_that_ends_is_told_and_the_device_can_be_opened_again() {
     ] {
         let mut device = open(&emulator);
         wait_until("the force", || {
-            device.write(FORCE).unwrap();
+            device.write(FORCE.into()).unwrap();
             emulator.force(ID) == Some(FORCE)
         });
         emulator.inject(fault);
@@ -174,7 +174,7 @@ fn a_connection_that_ends_is_told_and_the_device_can_be_opened_again() {
         assert!(error.what.contains(words), "{fault:?}: {error}");
         // It stays so, and no force is taken.
         assert_eq!(device.read().unwrap_err(), error);
-        assert_eq!(device.write(FORCE).unwrap_err(), error);
+        assert_eq!(device.write(FORCE.into()).unwrap_err(), error);
         wait_until("the service to idle it", || {
             emulator.force(ID) == Some([0.0; 3])
         });
@@ -188,7 +188,7 @@ fn a_device_that_is_unplugged_is_gone() {
     let emulator = emulator(Form::V35);
     let mut device = open(&emulator);
     wait_until("the force", || {
-        device.write(FORCE).unwrap();
+        device.write(FORCE.into()).unwrap();
         emulator.force(ID) == Some(FORCE)
     });
     emulator.set_present(ID, false);
@@ -240,22 +240,22 @@ fn a_device_that_loses_its_power_takes_no_force_until_it_has_it_again() {
     let emulator = emulator(Form::V35);
     let mut device = open(&emulator);
     wait_until("the force", || {
-        device.write(FORCE).unwrap();
+        device.write(FORCE.into()).unwrap();
         emulator.force(ID) == Some(FORCE)
     });
     emulator.set_status(ID, |status| status.power_supply = Some(false));
     let error = error_under(&mut device, FORCE);
     assert_eq!(error.kind, DeviceErrorKind::Refused);
     assert!(error.what.contains("lost the power"), "{error}");
-    assert_eq!(device.write(FORCE).unwrap_err(), error);
+    assert_eq!(device.write(FORCE.into()).unwrap_err(), error);
     wait_until("no force", || emulator.force(ID) == Some([0.0; 3]));
     // However often one is asked for.
     driven(&mut device, ms(50));
     assert_eq!(emulator.force(ID), Some([0.0; 3]));
-    assert_eq!(device.write([0.0; 3]), Ok([0.0; 3]));
+    assert_eq!(device.write([0.0; 3].into()), Ok([0.0; 3].into()));
     emulator.set_status(ID, |status| status.power_supply = Some(true));
     wait_until("the force again", || {
-        let _ = device.write(FORCE);
+        let _ = device.write(FORCE.into());
         emulator.force(ID) == Some(FORCE)
     });
 }
@@ -272,7 +272,7 @@ fn power_that_comes_back_between_two_looks_gives_no_force_before_the_loop_knows(
         ..options(&emulator)
     };
     let mut device = Inverse3::open(&patient, MonotonicClock::new()).unwrap();
-    device.write(FORCE).unwrap();
+    device.write(FORCE.into()).unwrap();
     wait_until("the force", || emulator.force(ID) == Some(FORCE));
     emulator.set_status(ID, |status| status.power_supply = Some(false));
     wait_until("no force", || emulator.force(ID) == Some([0.0; 3]));
@@ -290,7 +290,7 @@ fn power_that_comes_back_between_two_looks_gives_no_force_before_the_loop_knows(
     wait_until("exchanges", || exchanged(20));
     assert_eq!(emulator.force(ID), Some([0.0; 3]));
     next(&mut device);
-    device.write(FORCE).unwrap();
+    device.write(FORCE.into()).unwrap();
     wait_until("the force again", || emulator.force(ID) == Some(FORCE));
 }
 

@@ -15,7 +15,7 @@ mod wall;
 use std::time::{Duration, Instant};
 
 use palpate_device::clock::MonotonicClock;
-use palpate_device::{Device, DeviceError, DeviceErrorKind, Reading};
+use palpate_device::{Device, DeviceError, DeviceErrorKind, Pose};
 use palpate_haply::inverse3::{Form, Inverse3, Inverse3Options};
 use palpate_haply_emulator::inverse3::{Emulator, EmulatorOptions};
 
@@ -57,7 +57,7 @@ pub(crate) fn wait_until(what: &str, mut holds: impl FnMut() -> bool) {
 
 /// The next sample.
 #[track_caller]
-pub(crate) fn next(device: &mut Inverse3<MonotonicClock>) -> Reading {
+pub(crate) fn next(device: &mut Inverse3<MonotonicClock>) -> Pose {
     let mut found = None;
     wait_until("a sample", || match device.read() {
         Ok(reading) => {
@@ -81,7 +81,7 @@ pub(crate) fn error_under(device: &mut Inverse3<MonotonicClock>, force: [f64; 3]
             .read()
             .err()
             .filter(|error| error.kind != DeviceErrorKind::NothingNew);
-        let _ = device.write(force);
+        let _ = device.write(force.into());
         found.is_some()
     });
     found.unwrap()

@@ -83,7 +83,7 @@ fn of_several_devices_one_has_to_be_chosen() {
     );
     asked.device_id = Some("04BA".into());
     let mut device = Inverse3::open(&asked, MonotonicClock::new()).unwrap();
-    palpate_device::Device::write(&mut device, [1.0, 0.0, 0.0]).unwrap();
+    palpate_device::Device::write(&mut device, [1.0, 0.0, 0.0].into()).unwrap();
     wait_until("the force", || {
         emulator.force("04BA") == Some([1.0, 0.0, 0.0])
     });

@@ -1,5 +1,5 @@
 use palpate_device::clock::Clock;
-use palpate_device::{Capabilities, DeviceError, Reading, Vector, ZeroWriter};
+use palpate_device::{Capabilities, DeviceError, Pose, Wrench, ZeroWriter};
 use palpate_rt::realtime::Request;
 use palpate_rt::{Ending, LoopThread, StopFlag};
 
@@ -17,7 +17,7 @@ impl<D: Device> Device for Spoilt<D> {
     fn capabilities(&self) -> &Capabilities {
         self.device.capabilities()
     }
-    fn read(&mut self) -> Result<Reading, DeviceError> {
+    fn read(&mut self) -> Result<Pose, DeviceError> {
         self.reads += 1;
         assert!(self.panics_at != Some(self.reads), "so it was told");
         if self.stands_still_at == Some(self.reads) {
@@ -25,8 +25,8 @@ impl<D: Device> Device for Spoilt<D> {
         }
         self.device.read()
     }
-    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
-        self.device.write(force)
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+        self.device.write(wrench)
     }
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
         self.device.zero_writer()
@@ -65,7 +65,7 @@ fn dropped_or_closed_it_holds_no_torque() {
         let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
         let mut device = open_in_the_middle(&emulator, SLOW);
         device.read().unwrap();
-        device.write([0.3, -0.8, 0.0]).unwrap();
+        device.write([0.3, -0.8, 0.0].into()).unwrap();
         pressing(&emulator);
         if closed {
             device.close().unwrap();
@@ -142,7 +142,7 @@ fn the_zero_writer_waits_for_nobody() {
     let mut device = open_in_the_middle(&emulator, SLOW);
     let mut zero = device.zero_writer().unwrap();
     device.read().unwrap();
-    device.write([0.0, -1.0, 0.0]).unwrap();
+    device.write([0.0, -1.0, 0.0].into()).unwrap();
     pressing(&emulator);
     emulator.suffer(Fault::Stall(Duration::from_millis(200)));
     std::thread::sleep(Duration::from_millis(5));

@@ -13,7 +13,7 @@ use std::path::Path;
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use palpate::{AnyParams, Contact, LoopParams, ObjectState, Placement};
+use palpate::{AlongAxis, AnyParams, Contact, LoopParams, ObjectState};
 use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
 use palpate_haply::two_diy::{Board, Calibration, Generation, OpenError, Options, TwoDiy};
@@ -80,10 +80,10 @@ fn wall<D: Device>(
         ..SafetyParams::for_device(device.capabilities())
     };
     let origin = [THERE[0], THERE[1] - 0.008, 0.0];
-    let placement = Placement::new(origin, [0.0, 1.0, 0.0]).unwrap();
+    let axis = AlongAxis::new(origin, [0.0, 1.0, 0.0]).unwrap();
     ControlLoop::new(device, clock(), rendering, limits)
         .unwrap()
-        .along(placement)
+        .along(axis)
 }
 
 fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {

@@ -42,7 +42,10 @@ fn every_generation_opens_on_every_board_and_makes_the_force_it_is_asked_for() {
                     );
                 }
                 let force = [0.3, 0.2];
-                let given = device.write([force[0], force[1], 0.0]).unwrap();
+                let given = device
+                    .write([force[0], force[1], 0.0].into())
+                    .unwrap()
+                    .force;
                 for k in 0..2 {
                     assert!((given[k] - force[k]).abs() < 0.01, "{what}: {given:?}");
                 }
@@ -149,7 +152,7 @@ fn a_program_that_holds_a_torque() {
     let port = std::env::var_os(PORT).expect("the port to hold a torque on");
     let mut device = open_at(port.as_ref(), SLOW).unwrap();
     device.read().unwrap();
-    device.write([0.0, 1.0, 0.0]).unwrap();
+    device.write([0.0, 1.0, 0.0].into()).unwrap();
     loop {
         std::thread::park();
     }

@@ -16,12 +16,12 @@ pub use supervisor::{Heartbeat, Supervisor};
 pub use trip::Trip;
 
 use oscillation::Oscillation;
-use palpate_device::Vector;
+use palpate_device::{Vector, Wrench};
 
-/// Limits that changed a force on its way to the device.
+/// Limits that changed a wrench on its way to the device.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Bounded {
-    /// It exceeded the largest force.
+    /// Its force or its torque exceeded the largest one.
     pub force: bool,
     /// It changed faster than the slew limit.
     pub slew: bool,
@@ -46,8 +46,8 @@ pub struct Rendered {
     pub position: Vector,
     /// The same along the contact's axis `[m]`.
     pub coordinate: f64,
-    /// Force on the device that the renderer asks for, along the contact's axis `[N]`.
-    pub force: f64,
+    /// Force and torque on the device that are asked for.
+    pub wrench: Wrench,
     /// Energy that held forces have created so far: the ledger's accumulated leak `[J]`.
     pub created_energy: f64,
     /// Whether the renderer refused the sample, and so asks for no force.
@@ -59,8 +59,8 @@ pub struct Rendered {
 /// What is to be commanded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict {
-    /// Force on the device along the contact's axis `[N]`; finite whatever was asked for.
-    pub force: f64,
+    /// Force and torque on the device; finite whatever was asked for.
+    pub wrench: Wrench,
     /// Limits that changed it.
     pub bounded: Bounded,
     /// A trip that began with this sample.
@@ -87,8 +87,8 @@ struct SoftStart {
 pub struct Safety {
     params: SafetyParams,
     period: f64,
-    /// Force commanded last `[N]`.
-    commanded: f64,
+    /// What was commanded last.
+    commanded: Wrench,
     last_position: Option<Vector>,
     trip: Option<Trip>,
     /// A force that comes back; `None`: it is all there, or there was nothing to bring back.
@@ -114,7 +114,7 @@ impl Safety {
             away: 0.0,
             params,
             period,
-            commanded: 0.0,
+            commanded: Wrench::NONE,
             last_position: None,
             trip: None,
             soft: None,
@@ -169,35 +169,46 @@ impl Safety {
             return self.none(tripped, recovered);
         }
         let mut bounded = Bounded::default();
-        let mut force = rendered.force;
-        // Before it comes in: what is clamped afterwards is there at once.
-        if force.abs() > self.params.largest_force {
-            force = self.params.largest_force.copysign(force);
-            bounded.force = true;
-        }
+        let SafetyParams {
+            largest_force,
+            largest_torque,
+            slew_limit,
+            torque_slew_limit,
+            ..
+        } = self.params;
+        // Before it comes in: what is shortened afterwards is there at once.
+        let force = shortened(rendered.wrench.force, largest_force);
+        let torque = shortened(rendered.wrench.torque, largest_torque);
+        bounded.force = force.is_some() || torque.is_some();
+        let mut wrench = Wrench {
+            force: force.unwrap_or(rendered.wrench.force),
+            torque: torque.unwrap_or(rendered.wrench.torque),
+        };
         self.away = 0.0;
         if let Some(duration) = self.fresh.take() {
             // A force that begins at 0 by itself need not be brought in.
-            self.soft = (force != 0.0 && duration > 0.0).then(|| SoftStart {
+            self.soft = (wrench != Wrench::NONE && duration > 0.0).then(|| SoftStart {
                 part: 0.0,
                 step: self.period / duration,
             });
         }
         if let Some(SoftStart { part, step }) = self.soft {
-            force *= part;
+            wrench = wrench.each(|vector| vector.map(|x| x * part));
             bounded.soft_start = true;
             let part = part + step;
             self.soft = (part < 1.0).then_some(SoftStart { part, step });
         }
-        let largest_change = self.params.slew_limit * self.period;
-        let change = force - self.commanded;
-        if change.abs() > largest_change {
-            force = self.commanded + largest_change.copysign(change);
-            bounded.slew = true;
-        }
-        self.commanded = force;
+        let force = slewed(self.commanded.force, wrench.force, slew_limit * self.period);
+        let largest_change = torque_slew_limit * self.period;
+        let torque = slewed(self.commanded.torque, wrench.torque, largest_change);
+        bounded.slew = force.is_some() || torque.is_some();
+        wrench = Wrench {
+            force: force.unwrap_or(wrench.force),
+            torque: torque.unwrap_or(wrench.torque),
+        };
+        self.commanded = wrench;
         Verdict {
-            force,
+            wrench,
             bounded,
             tripped,
             recovered,
@@ -209,7 +220,7 @@ impl Safety {
         self.missing += 1;
         if self.missing < self.params.stale_after && self.trip.is_none() {
             return Verdict {
-                force: self.commanded,
+                wrench: self.commanded,
                 bounded: Bounded::default(),
                 tripped: None,
                 recovered: None,
@@ -255,7 +266,7 @@ impl Safety {
 
     /// No force is held any more, by the loop's own will: should it go on, the next one comes in softly.
     pub fn let_go(&mut self) {
-        self.commanded = 0.0;
+        self.commanded = Wrench::NONE;
         self.soft = None;
         self.fresh = Some(self.params.soft_start);
     }
@@ -268,13 +279,13 @@ impl Safety {
     }
 
     fn none(&mut self, tripped: Option<Trip>, recovered: Option<Trip>) -> Verdict {
-        self.commanded = 0.0;
+        self.commanded = Wrench::NONE;
         if let Some(SoftStart { part, step }) = self.soft.take() {
             let to_come = (1.0 - part) / step * self.period;
             self.fresh = Some(self.fresh.map_or(to_come, |pending| pending.max(to_come)));
         }
         Verdict {
-            force: 0.0,
+            wrench: Wrench::NONE,
             bounded: Bounded::default(),
             tripped,
             recovered,
@@ -298,7 +309,7 @@ impl Safety {
     }
 
     fn find_in_motion(&self, rendered: &Rendered) -> Option<Trip> {
-        if !is_finite(&rendered.position) || !rendered.force.is_finite() {
+        if !is_finite(&rendered.position) || !rendered.wrench.is_finite() {
             return Some(Trip::NotANumber);
         }
         if let Some([lower, upper]) = self.params.workspace {
@@ -325,4 +336,26 @@ impl Safety {
 
 fn is_finite(position: &Vector) -> bool {
     position.iter().all(|x| x.is_finite())
+}
+
+/// The vector in its direction at this length, if it is longer by more than rounding; to the last digit
+/// where it lies along an axis.
+fn shortened(vector: Vector, longest: f64) -> Option<Vector> {
+    let most = vector.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    if most == 0.0 {
+        return None;
+    }
+    // In units of the largest component: the square of a huge number is none.
+    let direction = vector.map(|x| x / most);
+    let length = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let is_too_long = most * length > longest * (1.0 + 4.0 * f64::EPSILON);
+    is_too_long.then(|| direction.map(|x| longest * (x / length)))
+}
+
+/// The vector on the straight line from `before` to `wanted` at this distance, if `wanted` is farther.
+fn slewed(before: Vector, wanted: Vector, farthest: f64) -> Option<Vector> {
+    let [x, y, z] = wanted;
+    let [bx, by, bz] = before;
+    let [dx, dy, dz] = shortened([x - bx, y - by, z - bz], farthest)?;
+    Some([bx + dx, by + dy, bz + dz])
 }

@@ -9,10 +9,14 @@ use palpate_device::{Capabilities, Vector};
 /// [`for_device`](Self::for_device) fits it to one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SafetyParams {
-    /// Largest force along the contact's axis `[N]`.
+    /// Largest length of the force `[N]`.
     pub largest_force: f64,
+    /// Largest length of the torque `[N m]`.
+    pub largest_torque: f64,
     /// Largest change of the force per second `[N/s]`; infinite: none.
     pub slew_limit: f64,
+    /// Largest change of the torque per second `[N m/s]`; infinite: none.
+    pub torque_slew_limit: f64,
     /// Box of the end-point, lower and upper corner `[m]`; outside it the motors are off.
     pub workspace: Option<[Vector; 2]>,
     /// Where the device may be along the contact's axis, from the first to the second `[m]`; outside
@@ -39,7 +43,9 @@ impl Default for SafetyParams {
     fn default() -> Self {
         Self {
             largest_force: 20.0,
+            largest_torque: 1.0,
             slew_limit: f64::INFINITY,
+            torque_slew_limit: f64::INFINITY,
             workspace: None,
             range: None,
             largest_speed: 5.0,
@@ -62,6 +68,11 @@ impl SafetyParams {
             largest_force: device.largest_force.map_or(limits.largest_force, |force| {
                 limits.largest_force.min(force)
             }),
+            largest_torque: device
+                .largest_torque
+                .map_or(limits.largest_torque, |torque| {
+                    limits.largest_torque.min(torque)
+                }),
             workspace: device.workspace,
             ..limits
         }
@@ -99,7 +110,14 @@ impl SafetyParams {
             self.largest_force > 0.0 && self.largest_force.is_finite(),
             "finite and above 0 [N]",
         )?;
+        named(
+            "largest torque",
+            self.largest_torque,
+            self.largest_torque > 0.0 && self.largest_torque.is_finite(),
+            "finite and above 0 [N m]",
+        )?;
         positive("slew limit", self.slew_limit)?;
+        positive("slew limit of the torque", self.torque_slew_limit)?;
         positive("largest speed", self.largest_speed)?;
         positive("energy of an oscillation", self.oscillation.energy)?;
         positive("window of an oscillation", self.oscillation.window)?;

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
 use palpate_device::clock::{Clock, SteppedClock};
 use palpate_device::{
-    Capabilities, Device, DeviceError, DeviceErrorKind, NullDevice, Reading, Step, Vector,
+    Capabilities, Device, DeviceError, DeviceErrorKind, NullDevice, Pose, Step, Wrench,
 };
 use palpate_rt::safety::{SafetyParams, Trip};
 use palpate_rt::{ControlLoop, Ending, StopFlag, Told, tap};
@@ -26,22 +26,23 @@ impl Device for Pressed {
         self.device.capabilities()
     }
 
-    fn read(&mut self) -> Result<Reading, DeviceError> {
+    fn read(&mut self) -> Result<Pose, DeviceError> {
         let reading = self.device.read()?;
-        Ok(Reading {
+        Ok(Pose {
+            orientation: None,
             position: [2e-3, 0.0, 0.0],
             ..reading
         })
     }
 
-    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
         let left = self.refusals.load(Ordering::SeqCst);
-        if force == [0.0; 3] && left > 0 {
+        if wrench == Wrench::NONE && left > 0 {
             self.refusals.store(left - 1, Ordering::SeqCst);
             return Err(DeviceError::new(DeviceErrorKind::Refused, "not now"));
         }
-        self.held.store(force[0].to_bits(), Ordering::SeqCst);
-        Ok(force)
+        self.held.store(wrench.force[0].to_bits(), Ordering::SeqCst);
+        Ok(wrench)
     }
 }
 

@@ -1,5 +1,6 @@
 //! Safety by itself: what it lets through.
 
+use palpate_device::Wrench;
 use palpate_rt::safety::{OscillationParams, Rendered, Safety, SafetyParams, Trip};
 
 /// A fresh sample a millisecond after the last.
@@ -8,7 +9,7 @@ fn sample(position: [f64; 3], force: f64) -> Rendered {
         elapsed: Some(0.001),
         position,
         coordinate: position[0],
-        force,
+        wrench: Wrench::of_force([force, 0.0, 0.0]),
         created_energy: 0.0,
         refused: false,
         stalled: false,
@@ -31,11 +32,11 @@ const HERE: [f64; 3] = [0.0; 3];
 fn a_force_that_is_no_number_is_none() {
     for force in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let mut safety = safety();
-        assert_eq!(safety.judge(&sample(HERE, 1.0)).force, 1.0);
+        assert_eq!(safety.judge(&sample(HERE, 1.0)).wrench.force[0], 1.0);
         let verdict = safety.judge(&sample(HERE, force));
-        assert_eq!(verdict.force, 0.0);
+        assert_eq!(verdict.wrench.force[0], 0.0);
         assert_eq!(verdict.tripped, Some(Trip::NotANumber));
-        assert_eq!(safety.judge(&sample(HERE, 1.0)).force, 1.0);
+        assert_eq!(safety.judge(&sample(HERE, 1.0)).wrench.force[0], 1.0);
     }
 }
 
@@ -47,10 +48,10 @@ fn the_box_has_six_sides() {
             let mut position = HERE;
             position[axis] = sign * extent;
             let mut safety = safety();
-            assert_eq!(safety.judge(&sample(position, 1.0)).force, 1.0);
+            assert_eq!(safety.judge(&sample(position, 1.0)).wrench.force[0], 1.0);
             position[axis] = sign * (extent + 1e-9);
             let verdict = safety.judge(&sample(position, 1.0));
-            assert_eq!(verdict.force, 0.0);
+            assert_eq!(verdict.wrench.force[0], 0.0);
             assert_eq!(verdict.tripped, Some(Trip::OutsideWorkspace));
         }
     }
@@ -76,7 +77,7 @@ fn the_range_lies_along_the_axis_of_the_contact() {
             coordinate,
             ..sample([0.3, -0.2, 0.1], 1.0)
         });
-        assert_eq!(verdict.force == 1.0, is_inside, "{coordinate}");
+        assert_eq!(verdict.wrench.force[0] == 1.0, is_inside, "{coordinate}");
         let trip = (!is_inside).then_some(Trip::OutsideWorkspace);
         assert_eq!(verdict.tripped, trip, "{coordinate}");
     }
@@ -93,7 +94,7 @@ fn of_two_trips_the_one_that_stays_is_kept() {
     assert_eq!(safety.trip_on(Trip::Stalled).tripped, None);
     safety.missing();
     safety.missing();
-    assert_eq!(safety.judge(&sample(HERE, 1.0)).force, 0.0);
+    assert_eq!(safety.judge(&sample(HERE, 1.0)).wrench.force[0], 0.0);
     assert_eq!(safety.trip(), Some(Trip::OutsideWorkspace));
 }
 
@@ -101,11 +102,11 @@ fn of_two_trips_the_one_that_stays_is_kept() {
 fn missing_samples_that_do_not_follow_each_other_do_not_add_up() {
     let mut safety = safety();
     for _ in 0..5 {
-        assert_eq!(safety.judge(&sample(HERE, 1.0)).force, 1.0);
-        assert_eq!(safety.missing().force, 1.0);
+        assert_eq!(safety.judge(&sample(HERE, 1.0)).wrench.force[0], 1.0);
+        assert_eq!(safety.missing().wrench.force[0], 1.0);
     }
     assert_eq!(safety.trip(), None);
-    assert_eq!(safety.missing().force, 0.0);
+    assert_eq!(safety.missing().wrench.force[0], 0.0);
     assert_eq!(safety.trip(), Some(Trip::StaleSample));
 }
 
@@ -135,4 +136,98 @@ fn created_energy_counts_for_a_while_only() {
     assert_eq!(created(0.01), None);
     let number = created(1e-6).unwrap();
     assert!((50..=52).contains(&number), "{number}");
+}
+
+fn with(wrench: Wrench) -> Rendered {
+    Rendered {
+        wrench,
+        ..sample(HERE, 0.0)
+    }
+}
+
+/// A force that is too long keeps its direction, and so does a torque; neither shortens the other.
+#[test]
+fn what_is_too_long_keeps_its_direction() {
+    let limits = SafetyParams {
+        largest_force: 10.0,
+        largest_torque: 0.5,
+        soft_start: 0.0,
+        ..SafetyParams::default()
+    };
+    let mut safety = Safety::new(limits, 0.001).unwrap();
+    let long = Wrench {
+        force: [12.0, 0.0, -16.0],
+        torque: [0.0, 0.3, 0.0],
+    };
+    let verdict = safety.judge(&with(long));
+    assert_eq!(verdict.wrench.force, [6.0, 0.0, -8.0]);
+    assert_eq!(verdict.wrench.torque, long.torque);
+    assert!(verdict.bounded.force);
+    let twisted = Wrench {
+        force: [6.0, 0.0, -8.0],
+        torque: [0.0, -3.0, 4.0],
+    };
+    let verdict = safety.judge(&with(twisted));
+    assert_eq!(verdict.wrench.force, twisted.force);
+    for (given, wanted) in verdict.wrench.torque.iter().zip([0.0, -0.3, 0.4]) {
+        assert!((given - wanted).abs() < 1e-15, "{verdict:?}");
+    }
+    // Each component by itself would pass.
+    let diagonal = Wrench::of_force([9.0, 9.0, 9.0]);
+    let [x, y, z] = safety.judge(&with(diagonal)).wrench.force;
+    assert!((x * x + y * y + z * z - 100.0).abs() < 1e-12 && x == y && y == z);
+}
+
+#[test]
+fn a_wrench_that_changes_too_fast_goes_straight_to_the_new_one() {
+    let limits = SafetyParams {
+        slew_limit: 1000.0,
+        torque_slew_limit: 100.0,
+        soft_start: 0.0,
+        ..SafetyParams::default()
+    };
+    let mut safety = Safety::new(limits, 0.001).unwrap();
+    let wanted = Wrench {
+        force: [0.0, 3.0, 4.0],
+        torque: [0.3, 0.0, 0.0],
+    };
+    let mut before = Wrench::NONE;
+    for step in 1..=5 {
+        let verdict = safety.judge(&with(wanted));
+        let now = verdict.wrench;
+        assert_eq!(verdict.bounded.slew, step < 5, "{step}");
+        let change: f64 = (0..3)
+            .map(|k| (now.force[k] - before.force[k]).powi(2))
+            .sum();
+        assert!((change.sqrt() - 1.0).abs() < 1e-12, "{step}: {now:?}");
+        assert!(
+            (now.force[1] / now.force[2] - 0.75).abs() < 1e-12,
+            "{now:?}"
+        );
+        assert!((now.torque[0] - (0.1 * f64::from(step)).min(0.3)).abs() < 1e-12);
+        before = now;
+    }
+    assert_eq!(before, wanted);
+}
+
+#[test]
+fn a_torque_that_is_no_number_is_none() {
+    let mut safety = safety();
+    let torque = [0.0, f64::NAN, 0.0];
+    let verdict = safety.judge(&with(Wrench {
+        torque,
+        ..Wrench::NONE
+    }));
+    assert_eq!(verdict.tripped, Some(Trip::NotANumber));
+    assert_eq!(verdict.wrench, Wrench::NONE);
+}
+
+/// The squares of such forces are none.
+#[test]
+fn forces_of_any_size_are_shortened() {
+    let mut safety = safety();
+    for size in [1e200, f64::MAX] {
+        let [x, y, _] = safety.judge(&with([size, -size, 0.0].into())).wrench.force;
+        assert!((x.hypot(y) - 20.0).abs() < 1e-12 && y == -x, "{size}");
+    }
 }

@@ -79,11 +79,11 @@ fn a_simulated_device_that_is_cut_holds_no_force_from_then_on() {
     let mut zero = devices[0].zero_writer().unwrap();
     for device in &mut devices {
         device.read().unwrap();
-        device.write([-3.0, 0.0, 0.0]).unwrap();
+        device.write([-3.0, 0.0, 0.0].into()).unwrap();
     }
     clock.advance(Duration::from_millis(3));
     zero.write_zero();
-    devices[1].write([0.0; 3]).unwrap();
+    devices[1].write([0.0; 3].into()).unwrap();
     clock.advance(Duration::from_millis(5));
     // It was done; a second time changes nothing.
     zero.write_zero();

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use palpate_device::clock::{Clock, SteppedClock};
-use palpate_device::{Capabilities, Device, DeviceError, NullDevice, Reading, Vector};
+use palpate_device::{Capabilities, Device, DeviceError, NullDevice, Pose, Wrench};
 use palpate_rt::safety::Trip;
 use palpate_rt::{ControlLoop, Ending, Note, StopFlag, Told, tap};
 use palpate_scene::method::MethodName;
@@ -24,7 +24,7 @@ impl Device for Stamps {
         self.device.capabilities()
     }
 
-    fn read(&mut self) -> Result<Reading, DeviceError> {
+    fn read(&mut self) -> Result<Pose, DeviceError> {
         let mut reading = self.device.read()?;
         reading.position = [2e-3, 0.0, 0.0];
         let left = self.wrong.load(Ordering::SeqCst);
@@ -35,8 +35,8 @@ impl Device for Stamps {
         Ok(reading)
     }
 
-    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
-        Ok(force)
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+        Ok(wrench)
     }
 }
 

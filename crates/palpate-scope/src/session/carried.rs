@@ -3,7 +3,7 @@
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use palpate_device::{
-    Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector, ZeroWriter,
+    Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Wrench, ZeroWriter,
 };
 
 /// A device in a loop that gives it back when it goes.
@@ -40,12 +40,12 @@ impl Device for Carried {
         &self.capabilities
     }
 
-    fn read(&mut self) -> Result<Reading, DeviceError> {
+    fn read(&mut self) -> Result<Pose, DeviceError> {
         self.device()?.read()
     }
 
-    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
-        self.device()?.write(force)
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+        self.device()?.write(wrench)
     }
 
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate::Placement;
+use palpate::AlongAxis;
 use palpate_device::Capabilities;
 use palpate_device::clock::MonotonicClock;
 use palpate_io::recording::{Flags, Tick};
@@ -33,7 +33,7 @@ pub type Ended = LoopEnd<Carried, MonotonicClock>;
 pub struct Lane {
     thread: Option<LoopThread<Carried, MonotonicClock>>,
     returned: Returned,
-    placement: Placement<f64, 3>,
+    axis: AlongAxis<f64, 3>,
     listener: Listener,
     rows: Rows,
     recording: Option<LaneRecording>,
@@ -106,12 +106,12 @@ impl Lane {
         run: &Run<'_>,
         recording: Option<LaneRecording>,
     ) -> Result<Self, SessionError> {
-        let Placed { device, placement } = placed;
+        let Placed { device, axis } = placed;
         let capabilities = device.capabilities().clone();
         let (device, returned) = Carried::new(device);
         let (tap, listener) = tap(ROOM);
         let control = ControlLoop::new(device, *run.clock, rendering, run.limits)?
-            .along(placement)
+            .along(axis)
             .tapped(tap);
         let thread = LoopThread::start(control, run.request, run.stop, run.most)
             .map_err(|error| SessionError::Other(format!("no thread for the loop: {error}")))?;
@@ -119,7 +119,7 @@ impl Lane {
             answers: thread.answers().to_vec(),
             thread: Some(thread),
             returned,
-            placement,
+            axis,
             listener,
             rows: Rows::new(rendering.loop_params.period),
             recording,
@@ -359,7 +359,7 @@ impl Lane {
         let device = self.returned.try_recv().ok().filter(|_| usable)?;
         Some(Placed {
             device,
-            placement: self.placement,
+            axis: self.axis,
         })
     }
 

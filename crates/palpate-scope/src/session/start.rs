@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 
-use palpate::{Placement, Side};
+use palpate::{AlongAxis, Side};
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Capabilities, Device};
 use palpate_io::recording::Receipt;
@@ -49,7 +49,7 @@ pub struct Placed {
     /// The device.
     pub device: Box<dyn Device>,
     /// Origin and direction of the contact's axis in the device's frame.
-    pub placement: Placement<f64, 3>,
+    pub axis: AlongAxis<f64, 3>,
 }
 
 /// Why a session does not start.

@@ -8,9 +8,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use palpate::Placement;
+use palpate::AlongAxis;
 use palpate_device::clock::MonotonicClock;
-use palpate_device::{Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector};
+use palpate_device::{Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Vector, Wrench};
 use palpate_io::recording::Receipt;
 use palpate_rt::StopFlag;
 use palpate_rt::realtime::Request;
@@ -50,7 +50,7 @@ impl Device for Plugged {
         self.0.capabilities()
     }
 
-    fn read(&mut self) -> Result<Reading, DeviceError> {
+    fn read(&mut self) -> Result<Pose, DeviceError> {
         if self.1.load(Ordering::Acquire) {
             let kind = DeviceErrorKind::Disconnected;
             return Err(DeviceError::new(kind, "pulled out"));
@@ -59,8 +59,8 @@ impl Device for Plugged {
         self.0.read()
     }
 
-    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
-        self.0.write(force)
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+        self.0.write(wrench)
     }
 }
 
@@ -88,7 +88,7 @@ impl Devices for Pointers {
         let device = PointerDevice::new(params, &self.hand, self.clock).unwrap();
         Ok(Placed {
             device: Box::new(Plugged(device, Arc::clone(&self.is_out), self.read_takes)),
-            placement: Placement::new([0.0; 3], [1.0, 0.0, 0.0]).unwrap(),
+            axis: AlongAxis::new([0.0; 3], [1.0, 0.0, 0.0]).unwrap(),
         })
     }
 }

@@ -24,7 +24,7 @@ use palpate_testbed::held_mass::HeldMass;
 use palpate_testbed::measure::Sampler;
 
 use palpate_device::clock::Clock;
-use palpate_device::{Capabilities, Cut, Device, DeviceError, Reading, Vector, ZeroWriter};
+use palpate_device::{Capabilities, Cut, Device, DeviceError, Pose, Wrench, ZeroWriter};
 
 /// What a pointer's device is, and the hand that holds it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -400,18 +400,19 @@ impl<C: Clock> Device for PointerDevice<C> {
         &self.capabilities
     }
 
-    fn read(&mut self) -> Result<Reading, DeviceError> {
+    fn read(&mut self) -> Result<Pose, DeviceError> {
         let time = self.move_on();
-        Ok(Reading {
+        Ok(Pose {
+            orientation: None,
             position: [self.sampler.sample(self.position()), 0.0, 0.0],
             time,
         })
     }
 
-    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
         self.move_on();
         self.cut.is_over();
-        let mut force = force[0];
+        let [mut force, ..] = wrench.force;
         if let Some(limit) = self.params.largest_force {
             force = force.clamp(-limit, limit);
         }
@@ -423,7 +424,7 @@ impl<C: Clock> Device for PointerDevice<C> {
             force = oldest;
         }
         self.held = force;
-        Ok([force, 0.0, 0.0])
+        Ok([force, 0.0, 0.0].into())
     }
 
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {

@@ -27,7 +27,7 @@ fn a_command_acts_after_its_delay_and_within_the_motor_s_limit() {
     for force in [0.3, 4.0, -4.0, 0.0, 0.0] {
         clock.advance(MS);
         device.read().unwrap();
-        given.push(device.write([force, 0.0, 0.0]).unwrap()[0]);
+        given.push(device.write([force, 0.0, 0.0].into()).unwrap().force[0]);
     }
     assert_eq!(given, [0.0, 0.0, 0.3, 0.5, -0.5]);
     let slow = PointerParams {
@@ -43,7 +43,7 @@ fn a_command_acts_after_its_delay_and_within_the_motor_s_limit() {
 fn a_held_force_moves_it_as_the_closed_form_says() {
     let params = PointerParams::default();
     let (mut device, clock) = device(params, &PointerHand::at(0.0));
-    device.write([2.0, 0.0, 0.0]).unwrap();
+    device.write([2.0, 0.0, 0.0].into()).unwrap();
     let mass = params.device_mass + params.hand_mass;
     let decay = 0.5 * (params.hand_damping + params.viscous_friction) / mass;
     let swing = (params.hand_stiffness / mass - decay * decay).sqrt();
@@ -90,7 +90,7 @@ fn how_often_it_is_asked_changes_nothing() {
         hand.move_to(0.0);
         let (mut device, clock) = device(PointerParams::default(), &hand);
         hand.move_to(0.03);
-        device.write([-1.5, 0.0, 0.0]).unwrap();
+        device.write([-1.5, 0.0, 0.0].into()).unwrap();
         for _ in 0..pieces {
             clock.advance(200 * MS / pieces);
             device.read().unwrap();
@@ -142,11 +142,11 @@ fn a_device_that_nobody_holds_comes_to_rest_and_is_taken_hold_of_without_a_jolt(
     assert_eq!(device.velocity(), 0.0);
     // It carries what is lighter than its dry friction.
     let rests = device.position();
-    device.write([-1.0, 0.0, 0.0]).unwrap();
+    device.write([-1.0, 0.0, 0.0].into()).unwrap();
     clock.advance(1000 * MS);
     device.read().unwrap();
     assert_eq!(device.position(), rests);
-    device.write([0.0; 3]).unwrap();
+    device.write([0.0; 3].into()).unwrap();
     hand.move_to(0.0);
     device.read().unwrap();
     assert_eq!((device.position(), device.velocity()), (rests, 0.0));

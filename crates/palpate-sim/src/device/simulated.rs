@@ -7,7 +7,7 @@ use palpate_scene::Scene;
 use palpate_testbed::InvalidParameter;
 
 use palpate_device::clock::Clock;
-use palpate_device::{Capabilities, Cut, Device, DeviceError, Reading, Vector, ZeroWriter};
+use palpate_device::{Capabilities, Cut, Device, DeviceError, Pose, Wrench, ZeroWriter};
 
 /// A virtual device with its hand, moved by the time that passes on the loop's clock: between two
 /// calls it moves under the force that was written last. Its one axis is the contact's.
@@ -84,28 +84,30 @@ impl<C: Clock> Device for SimulatedDevice<C> {
         &self.capabilities
     }
 
-    fn read(&mut self) -> Result<Reading, DeviceError> {
+    fn read(&mut self) -> Result<Pose, DeviceError> {
         let time = self.move_on();
         let elapsed = self.sampled.map_or(Duration::ZERO, |last| time - last);
         self.sampled = Some(time);
-        Ok(Reading {
+        Ok(Pose {
+            orientation: None,
             position: [self.device.sample(elapsed.as_secs_f64()), 0.0, 0.0],
             time,
         })
     }
 
-    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
         self.move_on();
         self.cut.is_over();
-        self.held = force[0];
+        let [force, ..] = wrench.force;
+        self.held = force;
         if let Some(oldest) = self.on_their_way.first().copied() {
             self.on_their_way.rotate_left(1);
             if let Some(newest) = self.on_their_way.last_mut() {
-                *newest = force[0];
+                *newest = force;
             }
             self.held = oldest;
         }
-        Ok([self.device.given_force(self.held), 0.0, 0.0])
+        Ok([self.device.given_force(self.held), 0.0, 0.0].into())
     }
 
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {

@@ -1,7 +1,7 @@
 //! The pantograph as a device: motors, encoders, controller and safety box.
 
 use super::dynamics::Dynamics;
-use super::kinematics::{Pose, dot};
+use super::kinematics::{ArmPose, dot};
 use super::motion::{Motion, State};
 use super::params::{Actuation, PantographParams};
 use crate::InvalidParameter;
@@ -90,9 +90,9 @@ pub struct Pantograph {
     motor_user_force: [f64; 2],
     state: State,
     /// The pose of `state`.
-    pose: Pose,
+    pose: ArmPose,
     /// The pose whose Jacobian the motors use, once there was a sample.
-    sampled: Option<Pose>,
+    sampled: Option<ArmPose>,
     memory: PidMemory,
     torques: [f64; 2],
     saturated: bool,
@@ -228,7 +228,7 @@ impl Pantograph {
 
     /// The true pose.
     #[must_use]
-    pub fn pose(&self) -> &Pose {
+    pub fn pose(&self) -> &ArmPose {
         &self.pose
     }
 
@@ -254,7 +254,7 @@ impl Pantograph {
     ///
     /// An encoder reports the last count below the angle, so on average half a count too little.
     #[must_use]
-    pub fn measured_pose(&self) -> Option<Pose> {
+    pub fn measured_pose(&self) -> Option<ArmPose> {
         let angles = match self.params.counts_per_rev {
             None => return Some(self.pose),
             Some(counts) => {
@@ -373,7 +373,7 @@ impl Pantograph {
 
     /// Disconnects the motors if the end-point is seen outside the box. What cannot be seen is
     /// outside.
-    fn check_box(&mut self, measured: Option<&Pose>) {
+    fn check_box(&mut self, measured: Option<&ArmPose>) {
         if let Some(safety_box) = self.safety_box {
             let inside = measured.is_some_and(|pose| safety_box.contains(pose.position));
             self.disconnected |= !inside;
@@ -475,7 +475,7 @@ fn regular_pose(
     params: &PantographParams,
     angles: [f64; 2],
     name: &'static str,
-) -> Result<Pose, InvalidParameter> {
+) -> Result<ArmPose, InvalidParameter> {
     params
         .geometry
         .forward(angles)

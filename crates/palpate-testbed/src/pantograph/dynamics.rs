@@ -18,7 +18,7 @@
 //! accelerate with if the motors turned steadily. All of it is closed form, so nothing but the time
 //! integration can fail to conserve energy.
 
-use super::kinematics::{Geometry, Pose, cross, dot, scaled};
+use super::kinematics::{ArmPose, Geometry, cross, dot, scaled};
 use super::params::PantographParams;
 
 /// The mechanism's constants, worked out once.
@@ -70,7 +70,7 @@ impl Dynamics {
 
     /// Mass matrix M(θ) \[kg m²\] seen by the motors.
     #[must_use]
-    pub fn mass_matrix(&self, pose: &Pose) -> [[f64; 2]; 2] {
+    pub fn mass_matrix(&self, pose: &ArmPose) -> [[f64; 2]; 2] {
         let w = pose.distal_rates();
         let coupling = [0, 1].map(|i| self.b[i] * dot(pose.proximal[i], pose.distal[i]));
         let element = |r: usize, s: usize| {
@@ -89,7 +89,7 @@ impl Dynamics {
 
     /// Centrifugal and Coriolis torques c(θ, θ′) \[N m\], on the left of the equation of motion.
     #[must_use]
-    pub fn coriolis(&self, pose: &Pose, rates: [f64; 2]) -> [f64; 2] {
+    pub fn coriolis(&self, pose: &ArmPose, rates: [f64; 2]) -> [f64; 2] {
         let (l, distal_length) = (self.geometry.proximal, self.geometry.distal);
         let w = pose.distal_rates();
         let phi_rates = w.map(|row| dot(row, rates));
@@ -123,7 +123,7 @@ impl Dynamics {
 
     /// Torques \[N m\] of gravity about the motors.
     #[must_use]
-    pub fn gravity_torques(&self, pose: &Pose) -> [f64; 2] {
+    pub fn gravity_torques(&self, pose: &ArmPose) -> [f64; 2] {
         let w = pose.distal_rates();
         let mut torque = [0.0; 2];
         for i in 0..2 {
@@ -138,7 +138,7 @@ impl Dynamics {
 
     /// Kinetic energy \[J\] at motor rates \[rad/s\].
     #[must_use]
-    pub fn kinetic_energy(&self, pose: &Pose, rates: [f64; 2]) -> f64 {
+    pub fn kinetic_energy(&self, pose: &ArmPose, rates: [f64; 2]) -> f64 {
         let phi_rates = pose.distal_rates().map(|row| dot(row, rates));
         (0..2)
             .map(|i| {
@@ -151,7 +151,7 @@ impl Dynamics {
 
     /// Potential energy \[J\] in gravity, zero with all centres of mass on their motor's axis.
     #[must_use]
-    pub fn potential_energy(&self, pose: &Pose) -> f64 {
+    pub fn potential_energy(&self, pose: &ArmPose) -> f64 {
         -(0..2)
             .map(|i| {
                 self.proximal_moment[i] * dot(pose.proximal[i], self.gravity)
@@ -165,7 +165,7 @@ impl Dynamics {
     /// The motors are free and x may give way. It is infinite where the end-point cannot move
     /// along y.
     #[must_use]
-    pub fn effective_mass_y(&self, pose: &Pose) -> f64 {
+    pub fn effective_mass_y(&self, pose: &ArmPose) -> f64 {
         let row = pose.jacobian()[1];
         1.0 / dot(row, solved(self.mass_matrix(pose), row))
     }

@@ -92,7 +92,7 @@ pub struct Geometry {
 
 /// A pose that exists: angles, directions of the four links, end-point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pose {
+pub struct ArmPose {
     /// Motor angles θ1, θ2 \[rad\].
     pub angles: [f64; 2],
     /// Unit vectors along the proximal links, from the motor to the elbow.
@@ -157,7 +157,7 @@ impl Geometry {
     ///
     /// [`NoPose::Unreachable`] if the elbows are further apart than 2L or an angle is not finite,
     /// [`NoPose::Singular`] if the distal links are parallel.
-    pub fn forward(&self, angles: [f64; 2]) -> Result<Pose, NoPose> {
+    pub fn forward(&self, angles: [f64; 2]) -> Result<ArmPose, NoPose> {
         let proximal = angles.map(|angle| {
             let (sin, cos) = angle.sin_cos();
             [cos, sin]
@@ -184,7 +184,7 @@ impl Geometry {
         if sine.abs() < SINGULAR_SINE {
             return Err(NoPose::Singular);
         }
-        Ok(Pose {
+        Ok(ArmPose {
             angles,
             proximal,
             distal,
@@ -255,7 +255,7 @@ impl Geometry {
     }
 }
 
-impl Pose {
+impl ArmPose {
     /// Directions of the distal links \[rad\], by atan2(P − elbow).
     #[must_use]
     pub fn distal_angles(&self) -> [f64; 2] {

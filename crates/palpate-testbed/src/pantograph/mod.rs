@@ -15,5 +15,5 @@ mod params;
 
 pub use device::{Pantograph, Pid, SafetyBox};
 pub use dynamics::Dynamics;
-pub use kinematics::{Geometry, Pose};
+pub use kinematics::{ArmPose, Geometry};
 pub use params::{Actuation, Link, PantographParams};

@@ -15,7 +15,7 @@
 //! is given the rate 0, at most 1e-9 rad/s of change.
 
 use super::dynamics::{Dynamics, solved};
-use super::kinematics::{Pose, dot};
+use super::kinematics::{ArmPose, dot};
 
 /// Tolerance of a step.
 const TOLERANCE: f64 = 1e-12;
@@ -164,7 +164,7 @@ impl Motion<'_> {
     /// Accelerations \[rad/s²\], and the torques \[N m\] that hold the stuck joints.
     fn accelerations(
         &self,
-        pose: &Pose,
+        pose: &ArmPose,
         rates: [f64; 2],
         modes: [Mode; 2],
     ) -> ([f64; 2], [f64; 2]) {
@@ -288,7 +288,7 @@ impl Motion<'_> {
     }
 
     /// Derivative of (θ, θ′, dissipated), and whether a joint is outside its mode here.
-    fn slope(&self, pose: &Pose, y: [f64; 5], modes: [Mode; 2]) -> ([f64; 5], bool) {
+    fn slope(&self, pose: &ArmPose, y: [f64; 5], modes: [Mode; 2]) -> ([f64; 5], bool) {
         let rates = [y[2], y[3]];
         let (accelerations, hold) = self.accelerations(pose, rates, modes);
         let mut lost = 0.0;

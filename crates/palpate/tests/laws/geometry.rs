@@ -1,7 +1,7 @@
 //! A contact placed in the plane and in space, and the two numbers of difficulty.
 
 use palpate::{
-    Contact, Difficulty, HfcrParams, LoopParams, ObjectState, Placement, Renderer, Sample, Scalar,
+    AlongAxis, Contact, Difficulty, HfcrParams, LoopParams, ObjectState, Renderer, Sample, Scalar,
 };
 use proptest::prelude::*;
 
@@ -24,11 +24,11 @@ proptest! {
         force in -10.0..10.0_f64,
     ) {
         prop_assume!(dot(direction, direction) > 1e-2);
-        let placement = Placement::new(origin, unit(direction)).unwrap();
+        let axis = AlongAxis::new(origin, unit(direction)).unwrap();
         let moved = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
-        let along = placement.coordinate(to) - placement.coordinate(from);
-        prop_assert!((dot(placement.vector(force), moved) - force * along).abs() < 1e-13);
-        prop_assert!(placement.coordinate(origin).abs() < 1e-15);
+        let along = axis.coordinate(to) - axis.coordinate(from);
+        prop_assert!((dot(axis.vector(force), moved) - force * along).abs() < 1e-13);
+        prop_assert!(axis.coordinate(origin).abs() < 1e-15);
     }
 
     #[test]
@@ -39,18 +39,18 @@ proptest! {
         depth in -0.01..0.01_f64,
     ) {
         let normal = [angle.cos(), angle.sin()];
-        let placement = Placement::new(origin, normal).unwrap();
+        let axis = AlongAxis::new(origin, normal).unwrap();
         let point = [
             origin[0] + depth * normal[0] - slide * normal[1],
             origin[1] + depth * normal[1] + slide * normal[0],
         ];
-        prop_assert!((placement.coordinate(point) - depth).abs() < 1e-15);
+        prop_assert!((axis.coordinate(point) - depth).abs() < 1e-15);
         let wall = Contact::wall(400.0);
         let l = LoopParams::new(0.001);
         let renderer = Renderer::new(wall, l, HfcrParams::default()).unwrap();
         let mut state = renderer.start(ObjectState::at_rest(0.0)).unwrap();
-        let output = renderer.step(&mut state, Sample::at(placement.coordinate(point)));
-        let force = placement.vector(output.force_on_device);
+        let output = renderer.step(&mut state, Sample::at(axis.coordinate(point)));
+        let force = axis.vector(output.force_on_device);
         let expected = -400.0 * depth.max(0.0);
         prop_assert!((dot(force, normal) - expected).abs() < 1e-12);
         prop_assert!(dot(force, [-normal[1], normal[0]]).abs() < 1e-15);
@@ -84,8 +84,8 @@ fn a_wall_has_no_object_kappa_and_a_clamped_device_no_kappa() {
 fn a_rough_normal_is_scaled_to_length_one<S: Scalar>(tolerance: f64) {
     let of = S::from_f64;
     let rough = [of(0.707), of(0.707), S::ZERO];
-    let placement = Placement::new([S::ZERO; 3], rough).unwrap();
-    let length = placement
+    let axis = AlongAxis::new([S::ZERO; 3], rough).unwrap();
+    let length = axis
         .vector(S::ONE)
         .iter()
         .map(|x| x.to_f64().powi(2))
@@ -102,7 +102,7 @@ fn a_normal_with_few_digits_is_made_exact() {
 
 #[test]
 fn a_normal_of_another_length_or_a_place_that_is_nowhere_is_refused() {
-    let at_origin = |normal| Placement::<f64, 2>::new([0.0; 2], normal);
+    let at_origin = |normal| AlongAxis::<f64, 2>::new([0.0; 2], normal);
     for (normal, length) in [([0.0, 0.0], 0.0), ([0.0, 2.0], 2.0), ([0.0, 0.998], 0.998)] {
         let error = at_origin(normal).unwrap_err();
         assert_eq!(
@@ -112,7 +112,7 @@ fn a_normal_of_another_length_or_a_place_that_is_nowhere_is_refused() {
     }
     for bad in [f64::NAN, f64::INFINITY] {
         assert_eq!(at_origin([bad, 0.0]).unwrap_err().parameter, "normal");
-        let nowhere = Placement::new([0.0, bad], [0.0, 1.0]);
+        let nowhere = AlongAxis::new([0.0, bad], [0.0, 1.0]);
         assert_eq!(nowhere.unwrap_err().parameter, "origin");
     }
 }

@@ -1,7 +1,7 @@
 //! Several contacts on one device, each along an axis of its own: what holds, and what does not.
 
 use palpate::{
-    Contact, Coupled, CoupledParams, LoopParams, ObjectState, Placement, Renderer, Sample, State,
+    AlongAxis, Contact, Coupled, CoupledParams, LoopParams, ObjectState, Renderer, Sample, State,
 };
 
 type Method = Renderer<f64, Coupled<f64>>;
@@ -11,7 +11,7 @@ const DEVICE_MASS: f64 = 0.25;
 
 /// A contact, placed in space.
 struct Placed {
-    placement: Placement<f64, 3>,
+    axis: AlongAxis<f64, 3>,
     renderer: Method,
     state: Memory,
     virtual_force: f64,
@@ -22,7 +22,7 @@ impl Placed {
         let device = CoupledParams::new(DEVICE_MASS);
         let renderer = Renderer::new(contact, LoopParams::new(period), device).unwrap();
         Self {
-            placement: Placement::new(origin, normal).unwrap(),
+            axis: AlongAxis::new(origin, normal).unwrap(),
             state: renderer.start(ObjectState::at_rest(0.0)).unwrap(),
             renderer,
             virtual_force: 0.0,
@@ -42,10 +42,10 @@ impl Placed {
     /// The force on the device at `position` `[N]`, and the object's place along the axis `[m]`.
     fn force(&mut self, position: [f64; 3]) -> ([f64; 3], f64) {
         let sample =
-            Sample::at(self.placement.coordinate(position)).with_virtual_force(self.virtual_force);
+            Sample::at(self.axis.coordinate(position)).with_virtual_force(self.virtual_force);
         let output = self.renderer.step(&mut self.state, sample);
         (
-            self.placement.vector(output.force_on_device),
+            self.axis.vector(output.force_on_device),
             output.object_position,
         )
     }

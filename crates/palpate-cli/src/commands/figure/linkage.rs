@@ -1,7 +1,7 @@
 //! Fig. 3: the pantograph, its frame and its joints, and the ball above it.
 
 use palpate_scene::Linkage;
-use palpate_testbed::pantograph::Pose;
+use palpate_testbed::pantograph::ArmPose;
 use palpate_testbed::pantograph::kinematics::NoPose;
 
 use palpate_figure::{Beside, Drawing, Pen, drawing};
@@ -151,7 +151,7 @@ pub fn drawing(linkage: &Linkage) -> Result<Drawing, NoPose> {
 }
 
 /// The end-point \[m\], with x from half-way between the motors.
-fn end_point(pose: &Pose, elbow: (f64, f64), distal: f64) -> [f64; 2] {
+fn end_point(pose: &ArmPose, elbow: (f64, f64), distal: f64) -> [f64; 2] {
     let [dx, dy] = pose.distal[0];
     [elbow.0 + distal * dx, elbow.1 + distal * dy]
 }

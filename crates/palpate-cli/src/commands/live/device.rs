@@ -60,10 +60,8 @@ impl Named {
     }
 
     fn make(&self, at: Option<f64>) -> Result<Placed, Failure> {
-        let Opened {
-            mut device,
-            placement,
-        } = open(&self.arguments, &self.scene, &self.clock, &self.guarding)?;
+        let Opened { mut device, axis } =
+            open(&self.arguments, &self.scene, &self.clock, &self.guarding)?;
         if let Some(hand) = &self.hand {
             let usual = PointerParams::of(&self.scene);
             let params = PointerParams {
@@ -73,7 +71,7 @@ impl Named {
             let led = PointerDevice::new(params, hand, self.clock).map_err(Failure::input)?;
             device = Box::new(led);
         }
-        Ok(Placed { device, placement })
+        Ok(Placed { device, axis })
     }
 }
 

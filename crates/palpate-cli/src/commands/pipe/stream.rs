@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use palpate::Fault;
+use palpate_device::Wrench;
 use palpate_io::unit::HandMotion;
 use palpate_rt::safety::{self, Safety};
 use palpate_rt::{CHANGE_DURATION, Rendered};
@@ -162,13 +163,14 @@ impl Stream {
             // A position that the renderer has refused is not looked at.
             position: [if is_used { position } else { 0.0 }, 0.0, 0.0],
             coordinate: if is_used { position } else { 0.0 },
-            force: output.force_on_device,
+            wrench: Wrench::of_force([output.force_on_device, 0.0, 0.0]),
             created_energy: 0.0,
             refused: !is_used,
             stalled: false,
         });
         output.limited.force |= verdict.bounded.force;
-        let held = self.hold.exchange(-verdict.force);
+        let [force, ..] = verdict.wrench.force;
+        let held = self.hold.exchange(-force);
         self.rendered.report_held(held);
         // A time that was refused is kept all the same: if it is wrong, the next line is refused
         // too; if it were not kept and the clock was set, all lines to come would be.
@@ -204,7 +206,7 @@ impl Stream {
                 counted
             },
             device_position: position,
-            force: verdict.force,
+            force,
             softened: verdict.bounded.soft_start,
             output,
             ledger: *self.rendered.ledger(),

@@ -112,7 +112,7 @@ impl Session<'_> {
     fn on<C: Clock>(&self, clock: &C, request: Request) -> Result<(), Failure> {
         let guarding = guarding(&self.arguments.safety, self.scene)?;
         let arguments = &self.arguments.device;
-        let Opened { device, placement } = open(arguments, self.scene, clock, &guarding)?;
+        let Opened { device, axis } = open(arguments, self.scene, clock, &guarding)?;
         let limits = limits(device.capabilities(), &self.arguments.safety);
         let wrong = |error: SetupError| match error {
             SetupError::Safety(error) => Failure::Arguments(error.to_string()),
@@ -122,7 +122,7 @@ impl Session<'_> {
         let capabilities = device.capabilities().clone();
         let control = ControlLoop::new(device, clock.clone(), rendering, limits)
             .map_err(wrong)?
-            .along(placement);
+            .along(axis);
         let most = self.most_periods(control.period())?;
         let (tap, recorder) = match self.record {
             Some(out) => {

@@ -14,7 +14,7 @@ use std::time::Duration;
 
 use palpate_device::clock::Clock;
 use palpate_device::{
-    Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector, ZeroWriter,
+    Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Vector, Wrench, ZeroWriter,
 };
 use triple_buffer::{Input, Output};
 
@@ -211,7 +211,7 @@ impl<C: Clock> Device for Inverse3<C> {
         &self.capabilities
     }
 
-    fn read(&mut self) -> Result<Reading, DeviceError> {
+    fn read(&mut self) -> Result<Pose, DeviceError> {
         if let Some(error) = self.link.tell() {
             return Err(error);
         }
@@ -223,14 +223,15 @@ impl<C: Clock> Device for Inverse3<C> {
             ));
         }
         self.seen = arrival.number;
-        Ok(Reading {
+        Ok(Pose {
+            orientation: None,
             position: arrival.position,
             time: arrival.time,
         })
     }
 
-    fn write(&mut self, force: Vector) -> Result<Vector, DeviceError> {
-        let force = bounded(force);
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+        let force = bounded(wrench.force);
         let given = force.unwrap_or_default();
         self.ordered += 1;
         self.orders.write(Order {
@@ -247,7 +248,7 @@ impl<C: Clock> Device for Inverse3<C> {
             Some(error) if error.kind != DeviceErrorKind::Refused || given != [0.0; 3] => {
                 Err(error)
             }
-            _ => force.ok_or(not_finite),
+            _ => force.map(Wrench::of_force).ok_or(not_finite),
         }
     }
 

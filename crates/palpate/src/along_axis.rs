@@ -1,4 +1,4 @@
-//! A one-dimensional contact, placed in the plane or in space.
+//! A contact with one dimension along an axis in the plane or in space.
 
 use crate::Scalar;
 use crate::parameter::{ParameterError, check, finite};
@@ -24,9 +24,9 @@ use crate::parameter::{ParameterError, check, finite};
 /// A floor of 2000 N/m at z = 0:
 ///
 /// ```
-/// use palpate::{BasicParams, Contact, LoopParams, ObjectState, Placement, Renderer, Sample};
+/// use palpate::{BasicParams, Contact, LoopParams, ObjectState, AlongAxis, Renderer, Sample};
 ///
-/// let floor = Placement::new([0.0, 0.0, 0.0], [0.0, 0.0, -1.0])?;
+/// let floor = AlongAxis::new([0.0, 0.0, 0.0], [0.0, 0.0, -1.0])?;
 /// let wall = Contact::object(2000.0, f64::INFINITY);
 /// let renderer = Renderer::new(wall, LoopParams::new(0.001), BasicParams)?;
 /// let start = renderer.start(ObjectState::at_rest(0.0))?; // the surface is at the origin
@@ -44,12 +44,12 @@ use crate::parameter::{ParameterError, check, finite};
 /// Several contacts on one device, each with its own renderer and placement, add their forces;
 /// `docs/signs.md` has a block on this floor, and what several contacts side by side cannot do.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Placement<S, const N: usize> {
+pub struct AlongAxis<S, const N: usize> {
     origin: [S; N],
     normal: [S; N],
 }
 
-impl<S: Scalar, const N: usize> Placement<S, N> {
+impl<S: Scalar, const N: usize> AlongAxis<S, N> {
     /// An axis through `origin` `[m]` along the unit vector `normal` `[1]`, in which device
     /// positions increase: into the object of a contact on [`Side::Positive`](crate::Side::Positive).
     ///
