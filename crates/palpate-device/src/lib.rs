@@ -37,6 +37,59 @@ pub use scripted::{Script, ScriptedDevice, Step};
 /// until the next write. Neither call may allocate, lock or panic, and both return well within a
 /// period: a device that answers by request does its round trip in [`read`](Self::read), repeating
 /// the force that it holds; one that sends on its own returns what came last.
+///
+/// A device of one's own, a knob that turns about z and has one motor:
+///
+/// ```
+/// use palpate_device::clock::{Clock, SteppedClock};
+/// use palpate_device::{Capabilities, Device, DeviceError, Pose, Wrench};
+///
+/// struct Knob<C> {
+///     clock: C,
+///     capabilities: Capabilities,
+///     angle: f64,  // [rad], as an encoder would give it
+///     torque: f64, // [N m], as an amplifier would hold it
+/// }
+///
+/// impl<C: Clock> Device for Knob<C> {
+///     fn capabilities(&self) -> &Capabilities {
+///         &self.capabilities
+///     }
+///
+///     fn read(&mut self) -> Result<Pose, DeviceError> {
+///         let (sin, cos) = (self.angle / 2.0).sin_cos();
+///         Ok(Pose {
+///             orientation: Some([cos, 0.0, 0.0, sin]),
+///             ..Pose::at([0.0; 3], self.clock.now())
+///         })
+///     }
+///
+///     fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+///         let [.., about_z] = wrench.torque;
+///         self.torque = about_z.clamp(-0.1, 0.1);
+///         // What it really gives: no force, and no torque about x and y.
+///         Ok(Wrench {
+///             torque: [0.0, 0.0, self.torque],
+///             ..Wrench::NONE
+///         })
+///     }
+/// }
+///
+/// let mut knob = Knob {
+///     clock: SteppedClock::new(),
+///     capabilities: Capabilities {
+///         torque_axes: 1,
+///         largest_torque: Some(0.1),
+///         ..Capabilities::unknown("knob", 1)
+///     },
+///     angle: 0.3,
+///     torque: 0.0,
+/// };
+/// assert_eq!(knob.read()?.position, [0.0; 3]);
+/// let asked = Wrench { force: [2.0, 0.0, 0.0], torque: [0.0, 0.0, 0.5] };
+/// assert_eq!(knob.write(asked)?.torque, [0.0, 0.0, 0.1]);
+/// # Ok::<(), DeviceError>(())
+/// ```
 pub trait Device: Send {
     /// What the device can do; it stays the same while the device lives.
     fn capabilities(&self) -> &Capabilities;
