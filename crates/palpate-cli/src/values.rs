@@ -7,7 +7,7 @@ use palpate::{DamperObject, EntryHold, SehEstimate, Side};
 use palpate_io::unit::LengthUnit;
 use palpate_scene::method::{Damping, MethodName, Predictor};
 use palpate_scene::{GuardMode, HandForceAt};
-use palpate_sim::sweep::Quantity;
+use palpate_study::sweep::Quantity;
 use palpate_testbed::hold::DelayedHold;
 
 use crate::commands::emulate::two_diy::arguments::{FaultKind, TimedFault};

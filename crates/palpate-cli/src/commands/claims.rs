@@ -2,7 +2,7 @@
 
 use comfy_table::CellAlignment;
 use palpate_scene::{Scene, SceneFile};
-use palpate_sim::claims::{CLAIMS, Claim, Found, PaperScenes, check};
+use palpate_study::claims::{CLAIMS, Claim, Found, PaperScenes, check};
 use serde_json::{Value, json};
 
 use crate::arguments::ClaimsArguments;
@@ -117,7 +117,7 @@ fn report(claims: &[Claim]) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use palpate_sim::claims::Holds;
+    use palpate_study::claims::Holds;
 
     #[test]
     fn a_claim_is_told_in_words_with_every_number() {

@@ -3,9 +3,9 @@
 use std::fmt;
 
 use comfy_table::CellAlignment;
-use palpate_sim::heights::{HeightsError, OverHeights, over_heights};
-use palpate_sim::suite::Column;
-use palpate_sim::tune::{HEIGHT_RANGE, HEIGHTS, Spread};
+use palpate_study::heights::{HeightsError, OverHeights, over_heights};
+use palpate_study::suite::Column;
+use palpate_study::tune::{HEIGHT_RANGE, HEIGHTS, Spread};
 use serde::Serialize;
 
 use super::simulate::{explain, read_scene};

@@ -227,7 +227,7 @@ pub(super) fn explain(
         LoopError::Bench(bench) if bench.name == "collisions" => {
             in_window(file, "measured collisions", &error)
         }
-        LoopError::Bench(_) => in_window(file, "no place", &error),
+        LoopError::Bench(_) | LoopError::AnotherScene => in_window(file, "no place", &error),
     }
 }
 

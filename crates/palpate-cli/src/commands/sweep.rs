@@ -5,9 +5,9 @@ use std::fmt;
 use comfy_table::CellAlignment;
 use palpate_scene::Measure;
 use palpate_scene::method::MethodName;
-use palpate_sim::suite::Column;
-use palpate_sim::sweep::{Quantity, Swept, sweep};
-use palpate_sim::tune::{HEIGHTS, tunable};
+use palpate_study::suite::Column;
+use palpate_study::sweep::{Quantity, Swept, sweep};
+use palpate_study::tune::{HEIGHTS, tunable};
 use serde::Serialize;
 
 use super::simulate::read_scene;

@@ -5,7 +5,7 @@ use std::fmt;
 use comfy_table::CellAlignment;
 use palpate_scene::Scene;
 use palpate_scene::method::{MethodName, Setting};
-use palpate_sim::tune::{self, HEIGHT_RANGE, HEIGHTS, Objective, Spread, TuneError, TunedPoint};
+use palpate_study::tune::{self, HEIGHT_RANGE, HEIGHTS, Objective, Spread, TuneError, TunedPoint};
 use serde::Serialize;
 
 use super::simulate::{explain, read_scene};

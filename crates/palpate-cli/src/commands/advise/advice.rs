@@ -1,10 +1,10 @@
 //! What is found out for an advice.
 
 use palpate_scene::method::{Damping, MethodName, Setting, Settings};
-use palpate_sim::map::{
+use palpate_study::map::{
     Bounce, BounceError, Class, Entry, Limit, Plant, Stay, bounds, default_settings,
 };
-use palpate_sim::tune::tunable;
+use palpate_study::tune::tunable;
 use serde::Serialize;
 
 /// Largest mean-force error of a faithful rendering, E `[%]`.
@@ -157,7 +157,7 @@ impl Advice {
                 delay_samples: bounce.delay,
                 object_mass_kg: Some(bounce.object_mass).filter(|mass| mass.is_finite()),
                 gap_m: bounce.gap,
-                start_heights: palpate_sim::map::PHASES,
+                start_heights: palpate_study::map::PHASES,
             },
             contact: None,
             verdict: Verdict::NotAsked,

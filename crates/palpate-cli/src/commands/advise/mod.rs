@@ -7,7 +7,7 @@ mod text;
 pub use arguments::AdviseArguments;
 
 use palpate_scene::SetupError;
-use palpate_sim::map::{Bounce, BounceDevice, BounceError, MapParams};
+use palpate_study::map::{Bounce, BounceDevice, BounceError, MapParams};
 
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -63,7 +63,7 @@ fn bounce(arguments: &AdviseArguments) -> Result<Bounce, Failure> {
     };
     let stiffness = match arguments.stiffness {
         Some(stiffness) => positive("--stiffness", stiffness, "N/m")?,
-        None => palpate_sim::map::SEARCHED.0 * mass / (period * period),
+        None => palpate_study::map::SEARCHED.0 * mass / (period * period),
     };
     Ok(Bounce {
         device: BounceDevice {

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use comfy_table::{Cell, CellAlignment};
-use palpate_sim::map::{PRESSED_WITH, RESTS_BELOW};
+use palpate_study::map::{PRESSED_WITH, RESTS_BELOW};
 
 use super::advice::{Advice, FAITHFUL_PERCENT, Judged, Reach, Verdict};
 use crate::report::{counted, digits, lines, number, percent, plain_table};

@@ -9,7 +9,7 @@ use std::time::Instant;
 use palpate_io::atomic::{Existing, check};
 use palpate_io::journal::{Journal, JournalError};
 use palpate_io::map::{Format, Map, Row, StaySwing};
-use palpate_sim::map::{Done, MapParams, MethodResult, Summary, compute};
+use palpate_study::map::{Done, MapParams, MethodResult, Summary, compute};
 
 use super::arguments::{Shard, WorkArguments};
 use super::files::Files;
@@ -217,7 +217,7 @@ pub fn unusable(error: JournalError) -> Failure {
     }
 }
 
-fn rows(params: &MapParams, result: &palpate_sim::map::CellResult) -> Vec<Row> {
+fn rows(params: &MapParams, result: &palpate_study::map::CellResult) -> Vec<Row> {
     let cell = params.cell(result.index);
     let both = |summary: Summary| [summary.median, summary.worst];
     result

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 
 use palpate_io::map::Map;
 use palpate_scene::method::MethodName;
-use palpate_sim::map::{Forces, MapParams};
+use palpate_study::map::{Forces, MapParams};
 
 use crate::failure::Failure;
 use crate::results::print;

@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 use palpate_io::map::{Format, Map, Row};
 use palpate_scene::method::MethodName;
-use palpate_sim::map::{Plant, RESTS_BELOW, STABLE_UP_TO, bounds};
+use palpate_study::map::{Plant, RESTS_BELOW, STABLE_UP_TO, bounds};
 
 use super::arguments::Quantity;
 use super::receipt;

@@ -1,7 +1,7 @@
 //! What a map file says of how it was made.
 
 use palpate_io::map::{CELLS, LINES_PER_CELL, Map, SHARD};
-use palpate_sim::map::{
+use palpate_study::map::{
     ERROR_COLLISIONS, Forces, GROWTH_COLLISIONS, MapParams, PHASE_RANGE, PHASES, STABLE_UP_TO, Stay,
 };
 

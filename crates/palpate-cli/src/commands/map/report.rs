@@ -5,7 +5,7 @@ use std::path::Path;
 
 use comfy_table::CellAlignment;
 use palpate_io::map::{Format, Map, Row};
-use palpate_sim::map::{Class, PRESSED_WITH, Plant, RESTS_BELOW, Stay, classify};
+use palpate_study::map::{Class, PRESSED_WITH, Plant, RESTS_BELOW, Stay, classify};
 use serde::Serialize;
 
 use super::compute::Speed;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use palpate_io::outputs::Outputs;
 use palpate_scene::method::MethodName;
-use palpate_sim::suite::{self, Column, Judged};
+use palpate_study::suite::{self, Column, Judged};
 
 use crate::arguments::{Compared, SuiteArguments};
 use crate::failure::Failure;

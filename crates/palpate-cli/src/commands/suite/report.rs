@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::Path;
 
 use comfy_table::CellAlignment;
-use palpate_sim::suite::{COLLISIONS, Column, DELAYS, Judged, Summary, summary};
+use palpate_study::suite::{COLLISIONS, Column, DELAYS, Judged, Summary, summary};
 use serde::Serialize;
 
 use super::delay_in_words;

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use palpate::Mass;
 use palpate_io::run::{Cell, RunWriteError, RunWriter};
-use palpate_sim::suite::{COLLISIONS, Column, Judged, Trial};
+use palpate_study::suite::{COLLISIONS, Column, Judged, Trial};
 
 /// What is said of a plant, in every row of it.
 const PLANT: [&str; 24] = [

@@ -1,12 +1,13 @@
 //! Tuning against single runs and known best settings.
 #![allow(clippy::print_stdout)] // what was measured
 
+#[path = "../../palpate-sim/tests/common/mod.rs"]
 mod common;
 
 use common::scene;
 use palpate_scene::method::{Damping, MethodName, Settings};
 use palpate_sim::closed_loop::Bench;
-use palpate_sim::tune::{HEIGHTS, Objective, TuneError, best, tune};
+use palpate_study::tune::{HEIGHTS, Objective, TuneError, best, tune};
 
 fn grid(from: f64, step: f64, count: u32) -> Vec<f64> {
     (0..count).map(|i| from + step * f64::from(i)).collect()

@@ -4,10 +4,10 @@ use rayon::prelude::*;
 
 use palpate_testbed::metrics::Fidelity;
 
-use crate::closed_loop::{Bench, LoopError};
 use crate::suite::Column;
 use crate::tune::{HEIGHTS, Spread, at_height, spread};
 use palpate_scene::Scene;
+use palpate_sim::closed_loop::{Bench, LoopError};
 
 /// What a column did on a scene over the start heights.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,12 +96,13 @@ pub fn over_heights(
 fn at_one(scene: &Scene, columns: &[Column]) -> Result<Vec<Vec<(Fidelity, bool)>>, HeightsError> {
     let bench = Bench::new(scene).map_err(HeightsError::Scene)?;
     let judged = |column: &Column, varied: &Scene| {
-        let run = bench
-            .run_as(varied, column.method)
-            .map_err(|error| HeightsError::Column {
-                column: column.name.clone(),
-                error,
-            })?;
+        let run =
+            bench
+                .run_varied(varied, column.method)
+                .map_err(|error| HeightsError::Column {
+                    column: column.name.clone(),
+                    error,
+                })?;
         let fidelity = run.force.fidelity.ok_or(HeightsError::NoContact)?;
         Ok((fidelity, run.diverged == Some(true)))
     };

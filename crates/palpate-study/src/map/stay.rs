@@ -6,11 +6,10 @@ use palpate_testbed::measure::Sampler;
 use palpate_testbed::sprung_mass::SprungMass;
 
 use super::bounce::{Bounce, BounceError};
-use crate::closed_loop::LoopError;
-use crate::plant::Plant;
-use crate::sampled_loop::{LoopDevice, SampledLoop};
 use palpate_scene::Grip;
 use palpate_scene::method::{MethodName, Settings};
+use palpate_sim::closed_loop::LoopError;
+use palpate_sim::sampled_loop::{LoopDevice, SampledLoop, device_of};
 
 /// Largest standard deviation of the force, over what presses it, of a contact that has come to rest.
 pub const RESTS_BELOW: f64 = 0.1;
@@ -137,7 +136,7 @@ impl Bounce {
         &self,
         force: f64,
         (mass, stiffness, damping): HandOnDevice,
-    ) -> Result<Plant, BounceError> {
+    ) -> Result<impl LoopDevice, BounceError> {
         let mut scene = self.scene(0.0, 1);
         scene.user_force = force;
         scene.grip = Some(Grip {
@@ -148,7 +147,7 @@ impl Bounce {
             swing: None,
             intention: None,
         });
-        Ok(Plant::of(&scene, 1.0)?)
+        Ok(device_of(&scene, 1.0)?)
     }
 
     /// The same, on a device in its hand.

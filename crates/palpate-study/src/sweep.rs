@@ -4,12 +4,12 @@ use palpate_testbed::metrics::Fidelity;
 use palpate_testbed::pantograph::SafetyBox;
 use rayon::prelude::*;
 
-use crate::closed_loop::{Bench, LoopError};
-use crate::run::Run;
 use crate::suite::Column;
 use crate::tune::{HEIGHTS, Spread, at_height, spread, tunable};
 use palpate_scene::Scene;
 use palpate_scene::method::{Damping, Setting, Settings};
+use palpate_sim::closed_loop::{Bench, LoopError};
+use palpate_sim::run::Run;
 
 /// What is varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -242,7 +242,7 @@ fn at_height_of(
         .iter()
         .map(|column| {
             let (_, varied) = column.candidates(scene).swap_remove(0);
-            let run = bench.run_as(&varied, column.method).map_err(wrong)?;
+            let run = bench.run_varied(&varied, column.method).map_err(wrong)?;
             Swept::of(&run, ideal_peak_force)
         })
         .collect()

@@ -5,7 +5,7 @@
 //! [`PHASES`] start heights by every method. Then the same object and device begin near their place of
 //! rest, and [`Stay`] says whether the contact stays there. The loop keeps no record, so a tick
 //! allocates nothing and a map of a million runs takes a minute or two; it takes its steps where
-//! [`Bench`](crate::closed_loop::Bench) takes them.
+//! [`Bench`](palpate_sim::closed_loop::Bench) takes them.
 //!
 //! A cell's scene follows from its index alone. There are no random numbers, so a map is the same
 //! on any number of threads and in any number of pieces.

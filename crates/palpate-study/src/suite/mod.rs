@@ -17,8 +17,8 @@ pub use spread::{Summary, quantile, summary};
 use palpate_testbed::metrics::{Fidelity, ForceJudgement};
 use rayon::prelude::*;
 
-use crate::closed_loop::{Bench, LoopError};
 use palpate_scene::Scene;
+use palpate_sim::closed_loop::{Bench, LoopError};
 
 /// Delays that every plant is judged with `[samples]`.
 pub const DELAYS: [usize; 2] = [0, 1];
@@ -126,14 +126,13 @@ fn judge(plant: RandomPlant, columns: &[Column]) -> Result<Judged, SuiteError> {
             };
             let mut best: Option<Trial> = None;
             for (damping, scene) in column.candidates(&delayed) {
-                let run =
-                    bench
-                        .run_as(&scene, column.method)
-                        .map_err(|error| SuiteError::Column {
-                            column: column.name.clone(),
-                            plant: index,
-                            error,
-                        })?;
+                let run = bench.run_varied(&scene, column.method).map_err(|error| {
+                    SuiteError::Column {
+                        column: column.name.clone(),
+                        plant: index,
+                        error,
+                    }
+                })?;
                 let fidelity = run.force.fidelity.expect("collisions have a force");
                 let error = |trial: &Trial| trial.fidelity.mean_force_error;
                 if best

@@ -5,9 +5,9 @@ use std::collections::HashMap;
 use palpate::{AnyRenderer, Contact, LoopParams, ObjectState};
 use palpate_testbed::InvalidParameter;
 
-use crate::closed_loop::LoopError;
 use palpate_scene::method::{Damping, MethodName, Settings};
 use palpate_scene::{HandForceAt, Measure, PointMassDevice, Scene, SetupError, Timing};
+use palpate_sim::closed_loop::LoopError;
 
 /// A device as it is, and what the renderer is told of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,7 +105,7 @@ pub enum BounceError {
     #[error("the object never meets the device: no force drives them together")]
     NoBounce,
     /// The window has too many periods.
-    #[error("the bounce takes {0:.0} periods; at most {most} fit", most = crate::run::MOST_PERIODS)]
+    #[error("the bounce takes {0:.0} periods; at most {most} fit", most = palpate_sim::run::MOST_PERIODS)]
     TooLong(f64),
 }
 

@@ -1,6 +1,7 @@
 //! The suite of random plants: what is drawn, that it stays the same, and what comes out.
 #![allow(clippy::print_stdout)] // what was measured
 
+#[path = "../../palpate-sim/tests/common/mod.rs"]
 mod common;
 
 use common::{PAPER_SCENES, experiments, scene};
@@ -8,9 +9,9 @@ use palpate::Mass;
 use palpate_scene::SceneFile;
 use palpate_scene::method::{Damping, MethodName, Settings};
 use palpate_sim::closed_loop::Bench;
-use palpate_sim::heights::over_heights;
-use palpate_sim::suite::{Column, DELAYS, Judged, RandomPlant, quantile, run, summary};
-use palpate_sim::tune::{Objective, best as tuned_best, tune};
+use palpate_study::heights::over_heights;
+use palpate_study::suite::{Column, DELAYS, Judged, RandomPlant, quantile, run, summary};
+use palpate_study::tune::{Objective, best as tuned_best, tune};
 use rayon::prelude::*;
 
 fn plants(seed: u64, count: usize) -> Vec<RandomPlant> {
@@ -383,7 +384,7 @@ fn over_heights_the_damping_of_least_median_is_the_scene_s() {
     let best = tuned_best(&points, Objective::Error).unwrap();
     assert_eq!(found[0].damping, Some(best.value));
     assert_eq!(found[0].error, best.mean_force_error);
-    let own = |point: &palpate_sim::tune::TunedPoint| point.mean_force_error.own;
+    let own = |point: &palpate_study::tune::TunedPoint| point.mean_force_error.own;
     let at_own = points.iter().min_by(|a, b| own(a).total_cmp(&own(b)));
     assert_ne!(
         at_own.unwrap().value,

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use palpate_scene::method::{Damping, MethodName, Settings};
 use palpate_scene::{Linkage, Measure};
 use palpate_sim::closed_loop::Bench;
-use palpate_sim::map::{
+use palpate_study::map::{
     Bounce, CellResult, Class, Done, Entry, Forces, Limit, MapParams, PHASES, Plant, RESTS_BELOW,
     Stay, bounds, compute, default_settings,
 };

@@ -3,9 +3,9 @@
 //! A value that is best at one start height may be bad at the next, so every value is judged over
 //! start heights around the scene's own.
 
-use crate::closed_loop::{Bench, LoopError};
 use palpate_scene::Scene;
 use palpate_scene::method::{Damping, MethodName, Setting, Settings};
+use palpate_sim::closed_loop::{Bench, LoopError};
 
 /// Start heights a value is judged at.
 pub const HEIGHTS: usize = 21;
@@ -97,7 +97,7 @@ pub fn tune(
             };
             let others = scene.settings.get(&method).copied().unwrap_or_default();
             tuned.settings.insert(method, given.or(others));
-            let run = bench.run_as(&tuned, method)?;
+            let run = bench.run_varied(&tuned, method)?;
             let fidelity = run.force.fidelity.ok_or(TuneError::NoContact)?;
             trials.push(Trial {
                 error: fidelity.mean_force_error,

@@ -1,15 +1,16 @@
 //! How near coupled rendering comes to the hold floor: the claims of docs/coupled.md.
 #![allow(clippy::print_stdout)]
 
+#[path = "../../palpate-sim/tests/common/mod.rs"]
 mod common;
 
 use common::{PAPER_SCENES, scene};
 use palpate_scene::method::{MethodName, Settings};
 use palpate_scene::{Measure, Scene};
 use palpate_sim::closed_loop::Bench;
-use palpate_sim::heights::over_heights;
 use palpate_sim::run::Run;
-use palpate_sim::suite::{Column, DELAYS, run, summary};
+use palpate_study::heights::over_heights;
+use palpate_study::suite::{Column, DELAYS, run, summary};
 use palpate_testbed::metrics::Fidelity;
 
 fn coupled(scene: &Scene) -> Run {

@@ -5,10 +5,10 @@ use palpate_testbed::reference::{self, POINTS_PER_PERIOD, ReferenceScene, Stop};
 
 use super::COLLISIONS;
 use super::chance::Chance;
-use crate::closed_loop::{LoopError, object_mass};
-use crate::plant::Plant;
 use palpate_scene::method::MethodName;
 use palpate_scene::{Grip, HandForceAt, Measure, PointMassDevice, Scene, Timing, Wave};
+use palpate_sim::closed_loop::{LoopError, object_mass};
+use palpate_sim::sampled_loop::device_of;
 
 /// Gravity on the object `[m/s²]`.
 const GRAVITY: f64 = 9.81;
@@ -175,7 +175,7 @@ fn collides_within(scene: &Scene, duration: f64) -> Result<bool, LoopError> {
         period,
         steps_per_period: POINTS_PER_PERIOD * steps_per_point,
     };
-    let plant = Plant::of(scene, 1.0)?;
+    let plant = device_of(scene, 1.0)?;
     let found = reference::integrate(&plant, &search, Stop::AfterPeriods(periods))?;
     let collisions = found.profile.collisions();
     let Some(end) = collisions.get(COLLISIONS - 1).and_then(|last| last.end) else {

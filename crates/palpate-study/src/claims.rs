@@ -5,13 +5,13 @@
 
 use std::fmt;
 
-use crate::closed_loop::{Bench, LoopError};
-use crate::run::Run;
 use crate::suite::Column;
 use crate::sweep::{ALMOST_STABLE_UP_TO, Quantity, SweepError, sweep};
 use palpate::SehEstimate;
 use palpate_scene::method::{MethodName, Settings};
 use palpate_scene::{Measure, Scene};
+use palpate_sim::closed_loop::{Bench, LoopError};
+use palpate_sim::run::Run;
 
 /// The scenes on which the claims are checked.
 #[derive(Clone, Copy, Debug)]

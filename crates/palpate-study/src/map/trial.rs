@@ -14,9 +14,8 @@ use palpate_testbed::viscous_mass::ViscousMass;
 use super::bounce::{Bounce, BounceError};
 use super::growth::{BounceEnergy, GrowthMeter};
 use super::{ERROR_COLLISIONS, GROWTH_COLLISIONS, PHASE_RANGE, PHASES};
-use crate::plant;
-use crate::run::MOST_PERIODS;
-use crate::sampled_loop::{LoopDevice, SampledLoop};
+use palpate_sim::run::MOST_PERIODS;
+use palpate_sim::sampled_loop::{LoopDevice, SampledLoop, device_of};
 
 /// What a bounce came to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,7 +69,7 @@ fn integrated(
         period: bounce.period,
         steps_per_period: twenties * reference::POINTS_PER_PERIOD,
     };
-    let device = plant::Plant::of(&bounce.scene(0.0, 1), 1.0)?;
+    let device = device_of(&bounce.scene(0.0, 1), 1.0)?;
     let ideal = reference::integrate(&device, &object, Stop::AfterPeriods(periods))?;
     Ok(ideal.profile)
 }
@@ -164,7 +163,7 @@ impl Course {
         let device = &bounce.device;
         if device.coulomb_friction > 0.0 {
             let scene = bounce.scene(0.0, 1);
-            self.run_on(plant::Plant::of(&scene, 1.0)?, bounce, renderer)
+            self.run_on(device_of(&scene, 1.0)?, bounce, renderer)
         } else if device.viscous_friction > 0.0 {
             let viscous =
                 ViscousMass::new(device.mass, device.viscous_friction, bounce.user_force())?;
@@ -185,7 +184,7 @@ impl Course {
             sampler: self.sampler,
             virtual_force: bounce.virtual_force(),
             ..SampledLoop::new(renderer, self.object, device)
-                .map_err(|error| crate::closed_loop::LoopError::Setup(error.into()))?
+                .map_err(|error| palpate_sim::closed_loop::LoopError::Setup(error.into()))?
         };
         let mut hold = self.hold.clone();
         let mut error = FidelityMeter::new(&self.profile);
