@@ -13,9 +13,10 @@ mod inside;
 mod plots;
 mod progress;
 mod recorded;
-mod report;
 mod results;
 mod run_file;
+#[cfg(test)]
+mod schemas;
 mod setup;
 mod values;
 

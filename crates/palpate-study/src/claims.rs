@@ -3,6 +3,8 @@
 //! Each claim says what it takes to hold here, as a number. A claim that the paper makes of its own
 //! device may hold there and not here.
 
+pub mod report;
+
 use std::fmt;
 
 use crate::suite::Column;

@@ -1,5 +1,7 @@
 //! How much a method's error depends on the start height: the same scene from 21 of them.
 
+pub mod report;
+
 use rayon::prelude::*;
 
 use palpate_testbed::metrics::Fidelity;

@@ -1,5 +1,7 @@
 //! One quantity of a scene over several values: what each method does at each.
 
+pub mod report;
+
 use palpate_testbed::metrics::Fidelity;
 use palpate_testbed::pantograph::SafetyBox;
 use rayon::prelude::*;

@@ -5,6 +5,8 @@
 
 use palpate_scene::Scene;
 use palpate_scene::method::{Damping, MethodName, Setting, Settings};
+pub mod report;
+
 use palpate_sim::closed_loop::{Bench, LoopError};
 
 /// Start heights a value is judged at.
@@ -20,6 +22,16 @@ pub enum Objective {
     Error,
     /// The median sum of absolute leaks.
     Leak,
+}
+
+impl Objective {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Error => "error",
+            Self::Leak => "leak",
+        }
+    }
 }
 
 /// The distribution of a quantity over the start heights.

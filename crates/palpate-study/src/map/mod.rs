@@ -17,6 +17,8 @@ mod compute;
 mod grid;
 mod growth;
 mod limits;
+pub mod receipt;
+pub mod report;
 mod stay;
 mod trial;
 

@@ -8,7 +8,9 @@
 mod chance;
 mod column;
 mod draw;
+pub mod report;
 mod spread;
+pub mod table;
 
 pub use column::{Column, ColumnError, Dampings};
 pub use draw::{DrawError, RandomPlant};

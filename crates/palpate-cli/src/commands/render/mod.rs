@@ -19,9 +19,10 @@ use crate::failure::{Failure, tell};
 use crate::inside;
 use crate::plots;
 use crate::progress::Progress;
-use crate::report::{Replayed, Report, Subject, digits};
 use crate::results::deliver;
 use crate::setup::{check_contact, receipt, wrong_on_bench, wrong_setup};
+use palpate_study::report::{Replayed, Report, Subject};
+use palpate_study::text::digits;
 
 /// Name that stands for standard input.
 const STANDARD_INPUT: &str = "-";

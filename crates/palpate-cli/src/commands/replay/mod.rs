@@ -23,9 +23,9 @@ use crate::failure::Failure;
 use crate::plots;
 use crate::progress::Progress;
 use crate::recorded::{open, whole_or_said};
-use crate::report::{FromRecording, Replayed, Report, Subject};
 use crate::results::deliver;
 use crate::setup::{receipt, wrong_flag, wrong_on_bench, wrong_setup};
+use palpate_study::report::{FromRecording, Replayed, Report, Subject};
 
 /// Text of the receipt that holds the scene.
 const SCENE: &str = "scene";

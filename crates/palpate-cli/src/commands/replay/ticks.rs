@@ -44,7 +44,7 @@ impl Ticks {
             return Err(Failure::input(format_args!(
                 "{}: the part that --from and --to name has {}, but needs at least 2{}",
                 recording.path().display(),
-                crate::report::counted(ticks.all.len() as u64, "tick"),
+                palpate_study::text::counted(ticks.all.len() as u64, "tick"),
                 ends.map_or_else(String::new, |(first, last)| format!(
                     "; the times of the recording begin at {} s and end at {} s",
                     first.time, last.time

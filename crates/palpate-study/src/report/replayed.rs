@@ -4,10 +4,11 @@ use palpate_scene::method::MethodName;
 use palpate_sim::hand_replay::RecordedHand;
 use serde::Serialize;
 
-use super::{counted, digits};
+use crate::text::{counted, digits};
 
 /// A recorded motion, or the hand that made it.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Replayed {
     /// The device goes where it went.
@@ -18,26 +19,35 @@ pub enum Replayed {
 
 /// The estimate of a hand.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HandReport {
     /// Whether the recording says what force was held.
-    force_recorded: bool,
+    pub force_recorded: bool,
     /// Mass of the device that the hand moved.
-    moved_mass_kg: f64,
+    pub moved_mass_kg: f64,
     /// Samples that the recording has no position for.
-    bridged_samples: usize,
-    hand_bandwidth_hz: f64,
-    position_noise_m: f64,
-    hand_force_n: f64,
-    hand_force_deviation_n: f64,
-    given_back_within_m: f64,
-    hand_stiffness_n_per_m: f64,
-    hand_damping_n_s_per_m: f64,
+    pub bridged_samples: usize,
+    /// Bandwidth of the estimate of the hand's force `[Hz]`.
+    pub hand_bandwidth_hz: f64,
+    /// Standard deviation of the noise of the positions `[m]`.
+    pub position_noise_m: f64,
+    /// Root mean square of the hand's force `[N]`.
+    pub hand_force_n: f64,
+    /// Standard deviation of the estimate of the hand's force `[N]`.
+    pub hand_force_deviation_n: f64,
+    /// The estimated force gives the recorded motion back within this `[m]`.
+    pub given_back_within_m: f64,
+    /// Stiffness with which the hand holds on to its motion `[N/m]`.
+    pub hand_stiffness_n_per_m: f64,
+    /// Damping with which it does `[N s/m]`.
+    pub hand_damping_n_s_per_m: f64,
     /// Whether nobody has stated one of the two.
-    hand_is_assumed: bool,
+    pub hand_is_assumed: bool,
     /// From the least to the greatest recorded position.
-    recorded_span_m: f64,
+    pub recorded_span_m: f64,
     /// How far each method's device got from its recorded motion.
-    largest_departure_m: Vec<f64>,
+    pub largest_departure_m: Vec<f64>,
+    /// One entry for each method.
     #[serde(skip)]
     methods: Vec<MethodName>,
 }

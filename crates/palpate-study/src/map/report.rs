@@ -5,92 +5,139 @@ use std::path::Path;
 
 use comfy_table::CellAlignment;
 use palpate_io::map::{Format, Map, Row};
-use palpate_study::map::{Class, PRESSED_WITH, Plant, RESTS_BELOW, Stay, classify};
 use serde::Serialize;
 
-use super::compute::Speed;
-use super::receipt;
-use crate::failure::Failure;
-use crate::report::{digits, lines, number, percent, plain_table};
+use super::receipt::{self, NoNumber};
+use super::{Class, PRESSED_WITH, Plant, RESTS_BELOW, Stay, classify};
+use crate::text::{digits, lines, number, percent, plain_table};
+
+/// How fast the work was.
+#[derive(Clone, Copy, Debug)]
+pub struct Speed {
+    /// Ticks of plant, renderer and metrics.
+    pub ticks: u64,
+    /// Time `[s]`.
+    pub seconds: f64,
+    /// Threads that shared the work.
+    pub threads: usize,
+}
+
+/// Name and version of the JSON report.
+const FORMAT: &str = "palpate map report 2";
 
 /// Largest error of a faithful rendering, E `[%]`.
 pub const FAITHFUL_PERCENT: f64 = 20.0;
 
 /// The report on a map, or a part of one.
 #[derive(Debug, Serialize)]
-pub struct Report {
-    format: &'static str,
-    palpate_version: String,
-    shard: String,
-    cells_per_axis: usize,
-    cells: usize,
-    scene: Scene,
-    methods: Vec<MethodReport>,
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct MapReport {
+    /// Name and version of this JSON.
+    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    pub format: &'static str,
+    /// Version of palpate that made it.
+    pub palpate_version: String,
+    /// Which part of the map it is, such as `1/1`.
+    pub shard: String,
+    /// Cells along each axis.
+    pub cells_per_axis: usize,
+    /// Cells that there are.
+    pub cells: usize,
+    /// What every cell has in common.
+    pub scene: SceneReport,
+    /// One entry for each method.
+    pub methods: Vec<MethodReport>,
+    /// What it took to compute; none of a map that was there.
     #[serde(skip_serializing_if = "Option::is_none")]
-    work: Option<Work>,
-    files: Vec<String>,
+    pub work: Option<Work>,
+    /// Files that were written.
+    pub files: Vec<String>,
     /// Files that were there, and were left as they are.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    kept: Vec<String>,
+    pub kept: Vec<String>,
 }
 
+/// What every cell of a map has in common.
 #[derive(Debug, Serialize)]
-struct Scene {
-    device_mass_kg: f64,
-    period_s: f64,
-    gap_m: f64,
-    forces: String,
-    viscous_friction_n_s_per_m: f64,
-    encoder_quantum_m: f64,
-    delay_samples: f64,
-    told_mass_factor: f64,
-    told_period_factor: f64,
-    start_heights: f64,
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SceneReport {
+    /// Effective mass of the device `[kg]`, if it is known.
+    pub device_mass_kg: f64,
+    /// Period of the loop `[s]`.
+    pub period_s: f64,
+    /// Gap from which the object falls `[m]`.
+    pub gap_m: f64,
+    /// What drives device and object together, in words.
+    pub forces: String,
+    /// Viscous friction `[N s/m]`.
+    pub viscous_friction_n_s_per_m: f64,
+    /// Quantum of the position sensor `[m]`.
+    pub encoder_quantum_m: f64,
+    /// Delay of the loop `[samples]`.
+    pub delay_samples: f64,
+    /// Device mass that the renderer is told, over the true one.
+    pub told_mass_factor: f64,
+    /// Period that the renderer is told, over the true one.
+    pub told_period_factor: f64,
+    /// Number of start heights.
+    pub start_heights: f64,
 }
 
+/// What a method can render of the map.
 #[derive(Debug, Serialize)]
-struct MethodReport {
-    plant: &'static str,
-    method: String,
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct MethodReport {
+    /// `undamped` or `damped`.
+    pub plant: &'static str,
+    /// Name of the method.
+    pub method: String,
     /// Share of the cells from whose every start height the loop is stable.
-    stable_percent: f64,
+    pub stable_percent: f64,
     /// Share of the cells whose error is below 20 % from every start height, stable ones only.
-    faithful_percent: f64,
+    pub faithful_percent: f64,
     /// Stiffest wall up to which all walls of the map are stable; none where not even the softest is.
-    stable_wall_kappa: Option<f64>,
+    pub stable_wall_kappa: Option<f64>,
     /// The same for stable walls with an error below 20 %.
-    faithful_wall_kappa: Option<f64>,
+    pub faithful_wall_kappa: Option<f64>,
     /// The same, of objects with Kc nearest to 1.
-    stable_light_object_kappa: Option<f64>,
+    pub stable_light_object_kappa: Option<f64>,
     /// Contacts that stay; none where the map is by an older version and says nothing of them.
-    stay: Option<StayReport>,
+    pub stay: Option<StayReport>,
 }
 
+/// Contacts that stay, of a method.
 #[derive(Debug, Serialize)]
-struct StayReport {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct StayReport {
     /// Share of the objects, walls left out, that come to rest on the device by their weight.
-    rests_percent: f64,
+    pub rests_percent: f64,
     /// Share of the cells whose contact is steady when it is pressed.
-    pressed_percent: f64,
+    pub pressed_percent: f64,
     /// Share of the cells that are both, and stable, and have an error below 20 %.
-    stays_faithful_percent: f64,
+    pub stays_faithful_percent: f64,
     /// Stiffest wall up to which all walls of the map are steady when they are pressed.
-    pressed_wall_kappa: Option<f64>,
+    pub pressed_wall_kappa: Option<f64>,
     /// Stiffness up to which all objects with Kc nearest to 1 rest.
-    resting_light_object_kappa: Option<f64>,
+    pub resting_light_object_kappa: Option<f64>,
 }
 
+/// What it took to compute a map.
 #[derive(Debug, Serialize)]
-struct Work {
-    ticks: u64,
-    seconds: f64,
-    threads: usize,
-    ticks_per_second_and_thread: f64,
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Work {
+    /// Ticks.
+    pub ticks: u64,
+    /// Time `[s]`.
+    pub seconds: f64,
+    /// Threads that shared the work.
+    pub threads: usize,
+    /// Ticks per second and thread.
+    pub ticks_per_second_and_thread: f64,
 }
 
-impl Report {
+impl MapReport {
     /// The report on `map`.
-    pub fn new(map: &Map, speed: Option<Speed>) -> Result<Self, Failure> {
+    pub fn new(map: &Map, speed: Option<Speed>) -> Result<Self, NoNumber> {
         let value = |key: &str| map.value(key).unwrap_or("unknown").to_owned();
         let number = |key: &str| receipt::number(map, key);
         let forces = match map.value("forces") {
@@ -115,12 +162,12 @@ impl Report {
         }
         let lines_per_cell = receipt::count(map, palpate_io::map::LINES_PER_CELL)?;
         Ok(Self {
-            format: "palpate map report 2",
+            format: FORMAT,
             palpate_version: value("palpate_version"),
             shard: value(palpate_io::map::SHARD),
             cells_per_axis: receipt::count(map, "cells_per_axis")?,
             cells: map.rows.len() / lines_per_cell.max(1),
-            scene: Scene {
+            scene: SceneReport {
                 device_mass_kg: number("device_mass_kg")?,
                 period_s: number("period_s")?,
                 gap_m: number("gap_m")?,
@@ -153,11 +200,6 @@ impl Report {
     /// Adds a file that was there and was left as it is.
     pub fn kept(&mut self, path: &Path) {
         self.kept.push(path.display().to_string());
-    }
-
-    /// The report as JSON.
-    pub fn json(&self) -> String {
-        serde_json::to_string_pretty(self).expect("a report has string keys only")
     }
 }
 
@@ -233,7 +275,7 @@ impl MethodReport {
     }
 }
 
-impl Report {
+impl MapReport {
     /// The contacts that stay, method by method.
     fn write_stays(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let header = [
@@ -274,7 +316,7 @@ impl Report {
     }
 }
 
-impl fmt::Display for Report {
+impl fmt::Display for MapReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let scene = &self.scene;
         let part = if self.shard == "1/1" {
@@ -350,7 +392,7 @@ impl fmt::Display for Report {
                 "{:.3e} ticks in {:.1} s on {}: {:.2e} ticks/s each\n",
                 work.ticks as f64,
                 work.seconds,
-                crate::report::counted(work.threads as f64, "thread"),
+                crate::text::counted(work.threads as f64, "thread"),
                 work.ticks_per_second_and_thread
             )?;
         }

@@ -2,9 +2,9 @@
 
 use std::io::Write;
 
+use super::{COLLISIONS, Column, Judged, Trial};
 use palpate::Mass;
 use palpate_io::run::{Cell, RunWriteError, RunWriter};
-use palpate_study::suite::{COLLISIONS, Column, Judged, Trial};
 
 /// What is said of a plant, in every row of it.
 const PLANT: [&str; 24] = [
@@ -50,7 +50,7 @@ const TRIAL: [&str; 11] = [
 ];
 
 /// Writes a row for each trial, with a receipt of what made them.
-pub(super) fn write(
+pub fn write(
     writer: &mut dyn Write,
     seed: u64,
     columns: &[Column],

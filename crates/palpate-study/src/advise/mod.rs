@@ -1,11 +1,14 @@
-//! What is found out for an advice.
+//! Advice: can this device render a contact, and by which method?
 
+mod text;
+
+use crate::map::{Bounce, BounceError, Class, Entry, Limit, Plant, Stay, bounds, default_settings};
+use crate::tune::tunable;
 use palpate_scene::method::{Damping, MethodName, Setting, Settings};
-use palpate_study::map::{
-    Bounce, BounceError, Class, Entry, Limit, Plant, Stay, bounds, default_settings,
-};
-use palpate_study::tune::tunable;
 use serde::Serialize;
+
+/// Name and version of the JSON report.
+const FORMAT: &str = "palpate advise 2";
 
 /// Largest mean-force error of a faithful rendering, E `[%]`.
 pub const FAITHFUL_PERCENT: f64 = 20.0;
@@ -15,52 +18,80 @@ const TRIED: usize = 24;
 
 /// The advice on a device, and on a contact where one is asked for.
 #[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Advice {
-    format: &'static str,
+    /// Name and version of this JSON.
+    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    pub format: &'static str,
+    /// The device.
     pub device: DeviceReport,
     /// What is asked for; none where only limits are.
     pub contact: Option<ContactReport>,
+    /// The answer.
     pub verdict: Verdict,
+    /// One entry for each method.
     pub methods: Vec<MethodAdvice>,
+    /// Classical bounds of walls.
     pub bounds: Bounds,
 }
 
+/// The device that is asked about, and the bounce on it.
 #[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DeviceReport {
+    /// Effective mass `[kg]`.
     pub mass_kg: f64,
+    /// Period of the loop `[s]`.
     pub period_s: f64,
+    /// Viscous friction `[N s/m]`.
     pub viscous_friction_n_s_per_m: f64,
+    /// Coulomb friction `[N]`.
     pub coulomb_friction_n: f64,
+    /// Quantum of the position sensor `[m]`.
     pub encoder_quantum_m: f64,
+    /// Delay of the loop `[samples]`.
     pub delay_samples: usize,
     /// M of the object whose limits are looked for; none for a wall.
     pub object_mass_kg: Option<f64>,
+    /// Gap from which the object falls `[m]`.
     pub gap_m: f64,
+    /// Number of start heights.
     pub start_heights: usize,
 }
 
+/// The contact that is asked for.
 #[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ContactReport {
+    /// Stiffness of the contact `[N/m]`.
     pub stiffness_n_per_m: f64,
+    /// K T²/m.
     pub kappa: f64,
+    /// Kc = K T²/M; 0 for a wall.
     pub object_kappa: f64,
     /// What one count of the encoder changes of the spring's force.
     pub force_per_count_n: f64,
+    /// FRE that no held force can be below, median over the start heights `[%]`.
     pub hold_floor_percent: f64,
 }
 
 /// The answer in one word, and by which method.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case", tag = "answer")]
 pub enum Verdict {
     /// Stable and faithful, steady at rest and pressed, and the hold floor is low enough.
     Yes {
+        /// The method.
         method: &'static str,
+        /// Its damping or cap `[N s/m]`; none where the method chooses or has none.
         damping_n_s_per_m: Option<f64>,
     },
     /// Bounces stably, but swings at rest or pressed.
     Swings {
+        /// The method.
         method: &'static str,
+        /// Its damping or cap `[N s/m]`; none where the method chooses or has none.
         damping_n_s_per_m: Option<f64>,
         /// Whether it swings at rest on the device.
         resting: bool,
@@ -69,55 +100,73 @@ pub enum Verdict {
     },
     /// As good as a held force can be, which at this rate is far from the ideal.
     HoldTooCoarse {
+        /// The method.
         method: &'static str,
+        /// Its damping or cap `[N s/m]`; none where the method chooses or has none.
         damping_n_s_per_m: Option<f64>,
     },
     /// Stable, but with a large error.
     StableOnly {
+        /// The method.
         method: &'static str,
+        /// Its damping or cap `[N s/m]`; none where the method chooses or has none.
         damping_n_s_per_m: Option<f64>,
     },
     /// No method is stable.
     No {
+        /// The method.
         method: &'static str,
+        /// Growth of the energy per collision from the worst start height; none where it diverged.
         growth: Option<f64>,
     },
     /// No contact was asked for.
     NotAsked,
 }
 
+/// What a method can do on the device.
 #[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MethodAdvice {
+    /// Name of the method.
     pub method: &'static str,
     /// With the settings it has by itself.
     pub by_itself: Option<Judged>,
     /// With the best of the dampings that were tried.
     pub tuned: Option<Judged>,
+    /// Stiffest contact that is stable `[N/m]`.
     pub stiffest_n_per_m: Reach,
+    /// Lightest object that is stable `[kg]`; none where no contact was asked for.
     pub lightest_kg: Option<Reach>,
 }
 
+/// How a method does with the contact that is asked for.
 #[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Judged {
     /// The damping B, b or cap that was set; none where the method chose.
     pub damping_n_s_per_m: Option<f64>,
+    /// `stable`, `growing` or `diverged`.
     pub class: &'static str,
     /// Median and worst over the start heights; none where a loop diverged.
     pub growth: [Option<f64>; 2],
+    /// Mean-force error E, median and worst over the start heights `[%]`.
     pub error_percent: [Option<f64>; 2],
     /// Standard deviation of the force at rest, over the weight; none for a wall, for a loop that
     /// diverged, and for one that was not followed since its bounces gain energy.
     pub resting_swing: Option<f64>,
     /// The same pressed, over the force that presses.
     pub pressed_swing: Option<f64>,
+    /// Contacts that stay.
     #[serde(skip)]
     stay: Option<Stay>,
+    /// What judgements are ordered by.
     #[serde(skip)]
     rank: (Class, f64),
 }
 
 /// A limit of a method.
 #[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Reach {
     /// None where not even the easiest is stable.
     pub value: Option<f64>,
@@ -125,13 +174,19 @@ pub struct Reach {
     pub or_beyond: bool,
 }
 
+/// Classical bounds of the stiffness of walls on the device.
 #[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Bounds {
+    /// Colgate and Schenkel: K < 2 b/T without virtual damping `[N/m]`.
     pub colgate_schenkel_n_per_m: f64,
+    /// Gil et al., with a delay `[N/m]`.
     pub gil_n_per_m: f64,
+    /// Abbott and Okamura, with Coulomb friction and an encoder `[N/m]`.
     pub abbott_okamura_n_per_m: f64,
     /// Of an undamped device with the best virtual damper.
     pub undamped_wall_n_per_m: f64,
+    /// The damping of that virtual damper `[N s/m]`.
     pub undamped_wall_damping_n_s_per_m: f64,
 }
 
@@ -147,7 +202,7 @@ impl Advice {
         let device = &bounce.device;
         let (m, t) = (device.mass, bounce.period);
         let mut advice = Self {
-            format: "palpate advise 2",
+            format: FORMAT,
             device: DeviceReport {
                 mass_kg: m,
                 period_s: t,
@@ -157,7 +212,7 @@ impl Advice {
                 delay_samples: bounce.delay,
                 object_mass_kg: Some(bounce.object_mass).filter(|mass| mass.is_finite()),
                 gap_m: bounce.gap,
-                start_heights: palpate_study::map::PHASES,
+                start_heights: crate::map::PHASES,
             },
             contact: None,
             verdict: Verdict::NotAsked,
@@ -271,11 +326,6 @@ impl Advice {
             let judged = advice.by_itself.iter().chain(&advice.tuned);
             judged.map(|judged| (advice.method, *judged))
         })
-    }
-
-    /// The advice as JSON.
-    pub fn json(&self) -> String {
-        serde_json::to_string_pretty(self).expect("an advice has string keys only")
     }
 }
 

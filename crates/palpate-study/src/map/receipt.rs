@@ -1,15 +1,17 @@
 //! What a map file says of how it was made.
 
-use palpate_io::map::{CELLS, LINES_PER_CELL, Map, SHARD};
-use palpate_study::map::{
+use super::{
     ERROR_COLLISIONS, Forces, GROWTH_COLLISIONS, MapParams, PHASE_RANGE, PHASES, STABLE_UP_TO, Stay,
 };
+use palpate_io::map::{CELLS, LINES_PER_CELL, Map, SHARD};
 
-use super::arguments::Shard;
-use crate::failure::Failure;
+/// The receipt of a map lacks a number.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the receipt of the map has no number under {0}")]
+pub struct NoNumber(pub String);
 
 /// Everything a map follows from, and which part of it a file is.
-pub fn of(params: &MapParams, shard: Shard) -> Vec<(String, String)> {
+pub fn of(params: &MapParams, (number, of): (usize, usize)) -> Vec<(String, String)> {
     let methods: Vec<_> = params.methods.iter().map(|method| method.name()).collect();
     let device = &params.device;
     let forces = match params.forces {
@@ -29,7 +31,7 @@ pub fn of(params: &MapParams, shard: Shard) -> Vec<(String, String)> {
     };
     let mut receipt = vec![
         ("palpate_version", env!("CARGO_PKG_VERSION").to_owned()),
-        (SHARD, format!("{}/{}", shard.number, shard.of)),
+        (SHARD, format!("{number}/{of}")),
         ("cells_per_axis", params.cells.to_string()),
         (CELLS, params.len().to_string()),
         (LINES_PER_CELL, params.entries().to_string()),
@@ -69,17 +71,17 @@ pub fn line(receipt: &[(String, String)]) -> String {
 }
 
 /// A number of a map's receipt.
-pub fn number(map: &Map, key: &str) -> Result<f64, Failure> {
+pub fn number(map: &Map, key: &str) -> Result<f64, NoNumber> {
     parsed(map, key)
 }
 
 /// A whole number of a map's receipt.
-pub fn count(map: &Map, key: &str) -> Result<usize, Failure> {
+pub fn count(map: &Map, key: &str) -> Result<usize, NoNumber> {
     parsed(map, key)
 }
 
-fn parsed<T: std::str::FromStr>(map: &Map, key: &str) -> Result<T, Failure> {
+fn parsed<T: std::str::FromStr>(map: &Map, key: &str) -> Result<T, NoNumber> {
     map.value(key)
         .and_then(|value| value.parse().ok())
-        .ok_or_else(|| Failure::input(format!("the receipt of the map has no number under {key}")))
+        .ok_or_else(|| NoNumber(key.to_owned()))
 }

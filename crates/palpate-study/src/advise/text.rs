@@ -2,11 +2,11 @@
 
 use std::fmt;
 
+use crate::map::{PRESSED_WITH, RESTS_BELOW};
 use comfy_table::{Cell, CellAlignment};
-use palpate_study::map::{PRESSED_WITH, RESTS_BELOW};
 
-use super::advice::{Advice, FAITHFUL_PERCENT, Judged, Reach, Verdict};
-use crate::report::{counted, digits, lines, number, percent, plain_table};
+use super::{Advice, FAITHFUL_PERCENT, Judged, Reach, Verdict};
+use crate::text::{counted, digits, lines, number, percent, plain_table};
 
 impl fmt::Display for Advice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -8,8 +8,8 @@ use palpate_sim::run::{Reference, Run};
 use serde::Serialize;
 use serde_json::Value;
 
-use super::text::{digits, lines, percent, plain_table};
-use super::{MethodReport, Report, Subject};
+use crate::report::{MethodReport, Report, Subject};
+use crate::text::{digits, lines, percent, plain_table};
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate compare 1";
@@ -35,56 +35,93 @@ pub const COLUMNS: [&str; 15] = [
 
 /// Every scene that was compared, in the order given.
 #[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Comparison {
-    format: &'static str,
-    scenes: Vec<SceneRows>,
+    /// Name and version of this JSON.
+    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    pub format: &'static str,
+    /// One entry for each scene, in the order given.
+    pub scenes: Vec<SceneRows>,
+    /// Files that were written.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    files: Vec<String>,
+    pub files: Vec<String>,
 }
 
 /// One scene with its methods.
 #[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SceneRows {
-    scene: String,
-    title: String,
+    /// File of the scene.
+    pub scene: String,
+    /// The scene's title.
+    pub title: String,
+    /// Difficulty, loop and floor in a line, for a terminal.
     #[serde(skip)]
     conditions: String,
-    kappa: Option<f64>,
-    hold_floor_percent: Option<f64>,
-    ideal_peak_force_n: Option<f64>,
-    ideal_error: f64,
-    methods: Vec<MethodRow>,
+    /// K T²/m.
+    pub kappa: Option<f64>,
+    /// FRE that no held force can be below `[%]`.
+    pub hold_floor_percent: Option<f64>,
+    /// Strongest force of the ideal `[N]`.
+    pub ideal_peak_force_n: Option<f64>,
+    /// Error of the ideal's impulses relative to the largest; 0 where it is exact.
+    pub ideal_error: f64,
+    /// One entry for each method.
+    pub methods: Vec<MethodRow>,
 }
 
+/// A method on a scene.
 #[derive(Debug, Serialize)]
-struct MethodRow {
-    method: &'static str,
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct MethodRow {
+    /// Name of the method.
+    pub method: &'static str,
+    /// What it did, or why it cannot.
     #[serde(flatten)]
-    result: Result,
+    pub result: Outcome,
+    /// What else is to be said, for a terminal.
     #[serde(skip)]
     remarks: String,
 }
 
 /// What a method did, or why it cannot be set up.
 #[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
-enum Result {
+pub enum Outcome {
+    /// It ran.
     Ran(Box<Figures>),
-    Cannot { cannot: String },
+    /// It cannot be set up.
+    Cannot {
+        /// Why.
+        cannot: String,
+    },
 }
 
+/// What a method did on a scene.
 #[derive(Debug, Serialize)]
-struct Figures {
-    parameters: serde_json::Map<String, Value>,
-    mean_force_error_percent: Option<f64>,
-    force_rendering_error_percent: Option<f64>,
-    error_over_floor: Option<f64>,
-    peak_over_ideal: Option<f64>,
-    absolute_leak_held_j: f64,
-    diverged: Option<bool>,
-    left_box_at_s: Option<f64>,
-    jammed_at_s: Option<f64>,
-    refused_samples: usize,
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Figures {
+    /// Parameters by key, with the unit at the end of the key.
+    pub parameters: serde_json::Map<String, Value>,
+    /// Mean-force error E `[%]`; none without contact.
+    pub mean_force_error_percent: Option<f64>,
+    /// FRE `[%]`; none without contact.
+    pub force_rendering_error_percent: Option<f64>,
+    /// FRE over the hold floor; none where the floor is 0.
+    pub error_over_floor: Option<f64>,
+    /// Peak force over that of the ideal.
+    pub peak_over_ideal: Option<f64>,
+    /// Sum of the absolute leaks of the held force `[J]`.
+    pub absolute_leak_held_j: f64,
+    /// Whether the loop ran away.
+    pub diverged: Option<bool>,
+    /// When the device left its safety box `[s]`.
+    pub left_box_at_s: Option<f64>,
+    /// When a linkage jammed `[s]`.
+    pub jammed_at_s: Option<f64>,
+    /// Samples that the renderer refused.
+    pub refused_samples: usize,
 }
 
 impl Comparison {
@@ -102,11 +139,6 @@ impl Comparison {
         self.files.push(path.display().to_string());
     }
 
-    /// The comparison as JSON.
-    pub fn json(&self) -> String {
-        serde_json::to_string_pretty(self).expect("a report has string keys only")
-    }
-
     /// The table by rows, as [`COLUMNS`] name them; what does not exist is empty.
     pub fn rows(&self) -> impl Iterator<Item = [String; COLUMNS.len()]> + '_ {
         self.scenes
@@ -121,7 +153,7 @@ impl SceneRows {
         scene: String,
         subject: &Subject,
         reference: &Reference,
-        outcomes: Vec<(MethodName, std::result::Result<Run, String>)>,
+        outcomes: Vec<(MethodName, Result<Run, String>)>,
     ) -> Self {
         let peak = reference
             .profile
@@ -134,12 +166,12 @@ impl SceneRows {
         let mut methods = Vec::new();
         for (method, outcome) in outcomes {
             let (result, remarks) = match outcome {
-                Err(cannot) => (Result::Cannot { cannot }, String::new()),
+                Err(cannot) => (Outcome::Cannot { cannot }, String::new()),
                 Ok(run) => {
                     let report = MethodReport::new(&run, sign);
                     let remarks = report.remarks();
                     ran.push(run);
-                    (Result::Ran(Box::new(Figures::of(report, peak))), remarks)
+                    (Outcome::Ran(Box::new(Figures::of(report, peak))), remarks)
                 }
             };
             methods.push(MethodRow {
@@ -166,7 +198,7 @@ impl SceneRows {
         self.methods
             .iter()
             .filter_map(|method| match &method.result {
-                Result::Ran(run) if run.is_whole() => run.mean_force_error_percent,
+                Outcome::Ran(run) if run.is_whole() => run.mean_force_error_percent,
                 _ => None,
             })
             .min_by(f64::total_cmp)
@@ -181,7 +213,7 @@ impl SceneRows {
         row[3] = text(self.kappa);
         row[4] = text(self.hold_floor_percent);
         match &method.result {
-            Result::Ran(run) => {
+            Outcome::Ran(run) => {
                 row[5] = text(run.mean_force_error_percent);
                 row[6] = text(run.force_rendering_error_percent);
                 row[7] = text(run.error_over_floor);
@@ -192,7 +224,7 @@ impl SceneRows {
                 row[12] = text(run.jammed_at_s);
                 row[13] = run.refused_samples.to_string();
             }
-            Result::Cannot { cannot } => row[14].clone_from(cannot),
+            Outcome::Cannot { cannot } => row[14].clone_from(cannot),
         }
         row
     }
@@ -241,8 +273,8 @@ impl fmt::Display for Comparison {
             let least = scene.least();
             for method in &scene.methods {
                 let (mark, cells) = match &method.result {
-                    Result::Cannot { .. } => ("-", vec![None; 5]),
-                    Result::Ran(run) => {
+                    Outcome::Cannot { .. } => ("-", vec![None; 5]),
+                    Outcome::Ran(run) => {
                         let mark = if !run.is_whole() {
                             BROKEN
                         } else if least.is_some() && run.mean_force_error_percent == least {
@@ -278,7 +310,7 @@ impl fmt::Display for Comparison {
             writeln!(f, "\n{}\n  {}", scene.title, scene.conditions)?;
             for (line, method) in text.by_ref().take(scene.methods.len()).zip(&scene.methods) {
                 writeln!(f, "{line}")?;
-                if let Result::Cannot { cannot } = &method.result {
+                if let Outcome::Cannot { cannot } = &method.result {
                     writeln!(f, "     cannot be set up: {cannot}")?;
                 }
             }

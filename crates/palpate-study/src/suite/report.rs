@@ -4,61 +4,85 @@ use std::fmt;
 use std::path::Path;
 
 use comfy_table::CellAlignment;
-use palpate_study::suite::{COLLISIONS, Column, DELAYS, Judged, Summary, summary};
 use serde::Serialize;
 
-use super::delay_in_words;
-use crate::report::{counted, lines, number, percent, plain_table, short};
+use super::{COLLISIONS, Column, DELAYS, Judged, Summary, summary};
+use crate::text::{counted, lines, number, percent, plain_table, short};
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate suite 1";
 
 /// The summaries of a suite.
 #[derive(Serialize)]
-pub(super) struct Report {
-    format: &'static str,
-    seed: u64,
-    plants: usize,
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SuiteReport {
+    /// Name and version of this JSON.
+    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    pub format: &'static str,
+    /// Seed of the draws.
+    pub seed: u64,
+    /// Number of plants.
+    pub plants: usize,
     /// Draws that were thrown away because object and device did not part often enough.
-    redrawn: u64,
-    collisions: usize,
+    pub redrawn: u64,
+    /// Collisions over which a plant is judged.
+    pub collisions: usize,
     /// Largest error of any ideal's impulse, relative to the plant's largest impulse.
-    ideal_error: f64,
-    columns: Vec<ColumnReport>,
+    pub ideal_error: f64,
+    /// One entry for each column.
+    pub columns: Vec<ColumnReport>,
+    /// Files that were written.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    files: Vec<String>,
+    pub files: Vec<String>,
 }
 
+/// What a column did on all plants.
 #[derive(Serialize)]
-struct ColumnReport {
-    name: String,
-    method: &'static str,
-    delays: Vec<DelayReport>,
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ColumnReport {
+    /// Name of the column.
+    pub name: String,
+    /// Name of the method.
+    pub method: &'static str,
+    /// One entry for each delay.
+    pub delays: Vec<DelayReport>,
 }
 
+/// What a column did on all plants with one delay.
 #[derive(Serialize)]
-struct DelayReport {
-    delay_samples: usize,
-    mean_force_error_percent: Quantiles,
-    error_over_floor: Quantiles,
-    peak_over_ideal_peak: Quantiles,
-    diverged: usize,
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct DelayReport {
+    /// Delay of the loop `[samples]`.
+    pub delay_samples: usize,
+    /// Mean-force error E `[%]`.
+    pub mean_force_error_percent: Quantiles,
+    /// FRE over the hold floor.
+    pub error_over_floor: Quantiles,
+    /// Peak force over that of the ideal.
+    pub peak_over_ideal_peak: Quantiles,
+    /// Plants on which the loop ran away.
+    pub diverged: usize,
     /// Plants on which a limit or a guard changed a force.
-    limited_plants: usize,
+    pub limited_plants: usize,
     /// Share of all samples at which one did.
-    limited_samples_percent: f64,
+    pub limited_samples_percent: f64,
 }
 
 /// An infinite one is `null` in JSON.
 #[derive(Serialize, Default)]
-struct Quantiles {
-    median: f64,
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Quantiles {
+    /// What half are below.
+    pub median: f64,
+    /// What three quarters are below.
     #[serde(skip_serializing_if = "Option::is_none")]
-    quantile_75: Option<f64>,
+    pub quantile_75: Option<f64>,
+    /// What nine tenths are below.
     #[serde(skip_serializing_if = "Option::is_none")]
-    quantile_90: Option<f64>,
+    pub quantile_90: Option<f64>,
+    /// The largest.
     #[serde(skip_serializing_if = "Option::is_none")]
-    largest: Option<f64>,
+    pub largest: Option<f64>,
 }
 
 impl From<Summary> for DelayReport {
@@ -89,7 +113,8 @@ impl From<Summary> for DelayReport {
     }
 }
 
-impl Report {
+impl SuiteReport {
+    /// The report on what [`run`](super::run) gave for `seed` and `columns`.
     pub fn new(seed: u64, columns: &[Column], judged: &[Judged]) -> Self {
         let ideal_errors = judged.iter().map(|one| one.ideal_error);
         Self {
@@ -122,7 +147,7 @@ impl Report {
     }
 }
 
-impl fmt::Display for Report {
+impl fmt::Display for SuiteReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
@@ -184,5 +209,13 @@ impl fmt::Display for Report {
             writeln!(f, "wrote {file}")?;
         }
         Ok(())
+    }
+}
+
+/// `no delay`, `1 sample of delay`.
+pub fn delay_in_words(delay: usize) -> String {
+    match delay {
+        0 => "no delay".into(),
+        _ => format!("{} of delay", counted(delay, "sample")),
     }
 }

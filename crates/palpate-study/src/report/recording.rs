@@ -4,10 +4,11 @@ use std::fmt;
 
 use serde::Serialize;
 
-use super::text::{counted, digits};
+use crate::text::{counted, digits};
 
 /// A recording: what is in it, and what is not.
 #[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FromRecording {
     /// Its file.
     pub file: String,

@@ -49,7 +49,7 @@ pub fn of(timing: &Timing) -> Map<String, Value> {
 /// The same in words, each thing after a comma; but the delay.
 pub fn in_words(timing: &Timing) -> String {
     let mut words = Vec::new();
-    let milliseconds = |seconds: f64| super::digits(1e3 * seconds);
+    let milliseconds = |seconds: f64| crate::text::digits(1e3 * seconds);
     match timing.jitter {
         Jitter::None => {}
         Jitter::Uniform { bound } | Jitter::Normal { bound, .. } => {
@@ -64,7 +64,7 @@ pub fn in_words(timing: &Timing) -> String {
         Dropped::Listed(samples) => {
             words.push(format!(
                 "{} dropped",
-                super::counted(samples.len(), "sample")
+                crate::text::counted(samples.len(), "sample")
             ));
         }
     }

@@ -2,12 +2,11 @@
 
 use std::fmt;
 
-use comfy_table::presets::NOTHING;
-use comfy_table::{Cell, CellAlignment, Table, TableComponent};
+use comfy_table::{Cell, CellAlignment, Table};
 use palpate::Mass;
-use palpate_io::recording::LoopTime;
 
 use super::{CollisionReport, MethodReport, Report};
+use crate::text::{counted, digits, lines, number, percent, plain_table, short};
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -60,7 +59,7 @@ impl Report {
     }
 
     /// Difficulty, loop and floor in a line.
-    pub(super) fn in_short(&self) -> String {
+    pub(crate) fn in_short(&self) -> String {
         let kappa = self
             .kappa
             .map_or_else(String::new, |kappa| format!("kappa {}, ", digits(kappa)));
@@ -190,7 +189,7 @@ impl Report {
 }
 
 impl MethodReport {
-    pub(super) fn remarks(&self) -> String {
+    pub(crate) fn remarks(&self) -> String {
         let mut remarks = Vec::new();
         if self.diverged == Some(true) {
             remarks.push("diverged".into());
@@ -246,105 +245,4 @@ fn collision_table(method: &MethodReport, most: usize) -> Table {
         table.add_row(cells);
     }
     table
-}
-
-/// A table without blanks at the ends of its lines.
-pub fn lines(table: &Table) -> String {
-    let lines: Vec<String> = table.lines().map(|line| line.trim_end().into()).collect();
-    lines.join("\n")
-}
-
-/// A table with a line under its header; the first column holds names, or numbers like the others.
-pub fn plain_table(first: CellAlignment, header: &[&str]) -> Table {
-    let mut table = Table::new();
-    table
-        .load_preset(NOTHING)
-        .set_style(TableComponent::HeaderLines, '─')
-        .set_style(TableComponent::MiddleHeaderIntersections, '─');
-    table.set_header(header.iter().enumerate().map(|(column, name)| {
-        Cell::new(name).set_alignment(if column == 0 {
-            first
-        } else {
-            CellAlignment::Right
-        })
-    }));
-    table
-}
-
-/// A right-aligned number, a dash where there is none.
-pub fn number(value: Option<f64>, format: impl Fn(f64) -> String) -> Cell {
-    Cell::new(value.map_or_else(|| "-".into(), format)).set_alignment(CellAlignment::Right)
-}
-
-pub fn percent(value: f64) -> String {
-    short(value, 1)
-}
-
-/// With so many decimals, or an exponent where there are more than four digits before them.
-pub fn short(value: f64, decimals: usize) -> String {
-    if value.abs() < 9999.5 {
-        format!("{value:.decimals$}")
-    } else {
-        format!("{value:.decimals$e}")
-    }
-}
-
-/// `1 sample`, `2 samples`.
-pub fn counted<N: fmt::Display + From<u8> + PartialEq>(count: N, thing: &str) -> String {
-    let plural = if count == N::from(1) { "" } else { "s" };
-    format!("{count} {thing}{plural}")
-}
-
-/// That safety had the motors off for some of the time, and at the end of some of all ticks. Where the
-/// time is not known, the ticks stand for it.
-pub fn motors_off(time: Option<LoopTime>, ticks: u64, of: u64) -> String {
-    let of_ticks = format!("{ticks} of {}", counted(of, "tick"));
-    let percent = |part: f64, of: f64| digits(if of > 0.0 { 100.0 * part / of } else { 0.0 });
-    match time {
-        Some(LoopTime { lasted, motors_off }) => {
-            let (off, all) = (motors_off.as_secs_f64(), lasted.as_secs_f64());
-            format!(
-                "safety had the motors off for {} s of {} s ({} %), and at the end of {of_ticks}",
-                digits(off),
-                digits(all),
-                percent(off, all)
-            )
-        }
-        None => format!(
-            "safety had the motors off for {of_ticks} ({} %)",
-            percent(ticks as f64, of as f64)
-        ),
-    }
-}
-
-/// All digits that tell it from its neighbours, with an exponent where plain notation is mostly zeros.
-pub fn exactly(value: f64) -> String {
-    let is_plain = value == 0.0 || !value.is_finite() || (1e-5..1e16).contains(&value.abs());
-    if is_plain {
-        value.to_string()
-    } else {
-        format!("{value:e}")
-    }
-}
-
-/// Three significant digits, in plain notation where that is short.
-pub fn digits(value: f64) -> String {
-    if value == 0.0 {
-        return "0".into();
-    }
-    if !value.is_finite() {
-        return value.to_string();
-    }
-    let magnitude = value.abs().log10().floor();
-    if (-4.0..5.0).contains(&magnitude) {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "0 to 6"
-        )]
-        let decimals = (2.0 - magnitude).max(0.0) as usize;
-        format!("{value:.decimals$}")
-    } else {
-        format!("{value:.2e}")
-    }
 }

@@ -1,16 +1,18 @@
 //! What a command reports: the same facts as a table or as JSON.
 
-pub mod compare;
+mod drawing;
+#[cfg(feature = "schema")]
+mod in_json;
 mod parameters;
 mod recording;
 mod replayed;
 mod text;
 mod timing;
 
+pub use drawing::DrawingReport;
 pub use parameters::of as parameters_of;
 pub use recording::FromRecording;
-pub use replayed::Replayed;
-pub use text::{counted, digits, exactly, lines, motors_off, number, percent, plain_table, short};
+pub use replayed::{HandReport, Replayed};
 pub use timing::of as timing_of;
 
 use palpate::{Contact, Difficulty, LoopParams, Mass, Side};
@@ -25,95 +27,154 @@ const FORMAT: &str = "palpate report 1";
 
 /// Everything a run of some methods has to say.
 #[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Report {
-    format: &'static str,
-    title: String,
-    stiffness_n_per_m: f64,
-    object_mass_kg: Mass<f64>,
-    side: Side,
-    unilateral: bool,
-    period_s: f64,
-    device_mass_kg: Option<f64>,
+    /// Name and version of this JSON.
+    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    pub format: &'static str,
+    /// A line that names the scene or the replay.
+    pub title: String,
+    /// Stiffness of the contact `[N/m]`.
+    pub stiffness_n_per_m: f64,
+    /// Mass of the object `[kg]`, `inf` for a wall.
+    #[cfg_attr(feature = "schema", schemars(with = "in_json::MassInJson"))]
+    pub object_mass_kg: Mass<f64>,
+    /// On which side of the device the object is.
+    #[cfg_attr(feature = "schema", schemars(with = "in_json::SideInJson"))]
+    pub side: Side,
+    /// Whether the contact can only push.
+    pub unilateral: bool,
+    /// Period of the loop `[s]`.
+    pub period_s: f64,
+    /// Effective mass of the device `[kg]`, if it is known.
+    pub device_mass_kg: Option<f64>,
     /// kappa; 0 for a recorded device, which cannot be moved; none if the mass is not known.
-    kappa: Option<f64>,
-    object_kappa: f64,
-    delay_samples: usize,
+    pub kappa: Option<f64>,
+    /// Kc = K T²/M; 0 for a wall.
+    pub object_kappa: f64,
+    /// Delay of the loop `[samples]`.
+    pub delay_samples: usize,
     /// Of a recording.
     #[serde(skip_serializing_if = "Option::is_none")]
-    replay: Option<Replayed>,
+    pub replay: Option<Replayed>,
     /// Of a recording that a loop has made.
     #[serde(skip_serializing_if = "Option::is_none")]
-    recording: Option<FromRecording>,
+    pub recording: Option<FromRecording>,
     /// What else is not perfect about the loop.
     #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
-    timing: serde_json::Map<String, Value>,
+    pub timing: serde_json::Map<String, Value>,
+    /// Part of a period by which the delay is longer.
     #[serde(skip)]
     delay_fraction: f64,
+    /// The same in words.
     #[serde(skip)]
     timing_in_words: String,
     /// Samples that were taken, the one that closes the window included.
-    samples: usize,
-    window_periods: usize,
-    window_s: f64,
-    hold_floor_percent: Option<f64>,
-    ideal_collisions: usize,
+    pub samples: usize,
+    /// Length of the window `[periods]`.
+    pub window_periods: usize,
+    /// Length of the window `[s]`.
+    pub window_s: f64,
+    /// FRE that no held force can be below `[%]`; none without contact.
+    pub hold_floor_percent: Option<f64>,
+    /// Collisions of the ideal in the window.
+    pub ideal_collisions: usize,
     /// Error of the ideal's impulses relative to the largest; 0 where it is exact.
-    ideal_error: f64,
+    pub ideal_error: f64,
     /// When the ideal leaves the safety box that it does not have.
     #[serde(skip_serializing_if = "Option::is_none")]
-    ideal_leaves_box_at_s: Option<f64>,
-    methods: Vec<MethodReport>,
+    pub ideal_leaves_box_at_s: Option<f64>,
+    /// One entry for each method.
+    pub methods: Vec<MethodReport>,
+    /// Files that were written.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    files: Vec<String>,
+    pub files: Vec<String>,
 }
 
+/// What a method did.
 #[derive(Debug, Serialize)]
-struct MethodReport {
-    method: &'static str,
-    parameters: serde_json::Map<String, Value>,
-    mean_force_error_percent: Option<f64>,
-    force_rendering_error_percent: Option<f64>,
-    error_over_floor: Option<f64>,
-    peak_force_n: f64,
-    strongest_pull_n: f64,
-    leak_original_j: f64,
-    leak_held_j: f64,
-    absolute_leak_original_j: f64,
-    absolute_leak_held_j: f64,
-    stored_energy_j: f64,
-    port_work_j: f64,
-    virtual_force_work_j: f64,
-    outside_work_j: f64,
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct MethodReport {
+    /// Name of the method.
+    pub method: &'static str,
+    /// Parameters by key, with the unit at the end of the key.
+    pub parameters: serde_json::Map<String, Value>,
+    /// Mean-force error E `[%]`; none without contact.
+    pub mean_force_error_percent: Option<f64>,
+    /// FRE `[%]`; none without contact.
+    pub force_rendering_error_percent: Option<f64>,
+    /// FRE over the hold floor; none where the floor is 0.
+    pub error_over_floor: Option<f64>,
+    /// Strongest held force `[N]`.
+    pub peak_force_n: f64,
+    /// Strongest pull on the object `[N]`.
+    pub strongest_pull_n: f64,
+    /// Sum of the leaks of the original force, the spring alone `[J]`.
+    pub leak_original_j: f64,
+    /// Sum of the leaks of the held force `[J]`.
+    pub leak_held_j: f64,
+    /// Sum of the absolute leaks of the original force `[J]`.
+    pub absolute_leak_original_j: f64,
+    /// Sum of the absolute leaks of the held force `[J]`.
+    pub absolute_leak_held_j: f64,
+    /// Energy stored in spring and object at the end `[J]`.
+    pub stored_energy_j: f64,
+    /// Work through the port into the object, by the books `[J]`.
+    pub port_work_j: f64,
+    /// Work of the virtual force `[J]`.
+    pub virtual_force_work_j: f64,
+    /// Work of what changed the object from outside `[J]`.
+    pub outside_work_j: f64,
+    /// Work through the port as the bench integrates it `[J]`; closed loops only.
     #[serde(skip_serializing_if = "Option::is_none")]
-    bench_port_work_j: Option<f64>,
+    pub bench_port_work_j: Option<f64>,
+    /// Drift of the energy of device and object, relative to that of the ideal `[%]`; lossless scenes only.
     #[serde(skip_serializing_if = "Option::is_none")]
-    energy_drift_percent: Option<f64>,
+    pub energy_drift_percent: Option<f64>,
+    /// When a linkage jammed `[s]`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    jammed_at_s: Option<f64>,
+    pub jammed_at_s: Option<f64>,
+    /// When the device left its safety box `[s]`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    left_box_at_s: Option<f64>,
+    pub left_box_at_s: Option<f64>,
+    /// Whether the loop ran away; closed loops only.
     #[serde(skip_serializing_if = "Option::is_none")]
-    diverged: Option<bool>,
-    faults: usize,
-    limited: usize,
-    rendered_collisions: usize,
-    collisions: Vec<CollisionReport>,
+    pub diverged: Option<bool>,
+    /// Samples that the renderer refused.
+    pub faults: usize,
+    /// Forces that a limit changed.
+    pub limited: usize,
+    /// Collisions that were rendered.
+    pub rendered_collisions: usize,
+    /// One entry for each collision of the ideal that ends in the window.
+    pub collisions: Vec<CollisionReport>,
 }
 
+/// A collision of the ideal, and the rendered one beside it.
 #[derive(Debug, Serialize)]
-struct CollisionReport {
-    start_s: f64,
-    ideal_impulse_n_s: f64,
-    ideal_peak_force_n: f64,
-    rendered: bool,
-    impulse_error_percent: Option<f64>,
-    peak_force_error_percent: Option<f64>,
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct CollisionReport {
+    /// When it begins `[s]`.
+    pub start_s: f64,
+    /// Impulse of the ideal's `[N s]`.
+    pub ideal_impulse_n_s: f64,
+    /// Strongest force of the ideal `[N]`.
+    pub ideal_peak_force_n: f64,
+    /// Whether there is a rendered collision to compare with.
+    pub rendered: bool,
+    /// Error of its impulse `[%]`.
+    pub impulse_error_percent: Option<f64>,
+    /// Error of its peak force `[%]`.
+    pub peak_force_error_percent: Option<f64>,
+    /// Error of the energy of the rebound `[%]`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    rebound_energy_error_percent: Option<f64>,
+    pub rebound_energy_error_percent: Option<f64>,
+    /// Speed at which device and object of the ideal part `[m/s]`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    ideal_rebound_speed_m_per_s: Option<f64>,
+    pub ideal_rebound_speed_m_per_s: Option<f64>,
+    /// Error of that speed `[%]`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    rebound_speed_error_percent: Option<f64>,
+    pub rebound_speed_error_percent: Option<f64>,
 }
 
 /// What a report says of the scene or the replay it is about.
@@ -210,12 +271,13 @@ impl Report {
 
     /// The report as JSON.
     pub fn json(&self) -> String {
-        serde_json::to_string_pretty(self).expect("a report has string keys only")
+        crate::json(self)
     }
 }
 
 impl MethodReport {
-    fn new(run: &Run, sign: f64) -> Self {
+    /// The report on `run`, whose object is on the side of `sign`.
+    pub(crate) fn new(run: &Run, sign: f64) -> Self {
         let ledger = &run.last().ledger;
         let fidelity = run.force.fidelity;
         let rebounds = run.energy.as_ref().map(|energy| &energy.rebounds);
