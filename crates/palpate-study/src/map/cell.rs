@@ -59,13 +59,6 @@ pub struct CellResult {
     pub ticks: u64,
 }
 
-/// Plant and method of each entry of a cell.
-pub(super) fn entries(methods: &[MethodName]) -> impl Iterator<Item = (Plant, MethodName)> {
-    Plant::ALL
-        .into_iter()
-        .flat_map(move |plant| methods.iter().map(move |method| (plant, *method)))
-}
-
 impl MapParams {
     /// Runs the cell of an index.
     ///

@@ -1,7 +1,6 @@
 //! The cells of a map: which scene follows from which index.
 
-use super::bounce::{Bounce, BounceDevice, Forces};
-use super::cell;
+use super::bounce::{Bounce, BounceDevice, Forces, Plant};
 use palpate_scene::method::MethodName;
 
 /// Both axes reach from the smaller to the larger of these.
@@ -147,7 +146,7 @@ impl MapParams {
 
     /// Entries of each cell.
     pub fn entries(&self) -> usize {
-        cell::entries(&self.methods).count()
+        Plant::ALL.len() * self.methods.len()
     }
 
     fn on_axis(&self, i: usize) -> f64 {

@@ -1,5 +1,8 @@
 //! Recordings, as commands meet them.
 
+pub mod ticks;
+pub mod trace;
+
 use std::path::{Path, PathBuf};
 
 use palpate_io::recording::{Recording, RecordingError};
