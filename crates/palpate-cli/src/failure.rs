@@ -7,6 +7,7 @@ use std::process::ExitCode;
 
 use palpate_io::atomic::{WriteError, WriteFault};
 use palpate_io::outputs::OutputError;
+use palpate_study::map::receipt::NoNumber;
 
 use crate::excerpt::Excerpt;
 
@@ -55,6 +56,12 @@ impl From<OutputError> for Failure {
                 Self::Arguments(error.to_string())
             }
         }
+    }
+}
+
+impl From<NoNumber> for Failure {
+    fn from(error: NoNumber) -> Self {
+        Self::input(error)
     }
 }
 

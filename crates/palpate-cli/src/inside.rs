@@ -7,7 +7,7 @@ use palpate_io::unit::{Excess, HandMotion, LengthUnit};
 use palpate_sim::replay::ReplaySetup;
 
 use crate::failure::Failure;
-use crate::report::digits;
+use palpate_study::text::digits;
 
 /// Depth beyond which the unit of the positions is likely to be another one `[m]`.
 const DEEP: f64 = 1.0;

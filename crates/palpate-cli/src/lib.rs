@@ -4,6 +4,7 @@
 //! as soon as it knows the types of what it depends on, and a program only once all of that is compiled.
 
 mod arguments;
+mod command_line;
 mod commands;
 mod devices;
 mod excerpt;
@@ -13,17 +14,18 @@ mod inside;
 mod plots;
 mod progress;
 mod recorded;
-mod report;
 mod results;
 mod run_file;
+#[cfg(test)]
+mod schemas;
 mod setup;
 mod values;
 
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 
-use arguments::{Arguments, Command};
+use command_line::{Arguments, Command};
 
 /// Does what the arguments of this process ask for, and says how it ended: the exit code.
 pub fn run() -> ExitCode {
@@ -52,7 +54,9 @@ pub fn run() -> ExitCode {
         Command::Advise(arguments) => commands::advise::run(&arguments),
         Command::Figure(arguments) => commands::figure::run(&arguments),
         Command::Demo(arguments) => commands::demo::run(&arguments),
-        Command::Completions(arguments) => commands::completions::run(&arguments),
+        Command::Completions(arguments) => {
+            commands::completions::run(&arguments, &mut Arguments::command())
+        }
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -4,8 +4,8 @@ use palpate_scene::Scene;
 use palpate_scene::method::MethodName;
 use palpate_sim::run::{IdealPoint, Reference, Run, RunMethod, Tick};
 
-use crate::report::Replayed;
 use palpate_figure::{Figure, Grid, Kind, Limits, Panel, Role, Row, Series, Sheet};
+use palpate_study::report::Replayed;
 
 const METRE_TO_MILLIMETRE: f64 = 1e3;
 const JOULE_TO_MILLIJOULE: f64 = 1e3;

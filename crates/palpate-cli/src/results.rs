@@ -1,15 +1,18 @@
 //! Where results go: the run file, the figure, the report.
 
+use std::fmt;
 use std::io::{self, Write};
 use std::path::Path;
 
 use palpate_io::outputs::Outputs;
 use palpate_sim::run::Run;
+use palpate_study::json;
+use palpate_study::report::Report;
+use serde::Serialize;
 
 use crate::arguments::Results;
 use crate::failure::{Failure, tell};
 use crate::progress::Progress;
-use crate::report::Report;
 use crate::run_file;
 use palpate_figure::{Figure, Picture};
 
@@ -88,6 +91,18 @@ pub fn deliver(
     } else {
         print(&text)
     }
+}
+
+/// Prints a report: its text, or its JSON.
+pub fn print_report(
+    report: &(impl Serialize + fmt::Display),
+    as_json: bool,
+) -> Result<(), Failure> {
+    print(&if as_json {
+        json(report) + "\n"
+    } else {
+        report.to_string()
+    })
 }
 
 /// Prints to standard output; a reader that has left is no failure.

@@ -14,7 +14,7 @@ use palpate_testbed::InvalidParameter;
 
 use crate::arguments::{Flags, TimingFlags};
 use crate::failure::{Failure, tell};
-use crate::report::{Subject, parameters_of, timing_of};
+use palpate_study::report::{Subject, parameters_of, timing_of};
 
 /// Flag of a parameter, by the name that parameter errors use.
 const FLAG_OF: [(&str, &str); 23] = [

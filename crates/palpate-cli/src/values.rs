@@ -7,10 +7,9 @@ use palpate::{DamperObject, EntryHold, SehEstimate, Side};
 use palpate_io::unit::LengthUnit;
 use palpate_scene::method::{Damping, MethodName, Predictor};
 use palpate_scene::{GuardMode, HandForceAt};
-use palpate_sim::sweep::Quantity;
+use palpate_study::sweep::Quantity;
 use palpate_testbed::hold::DelayedHold;
 
-use crate::commands::emulate::two_diy::arguments::{FaultKind, TimedFault};
 use crate::failure::Failure;
 
 /// The methods a command is to run.
@@ -169,27 +168,6 @@ pub fn pair(text: &str) -> Result<[f64; 2], String> {
         Ok(Place(numbers)) if numbers.len() == 2 => Ok([numbers[0], numbers[1]]),
         _ => Err("two numbers are needed, with a comma between, such as 0.02,0.12".into()),
     }
-}
-
-/// `KIND[=VALUE]@SECONDS`.
-pub fn timed_fault(text: &str) -> Result<TimedFault, String> {
-    let understood = || {
-        let (what, at) = text.split_once('@')?;
-        let (name, value) = match what.split_once('=') {
-            Some((name, value)) => (name, Some(value.parse::<f64>().ok()?)),
-            None => (what, None),
-        };
-        let (_, kind, usual) = FaultKind::NAMED.iter().find(|(known, ..)| *known == name)?;
-        Some(TimedFault {
-            at: at.parse().ok()?,
-            kind: *kind,
-            value: value.unwrap_or(*usual),
-        })
-    };
-    understood().ok_or_else(|| {
-        let kinds = FaultKind::NAMED.map(|(name, ..)| name).join(", ");
-        format!("KIND[=VALUE]@SECONDS is needed, such as stall=0.05@3; the kinds are {kinds}")
-    })
 }
 
 /// A flag's time.

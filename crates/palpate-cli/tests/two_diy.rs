@@ -360,6 +360,7 @@ fn motors_are_checked_when_the_arm_may_move() {
     let answer = folder.palpate(&format!("{check} --move --json"));
     assert_eq!(answer.code, 1, "{answer:?}");
     let report = parse(&answer.stdout);
+    common::schema::check(&report);
     assert_eq!(report["motors"][0]["verdict"], "fine");
     assert_eq!(report["motors"][1]["verdict"], "reversed");
     emulated.end();

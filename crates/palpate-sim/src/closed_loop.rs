@@ -39,6 +39,12 @@ pub enum LoopError {
         /// Collisions of the ideal.
         found: usize,
     },
+    /// A run is to vary what the ideal depends on.
+    #[error(
+        "the scene differs from the bench's in more than the settings of methods, the guard and, if the \
+         loop is perfect, the delay; make a bench of its own for it"
+    )]
+    AnotherScene,
     /// The window is too long.
     #[error("the window has {0} periods; at most {MOST_PERIODS} fit")]
     TooLong(f64),
@@ -187,7 +193,7 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// Settings that do not make this method.
     pub fn run(&self, method: MethodName) -> Result<Run, LoopError> {
-        self.run_as(self.scene, method)
+        self.run_built_in(&self.timeline, self.scene, method)
     }
 
     /// Runs the loop by a method of the caller's own and judges it, as [`run`](Self::run) does.
@@ -204,19 +210,33 @@ impl<'a> Bench<'a> {
         self.run_along(&self.timeline, self.scene, &renderer, method, parameters)
     }
 
-    /// Runs `scene`, which is this bench's own but for the settings of its methods, and for its
-    /// delay if the loop is perfect otherwise: the ideal knows neither.
-    pub(crate) fn run_as(&self, scene: &Scene, method: MethodName) -> Result<Run, LoopError> {
+    /// As [`run`](Self::run), for `scene` in the place of this bench's own: a copy of it with other
+    /// settings of its methods, another guard, or, if the loop is perfect otherwise, another delay. The
+    /// ideal depends on none of them, so one bench serves all such scenes.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run), and a scene that differs in anything else.
+    pub fn run_varied(&self, scene: &Scene, method: MethodName) -> Result<Run, LoopError> {
+        if !self.judges(scene) {
+            return Err(LoopError::AnotherScene);
+        }
         if scene.delay == self.scene.delay {
             return self.run_built_in(&self.timeline, scene, method);
         }
         let delayed = scene.timeline(self.timeline.samples().len() - 1)?;
-        assert_eq!(
-            delayed.grid(),
-            self.timeline.grid(),
-            "whole samples of delay leave the grid of a perfect loop"
-        );
+        if delayed.grid() != self.timeline.grid() {
+            return Err(LoopError::AnotherScene);
+        }
         self.run_built_in(&delayed, scene, method)
+    }
+
+    /// Whether the ideal of this bench is that of `scene`, whatever its delay.
+    fn judges(&self, scene: &Scene) -> bool {
+        let mut own = self.scene.clone();
+        own.settings.clone_from(&scene.settings);
+        own.loop_params.guard = scene.loop_params.guard;
+        own.delay = scene.delay;
+        own == *scene
     }
 
     fn run_built_in(
@@ -439,7 +459,7 @@ fn leaves_box_at(scene: &Scene, reference: &Reference) -> Option<f64> {
 }
 
 /// Mass of the object `[kg]`, infinite for a wall.
-pub(crate) fn object_mass(scene: &Scene) -> f64 {
+pub fn object_mass(scene: &Scene) -> f64 {
     match scene.contact.object_mass {
         Mass::Finite(mass) => mass,
         Mass::Infinite => f64::INFINITY,

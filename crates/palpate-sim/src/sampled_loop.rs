@@ -1,16 +1,24 @@
-//! One step of the sampled-data loop: sample, render, hold, advance. Every study of closed loops
-//! takes its steps here; when it takes them is its own affair.
+//! One step of the sampled-data loop: sample, render, hold, advance.
+//!
+//! [`Bench`](crate::closed_loop::Bench) takes these steps over a whole window and keeps every tick. A study
+//! that needs less of a run takes the same steps itself. [`SampledLoop`] does not know time: its caller
+//! says when to sample, and how long a force is held.
 
 use palpate::{Method, ObjectState, Output, ParameterError, Renderer, Sample, State};
+use palpate_testbed::InvalidParameter;
 use palpate_testbed::device::{Device, PointMass};
 use palpate_testbed::measure::Sampler;
 use palpate_testbed::sprung_mass::SprungMass;
 use palpate_testbed::viscous_mass::ViscousMass;
 
+use std::fmt;
+
+use palpate_scene::Scene;
+
 use crate::plant::Plant;
 
-/// A device, as the loop meets it.
-pub(crate) trait LoopDevice: Device {
+/// A device with the parts that lie between it and a renderer: its sensor and its motor.
+pub trait LoopDevice: Device {
     /// Position as the loop's sensor reports it `[m]`.
     #[inline]
     fn measured(&self, sampler: &Sampler) -> f64 {
@@ -38,26 +46,49 @@ impl LoopDevice for Plant {
     }
 }
 
-/// A loop in progress. The device lives on the canonical side, the renderer in the user's frame;
-/// `sign` is between them.
-pub(crate) struct SampledLoop<'a, M: Method<f64>, D> {
+/// The device of a checked `scene` and the hand that holds it, at the start. `sign` mirrors positions and
+/// forces to the canonical side, where the object is above the device: the scene's
+/// [`Side::sign`](palpate::Side::sign), or 1 for a scene that is on that side.
+///
+/// # Errors
+/// A quantity of the device or the hand outside its range.
+pub fn device_of(
+    scene: &Scene,
+    sign: f64,
+) -> Result<impl LoopDevice + Clone + fmt::Debug + use<>, InvalidParameter> {
+    Plant::of(scene, sign)
+}
+
+/// A loop in progress. The device lives on the canonical side, the renderer in the user's frame.
+pub struct SampledLoop<'a, M: Method<f64>, D> {
+    /// The renderer.
     pub renderer: &'a Renderer<f64, M>,
+    /// Its state.
     pub state: State<f64, M::Memory>,
+    /// The device, with what holds it.
     pub device: D,
+    /// The sensor of devices that have none of their own.
     pub sampler: Sampler,
+    /// 1 or -1: mirrors the device's positions and forces to the user's frame.
     pub sign: f64,
+    /// Force f_V on the object `[N]`, in the user's frame.
     pub virtual_force: f64,
 }
 
 /// What a sample showed, in the user's frame.
-pub(crate) struct Sampled {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sampled {
     /// Position as the renderer saw it `[m]`.
     pub measured: f64,
+    /// The renderer's answer.
     pub output: Output<f64>,
 }
 
 impl<'a, M: Method<f64>, D: LoopDevice> SampledLoop<'a, M, D> {
-    /// A loop before its first sample.
+    /// A loop before its first sample, with an ideal sensor, on the canonical side, without f_V.
+    ///
+    /// # Errors
+    /// A position or a velocity of `object` that the renderer refuses.
     pub fn new(
         renderer: &'a Renderer<f64, M>,
         object: ObjectState<f64>,

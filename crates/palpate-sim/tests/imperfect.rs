@@ -322,3 +322,36 @@ fn a_loop_of_too_many_samples_is_refused() {
         LoopError::TooLong(_)
     ));
 }
+
+#[test]
+fn a_bench_runs_what_has_its_ideal_and_nothing_else() {
+    let scene = experiment("fig2");
+    let bench = Bench::new(&scene).unwrap();
+    let mut delayed = scene.clone();
+    delayed.delay = 1;
+    let varied = bench.run_varied(&delayed, MethodName::Basic).unwrap();
+    let own = Bench::new(&delayed)
+        .unwrap()
+        .run(MethodName::Basic)
+        .unwrap();
+    assert_eq!(varied.ticks, own.ticks);
+    let refused = |change: &dyn Fn(&mut Scene)| {
+        let mut other = scene.clone();
+        change(&mut other);
+        let error = bench.run_varied(&other, MethodName::Basic).unwrap_err();
+        assert_eq!(error, LoopError::AnotherScene);
+    };
+    refused(&|scene| scene.contact.stiffness *= 2.0);
+    refused(&|scene| scene.device.mass *= 2.0);
+    refused(&|scene| scene.loop_params.period *= 2.0);
+    refused(&|scene| scene.timing.delay_fraction = 0.5);
+    // A delay of an imperfect loop changes when its forces change.
+    let broken = imperfect("fig2", 1);
+    let bench = Bench::new(&broken).unwrap();
+    let mut later = broken.clone();
+    later.delay += 1;
+    assert_eq!(
+        bench.run_varied(&later, MethodName::Basic).unwrap_err(),
+        LoopError::AnotherScene
+    );
+}

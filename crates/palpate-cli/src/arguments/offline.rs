@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueHint};
 use palpate_io::unit::LengthUnit;
 use palpate_scene::HandForceAt;
-use palpate_sim::sweep::Quantity;
+use palpate_study::sweep::Quantity;
 
 use super::{Flags, Overwriting, PartFlags, ReplayFlags, TimingFlags};
 use crate::values::{

@@ -9,6 +9,7 @@ use palpate_device::clock::MonotonicClock;
 use palpate_rt::realtime::{Answer, Request};
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, LoopThread, Rendering, StopFlag};
+use palpate_study::json;
 use serde::Serialize;
 
 use super::run::{RealtimeArguments, TimingReport, request};
@@ -60,20 +61,37 @@ pub fn run(arguments: &BenchArguments) -> Result<(), Failure> {
         progress.begin(&format!("{rate} Hz"));
         let clock = MonotonicClock::new().with_spin(spin);
         let request = request(&arguments.realtime);
-        all.push(measure(&clock, request, *rate, arguments.duration)?);
+        all.push(Report {
+            format: FORMAT,
+            measured: measure(&clock, request, *rate, arguments.duration)?,
+        });
         progress.advance();
     }
     drop(progress);
     print(&if arguments.json {
-        serde_json::to_string_pretty(&all).expect("a report has string keys only") + "\n"
+        json(&all) + "\n"
     } else {
-        let texts: Vec<String> = all.iter().map(Measured::to_string).collect();
+        let texts: Vec<String> = all.iter().map(|one| one.measured.to_string()).collect();
         texts.join("\n")
     })
 }
 
+/// Name and version of the JSON report, which is a list of these.
+const FORMAT: &str = "palpate bench loop 1";
+
+/// The report on one rate.
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Report {
+    #[cfg_attr(test, schemars(extend("const" = FORMAT)))]
+    format: &'static str,
+    #[serde(flatten)]
+    measured: Measured,
+}
+
 /// A loop that was measured.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Measured {
     rate_hz: f64,
     refused: Vec<String>,

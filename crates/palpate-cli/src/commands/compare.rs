@@ -11,8 +11,8 @@ use super::simulate::{explain, read_scene, subject};
 use crate::arguments::{CompareArguments, Flags, TimingFlags};
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::report::compare::{COLUMNS, Comparison, SceneRows};
-use crate::results::print;
+use crate::results::print_report;
+use palpate_study::compare::{COLUMNS, Comparison, SceneRows};
 
 /// Runs every method on every scene.
 pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
@@ -65,11 +65,7 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
         write(&outputs, out, &comparison)?;
         comparison.wrote(out);
     }
-    print(&if arguments.json {
-        comparison.json() + "\n"
-    } else {
-        comparison.to_string()
-    })
+    print_report(&comparison, arguments.json)
 }
 
 fn cannot(error: &SetupError) -> String {

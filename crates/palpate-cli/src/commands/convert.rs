@@ -10,8 +10,8 @@ use crate::arguments::Overwriting;
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::recorded::{open, whole_or_said};
-use crate::report::counted;
 use crate::results::{STANDARD_OUTPUT, print};
+use palpate_study::text::counted;
 
 /// Arguments of `convert`.
 #[derive(Args, Debug)]

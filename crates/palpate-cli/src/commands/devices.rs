@@ -6,11 +6,15 @@ use std::time::Duration;
 use clap::{Args, Subcommand, ValueEnum};
 use palpate_haply::inverse3::{self, Found, SERVICE};
 use palpate_haply::two_diy::{Guess, Port, ports};
+use palpate_study::json;
 use serde::Serialize;
 
 use crate::devices::DeviceArguments;
 use crate::failure::Failure;
-use crate::results::print;
+use crate::results::{print, print_report};
+
+/// Name and version of the JSON report.
+const FORMAT: &str = "palpate devices 1";
 
 /// What is said of every 2DIY, since it may hurt.
 pub const LATCH_WARNING: &str = "the board of a 2DIY has no watchdog: if the cable is pulled, it may \
@@ -79,7 +83,9 @@ pub fn run(arguments: &DevicesArguments) -> Result<(), Failure> {
 }
 
 #[derive(Debug, Serialize)]
-struct List {
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct List {
+    #[cfg_attr(test, schemars(extend("const" = FORMAT)))]
     format: &'static str,
     built_in: Vec<BuiltIn>,
     serial_ports: Vec<PortReport>,
@@ -87,6 +93,7 @@ struct List {
 }
 
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ServiceReport {
     url: String,
     devices: Vec<Inverse3Report>,
@@ -94,6 +101,7 @@ struct ServiceReport {
 }
 
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct Inverse3Report {
     device_id: String,
     model: String,
@@ -130,6 +138,7 @@ impl ServiceReport {
 }
 
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct BuiltIn {
     device: &'static str,
     what: &'static str,
@@ -137,6 +146,7 @@ struct BuiltIn {
 }
 
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct PortReport {
     path: String,
     description: String,
@@ -187,7 +197,7 @@ impl From<Port> for PortReport {
 
 fn list(arguments: &DevicesArguments) -> Result<(), Failure> {
     let list = List {
-        format: "palpate devices 1",
+        format: FORMAT,
         built_in: BUILT_IN.into(),
         serial_ports: ports()
             .map_err(Failure::System)?
@@ -196,11 +206,7 @@ fn list(arguments: &DevicesArguments) -> Result<(), Failure> {
             .collect(),
         inverse_service: ServiceReport::of(&arguments.service),
     };
-    print(&if arguments.json {
-        serde_json::to_string_pretty(&list).expect("a report has string keys only") + "\n"
-    } else {
-        list.to_string()
-    })
+    print_report(&list, arguments.json)
 }
 
 impl fmt::Display for List {
@@ -241,6 +247,31 @@ impl fmt::Display for List {
         }
         Ok(())
     }
+}
+
+/// Name and version of the JSON report on motors.
+#[cfg(unix)]
+const MOTORS_FORMAT: &str = "palpate devices check 1";
+
+/// What the motors of a device did.
+#[cfg(unix)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct MotorsReport {
+    board: &'static str,
+    #[cfg_attr(test, schemars(extend("const" = MOTORS_FORMAT)))]
+    format: &'static str,
+    motors: Vec<MotorReport>,
+}
+
+/// What a motor did.
+#[cfg(unix)]
+#[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct MotorReport {
+    /// By how much each joint turned `[degrees]`.
+    turned_deg: [f64; 2],
+    verdict: &'static str,
 }
 
 #[cfg(unix)]
@@ -287,21 +318,16 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         .iter()
         .all(|checked| checked.verdict == Verdict::Fine);
     print(&if arguments.json {
-        let motors: Vec<_> = checked
-            .iter()
-            .map(|checked| {
-                serde_json::json!({
-                    "verdict": checked.verdict.name(),
-                    "turned_deg": checked.turned,
-                })
-            })
-            .collect();
-        let report = serde_json::json!({
-            "format": "palpate devices check 1",
-            "board": board,
-            "motors": motors,
+        let motors = checked.iter().map(|checked| MotorReport {
+            turned_deg: checked.turned.map(f64::from),
+            verdict: checked.verdict.name(),
         });
-        serde_json::to_string_pretty(&report).expect("a report has string keys only") + "\n"
+        let report = MotorsReport {
+            board,
+            format: MOTORS_FORMAT,
+            motors: motors.collect(),
+        };
+        json(&report) + "\n"
     } else {
         let [first, second] = angles;
         let mut text = format!("board {board}, joints at {first:.2} and {second:.2} degrees\n");

@@ -14,9 +14,12 @@ use super::bench::{Measured, measure};
 use super::run::{RealtimeArguments, request};
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::report::digits;
-use crate::results::print;
+use crate::results::print_report;
 use crate::values::duration;
+use palpate_study::text::digits;
+
+/// Name and version of the JSON report.
+const FORMAT: &str = "palpate doctor 1";
 
 /// Rate of the loop that is tried [Hz].
 const RATE: f64 = 1000.0;
@@ -60,22 +63,20 @@ pub fn run(arguments: &DoctorArguments) -> Result<(), Failure> {
         })
         .collect();
     let report = Report {
-        format: "palpate doctor 1",
+        format: FORMAT,
         asked: answers.iter().map(AskedReport::from).collect(),
         machine: machine().iter().map(FindingReport::from).collect(),
         guardian,
         devices: plugged_in,
         loop_at_1000_hz: measured,
     };
-    print(&if arguments.json {
-        serde_json::to_string_pretty(&report).expect("a report has string keys only") + "\n"
-    } else {
-        report.to_string()
-    })
+    print_report(&report, arguments.json)
 }
 
 #[derive(Debug, Serialize)]
-struct Report {
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Report {
+    #[cfg_attr(test, schemars(extend("const" = FORMAT)))]
     format: &'static str,
     asked: Vec<AskedReport>,
     machine: Vec<FindingReport>,
@@ -86,6 +87,7 @@ struct Report {
 
 /// How the guardian of a device that holds its last force does here.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct GuardianReport {
     starts: bool,
     why_not: Option<String>,
@@ -157,6 +159,7 @@ impl fmt::Display for GuardianReport {
 
 /// A device that is plugged in and has something to be minded.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct DeviceReport {
     port: String,
     description: String,
@@ -164,6 +167,7 @@ struct DeviceReport {
 }
 
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct AskedReport {
     asked: String,
     granted: bool,
@@ -183,6 +187,7 @@ impl From<&Answer> for AskedReport {
 }
 
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct FindingReport {
     what: &'static str,
     found: String,

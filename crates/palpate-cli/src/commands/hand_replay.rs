@@ -16,7 +16,8 @@ use palpate_testbed::InvalidParameter;
 use crate::arguments::ReplayFlags;
 use crate::failure::{Failure, tell};
 use crate::progress::Progress;
-use crate::report::{Replayed, digits};
+use palpate_study::report::Replayed;
+use palpate_study::text::digits;
 
 /// What was recorded of a hand.
 pub struct Recorded<'a> {

@@ -14,9 +14,9 @@ use crate::failure::{Failure, tell};
 use crate::inside;
 use crate::plots;
 use crate::progress::Progress;
-use crate::report::{Report, Subject};
 use crate::results::deliver;
 use crate::setup::{receipt, wrong_flag, wrong_setup};
+use palpate_study::report::{Report, Subject};
 
 /// Simulates a scene by the methods that were named, or by its own.
 pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
@@ -227,7 +227,7 @@ pub(super) fn explain(
         LoopError::Bench(bench) if bench.name == "collisions" => {
             in_window(file, "measured collisions", &error)
         }
-        LoopError::Bench(_) => in_window(file, "no place", &error),
+        LoopError::Bench(_) | LoopError::AnotherScene => in_window(file, "no place", &error),
     }
 }
 

@@ -1,19 +1,15 @@
 //! `palpate tune`: how a method's error and leak depend on its damping.
 
-use std::fmt;
-
-use comfy_table::CellAlignment;
 use palpate_scene::Scene;
 use palpate_scene::method::{MethodName, Setting};
-use palpate_sim::tune::{self, HEIGHT_RANGE, HEIGHTS, Objective, Spread, TuneError, TunedPoint};
-use serde::Serialize;
+use palpate_study::tune::report::{PointReport, SpreadReport, TuneReport};
+use palpate_study::tune::{self, HEIGHTS, Objective, TuneError};
 
 use super::simulate::{explain, read_scene};
 use crate::arguments::{CurveArguments, Least, TuneArguments};
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::report::{digits, lines, number, percent, plain_table};
-use crate::results::{draw, plan_picture, print};
+use crate::results::{draw, plan_picture, print_report};
 use crate::setup::flag_of_setting;
 use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 
@@ -62,16 +58,16 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
         )?;
     drop(progress);
 
-    let mut report = Report::new(&scene, method, setting, arguments.curve.least, points);
+    let objective = match arguments.curve.least {
+        Least::Error => Objective::Error,
+        Least::Leak => Objective::Leak,
+    };
+    let mut report = TuneReport::new(&scene, method, setting, objective, points);
     if let Some(path) = &arguments.plot {
-        draw(&outputs, path, &report.figure())?;
-        report.files.push(path.display().to_string());
+        draw(&outputs, path, &figure(&report))?;
+        report.wrote(path);
     }
-    print(&if arguments.json {
-        serde_json::to_string_pretty(&report).expect("a report has string keys only") + "\n"
-    } else {
-        report.to_string()
-    })
+    print_report(&report, arguments.json)
 }
 
 /// The values to try `[N s/m]`.
@@ -102,201 +98,53 @@ fn values(
         .collect())
 }
 
-#[derive(Serialize)]
-struct Report {
-    format: &'static str,
-    title: String,
-    method: &'static str,
-    setting: &'static str,
-    start_heights: usize,
-    height_range: f64,
-    least: &'static str,
-    best: PointReport,
-    best_at_own_height: PointReport,
-    curve: Vec<PointReport>,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    files: Vec<String>,
-}
-
-#[derive(Serialize, Clone, Copy)]
-struct PointReport {
-    value_n_s_per_m: f64,
-    mean_force_error_percent: SpreadReport,
-    absolute_leak_j: SpreadReport,
-    diverged: usize,
-}
-
-#[derive(Serialize, Clone, Copy)]
-struct SpreadReport {
-    own: f64,
-    median: f64,
-    worst: f64,
-}
-
-impl From<Spread> for SpreadReport {
-    fn from(spread: Spread) -> Self {
-        Self {
-            own: spread.own,
-            median: spread.median,
-            worst: spread.worst,
-        }
-    }
-}
-
-impl From<&TunedPoint> for PointReport {
-    fn from(point: &TunedPoint) -> Self {
-        Self {
-            value_n_s_per_m: point.value,
-            mean_force_error_percent: point.mean_force_error.into(),
-            absolute_leak_j: point.leak.into(),
-            diverged: point.diverged,
-        }
-    }
-}
-
-impl Report {
-    fn new(
-        scene: &Scene,
-        method: MethodName,
-        setting: Setting,
-        least: Least,
-        points: Vec<TunedPoint>,
-    ) -> Self {
-        let (objective, name) = match least {
-            Least::Error => (Objective::Error, "error"),
-            Least::Leak => (Objective::Leak, "leak"),
-        };
-        let best = tune::best(&points, objective).expect("two values at least");
-        let own = |point: &TunedPoint| match objective {
-            Objective::Error => point.mean_force_error.own,
-            Objective::Leak => point.leak.own,
-        };
-        let at_own = points
-            .iter()
-            .min_by(|a, b| own(a).total_cmp(&own(b)))
-            .expect("two values at least");
-        Self {
-            format: "palpate tune 1",
-            title: scene.title.clone(),
-            method: method.name(),
-            setting: setting.key(),
-            start_heights: HEIGHTS,
-            height_range: HEIGHT_RANGE,
-            least: name,
-            best: best.into(),
-            best_at_own_height: at_own.into(),
-            curve: points.iter().map(PointReport::from).collect(),
-            files: Vec::new(),
-        }
-    }
-
-    fn figure(&self) -> Figure {
-        let x: Vec<f64> = self
-            .curve
-            .iter()
-            .map(|point| point.value_n_s_per_m)
-            .collect();
-        let series = |index, name: &str, value: &dyn Fn(&PointReport) -> f64| Series {
-            name: name.into(),
-            kind: Kind::Line,
-            role: Role::Compared(index),
-            x: x.clone(),
-            y: self.curve.iter().map(value).collect(),
-        };
-        let row = |y_label: &str, of: &dyn Fn(&PointReport) -> SpreadReport| Row {
-            y_label: y_label.into(),
-            limits: Limits::Data,
-            panels: vec![Panel {
-                series: vec![
-                    series(1, "own height", &|point| of(point).own),
-                    series(2, "worst height", &|point| of(point).worst),
-                    series(0, "median height", &|point| of(point).median),
-                ],
-            }],
-        };
-        Figure {
-            title: format!("{}: {}", self.title, self.method),
-            footnote: Some(format!(
-                "Simulated from {} start heights within ±{} % of the scene's gap.",
-                self.start_heights,
-                100.0 * self.height_range
-            )),
-            x_label: format!("{} [N s/m]", words(self.setting)),
-            x_decades: false,
-            columns: Vec::new(),
-            rows: vec![
-                row("mean-force error [%]", &|point| {
-                    point.mean_force_error_percent
-                }),
-                row("sum of leaks [mJ]", &|point| {
-                    let leak = point.absolute_leak_j;
-                    SpreadReport {
-                        own: 1e3 * leak.own,
-                        median: 1e3 * leak.median,
-                        worst: 1e3 * leak.worst,
-                    }
-                }),
+/// The curves of a report, over the values.
+fn figure(report: &TuneReport) -> Figure {
+    let x: Vec<f64> = report
+        .curve
+        .iter()
+        .map(|point| point.value_n_s_per_m)
+        .collect();
+    let series = |index, name: &str, value: &dyn Fn(&PointReport) -> f64| Series {
+        name: name.into(),
+        kind: Kind::Line,
+        role: Role::Compared(index),
+        x: x.clone(),
+        y: report.curve.iter().map(value).collect(),
+    };
+    let row = |y_label: &str, of: &dyn Fn(&PointReport) -> SpreadReport| Row {
+        y_label: y_label.into(),
+        limits: Limits::Data,
+        panels: vec![Panel {
+            series: vec![
+                series(1, "own height", &|point| of(point).own),
+                series(2, "worst height", &|point| of(point).worst),
+                series(0, "median height", &|point| of(point).median),
             ],
-        }
-    }
-}
-
-/// A scene key in words, without its unit.
-fn words(key: &str) -> &'static str {
-    match key {
-        "damping_cap_n_s_per_m" => "damping cap",
-        _ => "damping",
-    }
-}
-
-impl fmt::Display for Report {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}", self.title)?;
-        writeln!(
-            f,
-            "{} of {}, {} values, {} start heights within ±{} %\n",
-            words(self.setting),
-            self.method,
-            self.curve.len(),
-            self.start_heights,
-            100.0 * self.height_range
-        )?;
-        let header = [
-            &*format!("least {}", self.least),
-            "N s/m",
-            "E % own",
-            "median",
-            "worst",
-            "|leak| mJ own",
-            "median",
-            "worst",
-            "diverged",
-        ];
-        let mut table = plain_table(CellAlignment::Left, &header);
-        for (name, point) in [
-            ("in the median", &self.best),
-            ("at the scene's own height", &self.best_at_own_height),
-        ] {
-            let (error, leak) = (point.mean_force_error_percent, point.absolute_leak_j);
-            let in_millijoules = |leak: f64| number(Some(1e3 * leak), digits);
-            table.add_row(vec![
-                name.into(),
-                number(Some(point.value_n_s_per_m), digits),
-                number(Some(error.own), percent),
-                number(Some(error.median), percent),
-                number(Some(error.worst), percent),
-                in_millijoules(leak.own),
-                in_millijoules(leak.median),
-                in_millijoules(leak.worst),
-                number(Some(point.diverged as f64), |count| {
-                    format!("{count} of {}", self.start_heights)
-                }),
-            ]);
-        }
-        writeln!(f, "{}\n", lines(&table))?;
-        for file in &self.files {
-            writeln!(f, "wrote {file}")?;
-        }
-        Ok(())
+        }],
+    };
+    Figure {
+        title: format!("{}: {}", report.title, report.method),
+        footnote: Some(format!(
+            "Simulated from {} start heights within ±{} % of the scene's gap.",
+            report.start_heights,
+            100.0 * report.height_range
+        )),
+        x_label: format!("{} [N s/m]", report.setting_in_words()),
+        x_decades: false,
+        columns: Vec::new(),
+        rows: vec![
+            row("mean-force error [%]", &|point| {
+                point.mean_force_error_percent
+            }),
+            row("sum of leaks [mJ]", &|point| {
+                let leak = point.absolute_leak_j;
+                SpreadReport {
+                    own: 1e3 * leak.own,
+                    median: 1e3 * leak.median,
+                    worst: 1e3 * leak.worst,
+                }
+            }),
+        ],
     }
 }

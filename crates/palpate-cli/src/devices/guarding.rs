@@ -24,6 +24,7 @@ pub struct Guarding {
 
 /// The guardian of a run, for reports.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct GuardianReport {
     /// Whether there was one.
     on: bool,
@@ -104,7 +105,7 @@ impl std::fmt::Display for GuardianReport {
         write!(
             f,
             "guardian: commands no force after {} ms of silence; SCHED_FIFO, priority 99: {}",
-            crate::report::digits(1e3 * silence),
+            palpate_study::text::digits(1e3 * silence),
             if self.first == Some(true) {
                 "granted"
             } else {
@@ -112,7 +113,7 @@ impl std::fmt::Display for GuardianReport {
             }
         )?;
         if self.cuts > 0 {
-            let times = crate::report::counted(self.cuts, "time");
+            let times = palpate_study::text::counted(self.cuts, "time");
             write!(f, "\nthe guardian commanded no force {times}")?;
         }
         if let Some(lost) = self.lost_in_words {

@@ -8,9 +8,9 @@ use palpate_io::trace::Part;
 use palpate_io::unit::LengthUnit;
 
 use super::DeviceArguments;
-use crate::commands::render::read_trace;
-use crate::commands::replay::ticks::Ticks;
 use crate::failure::Failure;
+use crate::recorded::ticks::Ticks;
+use crate::recorded::trace::read_trace;
 use crate::recorded::{self, open as open_recording};
 use crate::values::duration;
 

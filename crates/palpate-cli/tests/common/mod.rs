@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test program uses its own part")]
 
 pub mod running;
+pub mod schema;
 
 use std::path::{Path, PathBuf};
 
@@ -99,9 +100,11 @@ impl Folder {
         answer.stdout
     }
 
-    /// Runs the program with `--json`, which must succeed; its report.
+    /// Runs the program with `--json`, which must succeed; its report, which is as its schema says.
     pub fn json(&self, arguments: &str) -> Value {
-        parse(&self.succeed(&format!("{arguments} --json")))
+        let report = parse(&self.succeed(&format!("{arguments} --json")));
+        schema::check(&report);
+        report
     }
 
     /// Runs the program, which must fail with exit code `code` and say every one of `words`.

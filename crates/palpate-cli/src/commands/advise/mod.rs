@@ -1,19 +1,17 @@
 //! `palpate advise`: can this be rendered, and by what?
 
-mod advice;
 mod arguments;
-mod text;
 
 pub use arguments::AdviseArguments;
 
 use palpate_scene::SetupError;
-use palpate_sim::map::{Bounce, BounceDevice, BounceError, MapParams};
+use palpate_study::advise::Advice;
+use palpate_study::map::{Bounce, BounceDevice, BounceError, MapParams};
 
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::results::print;
+use crate::results::print_report;
 use crate::setup::{wrong_flag, wrong_on_bench};
-use advice::Advice;
 
 /// Looks, and answers.
 pub fn run(arguments: &AdviseArguments) -> Result<(), Failure> {
@@ -26,11 +24,7 @@ pub fn run(arguments: &AdviseArguments) -> Result<(), Failure> {
     })
     .map_err(|error| refused(&error))?;
     drop(progress);
-    print(&if arguments.json {
-        advice.json() + "\n"
-    } else {
-        advice.to_string()
-    })
+    print_report(&advice, arguments.json)
 }
 
 /// The scene that is asked about; a softest stiffness stands in where none is.
@@ -63,7 +57,7 @@ fn bounce(arguments: &AdviseArguments) -> Result<Bounce, Failure> {
     };
     let stiffness = match arguments.stiffness {
         Some(stiffness) => positive("--stiffness", stiffness, "N/m")?,
-        None => palpate_sim::map::SEARCHED.0 * mass / (period * period),
+        None => palpate_study::map::SEARCHED.0 * mass / (period * period),
     };
     Ok(Bounce {
         device: BounceDevice {

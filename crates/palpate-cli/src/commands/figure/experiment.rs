@@ -11,8 +11,9 @@ use palpate_sim::run::Run;
 use super::super::simulate::{simulate, subject};
 use crate::failure::Failure;
 use crate::plots;
-use crate::report::{Report, lines, number, percent, plain_table};
 use palpate_figure::Sheet;
+use palpate_study::report::Report;
+use palpate_study::text::{lines, number, percent, plain_table};
 
 const FIG4: &str = include_str!("../../../../../experiments/fig4.toml");
 const FIG5: &str = include_str!("../../../../../experiments/fig5.toml");

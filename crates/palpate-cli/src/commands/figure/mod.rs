@@ -8,14 +8,15 @@ mod steps;
 use std::path::PathBuf;
 
 use palpate_scene::Linkage;
-use serde_json::json;
+use palpate_study::json;
+use palpate_study::report::DrawingReport;
 
 use crate::arguments::{FigureArguments, FigureName};
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::report::Report;
 use crate::results::{draw, plan_picture, print};
 use palpate_figure::{Drawing, Picture, Sheet};
+use palpate_study::report::Report;
 
 pub use steps::fig2;
 
@@ -87,13 +88,7 @@ pub fn run(arguments: &FigureArguments) -> Result<(), Failure> {
                 format!("{report}{below}")
             }
         }
-        Drawn::Drawing(_) if arguments.json => {
-            let files = [path.display().to_string()];
-            format!(
-                "{:#}\n",
-                json!({ "format": "palpate figure 1", "files": files })
-            )
-        }
+        Drawn::Drawing(_) if arguments.json => json(&DrawingReport::new(&path)) + "\n",
         Drawn::Drawing(_) => format!("wrote {}\n", path.display()),
     })
 }

@@ -7,8 +7,8 @@ use palpate_sim::closed_loop::Bench;
 use super::super::simulate::{simulate, subject};
 use crate::failure::Failure;
 use crate::plots;
-use crate::report::Report;
 use palpate_figure::Figure;
+use palpate_study::report::Report;
 
 const FIG2: &str = include_str!("../../../../../experiments/fig2.toml");
 const LONG: &str = include_str!("../../../../../experiments/fig2_long.toml");

@@ -21,9 +21,10 @@ use super::run::{Asked, Report, guarding, limits, outcome, receipt, request, sce
 use crate::devices::guarding::GuardianReport;
 use crate::devices::{DeviceName, replayed};
 use crate::failure::{Failure, tell};
-use crate::recorded::{in_a_line, open as open_recording, whole_or_said};
+use crate::recorded::{open as open_recording, whole_or_said};
 use crate::results::print;
 use crate::values::duration;
+use palpate_study::recording::in_a_line;
 
 /// What is shown without a scene, and by which methods.
 const SCENE: &str = include_str!("../../../../../experiments/live.toml");

@@ -9,27 +9,17 @@ use std::time::Instant;
 use palpate_io::atomic::{Existing, check};
 use palpate_io::journal::{Journal, JournalError};
 use palpate_io::map::{Format, Map, Row, StaySwing};
-use palpate_sim::map::{Done, MapParams, MethodResult, Summary, compute};
+use palpate_study::map::receipt;
+use palpate_study::map::report::Speed;
+use palpate_study::map::{Done, MapParams, MethodResult, Summary, compute};
 
 use super::arguments::{Shard, WorkArguments};
 use super::files::Files;
-use super::receipt;
 use crate::failure::{Failure, tell};
 use crate::progress::Progress;
 
 /// Set when the user wants the program to end.
 static STOP: AtomicBool = AtomicBool::new(false);
-
-/// How fast the work was.
-#[derive(Clone, Copy, Debug)]
-pub struct Speed {
-    /// Ticks of plant, renderer and metrics.
-    pub ticks: u64,
-    /// Time `[s]`.
-    pub seconds: f64,
-    /// Threads that shared the work.
-    pub threads: usize,
-}
 
 /// A map, or a part.
 pub struct Computed {
@@ -51,7 +41,7 @@ pub fn run(
     out: &Path,
     files: &Files,
 ) -> Result<Computed, Failure> {
-    let receipt = receipt::of(params, shard);
+    let receipt = receipt::of(params, (shard.number, shard.of));
     let head = receipt::line(&receipt);
     let journal_path = journal_of(out);
     let mut done = BTreeMap::new();
@@ -217,7 +207,7 @@ pub fn unusable(error: JournalError) -> Failure {
     }
 }
 
-fn rows(params: &MapParams, result: &palpate_sim::map::CellResult) -> Vec<Row> {
+fn rows(params: &MapParams, result: &palpate_study::map::CellResult) -> Vec<Row> {
     let cell = params.cell(result.index);
     let both = |summary: Summary| [summary.median, summary.worst];
     result

@@ -8,9 +8,9 @@ use palpate_io::outputs::Outputs;
 
 use super::arguments::MapResults;
 use super::picture;
-use super::report::Report;
 use crate::failure::Failure;
 use crate::results::{draw, plan_picture};
+use palpate_study::map::report::MapReport;
 
 /// The files of a map, and the leave to write them.
 pub struct Files {
@@ -132,7 +132,7 @@ impl Files {
         map: &Map,
         results: &MapResults,
         found: bool,
-        report: &mut Report,
+        report: &mut MapReport,
     ) -> Result<(), Failure> {
         let found = found && self.is_resumed;
         let mut kept = Vec::new();

@@ -5,8 +5,6 @@ mod compute;
 mod files;
 mod merge;
 mod picture;
-mod receipt;
-mod report;
 
 pub use arguments::MapArguments;
 
@@ -14,14 +12,14 @@ use std::path::PathBuf;
 
 use palpate_io::map::Map;
 use palpate_scene::method::MethodName;
-use palpate_sim::map::{Forces, MapParams};
+use palpate_study::map::report::{MapReport, Speed};
+use palpate_study::map::{Forces, MapParams};
 
 use crate::failure::Failure;
-use crate::results::print;
+use crate::results::print_report;
 use arguments::{ForcesName, MapAction, MapResults, SceneArguments, Shard};
-use compute::{Speed, unusable};
+use compute::unusable;
 use files::Files;
-use report::Report;
 
 /// The whole of a map.
 const WHOLE: Shard = Shard { number: 1, of: 1 };
@@ -64,13 +62,9 @@ fn deliver(
     files: &Files,
     speed: Option<Speed>,
 ) -> Result<(), Failure> {
-    let mut report = Report::new(map, speed)?;
+    let mut report = MapReport::new(map, speed).map_err(Failure::input)?;
     files.deliver(map, results, speed.is_none(), &mut report)?;
-    print(&if results.json {
-        report.json() + "\n"
-    } else {
-        report.to_string()
-    })
+    print_report(&report, results.json)
 }
 
 fn params(scene: &SceneArguments) -> Result<MapParams, Failure> {

@@ -3,13 +3,13 @@
 use clap::ValueEnum;
 use palpate_io::map::{Format, Map, Row};
 use palpate_scene::method::MethodName;
-use palpate_sim::map::{Plant, RESTS_BELOW, STABLE_UP_TO, bounds};
+use palpate_study::map::{Plant, RESTS_BELOW, STABLE_UP_TO, bounds};
 
 use super::arguments::Quantity;
-use super::receipt;
-use super::report::{FAITHFUL_PERCENT, is_faithful, is_stable, stay};
 use crate::failure::Failure;
 use palpate_figure::{Bound, FieldFigure, FieldPanel, FieldRow, Scale};
+use palpate_study::map::receipt;
+use palpate_study::map::report::{FAITHFUL_PERCENT, is_faithful, is_stable, stay};
 
 /// How far on the axis of Kc the bounds of walls are drawn.
 const NEARLY_A_WALL: f64 = 0.03;

@@ -8,8 +8,8 @@ use palpate_scene::SetupError;
 use palpate_scene::method::{MethodName, Settings, SettingsError, nearest};
 use palpate_sim::replay::ReplaySetup;
 
-use crate::report::exactly;
 use crate::setup::flag_of_setting;
+use palpate_study::text::exactly;
 
 /// Names of what can be set.
 const NAMES: [&str; 3] = ["stiffness_n_per_m", "mass_kg", "virtual_force_n"];

@@ -29,7 +29,7 @@ use change::{Changeable, rendering};
 use line::Format;
 use messages::Messages;
 use stream::{Memory, Stopped, Stream};
-use summary::Summary;
+pub use summary::Summary;
 
 /// Longest line that is read as a sample `[bytes]`; the rest of a longer one is skipped.
 const LONGEST_LINE: u64 = 4096;

@@ -5,11 +5,16 @@ use std::fmt;
 use palpate::Ledger;
 use serde::Serialize;
 
-use crate::report::{counted, digits};
+use palpate_study::text::{counted, digits};
+
+/// Name and version of the JSON report.
+const FORMAT: &str = "palpate pipe 1";
 
 /// What a pipe did, for its end.
 #[derive(Debug, Clone, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Summary {
+    #[cfg_attr(test, schemars(extend("const" = FORMAT)))]
     format: &'static str,
     /// Lines that were answered.
     pub samples: u64,
@@ -36,7 +41,7 @@ impl Summary {
     /// Nothing has been done yet.
     pub fn new(force_limit_n: Option<f64>, soft_start_s: f64) -> Self {
         Self {
-            format: "palpate pipe 1",
+            format: FORMAT,
             samples: 0,
             refused: 0,
             limited: 0,

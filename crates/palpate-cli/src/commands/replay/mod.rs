@@ -1,8 +1,6 @@
 //! `palpate replay`: a recording under another method: its motion as it was, or its hand under the new
 //! force.
 
-pub mod ticks;
-
 use std::io;
 use std::path::PathBuf;
 
@@ -14,18 +12,18 @@ use palpate_sim::closed_loop::LoopError;
 use palpate_sim::hand_replay::Recording as OfAHand;
 use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
 
-use self::ticks::Ticks;
 use super::hand_replay::{Recorded, ReplayRuns, close_loop};
-use super::render::how_to_cut;
 use super::simulate::in_file;
 use crate::arguments::{Flags, PartFlags, ReplayFlags, ReplayKind, Results};
 use crate::failure::Failure;
 use crate::plots;
 use crate::progress::Progress;
+use crate::recorded::ticks::Ticks;
+use crate::recorded::trace::how_to_cut;
 use crate::recorded::{open, whole_or_said};
-use crate::report::{FromRecording, Replayed, Report, Subject};
 use crate::results::deliver;
 use crate::setup::{receipt, wrong_flag, wrong_on_bench, wrong_setup};
+use palpate_study::report::{FromRecording, Replayed, Report, Subject};
 
 /// Text of the receipt that holds the scene.
 const SCENE: &str = "scene";

@@ -30,7 +30,7 @@ use crate::devices::{DeviceName, Opened, open, replayed};
 use crate::failure::{Failure, tell};
 use crate::progress::Progress;
 use crate::recorded::open as open_recording;
-use crate::results::print;
+use crate::results::print_report;
 use crate::values::duration;
 
 /// Runs a loop, and records it if it is to.
@@ -170,11 +170,7 @@ impl Session<'_> {
             recording.as_ref(),
         )
         .guarded(guarding.report(arguments, &capabilities));
-        print(&if self.arguments.json {
-            serde_json::to_string_pretty(&report).expect("a report has string keys only") + "\n"
-        } else {
-            report.to_string()
-        })?;
+        print_report(&report, self.arguments.json)?;
         let asked = Asked {
             duration: self.arguments.duration,
             // A recorded motion is over when it is over.

@@ -8,7 +8,7 @@ use palpate_rt::{Ending, LoopEnd};
 
 use crate::failure::Failure;
 use crate::recorded::whole_or_said;
-use crate::report::motors_off;
+use palpate_study::recording::motors_off;
 
 /// What a loop was to do.
 #[derive(Clone, Copy, Debug)]

@@ -14,15 +14,21 @@ use palpate_scene::method::MethodName;
 use serde::Serialize;
 
 use crate::devices::guarding::GuardianReport;
-use crate::recorded::in_a_line;
-use crate::report::{counted, digits, lines, motors_off, number, plain_table};
+use palpate_study::recording::in_a_line;
+use palpate_study::recording::motors_off;
+use palpate_study::text::{counted, digits, lines, number, plain_table};
+
+/// Name and version of the JSON report.
+const FORMAT: &str = "palpate run 1";
 
 /// Events that are shown; JSON and recordings have more.
 const SHOWN: usize = 8;
 
 /// A run, for people and programs.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Report {
+    #[cfg_attr(test, schemars(extend("const" = FORMAT)))]
     format: &'static str,
     title: String,
     method: &'static str,
@@ -60,6 +66,7 @@ pub struct Report {
 }
 
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct AnswerReport {
     asked: String,
     granted: bool,
@@ -67,6 +74,7 @@ struct AnswerReport {
 }
 
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct EventReport {
     tick: u64,
     t_s: f64,
@@ -76,6 +84,7 @@ struct EventReport {
 
 /// What the file says, read back.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct RecordingReport {
     file: String,
     /// Whether it is whole and holds as many ticks as the loop counted.
@@ -92,6 +101,7 @@ struct RecordingReport {
 
 /// How a loop kept time.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct TimingReport {
     ticks: u64,
     missed_deadlines: u64,
@@ -103,6 +113,7 @@ pub struct TimingReport {
 
 /// Of durations `[s]`.
 #[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct Percentiles {
     median: f64,
     p99: f64,
@@ -151,7 +162,7 @@ impl Report {
     ) -> Self {
         let last = account.last.unwrap_or_default();
         Self {
-            format: "palpate run 1",
+            format: FORMAT,
             title: scene.title.clone(),
             method: method.name(),
             device: device.name.clone(),

@@ -1,21 +1,18 @@
 //! `palpate suite`: methods on plants drawn at random.
 
-mod report;
-mod table;
-
 use std::path::{Path, PathBuf};
 
 use palpate_io::outputs::Outputs;
 use palpate_scene::method::MethodName;
-use palpate_sim::suite::{self, Column, Judged};
+use palpate_study::suite::report::{SuiteReport, delay_in_words};
+use palpate_study::suite::{self, Column, Judged, table};
 
 use crate::arguments::{Compared, SuiteArguments};
 use crate::failure::Failure;
 use crate::plots;
 use crate::progress::Progress;
-use crate::results::{draw, plan_picture, print};
+use crate::results::{draw, plan_picture, print_report};
 use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
-use report::Report;
 
 /// Draws the plants, judges every column on them, and writes what was asked for.
 pub fn run(arguments: &SuiteArguments) -> Result<(), Failure> {
@@ -28,7 +25,7 @@ pub fn run(arguments: &SuiteArguments) -> Result<(), Failure> {
         .map_err(Failure::input)?;
     drop(progress);
 
-    let mut report = Report::new(arguments.seed, &columns, &judged);
+    let mut report = SuiteReport::new(arguments.seed, &columns, &judged);
     if let Some(folder) = &arguments.write_scenes {
         report.wrote(&write_scenes(&outputs, folder, &judged)?);
     }
@@ -42,11 +39,7 @@ pub fn run(arguments: &SuiteArguments) -> Result<(), Failure> {
         draw(&outputs, path, &figure(arguments.seed, &columns, &judged))?;
         report.wrote(path);
     }
-    print(&if arguments.json {
-        serde_json::to_string_pretty(&report).expect("a report has string keys only") + "\n"
-    } else {
-        report.to_string()
-    })
+    print_report(&report, arguments.json)
 }
 
 impl Compared {
@@ -161,13 +154,5 @@ fn figure(seed: u64, columns: &[Column], judged: &[Judged]) -> Figure {
             limits: Limits::Data,
             panels: suite::DELAYS.map(panel).to_vec(),
         }],
-    }
-}
-
-/// `no delay`, `1 sample of delay`.
-fn delay_in_words(delay: usize) -> String {
-    match delay {
-        0 => "no delay".into(),
-        _ => format!("{} of delay", crate::report::counted(delay, "sample")),
     }
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum, ValueHint};
 
-use crate::values::{BoardName, number, pair, timed_fault};
+use crate::values::{BoardName, number, pair};
 
 /// Arguments of `emulate haply-2diy`.
 #[derive(Args, Debug)]
@@ -129,4 +129,25 @@ impl FaultKind {
         ("nan", Self::NotANumber, 0.0),
         ("slip", Self::Slip, 25.0),
     ];
+}
+
+/// `KIND[=VALUE]@SECONDS`.
+fn timed_fault(text: &str) -> Result<TimedFault, String> {
+    let understood = || {
+        let (what, at) = text.split_once('@')?;
+        let (name, value) = match what.split_once('=') {
+            Some((name, value)) => (name, Some(value.parse::<f64>().ok()?)),
+            None => (what, None),
+        };
+        let (_, kind, usual) = FaultKind::NAMED.iter().find(|(known, ..)| *known == name)?;
+        Some(TimedFault {
+            at: at.parse().ok()?,
+            kind: *kind,
+            value: value.unwrap_or(*usual),
+        })
+    };
+    understood().ok_or_else(|| {
+        let kinds = FaultKind::NAMED.map(|(name, ..)| name).join(", ");
+        format!("KIND[=VALUE]@SECONDS is needed, such as stall=0.05@3; the kinds are {kinds}")
+    })
 }

@@ -1,0 +1,220 @@
+//! What a replay takes from the ticks of a recording.
+
+use palpate_io::recording::{Entry, Flags, Recording, Tick};
+use palpate_io::trace::Part;
+use palpate_sim::replay::ReplaySetup;
+
+use crate::arguments::ReplayKind;
+use crate::failure::Failure;
+use crate::plots::Recorded;
+
+/// The ticks of a recording.
+#[derive(Default)]
+pub struct Ticks {
+    all: Vec<Tick>,
+    /// What had leaked at the first position `[J]`.
+    leak_before: Option<f64>,
+    /// Those in which the device was seen.
+    pub curves: Recorded,
+    /// Ticks in which it was not seen.
+    pub without_position: u64,
+    /// Strongest force that was sent `[N]`.
+    pub peak_force: f64,
+}
+
+impl Ticks {
+    /// The ticks that there are in a part of a recording.
+    ///
+    /// # Errors
+    /// What cannot be read; fewer than two ticks in a part that is not the whole.
+    pub fn of(recording: &Recording, part: &Part) -> Result<Self, Failure> {
+        let mut ticks = Self::default();
+        for entry in recording.entries().map_err(Failure::input)? {
+            if let Entry::Tick(tick) = entry.map_err(Failure::input)? {
+                if tick.time > part.to {
+                    break;
+                }
+                if tick.time >= part.from {
+                    ticks.add(tick);
+                }
+            }
+        }
+        if ticks.all.len() < 2 && *part != Part::WHOLE {
+            let ends = recording.first.zip(recording.last);
+            return Err(Failure::input(format_args!(
+                "{}: the part that --from and --to name has {}, but needs at least 2{}",
+                recording.path().display(),
+                palpate_study::text::counted(ticks.all.len() as u64, "tick"),
+                ends.map_or_else(String::new, |(first, last)| format!(
+                    "; the times of the recording begin at {} s and end at {} s",
+                    first.time, last.time
+                ))
+            )));
+        }
+        Ok(ticks)
+    }
+
+    fn add(&mut self, tick: Tick) {
+        self.all.push(tick);
+        // What was sent counts, whether a position came with it or not.
+        self.peak_force = self.peak_force.max(tick.force_on_device.abs());
+        if !is_seen(&tick) {
+            self.without_position += 1;
+            return;
+        }
+        self.curves.time.push(tick.time);
+        self.curves.device_position.push(tick.device_position);
+        self.curves.object_position.push(tick.object_position);
+        self.curves.force_on_object.push(-tick.force_on_device);
+        let first = *self.leak_before.get_or_insert(tick.held_leak);
+        self.curves.held_leak.push(tick.held_leak - first);
+    }
+
+    /// Puts the object where it was at the first tick that a replay of this kind begins with.
+    pub fn place_object(&self, setup: &mut ReplaySetup, kind: ReplayKind) {
+        let begins = match kind {
+            ReplayKind::Motion => is_seen,
+            ReplayKind::Hand => is_believed,
+        };
+        if let Some(first) = self.all.iter().find(|tick| begins(tick))
+            && first.object_position.is_finite()
+            && first.object_velocity.is_finite()
+        {
+            setup.object.position = first.object_position;
+            setup.object.velocity = first.object_velocity;
+        }
+    }
+
+    /// All that is known of a hand, from the first position to the last, for a device that does what it
+    /// is sent `delay` samples later.
+    ///
+    /// # Errors
+    /// A stretch without a position that is longer than `longest_gap` `[s]`; no force at all.
+    pub fn held_device(
+        &self,
+        name: &str,
+        delay: usize,
+        period: f64,
+        longest_gap: f64,
+    ) -> Result<HeldDevice, Failure> {
+        let mut samples: Vec<Sample> = Vec::with_capacity(self.all.len());
+        let mut unseen: Vec<&Tick> = Vec::new();
+        let mut first_seen: Option<&Tick> = None;
+        let mut last_seen: Option<&Tick> = None;
+        for tick in &self.all {
+            if !is_believed(tick) {
+                unseen.push(tick);
+                continue;
+            }
+            if let Some(last) = last_seen {
+                // Time that runs backwards is for the estimate to refuse.
+                if tick.time - last.time > longest_gap {
+                    return Err(Failure::input(format_args!(
+                        "{name}: no position between tick {} at {} s and tick {} at {} s; a hand is \
+                         estimated across {longest_gap} s at most: state a longer --largest-gap, or \
+                         replay the motion with --replay motion",
+                        last.sequence, last.time, tick.sequence, tick.time
+                    )));
+                }
+                bridge(&mut samples, (last, tick), &unseen, period);
+            }
+            unseen.clear();
+            samples.push(Sample {
+                time: tick.time,
+                position: tick.device_position,
+                sent: tick.force_on_device,
+            });
+            first_seen = first_seen.or(Some(tick));
+            last_seen = Some(tick);
+        }
+        let from_the_start = first_seen.is_none_or(|first| first.sequence == 0);
+        let forces = acting(&samples, delay, from_the_start).ok_or_else(|| {
+            Failure::input(format_args!(
+                "{name}: no tick says which force was sent, so what the hand did cannot be told from \
+                 what the motor did; --replay motion needs no force"
+            ))
+        })?;
+        Ok(HeldDevice {
+            times: samples.iter().map(|sample| sample.time).collect(),
+            positions: samples.iter().map(|sample| sample.position).collect(),
+            forces,
+        })
+    }
+}
+
+/// What is known of a device in a hand, sample by sample.
+pub struct HeldDevice {
+    /// `[s]`
+    pub times: Vec<f64>,
+    /// `[m]`; NaN where it was not seen.
+    pub positions: Vec<f64>,
+    /// Force on the device, held until the next sample `[N]`.
+    pub forces: Vec<f64>,
+}
+
+struct Sample {
+    time: f64,
+    position: f64,
+    /// Force on the device that was sent `[N]`; NaN where that is not known.
+    sent: f64,
+}
+
+/// Whether a position came with a tick. A device that did not answer is put down where it was when it
+/// did.
+fn is_seen(tick: &Tick) -> bool {
+    tick.device_position.is_finite() && !tick.flags.has(Flags::DEVICE_FAULT)
+}
+
+/// Whether that position was one that the renderer took; what it refused is no motion of a hand.
+fn is_believed(tick: &Tick) -> bool {
+    is_seen(tick) && !tick.flags.has(Flags::FAULT)
+}
+
+/// Puts the samples between two in which the device was seen: those that were not, and those that were
+/// lost on their way into the recording. Where they do not say when they were, it was at even steps.
+fn bridge(samples: &mut Vec<Sample>, (from, to): (&Tick, &Tick), unseen: &[&Tick], period: f64) {
+    let numbers = to.sequence.saturating_sub(from.sequence) as f64;
+    let ticks = || std::iter::once(&from).chain(unseen).chain([&to]);
+    let in_order = ticks().zip(ticks().skip(1)).all(|(a, b)| b.time > a.time);
+    if in_order && numbers == (unseen.len() + 1) as f64 {
+        samples.extend(unseen.iter().map(|tick| Sample {
+            time: tick.time,
+            position: f64::NAN,
+            sent: tick.force_on_device,
+        }));
+        return;
+    }
+    // Numbers that jump further than time allows are no samples.
+    let duration = to.time - from.time;
+    let most = (duration / period).ceil().max((unseen.len() + 1) as f64);
+    let steps = numbers.min(most);
+    let mut step = 1.0;
+    while step < steps {
+        let sequence = from.sequence as f64 + step;
+        let there = unseen.iter().find(|tick| tick.sequence as f64 == sequence);
+        samples.push(Sample {
+            time: from.time + duration * (step / steps),
+            position: f64::NAN,
+            sent: there.map_or(f64::NAN, |tick| tick.force_on_device),
+        });
+        step += 1.0;
+    }
+}
+
+/// The force on the device from each sample on, where what was sent acts `delay` samples later and a
+/// sample that is not known changed nothing; `None` if none is known.
+fn acting(samples: &[Sample], delay: usize, from_the_start: bool) -> Option<Vec<f64>> {
+    let known = |sample: &Sample| sample.sent.is_finite().then_some(sample.sent);
+    if samples.is_empty() {
+        return Some(Vec::new());
+    }
+    let first = samples.iter().find_map(known)?;
+    // Nothing is held before a loop's first answer.
+    let mut held = if from_the_start { 0.0 } else { first };
+    let forces = (0..samples.len()).map(|index| {
+        let sent = index.checked_sub(delay).map(|sender| &samples[sender]);
+        held = sent.and_then(known).unwrap_or(held);
+        held
+    });
+    Some(forces.collect())
+}

@@ -1,0 +1,448 @@
+//! Advice: can this device render a contact, and by which method?
+
+mod text;
+
+use crate::map::{Bounce, BounceError, Class, Entry, Limit, Plant, Stay, bounds, default_settings};
+use crate::tune::tunable;
+use palpate_scene::method::{Damping, MethodName, Setting, Settings};
+use serde::Serialize;
+
+/// Name and version of the JSON report.
+const FORMAT: &str = "palpate advise 2";
+
+/// Largest mean-force error of a faithful rendering, E `[%]`.
+pub const FAITHFUL_PERCENT: f64 = 20.0;
+
+/// Dampings that are tried for each method that has one.
+const TRIED: usize = 24;
+
+/// The advice on a device, and on a contact where one is asked for.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Advice {
+    /// Name and version of this JSON.
+    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    pub format: &'static str,
+    /// The device.
+    pub device: DeviceReport,
+    /// What is asked for; none where only limits are.
+    pub contact: Option<ContactReport>,
+    /// The answer.
+    pub verdict: Verdict,
+    /// One entry for each method.
+    pub methods: Vec<MethodAdvice>,
+    /// Classical bounds of walls.
+    pub bounds: Bounds,
+}
+
+/// The device that is asked about, and the bounce on it.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct DeviceReport {
+    /// Effective mass `[kg]`.
+    pub mass_kg: f64,
+    /// Period of the loop `[s]`.
+    pub period_s: f64,
+    /// Viscous friction `[N s/m]`.
+    pub viscous_friction_n_s_per_m: f64,
+    /// Coulomb friction `[N]`.
+    pub coulomb_friction_n: f64,
+    /// Quantum of the position sensor `[m]`.
+    pub encoder_quantum_m: f64,
+    /// Delay of the loop `[samples]`.
+    pub delay_samples: usize,
+    /// M of the object whose limits are looked for; none for a wall.
+    pub object_mass_kg: Option<f64>,
+    /// Gap from which the object falls `[m]`.
+    pub gap_m: f64,
+    /// Number of start heights.
+    pub start_heights: usize,
+}
+
+/// The contact that is asked for.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ContactReport {
+    /// Stiffness of the contact `[N/m]`.
+    pub stiffness_n_per_m: f64,
+    /// K T²/m.
+    pub kappa: f64,
+    /// Kc = K T²/M; 0 for a wall.
+    pub object_kappa: f64,
+    /// What one count of the encoder changes of the spring's force.
+    pub force_per_count_n: f64,
+    /// FRE that no held force can be below, median over the start heights `[%]`.
+    pub hold_floor_percent: f64,
+}
+
+/// The answer in one word, and by which method.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case", tag = "answer")]
+pub enum Verdict {
+    /// Stable and faithful, steady at rest and pressed, and the hold floor is low enough.
+    Yes {
+        /// The method.
+        method: &'static str,
+        /// Its damping or cap `[N s/m]`; none where the method chooses or has none.
+        damping_n_s_per_m: Option<f64>,
+    },
+    /// Bounces stably, but swings at rest or pressed.
+    Swings {
+        /// The method.
+        method: &'static str,
+        /// Its damping or cap `[N s/m]`; none where the method chooses or has none.
+        damping_n_s_per_m: Option<f64>,
+        /// Whether it swings at rest on the device.
+        resting: bool,
+        /// Whether it swings pressed.
+        pressed: bool,
+    },
+    /// As good as a held force can be, which at this rate is far from the ideal.
+    HoldTooCoarse {
+        /// The method.
+        method: &'static str,
+        /// Its damping or cap `[N s/m]`; none where the method chooses or has none.
+        damping_n_s_per_m: Option<f64>,
+    },
+    /// Stable, but with a large error.
+    StableOnly {
+        /// The method.
+        method: &'static str,
+        /// Its damping or cap `[N s/m]`; none where the method chooses or has none.
+        damping_n_s_per_m: Option<f64>,
+    },
+    /// No method is stable.
+    No {
+        /// The method.
+        method: &'static str,
+        /// Growth of the energy per collision from the worst start height; none where it diverged.
+        growth: Option<f64>,
+    },
+    /// No contact was asked for.
+    NotAsked,
+}
+
+/// What a method can do on the device.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct MethodAdvice {
+    /// Name of the method.
+    pub method: &'static str,
+    /// With the settings it has by itself.
+    pub by_itself: Option<Judged>,
+    /// With the best of the dampings that were tried.
+    pub tuned: Option<Judged>,
+    /// Stiffest contact that is stable `[N/m]`.
+    pub stiffest_n_per_m: Reach,
+    /// Lightest object that is stable `[kg]`; none where no contact was asked for.
+    pub lightest_kg: Option<Reach>,
+}
+
+/// How a method does with the contact that is asked for.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Judged {
+    /// The damping B, b or cap that was set; none where the method chose.
+    pub damping_n_s_per_m: Option<f64>,
+    /// `stable`, `growing` or `diverged`.
+    pub class: &'static str,
+    /// Median and worst over the start heights; none where a loop diverged.
+    pub growth: [Option<f64>; 2],
+    /// Mean-force error E, median and worst over the start heights `[%]`.
+    pub error_percent: [Option<f64>; 2],
+    /// Standard deviation of the force at rest, over the weight; none for a wall, for a loop that
+    /// diverged, and for one that was not followed since its bounces gain energy.
+    pub resting_swing: Option<f64>,
+    /// The same pressed, over the force that presses.
+    pub pressed_swing: Option<f64>,
+    /// Contacts that stay.
+    #[serde(skip)]
+    stay: Option<Stay>,
+    /// What judgements are ordered by.
+    #[serde(skip)]
+    rank: (Class, f64),
+}
+
+/// A limit of a method.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Reach {
+    /// None where not even the easiest is stable.
+    pub value: Option<f64>,
+    /// Whether all that was tried is stable, so that the limit lies beyond.
+    pub or_beyond: bool,
+}
+
+/// Classical bounds of the stiffness of walls on the device.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Bounds {
+    /// Colgate and Schenkel: K < 2 b/T without virtual damping `[N/m]`.
+    pub colgate_schenkel_n_per_m: f64,
+    /// Gil et al., with a delay `[N/m]`.
+    pub gil_n_per_m: f64,
+    /// Abbott and Okamura, with Coulomb friction and an encoder `[N/m]`.
+    pub abbott_okamura_n_per_m: f64,
+    /// Of an undamped device with the best virtual damper.
+    pub undamped_wall_n_per_m: f64,
+    /// The damping of that virtual damper `[N s/m]`.
+    pub undamped_wall_damping_n_s_per_m: f64,
+}
+
+impl Advice {
+    /// Finds out what `methods` can do on the device of `bounce`, and at its own stiffness if that
+    /// is `asked`; `done` hears of each method.
+    pub fn on(
+        bounce: &Bounce,
+        asked: bool,
+        methods: &[MethodName],
+        done: impl Fn(),
+    ) -> Result<Self, BounceError> {
+        let device = &bounce.device;
+        let (m, t) = (device.mass, bounce.period);
+        let mut advice = Self {
+            format: FORMAT,
+            device: DeviceReport {
+                mass_kg: m,
+                period_s: t,
+                viscous_friction_n_s_per_m: device.viscous_friction,
+                coulomb_friction_n: device.coulomb_friction,
+                encoder_quantum_m: device.encoder_quantum,
+                delay_samples: bounce.delay,
+                object_mass_kg: Some(bounce.object_mass).filter(|mass| mass.is_finite()),
+                gap_m: bounce.gap,
+                start_heights: crate::map::PHASES,
+            },
+            contact: None,
+            verdict: Verdict::NotAsked,
+            methods: Vec::new(),
+            bounds: Bounds::of(bounce),
+        };
+        for method in methods {
+            let settings = default_settings(*method);
+            advice.methods.push(MethodAdvice {
+                method: method.name(),
+                by_itself: None,
+                tuned: None,
+                stiffest_n_per_m: bounce.stiffest(*method, settings)?.into(),
+                lightest_kg: if asked {
+                    Some(bounce.lightest(*method, settings)?.into())
+                } else {
+                    None
+                },
+            });
+            done();
+        }
+        if asked {
+            advice.judge(bounce, methods)?;
+        }
+        Ok(advice)
+    }
+
+    /// Judges the contact that is asked for.
+    fn judge(&mut self, bounce: &Bounce, methods: &[MethodName]) -> Result<(), BounceError> {
+        let impedance = bounce.stiffness * bounce.period;
+        let mut trials = Vec::new();
+        for method in methods {
+            trials.push((*method, default_settings(*method), None));
+            for (settings, damping) in dampings(*method, impedance) {
+                trials.push((*method, settings, Some(damping)));
+            }
+        }
+        let settings: Vec<_> = trials.iter().map(|(m, s, _)| (*m, *s)).collect();
+        let (entries, _) = bounce.judge(Plant::Damped, &settings)?;
+        let mut judged: Vec<(MethodName, Judged)> = Vec::with_capacity(trials.len());
+        for ((method, settings, damping), entry) in trials.iter().zip(&entries) {
+            // What gains energy from bounce to bounce is no answer, whatever it does at rest.
+            let stay = if entry.class() == Class::Stable {
+                Some(bounce.stay(*method, *settings)?.0)
+            } else {
+                None
+            };
+            judged.push((*method, Judged::of(entry, *damping, stay)));
+        }
+        for advice in &mut self.methods {
+            let of_method = judged.iter().filter(|(m, _)| m.name() == advice.method);
+            let (tuned, by_itself): (Vec<Judged>, Vec<Judged>) = of_method
+                .map(|(_, judged)| *judged)
+                .partition(|judged| judged.damping_n_s_per_m.is_some());
+            advice.by_itself = by_itself.first().copied();
+            advice.tuned = best(tuned.iter().map(|judged| (advice.method, *judged))).map(|b| b.1);
+        }
+        let (period, floor) = (bounce.period, entries[0].hold_floor.median);
+        self.contact = Some(ContactReport {
+            stiffness_n_per_m: bounce.stiffness,
+            kappa: bounce.stiffness * period * period / bounce.device.mass,
+            object_kappa: bounce.stiffness * period * period / bounce.object_mass,
+            force_per_count_n: bounce.stiffness * bounce.device.encoder_quantum,
+            hold_floor_percent: floor,
+        });
+        if let Some((method, found)) = recommended(judged.iter().map(|(m, j)| (m.name(), *j))) {
+            let damping_n_s_per_m = found.damping_n_s_per_m;
+            let stable = found.rank.0 == Class::Stable;
+            self.verdict = match found.stay {
+                Some(stay) if stable && !found.is_steady() => Verdict::Swings {
+                    method,
+                    damping_n_s_per_m,
+                    resting: !stay.rests(),
+                    pressed: !stay.is_steady_pressed(),
+                },
+                _ if found.is_faithful() && floor >= FAITHFUL_PERCENT => Verdict::HoldTooCoarse {
+                    method,
+                    damping_n_s_per_m,
+                },
+                _ if found.is_faithful() => Verdict::Yes {
+                    method,
+                    damping_n_s_per_m,
+                },
+                _ if stable => Verdict::StableOnly {
+                    method,
+                    damping_n_s_per_m,
+                },
+                _ => Verdict::No {
+                    method,
+                    growth: found.growth[1],
+                },
+            };
+        }
+        Ok(())
+    }
+
+    /// The judgement that the verdict rests on.
+    pub fn chosen(&self) -> Option<(&'static str, Judged)> {
+        recommended(self.judged())
+    }
+
+    /// The judgement that is nearest to the ideal, if that is not the chosen one.
+    pub fn nearer(&self) -> Option<(&'static str, Judged)> {
+        let (_, chosen) = self.chosen()?;
+        best(self.judged())
+            .filter(|(_, judged)| judged.is_faithful() && judged.rank.1 < chosen.rank.1)
+    }
+
+    fn judged(&self) -> impl Iterator<Item = (&'static str, Judged)> + Clone {
+        self.methods.iter().flat_map(|advice| {
+            let judged = advice.by_itself.iter().chain(&advice.tuned);
+            judged.map(|judged| (advice.method, *judged))
+        })
+    }
+}
+
+/// Coupled rendering as it is, where it renders the object: it needs no tuning, so that it holds
+/// away from this one scene, too. Elsewhere the best.
+fn recommended(
+    judged: impl Iterator<Item = (&'static str, Judged)> + Clone,
+) -> Option<(&'static str, Judged)> {
+    let coupled = MethodName::Coupled.name();
+    let mut by_itself = judged.clone().filter(|(method, _)| *method == coupled);
+    by_itself
+        .find(|(_, judged)| judged.is_faithful())
+        .or_else(|| best(judged))
+}
+
+/// The stablest, of those one that is steady at rest and pressed, and of those the one with the least
+/// error from the worst start height.
+fn best(judged: impl Iterator<Item = (&'static str, Judged)>) -> Option<(&'static str, Judged)> {
+    judged.min_by(|(_, a), (_, b)| {
+        (a.rank.0.cmp(&b.rank.0))
+            .then(b.is_steady().cmp(&a.is_steady()))
+            .then(a.rank.1.total_cmp(&b.rank.1))
+    })
+}
+
+/// The dampings to try, up to where they are known to be too much.
+fn dampings(method: MethodName, impedance: f64) -> Vec<(Settings, f64)> {
+    let Some(setting) = tunable(method) else {
+        return Vec::new();
+    };
+    let (most, first) = match (setting, method) {
+        (Setting::DampingCap, _) => (8.0 * impedance, 1),
+        (_, MethodName::VirtualDamper) => (2.0 * impedance, 1),
+        _ => (impedance, 0),
+    };
+    (first..=TRIED)
+        .map(|step| {
+            // Closer together where they are small.
+            let share = step as f64 / TRIED as f64;
+            let value = most * share * share;
+            let settings = match setting {
+                Setting::DampingCap => Settings {
+                    damping_cap: Some(value),
+                    ..Settings::default()
+                },
+                _ => Settings {
+                    damping: Some(Damping::Value(value)),
+                    ..Settings::default()
+                },
+            };
+            (settings, value)
+        })
+        .collect()
+}
+
+impl Judged {
+    fn of(entry: &Entry, damping: Option<f64>, stay: Option<Stay>) -> Self {
+        let finite = |value: f64| Some(value).filter(|value| value.is_finite());
+        let class = entry.class();
+        Self {
+            damping_n_s_per_m: damping,
+            class: match class {
+                Class::Stable => "stable",
+                Class::Growing => "growing",
+                Class::Diverged => "diverged",
+            },
+            growth: [finite(entry.growth.median), finite(entry.growth.worst)],
+            error_percent: [finite(entry.error.median), finite(entry.error.worst)],
+            resting_swing: stay.and_then(|stay| stay.resting).and_then(finite),
+            pressed_swing: stay.and_then(|stay| finite(stay.pressed)),
+            stay,
+            rank: (class, entry.error.worst),
+        }
+    }
+}
+
+impl Judged {
+    /// Whether it is stable with a small error from every start height, and steady.
+    fn is_faithful(&self) -> bool {
+        self.rank.0 == Class::Stable && self.rank.1 < FAITHFUL_PERCENT && self.is_steady()
+    }
+
+    /// Whether the contact comes to rest on the device, and pressed.
+    fn is_steady(&self) -> bool {
+        self.stay
+            .is_some_and(|stay| stay.rests() && stay.is_steady_pressed())
+    }
+}
+
+impl From<Limit> for Reach {
+    fn from(limit: Limit) -> Self {
+        let (value, or_beyond) = match limit {
+            Limit::None => (None, false),
+            Limit::At(value) => (Some(value), false),
+            Limit::Beyond(value) => (Some(value), true),
+        };
+        Self { value, or_beyond }
+    }
+}
+
+impl Bounds {
+    fn of(bounce: &Bounce) -> Self {
+        let device = &bounce.device;
+        let (m, t) = (device.mass, bounce.period);
+        let per_kappa = m / (t * t);
+        let damping = device.viscous_friction * t / m;
+        Self {
+            colgate_schenkel_n_per_m: per_kappa * bounds::colgate_schenkel(damping, 0.0),
+            gil_n_per_m: per_kappa * bounds::gil(damping, 0.0, bounce.delay as f64),
+            abbott_okamura_n_per_m: bounds::abbott_okamura(
+                device.viscous_friction,
+                device.coulomb_friction,
+                t,
+                device.encoder_quantum,
+            ),
+            undamped_wall_n_per_m: per_kappa * bounds::stiffest_undamped_wall(),
+            undamped_wall_damping_n_s_per_m: bounds::best_undamped_damping() * m / t,
+        }
+    }
+}

@@ -1,0 +1,315 @@
+//! The advice in words, then in tables.
+
+use std::fmt;
+
+use crate::map::{PRESSED_WITH, RESTS_BELOW};
+use comfy_table::{Cell, CellAlignment};
+
+use super::{Advice, FAITHFUL_PERCENT, Judged, Reach, Verdict};
+use crate::text::{counted, digits, lines, number, percent, plain_table};
+
+impl fmt::Display for Advice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}\n", wrapped(&self.answer()))?;
+        writeln!(f, "{}\n", wrapped(&self.conditions()))?;
+        if self.contact.is_some() {
+            writeln!(f, "{}\n", lines(&self.contact_table()))?;
+        }
+        writeln!(f, "{}\n", lines(&self.limit_table()))?;
+        writeln!(f, "{}", wrapped(&self.bounds_in_words()))
+    }
+}
+
+impl Advice {
+    fn object(&self) -> String {
+        match self.device.object_mass_kg {
+            Some(mass) => format!("an object of {mass} kg"),
+            None => "a wall".into(),
+        }
+    }
+
+    fn answer(&self) -> String {
+        let Some(contact) = &self.contact else {
+            return self.reach_in_words();
+        };
+        let what = format!(
+            "{} N/m for {} (kappa {}, Kc {})",
+            contact.stiffness_n_per_m,
+            self.object(),
+            digits(contact.kappa),
+            digits(contact.object_kappa)
+        );
+        let error = self
+            .chosen()
+            .and_then(|(_, judged)| judged.error_percent[1])
+            .map_or_else(|| "-".into(), percent);
+        let mut answer = match self.verdict {
+            Verdict::Yes {
+                method,
+                damping_n_s_per_m,
+            } => format!(
+                "Yes: {what} can be rendered. Use {}: no bounce gains more than 1 % of energy, the \
+                 mean force is within {error} % of the ideal's from every start height, and in a hand \
+                 the contact is steady {}.",
+                with_damping(method, damping_n_s_per_m),
+                if self.device.object_mass_kg.is_some() {
+                    "at rest and pressed"
+                } else {
+                    "pressed"
+                }
+            ),
+            Verdict::Swings {
+                method,
+                damping_n_s_per_m,
+                resting,
+                pressed,
+            } => format!(
+                "No: {what} does not come to rest {} by {}, the steadiest here, though its bounces gain \
+                 no energy: the force keeps swinging by more than {} % of what presses, or the contact is lost. Use a softer contact, \
+                 a heavier object, a higher rate or a finer encoder.",
+                match (resting, pressed) {
+                    (true, true) => "on the device, nor pressed,",
+                    (true, false) => "on the device",
+                    _ => "when it is pressed",
+                },
+                with_damping(method, damping_n_s_per_m),
+                percent(100.0 * RESTS_BELOW)
+            ),
+            Verdict::HoldTooCoarse {
+                method,
+                damping_n_s_per_m,
+            } => format!(
+                "As well as a held force can, and that is coarse: {what} is stable and steady by {}, but \
+                 no force held for {} s is within {FAITHFUL_PERCENT} % of the ideal's. A higher rate, a \
+                 softer contact or a heavier object would help.",
+                with_damping(method, damping_n_s_per_m),
+                self.device.period_s
+            ),
+            Verdict::StableOnly {
+                method,
+                damping_n_s_per_m,
+            } => format!(
+                "Stable, but not faithful: {what} can be rendered by {} without gaining energy, but its \
+                 force is up to {error} % off the ideal's. A higher rate or a softer contact would help.",
+                with_damping(method, damping_n_s_per_m)
+            ),
+            Verdict::No { method, growth } => {
+                let how = match growth {
+                    Some(growth) => format!(
+                        "the nearest, {method}, gains {} % of energy per bounce, which a hand may or may \
+                         not take up",
+                        digits(100.0 * (growth - 1.0))
+                    ),
+                    None => format!("even the nearest, {method}, diverges from some start height"),
+                };
+                format!(
+                    "No: {what} is stable by no method here; {how}. Use a softer contact, a heavier \
+                     object or a higher rate."
+                )
+            }
+            Verdict::NotAsked => self.reach_in_words(),
+        };
+        if let (Verdict::Yes { .. }, Some((method, nearer))) = (self.verdict, self.nearer()) {
+            answer.push_str(&format!(
+                " It needs no tuning; {} comes nearer, to {} %.",
+                with_damping(method, nearer.damping_n_s_per_m),
+                nearer.error_percent[1].map_or_else(|| "-".into(), percent)
+            ));
+        }
+        if contact.force_per_count_n > 0.0 {
+            answer.push_str(&format!(
+                " One count of the encoder is {} N.",
+                digits(contact.force_per_count_n)
+            ));
+        }
+        answer.push_str(&format!(
+            " E compares means of the force. Within the {} s for which a force is held, the ideal force \
+             goes on changing: no held force comes nearer to it than the hold floor, {} %.",
+            self.device.period_s,
+            percent(contact.hold_floor_percent)
+        ));
+        answer
+    }
+
+    fn reach_in_words(&self) -> String {
+        let stiffest = self
+            .methods
+            .iter()
+            .filter_map(|advice| {
+                let value = advice.stiffest_n_per_m.value?;
+                Some((advice.method, value, advice.stiffest_n_per_m.or_beyond))
+            })
+            .max_by(|a, b| a.1.total_cmp(&b.1));
+        match stiffest {
+            Some((method, value, beyond)) => format!(
+                "The stiffest contact with {} that this device renders without gaining energy is {} \
+                 N/m{}, by {method}. Give --stiffness to ask about one.",
+                self.object(),
+                digits(value),
+                if beyond { " or more" } else { "" }
+            ),
+            None => format!(
+                "This device renders no contact with {} without gaining energy by any method here, \
+                 not even a very soft one: it needs friction, a hand that damps, or a damper.",
+                self.object()
+            ),
+        }
+    }
+
+    fn conditions(&self) -> String {
+        let device = &self.device;
+        let mut friction = String::new();
+        if device.viscous_friction_n_s_per_m > 0.0 {
+            friction.push_str(&format!(", {} N s/m", device.viscous_friction_n_s_per_m));
+        }
+        if device.coulomb_friction_n > 0.0 {
+            friction.push_str(&format!(
+                ", {} N of dry friction",
+                device.coulomb_friction_n
+            ));
+        }
+        if friction.is_empty() {
+            friction = ", without friction".into();
+        }
+        let quantum = match device.encoder_quantum_m {
+            quantum if quantum > 0.0 => format!(", encoder of {quantum} m"),
+            _ => String::new(),
+        };
+        let delay = match device.delay_samples {
+            0 => String::new(),
+            samples => format!(", delay of {}", counted(samples as f64, "sample")),
+        };
+        format!(
+            "Device of {} kg at {} s{friction}{quantum}{delay}; {} bounces on it from {} m ± 5 % in {} \
+             start heights, held by a hand that gives force but no damping. Resting is an object that \
+             lies on the device by its weight, pressed a contact under {PRESSED_WITH} N, each in a light \
+             hand and in a firm one.",
+            device.mass_kg,
+            device.period_s,
+            self.object(),
+            device.gap_m,
+            device.start_heights
+        )
+    }
+
+    fn contact_table(&self) -> comfy_table::Table {
+        let header = [
+            "method",
+            "N s/m",
+            "",
+            "growth",
+            "worst",
+            "E %",
+            "worst",
+            "resting %",
+            "pressed %",
+        ];
+        let mut table = plain_table(CellAlignment::Left, &header);
+        for advice in &self.methods {
+            let tuned = advice.tuned.as_ref();
+            for (name, judged) in [
+                (advice.method.to_owned(), advice.by_itself.as_ref()),
+                (format!("{}, tuned", advice.method), tuned),
+            ] {
+                if let Some(judged) = judged {
+                    table.add_row(row(name, judged));
+                }
+            }
+        }
+        table
+    }
+
+    fn limit_table(&self) -> comfy_table::Table {
+        let lightest = self
+            .contact
+            .as_ref()
+            .map(|contact| format!("lightest kg at {} N/m", contact.stiffness_n_per_m));
+        let stiffest = format!("stiffest N/m for {}", self.object());
+        let mut header = vec!["method", &*stiffest];
+        header.extend(lightest.as_deref());
+        let mut table = plain_table(CellAlignment::Left, &header);
+        for advice in &self.methods {
+            let mut cells = vec![
+                Cell::new(advice.method),
+                reach(&advice.stiffest_n_per_m, "≥ "),
+            ];
+            cells.extend(advice.lightest_kg.iter().map(|limit| reach(limit, "≤ ")));
+            table.add_row(cells);
+        }
+        table
+    }
+
+    fn bounds_in_words(&self) -> String {
+        let bounds = &self.bounds;
+        let without = |value: f64| {
+            if value > 0.0 {
+                format!("{} N/m", digits(value))
+            } else {
+                "none without friction".into()
+            }
+        };
+        format!(
+            "Classical bounds, of walls and the plain spring: Colgate-Schenkel {}, Gil {}, \
+             Abbott-Okamura {}. An undamped device on a wall with its best virtual damper, {} N s/m: {} \
+             N/m. All of these are for the friction of the device alone; \"tuned\" tries {} dampings on \
+             this very scene. Stiffest and lightest are limits of stability alone: the force is far \
+             from the ideal's before. Faithful is a mean-force error E below {} %, and a hold floor below it; resting and \
+             pressed are the standard deviation of the force over what presses; a dash there: the bounce is not \
+             stable, or the contact is lost or diverges. A dash elsewhere: not even kappa or Kc = 1e-4.",
+            without(bounds.colgate_schenkel_n_per_m),
+            without(bounds.gil_n_per_m),
+            without(bounds.abbott_okamura_n_per_m),
+            digits(bounds.undamped_wall_damping_n_s_per_m),
+            digits(bounds.undamped_wall_n_per_m),
+            24,
+            FAITHFUL_PERCENT
+        )
+    }
+}
+
+fn with_damping(method: &str, damping: Option<f64>) -> String {
+    match damping {
+        Some(damping) => format!("{method} with a damping of {} N s/m", digits(damping)),
+        None => format!("{method} as it is"),
+    }
+}
+
+fn row(name: String, judged: &Judged) -> Vec<Cell> {
+    let growth = |value: Option<f64>| number(value, |growth| format!("{growth:.3}"));
+    vec![
+        Cell::new(name),
+        number(judged.damping_n_s_per_m, digits),
+        Cell::new(judged.class),
+        growth(judged.growth[0]),
+        growth(judged.growth[1]),
+        number(judged.error_percent[0], percent),
+        number(judged.error_percent[1], percent),
+        number(judged.resting_swing, |swing| percent(100.0 * swing)),
+        number(judged.pressed_swing, |swing| percent(100.0 * swing)),
+    ]
+}
+
+fn reach(limit: &Reach, beyond: &str) -> Cell {
+    number(limit.value, |value| {
+        let sign = if limit.or_beyond { beyond } else { "" };
+        format!("{sign}{}", digits(value))
+    })
+}
+
+/// Lines of at most 92 characters.
+fn wrapped(text: &str) -> String {
+    const WIDTH: usize = 92;
+    let mut lines: Vec<String> = vec![String::new()];
+    for word in text.split(' ') {
+        let line = lines.last_mut().expect("there is always one");
+        if !line.is_empty() && line.chars().count() + 1 + word.chars().count() > WIDTH {
+            lines.push(word.to_owned());
+        } else {
+            if !line.is_empty() {
+                line.push(' ');
+            }
+            line.push_str(word);
+        }
+    }
+    lines.join("\n")
+}

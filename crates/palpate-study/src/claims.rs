@@ -1,0 +1,393 @@
+//! Claims of the paper that have numbers, computed on its scenes.
+//!
+//! Each claim says what it takes to hold here, as a number. A claim that the paper makes of its own
+//! device may hold there and not here.
+
+pub mod report;
+
+use std::fmt;
+
+use crate::suite::Column;
+use crate::sweep::{ALMOST_STABLE_UP_TO, Quantity, SweepError, sweep};
+use palpate::SehEstimate;
+use palpate_scene::method::{MethodName, Settings};
+use palpate_scene::{Measure, Scene};
+use palpate_sim::closed_loop::{Bench, LoopError};
+use palpate_sim::run::Run;
+
+/// The scenes on which the claims are checked.
+#[derive(Clone, Copy, Debug)]
+pub struct PaperScenes<'a> {
+    /// Fig. 2.
+    pub fig2: &'a Scene,
+    /// Experiments 1 and 2 with a point mass.
+    pub point_mass: [&'a Scene; 2],
+    /// Experiments 1 and 2 on a virtual pantograph: Figs. 4 and 5.
+    pub pantograph: [&'a Scene; 2],
+    /// Fig. 5 in the safety box that the paper's text fits best.
+    pub fig5_box: &'a Scene,
+}
+
+/// A claim, what was found, and whether it holds here.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Claim {
+    /// Short name.
+    pub name: &'static str,
+    /// What the paper says, in other words.
+    pub paper: &'static str,
+    /// What it takes to hold here.
+    pub takes: String,
+    /// The numbers.
+    pub found: Vec<Found>,
+    /// Whether it holds here.
+    pub holds: Holds,
+}
+
+/// A number that was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// What it is.
+    pub what: String,
+    /// The number; `None` where there is none, such as the time of something that did not happen.
+    pub value: Option<f64>,
+    /// Its unit; empty for a ratio.
+    pub unit: &'static str,
+    /// Whether the claim holds for this number, if it is one that decides.
+    pub fits: Option<bool>,
+}
+
+/// Whether a claim holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Holds {
+    /// For every number that decides.
+    Yes,
+    /// For some of them.
+    InPart,
+    /// For none.
+    No,
+}
+
+impl Holds {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Yes => "holds",
+            Self::InPart => "holds in part",
+            Self::No => "does not hold",
+        }
+    }
+}
+
+impl fmt::Display for Holds {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Why the claims cannot be checked.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ClaimError {
+    /// A scene cannot be run.
+    #[error(transparent)]
+    Loop(#[from] LoopError),
+    /// A scene cannot be varied.
+    #[error(transparent)]
+    Sweep(#[from] SweepError),
+}
+
+/// Period of the loop that the paper takes for the truth `[s]`.
+pub const FINE_PERIOD: f64 = 0.001;
+
+/// Computes one claim.
+type Check = fn(&PaperScenes<'_>) -> Result<Claim, ClaimError>;
+
+/// Number of claims that [`check`] checks.
+pub const CLAIMS: usize = 6;
+
+/// Checks every claim; `done` hears of each one.
+///
+/// # Errors
+/// A scene that cannot be run.
+pub fn check(scenes: &PaperScenes<'_>, mut done: impl FnMut()) -> Result<Vec<Claim>, ClaimError> {
+    let checks: [Check; CLAIMS] = [
+        remaining_leak,
+        leak_at_1_khz,
+        truth_at_1_khz,
+        sensitivity_to_damping,
+        almost_stable,
+        who_stays_in_the_box,
+    ];
+    checks
+        .into_iter()
+        .map(|claim| {
+            let checked = claim(scenes);
+            done();
+            checked
+        })
+        .collect()
+}
+
+impl Found {
+    fn of(what: impl Into<String>, value: f64, unit: &'static str) -> Self {
+        Self {
+            what: what.into(),
+            value: Some(value),
+            unit,
+            fits: None,
+        }
+    }
+
+    fn decides(self, fits: bool) -> Self {
+        Self {
+            fits: Some(fits),
+            ..self
+        }
+    }
+}
+
+fn claim(name: &'static str, paper: &'static str, takes: String, found: Vec<Found>) -> Claim {
+    let decisive = || found.iter().filter_map(|found| found.fits);
+    let holds = match (decisive().any(|fits| fits), decisive().all(|fits| fits)) {
+        (_, true) => Holds::Yes,
+        (true, false) => Holds::InPart,
+        (false, false) => Holds::No,
+    };
+    Claim {
+        name,
+        paper,
+        takes,
+        found,
+        holds,
+    }
+}
+
+fn remaining_leak(scenes: &PaperScenes<'_>) -> Result<Claim, ClaimError> {
+    const AT_LEAST: f64 = 10.0;
+    let bench = Bench::new(scenes.fig2)?;
+    let mut found = Vec::new();
+    for method in [MethodName::HfcrMod, MethodName::HfcrModSt, MethodName::Hfcr] {
+        let ledger = bench.run(method)?.last().ledger;
+        let (original, held) = (ledger.original_leak, ledger.held_leak);
+        for (sum, ratio) in [
+            ("of the leaks", original.accumulated / held.accumulated),
+            (
+                "of their absolute values",
+                original.absolute / held.absolute,
+            ),
+        ] {
+            let what = format!("Fig. 2, {method}: sum {sum}, original over remaining");
+            found.push(Found::of(what, ratio, "").decides(ratio >= AT_LEAST));
+        }
+    }
+    Ok(claim(
+        "remaining leak",
+        "on Fig. 2 the leak that remains is at least ten times smaller than the original leak",
+        format!("on the same motion, the sums over the run differ at least {AT_LEAST} times"),
+        found,
+    ))
+}
+
+/// The basic model at 1 kHz, over the window of the scene.
+fn fine_run(scene: &Scene) -> Result<Run, LoopError> {
+    let bench = Bench::new(scene)?;
+    let mut fine = scene.clone();
+    fine.loop_params.period = FINE_PERIOD;
+    let periods = bench.reference().profile.intervals() as f64;
+    fine.measure = Measure::Duration(periods * scene.loop_params.period);
+    Bench::new(&fine)?.run(MethodName::Basic)
+}
+
+fn leak_at_1_khz(scenes: &PaperScenes<'_>) -> Result<Claim, ClaimError> {
+    const FROM_TO: (f64, f64) = (200.0, 800.0);
+    let mut found = Vec::new();
+    for (number, scene) in (1..).zip(scenes.point_mass) {
+        // Each over the collisions of the scene.
+        let coarse = Bench::new(scene)?.run(MethodName::Basic)?;
+        let mut often = scene.clone();
+        often.loop_params.period = FINE_PERIOD;
+        let fine = Bench::new(&often)?.run(MethodName::Basic)?;
+        let diverged = if coarse.diverged == Some(true) {
+            " (which diverged)"
+        } else {
+            ""
+        };
+        let leak = |run: &Run| run.last().ledger.held_leak.absolute;
+        let mean = |run: &Run| leak(run) / run.held.len() as f64;
+        for (what, ratio) in [
+            ("mean of an interval", mean(&coarse) / mean(&fine)),
+            ("sum over the run", leak(&coarse) / leak(&fine)),
+        ] {
+            let what =
+                format!("experiment {number}, absolute leak, {what}: 50 Hz{diverged} over 1 kHz");
+            let fits = (FROM_TO.0..=FROM_TO.1).contains(&ratio);
+            found.push(Found::of(what, ratio, "").decides(fits));
+        }
+    }
+    Ok(claim(
+        "leak at 1 kHz",
+        "at 1 kHz the basic model's leaks are about 400 times smaller than at 50 Hz",
+        format!("a ratio from {} to {}", FROM_TO.0, FROM_TO.1),
+        found,
+    ))
+}
+
+fn truth_at_1_khz(scenes: &PaperScenes<'_>) -> Result<Claim, ClaimError> {
+    const AT_MOST: f64 = 5.0;
+    let mut found = Vec::new();
+    for (number, scene) in (1..).zip(scenes.pantograph) {
+        let fine = fine_run(scene)?;
+        let error = fine
+            .force
+            .fidelity
+            .map_or(f64::NAN, |of| of.force_rendering_error);
+        let what =
+            format!("experiment {number} on the pantograph: FRE of the basic model at 1 kHz");
+        found.push(Found::of(what, error, "%").decides(error <= AT_MOST));
+    }
+    Ok(claim(
+        "truth at 1 kHz",
+        "the basic model at 1 kHz serves as the true force, against which errors are measured",
+        format!("an FRE to the ideal of at most {AT_MOST} %"),
+        found,
+    ))
+}
+
+fn sensitivity_to_damping(scenes: &PaperScenes<'_>) -> Result<Claim, ClaimError> {
+    const AT_MOST: f64 = 1.5;
+    /// What the estimate of Eq. (11) gives on Fig. 2, its half and its double `[N s/m]`.
+    const DAMPINGS: [f64; 3] = [0.006_25, 0.0125, 0.025];
+    let mut found = Vec::new();
+    for collisions in [3, 10] {
+        let mut scene = scenes.fig2.clone();
+        scene.measure = Measure::Collisions(collisions);
+        let column = [Column::of(MethodName::Hfcr)];
+        let swept = sweep(&scene, Quantity::Damping, &DAMPINGS, &column, false, || {})?;
+        let errors: Vec<f64> = swept
+            .iter()
+            .map(|at| at[0].own.force_rendering_error)
+            .collect();
+        for (damping, error) in DAMPINGS.iter().zip(&errors) {
+            let what = format!("Fig. 2, {collisions} collisions, b = {damping} N s/m: FRE");
+            found.push(Found::of(what, *error, "%"));
+        }
+        let (least, most) = errors
+            .iter()
+            .fold((f64::INFINITY, 0.0_f64), |(a, b), error| {
+                (a.min(*error), b.max(*error))
+            });
+        let what = format!("Fig. 2, {collisions} collisions: largest over least FRE");
+        found.push(Found::of(what, most / least, "").decides(most / least <= AT_MOST));
+    }
+    Ok(claim(
+        "sensitivity to b",
+        "the choice of the damping b of leak dissipation is not very sensitive",
+        format!(
+            "from half to double of what the estimate gives, FRE changes at most {AT_MOST} times"
+        ),
+        found,
+    ))
+}
+
+fn almost_stable(scenes: &PaperScenes<'_>) -> Result<Claim, ClaimError> {
+    const FRICTIONS: [f64; 2] = [1.0, 10.0];
+    let mut scene = scenes.pantograph[0].clone();
+    scene.measure = Measure::Collisions(8);
+    let columns: Vec<Column> = [
+        ("AB2", SehEstimate::Ab2),
+        ("differences", SehEstimate::Differences),
+        ("AB3", SehEstimate::Ab3),
+    ]
+    .map(|(name, estimate)| Column {
+        name: name.into(),
+        settings: Settings {
+            estimate: Some(estimate),
+            ..Settings::default()
+        },
+        ..Column::of(MethodName::Seh)
+    })
+    .into();
+    let swept = sweep(
+        &scene,
+        Quantity::Friction,
+        &FRICTIONS,
+        &columns,
+        false,
+        || {},
+    )?;
+    let mut found = Vec::new();
+    for (friction, at) in FRICTIONS.iter().zip(&swept) {
+        for (column, swept) in columns.iter().zip(at) {
+            let name = &column.name;
+            let ratio = swept.rebound_energy;
+            found.push(Found {
+                what: format!("{name}, friction × {friction}: largest rebound energy"),
+                value: ratio,
+                unit: "",
+                fits: Some(ratio.is_some_and(|ratio| ratio <= ALMOST_STABLE_UP_TO)),
+            });
+            found.push(Found::of(
+                format!("{name}, friction × {friction}: peak of the force"),
+                swept.peak_force,
+                "N",
+            ));
+        }
+        found.push(Found::of(
+            format!("ideal, friction × {friction}: peak of the force"),
+            at[0].ideal_peak_force,
+            "N",
+        ));
+    }
+    Ok(claim(
+        "SEH almost stable",
+        "SEH is almost stable in the first experiment",
+        format!(
+            "over 8 collisions no rebound has more than {ALMOST_STABLE_UP_TO} times the energy of the ideal's first one"
+        ),
+        found,
+    ))
+}
+
+fn who_stays_in_the_box(scenes: &PaperScenes<'_>) -> Result<Claim, ClaimError> {
+    let mut found = Vec::new();
+    for scene in [scenes.fig5_box, scenes.pantograph[1]] {
+        let bench = Bench::new(scene)?;
+        let bounds = scene
+            .linkage
+            .as_ref()
+            .and_then(|linkage| linkage.safety_box);
+        let lowest = bounds.map_or(f64::NEG_INFINITY, |bounds| bounds.y[0]);
+        for (method, stays) in [
+            (MethodName::VirtualDamper, false),
+            (MethodName::PopcRef, false),
+            (MethodName::Hfcr, true),
+        ] {
+            let run = bench.run(method)?;
+            let what = match scene.settings.get(&method).map(damping_of) {
+                Some(damping) if method == MethodName::Hfcr => {
+                    format!("box from {lowest} m, {method} with b = {damping}: leaves at")
+                }
+                _ => format!("box from {lowest} m, {method}: leaves at"),
+            };
+            found.push(Found {
+                what,
+                value: run.left_box_at,
+                unit: "s",
+                fits: Some(run.left_box_at.is_none() == stays),
+            });
+        }
+    }
+    Ok(claim(
+        "who stays in the box",
+        "in the second experiment the damper and POPC-REF leave the safety box, HFCR stays in it",
+        "the same here, in each of two boxes".into(),
+        found,
+    ))
+}
+
+fn damping_of(settings: &Settings) -> String {
+    match settings.damping {
+        Some(palpate_scene::method::Damping::Value(value)) => value.to_string(),
+        Some(palpate_scene::method::Damping::Auto) => "auto".into(),
+        None => "0".into(),
+    }
+}

@@ -1,0 +1,177 @@
+//! The claims as text or as JSON.
+
+use std::fmt;
+
+use comfy_table::CellAlignment;
+use serde::Serialize;
+
+use super::{Claim, Found};
+use crate::text::{digits, lines, number, plain_table};
+
+/// Name and version of the JSON report.
+const FORMAT: &str = "palpate claims 1";
+
+/// The claims of the paper, and what was found.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ClaimsReport {
+    /// One entry for each claim.
+    pub claims: Vec<ClaimReport>,
+    /// Name and version of this JSON.
+    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    pub format: &'static str,
+}
+
+/// A claim, what was found, and whether it holds here.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ClaimReport {
+    /// The numbers that were found.
+    pub found: Vec<FoundReport>,
+    /// `holds`, `holds in part` or `does not hold`.
+    pub holds: &'static str,
+    /// Short name.
+    pub name: &'static str,
+    /// What the paper says, in other words.
+    pub paper: &'static str,
+    /// What it takes to hold here.
+    pub takes: String,
+}
+
+/// A number that was found.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct FoundReport {
+    /// Whether the claim holds for this number, if it is one that decides.
+    pub fits: Option<bool>,
+    /// Its unit; empty for a ratio.
+    pub unit: &'static str,
+    /// The number; none where there is none, such as the time of something that did not happen.
+    pub value: Option<f64>,
+    /// What it is.
+    pub what: String,
+}
+
+impl ClaimsReport {
+    /// The report on what [`check`](super::check) gave.
+    pub fn new(claims: Vec<Claim>) -> Self {
+        Self {
+            claims: claims.into_iter().map(ClaimReport::from).collect(),
+            format: FORMAT,
+        }
+    }
+}
+
+impl From<Claim> for ClaimReport {
+    fn from(claim: Claim) -> Self {
+        Self {
+            found: claim.found.into_iter().map(FoundReport::from).collect(),
+            holds: claim.holds.name(),
+            name: claim.name,
+            paper: claim.paper,
+            takes: claim.takes,
+        }
+    }
+}
+
+impl From<Found> for FoundReport {
+    fn from(found: Found) -> Self {
+        Self {
+            fits: found.fits,
+            unit: found.unit,
+            value: found.value,
+            what: found.what,
+        }
+    }
+}
+
+impl fmt::Display for ClaimsReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (place, claim) in self.claims.iter().enumerate() {
+            if place > 0 {
+                writeln!(f)?;
+            }
+            write!(f, "{claim}")?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for ClaimReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut table = plain_table(CellAlignment::Left, &["found", "", "", ""]);
+        for found in &self.found {
+            table.add_row([
+                found.what.clone().into(),
+                number(found.value, digits),
+                found.unit.into(),
+                found.in_words().into(),
+            ]);
+        }
+        writeln!(
+            f,
+            "{}: {}\n  The paper: {}.\n  To hold here: {}.\n\n{}",
+            self.name,
+            self.holds,
+            self.paper,
+            self.takes,
+            lines(&table)
+        )
+    }
+}
+
+impl FoundReport {
+    fn in_words(&self) -> &'static str {
+        match self.fits {
+            None => "",
+            Some(true) => "fits",
+            Some(false) => "does not fit",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::claims::Holds;
+
+    #[test]
+    fn a_claim_is_told_in_words_with_every_number() {
+        let found = |what: &str, value, fits| Found {
+            what: what.into(),
+            value,
+            unit: "s",
+            fits,
+        };
+        let claim = Claim {
+            name: "the box",
+            paper: "it stays",
+            takes: "the same here".into(),
+            found: vec![
+                found("one", Some(0.34), Some(true)),
+                found("other", None, Some(false)),
+                found("beside", Some(2.0), None),
+            ],
+            holds: Holds::InPart,
+        };
+        let report = ClaimsReport::new(vec![claim]);
+        let text = report.to_string();
+        assert!(text.starts_with("the box: holds in part\n"), "{text}");
+        assert!(text.contains("The paper: it stays."), "{text}");
+        assert!(text.contains("To hold here: the same here."), "{text}");
+        let line = |what: &str| {
+            let mut lines = text.lines();
+            let line = lines.find(|line| line.trim_start().starts_with(what));
+            line.unwrap_or_else(|| panic!("no {what} in {text}"))
+                .to_owned()
+        };
+        assert!(line("one").contains("0.340") && line("one").ends_with(" fits"));
+        assert!(line("other").contains(" - ") && line("other").ends_with("does not fit"));
+        assert!(line("beside").ends_with(" s"), "{text}");
+        let json = serde_json::to_value(&report).unwrap();
+        assert_eq!(
+            json["claims"][0]["found"][1]["value"],
+            serde_json::Value::Null
+        );
+    }
+}

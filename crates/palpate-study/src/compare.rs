@@ -1,0 +1,329 @@
+//! Many scenes and methods in one table.
+
+use std::fmt;
+
+use comfy_table::{Cell, CellAlignment};
+use palpate_scene::method::MethodName;
+use palpate_sim::run::{Reference, Run};
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::report::{MethodReport, Report, Subject};
+use crate::text::{digits, lines, percent, plain_table};
+
+/// Name and version of the JSON report.
+const FORMAT: &str = "palpate compare 1";
+
+/// Columns of the table as CSV.
+pub const COLUMNS: [&str; 15] = [
+    "scene",
+    "title",
+    "method",
+    "kappa",
+    "hold_floor_percent",
+    "mean_force_error_percent",
+    "force_rendering_error_percent",
+    "error_over_floor",
+    "peak_over_ideal",
+    "absolute_leak_held_j",
+    "diverged",
+    "left_box_at_s",
+    "jammed_at_s",
+    "refused_samples",
+    "cannot",
+];
+
+/// Every scene that was compared, in the order given.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Comparison {
+    /// Name and version of this JSON.
+    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    pub format: &'static str,
+    /// One entry for each scene, in the order given.
+    pub scenes: Vec<SceneRows>,
+    /// Files that were written.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<String>,
+}
+
+/// One scene with its methods.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SceneRows {
+    /// File of the scene.
+    pub scene: String,
+    /// The scene's title.
+    pub title: String,
+    /// Difficulty, loop and floor in a line, for a terminal.
+    #[serde(skip)]
+    conditions: String,
+    /// K T²/m.
+    pub kappa: Option<f64>,
+    /// FRE that no held force can be below `[%]`.
+    pub hold_floor_percent: Option<f64>,
+    /// Strongest force of the ideal `[N]`.
+    pub ideal_peak_force_n: Option<f64>,
+    /// Error of the ideal's impulses relative to the largest; 0 where it is exact.
+    pub ideal_error: f64,
+    /// One entry for each method.
+    pub methods: Vec<MethodRow>,
+}
+
+/// A method on a scene.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct MethodRow {
+    /// Name of the method.
+    pub method: &'static str,
+    /// What it did, or why it cannot.
+    #[serde(flatten)]
+    pub result: Outcome,
+    /// What else is to be said, for a terminal.
+    #[serde(skip)]
+    remarks: String,
+}
+
+/// What a method did, or why it cannot be set up.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(untagged)]
+pub enum Outcome {
+    /// It ran.
+    Ran(Box<Figures>),
+    /// It cannot be set up.
+    Cannot {
+        /// Why.
+        cannot: String,
+    },
+}
+
+/// What a method did on a scene.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Figures {
+    /// Parameters by key, with the unit at the end of the key.
+    pub parameters: serde_json::Map<String, Value>,
+    /// Mean-force error E `[%]`; none without contact.
+    pub mean_force_error_percent: Option<f64>,
+    /// FRE `[%]`; none without contact.
+    pub force_rendering_error_percent: Option<f64>,
+    /// FRE over the hold floor; none where the floor is 0.
+    pub error_over_floor: Option<f64>,
+    /// Peak force over that of the ideal.
+    pub peak_over_ideal: Option<f64>,
+    /// Sum of the absolute leaks of the held force `[J]`.
+    pub absolute_leak_held_j: f64,
+    /// Whether the loop ran away.
+    pub diverged: Option<bool>,
+    /// When the device left its safety box `[s]`.
+    pub left_box_at_s: Option<f64>,
+    /// When a linkage jammed `[s]`.
+    pub jammed_at_s: Option<f64>,
+    /// Samples that the renderer refused.
+    pub refused_samples: usize,
+}
+
+impl Comparison {
+    /// The table of these scenes.
+    pub fn of(scenes: Vec<SceneRows>) -> Self {
+        Self {
+            format: FORMAT,
+            scenes,
+            files: Vec::new(),
+        }
+    }
+
+    /// Adds a file that was written.
+    pub fn wrote(&mut self, path: &std::path::Path) {
+        self.files.push(path.display().to_string());
+    }
+
+    /// The table by rows, as [`COLUMNS`] name them; what does not exist is empty.
+    pub fn rows(&self) -> impl Iterator<Item = [String; COLUMNS.len()]> + '_ {
+        self.scenes
+            .iter()
+            .flat_map(|scene| scene.methods.iter().map(|method| scene.row(method)))
+    }
+}
+
+impl SceneRows {
+    /// The rows of a scene from what each method did, or why it cannot.
+    pub fn of(
+        scene: String,
+        subject: &Subject,
+        reference: &Reference,
+        outcomes: Vec<(MethodName, Result<Run, String>)>,
+    ) -> Self {
+        let peak = reference
+            .profile
+            .collisions()
+            .iter()
+            .map(|collision| collision.peak_force)
+            .fold(0.0, f64::max);
+        let sign = subject.contact.side.sign();
+        let mut ran = Vec::new();
+        let mut methods = Vec::new();
+        for (method, outcome) in outcomes {
+            let (result, remarks) = match outcome {
+                Err(cannot) => (Outcome::Cannot { cannot }, String::new()),
+                Ok(run) => {
+                    let report = MethodReport::new(&run, sign);
+                    let remarks = report.remarks();
+                    ran.push(run);
+                    (Outcome::Ran(Box::new(Figures::of(report, peak))), remarks)
+                }
+            };
+            methods.push(MethodRow {
+                method: method.name(),
+                result,
+                remarks,
+            });
+        }
+        let report = Report::new(subject, reference, &ran);
+        Self {
+            scene,
+            conditions: report.in_short(),
+            title: report.title,
+            kappa: report.kappa,
+            hold_floor_percent: report.hold_floor_percent,
+            ideal_peak_force_n: (peak > 0.0).then_some(peak),
+            ideal_error: report.ideal_error,
+            methods,
+        }
+    }
+
+    /// The least error of a method that stayed in one piece.
+    fn least(&self) -> Option<f64> {
+        self.methods
+            .iter()
+            .filter_map(|method| match &method.result {
+                Outcome::Ran(run) if run.is_whole() => run.mean_force_error_percent,
+                _ => None,
+            })
+            .min_by(f64::total_cmp)
+    }
+
+    fn row(&self, method: &MethodRow) -> [String; COLUMNS.len()] {
+        let text = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
+        let mut row: [String; COLUMNS.len()] = Default::default();
+        row[0].clone_from(&self.scene);
+        row[1].clone_from(&self.title);
+        row[2] = method.method.into();
+        row[3] = text(self.kappa);
+        row[4] = text(self.hold_floor_percent);
+        match &method.result {
+            Outcome::Ran(run) => {
+                row[5] = text(run.mean_force_error_percent);
+                row[6] = text(run.force_rendering_error_percent);
+                row[7] = text(run.error_over_floor);
+                row[8] = text(run.peak_over_ideal);
+                row[9] = run.absolute_leak_held_j.to_string();
+                row[10] = run.diverged.map_or_else(String::new, |it| it.to_string());
+                row[11] = text(run.left_box_at_s);
+                row[12] = text(run.jammed_at_s);
+                row[13] = run.refused_samples.to_string();
+            }
+            Outcome::Cannot { cannot } => row[14].clone_from(cannot),
+        }
+        row
+    }
+}
+
+impl Figures {
+    fn of(report: MethodReport, ideal_peak: f64) -> Self {
+        Self {
+            parameters: report.parameters,
+            mean_force_error_percent: report.mean_force_error_percent,
+            force_rendering_error_percent: report.force_rendering_error_percent,
+            error_over_floor: report.error_over_floor,
+            peak_over_ideal: (ideal_peak > 0.0).then_some(report.peak_force_n / ideal_peak),
+            absolute_leak_held_j: report.absolute_leak_held_j,
+            diverged: report.diverged,
+            left_box_at_s: report.left_box_at_s,
+            jammed_at_s: report.jammed_at_s,
+            refused_samples: report.faults,
+        }
+    }
+
+    /// Whether it neither ran away nor ran out of a safety box or into the end of a mechanism.
+    fn is_whole(&self) -> bool {
+        self.diverged != Some(true) && self.left_box_at_s.is_none() && self.jammed_at_s.is_none()
+    }
+}
+
+/// Before the name of a method that did not stay in one piece, and of the one with the least error.
+const BROKEN: &str = "!";
+const LEAST: &str = "*";
+
+impl fmt::Display for Comparison {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let header = [
+            "",
+            "method",
+            "E %",
+            "FRE %",
+            "FRE/floor",
+            "peak/ideal",
+            "|leak| mJ",
+            "",
+        ];
+        let mut table = plain_table(CellAlignment::Left, &header);
+        for scene in &self.scenes {
+            let least = scene.least();
+            for method in &scene.methods {
+                let (mark, cells) = match &method.result {
+                    Outcome::Cannot { .. } => ("-", vec![None; 5]),
+                    Outcome::Ran(run) => {
+                        let mark = if !run.is_whole() {
+                            BROKEN
+                        } else if least.is_some() && run.mean_force_error_percent == least {
+                            LEAST
+                        } else {
+                            ""
+                        };
+                        let cells = vec![
+                            run.mean_force_error_percent.map(percent),
+                            run.force_rendering_error_percent.map(percent),
+                            run.error_over_floor.map(digits),
+                            run.peak_over_ideal.map(digits),
+                            Some(digits(1e3 * run.absolute_leak_held_j)),
+                        ];
+                        (mark, cells)
+                    }
+                };
+                let mut row = vec![Cell::new(mark), Cell::new(method.method)];
+                row.extend(cells.into_iter().map(|cell| {
+                    Cell::new(cell.unwrap_or_else(|| "-".into()))
+                        .set_alignment(CellAlignment::Right)
+                }));
+                row.push(Cell::new(&method.remarks));
+                table.add_row(row);
+            }
+        }
+        let text = lines(&table);
+        let mut text = text.lines();
+        for line in text.by_ref().take(2) {
+            writeln!(f, "{line}")?;
+        }
+        for scene in &self.scenes {
+            writeln!(f, "\n{}\n  {}", scene.title, scene.conditions)?;
+            for (line, method) in text.by_ref().take(scene.methods.len()).zip(&scene.methods) {
+                writeln!(f, "{line}")?;
+                if let Outcome::Cannot { cannot } = &method.result {
+                    writeln!(f, "     cannot be set up: {cannot}")?;
+                }
+            }
+        }
+        writeln!(
+            f,
+            "\n{LEAST} least E of those that held together, {BROKEN} diverged, left the safety box or \
+             jammed.\nE: what a method answers for. Without a setting in the scene a method has its \
+             default; see --json\nfor every parameter."
+        )?;
+        for file in &self.files {
+            writeln!(f, "wrote {file}")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,182 @@
+//! What came of the start heights, as a table or as JSON.
+
+use std::fmt;
+
+use comfy_table::CellAlignment;
+use serde::Serialize;
+
+use super::OverHeights;
+use crate::suite::Column;
+use crate::text::{digits, lines, number, percent, plain_table};
+use crate::tune::{HEIGHT_RANGE, HEIGHTS, Spread};
+
+/// Name and version of the JSON report.
+const FORMAT: &str = "palpate heights 1";
+
+/// What came of the start heights of some scenes.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct HeightsReport {
+    /// Name and version of this JSON.
+    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    pub format: &'static str,
+    /// Number of start heights.
+    pub start_heights: usize,
+    /// Largest change of the gap, as a share of the scene's.
+    pub height_range: f64,
+    /// Device mass that the renderer is told, over the true one.
+    pub told_mass_factor: f64,
+    /// One entry for each scene, in the order given.
+    pub scenes: Vec<SceneReport>,
+}
+
+/// What the columns did on one scene.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SceneReport {
+    /// The scene's title.
+    pub title: String,
+    /// FRE that no held force can be below `[%]`.
+    pub hold_floor_percent: f64,
+    /// One entry for each column.
+    pub columns: Vec<ColumnReport>,
+}
+
+/// What a column did on one scene.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ColumnReport {
+    /// Name of the column.
+    pub name: String,
+    /// Name of the method.
+    pub method: &'static str,
+    /// Mean-force error E over the start heights `[%]`.
+    pub mean_force_error_percent: ErrorReport,
+    /// FRE at the scene's own start height `[%]`.
+    pub force_rendering_error_percent: f64,
+    /// FRE over the start heights `[%]`.
+    pub force_rendering_error_over_heights_percent: ErrorReport,
+    /// FRE over the hold floor; none where the floor is 0.
+    pub error_over_floor: Option<f64>,
+    /// Start heights from which the loop ran away.
+    pub diverged: usize,
+    /// Of a column that chooses.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damping_n_s_per_m: Option<f64>,
+}
+
+/// An error over the start heights `[%]`.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ErrorReport {
+    /// At the scene's own start height.
+    pub own: f64,
+    /// Median over the start heights.
+    pub median: f64,
+    /// Largest over the start heights.
+    pub worst: f64,
+}
+
+impl From<Spread> for ErrorReport {
+    fn from(spread: Spread) -> Self {
+        let Spread { own, median, worst } = spread;
+        Self { own, median, worst }
+    }
+}
+
+impl HeightsReport {
+    /// The report on `scenes`, whose renderers were told `told_mass_factor` times the device's mass.
+    pub fn new(told_mass_factor: f64, scenes: Vec<SceneReport>) -> Self {
+        Self {
+            format: FORMAT,
+            start_heights: HEIGHTS,
+            height_range: HEIGHT_RANGE,
+            told_mass_factor,
+            scenes,
+        }
+    }
+}
+
+impl SceneReport {
+    /// What [`over_heights`](super::over_heights) gave for the scene called `title`.
+    pub fn new(title: &str, columns: &[Column], found: &[OverHeights]) -> Self {
+        Self {
+            title: title.into(),
+            // The floor is the ideal's, whatever the column.
+            hold_floor_percent: found.first().map_or(0.0, |one| one.own.hold_floor),
+            columns: columns
+                .iter()
+                .zip(found)
+                .map(|(column, found)| ColumnReport {
+                    name: column.name.clone(),
+                    method: column.method.name(),
+                    mean_force_error_percent: found.error.into(),
+                    force_rendering_error_percent: found.own.force_rendering_error,
+                    force_rendering_error_over_heights_percent: found.force_rendering_error.into(),
+                    error_over_floor: found.own.error_over_floor,
+                    diverged: found.diverged,
+                    damping_n_s_per_m: found.damping,
+                })
+                .collect(),
+        }
+    }
+}
+
+impl fmt::Display for HeightsReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "{} start heights within ±{} %, told {} times the device's mass",
+            self.start_heights,
+            100.0 * self.height_range,
+            self.told_mass_factor
+        )?;
+        for scene in &self.scenes {
+            writeln!(
+                f,
+                "\n{}; floor {:.2} %\n",
+                scene.title, scene.hold_floor_percent
+            )?;
+            let header = [
+                "method",
+                "E % own",
+                "median",
+                "worst",
+                "FRE % own",
+                "median",
+                "worst",
+                "diverged",
+                "best B",
+            ];
+            let chosen = scene
+                .columns
+                .iter()
+                .any(|column| column.damping_n_s_per_m.is_some());
+            let header = &header[..header.len() - usize::from(!chosen)];
+            let mut table = plain_table(CellAlignment::Left, header);
+            for column in &scene.columns {
+                let error = &column.mean_force_error_percent;
+                let fre = &column.force_rendering_error_over_heights_percent;
+                let hundredths = |value: f64| number(Some(value), |value| format!("{value:.2}"));
+                let mut cells = vec![
+                    (&*column.name).into(),
+                    hundredths(error.own),
+                    hundredths(error.median),
+                    hundredths(error.worst),
+                    number(Some(column.force_rendering_error_percent), percent),
+                    number(Some(fre.median), percent),
+                    number(Some(fre.worst), percent),
+                    number(Some(column.diverged as f64), |count| {
+                        format!("{count} of {}", self.start_heights)
+                    }),
+                ];
+                if chosen {
+                    cells.push(number(column.damping_n_s_per_m, digits));
+                }
+                table.add_row(cells);
+            }
+            writeln!(f, "{}", lines(&table))?;
+        }
+        writeln!(f)
+    }
+}

@@ -1,0 +1,27 @@
+//! Studies: what methods do over many runs of the sampled loop, and reports of runs and recordings.
+//!
+//! Each study takes scenes ([`palpate_scene`]) and methods, runs them on the bench of [`palpate_sim`], and
+//! returns the numbers. [`tune`] asks how a method's damping changes its errors, [`heights`] how the start
+//! height does, [`suite`] judges methods on plants drawn at random, and [`map`] asks what can be rendered
+//! at all. [`advise`] asks that of one device and one contact. [`sweep`] varies one quantity of a scene, and
+//! [`claims`] checks the numbers of the paper.
+//!
+//! Reports are types: [`report::Report`] of runs, [`compare::Comparison`] of runs on several scenes, those of
+//! the studies (`tune::report` and so on), and [`recording::report`] of a recording. Each has its numbers as
+//! fields, a text for a terminal (`Display`), and a JSON with a name and a version ([`json()`]), whose JSON
+//! Schema is in `docs/schema`. The feature `schema` makes these schemas (`schemars::JsonSchema`).
+
+pub mod advise;
+pub mod claims;
+pub mod compare;
+pub mod heights;
+mod json;
+pub mod map;
+pub mod recording;
+pub mod report;
+pub mod suite;
+pub mod sweep;
+pub mod text;
+pub mod tune;
+
+pub use json::json;

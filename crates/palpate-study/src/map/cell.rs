@@ -1,0 +1,179 @@
+//! A cell of the map: every method on both plants, in bounces from all start heights and in contacts
+//! that stay.
+
+use palpate::AnyRenderer;
+
+use super::PHASES;
+use super::bounce::{Bounce, BounceError, Plant, default_settings};
+use super::grid::MapParams;
+use super::growth::{Class, classify};
+use super::stay::Stay;
+use super::trial::{Course, Judged, Outcome};
+use palpate_scene::method::{MethodName, Settings};
+
+/// Median and worst over the start heights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Summary {
+    /// The ninth of 16 in order: half of the heights are no worse.
+    pub median: f64,
+    /// The largest.
+    pub worst: f64,
+}
+
+/// What the bounces of a method came to on one plant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Entry {
+    /// The plant.
+    pub plant: Plant,
+    /// The method.
+    pub method: MethodName,
+    /// Growth of the energy per collision; infinite where the loop diverged.
+    pub growth: Summary,
+    /// Mean-force error E `[%]`.
+    pub error: Summary,
+    /// Force rendering error over the hold floor; infinite where the floor is 0.
+    pub error_over_floor: Summary,
+    /// The hold floor, which does not depend on the method `[%]`.
+    pub hold_floor: Summary,
+    /// Start heights from which it was stable, grew, diverged.
+    pub classes: [usize; 3],
+}
+
+/// What a method came to on one plant of a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MethodResult {
+    /// Its bounces.
+    pub bounce: Entry,
+    /// Its contacts that stay.
+    pub stay: Stay,
+}
+
+/// All results of a cell, plant by plant in the order of [`MapParams::methods`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct CellResult {
+    /// Index of the cell.
+    pub index: usize,
+    /// The results of its methods.
+    pub methods: Vec<MethodResult>,
+    /// Ticks that were run.
+    pub ticks: u64,
+}
+
+impl MapParams {
+    /// Runs the cell of an index.
+    ///
+    /// # Errors
+    /// A parameter that the bench or a method refuses.
+    pub fn run_cell(&self, index: usize) -> Result<CellResult, BounceError> {
+        let bounce = self.cell(index).bounce;
+        let mut result = CellResult {
+            index,
+            methods: Vec::with_capacity(self.entries()),
+            ticks: 0,
+        };
+        let methods: Vec<_> = self
+            .methods
+            .iter()
+            .map(|method| (*method, default_settings(*method)))
+            .collect();
+        for plant in Plant::ALL {
+            let bounce = bounce.on(plant);
+            let (entries, ticks) = bounce.judge(plant, &methods)?;
+            result.ticks += ticks;
+            for ((method, settings), entry) in methods.iter().zip(entries) {
+                let (stay, ticks) = bounce.stay(*method, *settings)?;
+                result.methods.push(MethodResult {
+                    bounce: entry,
+                    stay,
+                });
+                result.ticks += ticks;
+            }
+        }
+        Ok(result)
+    }
+}
+
+impl Bounce {
+    /// Runs methods from all start heights. Each ideal is computed once, for all of them.
+    ///
+    /// # Errors
+    /// A parameter that the bench or a method refuses.
+    pub fn judge(
+        &self,
+        plant: Plant,
+        methods: &[(MethodName, Settings)],
+    ) -> Result<(Vec<Entry>, u64), BounceError> {
+        let renderers: Vec<AnyRenderer<f64>> = methods
+            .iter()
+            .map(|(method, settings)| self.renderer(*method, *settings))
+            .collect::<Result<_, _>>()?;
+        let mut outcomes: Vec<Vec<Outcome>> = vec![Vec::with_capacity(PHASES); methods.len()];
+        for phase in 0..PHASES {
+            let course = Course::new(self, phase, Judged::Force)?;
+            for (renderer, outcomes) in renderers.iter().zip(&mut outcomes) {
+                outcomes.push(course.run(self, renderer)?);
+            }
+        }
+        let ticks = outcomes.iter().flatten().map(|outcome| outcome.ticks).sum();
+        let entries = methods
+            .iter()
+            .zip(&outcomes)
+            .map(|((method, _), outcomes)| Entry::new(plant, *method, outcomes))
+            .collect();
+        Ok((entries, ticks))
+    }
+
+    /// The largest growth over the start heights; it stops at the first that diverges.
+    pub(super) fn worst_growth(
+        &self,
+        method: MethodName,
+        settings: Settings,
+    ) -> Result<f64, BounceError> {
+        let renderer = self.renderer(method, settings)?;
+        let mut worst = 0.0;
+        for phase in 0..PHASES {
+            let outcome = Course::new(self, phase, Judged::Growth)?.run(self, &renderer)?;
+            worst = outcome.growth.max(worst);
+            if worst.is_infinite() {
+                break;
+            }
+        }
+        Ok(worst)
+    }
+}
+
+impl Entry {
+    fn new(plant: Plant, method: MethodName, outcomes: &[Outcome]) -> Self {
+        let summary = |of: &dyn Fn(&Outcome) -> f64| Summary::of(outcomes.iter().map(of).collect());
+        let mut classes = [0; 3];
+        for outcome in outcomes {
+            classes[classify(outcome.growth) as usize] += 1;
+        }
+        Self {
+            plant,
+            method,
+            growth: summary(&|outcome| outcome.growth),
+            error: summary(&|outcome| outcome.fidelity.mean_force_error),
+            error_over_floor: summary(&|outcome| {
+                outcome.fidelity.error_over_floor.unwrap_or(f64::INFINITY)
+            }),
+            hold_floor: summary(&|outcome| outcome.fidelity.hold_floor),
+            classes,
+        }
+    }
+
+    /// The class from the worst start height.
+    pub fn class(&self) -> Class {
+        classify(self.growth.worst)
+    }
+}
+
+impl Summary {
+    fn of(mut values: Vec<f64>) -> Self {
+        values.sort_by(f64::total_cmp);
+        Self {
+            median: values[values.len() / 2],
+            worst: values[values.len() - 1],
+        }
+    }
+}

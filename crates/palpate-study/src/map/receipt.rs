@@ -1,0 +1,87 @@
+//! What a map file says of how it was made.
+
+use super::{
+    ERROR_COLLISIONS, Forces, GROWTH_COLLISIONS, MapParams, PHASE_RANGE, PHASES, STABLE_UP_TO, Stay,
+};
+use palpate_io::map::{CELLS, LINES_PER_CELL, Map, SHARD};
+
+/// The receipt of a map lacks a number.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the receipt of the map has no number under {0}")]
+pub struct NoNumber(pub String);
+
+/// Everything a map follows from, and which part of it a file is.
+pub fn of(params: &MapParams, (number, of): (usize, usize)) -> Vec<(String, String)> {
+    let methods: Vec<_> = params.methods.iter().map(|method| method.name()).collect();
+    let device = &params.device;
+    let forces = match params.forces {
+        Forces::Balanced(acceleration) => [
+            ("forces", "balanced".to_owned()),
+            ("approach_m_per_s2", acceleration.to_string()),
+            ("user_force_n", "balanced".to_owned()),
+        ],
+        Forces::Weight {
+            user_force,
+            gravity,
+        } => [
+            ("forces", "weight".to_owned()),
+            ("gravity_m_per_s2", gravity.to_string()),
+            ("user_force_n", user_force.to_string()),
+        ],
+    };
+    let mut receipt = vec![
+        ("palpate_version", env!("CARGO_PKG_VERSION").to_owned()),
+        (SHARD, format!("{number}/{of}")),
+        ("cells_per_axis", params.cells.to_string()),
+        (CELLS, params.len().to_string()),
+        (LINES_PER_CELL, params.entries().to_string()),
+        ("methods", methods.join(" ")),
+        ("start_heights", PHASES.to_string()),
+        ("height_range", PHASE_RANGE.to_string()),
+        ("growth_collisions", GROWTH_COLLISIONS.to_string()),
+        ("error_collisions", ERROR_COLLISIONS.to_string()),
+        ("stable_up_to_growth", STABLE_UP_TO.to_string()),
+        ("device_mass_kg", device.mass.to_string()),
+        ("period_s", params.period.to_string()),
+        ("gap_m", params.gap.to_string()),
+        (
+            "viscous_friction_n_s_per_m",
+            device.viscous_friction.to_string(),
+        ),
+        ("encoder_quantum_m", device.encoder_quantum.to_string()),
+        ("delay_samples", params.delay.to_string()),
+        ("told_mass_factor", device.told_mass.to_string()),
+        ("told_period_factor", params.told_period.to_string()),
+    ];
+    receipt.extend(forces);
+    receipt.extend(Stay::criterion());
+    receipt
+        .into_iter()
+        .map(|(key, value)| (key.to_owned(), value))
+        .collect()
+}
+
+/// The receipt on one line.
+pub fn line(receipt: &[(String, String)]) -> String {
+    let entries: Vec<String> = receipt
+        .iter()
+        .map(|(key, value)| format!("{key}={value}"))
+        .collect();
+    entries.join(";")
+}
+
+/// A number of a map's receipt.
+pub fn number(map: &Map, key: &str) -> Result<f64, NoNumber> {
+    parsed(map, key)
+}
+
+/// A whole number of a map's receipt.
+pub fn count(map: &Map, key: &str) -> Result<usize, NoNumber> {
+    parsed(map, key)
+}
+
+fn parsed<T: std::str::FromStr>(map: &Map, key: &str) -> Result<T, NoNumber> {
+    map.value(key)
+        .and_then(|value| value.parse().ok())
+        .ok_or_else(|| NoNumber(key.to_owned()))
+}

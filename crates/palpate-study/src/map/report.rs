@@ -1,0 +1,407 @@
+//! What a map says, method by method.
+
+use std::fmt;
+use std::path::Path;
+
+use comfy_table::CellAlignment;
+use palpate_io::map::{Format, Map, Row};
+use serde::Serialize;
+
+use super::receipt::{self, NoNumber};
+use super::{Class, PRESSED_WITH, Plant, RESTS_BELOW, Stay, classify};
+use crate::text::{digits, lines, number, percent, plain_table};
+
+/// How fast the work was.
+#[derive(Clone, Copy, Debug)]
+pub struct Speed {
+    /// Ticks of plant, renderer and metrics.
+    pub ticks: u64,
+    /// Time `[s]`.
+    pub seconds: f64,
+    /// Threads that shared the work.
+    pub threads: usize,
+}
+
+/// Name and version of the JSON report.
+const FORMAT: &str = "palpate map report 2";
+
+/// Largest error of a faithful rendering, E `[%]`.
+pub const FAITHFUL_PERCENT: f64 = 20.0;
+
+/// The report on a map, or a part of one.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct MapReport {
+    /// Name and version of this JSON.
+    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    pub format: &'static str,
+    /// Version of palpate that made it.
+    pub palpate_version: String,
+    /// Which part of the map it is, such as `1/1`.
+    pub shard: String,
+    /// Cells along each axis.
+    pub cells_per_axis: usize,
+    /// Cells that there are.
+    pub cells: usize,
+    /// What every cell has in common.
+    pub scene: SceneReport,
+    /// One entry for each method.
+    pub methods: Vec<MethodReport>,
+    /// What it took to compute; none of a map that was there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub work: Option<Work>,
+    /// Files that were written.
+    pub files: Vec<String>,
+    /// Files that were there, and were left as they are.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub kept: Vec<String>,
+}
+
+/// What every cell of a map has in common.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SceneReport {
+    /// Effective mass of the device `[kg]`, if it is known.
+    pub device_mass_kg: f64,
+    /// Period of the loop `[s]`.
+    pub period_s: f64,
+    /// Gap from which the object falls `[m]`.
+    pub gap_m: f64,
+    /// What drives device and object together, in words.
+    pub forces: String,
+    /// Viscous friction `[N s/m]`.
+    pub viscous_friction_n_s_per_m: f64,
+    /// Quantum of the position sensor `[m]`.
+    pub encoder_quantum_m: f64,
+    /// Delay of the loop `[samples]`.
+    pub delay_samples: f64,
+    /// Device mass that the renderer is told, over the true one.
+    pub told_mass_factor: f64,
+    /// Period that the renderer is told, over the true one.
+    pub told_period_factor: f64,
+    /// Number of start heights.
+    pub start_heights: f64,
+}
+
+/// What a method can render of the map.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct MethodReport {
+    /// `undamped` or `damped`.
+    pub plant: &'static str,
+    /// Name of the method.
+    pub method: String,
+    /// Share of the cells from whose every start height the loop is stable.
+    pub stable_percent: f64,
+    /// Share of the cells whose error is below 20 % from every start height, stable ones only.
+    pub faithful_percent: f64,
+    /// Stiffest wall up to which all walls of the map are stable; none where not even the softest is.
+    pub stable_wall_kappa: Option<f64>,
+    /// The same for stable walls with an error below 20 %.
+    pub faithful_wall_kappa: Option<f64>,
+    /// The same, of objects with Kc nearest to 1.
+    pub stable_light_object_kappa: Option<f64>,
+    /// Contacts that stay; none where the map is by an older version and says nothing of them.
+    pub stay: Option<StayReport>,
+}
+
+/// Contacts that stay, of a method.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct StayReport {
+    /// Share of the objects, walls left out, that come to rest on the device by their weight.
+    pub rests_percent: f64,
+    /// Share of the cells whose contact is steady when it is pressed.
+    pub pressed_percent: f64,
+    /// Share of the cells that are both, and stable, and have an error below 20 %.
+    pub stays_faithful_percent: f64,
+    /// Stiffest wall up to which all walls of the map are steady when they are pressed.
+    pub pressed_wall_kappa: Option<f64>,
+    /// Stiffness up to which all objects with Kc nearest to 1 rest.
+    pub resting_light_object_kappa: Option<f64>,
+}
+
+/// What it took to compute a map.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Work {
+    /// Ticks.
+    pub ticks: u64,
+    /// Time `[s]`.
+    pub seconds: f64,
+    /// Threads that shared the work.
+    pub threads: usize,
+    /// Ticks per second and thread.
+    pub ticks_per_second_and_thread: f64,
+}
+
+impl MapReport {
+    /// The report on `map`.
+    pub fn new(map: &Map, speed: Option<Speed>) -> Result<Self, NoNumber> {
+        let value = |key: &str| map.value(key).unwrap_or("unknown").to_owned();
+        let number = |key: &str| receipt::number(map, key);
+        let forces = match map.value("forces") {
+            Some("balanced") => format!(
+                "equal and opposite, approaching at {} m/s²",
+                value("approach_m_per_s2")
+            ),
+            _ => format!(
+                "hand {} N, gravity {} m/s²",
+                value("user_force_n"),
+                value("gravity_m_per_s2")
+            ),
+        };
+        let methods = value("methods");
+        let mut reports = Vec::new();
+        for plant in Plant::ALL {
+            for method in methods.split(' ') {
+                let of_method = |row: &&Row| row.plant == plant.name() && row.method == method;
+                let rows: Vec<&Row> = map.rows.iter().filter(of_method).collect();
+                reports.push(MethodReport::new(plant, method, &rows, map.format()));
+            }
+        }
+        let lines_per_cell = receipt::count(map, palpate_io::map::LINES_PER_CELL)?;
+        Ok(Self {
+            format: FORMAT,
+            palpate_version: value("palpate_version"),
+            shard: value(palpate_io::map::SHARD),
+            cells_per_axis: receipt::count(map, "cells_per_axis")?,
+            cells: map.rows.len() / lines_per_cell.max(1),
+            scene: SceneReport {
+                device_mass_kg: number("device_mass_kg")?,
+                period_s: number("period_s")?,
+                gap_m: number("gap_m")?,
+                forces,
+                viscous_friction_n_s_per_m: number("viscous_friction_n_s_per_m")?,
+                encoder_quantum_m: number("encoder_quantum_m")?,
+                delay_samples: number("delay_samples")?,
+                told_mass_factor: number("told_mass_factor")?,
+                told_period_factor: number("told_period_factor")?,
+                start_heights: number("start_heights")?,
+            },
+            methods: reports,
+            work: speed.map(|speed| Work {
+                ticks: speed.ticks,
+                seconds: speed.seconds,
+                threads: speed.threads,
+                ticks_per_second_and_thread: speed.ticks as f64
+                    / (speed.seconds * speed.threads as f64),
+            }),
+            files: Vec::new(),
+            kept: Vec::new(),
+        })
+    }
+
+    /// Adds a file that was written.
+    pub fn wrote(&mut self, path: &Path) {
+        self.files.push(path.display().to_string());
+    }
+
+    /// Adds a file that was there and was left as it is.
+    pub fn kept(&mut self, path: &Path) {
+        self.kept.push(path.display().to_string());
+    }
+}
+
+/// Whether the loop is stable from every start height.
+pub fn is_stable(row: &Row) -> bool {
+    classify(row.growth[1]) == Class::Stable
+}
+
+/// Whether it is that, and near to the ideal.
+pub fn is_faithful(row: &Row) -> bool {
+    is_stable(row) && row.error[1] < FAITHFUL_PERCENT
+}
+
+/// The contacts of a row that stay; none of an older map.
+pub fn stay(row: &Row) -> Option<Stay> {
+    row.stay.map(|stay| Stay {
+        resting: stay.resting,
+        pressed: stay.pressed,
+    })
+}
+
+fn rests(row: &Row) -> bool {
+    stay(row).is_some_and(|stay| stay.rests())
+}
+
+fn is_steady_pressed(row: &Row) -> bool {
+    stay(row).is_some_and(|stay| stay.is_steady_pressed())
+}
+
+/// Share of rows `[%]`.
+fn share(rows: &[&Row], holds: fn(&Row) -> bool) -> f64 {
+    let count = rows.iter().filter(|row| holds(row)).count();
+    100.0 * count as f64 / rows.len().max(1) as f64
+}
+
+impl MethodReport {
+    fn new(plant: Plant, method: &str, rows: &[&Row], format: Option<Format>) -> Self {
+        // Rows come by increasing kappa within a column.
+        let up_to = |object_kappa: f64, holds: fn(&Row) -> bool| {
+            rows.iter()
+                .filter(|row| row.object_kappa == object_kappa)
+                .take_while(|row| holds(row))
+                .last()
+                .map(|row| row.kappa)
+        };
+        let near_one = rows
+            .iter()
+            .map(|row| row.object_kappa)
+            .filter(|kappa| *kappa > 0.0)
+            .min_by(|a, b| a.ln().abs().total_cmp(&b.ln().abs()));
+        Self {
+            plant: plant.name(),
+            method: method.to_owned(),
+            stable_percent: share(rows, is_stable),
+            faithful_percent: share(rows, is_faithful),
+            stable_wall_kappa: up_to(0.0, is_stable),
+            faithful_wall_kappa: up_to(0.0, is_faithful),
+            stable_light_object_kappa: near_one.and_then(|kappa| up_to(kappa, is_stable)),
+            stay: (format == Some(Format::BouncesAndStays)).then(|| {
+                let is_object = |row: &&&Row| row.object_kappa > 0.0;
+                let objects: Vec<&Row> = rows.iter().filter(is_object).copied().collect();
+                StayReport {
+                    rests_percent: share(&objects, rests),
+                    pressed_percent: share(rows, is_steady_pressed),
+                    stays_faithful_percent: share(rows, |row| {
+                        is_faithful(row) && rests(row) && is_steady_pressed(row)
+                    }),
+                    pressed_wall_kappa: up_to(0.0, is_steady_pressed),
+                    resting_light_object_kappa: near_one.and_then(|kappa| up_to(kappa, rests)),
+                }
+            }),
+        }
+    }
+}
+
+impl MapReport {
+    /// The contacts that stay, method by method.
+    fn write_stays(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let header = [
+            "method",
+            "device",
+            "rests % of objects",
+            "pressed % of cells",
+            "both, E < 20 %",
+            "pressed walls to",
+            "Kc = 1 rests to",
+        ];
+        let mut table = plain_table(CellAlignment::Left, &header);
+        for method in &self.methods {
+            let Some(stay) = &method.stay else {
+                return writeln!(
+                    f,
+                    "This map is by an older version and has bounces alone: whether an object rests on the\n\
+                     device, or a contact is steady when it is pressed, is not known of it.\n"
+                );
+            };
+            table.add_row(vec![
+                (&*method.method).into(),
+                comfy_table::Cell::new(method.plant).set_alignment(CellAlignment::Right),
+                number(Some(stay.rests_percent), percent),
+                number(Some(stay.pressed_percent), percent),
+                number(Some(stay.stays_faithful_percent), percent),
+                number(stay.pressed_wall_kappa, digits),
+                number(stay.resting_light_object_kappa, digits),
+            ]);
+        }
+        writeln!(f, "{}\n", lines(&table))?;
+        writeln!(
+            f,
+            "Rests by its weight, pressed with {PRESSED_WITH} N: in a light and in a firm hand, the force \
+             swings by less than\n{} % of what presses (standard deviation). \"Both\" are stable, too.\n",
+            percent(100.0 * RESTS_BELOW)
+        )
+    }
+}
+
+impl fmt::Display for MapReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let scene = &self.scene;
+        let part = if self.shard == "1/1" {
+            String::new()
+        } else {
+            format!(", part {}", self.shard)
+        };
+        writeln!(
+            f,
+            "Map of kappa = K T²/m and Kc = K T²/M from 0.001 to 10, {n} x {n} cells and walls{part}",
+            n = self.cells_per_axis
+        )?;
+        writeln!(
+            f,
+            "device {} kg, period {} s, gap {} m ± 5 % in {} start heights",
+            scene.device_mass_kg, scene.period_s, scene.gap_m, scene.start_heights
+        )?;
+        write!(
+            f,
+            "forces {}; damped: {} N s/m",
+            scene.forces, scene.viscous_friction_n_s_per_m
+        )?;
+        for (name, value, usual) in [
+            ("encoder quantum [m]", scene.encoder_quantum_m, 0.0),
+            ("delay [samples]", scene.delay_samples, 0.0),
+            ("told mass x", scene.told_mass_factor, 1.0),
+            ("told period x", scene.told_period_factor, 1.0),
+        ] {
+            if value != usual {
+                write!(f, "; {name} {value}")?;
+            }
+        }
+        writeln!(f, "\n")?;
+        if part.is_empty() {
+            let header = [
+                "method",
+                "device",
+                "stable % of cells",
+                "and E < 20 %",
+                "walls to kappa",
+                "and E < 20 %",
+                "Kc = 1 to kappa",
+            ];
+            let mut table = plain_table(CellAlignment::Left, &header);
+            for method in &self.methods {
+                table.add_row(vec![
+                    (&*method.method).into(),
+                    comfy_table::Cell::new(method.plant).set_alignment(CellAlignment::Right),
+                    number(Some(method.stable_percent), percent),
+                    number(Some(method.faithful_percent), percent),
+                    number(method.stable_wall_kappa, digits),
+                    number(method.faithful_wall_kappa, digits),
+                    number(method.stable_light_object_kappa, digits),
+                ]);
+            }
+            writeln!(f, "{}\n", lines(&table))?;
+            writeln!(
+                f,
+                "Stable: from every start height, energy grows by at most 1 % per collision. A dash: \
+                 not\neven the softest of the map.\n"
+            )?;
+            self.write_stays(f)?;
+        } else {
+            writeln!(
+                f,
+                "{} cells; join all parts with palpate map merge\n",
+                self.cells
+            )?;
+        }
+        if let Some(work) = &self.work {
+            writeln!(
+                f,
+                "{:.3e} ticks in {:.1} s on {}: {:.2e} ticks/s each\n",
+                work.ticks as f64,
+                work.seconds,
+                crate::text::counted(work.threads as f64, "thread"),
+                work.ticks_per_second_and_thread
+            )?;
+        }
+        for file in &self.files {
+            writeln!(f, "wrote {file}")?;
+        }
+        for file in &self.kept {
+            writeln!(f, "kept {file}, which was there")?;
+        }
+        Ok(())
+    }
+}

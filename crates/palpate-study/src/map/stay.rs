@@ -1,0 +1,340 @@
+//! Contact that stays: whether an object that lies on a held device, or is pressed, comes to rest.
+
+use palpate::{AnyRenderer, ObjectState};
+use palpate_testbed::hold::DelayedHold;
+use palpate_testbed::measure::Sampler;
+use palpate_testbed::sprung_mass::SprungMass;
+
+use super::bounce::{Bounce, BounceError};
+use palpate_scene::Grip;
+use palpate_scene::method::{MethodName, Settings};
+use palpate_sim::closed_loop::LoopError;
+use palpate_sim::sampled_loop::{LoopDevice, SampledLoop, device_of};
+
+/// Largest standard deviation of the force, over what presses it, of a contact that has come to rest.
+pub const RESTS_BELOW: f64 = 0.1;
+
+/// Force with which a contact is pressed `[N]`.
+pub const PRESSED_WITH: f64 = 3.0;
+
+/// Hands that hold the device, light and firm: mass `[kg]`, stiffness `[N/m]`, damping `[N s/m]`.
+const HANDS: [(f64, f64, f64); 2] = [(0.05, 300.0, 3.0), (0.1, 400.0, 20.0)];
+
+/// Gravity on the object `[m/s²]`.
+const GRAVITY: f64 = 9.81;
+
+/// How far from its place of rest the contact begins, over the spring's deflection there. An ideal
+/// contact keeps, or loses, what this gives it: 7 % of standard deviation.
+const BEGINS_OFF: f64 = 0.1;
+
+/// How long a contact is followed `[s]`, and with how many samples.
+const FOLLOWED: f64 = 20.0;
+const SAMPLES: (f64, f64) = (2000.0, 20_000.0);
+
+/// The part of the samples, at the end, that is looked at.
+const LOOKED_AT: f64 = 0.2;
+
+/// A contact whose force exceeds so many times what presses it has diverged.
+const DIVERGED_ABOVE: f64 = 1000.0;
+
+/// A contact whose mean force is below this share of what presses it is lost. In flight there is no
+/// force, and so none that swings.
+const LOST_BELOW: f64 = 0.5;
+
+/// A hand that holds the device: mass `[kg]`, stiffness `[N/m]`, damping `[N s/m]`.
+type HandOnDevice = (f64, f64, f64);
+
+/// How a contact stays: the standard deviation of its force over what presses it, from the worse hand.
+/// Infinite where the contact is lost, or the force exceeds a thousand times what presses it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stay {
+    /// Of an object that lies on the device by its weight; none for a wall.
+    pub resting: Option<f64>,
+    /// Of an object or a wall that is pressed.
+    pub pressed: f64,
+}
+
+impl Stay {
+    /// Whether the object rests, or is a wall.
+    pub fn rests(&self) -> bool {
+        self.resting.is_none_or(|swing| swing < RESTS_BELOW)
+    }
+
+    /// Whether the pressed contact is steady.
+    pub fn is_steady_pressed(&self) -> bool {
+        self.pressed < RESTS_BELOW
+    }
+
+    /// All that a judgement follows from besides the scene, as keys and texts of a receipt.
+    pub fn criterion() -> Vec<(&'static str, String)> {
+        let hands = HANDS
+            .map(|(mass, stiffness, damping)| format!("{mass} kg {stiffness} N/m {damping} N s/m"));
+        vec![
+            ("steady_below_swing", RESTS_BELOW.to_string()),
+            ("resting_gravity_m_per_s2", GRAVITY.to_string()),
+            ("pressed_with_n", PRESSED_WITH.to_string()),
+            ("stay_hands", hands.join(", ")),
+            ("stay_begins_off", BEGINS_OFF.to_string()),
+            ("stay_followed_s", FOLLOWED.to_string()),
+            ("stay_fewest_samples", SAMPLES.0.to_string()),
+            ("stay_most_samples", SAMPLES.1.to_string()),
+            ("stay_part_looked_at", LOOKED_AT.to_string()),
+            ("stay_diverged_above", DIVERGED_ABOVE.to_string()),
+            ("stay_lost_below", LOST_BELOW.to_string()),
+        ]
+    }
+}
+
+impl Bounce {
+    /// How the contact stays where it begins near its place of rest, in a light hand and in a firm one;
+    /// and the ticks that were run.
+    ///
+    /// # Errors
+    /// A parameter that the bench or the method refuses.
+    pub fn stay(&self, method: MethodName, settings: Settings) -> Result<(Stay, u64), BounceError> {
+        let renderer = self.renderer(method, settings)?;
+        let mut ticks = 0;
+        let mut worse = |force: f64| {
+            HANDS.into_iter().try_fold(0.0, |worst: f64, hand| {
+                Ok::<_, BounceError>(self.swing(&renderer, force, hand, &mut ticks)?.max(worst))
+            })
+        };
+        let resting = if self.is_wall() {
+            None
+        } else {
+            Some(worse(GRAVITY * self.object_mass)?)
+        };
+        let pressed = worse(PRESSED_WITH)?;
+        Ok((Stay { resting, pressed }, ticks))
+    }
+
+    /// Standard deviation of the force over `force` `[N]`, which presses device and object together.
+    fn swing(
+        &self,
+        renderer: &AnyRenderer<f64>,
+        force: f64,
+        hand: HandOnDevice,
+        ticks: &mut u64,
+    ) -> Result<f64, BounceError> {
+        let device = &self.device;
+        if device.coulomb_friction == 0.0 {
+            let (mass, stiffness, damping) = hand;
+            // A tenth of the time of the general one.
+            let sprung = SprungMass::new(
+                device.mass + mass,
+                stiffness,
+                device.viscous_friction + damping,
+                force,
+            )?;
+            return self.swing_of(sprung, renderer, force, ticks);
+        }
+        self.swing_of(self.general(force, hand)?, renderer, force, ticks)
+    }
+
+    /// The device in a hand, with dry friction.
+    fn general(
+        &self,
+        force: f64,
+        (mass, stiffness, damping): HandOnDevice,
+    ) -> Result<impl LoopDevice, BounceError> {
+        let mut scene = self.scene(0.0, 1);
+        scene.user_force = force;
+        scene.grip = Some(Grip {
+            mass,
+            stiffness,
+            damping,
+            position: 0.0,
+            swing: None,
+            intention: None,
+        });
+        Ok(device_of(&scene, 1.0)?)
+    }
+
+    /// The same, on a device in its hand.
+    fn swing_of<D: LoopDevice>(
+        &self,
+        device: D,
+        renderer: &AnyRenderer<f64>,
+        force: f64,
+        ticks: &mut u64,
+    ) -> Result<f64, BounceError> {
+        let quantum = self.device.encoder_quantum;
+        let place = ObjectState::at_rest(-(1.0 + BEGINS_OFF) * force / self.stiffness);
+        let mut in_progress = SampledLoop {
+            sampler: if quantum > 0.0 {
+                Sampler::quantum(quantum)?
+            } else {
+                Sampler::Ideal
+            },
+            virtual_force: if self.is_wall() { 0.0 } else { -force },
+            ..SampledLoop::new(renderer, place, device)
+                .map_err(|error| LoopError::Setup(error.into()))?
+        };
+        let mut hold = DelayedHold::new(self.delay)?;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "2000 to 20 000"
+        )]
+        let samples = (FOLLOWED / self.period).clamp(SAMPLES.0, SAMPLES.1) as usize;
+        let first = (1.0 - LOOKED_AT) * samples as f64;
+        let mut swing = SwingMeter::new(force);
+        for i in 0..samples {
+            let output = in_progress.sample(self.period, None).output;
+            let held = in_progress.given_force(hold.exchange(output.force_on_object));
+            in_progress.report_held(held);
+            *ticks += 1;
+            swing.hold(held, i as f64 >= first);
+            if output.fault.is_some() {
+                swing.give_up();
+            }
+            if swing.has_diverged() {
+                break;
+            }
+            in_progress.advance(held, self.period);
+        }
+        Ok(swing.swing())
+    }
+}
+
+/// Watches the force of a contact, without a record of it.
+#[derive(Clone, Copy, Debug)]
+struct SwingMeter {
+    /// What presses the contact `[N]`.
+    force: f64,
+    /// The first force that counts `[N]`. Deviations are from it: a force that does not change has
+    /// none, whatever its round-off.
+    first: f64,
+    sum: f64,
+    square: f64,
+    count: f64,
+    diverged: bool,
+}
+
+impl SwingMeter {
+    fn new(force: f64) -> Self {
+        Self {
+            force,
+            first: 0.0,
+            sum: 0.0,
+            square: 0.0,
+            count: 0.0,
+            diverged: false,
+        }
+    }
+
+    /// The force `[N]` that is held from a sample on, and whether the sample is one that counts.
+    #[inline]
+    fn hold(&mut self, held: f64, counts: bool) {
+        // A NaN has diverged, too.
+        let bounded = held.abs() <= DIVERGED_ABOVE * self.force;
+        self.diverged |= !bounded;
+        if counts {
+            if self.count == 0.0 {
+                self.first = held;
+            }
+            let off = held - self.first;
+            self.sum += off;
+            self.square += off * off;
+            self.count += 1.0;
+        }
+    }
+
+    /// Something other than a large force ended the loop.
+    fn give_up(&mut self) {
+        self.diverged = true;
+    }
+
+    fn has_diverged(&self) -> bool {
+        self.diverged
+    }
+
+    /// Standard deviation over what presses the contact.
+    fn swing(&self) -> f64 {
+        let off = self.sum / self.count;
+        // False also where no sample counts.
+        let stays = self.first + off >= LOST_BELOW * self.force;
+        if self.diverged || !stays {
+            return f64::INFINITY;
+        }
+        (self.square / self.count - off * off).max(0.0).sqrt() / self.force
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::{MapParams, default_settings};
+
+    fn swing_of(forces: impl IntoIterator<Item = f64>) -> f64 {
+        let mut meter = SwingMeter::new(2.0);
+        // What comes before the part that is looked at must be bounded, and counts for nothing else.
+        meter.hold(-1999.0, false);
+        for force in forces {
+            meter.hold(force, true);
+        }
+        meter.swing()
+    }
+
+    #[test]
+    fn a_swing_is_the_standard_deviation_over_what_presses() {
+        assert_eq!(swing_of([2.0, 2.0, 2.0]), 0.0);
+        assert!((swing_of([1.0, 3.0, 1.0, 3.0]) - 0.5).abs() < 1e-15);
+        // A spring of the hand that takes a part of the force does not swing.
+        assert_eq!(swing_of([2.2, 2.2]), 0.0);
+        let turn = |i: i32| 2.0 + 0.02 * (f64::from(i) * std::f64::consts::TAU / 100.0).sin();
+        let swing = swing_of((0..500).map(turn));
+        assert!((swing - 0.01 / 2.0_f64.sqrt()).abs() < 1e-12, "{swing}");
+    }
+
+    #[test]
+    fn a_contact_that_is_lost_does_not_rest() {
+        assert_eq!(swing_of([0.0, 0.0, 0.0]), f64::INFINITY);
+        assert_eq!(swing_of([0.9, 0.9]), f64::INFINITY);
+        assert_eq!(swing_of([]), f64::INFINITY);
+        let stay = Stay {
+            resting: Some(f64::INFINITY),
+            pressed: f64::INFINITY,
+        };
+        assert!(!stay.rests() && !stay.is_steady_pressed());
+    }
+
+    #[test]
+    fn a_force_without_bounds_is_not_forgotten() {
+        for wrong in [2001.0, -2001.0, f64::NAN, f64::INFINITY] {
+            let mut meter = SwingMeter::new(2.0);
+            meter.hold(wrong, false);
+            assert!(meter.has_diverged());
+            meter.hold(2.0, true);
+            assert_eq!(meter.swing(), f64::INFINITY, "{wrong}");
+        }
+    }
+
+    #[test]
+    fn the_fast_device_swings_as_the_general_one() {
+        let params = MapParams {
+            cells: 5,
+            ..MapParams::default()
+        };
+        // kappa = Kc = 0.1; a wall of kappa 0.1; kappa = 1 on an object as heavy.
+        for index in [15, 12, 22] {
+            let bounce = params.cell(index).bounce;
+            for method in [MethodName::HfcrModSt, MethodName::VirtualDamper] {
+                let renderer = bounce.renderer(method, default_settings(method)).unwrap();
+                for hand in HANDS {
+                    let mut ticks = 0;
+                    let fast = bounce.swing(&renderer, 3.0, hand, &mut ticks).unwrap();
+                    let general = bounce.general(3.0, hand).unwrap();
+                    let general = bounce
+                        .swing_of(general, &renderer, 3.0, &mut ticks)
+                        .unwrap();
+                    assert_eq!(ticks, 4000);
+                    assert!(
+                        (fast - general).abs() < 1e-9 || fast.min(general) > 0.5,
+                        "{index}, {method}: {fast} {general}"
+                    );
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,323 @@
+//! One bounce by one method, judged while it runs: nothing is recorded, nothing allocated per tick.
+
+use palpate::{AnyRenderer, ObjectState};
+use palpate_testbed::device::PointMass;
+use palpate_testbed::hold::DelayedHold;
+use palpate_testbed::ideal::{Ideal, PointMassScene};
+use palpate_testbed::measure::Sampler;
+use palpate_testbed::metrics::{Fidelity, FidelityMeter};
+use palpate_testbed::profile::ForceProfile;
+use palpate_testbed::reference::{self, ReferenceScene, Stop};
+use palpate_testbed::viscous_ideal::ViscousIdeal;
+use palpate_testbed::viscous_mass::ViscousMass;
+
+use super::bounce::{Bounce, BounceError};
+use super::growth::{BounceEnergy, GrowthMeter};
+use super::{ERROR_COLLISIONS, GROWTH_COLLISIONS, PHASE_RANGE, PHASES};
+use palpate_sim::run::MOST_PERIODS;
+use palpate_sim::sampled_loop::{LoopDevice, SampledLoop, device_of};
+
+/// What a bounce came to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome {
+    /// Growth of the bounce's energy per collision; infinite if the loop diverged.
+    pub growth: f64,
+    /// Errors of the force over the first collisions.
+    pub fidelity: Fidelity,
+    /// Ticks that were run.
+    pub ticks: u64,
+}
+
+/// The start height of a phase, relative to the gap: evenly spaced from −5 % to +5 %.
+pub(super) fn height(phase: usize) -> f64 {
+    PHASE_RANGE * (2.0 * phase as f64 / (PHASES - 1) as f64 - 1.0)
+}
+
+/// What a course is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Judged {
+    /// Growth and force.
+    Force,
+    /// Growth alone: the errors mean nothing, and no ideal with friction is computed for them.
+    Growth,
+}
+
+/// Step of an integrated ideal `[s]`, and fewest steps in a period: E to a tenth of a percent.
+const INTEGRATED_STEP: f64 = 2e-5;
+const FEWEST_STEPS: f64 = 5.0;
+
+/// The ideal force with Coulomb friction, which has no closed form.
+fn integrated(
+    bounce: &Bounce,
+    object_position: f64,
+    periods: usize,
+) -> Result<ForceProfile, BounceError> {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "5 to 50"
+    )]
+    let twenties = (bounce.period / INTEGRATED_STEP / reference::POINTS_PER_PERIOD as f64)
+        .clamp(FEWEST_STEPS, 50.0)
+        .ceil() as usize;
+    let object = ReferenceScene {
+        stiffness: bounce.stiffness,
+        object_mass: bounce.object_mass,
+        virtual_force: bounce.virtual_force(),
+        object_position,
+        object_velocity: 0.0,
+        period: bounce.period,
+        steps_per_period: twenties * reference::POINTS_PER_PERIOD,
+    };
+    let device = device_of(&bounce.scene(0.0, 1), 1.0)?;
+    let ideal = reference::integrate(&device, &object, Stop::AfterPeriods(periods))?;
+    Ok(ideal.profile)
+}
+
+/// What all methods share in one phase of a bounce: its ideal and its windows.
+pub(super) struct Course {
+    energy: BounceEnergy,
+    object: ObjectState<f64>,
+    /// The ideal force over the window of the error.
+    profile: ForceProfile,
+    /// The samples of the last cycle: those after the last collision that counts, up to the end of
+    /// the next.
+    last_cycle: std::ops::RangeInclusive<usize>,
+    hold: DelayedHold,
+    sampler: Sampler,
+}
+
+impl Course {
+    /// The windows are those of the bounce without friction, so that plants can be compared, and a
+    /// bounce that friction brings to rest has windows, too.
+    pub fn new(bounce: &Bounce, phase: usize, judged: Judged) -> Result<Self, BounceError> {
+        let height = height(phase);
+        let position = (1.0 + height) * bounce.gap;
+        let device = &bounce.device;
+        let object_mobility = 1.0 / bounce.object_mass;
+        let scene = PointMassScene {
+            stiffness: bounce.stiffness,
+            device_mass: device.mass,
+            object_mass: bounce.object_mass,
+            user_force: bounce.user_force(),
+            virtual_force: bounce.virtual_force(),
+            device_position: 0.0,
+            device_velocity: 0.0,
+            object_position: position,
+            object_velocity: 0.0,
+        };
+        let lossless = Ideal::new(scene)?;
+        let period = bounce.period;
+        let end = |n| lossless.end_of_collision(n).ok_or(BounceError::NoBounce);
+        let (last, next) = (
+            end(GROWTH_COLLISIONS)? / period,
+            end(GROWTH_COLLISIONS + 1)? / period,
+        );
+        if next > MOST_PERIODS as f64 {
+            return Err(BounceError::TooLong(next));
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "0 to MOST_PERIODS"
+        )]
+        let (first, next) = (last.floor() as usize + 1, next.floor() as usize);
+        let window = lossless
+            .window(ERROR_COLLISIONS, period)
+            .ok_or(BounceError::NoBounce)?;
+        let profile = match judged {
+            Judged::Force if device.coulomb_friction > 0.0 => integrated(bounce, position, window)?,
+            Judged::Force if device.viscous_friction > 0.0 => {
+                ViscousIdeal::new(&scene, device.viscous_friction, period, window)?.profile
+            }
+            _ => lossless.profile(period, window)?,
+        };
+        Ok(Self {
+            energy: BounceEnergy {
+                stiffness: bounce.stiffness,
+                device_mass: device.mass,
+                user_force: bounce.user_force(),
+                viscous_friction: device.viscous_friction,
+                coulomb_friction: device.coulomb_friction,
+                object_acceleration: scene.virtual_force * object_mobility,
+                object_mobility,
+            },
+            object: ObjectState::at_rest(position),
+            profile,
+            last_cycle: first..=next.max(first),
+            hold: DelayedHold::new(bounce.delay)?,
+            sampler: if device.encoder_quantum > 0.0 {
+                Sampler::quantum(device.encoder_quantum)?
+            } else {
+                Sampler::Ideal
+            },
+        })
+    }
+
+    /// Runs the bounce with `renderer`.
+    pub fn run(
+        &self,
+        bounce: &Bounce,
+        renderer: &AnyRenderer<f64>,
+    ) -> Result<Outcome, BounceError> {
+        let device = &bounce.device;
+        if device.coulomb_friction > 0.0 {
+            let scene = bounce.scene(0.0, 1);
+            self.run_on(device_of(&scene, 1.0)?, bounce, renderer)
+        } else if device.viscous_friction > 0.0 {
+            let viscous =
+                ViscousMass::new(device.mass, device.viscous_friction, bounce.user_force())?;
+            self.run_on(viscous, bounce, renderer)
+        } else {
+            let free = PointMass::new(device.mass, bounce.user_force())?;
+            self.run_on(free, bounce, renderer)
+        }
+    }
+
+    fn run_on<D: LoopDevice>(
+        &self,
+        device: D,
+        bounce: &Bounce,
+        renderer: &AnyRenderer<f64>,
+    ) -> Result<Outcome, BounceError> {
+        let mut in_progress = SampledLoop {
+            sampler: self.sampler,
+            virtual_force: bounce.virtual_force(),
+            ..SampledLoop::new(renderer, self.object, device)
+                .map_err(|error| palpate_sim::closed_loop::LoopError::Setup(error.into()))?
+        };
+        let mut hold = self.hold.clone();
+        let mut error = FidelityMeter::new(&self.profile);
+        let at_start = self.energy.of(-self.object.position, 0.0, 0.0);
+        let mut growth = GrowthMeter::new(at_start);
+        let mut ticks = 0;
+        for i in 0..=(*self.last_cycle.end()).max(self.profile.intervals()) {
+            // The renderer counts on the period that it has been told, be it wrong.
+            let output = in_progress.sample(bounce.period, None).output;
+            let held = in_progress.given_force(hold.exchange(output.force_on_object));
+            in_progress.report_held(held);
+            ticks += 1;
+            let device = &in_progress.device;
+            let energy = self.energy.of(
+                device.position() - output.object_position,
+                device.velocity() - output.object_velocity,
+                device.velocity(),
+            );
+            growth.sample(energy, self.last_cycle.contains(&i));
+            if output.fault.is_some() {
+                growth.give_up();
+            }
+            error.hold(held);
+            if growth.has_diverged() && error.is_complete() {
+                break;
+            }
+            in_progress.advance(held, bounce.period);
+        }
+        Ok(Outcome {
+            growth: growth.growth(GROWTH_COLLISIONS),
+            fidelity: error.fidelity().ok_or(BounceError::NoBounce)?,
+            ticks,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::{Forces, MapParams, Plant};
+    use palpate_testbed::profile::Snapshot;
+
+    /// Growth of a motion that is known at every sample.
+    fn growth_of(course: &Course, at: impl Fn(usize) -> Snapshot) -> f64 {
+        let energy = |state: &Snapshot| {
+            course.energy.of(
+                state.penetration(),
+                state.device_velocity - state.object_velocity,
+                state.device_velocity,
+            )
+        };
+        let mut meter = GrowthMeter::new(energy(&at(0)));
+        for i in 0..=*course.last_cycle.end() {
+            meter.sample(energy(&at(i)), course.last_cycle.contains(&i));
+        }
+        meter.growth(GROWTH_COLLISIONS)
+    }
+
+    fn scene(bounce: &Bounce, height: f64) -> PointMassScene {
+        PointMassScene {
+            stiffness: bounce.stiffness,
+            device_mass: bounce.device.mass,
+            object_mass: bounce.object_mass,
+            user_force: bounce.user_force(),
+            virtual_force: bounce.virtual_force(),
+            device_position: 0.0,
+            device_velocity: 0.0,
+            object_position: (1.0 + height) * bounce.gap,
+            object_velocity: 0.0,
+        }
+    }
+
+    #[test]
+    fn the_ideal_grows_by_one_without_friction_whatever_the_scene() {
+        let mut params = MapParams {
+            cells: 4,
+            ..MapParams::default()
+        };
+        for forces in [
+            params.forces,
+            Forces::Weight {
+                user_force: 1.0,
+                gravity: 9.81,
+            },
+        ] {
+            params.forces = forces;
+            for index in 0..params.len() {
+                let bounce = params.cell(index).bounce.on(Plant::Undamped);
+                for phase in [0, 9, 15] {
+                    let course = Course::new(&bounce, phase, Judged::Force).unwrap();
+                    let ideal = Ideal::new(scene(&bounce, height(phase))).unwrap();
+                    let growth = growth_of(&course, |i| ideal.at(i as f64 * bounce.period));
+                    assert!((growth - 1.0).abs() < 1e-9, "{index}, {phase}: {growth}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_landing_loses_its_energy_and_does_not_grow() {
+        let params = MapParams {
+            cells: 4,
+            ..MapParams::default()
+        };
+        for (friction, most) in [(0.0394, 0.98), (0.5, 0.8), (20.0, 0.4)] {
+            // A wall: the friction of a device takes nothing from an object much lighter than it.
+            let mut bounce = params.cell(2 * params.columns()).bounce;
+            bounce.device.viscous_friction = friction;
+            let course = Course::new(&bounce, 3, Judged::Force).unwrap();
+            let periods = *course.last_cycle.end();
+            let ideal =
+                ViscousIdeal::new(&scene(&bounce, height(3)), friction, bounce.period, periods)
+                    .unwrap();
+            let growth = growth_of(&course, |i| ideal.record[i]);
+            assert!(growth < most, "{friction}: {growth}");
+        }
+    }
+
+    #[test]
+    fn the_last_cycle_is_the_one_after_the_twentieth_collision() {
+        let params = MapParams::default();
+        let bounce = params
+            .cell(params.columns() + 30)
+            .bounce
+            .on(Plant::Undamped);
+        let course = Course::new(&bounce, 5, Judged::Force).unwrap();
+        let ideal = Ideal::new(scene(&bounce, height(5))).unwrap();
+        let end = |n| ideal.end_of_collision(n).unwrap() / bounce.period;
+        let (first, last) = (
+            *course.last_cycle.start() as f64,
+            *course.last_cycle.end() as f64,
+        );
+        assert!(first > end(20) && first - 1.0 <= end(20));
+        assert!(last <= end(21) && last + 1.0 > end(21));
+    }
+}

@@ -1,0 +1,116 @@
+//! What is in a recording, and what is not.
+
+pub mod report;
+
+use palpate_io::recording::{Gap, LoopTime, Recording, WHOLE};
+
+use crate::text::{counted, digits};
+
+/// Gaps that are told one by one.
+const MOST_GAPS: usize = 5;
+
+/// What is not as it should be with a recording, in sentences.
+pub fn shortcomings(recording: &Recording) -> Vec<String> {
+    let mut words = Vec::new();
+    if let Some(tail) = &recording.tail {
+        let there = match recording.last {
+            Some(last) => format!(
+                "{} can be read, up to tick {} at {:.3} s",
+                counted(recording.ticks, "tick"),
+                last.sequence,
+                last.time
+            ),
+            None => "no tick can be read".to_owned(),
+        };
+        words.push(format!("not complete: {tail}; {there}"));
+    }
+    if recording.lost() > 0 {
+        let known = recording.ticks.saturating_add(recording.lost());
+        words.push(format!(
+            "{} of {} lost: {}",
+            recording.lost(),
+            counted(known, "tick"),
+            gaps(&recording.missing)
+        ));
+    }
+    if recording.lost_events() > 0 {
+        let made = recording.events.saturating_add(recording.lost_events());
+        words.push(format!(
+            "{} of {} lost",
+            recording.lost_events(),
+            counted(made, "event")
+        ));
+    }
+    words.extend(recording.damage.iter().map(|damage| {
+        if damage.starts_with(WHOLE) {
+            format!("{damage}; what is read stands in parts whose own checksums fit")
+        } else {
+            format!("not what was written, and left out: {damage}")
+        }
+    }));
+    words
+}
+
+/// File, state, ticks, losses and size, in a line.
+pub fn in_a_line(recording: &Recording) -> String {
+    let state = if recording.is_complete() {
+        "complete"
+    } else if recording.is_whole() {
+        "finished"
+    } else {
+        "not complete"
+    };
+    let ticks = match recording.ticks_made() {
+        Some(made) if made != recording.ticks => {
+            format!("{} of {}", recording.ticks, counted(made, "tick"))
+        }
+        _ => counted(recording.ticks, "tick"),
+    };
+    let events = match recording.lost_events() {
+        0 => String::new(),
+        lost => format!(", {} lost", counted(lost, "event")),
+    };
+    format!(
+        "{}: {state}, {ticks}, {} lost{events}, {} MB",
+        recording.path().display(),
+        recording.lost(),
+        digits(1e-6 * recording.bytes as f64),
+    )
+}
+
+/// That safety had the motors off for some of the time, and at the end of some of all ticks. Where the
+/// time is not known, the ticks stand for it.
+pub fn motors_off(time: Option<LoopTime>, ticks: u64, of: u64) -> String {
+    let of_ticks = format!("{ticks} of {}", counted(of, "tick"));
+    let percent = |part: f64, of: f64| digits(if of > 0.0 { 100.0 * part / of } else { 0.0 });
+    match time {
+        Some(LoopTime { lasted, motors_off }) => {
+            let (off, all) = (motors_off.as_secs_f64(), lasted.as_secs_f64());
+            format!(
+                "safety had the motors off for {} s of {} s ({} %), and at the end of {of_ticks}",
+                digits(off),
+                digits(all),
+                percent(off, all)
+            )
+        }
+        None => format!(
+            "safety had the motors off for {of_ticks} ({} %)",
+            percent(ticks as f64, of as f64)
+        ),
+    }
+}
+
+fn gaps(missing: &[Gap]) -> String {
+    let mut words: Vec<String> = missing
+        .iter()
+        .take(MOST_GAPS)
+        .map(|gap| match gap.after {
+            Some(after) => format!("{} after tick {after}", gap.count),
+            None => format!("{} before the first", gap.count),
+        })
+        .collect();
+    if missing.len() > MOST_GAPS {
+        words.push(format!("and in {} places more", missing.len() - MOST_GAPS));
+    }
+    words.join(", ")
+}

@@ -1,0 +1,248 @@
+//! What there is to say of a recording, as text or as JSON.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use palpate_io::recording::{Entry, Flags, LoopTime, Recording, RecordingError};
+use serde::Serialize;
+
+use super::{motors_off, shortcomings};
+use crate::text::{counted, digits};
+
+/// Name and version of the JSON report.
+const FORMAT: &str = "palpate info 1";
+
+/// What there is to say of a recording.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RecordingReport {
+    /// Name and version of this JSON.
+    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    pub format: &'static str,
+    /// Its file.
+    pub recording: String,
+    /// Version of palpate that made it.
+    pub palpate_version: String,
+    /// Whether it is whole and holds as many ticks as the loop counted.
+    pub complete: bool,
+    /// Whether it was finished, is as it was written, and nothing is known to be missing.
+    pub whole: bool,
+    /// Whether it was finished.
+    pub finished: bool,
+    /// Size of the file `[bytes]`.
+    pub bytes: u64,
+    /// What is not as it should be, in words.
+    pub shortcomings: Vec<String>,
+    /// Ticks that it has.
+    pub ticks: u64,
+    /// As the loop itself counted.
+    pub ticks_made: Option<u64>,
+    /// Ticks that it has not.
+    pub ticks_lost: u64,
+    /// Events that it has not.
+    pub events_lost: u64,
+    /// Ticks and events of a chunk that is cut off, which no checksum covers.
+    pub unchecked: u64,
+    /// Where ticks are missing.
+    pub gaps: Vec<GapReport>,
+    /// How long the loop ran; `None` where nobody said, as in recordings of older versions.
+    pub lasted_s: Option<f64>,
+    /// For how much of that no force was delivered, stalls included.
+    pub motors_off_s: Option<f64>,
+    /// The same, for a terminal.
+    #[serde(skip)]
+    time: Option<LoopTime>,
+    /// Ticks with the motors off, lost ones among them; of an older recording those that are there.
+    pub motors_off_ticks: u64,
+    /// Why the loop ended.
+    pub ending: Option<String>,
+    /// Time of the first tick `[s]`.
+    pub first_s: Option<f64>,
+    /// Time of the last tick `[s]`.
+    pub last_s: Option<f64>,
+    /// From the first tick to the last `[s]`.
+    pub duration_s: Option<f64>,
+    /// Ticks per second of the loop, those that were lost among them.
+    pub rate_hz: Option<f64>,
+    /// How late the latest sample was `[s]`.
+    pub largest_lateness_s: Option<f64>,
+    /// Longest time between two samples `[s]`.
+    pub longest_period_s: Option<f64>,
+    /// Longest tick `[s]`.
+    pub longest_tick_s: Option<f64>,
+    /// Longest answer of the device `[s]`.
+    pub longest_round_trip_s: Option<f64>,
+    /// Changes of parameters.
+    pub parameter_changes: u32,
+    /// Ticks with each flag.
+    pub flags: BTreeMap<&'static str, u64>,
+    /// Events of each kind.
+    pub events: BTreeMap<String, u64>,
+    /// Length of each text of the receipt.
+    pub receipt_bytes: BTreeMap<String, usize>,
+}
+
+/// Ticks that are missing in one place.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct GapReport {
+    /// The last tick before; none before the first.
+    pub after_tick: Option<u64>,
+    /// How many are missing.
+    pub ticks: u64,
+}
+
+impl RecordingReport {
+    /// The report on `recording`, all of which is read.
+    ///
+    /// # Errors
+    /// What cannot be read.
+    pub fn new(recording: &Recording) -> Result<Self, RecordingError> {
+        let mut flags = BTreeMap::new();
+        let mut events = BTreeMap::new();
+        let [mut lateness, mut period, mut tick_duration, mut round_trip] = [None; 4];
+        let entries = recording.entries()?;
+        for entry in entries {
+            match entry? {
+                Entry::Event(event) => *events.entry(event.kind).or_insert(0) += 1,
+                Entry::Tick(tick) => {
+                    raise(&mut lateness, tick.lateness);
+                    raise(&mut period, tick.period);
+                    raise(&mut tick_duration, tick.tick_duration);
+                    raise(&mut round_trip, tick.device_round_trip);
+                    let set = Flags::NAMED
+                        .iter()
+                        .filter(|(flag, _)| tick.flags.has(*flag));
+                    for (_, name) in set {
+                        *flags.entry(*name).or_insert(0) += 1;
+                    }
+                }
+            }
+        }
+        let off = flags.get(Flags::SAFETY_TRIPPED.names().as_str()).copied();
+        let off = off.unwrap_or(0);
+        let ends = recording.first.zip(recording.last);
+        let duration = ends.map(|(first, last)| last.time - first.time);
+        let steps = ends.map(|(first, last)| (last.sequence - first.sequence) as f64);
+        let texts = recording.receipt.texts.iter();
+        let counted = recording.counted.as_ref();
+        let time = counted.and_then(|count| count.time);
+        Ok(Self {
+            format: FORMAT,
+            recording: recording.path().display().to_string(),
+            palpate_version: recording.receipt.palpate_version.clone(),
+            complete: recording.is_complete(),
+            whole: recording.is_whole(),
+            finished: recording.finished,
+            bytes: recording.bytes,
+            shortcomings: shortcomings(recording),
+            ticks: recording.ticks,
+            ticks_made: recording.ticks_made(),
+            ticks_lost: recording.lost(),
+            events_lost: recording.lost_events(),
+            unchecked: recording.unchecked,
+            lasted_s: time.map(|time| time.lasted.as_secs_f64()),
+            motors_off_s: time.map(|time| time.motors_off.as_secs_f64()),
+            time,
+            motors_off_ticks: counted.map_or(off, |count| count.motors_off),
+            ending: counted.and_then(|count| count.ending.clone()),
+            gaps: recording
+                .missing
+                .iter()
+                .map(|gap| GapReport {
+                    after_tick: gap.after,
+                    ticks: gap.count,
+                })
+                .collect(),
+            first_s: recording.first.map(|tick| tick.time),
+            last_s: recording.last.map(|tick| tick.time),
+            duration_s: duration,
+            rate_hz: steps
+                .zip(duration)
+                .map(|(steps, duration)| steps / duration)
+                .filter(|rate| rate.is_finite()),
+            largest_lateness_s: lateness,
+            longest_period_s: period,
+            longest_tick_s: tick_duration,
+            longest_round_trip_s: round_trip,
+            parameter_changes: recording.generation,
+            flags,
+            events,
+            receipt_bytes: texts
+                .map(|(name, text)| (name.clone(), text.len()))
+                .collect(),
+        })
+    }
+}
+
+/// The largest of all; what is no number does not count.
+fn raise(largest: &mut Option<f64>, value: f64) {
+    if !value.is_nan() {
+        *largest = Some(largest.map_or(value, |largest| largest.max(value)));
+    }
+}
+
+impl fmt::Display for RecordingReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "{}, recorded by palpate {}",
+            self.recording, self.palpate_version
+        )?;
+        if self.complete {
+            writeln!(f, "complete, nothing lost")?;
+        } else if self.whole {
+            writeln!(
+                f,
+                "finished, and nothing is known to be lost; it does not say how many ticks the loop \
+                 made, so there may have been more after the last"
+            )?;
+        }
+        for words in &self.shortcomings {
+            writeln!(f, "{words}")?;
+        }
+        if self.motors_off_ticks > 0 {
+            let all = self.ticks_made.unwrap_or(self.ticks + self.ticks_lost);
+            let words = motors_off(self.time, self.motors_off_ticks, all);
+            writeln!(f, "{words}")?;
+        }
+        writeln!(f)?;
+        let over = match (self.duration_s, self.rate_hz) {
+            (Some(duration), Some(rate)) => {
+                format!(" over {duration:.3} s, {} Hz", digits(rate))
+            }
+            _ => String::new(),
+        };
+        writeln!(f, "{}{over}", counted(self.ticks, "tick"))?;
+        for (name, seconds) in [
+            ("latest sample", self.largest_lateness_s),
+            ("longest period", self.longest_period_s),
+            ("longest tick", self.longest_tick_s),
+            ("longest answer of the device", self.longest_round_trip_s),
+        ] {
+            if let Some(seconds) = seconds {
+                writeln!(f, "  {name}: {} ms", digits(1e3 * seconds))?;
+            }
+        }
+        for (name, count) in &self.flags {
+            writeln!(f, "  {name}: {count}")?;
+        }
+        if self.parameter_changes > 0 {
+            writeln!(f, "  changes of parameters: {}", self.parameter_changes)?;
+        }
+        let total: u64 = self.events.values().sum();
+        writeln!(f, "{}", counted(total, "event"))?;
+        for (kind, count) in &self.events {
+            writeln!(f, "  {kind}: {count}")?;
+        }
+        writeln!(
+            f,
+            "{} in the receipt",
+            counted(self.receipt_bytes.len() as u64, "text")
+        )?;
+        for (name, bytes) in &self.receipt_bytes {
+            writeln!(f, "  {name}: {}", counted(*bytes as u64, "byte"))?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,29 @@
+//! The report on a figure that no run made.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+/// Name and version of the JSON report.
+const FORMAT: &str = "palpate figure 1";
+
+/// A drawing that was written.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct DrawingReport {
+    /// Files that were written.
+    pub files: [String; 1],
+    /// Name and version of this JSON.
+    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    pub format: &'static str,
+}
+
+impl DrawingReport {
+    /// The report on a drawing in the file at `path`.
+    pub fn new(path: &Path) -> Self {
+        Self {
+            files: [path.display().to_string()],
+            format: FORMAT,
+        }
+    }
+}

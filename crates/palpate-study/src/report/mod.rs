@@ -1,0 +1,349 @@
+//! What a command reports: the same facts as a table or as JSON.
+
+mod drawing;
+#[cfg(feature = "schema")]
+mod in_json;
+mod parameters;
+mod recording;
+mod replayed;
+mod text;
+mod timing;
+
+pub use drawing::DrawingReport;
+pub use parameters::of as parameters_of;
+pub use recording::FromRecording;
+pub use replayed::{HandReport, Replayed};
+pub use timing::of as timing_of;
+
+use palpate::{Contact, Difficulty, LoopParams, Mass, Side};
+use palpate_scene::Timing;
+use palpate_sim::run::{Reference, Run};
+use palpate_testbed::metrics::Rebound;
+use serde::Serialize;
+use serde_json::Value;
+
+/// Name and version of the JSON report.
+const FORMAT: &str = "palpate report 1";
+
+/// Everything a run of some methods has to say.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Report {
+    /// Name and version of this JSON.
+    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    pub format: &'static str,
+    /// A line that names the scene or the replay.
+    pub title: String,
+    /// Stiffness of the contact `[N/m]`.
+    pub stiffness_n_per_m: f64,
+    /// Mass of the object `[kg]`, `inf` for a wall.
+    #[cfg_attr(feature = "schema", schemars(with = "in_json::MassInJson"))]
+    pub object_mass_kg: Mass<f64>,
+    /// On which side of the device the object is.
+    #[cfg_attr(feature = "schema", schemars(with = "in_json::SideInJson"))]
+    pub side: Side,
+    /// Whether the contact can only push.
+    pub unilateral: bool,
+    /// Period of the loop `[s]`.
+    pub period_s: f64,
+    /// Effective mass of the device `[kg]`, if it is known.
+    pub device_mass_kg: Option<f64>,
+    /// kappa; 0 for a recorded device, which cannot be moved; none if the mass is not known.
+    pub kappa: Option<f64>,
+    /// Kc = K T²/M; 0 for a wall.
+    pub object_kappa: f64,
+    /// Delay of the loop `[samples]`.
+    pub delay_samples: usize,
+    /// Of a recording.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub replay: Option<Replayed>,
+    /// Of a recording that a loop has made.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recording: Option<FromRecording>,
+    /// What else is not perfect about the loop.
+    #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
+    pub timing: serde_json::Map<String, Value>,
+    /// Part of a period by which the delay is longer.
+    #[serde(skip)]
+    delay_fraction: f64,
+    /// The same in words.
+    #[serde(skip)]
+    timing_in_words: String,
+    /// Samples that were taken, the one that closes the window included.
+    pub samples: usize,
+    /// Length of the window `[periods]`.
+    pub window_periods: usize,
+    /// Length of the window `[s]`.
+    pub window_s: f64,
+    /// FRE that no held force can be below `[%]`; none without contact.
+    pub hold_floor_percent: Option<f64>,
+    /// Collisions of the ideal in the window.
+    pub ideal_collisions: usize,
+    /// Error of the ideal's impulses relative to the largest; 0 where it is exact.
+    pub ideal_error: f64,
+    /// When the ideal leaves the safety box that it does not have.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ideal_leaves_box_at_s: Option<f64>,
+    /// One entry for each method.
+    pub methods: Vec<MethodReport>,
+    /// Files that were written.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<String>,
+}
+
+/// What a method did.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct MethodReport {
+    /// Name of the method.
+    pub method: &'static str,
+    /// Parameters by key, with the unit at the end of the key.
+    pub parameters: serde_json::Map<String, Value>,
+    /// Mean-force error E `[%]`; none without contact.
+    pub mean_force_error_percent: Option<f64>,
+    /// FRE `[%]`; none without contact.
+    pub force_rendering_error_percent: Option<f64>,
+    /// FRE over the hold floor; none where the floor is 0.
+    pub error_over_floor: Option<f64>,
+    /// Strongest held force `[N]`.
+    pub peak_force_n: f64,
+    /// Strongest pull on the object `[N]`.
+    pub strongest_pull_n: f64,
+    /// Sum of the leaks of the original force, the spring alone `[J]`.
+    pub leak_original_j: f64,
+    /// Sum of the leaks of the held force `[J]`.
+    pub leak_held_j: f64,
+    /// Sum of the absolute leaks of the original force `[J]`.
+    pub absolute_leak_original_j: f64,
+    /// Sum of the absolute leaks of the held force `[J]`.
+    pub absolute_leak_held_j: f64,
+    /// Energy stored in spring and object at the end `[J]`.
+    pub stored_energy_j: f64,
+    /// Work through the port into the object, by the books `[J]`.
+    pub port_work_j: f64,
+    /// Work of the virtual force `[J]`.
+    pub virtual_force_work_j: f64,
+    /// Work of what changed the object from outside `[J]`.
+    pub outside_work_j: f64,
+    /// Work through the port as the bench integrates it `[J]`; closed loops only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bench_port_work_j: Option<f64>,
+    /// Drift of the energy of device and object, relative to that of the ideal `[%]`; lossless scenes only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy_drift_percent: Option<f64>,
+    /// When a linkage jammed `[s]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub jammed_at_s: Option<f64>,
+    /// When the device left its safety box `[s]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub left_box_at_s: Option<f64>,
+    /// Whether the loop ran away; closed loops only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diverged: Option<bool>,
+    /// Samples that the renderer refused.
+    pub faults: usize,
+    /// Forces that a limit changed.
+    pub limited: usize,
+    /// Collisions that were rendered.
+    pub rendered_collisions: usize,
+    /// One entry for each collision of the ideal that ends in the window.
+    pub collisions: Vec<CollisionReport>,
+}
+
+/// A collision of the ideal, and the rendered one beside it.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct CollisionReport {
+    /// When it begins `[s]`.
+    pub start_s: f64,
+    /// Impulse of the ideal's `[N s]`.
+    pub ideal_impulse_n_s: f64,
+    /// Strongest force of the ideal `[N]`.
+    pub ideal_peak_force_n: f64,
+    /// Whether there is a rendered collision to compare with.
+    pub rendered: bool,
+    /// Error of its impulse `[%]`.
+    pub impulse_error_percent: Option<f64>,
+    /// Error of its peak force `[%]`.
+    pub peak_force_error_percent: Option<f64>,
+    /// Error of the energy of the rebound `[%]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rebound_energy_error_percent: Option<f64>,
+    /// Speed at which device and object of the ideal part `[m/s]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ideal_rebound_speed_m_per_s: Option<f64>,
+    /// Error of that speed `[%]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rebound_speed_error_percent: Option<f64>,
+}
+
+/// What a report says of the scene or the replay it is about.
+#[derive(Debug)]
+pub struct Subject<'a> {
+    /// A line that names it.
+    pub title: String,
+    /// The contact.
+    pub contact: &'a Contact<f64>,
+    /// The loop.
+    pub loop_params: &'a LoopParams<f64>,
+    /// Effective mass of the device, if known `[kg]`.
+    pub device_mass: Option<f64>,
+    /// Whole samples between measuring and actuating.
+    pub delay: usize,
+    /// What else is not perfect about the loop.
+    pub timing: Timing,
+}
+
+impl Report {
+    /// The report on `runs` of a subject.
+    pub fn new(subject: &Subject, reference: &Reference, runs: &[Run]) -> Self {
+        let period = subject.loop_params.period;
+        let profile = &reference.profile;
+        let window = profile.grid().end() - profile.start();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a whole number from 1 to MOST_PERIODS"
+        )]
+        let window_periods = (window / period).round() as usize;
+        let object_mass = match subject.contact.object_mass {
+            Mass::Finite(mass) => mass,
+            Mass::Infinite => f64::INFINITY,
+        };
+        let difficulty = Difficulty::of(
+            subject.contact.stiffness,
+            subject.device_mass.unwrap_or(f64::INFINITY),
+            object_mass,
+            period,
+        )
+        .ok();
+        Self {
+            format: FORMAT,
+            title: subject.title.clone(),
+            stiffness_n_per_m: subject.contact.stiffness,
+            object_mass_kg: subject.contact.object_mass,
+            side: subject.contact.side,
+            unilateral: subject.contact.unilateral,
+            period_s: period,
+            device_mass_kg: subject.device_mass,
+            kappa: difficulty
+                .filter(|_| subject.device_mass.is_some())
+                .map(|difficulty| difficulty.kappa),
+            object_kappa: difficulty.map_or(0.0, |difficulty| difficulty.object_kappa),
+            delay_samples: subject.delay,
+            replay: None,
+            recording: None,
+            timing: timing::of(&subject.timing),
+            delay_fraction: subject.timing.delay_fraction,
+            timing_in_words: timing::in_words(&subject.timing),
+            samples: runs.first().map_or(0, |run| run.ticks.len()),
+            window_periods,
+            window_s: window_periods as f64 * period,
+            hold_floor_percent: runs
+                .iter()
+                .find_map(|run| run.force.fidelity)
+                .map(|fidelity| fidelity.hold_floor),
+            ideal_collisions: profile.collisions().len(),
+            ideal_error: reference.error,
+            ideal_leaves_box_at_s: reference.leaves_box_at,
+            methods: runs
+                .iter()
+                .map(|run| MethodReport::new(run, subject.contact.side.sign()))
+                .collect(),
+            files: Vec::new(),
+        }
+    }
+
+    /// Says what of a recording was replayed.
+    pub fn replayed(&mut self, replayed: Replayed) {
+        self.replay = Some(replayed);
+    }
+
+    /// Says which recording that was.
+    pub fn recorded(&mut self, recording: FromRecording) {
+        self.recording = Some(recording);
+    }
+
+    /// Adds a file that was written.
+    pub fn wrote(&mut self, path: &std::path::Path) {
+        self.files.push(path.display().to_string());
+    }
+
+    /// The report as JSON.
+    pub fn json(&self) -> String {
+        crate::json(self)
+    }
+}
+
+impl MethodReport {
+    /// The report on `run`, whose object is on the side of `sign`.
+    pub(crate) fn new(run: &Run, sign: f64) -> Self {
+        let ledger = &run.last().ledger;
+        let fidelity = run.force.fidelity;
+        let rebounds = run.energy.as_ref().map(|energy| &energy.rebounds);
+        Self {
+            method: run.method.name(),
+            parameters: parameters::of(&run.parameters),
+            mean_force_error_percent: fidelity.map(|f| f.mean_force_error),
+            force_rendering_error_percent: fidelity.map(|f| f.force_rendering_error),
+            error_over_floor: fidelity.and_then(|f| f.error_over_floor),
+            peak_force_n: run.force.peak_force,
+            strongest_pull_n: run.strongest_pull(sign),
+            leak_original_j: ledger.original_leak.accumulated,
+            leak_held_j: ledger.held_leak.accumulated,
+            absolute_leak_original_j: ledger.original_leak.absolute,
+            absolute_leak_held_j: ledger.held_leak.absolute,
+            stored_energy_j: ledger.stored,
+            port_work_j: ledger.port_work,
+            virtual_force_work_j: ledger.virtual_force_work,
+            outside_work_j: ledger.outside_work,
+            bench_port_work_j: run.bench_port_work,
+            energy_drift_percent: run
+                .energy
+                .as_ref()
+                .and_then(|energy| energy.energy_drift)
+                .map(in_percent),
+            jammed_at_s: run.jammed_at,
+            left_box_at_s: run.left_box_at,
+            diverged: run.diverged,
+            faults: run.faults(),
+            limited: run.limited(),
+            rendered_collisions: run.force.rendered_collisions,
+            collisions: run
+                .force
+                .collisions
+                .iter()
+                .enumerate()
+                .map(|(number, collision)| {
+                    let rendered = collision.rendered.as_ref();
+                    let rebound = run.rebounds.get(number);
+                    CollisionReport {
+                        start_s: collision.ideal.start,
+                        ideal_impulse_n_s: collision.ideal.impulse,
+                        ideal_peak_force_n: collision.ideal.peak_force,
+                        rendered: rendered.is_some(),
+                        impulse_error_percent: rendered
+                            .and_then(|rendered| rendered.impulse_error)
+                            .map(in_percent),
+                        peak_force_error_percent: rendered
+                            .and_then(|rendered| rendered.peak_force_error)
+                            .map(in_percent),
+                        rebound_energy_error_percent: match rebounds.and_then(|all| all.get(number))
+                        {
+                            Some(Rebound::EnergyError(error)) => Some(in_percent(*error)),
+                            _ => None,
+                        },
+                        ideal_rebound_speed_m_per_s: rebound.map(|speed| speed.ideal),
+                        rebound_speed_error_percent: rebound
+                            .and_then(|speed| speed.error)
+                            .map(in_percent),
+                    }
+                })
+                .collect(),
+        }
+    }
+}
+
+fn in_percent(ratio: f64) -> f64 {
+    100.0 * ratio
+}

@@ -1,0 +1,184 @@
+//! What of a recording was replayed, and how well it is known.
+
+use palpate_scene::method::MethodName;
+use palpate_sim::hand_replay::RecordedHand;
+use serde::Serialize;
+
+use crate::text::{counted, digits};
+
+/// A recorded motion, or the hand that made it.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Replayed {
+    /// The device goes where it went.
+    Motion,
+    /// The device moves under the new force.
+    Hand(HandReport),
+}
+
+/// The estimate of a hand.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct HandReport {
+    /// Whether the recording says what force was held.
+    pub force_recorded: bool,
+    /// Mass of the device that the hand moved.
+    pub moved_mass_kg: f64,
+    /// Samples that the recording has no position for.
+    pub bridged_samples: usize,
+    /// Bandwidth of the estimate of the hand's force `[Hz]`.
+    pub hand_bandwidth_hz: f64,
+    /// Standard deviation of the noise of the positions `[m]`.
+    pub position_noise_m: f64,
+    /// Root mean square of the hand's force `[N]`.
+    pub hand_force_n: f64,
+    /// Standard deviation of the estimate of the hand's force `[N]`.
+    pub hand_force_deviation_n: f64,
+    /// The estimated force gives the recorded motion back within this `[m]`.
+    pub given_back_within_m: f64,
+    /// Stiffness with which the hand holds on to its motion `[N/m]`.
+    pub hand_stiffness_n_per_m: f64,
+    /// Damping with which it does `[N s/m]`.
+    pub hand_damping_n_s_per_m: f64,
+    /// Whether nobody has stated one of the two.
+    pub hand_is_assumed: bool,
+    /// From the least to the greatest recorded position.
+    pub recorded_span_m: f64,
+    /// How far each method's device got from its recorded motion.
+    pub largest_departure_m: Vec<f64>,
+    /// One entry for each method.
+    #[serde(skip)]
+    methods: Vec<MethodName>,
+}
+
+impl Replayed {
+    /// A hand whose device got so far from its recorded motion `[m]`, method by method.
+    pub fn hand(
+        hand: &RecordedHand,
+        force_recorded: bool,
+        is_assumed: bool,
+        departures: Vec<(MethodName, f64)>,
+    ) -> Self {
+        let (known, model) = (hand.uncertainty(), hand.model());
+        let (methods, departures) = departures.into_iter().unzip();
+        Self::Hand(HandReport {
+            force_recorded,
+            moved_mass_kg: model.device_mass,
+            bridged_samples: hand.unmeasured(),
+            hand_bandwidth_hz: known.bandwidth,
+            position_noise_m: known.position_noise,
+            hand_force_n: known.force,
+            hand_force_deviation_n: known.force_deviation,
+            given_back_within_m: known.given_back_within,
+            hand_stiffness_n_per_m: model.stiffness,
+            hand_damping_n_s_per_m: model.damping,
+            hand_is_assumed: is_assumed,
+            recorded_span_m: hand.span(),
+            largest_departure_m: departures,
+            methods,
+        })
+    }
+
+    /// What kind of replay it is, as a title begins.
+    pub fn title(&self) -> &'static str {
+        match self {
+            Self::Motion => "Motion replay",
+            Self::Hand(_) => "Hand replay",
+        }
+    }
+
+    /// How well the force of a hand is known, in a few words.
+    pub fn known_to(&self) -> Option<String> {
+        match self {
+            Self::Motion => None,
+            Self::Hand(hand) => Some(format!("±{} N", digits(hand.hand_force_deviation_n))),
+        }
+    }
+
+    /// In words, for a terminal.
+    pub(super) fn in_words(&self) -> String {
+        let hand = match self {
+            Self::Motion => {
+                return "motion replay: the device goes where it went, whatever the force (1/m = 0)".into();
+            }
+            Self::Hand(hand) => hand,
+        };
+        let micrometres = |metres: f64| digits(1e6 * metres);
+        let motor = if hand.force_recorded {
+            "recorded force"
+        } else {
+            "motor off"
+        };
+        let holds_on = match (hand.hand_stiffness_n_per_m, hand.hand_damping_n_s_per_m) {
+            (0.0, 0.0) => "its force is the same wherever the device goes".into(),
+            (stiffness, damping) => {
+                let assumed = if hand.hand_is_assumed {
+                    " (assumed; --hand-stiffness and --hand-damping state another)"
+                } else {
+                    ""
+                };
+                format!(
+                    "it holds on to its motion with {stiffness} N/m and {damping} N s/m{assumed}"
+                )
+            }
+        };
+        let bridged = match hand.bridged_samples {
+            0 => String::new(),
+            samples => format!(
+                "{} without a position bridged; ",
+                counted(samples, "sample")
+            ),
+        };
+        let millimetres = |metres: f64| digits(1e3 * metres);
+        let departures = hand.methods.iter().zip(&hand.largest_departure_m);
+        let departed: Vec<String> = departures
+            .map(|(method, by)| format!("{method} {} mm", millimetres(*by)))
+            .collect();
+        format!(
+            "hand replay ({motor}): the hand's force on {} kg, {} N rms, is known to ±{} N (1 sigma, up to \
+             {} Hz);\n\
+             it gives the recorded motion back within {} um;\n\
+             {holds_on};\n\
+             {bridged}the device leaves the recorded motion, which spans {} mm, by up to: {}",
+            (hand.moved_mass_kg * 1e6).round() / 1e6,
+            digits(hand.hand_force_n),
+            digits(hand.hand_force_deviation_n),
+            digits(hand.hand_bandwidth_hz),
+            micrometres(hand.given_back_within_m),
+            millimetres(hand.recorded_span_m),
+            departed.join(", "),
+        )
+    }
+
+    /// For the receipt of a run file.
+    pub fn receipt(&self) -> Vec<(String, String)> {
+        let hand = match self {
+            Self::Motion => return vec![("replay".into(), "motion".into())],
+            Self::Hand(hand) => hand,
+        };
+        let mut lines = vec![("replay".to_owned(), "hand".to_owned())];
+        lines.extend(
+            [
+                ("force_recorded", hand.force_recorded.to_string()),
+                ("moved_mass_kg", hand.moved_mass_kg.to_string()),
+                ("bridged_samples", hand.bridged_samples.to_string()),
+                ("hand_bandwidth_hz", hand.hand_bandwidth_hz.to_string()),
+                (
+                    "hand_force_deviation_n",
+                    hand.hand_force_deviation_n.to_string(),
+                ),
+                (
+                    "hand_stiffness_n_per_m",
+                    hand.hand_stiffness_n_per_m.to_string(),
+                ),
+                (
+                    "hand_damping_n_s_per_m",
+                    hand.hand_damping_n_s_per_m.to_string(),
+                ),
+            ]
+            .map(|(name, value)| (name.to_owned(), value)),
+        );
+        lines
+    }
+}

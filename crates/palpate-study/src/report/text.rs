@@ -1,0 +1,248 @@
+//! Reports as text for a terminal.
+
+use std::fmt;
+
+use comfy_table::{Cell, CellAlignment, Table};
+use palpate::Mass;
+
+use super::{CollisionReport, MethodReport, Report};
+use crate::text::{counted, digits, lines, number, percent, plain_table, short};
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}", self.title)?;
+        if let Some(recording) = &self.recording {
+            writeln!(f, "{recording}")?;
+        }
+        writeln!(f, "{}", self.conditions())?;
+        if let Some(replayed) = &self.replay {
+            writeln!(f, "{}", replayed.in_words())?;
+        }
+        if !self.timing_in_words.is_empty() {
+            let samples = counted(self.samples, "sample");
+            writeln!(f, "{}: {samples}", self.timing_in_words)?;
+        }
+        writeln!(f, "{}\n", self.window())?;
+        writeln!(f, "{}\n", lines(&self.method_table()))?;
+        if let [method] = self.methods.as_slice()
+            && !method.collisions.is_empty()
+        {
+            const MOST_COLLISIONS: usize = 12;
+            writeln!(f, "Collision by collision\n")?;
+            writeln!(f, "{}\n", lines(&collision_table(method, MOST_COLLISIONS)))?;
+            if method.collisions.len() > MOST_COLLISIONS {
+                writeln!(
+                    f,
+                    "The first {MOST_COLLISIONS} of {}; --json has all.",
+                    method.collisions.len()
+                )?;
+            }
+            if let Some(words) = self.out_of_step(method) {
+                writeln!(f, "{words}")?;
+            }
+        }
+        for file in &self.files {
+            writeln!(f, "wrote {file}")?;
+        }
+        Ok(())
+    }
+}
+
+impl Report {
+    /// The delay, after a comma; nothing if there is none.
+    fn delay(&self) -> String {
+        match (self.delay_samples, self.delay_fraction) {
+            (0, 0.0) => String::new(),
+            (samples, 0.0) => format!(", delay {}", counted(samples, "sample")),
+            (samples, fraction) => format!(", delay {} periods", samples as f64 + fraction),
+        }
+    }
+
+    /// Difficulty, loop and floor in a line.
+    pub(crate) fn in_short(&self) -> String {
+        let kappa = self
+            .kappa
+            .map_or_else(String::new, |kappa| format!("kappa {}, ", digits(kappa)));
+        let delay = self.delay();
+        let timing = match self.timing_in_words.as_str() {
+            "" => String::new(),
+            words => format!("\n  {words}"),
+        };
+        let floor = self.hold_floor_percent.map_or_else(
+            || "no contact".into(),
+            |floor| format!("floor {floor:.1} %"),
+        );
+        format!(
+            "{kappa}Kc {}, {} Hz{delay}; {floor}{timing}",
+            digits(self.object_kappa),
+            (1e3 / self.period_s).round() / 1e3
+        )
+    }
+
+    fn conditions(&self) -> String {
+        let object = match self.object_mass_kg {
+            Mass::Finite(mass) => format!("object {mass} kg"),
+            Mass::Infinite => "wall".into(),
+        };
+        let device = match (self.device_mass_kg, self.kappa) {
+            (Some(mass), Some(kappa)) => {
+                // A linkage's effective mass has more digits than anyone wants.
+                let mass = (mass * 1e6).round() / 1e6;
+                format!(", device {mass} kg (kappa {})", digits(kappa))
+            }
+            _ => String::new(),
+        };
+        let delay = self.delay();
+        format!(
+            "{object}, {} N/m, period {} s (Kc {}){device}{delay}",
+            self.stiffness_n_per_m,
+            self.period_s,
+            digits(self.object_kappa),
+        )
+    }
+
+    fn window(&self) -> String {
+        let floor = match self.hold_floor_percent {
+            Some(floor) => format!("no held force can be nearer to the ideal than {floor:.2} %"),
+            None => "the ideal has no contact, so there is no force error".into(),
+        };
+        let integrated = if self.ideal_error > 0.0 {
+            format!(
+                " (integrated to {} of the largest)",
+                digits(self.ideal_error)
+            )
+        } else {
+            String::new()
+        };
+        let outside = self.ideal_leaves_box_at_s.map_or_else(String::new, |time| {
+            format!(". The ideal itself leaves the safety box at {time:.2} s")
+        });
+        format!(
+            "{}, {}{integrated}; {floor}{outside}",
+            counted(self.window_periods, "period"),
+            counted(self.ideal_collisions, "ideal collision")
+        )
+    }
+
+    /// Says that the rows of the collisions do not all compare like with like.
+    fn out_of_step(&self, method: &MethodReport) -> Option<String> {
+        let judged = method.collisions.len();
+        // One more may have begun that does not end within the window.
+        let most = judged + usize::from(self.ideal_collisions > judged);
+        let rendered = method.rendered_collisions;
+        (!(judged..=most).contains(&rendered)).then(|| {
+            format!(
+                "{} rendered for {judged} ideal ones: from the first that is missing or surplus on, a row \
+                 compares different collisions.",
+                counted(rendered, "collision")
+            )
+        })
+    }
+
+    fn method_table(&self) -> Table {
+        let lossless = self
+            .methods
+            .iter()
+            .any(|method| method.energy_drift_percent.is_some());
+        let mut header = vec![
+            "method",
+            "E %",
+            "FRE %",
+            "FRE/floor",
+            "peak N",
+            "pull N",
+            "leak mJ",
+            "|leak| mJ",
+        ];
+        if lossless {
+            header.push("drift %");
+        }
+        let remarkable = self
+            .methods
+            .iter()
+            .any(|method| !method.remarks().is_empty());
+        if remarkable {
+            header.push("");
+        }
+        let mut table = plain_table(CellAlignment::Left, &header);
+        for method in &self.methods {
+            let mut cells = vec![
+                Cell::new(method.method),
+                number(method.mean_force_error_percent, percent),
+                number(method.force_rendering_error_percent, percent),
+                number(method.error_over_floor, |ratio| short(ratio, 2)),
+                number(Some(method.peak_force_n), digits),
+                number(Some(method.strongest_pull_n), digits),
+                number(Some(1e3 * method.leak_held_j), digits),
+                number(Some(1e3 * method.absolute_leak_held_j), digits),
+            ];
+            if lossless {
+                cells.push(number(method.energy_drift_percent, percent));
+            }
+            if remarkable {
+                cells.push(Cell::new(method.remarks()));
+            }
+            table.add_row(cells);
+        }
+        table
+    }
+}
+
+impl MethodReport {
+    pub(crate) fn remarks(&self) -> String {
+        let mut remarks = Vec::new();
+        if self.diverged == Some(true) {
+            remarks.push("diverged".into());
+        }
+        if let Some(time) = self.left_box_at_s {
+            remarks.push(format!("left the safety box at {time:.2} s"));
+        }
+        // Behind the box a device without motors runs on to where its links end.
+        if let Some(time) = self.jammed_at_s.filter(|_| self.left_box_at_s.is_none()) {
+            remarks.push(format!("jammed at {time:.2} s"));
+        }
+        if self.faults > 0 {
+            remarks.push(format!("{} refused", counted(self.faults, "sample")));
+        }
+        if self.limited > 0 {
+            remarks.push(format!("{} limited", counted(self.limited, "force")));
+        }
+        remarks.join(", ")
+    }
+}
+
+fn collision_table(method: &MethodReport, most: usize) -> Table {
+    let mut header = vec!["start s", "impulse N s", "error %", "peak N", "error %"];
+    // A recorded device does not rebound, and friction takes its share of a rebound's energy.
+    let has = |value: fn(&CollisionReport) -> Option<f64>| {
+        method.collisions.iter().any(|each| value(each).is_some())
+    };
+    let speeds = has(|collision| collision.ideal_rebound_speed_m_per_s);
+    let energies = has(|collision| collision.rebound_energy_error_percent);
+    if speeds {
+        header.extend(["rebound m/s", "error %"]);
+    }
+    if energies {
+        header.push("energy error %");
+    }
+    let mut table = plain_table(CellAlignment::Right, &header);
+    for collision in method.collisions.iter().take(most) {
+        let in_percent = |error: Option<f64>| number(error, percent);
+        let mut cells = vec![
+            number(Some(collision.start_s), |start| format!("{start:.4}")),
+            number(Some(collision.ideal_impulse_n_s), digits),
+            in_percent(collision.impulse_error_percent),
+            number(Some(collision.ideal_peak_force_n), digits),
+            in_percent(collision.peak_force_error_percent),
+        ];
+        if speeds {
+            cells.push(number(collision.ideal_rebound_speed_m_per_s, digits));
+            cells.push(in_percent(collision.rebound_speed_error_percent));
+        }
+        if energies {
+            cells.push(in_percent(collision.rebound_energy_error_percent));
+        }
+        table.add_row(cells);
+    }
+    table
+}

@@ -1,0 +1,80 @@
+//! What is not perfect about a loop, under the names of scene files.
+
+use palpate_scene::{Dropped, Jitter, Timing};
+use serde_json::{Map, Value, json};
+
+/// Every imperfection, by key; empty for a perfect loop.
+pub fn of(timing: &Timing) -> Map<String, Value> {
+    let mut named = Map::new();
+    if timing.is_perfect() {
+        return named;
+    }
+    let mut put = |key: &str, value: Value| named.insert(key.to_owned(), value);
+    if timing.delay_fraction > 0.0 {
+        put("delay_fraction", json!(timing.delay_fraction));
+    }
+    match timing.jitter {
+        Jitter::None => {}
+        Jitter::Uniform { bound } => {
+            put("jitter_s", json!(bound));
+        }
+        Jitter::Normal { deviation, bound } => {
+            put("jitter_s", json!(bound));
+            put("jitter_deviation_s", json!(deviation));
+        }
+    }
+    match &timing.dropped {
+        Dropped::None => {}
+        Dropped::Probability(probability) => {
+            put("drop_probability", json!(probability));
+        }
+        Dropped::Listed(samples) => {
+            put("dropped_samples", json!(samples));
+        }
+    }
+    if let Some(collapse) = timing.collapse {
+        put(
+            "collapse",
+            json!({
+                "from_s": collapse.from,
+                "until_s": collapse.until,
+                "period_s": collapse.period,
+            }),
+        );
+    }
+    put("seed", json!(timing.seed));
+    named
+}
+
+/// The same in words, each thing after a comma; but the delay.
+pub fn in_words(timing: &Timing) -> String {
+    let mut words = Vec::new();
+    let milliseconds = |seconds: f64| crate::text::digits(1e3 * seconds);
+    match timing.jitter {
+        Jitter::None => {}
+        Jitter::Uniform { bound } | Jitter::Normal { bound, .. } => {
+            words.push(format!("jitter up to {} ms", milliseconds(bound)));
+        }
+    }
+    match &timing.dropped {
+        Dropped::None => {}
+        Dropped::Probability(probability) => {
+            words.push(format!("{} % of samples dropped", 100.0 * probability));
+        }
+        Dropped::Listed(samples) => {
+            words.push(format!(
+                "{} dropped",
+                crate::text::counted(samples.len(), "sample")
+            ));
+        }
+    }
+    if let Some(collapse) = timing.collapse {
+        words.push(format!(
+            "period {} ms from {} s to {} s",
+            milliseconds(collapse.period),
+            collapse.from,
+            collapse.until
+        ));
+    }
+    words.join(", ")
+}

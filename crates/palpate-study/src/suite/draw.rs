@@ -1,0 +1,192 @@
+//! One random plant.
+
+use palpate::{Contact, LoopParams, ObjectState};
+use palpate_testbed::reference::{self, POINTS_PER_PERIOD, ReferenceScene, Stop};
+
+use super::COLLISIONS;
+use super::chance::Chance;
+use palpate_scene::method::MethodName;
+use palpate_scene::{Grip, HandForceAt, Measure, PointMassDevice, Scene, Timing, Wave};
+use palpate_sim::closed_loop::{LoopError, object_mass};
+use palpate_sim::sampled_loop::device_of;
+
+/// Gravity on the object `[m/s²]`.
+const GRAVITY: f64 = 9.81;
+
+/// Times to search for the collisions `[s]`: most plants have had theirs in the first, and one that
+/// has not in the last is drawn again.
+const SEARCHES: [f64; 2] = [0.4, 2.0];
+/// How far the object leaves the device after the last of them, at least `[m]`: nearer than this
+/// nobody could say that the collision had ended.
+const LEAST_PARTING: f64 = 1e-5;
+/// Step of the search for collisions `[s]`; the ideal a plant is judged by is finer.
+const SEARCH_STEP: f64 = 1e-4;
+/// Most draws for one plant. One in six is drawn again.
+const MOST_DRAWS: u32 = 1000;
+
+/// A plant drawn at random.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RandomPlant {
+    /// Its number, from 0.
+    pub index: usize,
+    /// How often it was drawn again because its object and device did not part three times.
+    pub redrawn: u32,
+    /// K T²/m, by the device's own mass.
+    pub kappa: f64,
+    /// Kc = K T²/M.
+    pub object_kappa: f64,
+    /// Speed of the first impact without the hand's spring and damper and without friction `[m/s]`.
+    pub impact_speed: f64,
+    /// The plant without delay, as a scene.
+    pub scene: Scene,
+}
+
+/// Why a plant cannot be drawn.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum DrawError {
+    /// None of very many draws collides as often as it should.
+    #[error("plant {0}: none of {MOST_DRAWS} draws collides {COLLISIONS} times")]
+    NeverCollides(usize),
+    /// A draw that cannot be put on the bench.
+    #[error("plant {0}: {1}")]
+    Bench(usize, LoopError),
+}
+
+impl RandomPlant {
+    /// Plant number `index` of `seed`: always the same one.
+    ///
+    /// # Errors
+    /// None is known; the types say what would be one.
+    pub fn draw(seed: u64, index: usize) -> Result<Self, DrawError> {
+        let mut chance = Chance::new(seed, index as u64);
+        for redrawn in 0..MOST_DRAWS {
+            let mut plant = draw(&mut chance);
+            if collides(&plant.scene).map_err(|error| DrawError::Bench(index, error))? {
+                plant.index = index;
+                plant.redrawn = redrawn;
+                plant.scene.title = format!("Random plant {index} of seed {seed}");
+                return Ok(plant);
+            }
+        }
+        Err(DrawError::NeverCollides(index))
+    }
+}
+
+/// The next draw. Every number is drawn whether it is used or not, so that one choice does not move
+/// all that follow it.
+fn draw(chance: &mut Chance) -> RandomPlant {
+    let mass = chance.log_between(0.05, 0.5);
+    let period = chance.log_between(0.001, 0.02);
+    let kappa = chance.log_between(0.01, 2.0);
+    let object_kappa = chance.log_between(0.01, 3.0);
+    let push = chance.between(2.0, 10.0);
+    let impact_speed = chance.between(0.2, 1.0);
+    let viscous_friction = mass * chance.between(0.0, 1.0);
+    let user_force = mass * push;
+    let rubs = chance.happens(0.5);
+    let encoder_quantum = chance.one_of([0.0, 1e-6, 1e-5]);
+    let told_device_mass = mass * chance.log_between(0.5, 2.0);
+    let is_held = !chance.happens(0.4);
+    let grip = Grip {
+        mass: mass * chance.between(0.0, 1.0),
+        stiffness: chance.log_between(10.0, 300.0),
+        damping: chance.between(0.5, 5.0),
+        // Where the device starts: the spring is relaxed, and the user's force pushes on top.
+        position: 0.0,
+        swing: None,
+        intention: None,
+    };
+    let trembles = chance.happens(0.5);
+    let tremor = Wave {
+        amplitude: 0.2 * user_force,
+        frequency_hz: chance.between(4.0, 12.0),
+    };
+
+    let stiffness = kappa * mass / (period * period);
+    let object_mass = stiffness * period * period / object_kappa;
+    RandomPlant {
+        index: 0,
+        redrawn: 0,
+        kappa,
+        object_kappa,
+        impact_speed,
+        scene: Scene {
+            title: String::new(),
+            contact: Contact::object(stiffness, object_mass),
+            loop_params: LoopParams {
+                // A loop that diverges is to be seen doing so, as in scene files.
+                speed_limit: None,
+                ..LoopParams::new(period)
+            },
+            object: ObjectState::at_rest(impact_speed * impact_speed / (2.0 * (push + GRAVITY))),
+            virtual_force: -GRAVITY * object_mass,
+            device: PointMassDevice {
+                mass,
+                encoder_quantum,
+                viscous_friction,
+                coulomb_friction: if rubs { 0.02 * user_force } else { 0.0 },
+                ..PointMassDevice::default()
+            },
+            told_device_mass: Some(told_device_mass),
+            user_force,
+            user_force_at: HandForceAt::default(),
+            object_radius: 0.0,
+            linkage: None,
+            grip: is_held.then_some(grip),
+            recorded_hand: None,
+            tremor: trembles.then_some(tremor),
+            release: None,
+            delay: 0,
+            timing: Timing::default(),
+            measure: Measure::Collisions(COLLISIONS),
+            method: MethodName::default(),
+            settings: std::collections::HashMap::new(),
+        },
+    }
+}
+
+/// Whether device and object part as often as they are to collide, and soon enough.
+fn collides(scene: &Scene) -> Result<bool, LoopError> {
+    for duration in SEARCHES {
+        if collides_within(scene, duration)? {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+fn collides_within(scene: &Scene, duration: f64) -> Result<bool, LoopError> {
+    let period = scene.loop_params.period;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "at most 2000 periods and 200 steps in each"
+    )]
+    let (periods, steps_per_point) = (
+        (duration / period).ceil() as usize,
+        (period / SEARCH_STEP / POINTS_PER_PERIOD as f64).ceil() as usize,
+    );
+    let search = ReferenceScene {
+        stiffness: scene.contact.stiffness,
+        object_mass: object_mass(scene),
+        virtual_force: scene.virtual_force,
+        object_position: scene.object.position,
+        object_velocity: scene.object.velocity,
+        period,
+        steps_per_period: POINTS_PER_PERIOD * steps_per_point,
+    };
+    let plant = device_of(scene, 1.0)?;
+    let found = reference::integrate(&plant, &search, Stop::AfterPeriods(periods))?;
+    let collisions = found.profile.collisions();
+    let Some(end) = collisions.get(COLLISIONS - 1).and_then(|last| last.end) else {
+        return Ok(false);
+    };
+    let next = collisions
+        .get(COLLISIONS)
+        .map_or(f64::INFINITY, |next| next.start);
+    Ok(found
+        .record
+        .iter()
+        .filter(|at| at.time > end && at.time < next)
+        .any(|at| at.object_position - at.device_position > LEAST_PARTING))
+}

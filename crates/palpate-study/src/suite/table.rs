@@ -1,0 +1,151 @@
+//! The rows of a suite as CSV: a plant, a delay, a column.
+
+use std::io::Write;
+
+use super::{COLLISIONS, Column, Judged, Trial};
+use palpate::Mass;
+use palpate_io::run::{Cell, RunWriteError, RunWriter};
+
+/// What is said of a plant, in every row of it.
+const PLANT: [&str; 24] = [
+    "plant",
+    "redrawn",
+    "device_mass_kg",
+    "told_device_mass_kg",
+    "period_s",
+    "kappa",
+    "object_kappa",
+    "stiffness_n_per_m",
+    "object_mass_kg",
+    "gap_m",
+    "impact_speed_m_per_s",
+    "user_force_n",
+    "viscous_n_s_per_m",
+    "coulomb_n",
+    "encoder_quantum_m",
+    "hand_mass_kg",
+    "hand_stiffness_n_per_m",
+    "hand_damping_n_s_per_m",
+    "tremor_n",
+    "tremor_hz",
+    "periods",
+    "ideal_error",
+    "ideal_peak_force_n",
+    "hold_floor_percent",
+];
+
+/// What is said of a column on a plant, before its collisions.
+const TRIAL: [&str; 11] = [
+    "delay_samples",
+    "column",
+    "method",
+    "damping_n_s_per_m",
+    "samples",
+    "limited",
+    "mean_force_error_percent",
+    "force_rendering_error_percent",
+    "error_over_floor",
+    "peak_force_n",
+    "diverged",
+];
+
+/// Writes a row for each trial, with a receipt of what made them.
+pub fn write(
+    writer: &mut dyn Write,
+    seed: u64,
+    columns: &[Column],
+    judged: &[Judged],
+) -> Result<(), RunWriteError> {
+    let receipt = [
+        ("palpate_version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("seed", seed.to_string()),
+        ("plants", judged.len().to_string()),
+    ];
+    let of_collisions: Vec<String> = (1..=COLLISIONS)
+        .flat_map(|number| {
+            ["impulse", "peak_force"].map(|what| format!("collision_{number}_{what}_error_percent"))
+        })
+        .collect();
+    let mut header = PLANT.to_vec();
+    header.extend(TRIAL);
+    header.extend(of_collisions.iter().map(String::as_str));
+    let mut file = RunWriter::new(writer, &receipt, &header)?;
+    for one in judged {
+        let plant = plant_cells(one);
+        for trial in &one.trials {
+            let mut row: Vec<Cell> = plant.iter().copied().map(Cell::from).collect();
+            row.extend(trial_cells(trial, columns));
+            file.row(&row)?;
+        }
+    }
+    file.finish()?;
+    Ok(())
+}
+
+/// In the order of [`PLANT`]. Where there is no hand or no tremor, there is no number of it.
+fn plant_cells(one: &Judged) -> [f64; PLANT.len()] {
+    let (plant, scene) = (&one.plant, &one.plant.scene);
+    let grip = |value: fn(&palpate_scene::Grip) -> f64| scene.grip.as_ref().map_or(f64::NAN, value);
+    let tremor =
+        |value: fn(&palpate_scene::Wave) -> f64| scene.tremor.as_ref().map_or(f64::NAN, value);
+    [
+        plant.index as f64,
+        f64::from(plant.redrawn),
+        scene.device.mass,
+        scene.told_device_mass.unwrap_or(scene.device.mass),
+        scene.loop_params.period,
+        plant.kappa,
+        plant.object_kappa,
+        scene.contact.stiffness,
+        match scene.contact.object_mass {
+            Mass::Finite(mass) => mass,
+            Mass::Infinite => f64::INFINITY,
+        },
+        scene.object.position,
+        plant.impact_speed,
+        scene.user_force,
+        scene.device.viscous_friction,
+        scene.device.coulomb_friction,
+        scene.device.encoder_quantum,
+        grip(|grip| grip.mass),
+        grip(|grip| grip.stiffness),
+        grip(|grip| grip.damping),
+        tremor(|tremor| tremor.amplitude),
+        tremor(|tremor| tremor.frequency_hz),
+        one.periods as f64,
+        one.ideal_error,
+        one.ideal_peak,
+        one.trials
+            .first()
+            .map_or(f64::NAN, |trial| trial.fidelity.hold_floor),
+    ]
+}
+
+/// In the order of [`TRIAL`], and then the collisions. A collision that was not rendered has no
+/// errors.
+fn trial_cells<'a>(trial: &Trial, columns: &'a [Column]) -> Vec<Cell<'a>> {
+    let column = &columns[trial.column];
+    let mut cells = vec![
+        Cell::from(trial.delay as f64),
+        Cell::from(column.name.as_str()),
+        Cell::from(column.method.name()),
+        // Empty where there is no choice.
+        trial.damping.unwrap_or(f64::NAN).into(),
+        Cell::from(trial.samples as f64),
+        Cell::from(trial.limited as f64),
+        trial.fidelity.mean_force_error.into(),
+        trial.fidelity.force_rendering_error.into(),
+        trial.fidelity.error_over_floor.unwrap_or(f64::NAN).into(),
+        trial.force.peak_force.into(),
+        Cell::from(if trial.diverged { "yes" } else { "no" }),
+    ];
+    for number in 0..COLLISIONS {
+        let rendered = trial.force.collisions.get(number);
+        let rendered = rendered.and_then(|collision| collision.rendered.as_ref());
+        let in_percent =
+            |error: Option<f64>| Cell::from(error.map_or(f64::NAN, |error| 100.0 * error));
+        cells.push(in_percent(rendered.and_then(|one| one.impulse_error)));
+        cells.push(in_percent(rendered.and_then(|one| one.peak_force_error)));
+    }
+    cells
+}

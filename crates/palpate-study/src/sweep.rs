@@ -1,0 +1,394 @@
+//! One quantity of a scene over several values: what each method does at each.
+
+pub mod report;
+
+use palpate_testbed::metrics::Fidelity;
+use palpate_testbed::pantograph::SafetyBox;
+use rayon::prelude::*;
+
+use crate::suite::Column;
+use crate::tune::{HEIGHTS, Spread, at_height, spread, tunable};
+use palpate_scene::Scene;
+use palpate_scene::method::{Damping, Setting, Settings};
+use palpate_sim::closed_loop::{Bench, LoopError};
+use palpate_sim::run::Run;
+
+/// What is varied.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Viscous and Coulomb friction of the device, as a factor on the scene's.
+    Friction,
+    /// The safety box of a pantograph along y, from minus to plus the value `[m]` about home.
+    SafetyBox,
+    /// The damping or the cap of the methods `[N s/m]`.
+    Damping,
+}
+
+impl Quantity {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Friction, Self::SafetyBox, Self::Damping];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Friction => "friction",
+            Self::SafetyBox => "box",
+            Self::Damping => "damping",
+        }
+    }
+
+    /// Its unit; empty for a factor.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Friction => "",
+            Self::SafetyBox => "m",
+            Self::Damping => "N s/m",
+        }
+    }
+}
+
+/// Largest energy of a rebound, over that of the ideal's first rebound, of a loop that is called
+/// stable: no rebound is more than 5 % faster than that one. The ideal's own later rebounds are never
+/// faster.
+pub const STABLE_UP_TO: f64 = 1.1;
+/// Largest such ratio of a loop that is called almost stable: no rebound is more than 41 % faster.
+pub const ALMOST_STABLE_UP_TO: f64 = 2.0;
+
+/// What becomes of a bounce, by the largest energy of a rebound over that of the ideal's first one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stability {
+    /// At most [`STABLE_UP_TO`].
+    Stable,
+    /// At most [`ALMOST_STABLE_UP_TO`].
+    AlmostStable,
+    /// More, or there was no rebound.
+    Unstable,
+    /// The loop ran away ([`Run::diverged`]).
+    Diverged,
+}
+
+impl Stability {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stable => "stable",
+            Self::AlmostStable => "almost stable",
+            Self::Unstable => "unstable",
+            Self::Diverged => "diverged",
+        }
+    }
+}
+
+/// What a column did at a value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Swept {
+    /// Errors at the scene's own start height.
+    pub own: Fidelity,
+    /// What came of the start heights, where they were asked for.
+    pub over_heights: Option<SweptHeights>,
+    /// Strongest held force at the scene's own height `[N]`.
+    pub peak_force: f64,
+    /// Strongest force of the ideal `[N]`.
+    pub ideal_peak_force: f64,
+    /// Largest energy of a rebound over that of the ideal's first one; `None` if there was no rebound.
+    pub rebound_energy: Option<f64>,
+    /// Sum of the absolute leaks of the held force `[J]`.
+    pub leak: f64,
+    /// When the device left its safety box `[s]`.
+    pub left_box_at: Option<f64>,
+    /// What became of the bounce.
+    pub stability: Stability,
+}
+
+/// What a column did at a value from all start heights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SweptHeights {
+    /// Force rendering error FRE `[%]`.
+    pub force_rendering_error: Spread,
+    /// Heights from which the device left its safety box.
+    pub left_box: usize,
+    /// Heights from which the bounce was stable or almost stable.
+    pub almost_stable: usize,
+}
+
+/// Why a quantity cannot be varied.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SweepError {
+    /// The scene has not what is to be varied.
+    #[error("{0}")]
+    Nothing(&'static str),
+    /// A column's method has no damping.
+    #[error("column {0}: its method has no damping to vary")]
+    NoDamping(String),
+    /// A column with a choice of dampings.
+    #[error("column {0}: a choice of dampings has no place here; name one")]
+    Choice(String),
+    /// A value that the quantity cannot have.
+    #[error("{name} {value}: it must be {allowed}")]
+    Value {
+        /// Name of the quantity.
+        name: &'static str,
+        /// The value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// The ideal has no contact, so there is no error.
+    #[error("the ideal has no contact in the window, so there is no error")]
+    NoContact,
+    /// The scene cannot be run at a value.
+    #[error("at {name} {value}: {error}")]
+    Scene {
+        /// Name of the quantity.
+        name: &'static str,
+        /// The value.
+        value: f64,
+        /// What is wrong.
+        error: LoopError,
+    },
+}
+
+/// Runs every column at each of `values` of a quantity of `scene`, for each value in the order of
+/// `columns`; a setting that a column leaves open is the scene's. `over_heights` adds the 21 start heights. `done`
+/// hears of each value that is finished.
+///
+/// # Errors
+/// A scene without the quantity, a value that it cannot have, a scene that cannot be run or has no
+/// contact.
+pub fn sweep(
+    scene: &Scene,
+    quantity: Quantity,
+    values: &[f64],
+    columns: &[Column],
+    over_heights: bool,
+    done: impl Fn() + Sync,
+) -> Result<Vec<Vec<Swept>>, SweepError> {
+    if quantity == Quantity::Damping
+        && let Some(column) = columns
+            .iter()
+            .find(|column| tunable(column.method).is_none())
+    {
+        return Err(SweepError::NoDamping(column.name.clone()));
+    }
+    if let Some(column) = columns
+        .iter()
+        .find(|column| column.candidates(scene).len() > 1)
+    {
+        return Err(SweepError::Choice(column.name.clone()));
+    }
+    values
+        .par_iter()
+        .map(|&value| {
+            let swept = at_value(scene, quantity, value, columns, over_heights);
+            done();
+            swept
+        })
+        .collect()
+}
+
+fn at_value(
+    scene: &Scene,
+    quantity: Quantity,
+    value: f64,
+    columns: &[Column],
+    over_heights: bool,
+) -> Result<Vec<Swept>, SweepError> {
+    let varied = with(scene, quantity, value)?;
+    let columns: Vec<Column> = columns
+        .iter()
+        .map(|column| match quantity {
+            Quantity::Damping => with_damping(column, value),
+            _ => column.clone(),
+        })
+        .collect();
+    let own = at_height_of(&varied, quantity, value, &columns)?;
+    if !over_heights {
+        return Ok(own);
+    }
+    // One height after the other: the values are what runs at once.
+    let mut heights: Vec<Vec<Swept>> = vec![Vec::with_capacity(HEIGHTS); columns.len()];
+    for height in 0..HEIGHTS {
+        let at = at_height_of(&at_height(&varied, height), quantity, value, &columns)?;
+        for (column, swept) in heights.iter_mut().zip(at) {
+            column.push(swept);
+        }
+    }
+    Ok(own
+        .into_iter()
+        .zip(&heights)
+        .map(|(swept, heights)| Swept {
+            over_heights: Some(SweptHeights::of(heights)),
+            ..swept
+        })
+        .collect())
+}
+
+fn at_height_of(
+    scene: &Scene,
+    quantity: Quantity,
+    value: f64,
+    columns: &[Column],
+) -> Result<Vec<Swept>, SweepError> {
+    let wrong = |error| SweepError::Scene {
+        name: quantity.name(),
+        value,
+        error,
+    };
+    let bench = Bench::new(scene).map_err(wrong)?;
+    let curve = &bench.reference().curve;
+    let ideal_peak_force = curve
+        .iter()
+        .map(|point| point.force_on_object.abs())
+        .fold(0.0, f64::max);
+    columns
+        .iter()
+        .map(|column| {
+            let (_, varied) = column.candidates(scene).swap_remove(0);
+            let run = bench.run_varied(&varied, column.method).map_err(wrong)?;
+            Swept::of(&run, ideal_peak_force)
+        })
+        .collect()
+}
+
+impl Swept {
+    fn of(run: &Run, ideal_peak_force: f64) -> Result<Self, SweepError> {
+        let rebound_energy = largest_rebound_energy(run);
+        Ok(Self {
+            own: run.force.fidelity.ok_or(SweepError::NoContact)?,
+            over_heights: None,
+            peak_force: run.force.peak_force,
+            ideal_peak_force,
+            rebound_energy,
+            leak: run.last().ledger.held_leak.absolute,
+            left_box_at: run.left_box_at,
+            stability: stability(run.diverged == Some(true), rebound_energy),
+        })
+    }
+}
+
+impl SweptHeights {
+    fn of(heights: &[Swept]) -> Self {
+        let count = |of: fn(&Swept) -> bool| heights.iter().filter(|swept| of(swept)).count();
+        Self {
+            force_rendering_error: spread(
+                heights.iter().map(|swept| swept.own.force_rendering_error),
+            ),
+            left_box: count(|swept| swept.left_box_at.is_some()),
+            almost_stable: count(|swept| swept.stability <= Stability::AlmostStable),
+        }
+    }
+}
+
+/// Largest energy of a rebound of `run` over that of the ideal's first one: the speeds squared, at
+/// which device and object part.
+pub fn largest_rebound_energy(run: &Run) -> Option<f64> {
+    let first = run.rebounds.first()?.ideal;
+    let speeds = run.rebounds.iter().filter_map(|rebound| rebound.rendered);
+    speeds
+        .map(|speed| (speed / first) * (speed / first))
+        .max_by(f64::total_cmp)
+}
+
+fn stability(diverged: bool, rebound_energy: Option<f64>) -> Stability {
+    match rebound_energy {
+        _ if diverged => Stability::Diverged,
+        Some(ratio) if ratio <= STABLE_UP_TO => Stability::Stable,
+        Some(ratio) if ratio <= ALMOST_STABLE_UP_TO => Stability::AlmostStable,
+        _ => Stability::Unstable,
+    }
+}
+
+/// The scene at a value of the quantity. A damping is the columns' affair.
+fn with(scene: &Scene, quantity: Quantity, value: f64) -> Result<Scene, SweepError> {
+    let unless = |ok: bool, allowed| {
+        if ok {
+            Ok(())
+        } else {
+            Err(SweepError::Value {
+                name: quantity.name(),
+                value,
+                allowed,
+            })
+        }
+    };
+    let mut varied = scene.clone();
+    match quantity {
+        Quantity::Friction => {
+            unless(
+                value.is_finite() && value >= 0.0,
+                "finite and not below 0, a factor on the scene's",
+            )?;
+            let (viscous, coulomb) = match &mut varied.linkage {
+                Some(linkage) => (
+                    &mut linkage.params.viscous_friction,
+                    &mut linkage.params.coulomb_friction,
+                ),
+                None => (
+                    &mut varied.device.viscous_friction,
+                    &mut varied.device.coulomb_friction,
+                ),
+            };
+            if *viscous == 0.0 && *coulomb == 0.0 {
+                return Err(SweepError::Nothing(
+                    "the scene's device has no friction to multiply",
+                ));
+            }
+            *viscous *= value;
+            *coulomb *= value;
+        }
+        Quantity::SafetyBox => {
+            let linkage = varied.linkage.take().ok_or(SweepError::Nothing(
+                "only a device of kind pantograph has a safety box",
+            ))?;
+            unless(value.is_finite() && value > 0.0, "finite and above 0 m")?;
+            let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
+            let x = linkage.safety_box.map_or(everywhere, |bounds| bounds.x);
+            let bounds = SafetyBox {
+                x,
+                y: [-value, value],
+            };
+            varied.linkage = Some(linkage.in_box(bounds));
+        }
+        Quantity::Damping => {
+            unless(
+                value.is_finite() && value >= 0.0,
+                "finite and not below 0 N s/m",
+            )?;
+        }
+    }
+    Ok(varied)
+}
+
+fn with_damping(column: &Column, value: f64) -> Column {
+    let given = match tunable(column.method) {
+        Some(Setting::DampingCap) => Settings {
+            damping_cap: Some(value),
+            ..Settings::default()
+        },
+        _ => Settings {
+            damping: Some(Damping::Value(value)),
+            ..Settings::default()
+        },
+    };
+    Column {
+        settings: given.or(column.settings),
+        dampings: None,
+        ..column.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stability_is_a_number() {
+        assert_eq!(stability(false, Some(0.2)), Stability::Stable);
+        assert_eq!(stability(false, Some(1.1)), Stability::Stable);
+        assert_eq!(stability(false, Some(1.11)), Stability::AlmostStable);
+        assert_eq!(stability(false, Some(2.0)), Stability::AlmostStable);
+        assert_eq!(stability(false, Some(2.01)), Stability::Unstable);
+        assert_eq!(stability(false, None), Stability::Unstable);
+        assert_eq!(stability(true, Some(1.0)), Stability::Diverged);
+    }
+}

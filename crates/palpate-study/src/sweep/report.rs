@@ -1,0 +1,198 @@
+//! What a sweep found, as a table or as JSON.
+
+use std::fmt;
+
+use comfy_table::CellAlignment;
+use serde::Serialize;
+
+use super::{Quantity, Swept};
+use crate::suite::Column;
+use crate::text::{digits, lines, number, percent, plain_table};
+use crate::tune::HEIGHTS;
+
+/// Name and version of the JSON report.
+const FORMAT: &str = "palpate sweep 1";
+
+/// What every column did at every value of a quantity.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SweepReport {
+    /// Name and version of this JSON.
+    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    pub format: &'static str,
+    /// The scene's title.
+    pub title: String,
+    /// What is varied: `friction`, `box` or `damping`.
+    pub over: &'static str,
+    /// Unit of the values; empty for a factor.
+    pub unit: &'static str,
+    /// One entry for each value.
+    pub values: Vec<ValueReport>,
+}
+
+/// What the columns did at one value.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ValueReport {
+    /// The value.
+    pub value: f64,
+    /// FRE that no held force can be below `[%]`.
+    pub hold_floor_percent: f64,
+    /// Strongest force of the ideal `[N]`.
+    pub ideal_peak_force_n: f64,
+    /// One entry for each column.
+    pub columns: Vec<ColumnReport>,
+}
+
+/// What a column did at one value.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ColumnReport {
+    /// Name of the column.
+    pub name: String,
+    /// Name of the method.
+    pub method: &'static str,
+    /// FRE at the scene's own start height `[%]`.
+    pub force_rendering_error_percent: f64,
+    /// Mean-force error E at the scene's own start height `[%]`.
+    pub mean_force_error_percent: f64,
+    /// Median FRE over the start heights `[%]`, if they were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub median_force_rendering_error_percent: Option<f64>,
+    /// Largest FRE over the start heights `[%]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub worst_force_rendering_error_percent: Option<f64>,
+    /// Of the start heights.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub left_box_heights: Option<usize>,
+    /// Start heights from which the bounce was stable or almost stable.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub almost_stable_heights: Option<usize>,
+    /// Strongest held force `[N]`.
+    pub peak_force_n: f64,
+    /// Sum of the absolute leaks of the held force `[J]`.
+    pub absolute_leak_held_j: f64,
+    /// Largest energy of a rebound over that of the ideal's first one; none without a rebound.
+    pub largest_rebound_energy: Option<f64>,
+    /// `stable`, `almost stable`, `unstable` or `diverged`.
+    pub bounce: &'static str,
+    /// When the device left its safety box `[s]`.
+    pub left_box_at_s: Option<f64>,
+}
+
+impl SweepReport {
+    /// The report on what [`sweep`](super::sweep) gave for the scene called `title` at `values`.
+    pub fn new(
+        title: &str,
+        quantity: Quantity,
+        values: &[f64],
+        columns: &[Column],
+        swept: &[Vec<Swept>],
+    ) -> Self {
+        Self {
+            format: FORMAT,
+            title: title.to_owned(),
+            over: quantity.name(),
+            unit: quantity.unit(),
+            values: values
+                .iter()
+                .zip(swept)
+                .map(|(value, swept)| ValueReport::new(*value, columns, swept))
+                .collect(),
+        }
+    }
+}
+
+impl ValueReport {
+    fn new(value: f64, columns: &[Column], swept: &[Swept]) -> Self {
+        // Floor and peak are the ideal's, whatever the column.
+        let ideal = swept.first();
+        Self {
+            value,
+            hold_floor_percent: ideal.map_or(0.0, |swept| swept.own.hold_floor),
+            ideal_peak_force_n: ideal.map_or(0.0, |swept| swept.ideal_peak_force),
+            columns: columns
+                .iter()
+                .zip(swept)
+                .map(|(column, swept)| ColumnReport {
+                    name: column.name.clone(),
+                    method: column.method.name(),
+                    force_rendering_error_percent: swept.own.force_rendering_error,
+                    mean_force_error_percent: swept.own.mean_force_error,
+                    median_force_rendering_error_percent: swept
+                        .over_heights
+                        .map(|of| of.force_rendering_error.median),
+                    worst_force_rendering_error_percent: swept
+                        .over_heights
+                        .map(|of| of.force_rendering_error.worst),
+                    left_box_heights: swept.over_heights.map(|of| of.left_box),
+                    almost_stable_heights: swept.over_heights.map(|of| of.almost_stable),
+                    peak_force_n: swept.peak_force,
+                    absolute_leak_held_j: swept.leak,
+                    largest_rebound_energy: swept.rebound_energy,
+                    bounce: swept.stability.name(),
+                    left_box_at_s: swept.left_box_at,
+                })
+                .collect(),
+        }
+    }
+}
+
+impl fmt::Display for SweepReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let unit = match self.unit {
+            "" => String::new(),
+            unit => format!(" {unit}"),
+        };
+        writeln!(f, "{}", self.title)?;
+        for at in &self.values {
+            writeln!(
+                f,
+                "\n{} {}{unit}: floor {:.2} %, peak of the ideal {:.2} N\n",
+                self.over, at.value, at.hold_floor_percent, at.ideal_peak_force_n
+            )?;
+            let header = [
+                "method",
+                "FRE %",
+                "median",
+                "worst",
+                "peak N",
+                "|leak| mJ",
+                "rebound",
+                "bounce",
+                "left box s",
+                "almost stable",
+                "left box",
+            ];
+            // The last two count start heights.
+            let heights = at.columns.iter().any(|of| of.left_box_heights.is_some());
+            let header = &header[..header.len() - if heights { 0 } else { 2 }];
+            let of_heights = |count: Option<usize>| {
+                number(count.map(|count| count as f64), |count| {
+                    format!("{count} of {HEIGHTS}")
+                })
+            };
+            let mut table = plain_table(CellAlignment::Left, header);
+            for column in &at.columns {
+                let mut cells = vec![
+                    (&*column.name).into(),
+                    number(Some(column.force_rendering_error_percent), percent),
+                    number(column.median_force_rendering_error_percent, percent),
+                    number(column.worst_force_rendering_error_percent, percent),
+                    number(Some(column.peak_force_n), |force| format!("{force:.2}")),
+                    number(Some(1e3 * column.absolute_leak_held_j), digits),
+                    number(column.largest_rebound_energy, |ratio| format!("{ratio:.2}")),
+                    comfy_table::Cell::new(column.bounce).set_alignment(CellAlignment::Right),
+                    number(column.left_box_at_s, |time| format!("{time:.2}")),
+                ];
+                if heights {
+                    cells.push(of_heights(column.almost_stable_heights));
+                    cells.push(of_heights(column.left_box_heights));
+                }
+                table.add_row(cells);
+            }
+            writeln!(f, "{}", lines(&table))?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,169 @@
+//! Tuning: how a method's error and leak depend on its one damping.
+//!
+//! A value that is best at one start height may be bad at the next, so every value is judged over
+//! start heights around the scene's own.
+
+use palpate_scene::Scene;
+use palpate_scene::method::{Damping, MethodName, Setting, Settings};
+pub mod report;
+
+use palpate_sim::closed_loop::{Bench, LoopError};
+
+/// Start heights a value is judged at.
+pub const HEIGHTS: usize = 21;
+
+/// The outermost start heights, relative to the scene's own gap between device and object.
+pub const HEIGHT_RANGE: f64 = 0.05;
+
+/// What a value is to make small.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Objective {
+    /// The median mean-force error.
+    Error,
+    /// The median sum of absolute leaks.
+    Leak,
+}
+
+impl Objective {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Error => "error",
+            Self::Leak => "leak",
+        }
+    }
+}
+
+/// The distribution of a quantity over the start heights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spread {
+    /// At the scene's own height.
+    pub own: f64,
+    /// Median over the heights.
+    pub median: f64,
+    /// Largest over the heights.
+    pub worst: f64,
+}
+
+/// A value and what it does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TunedPoint {
+    /// The damping or cap `[N s/m]`.
+    pub value: f64,
+    /// Mean-force error E `[%]`.
+    pub mean_force_error: Spread,
+    /// Sum of the absolute leaks of the held force `[J]`.
+    pub leak: Spread,
+    /// Heights at which the loop diverged.
+    pub diverged: usize,
+}
+
+/// Why a method cannot be tuned on a scene.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TuneError {
+    /// The method has nothing to tune.
+    #[error("{0} has no damping to tune; virtual-damper, popc, popc-ref and hfcr have")]
+    NothingToTune(MethodName),
+    /// The ideal has no contact, so there is no error.
+    #[error("the ideal has no contact in the window, so there is no error to make small")]
+    NoContact,
+    /// A loop cannot be run.
+    #[error(transparent)]
+    Loop(#[from] LoopError),
+}
+
+/// The setting of `method` that is a damping.
+pub fn tunable(method: MethodName) -> Option<Setting> {
+    [Setting::Damping, Setting::DampingCap]
+        .into_iter()
+        .find(|setting| method.uses(*setting))
+}
+
+/// Judges `method` on `scene` at each of `values` `[N s/m]`; `done` hears of each start height that
+/// is finished.
+///
+/// # Errors
+/// A method without a damping, a value it does not allow, or a scene that cannot be run.
+pub fn tune(
+    scene: &Scene,
+    method: MethodName,
+    values: &[f64],
+    mut done: impl FnMut(),
+) -> Result<Vec<TunedPoint>, TuneError> {
+    let setting = tunable(method).ok_or(TuneError::NothingToTune(method))?;
+    let mut trials: Vec<Vec<Trial>> = vec![Vec::with_capacity(HEIGHTS); values.len()];
+    for height in 0..HEIGHTS {
+        let at_height = at_height(scene, height);
+        let mut tuned = at_height.clone();
+        let bench = Bench::new(&at_height)?;
+        for (value, trials) in values.iter().zip(&mut trials) {
+            let given = match setting {
+                Setting::DampingCap => Settings {
+                    damping_cap: Some(*value),
+                    ..Settings::default()
+                },
+                _ => Settings {
+                    damping: Some(Damping::Value(*value)),
+                    ..Settings::default()
+                },
+            };
+            let others = scene.settings.get(&method).copied().unwrap_or_default();
+            tuned.settings.insert(method, given.or(others));
+            let run = bench.run_varied(&tuned, method)?;
+            let fidelity = run.force.fidelity.ok_or(TuneError::NoContact)?;
+            trials.push(Trial {
+                error: fidelity.mean_force_error,
+                leak: run.last().ledger.held_leak.absolute,
+                diverged: run.diverged == Some(true),
+            });
+        }
+        done();
+    }
+    Ok(values
+        .iter()
+        .zip(&trials)
+        .map(|(value, trials)| TunedPoint {
+            value: *value,
+            mean_force_error: spread(trials.iter().map(|trial| trial.error)),
+            leak: spread(trials.iter().map(|trial| trial.leak)),
+            diverged: trials.iter().filter(|trial| trial.diverged).count(),
+        })
+        .collect())
+}
+
+/// The point whose median is least.
+pub fn best(points: &[TunedPoint], objective: Objective) -> Option<&TunedPoint> {
+    let of = |point: &TunedPoint| match objective {
+        Objective::Error => point.mean_force_error.median,
+        Objective::Leak => point.leak.median,
+    };
+    points.iter().min_by(|a, b| of(a).total_cmp(&of(b)))
+}
+
+#[derive(Clone, Copy)]
+struct Trial {
+    error: f64,
+    leak: f64,
+    diverged: bool,
+}
+
+/// The scene with its gap changed; the middle one of the heights is the scene itself.
+pub(crate) fn at_height(scene: &Scene, height: usize) -> Scene {
+    let middle = (HEIGHTS / 2) as f64;
+    let share = HEIGHT_RANGE * (height as f64 - middle) / middle;
+    let mut scene = scene.clone();
+    scene.object.position += share * (scene.object.position - scene.device.position);
+    scene
+}
+
+/// The distribution of a quantity that is given height by height.
+pub(crate) fn spread(values: impl Iterator<Item = f64>) -> Spread {
+    let mut values: Vec<f64> = values.collect();
+    let own = values[HEIGHTS / 2];
+    values.sort_by(f64::total_cmp);
+    Spread {
+        own,
+        median: values[HEIGHTS / 2],
+        worst: values[HEIGHTS - 1],
+    }
+}

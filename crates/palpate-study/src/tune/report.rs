@@ -1,0 +1,199 @@
+//! What tuning found, as a table or as JSON.
+
+use std::fmt;
+
+use comfy_table::CellAlignment;
+use palpate_scene::Scene;
+use palpate_scene::method::{MethodName, Setting};
+use serde::Serialize;
+
+use super::{HEIGHT_RANGE, HEIGHTS, Objective, Spread, TunedPoint, best};
+use crate::text::{digits, lines, number, percent, plain_table};
+
+/// Name and version of the JSON report.
+const FORMAT: &str = "palpate tune 1";
+
+/// How a method's error and leak depend on its damping.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TuneReport {
+    /// Name and version of this JSON.
+    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    pub format: &'static str,
+    /// The scene's title.
+    pub title: String,
+    /// Name of the method.
+    pub method: &'static str,
+    /// The scene key of what was tried.
+    pub setting: &'static str,
+    /// Number of start heights.
+    pub start_heights: usize,
+    /// Largest change of the gap, as a share of the scene's.
+    pub height_range: f64,
+    /// What the best value makes least: `error` or `leak`.
+    pub least: &'static str,
+    /// The value with the least median.
+    pub best: PointReport,
+    /// The value with the least at the scene's own start height.
+    pub best_at_own_height: PointReport,
+    /// Every value that was tried.
+    pub curve: Vec<PointReport>,
+    /// Files that were written.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<String>,
+}
+
+/// A value of the damping, and what it does.
+#[derive(Debug, Serialize, Clone, Copy)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PointReport {
+    /// The damping or cap `[N s/m]`.
+    pub value_n_s_per_m: f64,
+    /// Mean-force error E `[%]`.
+    pub mean_force_error_percent: SpreadReport,
+    /// Sum of the absolute leaks of the held force `[J]`.
+    pub absolute_leak_j: SpreadReport,
+    /// Start heights from which the loop ran away.
+    pub diverged: usize,
+}
+
+/// A quantity over the start heights.
+#[derive(Debug, Serialize, Clone, Copy)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SpreadReport {
+    /// At the scene's own start height.
+    pub own: f64,
+    /// Median over the start heights.
+    pub median: f64,
+    /// Largest over the start heights.
+    pub worst: f64,
+}
+
+impl From<Spread> for SpreadReport {
+    fn from(spread: Spread) -> Self {
+        Self {
+            own: spread.own,
+            median: spread.median,
+            worst: spread.worst,
+        }
+    }
+}
+
+impl From<&TunedPoint> for PointReport {
+    fn from(point: &TunedPoint) -> Self {
+        Self {
+            value_n_s_per_m: point.value,
+            mean_force_error_percent: point.mean_force_error.into(),
+            absolute_leak_j: point.leak.into(),
+            diverged: point.diverged,
+        }
+    }
+}
+
+impl TuneReport {
+    /// The report on what [`tune`](super::tune) gave for `method` on `scene`, at least one point; the best is by
+    /// `objective`.
+    ///
+    /// # Panics
+    /// There is no point.
+    pub fn new(
+        scene: &Scene,
+        method: MethodName,
+        setting: Setting,
+        objective: Objective,
+        points: Vec<TunedPoint>,
+    ) -> Self {
+        let best = best(&points, objective).expect("one point at least");
+        let own = |point: &TunedPoint| match objective {
+            Objective::Error => point.mean_force_error.own,
+            Objective::Leak => point.leak.own,
+        };
+        let at_own = points
+            .iter()
+            .min_by(|a, b| own(a).total_cmp(&own(b)))
+            .expect("one point at least");
+        Self {
+            format: FORMAT,
+            title: scene.title.clone(),
+            method: method.name(),
+            setting: setting.key(),
+            start_heights: HEIGHTS,
+            height_range: HEIGHT_RANGE,
+            least: objective.name(),
+            best: best.into(),
+            best_at_own_height: at_own.into(),
+            curve: points.iter().map(PointReport::from).collect(),
+            files: Vec::new(),
+        }
+    }
+
+    /// Adds a file that was written.
+    pub fn wrote(&mut self, path: &std::path::Path) {
+        self.files.push(path.display().to_string());
+    }
+
+    /// What was tried, in words: `damping` or `damping cap`.
+    pub fn setting_in_words(&self) -> &'static str {
+        words(self.setting)
+    }
+}
+
+/// A scene key in words, without its unit.
+fn words(key: &str) -> &'static str {
+    match key {
+        "damping_cap_n_s_per_m" => "damping cap",
+        _ => "damping",
+    }
+}
+
+impl fmt::Display for TuneReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}", self.title)?;
+        writeln!(
+            f,
+            "{} of {}, {} values, {} start heights within ±{} %\n",
+            words(self.setting),
+            self.method,
+            self.curve.len(),
+            self.start_heights,
+            100.0 * self.height_range
+        )?;
+        let header = [
+            &*format!("least {}", self.least),
+            "N s/m",
+            "E % own",
+            "median",
+            "worst",
+            "|leak| mJ own",
+            "median",
+            "worst",
+            "diverged",
+        ];
+        let mut table = plain_table(CellAlignment::Left, &header);
+        for (name, point) in [
+            ("in the median", &self.best),
+            ("at the scene's own height", &self.best_at_own_height),
+        ] {
+            let (error, leak) = (point.mean_force_error_percent, point.absolute_leak_j);
+            let in_millijoules = |leak: f64| number(Some(1e3 * leak), digits);
+            table.add_row(vec![
+                name.into(),
+                number(Some(point.value_n_s_per_m), digits),
+                number(Some(error.own), percent),
+                number(Some(error.median), percent),
+                number(Some(error.worst), percent),
+                in_millijoules(leak.own),
+                in_millijoules(leak.median),
+                in_millijoules(leak.worst),
+                number(Some(point.diverged as f64), |count| {
+                    format!("{count} of {}", self.start_heights)
+                }),
+            ]);
+        }
+        writeln!(f, "{}\n", lines(&table))?;
+        for file in &self.files {
+            writeln!(f, "wrote {file}")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,10 @@
+//! Claims of the paper that studies check: those of its text and of its scenes over start heights.
+//!
+//! The claims that single runs and single intervals show are in `crates/palpate-sim/tests/paper/`, whose
+//! first lines say what "the paper" is and what a test's source means.
+
+#[path = "../../../palpate-sim/tests/common/mod.rs"]
+mod common;
+
+mod readings;
+mod scenes;
