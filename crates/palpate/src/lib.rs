@@ -69,14 +69,16 @@ pub use difficulty::Difficulty;
 pub use energy::{Leak, Ledger};
 pub use guard::{Guard, GuardParams};
 pub use motion::{Displacement, ObjectMotion, ObjectState, Rule, Start};
-pub use parameter::{ParameterError, ParameterValue};
+pub use parameter::{ParameterError, ParameterValue, Range, Unit};
 pub use placement::Placement;
-pub use predict::{LONGEST_WINDOW, Prediction, PredictionMemory};
+pub use predict::{LONGEST_WINDOW, Prediction, PredictionMemory, PredictionName};
 pub use render::{
-    AnyMemory, AnyMethod, AnyParams, AnyRenderer, Basic, BasicParams, Coupled, CoupledMemory,
-    CoupledParams, DamperObject, Ended, EntryHold, Hfcr, HfcrParams, LeakDissipation, Method,
-    MethodParams, OnItsWay, Plan, Popc, PopcParams, PopcRef, PopcRefParams, Renderer, Seh,
-    SehEstimate, SehMemory, SehParams, Situation, State, VirtualDamper, VirtualDamperParams,
+    AnyMemory, AnyMethod, AnyParams, AnyRenderer, Basic, BasicParams, Basis, Coupled,
+    CoupledMemory, CoupledParams, DamperObject, Ended, EntryHold, Hfcr, HfcrParams,
+    LeakDissipation, Method, MethodInfo, MethodName, MethodParams, OnItsWay, Plan, Popc,
+    PopcParams, PopcRef, PopcRefParams, Renderer, Seh, SehEstimate, SehMemory, SehParams, Setting,
+    SettingKey, SettingValues, Settings, SettingsError, Situation, State, VirtualDamper,
+    VirtualDamperParams, all_settings,
 };
 pub use rendering::Rendering;
 pub use sample::{Fault, Limited, Output, Phase, Sample};

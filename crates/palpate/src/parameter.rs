@@ -42,18 +42,106 @@ impl fmt::Display for ParameterError {
 
 impl core::error::Error for ParameterError {}
 
+/// A unit, as messages write it and as keys end with it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[allow(missing_docs)] // the units are called what they are
+pub enum Unit {
+    One,
+    Metre,
+    MetrePerSecond,
+    Second,
+    Kilogram,
+    Newton,
+    NewtonPerMetre,
+    NewtonPerSecond,
+    NewtonSecondPerMetre,
+    Joule,
+    Sample,
+}
+
+impl Unit {
+    /// Its symbol, empty for a pure number.
+    pub const fn symbol(self) -> &'static str {
+        match self {
+            Self::One => "",
+            Self::Metre => "m",
+            Self::MetrePerSecond => "m/s",
+            Self::Second => "s",
+            Self::Kilogram => "kg",
+            Self::Newton => "N",
+            Self::NewtonPerMetre => "N/m",
+            Self::NewtonPerSecond => "N/s",
+            Self::NewtonSecondPerMetre => "N s/m",
+            Self::Joule => "J",
+            Self::Sample => "samples",
+        }
+    }
+
+    /// What a key of this unit ends with, empty for a pure number.
+    pub const fn suffix(self) -> &'static str {
+        match self {
+            Self::One => "",
+            Self::Metre => "_m",
+            Self::MetrePerSecond => "_m_per_s",
+            Self::Second => "_s",
+            Self::Kilogram => "_kg",
+            Self::Newton => "_n",
+            Self::NewtonPerMetre => "_n_per_m",
+            Self::NewtonPerSecond => "_n_per_s",
+            Self::NewtonSecondPerMetre => "_n_s_per_m",
+            Self::Joule => "_j",
+            Self::Sample => "_samples",
+        }
+    }
+}
+
+/// The range of a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Range {
+    /// Any finite number.
+    Finite,
+    /// Finite and greater than 0.
+    Positive,
+    /// Finite and not below 0.
+    NotNegative,
+}
+
+impl Range {
+    /// Whether `value` lies in it.
+    pub fn contains<S: Scalar>(self, value: S) -> bool {
+        value.is_finite()
+            && match self {
+                Self::Finite => true,
+                Self::Positive => value > S::ZERO,
+                Self::NotNegative => value >= S::ZERO,
+            }
+    }
+
+    /// The range in words that follow "must be".
+    pub const fn allowed(self) -> &'static str {
+        match self {
+            Self::Finite => "finite",
+            Self::Positive => "finite and greater than 0",
+            Self::NotNegative => "finite and not below 0",
+        }
+    }
+
+    pub(crate) fn check<S: Scalar>(
+        self,
+        parameter: &'static str,
+        unit: &'static str,
+        value: S,
+    ) -> Result<S, ParameterError> {
+        check(self.contains(value), parameter, unit, value, self.allowed())
+    }
+}
+
 pub(crate) fn positive<S: Scalar>(
     parameter: &'static str,
     unit: &'static str,
     value: S,
 ) -> Result<S, ParameterError> {
-    check(
-        value.is_finite() && value > S::ZERO,
-        parameter,
-        unit,
-        value,
-        "finite and greater than 0",
-    )
+    Range::Positive.check(parameter, unit, value)
 }
 
 pub(crate) fn not_negative<S: Scalar>(
@@ -61,13 +149,7 @@ pub(crate) fn not_negative<S: Scalar>(
     unit: &'static str,
     value: S,
 ) -> Result<S, ParameterError> {
-    check(
-        value.is_finite() && value >= S::ZERO,
-        parameter,
-        unit,
-        value,
-        "finite and not below 0",
-    )
+    Range::NotNegative.check(parameter, unit, value)
 }
 
 pub(crate) fn finite<S: Scalar>(
@@ -75,7 +157,7 @@ pub(crate) fn finite<S: Scalar>(
     unit: &'static str,
     value: S,
 ) -> Result<S, ParameterError> {
-    check(value.is_finite(), parameter, unit, value, "finite")
+    Range::Finite.check(parameter, unit, value)
 }
 
 pub(crate) fn check<S: Scalar>(
@@ -118,5 +200,20 @@ impl<S: fmt::Display> fmt::Display for ParameterValue<S> {
             Self::Switch(on) => write!(f, "{on}"),
             Self::ToBeDerived => f.write_str("auto"),
         }
+    }
+}
+
+impl<S> From<S> for ParameterValue<S>
+where
+    S: Scalar,
+{
+    fn from(number: S) -> Self {
+        Self::Number(number)
+    }
+}
+
+impl From<bool> for ParameterValue<f64> {
+    fn from(on: bool) -> Self {
+        Self::Switch(on)
     }
 }

@@ -8,11 +8,14 @@ mod any;
 mod basic;
 mod coupled;
 mod hfcr;
+mod list;
 mod method;
+mod named;
 mod popc;
 mod popc_ref;
 mod queue;
 mod seh;
+mod setting;
 mod state;
 mod virtual_damper;
 
@@ -21,10 +24,12 @@ pub use basic::{Basic, BasicParams};
 pub use coupled::{Coupled, CoupledMemory, CoupledParams};
 pub use hfcr::{EntryHold, Hfcr, HfcrParams, LeakDissipation};
 pub use method::{Ended, Method, MethodParams, Plan, Situation};
+pub use named::{MethodInfo, MethodName, all_settings};
 pub use popc::{Popc, PopcParams};
 pub use popc_ref::{PopcRef, PopcRefParams};
 pub use queue::OnItsWay;
 pub use seh::{Seh, SehEstimate, SehMemory, SehParams};
+pub use setting::{Basis, Setting, SettingKey, SettingValues, Settings, SettingsError};
 pub use state::State;
 pub use virtual_damper::{DamperObject, VirtualDamper, VirtualDamperParams};
 
