@@ -4,20 +4,20 @@ use std::collections::HashMap;
 
 use palpate::{
     BasicParams, Contact, Guard, LARGEST_DELAY, LoopParams, Mass, ObjectState, ParameterError,
-    Renderer, Side,
+    Renderer, Side, all_settings,
 };
-use palpate_scene::method::{MethodName, Setting, Settings, SettingsError};
+use palpate_scene::method::{MethodName, SettingKey, Settings, SettingsError};
 use palpate_scene::{Dropped, GUARD_ALLOWANCE, GUARD_SPEED, Jitter, Scene, SetupError};
 use palpate_sim::replay::ReplaySetup;
 use palpate_sim::run::Run;
 use palpate_testbed::InvalidParameter;
 
-use crate::arguments::{Flags, TimingFlags};
+use crate::arguments::{Flags, TimingFlags, flag_of_setting};
 use crate::failure::{Failure, tell};
 use crate::report::{Subject, parameters_of, timing_of};
 
 /// Flag of a parameter, by the name that parameter errors use.
-const FLAG_OF: [(&str, &str); 23] = [
+const FLAG_OF: [(&str, &str); 18] = [
     ("stiffness", "--stiffness"),
     ("object_mass", "--mass"),
     ("virtual force", "--force"),
@@ -31,11 +31,6 @@ const FLAG_OF: [(&str, &str); 23] = [
     ("largest_gap", "--largest-gap"),
     ("guard speed", "--guard-speed"),
     ("guard allowance", "--guard-allowance"),
-    ("damping", "--damping"),
-    ("damping_cap", "--damping-cap"),
-    ("speed_threshold", "--speed-threshold"),
-    ("initial_energy", "--initial-energy"),
-    ("longest_window", "--longest-window"),
     ("device_mass", "--device-mass"),
     ("told device_mass", "--told-device-mass"),
     ("delay_fraction", "--delay-fraction"),
@@ -78,46 +73,35 @@ impl Flags {
 
     /// Settings that were given.
     pub fn settings(&self) -> Settings {
-        Settings {
-            damping: self.damping,
-            damping_cap: self.damping_cap,
-            speed_threshold: self.speed_threshold,
-            initial_energy: self.initial_energy,
-            estimate: self.estimate,
-            prediction: self.prediction,
-            longest_window: self.longest_window,
-            damper_object: self.damper_object,
-            entry_hold: self.entry_hold,
-            placement: self.no_placement.then_some(false),
-            correction: self.no_correction.then_some(false),
-        }
+        self.settings.0
     }
 
-    /// Whether a setting was given whose faults are told in terms of flags.
+    /// Whether a setting was given, so that faults of settings are told in terms of flags.
     pub fn explain_settings(&self) -> bool {
-        self.damping.is_some() || self.prediction.is_some() || self.longest_window.is_some()
+        self.settings() != Settings::default()
     }
 
-    /// Refuses a setting that one of the methods has no use for.
+    /// Refuses a setting that one of the methods has no use for, or that means something else for each
+    /// of two.
     pub fn check_settings(&self, methods: &[MethodName]) -> Result<(), Failure> {
-        let settings = self.settings();
-        for setting in Setting::ALL {
-            if !settings.has(setting) {
-                continue;
-            }
-            if let Some(method) = methods.iter().find(|method| !method.uses(setting)) {
+        for (setting, _) in self.settings().iter() {
+            let flag = flag_of_setting(setting);
+            if let Some(method) = methods.iter().find(|method| !method.uses(setting.key)) {
                 return Err(Failure::Arguments(format!(
-                    "{} cannot be used by method {method}; it is for {}",
-                    flag_of_setting(setting),
-                    setting.users()
+                    "{flag} cannot be used by method {method}; it is for {}",
+                    setting.key.users()
                 )));
             }
-        }
-        if methods.len() > 1 && self.damping.is_some() {
-            return Err(Failure::Arguments(
-                "--damping is B of virtual-damper but b of hfcr: name one of them with --method"
-                    .into(),
-            ));
+            let of = |method: &MethodName| Some((method.setting(setting.key)?, *method));
+            let mut said = methods.iter().filter_map(of);
+            if let Some((first, one)) = said.next()
+                && let Some((second, other)) = said.find(|(second, _)| *second != first)
+            {
+                return Err(Failure::Arguments(format!(
+                    "{flag} is the {} of {one} but the {} of {other}: name one of them with --method",
+                    first.help, second.help
+                )));
+            }
         }
         Ok(())
     }
@@ -281,6 +265,10 @@ impl Flags {
     pub fn change_a_scene(&self) -> bool {
         self.side.is_some()
             || self.encoder_quantum.is_some()
+            || self
+                .settings()
+                .iter()
+                .any(|(setting, _)| setting.unit().is_some())
             || FLAG_OF.iter().any(|(parameter, _)| self.gives(parameter))
     }
 
@@ -300,16 +288,15 @@ impl Flags {
             ("largest_gap", self.largest_gap.is_some()),
             ("guard speed", self.guard_speed.is_some()),
             ("guard allowance", self.guard_allowance.is_some()),
-            ("damping", self.damping.is_some()),
-            ("damping_cap", self.damping_cap.is_some()),
-            ("speed_threshold", self.speed_threshold.is_some()),
-            ("initial_energy", self.initial_energy.is_some()),
-            ("longest_window", self.longest_window.is_some()),
             ("device_mass", self.device_mass.is_some()),
             ("told device_mass", self.told_device_mass.is_some()),
         ]
         .into();
         given.get(parameter).copied().unwrap_or(false)
+            || self
+                .settings()
+                .iter()
+                .any(|(setting, _)| setting.name() == parameter)
     }
 }
 
@@ -341,14 +328,16 @@ pub fn wrong_flag(error: &ParameterError) -> Failure {
     let flag = FLAG_OF
         .iter()
         .find(|(parameter, _)| *parameter == error.parameter)
-        .map_or(error.parameter, |(_, flag)| flag);
-    Failure::Arguments(
-        ParameterError {
-            parameter: flag,
-            ..*error
-        }
-        .to_string(),
-    )
+        .map(|(_, flag)| (*flag).to_owned());
+    let setting = || all_settings().find(|setting| setting.name() == error.parameter);
+    let flag = flag
+        .or_else(|| setting().map(flag_of_setting))
+        .unwrap_or_else(|| error.parameter.to_owned());
+    let space = if error.unit.is_empty() { "" } else { " " };
+    Failure::Arguments(format!(
+        "{flag} is {}{space}{}, but must be {}",
+        error.value, error.unit, error.allowed
+    ))
 }
 
 /// A value that the bench refuses, in terms of the flag that gave it.
@@ -371,17 +360,19 @@ pub fn wrong_setup(error: &SetupError) -> Failure {
         SetupError::Settings(SettingsError::Unused { method, setting }) => {
             Failure::Arguments(format!(
                 "{} cannot be used by method {method}; it is for {}",
-                flag_of_setting(*setting),
-                setting.users()
+                flag_of_setting(setting),
+                setting.key.users()
             ))
         }
-        SetupError::Settings(SettingsError::NoDeviceMass) => {
-            Failure::Arguments("--damping auto needs --device-mass <kg>".into())
-        }
+        SetupError::Settings(SettingsError::NoDeviceMass(setting)) => Failure::Arguments(format!(
+            "{} auto needs --device-mass <kg>",
+            flag_of_setting(setting)
+        )),
         SetupError::Settings(SettingsError::NoPushedMass(method)) => {
-            let without = match method {
-                MethodName::Coupled => "--method hfcr",
-                _ => "--prediction last-step",
+            let without = if method.uses(SettingKey::PREDICTION) {
+                "--prediction last-step"
+            } else {
+                "--method hfcr"
             };
             Failure::Arguments(format!(
                 "{method} needs --device-mass <kg>: what your device weighs where it is held, above 0 \
@@ -389,30 +380,22 @@ pub fn wrong_setup(error: &SetupError) -> Failure {
                  or {without}, which needs none"
             ))
         }
-        SetupError::Settings(SettingsError::NoWindow(method, predictor)) => {
-            Failure::Arguments(format!(
-                "--longest-window, or longest_window_s of a scene, is for --prediction \
-                 first-order-adaptive-window, but the prediction of {method} is {}",
-                predictor.name()
-            ))
+        SetupError::Settings(SettingsError::OnlyBeside {
+            method,
+            setting,
+            other,
+            needed,
+            is,
+        }) => Failure::Arguments(format!(
+            "{}, or {} of a scene, is for {} {needed}, but the {} of {method} is {is}",
+            flag_of_setting(setting),
+            setting.key,
+            flag_of_setting(other),
+            other.name(),
+        )),
+        SetupError::Settings(error @ SettingsError::NoRule { setting, .. }) => {
+            Failure::Arguments(format!("{} auto: {error}", flag_of_setting(setting)))
         }
-        SetupError::Settings(other) => Failure::Arguments(format!("--damping auto: {other}")),
-    }
-}
-
-pub fn flag_of_setting(setting: Setting) -> &'static str {
-    match setting {
-        Setting::Damping => "--damping",
-        Setting::DampingCap => "--damping-cap",
-        Setting::SpeedThreshold => "--speed-threshold",
-        Setting::InitialEnergy => "--initial-energy",
-        Setting::Estimate => "--estimate",
-        Setting::Prediction => "--prediction",
-        Setting::LongestWindow => "--longest-window",
-        Setting::DamperObject => "--damper-object",
-        Setting::EntryHold => "--entry-hold",
-        Setting::Placement => "--no-placement",
-        Setting::Correction => "--no-correction",
     }
 }
 

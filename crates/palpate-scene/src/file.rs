@@ -4,10 +4,7 @@ use std::collections::HashMap;
 use std::io;
 use std::ops::Range;
 
-use palpate::{
-    Contact, DamperObject, EntryHold, Guard, GuardParams, LoopParams, ObjectState, ParameterError,
-    SehEstimate, Side,
-};
+use palpate::{Contact, Guard, GuardParams, LoopParams, ObjectState, ParameterError, Side};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -17,7 +14,7 @@ use super::fault::{Places, SceneError, in_plain_words};
 use super::hand::{RawHand, ReadHand};
 use super::timing::RawLoop;
 use super::{Measure, PointMassDevice, Scene, SetupError};
-use crate::method::{Damping, MethodName, Predictor, Settings, SettingsError};
+use crate::method::{GivenSettings, MethodName, SettingsError, method_named};
 
 /// The version of scene files this crate reads.
 const FORMAT: i64 = 1;
@@ -53,7 +50,7 @@ struct RawScene {
     #[serde(default)]
     renderer: RawRenderer,
     #[serde(default)]
-    methods: HashMap<Spanned<String>, RawSettings>,
+    methods: HashMap<Spanned<String>, GivenSettings>,
 }
 
 #[derive(Deserialize)]
@@ -78,7 +75,7 @@ struct RawMeasure {
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 struct RawRenderer {
-    method: Option<MethodName>,
+    method: Option<Spanned<String>>,
     device_mass_kg: Option<Spanned<f64>>,
     unilateral: Option<bool>,
     force_limit_n: Option<Spanned<f64>>,
@@ -128,40 +125,6 @@ impl GuardMode {
 pub const GUARD_SPEED: f64 = 1.0;
 /// Allowance of a guard where none is stated `[J]`.
 pub const GUARD_ALLOWANCE: f64 = 1e-3;
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct RawSettings {
-    damping_n_s_per_m: Option<Damping>,
-    damping_cap_n_s_per_m: Option<f64>,
-    speed_threshold_m_per_s: Option<f64>,
-    initial_energy_j: Option<f64>,
-    estimate: Option<SehEstimate>,
-    prediction: Option<Predictor>,
-    longest_window_s: Option<f64>,
-    damper_object: Option<DamperObject>,
-    entry_hold: Option<EntryHold>,
-    placement: Option<bool>,
-    correction: Option<bool>,
-}
-
-impl From<RawSettings> for Settings {
-    fn from(raw: RawSettings) -> Self {
-        Self {
-            damping: raw.damping_n_s_per_m,
-            damping_cap: raw.damping_cap_n_s_per_m,
-            speed_threshold: raw.speed_threshold_m_per_s,
-            initial_energy: raw.initial_energy_j,
-            estimate: raw.estimate,
-            prediction: raw.prediction,
-            longest_window: raw.longest_window_s,
-            damper_object: raw.damper_object,
-            entry_hold: raw.entry_hold,
-            placement: raw.placement,
-            correction: raw.correction,
-        }
-    }
-}
 
 impl SceneFile {
     /// Reads a scene that stands alone: as [`parse_with`](Self::parse_with), but every file that the
@@ -223,13 +186,16 @@ impl SceneFile {
         methods.sort_by_key(|(method_key, _)| method_key.span().start);
         for (method_key, raw) in methods {
             let span = method_key.span();
-            let method: MethodName = method_key
-                .get_ref()
-                .parse()
-                .map_err(|error| fault(span.clone(), format!("{error}")))?;
+            let method = method_named(method_key.get_ref())
+                .map_err(|error| fault(span.clone(), error.to_string()))?;
             places.0.insert(settings_place(method), span);
-            settings.insert(method, raw.into());
+            settings.insert(method, raw.0);
         }
+        let method = match &raw.renderer.method {
+            Some(name) => method_named(name.get_ref())
+                .map_err(|error| fault(name.span(), error.to_string()))?,
+            None => MethodName::default(),
+        };
         let limit = |places: &mut Places, name, value: Option<Spanned<f64>>| {
             value.map(|value| places.take(name, value))
         };
@@ -313,7 +279,7 @@ impl SceneFile {
             delay,
             timing,
             measure,
-            method: raw.renderer.method.unwrap_or_default(),
+            method,
             settings,
         };
         let file = Self {
@@ -347,8 +313,8 @@ impl SceneFile {
                 method,
                 format!(
                     "{method} has no use for {}; it is for {}",
-                    setting.key(),
-                    setting.users()
+                    setting.key,
+                    setting.key.users()
                 ),
             ),
             SetupError::Settings(other) => self.at_settings(method, other.to_string()),
@@ -370,30 +336,4 @@ impl SceneFile {
 /// Key under which the place of a method's settings is remembered.
 fn settings_place(method: MethodName) -> &'static str {
     method.name()
-}
-
-impl<'de> Deserialize<'de> for Damping {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct NumberOrAuto;
-        impl serde::de::Visitor<'_> for NumberOrAuto {
-            type Value = Damping;
-
-            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("a damping in N s/m or \"auto\"")
-            }
-            fn visit_f64<E>(self, value: f64) -> Result<Damping, E> {
-                Ok(Damping::Value(value))
-            }
-            fn visit_i64<E>(self, value: i64) -> Result<Damping, E> {
-                Ok(Damping::Value(value as f64))
-            }
-            fn visit_str<E: serde::de::Error>(self, value: &str) -> Result<Damping, E> {
-                match value {
-                    "auto" => Ok(Damping::Auto),
-                    other => Err(E::invalid_value(serde::de::Unexpected::Str(other), &self)),
-                }
-            }
-        }
-        deserializer.deserialize_any(NumberOrAuto)
-    }
 }

@@ -1,9 +1,10 @@
 //! What is rendered, as far as a page can change it.
 
-use palpate::{AnyMethod, Mass};
+use palpate::{Mass, MethodParams as _, ParameterValue};
 use palpate_rt::Rendering;
 use palpate_scene::Scene;
-use palpate_scene::method::{Damping, MethodName, Setting};
+use palpate_scene::method::{MethodName, SettingKey};
+use palpate_scene::named_parameters::named_parameters;
 use serde::Serialize;
 
 use crate::message::{LaneChoice, Set};
@@ -103,7 +104,7 @@ impl Settings {
             check_lanes(lanes.len(), most_lanes)?;
             for lane in lanes {
                 if let Some(value) = lane.damping_n_s_per_m {
-                    if !lane.method.uses(Setting::Damping) {
+                    if !lane.method.uses(SettingKey::DAMPING) {
                         return Err(format!(
                             "{} takes no damping; allowed: none (null)",
                             lane.method.name()
@@ -129,9 +130,10 @@ impl Settings {
         scene.virtual_force = self.virtual_force;
         scene.loop_params.period = self.period;
         scene.method = lane.method;
-        if lane.method.uses(Setting::Damping) {
+        if lane.method.uses(SettingKey::DAMPING) {
             let settings = scene.settings.entry(lane.method).or_default();
-            settings.damping = lane.damping_n_s_per_m.map(Damping::Value);
+            let damping = lane.damping_n_s_per_m.map(ParameterValue::Number);
+            settings.set(SettingKey::DAMPING, damping);
         }
         scene
     }
@@ -156,13 +158,18 @@ impl Settings {
 
 /// The damping that `scene` gives `method`; what it derives is given as what comes of it.
 fn damping(scene: &Scene, method: MethodName) -> Option<f64> {
-    match scene.settings.get(&method)?.damping? {
-        Damping::Value(value) => Some(value),
-        Damping::Auto => match scene.renderer(method).ok()?.method() {
-            AnyMethod::Hfcr(hfcr) => Some(hfcr.damping()),
-            _ => None,
-        },
+    if !scene.settings.get(&method)?.has(SettingKey::DAMPING) {
+        return None;
     }
+    let renderer = scene.renderer(method).ok()?;
+    let derived = scene.params(method).ok()?.derived(renderer.method());
+    let key = SettingKey::DAMPING.as_str();
+    named_parameters(&derived)
+        .into_iter()
+        .find_map(|(name, value)| match value {
+            ParameterValue::Number(number) if name == key => Some(number),
+            _ => None,
+        })
 }
 
 /// Whether a device that has `most` lanes can have `lanes` of them.
@@ -226,7 +233,10 @@ mod tests {
         };
         let after = before.with(&set, &limits, 2).unwrap();
         let scene = after.scene(&scene, after.lanes[0]);
-        assert_eq!(scene.settings[&MethodName::Hfcr].damping, None);
+        assert_eq!(
+            scene.settings[&MethodName::Hfcr].get(SettingKey::DAMPING),
+            None
+        );
     }
 
     #[test]

@@ -4,17 +4,16 @@ use std::fmt;
 
 use comfy_table::CellAlignment;
 use palpate_scene::Scene;
-use palpate_scene::method::{MethodName, Setting};
+use palpate_scene::method::{MethodName, Setting, SettingKey};
 use palpate_sim::tune::{self, HEIGHT_RANGE, HEIGHTS, Objective, Spread, TuneError, TunedPoint};
 use serde::Serialize;
 
 use super::simulate::{explain, read_scene};
-use crate::arguments::{CurveArguments, Least, TuneArguments};
+use crate::arguments::{CurveArguments, Least, TuneArguments, flag_of_setting};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::report::{digits, lines, number, percent, plain_table};
 use crate::results::{draw, plan_picture, print};
-use crate::setup::flag_of_setting;
 use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 
 /// Tries every value of the curve at every start height.
@@ -32,7 +31,7 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
         let nothing = TuneError::NothingToTune(method);
         Failure::Arguments(format!("{nothing}; name one with --method"))
     })?;
-    if flags.settings().has(setting) {
+    if flags.settings().has(setting.key) {
         return Err(Failure::Arguments(format!(
             "{} is what tune looks for; say where with --from and --to",
             flag_of_setting(setting)
@@ -50,7 +49,7 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
     scene
         .renderer(method)
         .map_err(|error| explain((flags, &arguments.timing), &file, method, error.into()))?;
-    let values = values(&arguments.curve, &scene, method, setting)?;
+    let values = values(&arguments.curve, &scene, method, setting.key)?;
     let progress = Progress::new(HEIGHTS);
     progress.begin("start heights");
     let points =
@@ -79,16 +78,16 @@ fn values(
     curve: &CurveArguments,
     scene: &Scene,
     method: MethodName,
-    setting: Setting,
+    setting: SettingKey,
 ) -> Result<Vec<f64>, Failure> {
     let impedance = scene.contact.stiffness * scene.loop_params.period;
     let to = curve.to.unwrap_or(match (setting, method) {
-        (Setting::DampingCap, _) => 8.0 * impedance,
+        (SettingKey::DAMPING_CAP, _) => 8.0 * impedance,
         (_, MethodName::Hfcr) => impedance,
         _ => 4.0 * impedance,
     });
     let from = curve.from.unwrap_or(match setting {
-        Setting::DampingCap => to / f64::from(curve.steps),
+        SettingKey::DAMPING_CAP => to / f64::from(curve.steps),
         _ => 0.0,
     });
     if !(from.is_finite() && to.is_finite() && from >= 0.0 && to > from) {
@@ -158,7 +157,7 @@ impl Report {
     fn new(
         scene: &Scene,
         method: MethodName,
-        setting: Setting,
+        setting: &Setting,
         least: Least,
         points: Vec<TunedPoint>,
     ) -> Self {
@@ -179,7 +178,7 @@ impl Report {
             format: "palpate tune 1",
             title: scene.title.clone(),
             method: method.name(),
-            setting: setting.key(),
+            setting: setting.key.as_str(),
             start_heights: HEIGHTS,
             height_range: HEIGHT_RANGE,
             least: name,

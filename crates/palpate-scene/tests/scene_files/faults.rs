@@ -47,7 +47,7 @@ collisions = 3 -> collisons = 3
   28:1: unknown key collisons, did you mean collisions? Known here: collisions, duration_s
   collisons
 damping_cap_n_s_per_m -> damping_cap
-  41:1: unknown key damping_cap, did you mean damping_cap_n_s_per_m? Known here: damping_n_s_per_m, damping_cap_n_s_per_m, speed_threshold_m_per_s, initial_energy_j, estimate, prediction, longest_window_s, damper_object, entry_hold, placement, correction
+  41:1: unknown key damping_cap, did you mean damping_cap_n_s_per_m? Known here: estimate, damping_n_s_per_m, prediction, damper_object, longest_window_s, damping_cap_n_s_per_m, speed_threshold_m_per_s, initial_energy_j, entry_hold, placement, correction
   damping_cap"#,
         6,
     );
@@ -112,10 +112,10 @@ unilateral = false -> unilateral = 0
   32:14: invalid type: integer `0`, expected a boolean
   0
 damping_n_s_per_m = 0.1 -> damping_n_s_per_m = "atuo"
-  38:21: invalid value: string "atuo", expected a damping in N s/m or "auto"
+  38:21: invalid value: string "atuo", expected a number in N s/m or "auto"
   "atuo"
 damping_n_s_per_m = 0.1 -> damping_n_s_per_m = true
-  38:21: invalid type: boolean `true`, expected a damping in N s/m or "auto"
+  38:21: invalid type: boolean `true`, expected a number in N s/m or "auto"
   true
 estimate = "ab2" -> estimate = "ab4"
   46:12: unknown variant `ab4`, expected one of `ab2`, `differences`, `ab3`

@@ -4,12 +4,13 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod faults;
+mod settings_table;
 mod written;
 
 use std::path::{Path, PathBuf};
 
-use palpate::{AnyParams, HfcrParams, Mass, ParameterError, Side};
-use palpate_scene::method::{Damping, MethodName, UnknownMethod};
+use palpate::{AnyParams, HfcrParams, Mass, ParameterError, ParameterValue, Side};
+use palpate_scene::method::{MethodName, SettingKey, UnknownMethod, method_named};
 use palpate_scene::{Dropped, Jitter, Measure, RateCollapse, Scene, SceneFile, Timing, beside};
 use palpate_sim::closed_loop::{Bench, LoopError};
 
@@ -146,8 +147,8 @@ fn every_key_ends_up_in_the_scene() {
     assert_eq!(scene.method, MethodName::Hfcr);
     assert_eq!(scene.settings.len(), 3);
     assert_eq!(
-        scene.settings[&MethodName::Hfcr].damping,
-        Some(Damping::Value(0.1))
+        scene.settings[&MethodName::Hfcr].get(SettingKey::DAMPING),
+        Some(ParameterValue::Number(0.1))
     );
     let edit = |from, to| SceneFile::parse("edited", &edited(from, to)).unwrap().scene;
     assert_eq!(
@@ -210,8 +211,8 @@ fn every_key_ends_up_in_the_scene() {
     assert_eq!(gap.largest_gap, Some(0.5));
     let auto = edit("damping_n_s_per_m = 0.1", "damping_n_s_per_m = \"auto\"");
     assert_eq!(
-        auto.settings[&MethodName::Hfcr].damping,
-        Some(Damping::Auto)
+        auto.settings[&MethodName::Hfcr].get(SettingKey::DAMPING),
+        Some(ParameterValue::ToBeDerived)
     );
 }
 
@@ -344,7 +345,7 @@ fn a_hand_without_a_kind_is_a_constant_force() {
 
 #[test]
 fn a_method_by_name_suggests_the_nearest() {
-    let error = "virtual_damper".parse::<MethodName>().unwrap_err();
+    let error = method_named("virtual_damper").unwrap_err();
     assert_eq!(
         error,
         UnknownMethod {
@@ -356,7 +357,7 @@ fn a_method_by_name_suggests_the_nearest() {
         "no method is called \"virtual_damper\"; did you mean \"virtual-damper\"?"
     );
     for method in MethodName::ALL {
-        assert_eq!(method.name().parse(), Ok(method));
+        assert_eq!(method_named(method.name()), Ok(method));
         assert_eq!(method.to_string(), method.name());
     }
 }

@@ -8,8 +8,8 @@ use palpate_scene::SetupError;
 use palpate_scene::method::{MethodName, Settings, SettingsError, nearest};
 use palpate_sim::replay::ReplaySetup;
 
+use crate::arguments::flag_of_setting;
 use crate::report::exactly;
-use crate::setup::flag_of_setting;
 
 /// Names of what can be set.
 const NAMES: [&str; 3] = ["stiffness_n_per_m", "mass_kg", "virtual_force_n"];
@@ -146,7 +146,7 @@ fn in_words(error: &SetupError) -> String {
     match error {
         SetupError::Parameter(error) => named(error),
         SetupError::Settings(SettingsError::Unused { setting, .. }) => {
-            format!("{} cannot be used", flag_of_setting(*setting))
+            format!("{} cannot be used", flag_of_setting(setting))
         }
         SetupError::Settings(other) => other.to_string(),
     }
