@@ -1,6 +1,7 @@
 //! Faults of scene and device files, and the places they are found at.
 
 use std::collections::HashMap;
+use std::hash::Hash;
 use std::ops::Range;
 
 use toml::Spanned;
@@ -41,17 +42,22 @@ impl SceneError {
 }
 
 /// Remembers where values stand while it takes them out of their wrapping.
-#[derive(Default)]
-pub(super) struct Places(pub HashMap<&'static str, Range<usize>>);
+pub(super) struct Places<K>(pub HashMap<K, Range<usize>>);
 
-impl Places {
-    pub fn take<T>(&mut self, name: &'static str, value: Spanned<T>) -> T {
-        self.0.insert(name, value.span());
+impl<K> Default for Places<K> {
+    fn default() -> Self {
+        Self(HashMap::new())
+    }
+}
+
+impl<K: Eq + Hash> Places<K> {
+    pub fn take<T>(&mut self, key: impl Into<K>, value: Spanned<T>) -> T {
+        self.0.insert(key.into(), value.span());
         value.into_inner()
     }
 
-    pub fn take_or<T>(&mut self, name: &'static str, value: Option<Spanned<T>>, default: T) -> T {
-        value.map_or(default, |value| self.take(name, value))
+    pub fn take_or<T>(&mut self, key: impl Into<K>, value: Option<Spanned<T>>, default: T) -> T {
+        value.map_or(default, |value| self.take(key, value))
     }
 }
 

@@ -4,14 +4,16 @@ use std::collections::HashMap;
 use std::io;
 use std::ops::Range;
 
-use palpate::{Contact, Guard, GuardParams, LoopParams, ObjectState, ParameterError, Side};
+use palpate::{Contact, Guard, GuardParams, LoopParams, ObjectState, Parameter, Side};
 use serde::Deserialize;
 use toml::Spanned;
 
 use super::beside::Files;
+use super::check::SceneParameterError;
 use super::device_key::{DeviceFault, RawDevice};
 use super::fault::{Places, SceneError, in_plain_words};
 use super::hand::{RawHand, ReadHand};
+use super::parameter::SceneParameter;
 use super::timing::RawLoop;
 use super::{Measure, PointMassDevice, Scene, SetupError};
 use crate::method::{GivenSettings, MethodName, SettingsError, method_named};
@@ -26,7 +28,8 @@ pub struct SceneFile {
     pub scene: Scene,
     name: String,
     source: String,
-    places: HashMap<&'static str, Range<usize>>,
+    places: HashMap<SceneParameter, Range<usize>>,
+    methods: HashMap<MethodName, Range<usize>>,
 }
 
 /// The version alone: a file of another version may have keys this one does not know.
@@ -167,12 +170,17 @@ impl SceneFile {
             )
         })?;
         let mut places = Places::default();
+        let mut method_places = HashMap::new();
 
         let measure_span = raw.measure.span();
         let measure = raw.measure.into_inner();
         let measure = match (measure.collisions, measure.duration_s) {
-            (Some(count), None) => Measure::Collisions(places.take("measured collisions", count)),
-            (None, Some(duration)) => Measure::Duration(places.take("duration", duration)),
+            (Some(count), None) => {
+                Measure::Collisions(places.take(SceneParameter::Collisions, count))
+            }
+            (None, Some(duration)) => {
+                Measure::Duration(places.take(SceneParameter::Duration, duration))
+            }
             _ => {
                 return Err(fault(
                     measure_span,
@@ -188,7 +196,7 @@ impl SceneFile {
             let span = method_key.span();
             let method = method_named(method_key.get_ref())
                 .map_err(|error| fault(span.clone(), error.to_string()))?;
-            places.0.insert(settings_place(method), span);
+            method_places.insert(method, span);
             settings.insert(method, raw.0);
         }
         let method = match &raw.renderer.method {
@@ -196,15 +204,16 @@ impl SceneFile {
                 .map_err(|error| fault(name.span(), error.to_string()))?,
             None => MethodName::default(),
         };
-        let limit = |places: &mut Places, name, value: Option<Spanned<f64>>| {
-            value.map(|value| places.take(name, value))
-        };
+        let limit =
+            |places: &mut Places<SceneParameter>,
+             of: SceneParameter,
+             value: Option<Spanned<f64>>| { value.map(|value| places.take(of, value)) };
         let contact = Contact {
             side: raw.object.side.unwrap_or_default(),
             unilateral: raw.renderer.unilateral.unwrap_or(false),
             ..Contact::object(
-                places.take("stiffness", raw.object.stiffness_n_per_m),
-                places.take("object_mass", raw.object.mass_kg),
+                places.take(Parameter::Stiffness, raw.object.stiffness_n_per_m),
+                places.take(Parameter::ObjectMass, raw.object.mass_kg),
             )
         };
         let mut device = raw.device;
@@ -212,14 +221,18 @@ impl SceneFile {
             DeviceFault::Here(span, message) => fault(span, message),
             DeviceFault::InDeviceFile(error) => error,
         })?;
-        let device_position = places.take_or("device position", device.position_m.take(), 0.0);
+        let device_position = places.take_or(
+            SceneParameter::DevicePosition,
+            device.position_m.take(),
+            0.0,
+        );
         let device_mass = match &linkage {
             Some(linkage) => linkage.effective_mass(device_position).map_err(|error| {
-                let place = places.0.get("device position").cloned();
+                let place = places.0.get(&SceneParameter::DevicePosition).cloned();
                 fault(place.unwrap_or(device.kind.span()), error.to_string())
             })?,
             // Checked to be there.
-            None => places.take_or("device_mass", device.mass_kg.take(), f64::NAN),
+            None => places.take_or(Parameter::DeviceMass, device.mass_kg.take(), f64::NAN),
         };
         let ReadHand {
             force,
@@ -231,7 +244,7 @@ impl SceneFile {
             .hand
             .read(&mut places, files)
             .map_err(|(span, message)| fault(span, message))?;
-        let period = places.take("period", raw.r#loop.period_s.clone());
+        let period = places.take(Parameter::Period, raw.r#loop.period_s.clone());
         let (delay, timing) = raw
             .r#loop
             .timing(&mut places)
@@ -241,35 +254,83 @@ impl SceneFile {
             contact,
             loop_params: LoopParams {
                 // A simulated device does not glitch; a loop that diverges is to be seen doing so.
-                speed_limit: limit(&mut places, "speed_limit", raw.renderer.speed_limit_m_per_s),
-                force_limit: limit(&mut places, "force_limit", raw.renderer.force_limit_n),
-                slew_limit: limit(&mut places, "slew_limit", raw.renderer.slew_limit_n_per_s),
-                largest_gap: limit(&mut places, "largest_gap", raw.renderer.largest_gap_s),
+                speed_limit: limit(
+                    &mut places,
+                    Parameter::SpeedLimit.into(),
+                    raw.renderer.speed_limit_m_per_s,
+                ),
+                force_limit: limit(
+                    &mut places,
+                    Parameter::ForceLimit.into(),
+                    raw.renderer.force_limit_n,
+                ),
+                slew_limit: limit(
+                    &mut places,
+                    Parameter::SlewLimit.into(),
+                    raw.renderer.slew_limit_n_per_s,
+                ),
+                largest_gap: limit(
+                    &mut places,
+                    Parameter::LargestGap.into(),
+                    raw.renderer.largest_gap_s,
+                ),
                 guard: raw.renderer.guard.map_or(Guard::Off, |guard| {
                     guard.mode.guard(
-                        places.take_or("guard speed", guard.speed_m_per_s, GUARD_SPEED),
-                        places.take_or("guard allowance", guard.allowance_j, GUARD_ALLOWANCE),
+                        places.take_or(Parameter::GuardSpeed, guard.speed_m_per_s, GUARD_SPEED),
+                        places.take_or(
+                            Parameter::GuardAllowance,
+                            guard.allowance_j,
+                            GUARD_ALLOWANCE,
+                        ),
                     )
                 }),
                 ..LoopParams::new(period)
             },
             object: ObjectState {
-                position: places.take("object position", raw.object.position_m),
-                velocity: places.take_or("object velocity", raw.object.velocity_m_per_s, 0.0),
+                position: places.take(Parameter::ObjectPosition, raw.object.position_m),
+                velocity: places.take_or(
+                    Parameter::ObjectVelocity,
+                    raw.object.velocity_m_per_s,
+                    0.0,
+                ),
             },
-            object_radius: places.take_or("object radius", raw.object.radius_m, 0.0),
-            virtual_force: places.take_or("virtual force", raw.object.force_n, 0.0),
+            object_radius: places.take_or(SceneParameter::ObjectRadius, raw.object.radius_m, 0.0),
+            virtual_force: places.take_or(Parameter::VirtualForce, raw.object.force_n, 0.0),
             linkage,
             device: PointMassDevice {
                 mass: device_mass,
                 position: device_position,
-                velocity: places.take_or("device velocity", device.velocity_m_per_s, 0.0),
-                encoder_quantum: places.take_or("encoder_quantum", device.encoder_quantum_m, 0.0),
-                viscous_friction: places.take_or("viscous friction", device.viscous_n_s_per_m, 0.0),
-                coulomb_friction: places.take_or("Coulomb friction", device.coulomb_n, 0.0),
-                largest_force: limit(&mut places, "motor limit", device.motor_limit_n),
+                velocity: places.take_or(
+                    SceneParameter::DeviceVelocity,
+                    device.velocity_m_per_s,
+                    0.0,
+                ),
+                encoder_quantum: places.take_or(
+                    Parameter::EncoderQuantum,
+                    device.encoder_quantum_m,
+                    0.0,
+                ),
+                viscous_friction: places.take_or(
+                    SceneParameter::ViscousFriction,
+                    device.viscous_n_s_per_m,
+                    0.0,
+                ),
+                coulomb_friction: places.take_or(
+                    SceneParameter::CoulombFriction,
+                    device.coulomb_n,
+                    0.0,
+                ),
+                largest_force: limit(
+                    &mut places,
+                    SceneParameter::MotorLimit,
+                    device.motor_limit_n,
+                ),
             },
-            told_device_mass: limit(&mut places, "told device_mass", raw.renderer.device_mass_kg),
+            told_device_mass: limit(
+                &mut places,
+                SceneParameter::ToldDeviceMass,
+                raw.renderer.device_mass_kg,
+            ),
             user_force: force,
             user_force_at: force_at,
             tremor,
@@ -287,6 +348,7 @@ impl SceneFile {
             name: name.into(),
             source: source.into(),
             places: places.0,
+            methods: method_places,
         };
         file.scene
             .check()
@@ -305,7 +367,7 @@ impl SceneFile {
     /// The place of what makes `method` impossible here.
     pub fn locate(&self, method: MethodName, error: &SetupError) -> SceneError {
         match error {
-            SetupError::Parameter(parameter) if self.places.contains_key(parameter.parameter) => {
+            SetupError::Parameter(parameter) if self.places.contains_key(&parameter.parameter) => {
                 self.locate_parameter(parameter)
             }
             SetupError::Parameter(parameter) => self.at_settings(method, parameter.to_string()),
@@ -322,18 +384,23 @@ impl SceneFile {
     }
 
     /// The place of a parameter that is out of range.
-    pub fn locate_parameter(&self, error: &ParameterError) -> SceneError {
-        let span = self.places.get(error.parameter).cloned().unwrap_or(0..0);
-        SceneError::at(&self.name, &self.source, span, error.to_string())
+    pub fn locate_parameter(&self, error: &SceneParameterError) -> SceneError {
+        self.at(error.parameter, error.to_string())
+    }
+
+    /// A fault at the place of `parameter`; at the file's beginning, where the file does not say it.
+    pub fn at(&self, parameter: SceneParameter, message: String) -> SceneError {
+        let span = self.places.get(&parameter).cloned();
+        SceneError::at(&self.name, &self.source, span.unwrap_or(0..0), message)
+    }
+
+    /// A fault of the file as a whole.
+    pub fn as_a_whole(&self, message: String) -> SceneError {
+        SceneError::at(&self.name, &self.source, 0..0, message)
     }
 
     fn at_settings(&self, method: MethodName, message: String) -> SceneError {
-        let span = self.places.get(settings_place(method)).cloned();
+        let span = self.methods.get(&method).cloned();
         SceneError::at(&self.name, &self.source, span.unwrap_or(0..0), message)
     }
-}
-
-/// Key under which the place of a method's settings is remembered.
-fn settings_place(method: MethodName) -> &'static str {
-    method.name()
 }

@@ -1,10 +1,10 @@
 //! What is rendered, as far as a page can change it.
 
-use palpate::{Mass, MethodParams as _, ParameterValue};
+use palpate::{Mass, MethodParams as _, Parameter, ParameterValue};
 use palpate_rt::Rendering;
-use palpate_scene::Scene;
 use palpate_scene::method::{MethodName, SettingKey};
 use palpate_scene::named_parameters::named_parameters;
+use palpate_scene::{Scene, SceneParameter, SceneParameterError, SetupError};
 use serde::Serialize;
 
 use crate::message::{LaneChoice, Set};
@@ -147,13 +147,31 @@ impl Settings {
             .iter()
             .map(|lane| {
                 let scene = self.scene(scene, *lane);
-                scene.check().map_err(|error| error.to_string())?;
-                scene
-                    .rendering(lane.method)
-                    .map_err(|error| error.to_string())
+                scene.check().map_err(|error| by_field(&error))?;
+                scene.rendering(lane.method).map_err(|error| match error {
+                    SetupError::Parameter(error) => by_field(&error),
+                    SetupError::Settings(error) => error.to_string(),
+                })
             })
             .collect()
     }
+}
+
+/// A parameter out of range, by the field of the page that says it.
+fn by_field(error: &SceneParameterError) -> String {
+    let SceneParameter::Rendered(parameter) = error.parameter else {
+        return error.to_string();
+    };
+    let field = match parameter {
+        Parameter::Stiffness => "stiffness_n_per_m",
+        Parameter::ObjectMass => "mass_kg",
+        Parameter::VirtualForce => "virtual_force_n",
+        Parameter::Period => "period_s",
+        Parameter::Setting(setting) => setting.key.as_str(),
+        // No field of the page: the scene's.
+        _ => return error.to_string(),
+    };
+    error.called(field).to_string()
 }
 
 /// The damping that `scene` gives `method`; what it derives is given as what comes of it.
@@ -280,5 +298,39 @@ mod tests {
             refused(lanes(&[(MethodName::Hfcr, Some(-1.0))]), 2),
             "damping_n_s_per_m is -1; allowed: 0 to 50"
         );
+    }
+
+    #[test]
+    fn what_no_renderer_takes_is_told_by_the_page_s_field() {
+        let scene = scene();
+        let told = |change: fn(&mut Settings)| {
+            let mut settings = Settings::of(&scene, &[MethodName::Hfcr]);
+            change(&mut settings);
+            settings.renderings(&scene).unwrap_err()
+        };
+        for (change, message) in [
+            (
+                (|settings| settings.stiffness = -1.0) as fn(&mut Settings),
+                "stiffness_n_per_m is -1 N/m, but must be finite and greater than 0",
+            ),
+            (
+                |settings| settings.mass = Some(0.0),
+                "mass_kg is 0 kg, but must be finite and greater than 0",
+            ),
+            (
+                |settings| settings.virtual_force = f64::INFINITY,
+                "virtual_force_n is inf N, but must be finite",
+            ),
+            (
+                |settings| settings.period = 0.0,
+                "period_s is 0 s, but must be finite and greater than 0",
+            ),
+            (
+                |settings| settings.lanes[0].damping_n_s_per_m = Some(-1.0),
+                "damping_n_s_per_m is -1 N s/m, but must be finite and not below 0",
+            ),
+        ] {
+            assert_eq!(told(change), message);
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::Scalar;
 use crate::guard::Guard;
-use crate::parameter::{ParameterError, positive};
+use crate::parameter::{Allowed, Parameter, ParameterError};
 
 /// Mass of the virtual object.
 ///
@@ -113,9 +113,9 @@ impl<S: Scalar> Contact<S> {
     }
 
     pub(crate) fn check(&self) -> Result<(), ParameterError> {
-        positive("stiffness", "N/m", self.stiffness)?;
+        Parameter::Stiffness.positive(self.stiffness)?;
         if let Mass::Finite(mass) = self.object_mass {
-            positive("object_mass", "kg", mass)?;
+            Parameter::ObjectMass.positive(mass)?;
         }
         Ok(())
     }
@@ -211,32 +211,23 @@ impl<S: Scalar> LoopParams<S> {
     }
 
     pub(crate) fn check(&self) -> Result<(), ParameterError> {
-        positive("period", "s", self.period)?;
+        Parameter::Period.positive(self.period)?;
         if let Some(gap) = self.largest_gap {
-            crate::parameter::check(
-                gap.is_finite() && gap >= self.period,
-                "largest_gap",
-                "s",
-                gap,
-                "finite and at least one period",
-            )?;
+            let bridges = gap.is_finite() && gap >= self.period;
+            Parameter::LargestGap.unless(bridges, gap, Allowed::AtLeastOnePeriod)?;
         }
-        for (parameter, unit, limit) in [
-            ("speed_limit", "m/s", self.speed_limit),
-            ("force_limit", "N", self.force_limit),
-            ("slew_limit", "N/s", self.slew_limit),
+        for (parameter, limit) in [
+            (Parameter::SpeedLimit, self.speed_limit),
+            (Parameter::ForceLimit, self.force_limit),
+            (Parameter::SlewLimit, self.slew_limit),
         ] {
             if let Some(limit) = limit {
-                positive(parameter, unit, limit)?;
+                parameter.positive(limit)?;
             }
         }
-        crate::parameter::check(
-            self.delay <= LARGEST_DELAY,
-            "delay",
-            "samples",
-            self.delay as f64,
-            "0 to 8",
-        )?;
+        let known = self.delay <= LARGEST_DELAY;
+        let allowed = Allowed::UpToSamples(LARGEST_DELAY);
+        Parameter::Delay.unless(known, self.delay as f64, allowed)?;
         self.guard.check()
     }
 }

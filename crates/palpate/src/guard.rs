@@ -15,7 +15,7 @@
 //! was stored, what f_V and changes from outside put in, and the allowance.
 
 use crate::Scalar;
-use crate::parameter::{ParameterError, not_negative, positive};
+use crate::parameter::{Parameter, ParameterError};
 
 /// Whether the energy given out is bounded, and how.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -63,8 +63,8 @@ impl<S: Scalar> Guard<S> {
         match self {
             Self::Off => Ok(()),
             Self::Report(params) | Self::Limit(params) => {
-                positive("guard speed", "m/s", params.largest_speed)?;
-                not_negative("guard allowance", "J", params.allowance)?;
+                Parameter::GuardSpeed.positive(params.largest_speed)?;
+                Parameter::GuardAllowance.not_negative(params.allowance)?;
                 Ok(())
             }
         }

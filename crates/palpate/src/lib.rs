@@ -69,7 +69,9 @@ pub use difficulty::Difficulty;
 pub use energy::{Leak, Ledger};
 pub use guard::{Guard, GuardParams};
 pub use motion::{Displacement, ObjectMotion, ObjectState, Rule, Start};
-pub use parameter::{ParameterError, ParameterValue, Range, Unit};
+pub use parameter::{
+    Allowed, Parameter, ParameterError, ParameterName, ParameterValue, Range, Unit,
+};
 pub use placement::Placement;
 pub use predict::{LONGEST_WINDOW, Prediction, PredictionMemory, PredictionName};
 pub use render::{

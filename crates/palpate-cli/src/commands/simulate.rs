@@ -3,9 +3,10 @@
 use std::path::Path;
 use std::string::FromUtf8Error;
 
-use palpate::ParameterError;
 use palpate_scene::method::MethodName;
-use palpate_scene::{HandForceAt, Measure, Scene, SceneError, SceneFile, SetupError, beside};
+use palpate_scene::{
+    HandForceAt, Measure, Scene, SceneError, SceneFile, SceneParameter, SetupError, beside,
+};
 use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_sim::run::Run;
 
@@ -219,28 +220,19 @@ pub(super) fn explain(
         {
             Failure::Arguments(format!("with these flags, {error}"))
         }
-        LoopError::TooFewCollisions { .. } => in_window(file, "measured collisions", &error),
+        LoopError::TooFewCollisions { .. } => in_window(file, SceneParameter::Collisions, &error),
         LoopError::TooLong(_) => match file.scene.measure {
-            Measure::Collisions(_) => in_window(file, "measured collisions", &error),
-            Measure::Duration(_) => in_window(file, "duration", &error),
+            Measure::Collisions(_) => in_window(file, SceneParameter::Collisions, &error),
+            Measure::Duration(_) => in_window(file, SceneParameter::Duration, &error),
         },
         LoopError::Bench(bench) if bench.name == "collisions" => {
-            in_window(file, "measured collisions", &error)
+            in_window(file, SceneParameter::Collisions, &error)
         }
-        LoopError::Bench(_) => in_window(file, "no place", &error),
+        LoopError::Bench(_) => in_file(file.as_a_whole(error.to_string())),
     }
 }
 
 /// A fault of the window, at the `parameter` of the file that says how long it is.
-fn in_window(file: &SceneFile, parameter: &'static str, error: &LoopError) -> Failure {
-    let place = file.locate_parameter(&ParameterError {
-        parameter,
-        value: f64::NAN,
-        unit: "",
-        allowed: "",
-    });
-    in_file(SceneError {
-        message: error.to_string(),
-        ..place
-    })
+fn in_window(file: &SceneFile, parameter: SceneParameter, error: &LoopError) -> Failure {
+    in_file(file.at(parameter, error.to_string()))
 }

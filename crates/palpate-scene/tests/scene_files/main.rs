@@ -9,7 +9,7 @@ mod written;
 
 use std::path::{Path, PathBuf};
 
-use palpate::{AnyParams, HfcrParams, Mass, ParameterError, ParameterValue, Side};
+use palpate::{AnyParams, HfcrParams, Mass, Parameter, ParameterError, ParameterValue, Side};
 use palpate_scene::method::{MethodName, SettingKey, UnknownMethod, method_named};
 use palpate_scene::{Dropped, Jitter, Measure, RateCollapse, Scene, SceneFile, Timing, beside};
 use palpate_sim::closed_loop::{Bench, LoopError};
@@ -375,5 +375,6 @@ fn a_scene_made_in_code_is_checked_before_it_runs() {
     else {
         panic!("{error}");
     };
-    assert_eq!((parameter, value), ("encoder_quantum", -1.0));
+    assert_eq!(parameter, Parameter::EncoderQuantum.into());
+    assert_eq!(value, -1.0);
 }

@@ -5,7 +5,7 @@ use super::observer::{Motion, Observer, ObserverParams, Seen};
 use super::steps::{Step, Steps};
 use crate::Scalar;
 use crate::contact::Mass;
-use crate::parameter::{ParameterError, ParameterValue, Range, Unit, not_negative};
+use crate::parameter::{Parameter, ParameterError, ParameterValue, Range, Unit};
 use crate::render::{
     Basis, MethodName, Setting, SettingKey, SettingValues, Settings, SettingsError,
 };
@@ -112,7 +112,7 @@ impl<S: Scalar> Prediction<S> {
                 noise_bound,
                 longest_window,
             } => Predictor::AdaptiveWindow {
-                noise_bound: not_negative("noise_bound", "m", noise_bound)?,
+                noise_bound: Parameter::NoiseBound.not_negative(noise_bound)?,
                 longest: LONGEST_WINDOW_SETTING.check(longest_window)?,
             },
             Self::Extrapolation => Predictor::Extrapolation,

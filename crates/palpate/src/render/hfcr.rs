@@ -6,7 +6,7 @@ use super::setting::{Basis, Setting, SettingKey, SettingValues, Settings, Settin
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams, Mass};
 use crate::motion::{Displacement, ObjectMotion, Rule};
-use crate::parameter::{ParameterError, ParameterValue, Range, Unit, not_negative, positive};
+use crate::parameter::{Parameter, ParameterError, ParameterValue, Range, Unit};
 use crate::predict::{LONGEST_WINDOW_SETTING, PREDICTION, Prediction, PredictionMemory, Predictor};
 
 /// Device displacements shorter than this `[m]` are taken as 0 where the force divides by them.
@@ -246,14 +246,14 @@ impl<S: Scalar> MethodParams<S> for HfcrParams<S> {
             LeakDissipation::Off => S::ZERO,
             LeakDissipation::Damping(b) => DAMPING.check(b)?,
             LeakDissipation::Auto { device_mass } => {
-                positive("device_mass", "kg", device_mass)?;
+                Parameter::DeviceMass.positive(device_mass)?;
                 let (k, t) = (contact.stiffness, loop_params.period);
                 let wall = k * k * t * t * t / (S::from_f64(4.0) * device_mass);
                 let damping = match contact.object_mass {
                     Mass::Infinite => wall,
                     Mass::Finite(mass) => wall * mass / (device_mass + mass),
                 };
-                not_negative("derived damping", "N s/m", damping)?
+                Parameter::DerivedDamping.not_negative(damping)?
             }
         };
         Ok(Hfcr {

@@ -38,7 +38,7 @@ use crate::contact::{Contact, LoopParams};
 use crate::energy::Closing;
 use crate::guard::Guard;
 use crate::motion::{ObjectMotion, ObjectState, Rule, Start};
-use crate::parameter::{ParameterError, finite};
+use crate::parameter::{Parameter, ParameterError};
 use crate::sample::{Fault, Limited, Output, Phase, Sample};
 use state::{Device, Interval, Traces};
 
@@ -177,8 +177,8 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
     }
 
     fn canonical(&self, object: ObjectState<S>) -> Result<ObjectState<S>, ParameterError> {
-        let position = finite("object position", "m", object.position)?;
-        let velocity = finite("object velocity", "m/s", object.velocity)?;
+        let position = Parameter::ObjectPosition.finite(object.position)?;
+        let velocity = Parameter::ObjectVelocity.finite(object.velocity)?;
         Ok(ObjectState {
             position: self.sign * position,
             velocity: if self.motion.is_wall() {

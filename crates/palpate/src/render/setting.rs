@@ -6,7 +6,7 @@ use core::fmt;
 use super::named::{MOST_SETTINGS, MethodName, all_settings};
 use crate::Scalar;
 use crate::contact::Mass;
-use crate::parameter::{ParameterError, ParameterValue, Range, Unit};
+use crate::parameter::{Parameter, ParameterError, ParameterValue, Range, Unit};
 
 /// The key of a setting in files and reports, with its unit at the end. Methods may share a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -43,7 +43,7 @@ impl fmt::Display for SettingKey {
 }
 
 /// What a method's file says of one of its settings.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Setting {
     /// Its key.
     pub key: SettingKey,
@@ -56,7 +56,7 @@ pub struct Setting {
 }
 
 /// What a setting may be.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SettingValues {
     /// A number.
     Number {
@@ -133,10 +133,9 @@ impl Setting {
     }
 
     /// A number of it, if it is in its range.
-    pub(crate) fn check<S: Scalar>(&self, value: S) -> Result<S, ParameterError> {
-        let unit = self.unit().unwrap_or(Unit::One);
+    pub(crate) fn check<S: Scalar>(&'static self, value: S) -> Result<S, ParameterError> {
         let range = self.range().unwrap_or(Range::Finite);
-        range.check(self.name(), unit.symbol(), value)
+        Parameter::Setting(self).within(range, value)
     }
 }
 
