@@ -275,13 +275,10 @@ impl Flags {
     /// Puts the flags that were given in place of the scene's values, for `methods`.
     pub fn change(&self, scene: &mut Scene, methods: &[MethodName]) -> Result<(), Failure> {
         self.check_device()?;
-        let contact = Contact::object(
-            self.stiffness.unwrap_or(scene.contact.stiffness),
-            self.mass.unwrap_or(f64::NAN),
-        );
-        scene.contact.stiffness = contact.stiffness;
-        if self.mass.is_some() {
-            scene.contact.object_mass = contact.object_mass;
+        let stiffness = self.stiffness.unwrap_or(scene.contact.stiffness);
+        scene.contact.stiffness = stiffness;
+        if let Some(mass) = self.mass {
+            scene.contact.object_mass = Contact::object(stiffness, mass).object_mass;
         }
         scene.contact.side = self.side.unwrap_or(scene.contact.side);
         scene.contact.unilateral |= self.unilateral;

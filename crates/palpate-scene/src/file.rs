@@ -1,22 +1,27 @@
 //! Scene files.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::io;
 use std::ops::Range;
 
-use palpate::{Contact, Guard, GuardParams, LoopParams, ObjectState, Parameter, Side};
+use palpate::{
+    Allowed, Contact, Guard, GuardParams, LoopParams, MethodParams as _, ObjectState, Parameter,
+    Side,
+};
 use serde::Deserialize;
 use toml::Spanned;
 
 use super::beside::Files;
 use super::check::SceneParameterError;
-use super::device_key::{DeviceFault, RawDevice};
-use super::fault::{Places, SceneError, in_plain_words};
+use super::device_key::{DeviceFault, RawDevice, ReadDevice, ReadPointMass};
+use super::fault::{Places, SceneError, SceneErrors};
 use super::hand::{RawHand, ReadHand};
-use super::parameter::SceneParameter;
-use super::timing::RawLoop;
+use super::linkage::Linkage;
+use super::parameter::SceneParameter::{self, self as Of};
+use super::recover::{self, Fault};
+use super::timing::{RawLoop, Timing};
 use super::{Measure, PointMassDevice, Scene, SetupError};
-use crate::method::{GivenSettings, MethodName, SettingsError, method_named};
+use crate::method::{GivenSettings, MethodName, Settings, SettingsError, method_named};
 
 /// The version of scene files this crate reads.
 const FORMAT: i64 = 1;
@@ -134,8 +139,8 @@ impl SceneFile {
     /// scene names is missing.
     ///
     /// # Errors
-    /// The first fault, with its line and column and with what is allowed.
-    pub fn parse(name: &str, source: &str) -> Result<Self, SceneError> {
+    /// Every fault, each with its line and column and with what is allowed.
+    pub fn parse(name: &str, source: &str) -> Result<Self, SceneErrors> {
         Self::parse_with(name, source, &mut |_| {
             let alone = "this scene is read without the files beside it";
             Err(io::Error::new(io::ErrorKind::NotFound, alone))
@@ -147,221 +152,21 @@ impl SceneFile {
     /// stands in the scene; [`beside`](super::beside) looks in the scene's own folder.
     ///
     /// # Errors
-    /// The first fault in the scene file or, with that file's name, in the device file; with its line
-    /// and column and with what is allowed.
-    pub fn parse_with(name: &str, source: &str, files: Files<'_>) -> Result<Self, SceneError> {
-        let fault =
-            |span: Range<usize>, message: String| SceneError::at(name, source, span, message);
-        if let Ok(RawVersion { scene_format }) = toml::from_str(source)
-            && *scene_format.get_ref() != FORMAT
-        {
-            return Err(fault(
-                scene_format.span(),
-                format!(
-                    "scene_format is {}, but this version reads {FORMAT} only",
-                    scene_format.get_ref()
-                ),
-            ));
+    /// Every fault in the scene file and, with that file's name, the first in the device file; each
+    /// with its line and column and with what is allowed.
+    pub fn parse_with(name: &str, source: &str, files: Files<'_>) -> Result<Self, SceneErrors> {
+        let mut reading = Reading {
+            name,
+            source,
+            faults: Vec::new(),
+            damaged: HashSet::new(),
+        };
+        let file = reading.read(files);
+        match (SceneErrors::of(reading.faults), file) {
+            (None, Some(file)) => Ok(file),
+            (Some(errors), _) => Err(errors),
+            (None, None) => unreachable!("what cannot be read has a fault"),
         }
-        let raw: RawScene = toml::from_str(source).map_err(|error| {
-            fault(
-                error.span().unwrap_or(0..0),
-                in_plain_words(error.message()),
-            )
-        })?;
-        let mut places = Places::default();
-        let mut method_places = HashMap::new();
-
-        let measure_span = raw.measure.span();
-        let measure = raw.measure.into_inner();
-        let measure = match (measure.collisions, measure.duration_s) {
-            (Some(count), None) => {
-                Measure::Collisions(places.take(SceneParameter::Collisions, count))
-            }
-            (None, Some(duration)) => {
-                Measure::Duration(places.take(SceneParameter::Duration, duration))
-            }
-            _ => {
-                return Err(fault(
-                    measure_span,
-                    "[measure] needs either collisions or duration_s, one of them".into(),
-                ));
-            }
-        };
-        let mut settings = HashMap::new();
-        // In the file's order: the first fault is to be the same one every time.
-        let mut methods: Vec<_> = raw.methods.into_iter().collect();
-        methods.sort_by_key(|(method_key, _)| method_key.span().start);
-        for (method_key, raw) in methods {
-            let span = method_key.span();
-            let method = method_named(method_key.get_ref())
-                .map_err(|error| fault(span.clone(), error.to_string()))?;
-            method_places.insert(method, span);
-            settings.insert(method, raw.0);
-        }
-        let method = match &raw.renderer.method {
-            Some(name) => method_named(name.get_ref())
-                .map_err(|error| fault(name.span(), error.to_string()))?,
-            None => MethodName::default(),
-        };
-        let limit =
-            |places: &mut Places<SceneParameter>,
-             of: SceneParameter,
-             value: Option<Spanned<f64>>| { value.map(|value| places.take(of, value)) };
-        let contact = Contact {
-            side: raw.object.side.unwrap_or_default(),
-            unilateral: raw.renderer.unilateral.unwrap_or(false),
-            ..Contact::object(
-                places.take(Parameter::Stiffness, raw.object.stiffness_n_per_m),
-                places.take(Parameter::ObjectMass, raw.object.mass_kg),
-            )
-        };
-        let mut device = raw.device;
-        let linkage = device.linkage(name, files).map_err(|error| match error {
-            DeviceFault::Here(span, message) => fault(span, message),
-            DeviceFault::InDeviceFile(error) => error,
-        })?;
-        let device_position = places.take_or(
-            SceneParameter::DevicePosition,
-            device.position_m.take(),
-            0.0,
-        );
-        let device_mass = match &linkage {
-            Some(linkage) => linkage.effective_mass(device_position).map_err(|error| {
-                let place = places.0.get(&SceneParameter::DevicePosition).cloned();
-                fault(place.unwrap_or(device.kind.span()), error.to_string())
-            })?,
-            // Checked to be there.
-            None => places.take_or(Parameter::DeviceMass, device.mass_kg.take(), f64::NAN),
-        };
-        let ReadHand {
-            force,
-            force_at,
-            tremor,
-            release,
-            grip,
-        } = raw
-            .hand
-            .read(&mut places, files)
-            .map_err(|(span, message)| fault(span, message))?;
-        let period = places.take(Parameter::Period, raw.r#loop.period_s.clone());
-        let (delay, timing) = raw
-            .r#loop
-            .timing(&mut places)
-            .map_err(|(span, message)| fault(span, message.into()))?;
-        let scene = Scene {
-            title: raw.title,
-            contact,
-            loop_params: LoopParams {
-                // A simulated device does not glitch; a loop that diverges is to be seen doing so.
-                speed_limit: limit(
-                    &mut places,
-                    Parameter::SpeedLimit.into(),
-                    raw.renderer.speed_limit_m_per_s,
-                ),
-                force_limit: limit(
-                    &mut places,
-                    Parameter::ForceLimit.into(),
-                    raw.renderer.force_limit_n,
-                ),
-                slew_limit: limit(
-                    &mut places,
-                    Parameter::SlewLimit.into(),
-                    raw.renderer.slew_limit_n_per_s,
-                ),
-                largest_gap: limit(
-                    &mut places,
-                    Parameter::LargestGap.into(),
-                    raw.renderer.largest_gap_s,
-                ),
-                guard: raw.renderer.guard.map_or(Guard::Off, |guard| {
-                    guard.mode.guard(
-                        places.take_or(Parameter::GuardSpeed, guard.speed_m_per_s, GUARD_SPEED),
-                        places.take_or(
-                            Parameter::GuardAllowance,
-                            guard.allowance_j,
-                            GUARD_ALLOWANCE,
-                        ),
-                    )
-                }),
-                ..LoopParams::new(period)
-            },
-            object: ObjectState {
-                position: places.take(Parameter::ObjectPosition, raw.object.position_m),
-                velocity: places.take_or(
-                    Parameter::ObjectVelocity,
-                    raw.object.velocity_m_per_s,
-                    0.0,
-                ),
-            },
-            object_radius: places.take_or(SceneParameter::ObjectRadius, raw.object.radius_m, 0.0),
-            virtual_force: places.take_or(Parameter::VirtualForce, raw.object.force_n, 0.0),
-            linkage,
-            device: PointMassDevice {
-                mass: device_mass,
-                position: device_position,
-                velocity: places.take_or(
-                    SceneParameter::DeviceVelocity,
-                    device.velocity_m_per_s,
-                    0.0,
-                ),
-                encoder_quantum: places.take_or(
-                    Parameter::EncoderQuantum,
-                    device.encoder_quantum_m,
-                    0.0,
-                ),
-                viscous_friction: places.take_or(
-                    SceneParameter::ViscousFriction,
-                    device.viscous_n_s_per_m,
-                    0.0,
-                ),
-                coulomb_friction: places.take_or(
-                    SceneParameter::CoulombFriction,
-                    device.coulomb_n,
-                    0.0,
-                ),
-                largest_force: limit(
-                    &mut places,
-                    SceneParameter::MotorLimit,
-                    device.motor_limit_n,
-                ),
-            },
-            told_device_mass: limit(
-                &mut places,
-                SceneParameter::ToldDeviceMass,
-                raw.renderer.device_mass_kg,
-            ),
-            user_force: force,
-            user_force_at: force_at,
-            tremor,
-            release,
-            grip,
-            recorded_hand: None,
-            delay,
-            timing,
-            measure,
-            method,
-            settings,
-        };
-        let file = Self {
-            scene,
-            name: name.into(),
-            source: source.into(),
-            places: places.0,
-            methods: method_places,
-        };
-        file.scene
-            .check()
-            .map_err(|error| file.locate_parameter(&error))?;
-        let named = |method: &MethodName| {
-            *method == file.scene.method || file.scene.settings.contains_key(method)
-        };
-        for method in MethodName::ALL.into_iter().filter(named) {
-            file.scene
-                .renderer(method)
-                .map_err(|error| file.locate(method, &error))?;
-        }
-        Ok(file)
     }
 
     /// The place of what makes `method` impossible here.
@@ -402,5 +207,272 @@ impl SceneFile {
     fn at_settings(&self, method: MethodName, message: String) -> SceneError {
         let span = self.methods.get(&method).cloned();
         SceneError::at(&self.name, &self.source, span.unwrap_or(0..0), message)
+    }
+}
+
+/// A scene file as far as it has been read, and what is wrong with it.
+struct Reading<'a> {
+    name: &'a str,
+    source: &'a str,
+    faults: Vec<SceneError>,
+    /// Tables that keys at fault were taken out of.
+    damaged: HashSet<String>,
+}
+
+impl Reading<'_> {
+    fn fault(&mut self, (span, message): Fault) {
+        let fault = SceneError::at(self.name, self.source, span, message);
+        self.faults.push(fault);
+    }
+
+    /// What keys of a `table` are together, or what is wrong with that and what stands in its place for
+    /// the rest of the reading.
+    fn or<T>(&mut self, table: &str, read: Result<T, Fault>, instead: T) -> T {
+        read.unwrap_or_else(|fault| {
+            self.in_table(table, fault);
+            instead
+        })
+    }
+
+    /// A fault of several keys of a `table`; none where one of them has been at fault by itself.
+    fn in_table(&mut self, table: &str, fault: Fault) {
+        if !self.damaged.contains(table) {
+            self.fault(fault);
+        }
+    }
+
+    /// The file; where there are faults, what is left of it, or nothing.
+    fn read(&mut self, files: Files<'_>) -> Option<SceneFile> {
+        if let Ok(RawVersion { scene_format }) = toml::from_str(self.source)
+            && *scene_format.get_ref() != FORMAT
+        {
+            let message = format!(
+                "scene_format is {}, but this version reads {FORMAT} only",
+                scene_format.get_ref()
+            );
+            self.fault((scene_format.span(), message));
+            return None;
+        }
+        let left = recover::read::<RawScene>(self.source);
+        for fault in left.faults {
+            self.fault(fault);
+        }
+        self.damaged = left.damaged;
+        let file = self.scene(left.read?, files);
+        self.check(&file);
+        Some(file)
+    }
+
+    fn scene(&mut self, raw: RawScene, files: Files<'_>) -> SceneFile {
+        let mut places = Places::default();
+        let measure_span = raw.measure.span();
+        let measure = raw.measure.into_inner();
+        let measure = match (measure.collisions, measure.duration_s) {
+            (Some(count), None) => Measure::Collisions(places.take(Of::Collisions, count)),
+            (None, Some(duration)) => Measure::Duration(places.take(Of::Duration, duration)),
+            _ => {
+                let message = "[measure] needs either collisions or duration_s, one of them";
+                self.in_table("measure", (measure_span, message.into()));
+                Measure::Collisions(1)
+            }
+        };
+        let (settings, methods) = self.settings(raw.methods);
+        let mut method = MethodName::default();
+        if let Some(given) = &raw.renderer.method {
+            match method_named(given.get_ref()) {
+                Ok(named) => method = named,
+                Err(error) => self.fault((given.span(), error.to_string())),
+            }
+        }
+        let object = raw.object;
+        let contact = Contact {
+            side: object.side.unwrap_or_default(),
+            unilateral: raw.renderer.unilateral.unwrap_or(false),
+            ..Contact::object(
+                places.take(Parameter::Stiffness, object.stiffness_n_per_m),
+                places.take(Parameter::ObjectMass, object.mass_kg),
+            )
+        };
+        let (linkage, device) = self.device(raw.device, &mut places, files);
+        let hand = raw.hand.read(&mut places, files);
+        let ReadHand {
+            force,
+            force_at,
+            tremor,
+            release,
+            grip,
+        } = self.or("hand", hand, ReadHand::default());
+        let period = places.take(Parameter::Period, raw.r#loop.period_s.clone());
+        let timing = raw.r#loop.timing(&mut places);
+        let timing = timing.map_err(|(span, message)| (span, message.to_owned()));
+        let (delay, timing) = self.or("loop", timing, (0, Timing::default()));
+        let mut limit = |of: SceneParameter, value: Option<Spanned<f64>>| {
+            value.map(|value| places.take(of, value))
+        };
+        let rendering = raw.renderer;
+        let loop_params = LoopParams {
+            // A simulated device does not glitch; a loop that diverges is to be seen doing so.
+            speed_limit: limit(Parameter::SpeedLimit.into(), rendering.speed_limit_m_per_s),
+            force_limit: limit(Parameter::ForceLimit.into(), rendering.force_limit_n),
+            slew_limit: limit(Parameter::SlewLimit.into(), rendering.slew_limit_n_per_s),
+            largest_gap: limit(Parameter::LargestGap.into(), rendering.largest_gap_s),
+            ..LoopParams::new(period)
+        };
+        let told_device_mass = limit(Of::ToldDeviceMass, rendering.device_mass_kg);
+        let guard = rendering.guard.map_or(Guard::Off, |guard| {
+            guard.mode.guard(
+                places.take_or(Parameter::GuardSpeed, guard.speed_m_per_s, GUARD_SPEED),
+                places.take_or(
+                    Parameter::GuardAllowance,
+                    guard.allowance_j,
+                    GUARD_ALLOWANCE,
+                ),
+            )
+        });
+        let scene = Scene {
+            title: raw.title,
+            contact,
+            loop_params: LoopParams {
+                guard,
+                ..loop_params
+            },
+            object: ObjectState {
+                position: places.take(Parameter::ObjectPosition, object.position_m),
+                velocity: places.take_or(Parameter::ObjectVelocity, object.velocity_m_per_s, 0.0),
+            },
+            object_radius: places.take_or(Of::ObjectRadius, object.radius_m, 0.0),
+            virtual_force: places.take_or(Parameter::VirtualForce, object.force_n, 0.0),
+            linkage,
+            device,
+            told_device_mass,
+            user_force: force,
+            user_force_at: force_at,
+            tremor,
+            release,
+            grip,
+            recorded_hand: None,
+            delay,
+            timing,
+            measure,
+            method,
+            settings,
+        };
+        SceneFile {
+            scene,
+            name: self.name.into(),
+            source: self.source.into(),
+            places: places.0,
+            methods,
+        }
+    }
+
+    /// Settings of the methods that the file names, and where it does.
+    fn settings(
+        &mut self,
+        raw: HashMap<Spanned<String>, GivenSettings>,
+    ) -> (
+        HashMap<MethodName, Settings>,
+        HashMap<MethodName, Range<usize>>,
+    ) {
+        let (mut settings, mut places) = (HashMap::new(), HashMap::new());
+        for (key, given) in raw {
+            match method_named(key.get_ref()) {
+                Ok(method) => {
+                    places.insert(method, key.span());
+                    settings.insert(method, given.0);
+                }
+                Err(error) => self.fault((key.span(), error.to_string())),
+            }
+        }
+        (settings, places)
+    }
+
+    /// The linkage, if the device is one, and the device as a point mass.
+    fn device(
+        &mut self,
+        raw: RawDevice,
+        places: &mut Places<SceneParameter>,
+        files: Files<'_>,
+    ) -> (Option<Linkage>, PointMassDevice) {
+        let kind = raw.kind.span();
+        let device = match raw.read(self.name, files) {
+            Ok(device) => device,
+            Err(fault) => {
+                match fault {
+                    DeviceFault::Here(span, message) => self.in_table("device", (span, message)),
+                    DeviceFault::InDeviceFile(error) => self.faults.push(error),
+                }
+                // A mass that is no fault, so that the rest can be looked at.
+                let mass = Spanned::new(kind.clone(), 1.0);
+                ReadDevice::PointMass(ReadPointMass::of(mass))
+            }
+        };
+        match device {
+            ReadDevice::PointMass(read) => (None, read.device(places)),
+            ReadDevice::Pantograph(linkage, position) => {
+                let at = position.as_ref().map_or(kind, Spanned::span);
+                let position = places.take_or(Of::DevicePosition, position, 0.0);
+                let mass = linkage.effective_mass(position);
+                let device = PointMassDevice {
+                    mass: self.or("device", mass.map_err(|error| (at, error.to_string())), 1.0),
+                    position,
+                    ..PointMassDevice::default()
+                };
+                (Some(linkage), device)
+            }
+        }
+    }
+
+    /// Adds what is wrong with the scene that was read.
+    fn check(&mut self, file: &SceneFile) {
+        let (scene, is_whole) = (&file.scene, self.faults.is_empty());
+        // What stands in the place of a fault may contradict the rest; a range looks at one number.
+        let counts =
+            |error: &SceneParameterError| is_whole || matches!(error.allowed, Allowed::Range(_));
+        let faults = scene.faults();
+        for error in faults.iter().filter(|error| counts(error)) {
+            self.faults.push(file.locate_parameter(error));
+        }
+        let loop_params = scene.loop_params_with_delay();
+        let rendered = scene.contact.faults().chain(loop_params.faults());
+        let rendered: Vec<_> = rendered.collect();
+        for error in &rendered {
+            let error = error.map(SceneParameter::Rendered);
+            if faults
+                .iter()
+                .all(|other| other.parameter != error.parameter)
+            {
+                self.faults.push(file.locate_parameter(&error));
+            }
+        }
+        let is_sound = self.faults.is_empty();
+        for method in MethodName::ALL {
+            let given = scene.settings.get(&method);
+            if method != scene.method && given.is_none() {
+                continue;
+            }
+            match scene.params(method) {
+                Err(error) => {
+                    if !self.damaged.contains(&format!("methods.{method}")) {
+                        self.faults.push(file.locate(method, &error.into()));
+                    }
+                }
+                Ok(params) => {
+                    let Err(error) = params.check(&scene.contact, &loop_params) else {
+                        continue;
+                    };
+                    // A default may be derived from what is wrong elsewhere.
+                    let is_given = match error.parameter {
+                        Parameter::Setting(setting) => {
+                            given.is_some_and(|given| given.has(setting.key))
+                        }
+                        _ => false,
+                    };
+                    if is_sound || is_given {
+                        self.faults.push(file.locate(method, &error.into()));
+                    }
+                }
+            }
+        }
     }
 }

@@ -43,6 +43,7 @@ pub(super) struct RawHand {
 }
 
 /// What a scene keeps of its hand.
+#[derive(Default)]
 pub(super) struct ReadHand {
     pub force: f64,
     pub force_at: HandForceAt,

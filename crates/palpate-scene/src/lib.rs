@@ -16,13 +16,14 @@ mod linkage;
 pub mod method;
 pub mod named_parameters;
 mod parameter;
+mod recover;
 mod timing;
 mod write;
 
 pub use beside::beside;
 pub use check::SceneParameterError;
-pub use fault::SceneError;
 pub use fault::in_plain_words;
+pub use fault::{SceneError, SceneErrors};
 pub use file::{GUARD_ALLOWANCE, GUARD_SPEED, GuardMode, SceneFile};
 pub use linkage::{HandForceAt, Linkage};
 pub use parameter::SceneParameter;

@@ -112,12 +112,18 @@ impl<S: Scalar> Contact<S> {
         }
     }
 
+    /// Every parameter outside its range.
+    pub fn faults(&self) -> impl Iterator<Item = ParameterError> {
+        let mass = match self.object_mass {
+            Mass::Finite(mass) => Parameter::ObjectMass.positive(mass).err(),
+            Mass::Infinite => None,
+        };
+        let stiffness = Parameter::Stiffness.positive(self.stiffness).err();
+        [stiffness, mass].into_iter().flatten()
+    }
+
     pub(crate) fn check(&self) -> Result<(), ParameterError> {
-        Parameter::Stiffness.positive(self.stiffness)?;
-        if let Mass::Finite(mass) = self.object_mass {
-            Parameter::ObjectMass.positive(mass)?;
-        }
-        Ok(())
+        self.faults().next().map_or(Ok(()), Err)
     }
 }
 
@@ -210,25 +216,35 @@ impl<S: Scalar> LoopParams<S> {
         self.largest_gap.unwrap_or(self.period * S::from_f64(20.0))
     }
 
-    pub(crate) fn check(&self) -> Result<(), ParameterError> {
-        Parameter::Period.positive(self.period)?;
-        if let Some(gap) = self.largest_gap {
-            let bridges = gap.is_finite() && gap >= self.period;
-            Parameter::LargestGap.unless(bridges, gap, Allowed::AtLeastOnePeriod)?;
-        }
-        for (parameter, limit) in [
-            (Parameter::SpeedLimit, self.speed_limit),
-            (Parameter::ForceLimit, self.force_limit),
-            (Parameter::SlewLimit, self.slew_limit),
-        ] {
-            if let Some(limit) = limit {
-                parameter.positive(limit)?;
-            }
-        }
+    /// Every parameter outside its range.
+    pub fn faults(&self) -> impl Iterator<Item = ParameterError> {
+        let limit = |parameter: Parameter, limit: Option<S>| parameter.positive(limit?).err();
+        let bridges = |gap: S| gap.is_finite() && gap >= self.period;
+        let gap = self.largest_gap.and_then(|gap| {
+            let allowed = Allowed::AtLeastOnePeriod;
+            Parameter::LargestGap
+                .unless(bridges(gap), gap, allowed)
+                .err()
+        });
         let known = self.delay <= LARGEST_DELAY;
-        let allowed = Allowed::UpToSamples(LARGEST_DELAY);
-        Parameter::Delay.unless(known, self.delay as f64, allowed)?;
-        self.guard.check()
+        let most = Allowed::UpToSamples(LARGEST_DELAY);
+        [
+            Parameter::Period.positive(self.period).err(),
+            gap,
+            limit(Parameter::SpeedLimit, self.speed_limit),
+            limit(Parameter::ForceLimit, self.force_limit),
+            limit(Parameter::SlewLimit, self.slew_limit),
+            Parameter::Delay
+                .unless(known, self.delay as f64, most)
+                .err(),
+        ]
+        .into_iter()
+        .chain(self.guard.faults())
+        .flatten()
+    }
+
+    pub(crate) fn check(&self) -> Result<(), ParameterError> {
+        self.faults().next().map_or(Ok(()), Err)
     }
 }
 

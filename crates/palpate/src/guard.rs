@@ -59,14 +59,16 @@ pub struct GuardParams<S> {
 }
 
 impl<S: Scalar> Guard<S> {
-    pub(crate) fn check(&self) -> Result<(), ParameterError> {
+    /// Each of its parameters outside its range.
+    pub(crate) fn faults(&self) -> [Option<ParameterError>; 2] {
         match self {
-            Self::Off => Ok(()),
-            Self::Report(params) | Self::Limit(params) => {
-                Parameter::GuardSpeed.positive(params.largest_speed)?;
-                Parameter::GuardAllowance.not_negative(params.allowance)?;
-                Ok(())
-            }
+            Self::Off => [None; 2],
+            Self::Report(params) | Self::Limit(params) => [
+                Parameter::GuardSpeed.positive(params.largest_speed).err(),
+                Parameter::GuardAllowance
+                    .not_negative(params.allowance)
+                    .err(),
+            ],
         }
     }
 

@@ -74,14 +74,7 @@ pub use parameter::{
 };
 pub use placement::Placement;
 pub use predict::{LONGEST_WINDOW, Prediction, PredictionMemory, PredictionName};
-pub use render::{
-    AnyMemory, AnyMethod, AnyParams, AnyRenderer, Basic, BasicParams, Basis, Coupled,
-    CoupledMemory, CoupledParams, DamperObject, Ended, EntryHold, Hfcr, HfcrParams,
-    LeakDissipation, Method, MethodInfo, MethodName, MethodParams, OnItsWay, Plan, Popc,
-    PopcParams, PopcRef, PopcRefParams, Renderer, Seh, SehEstimate, SehMemory, SehParams, Setting,
-    SettingKey, SettingValues, Settings, SettingsError, Situation, State, VirtualDamper,
-    VirtualDamperParams, all_settings,
-};
+pub use render::*;
 pub use rendering::Rendering;
 pub use sample::{Fault, Limited, Output, Phase, Sample};
 pub use scalar::Scalar;

@@ -158,7 +158,7 @@ pub(super) fn read_scene(path: &Path) -> Result<SceneFile, Failure> {
     let name = path.display().to_string();
     let bytes = std::fs::read(path).map_err(|error| Failure::System(format!("{name}: {error}")))?;
     let text = String::from_utf8(bytes).map_err(|error| not_utf8(&name, &error))?;
-    let file = SceneFile::parse_with(&name, &text, &mut beside(path)).map_err(in_file)?;
+    let file = SceneFile::parse_with(&name, &text, &mut beside(path)).map_err(Failure::inputs)?;
     tell_if_not_a_hand(&name, &file.scene);
     Ok(file)
 }

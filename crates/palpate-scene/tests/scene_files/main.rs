@@ -5,6 +5,7 @@
 mod common;
 mod faults;
 mod settings_table;
+mod several;
 mod written;
 
 use std::path::{Path, PathBuf};
@@ -280,14 +281,18 @@ fn columns_count_characters_and_lines_count_comments() {
         edited("title", "\"\u{e9}\u{e9}\" = 1\ntitle")
     );
     let error = SceneFile::parse("s", &text).unwrap_err();
-    assert_eq!((error.line, error.column), (3, 1));
+    assert_eq!((error.first().line, error.first().column), (3, 1));
     let text = edited("mass_kg = 0.1\n", "\"mass_kg\" = 0 # \u{b5}g\n");
     let error = SceneFile::parse("s", &text).unwrap_err();
-    assert_eq!((error.line, error.column), (5, 13));
+    assert_eq!((error.first().line, error.first().column), (5, 13));
     let text =
         edited("[object]", "[object] # \u{b5}").replace("[loop]\n", "[loop]\nq = \"\u{b5}\"; z\n");
     let error = SceneFile::parse("s", &text).unwrap_err();
-    assert_eq!((error.line, error.column), (24, 8), "{error}");
+    assert_eq!(
+        (error.first().line, error.first().column),
+        (24, 8),
+        "{error}"
+    );
 }
 
 #[test]

@@ -5,10 +5,6 @@ use core::fmt;
 use super::basic::{Basic, BasicParams};
 use super::list::for_all_methods;
 use super::method::{Ended, Method, MethodParams, Plan, Situation};
-use super::{
-    Coupled, CoupledMemory, CoupledParams, Hfcr, HfcrParams, Popc, PopcParams, PopcRef,
-    PopcRefParams, Seh, SehMemory, SehParams, VirtualDamper, VirtualDamperParams,
-};
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams};
 use crate::motion::{Displacement, ObjectMotion};
@@ -32,6 +28,12 @@ macro_rules! any {
         $(remembers $own:ident: $Memory:ty)?,
         named $($Name:ident = $file:ident::$INFO:ident),+;
     )*) => {
+// What is public in a method's file is public in the crate.
+$($(
+    #[allow(unused_imports)]
+    pub use super::$file::*;
+)+)*
+
 /// Parameters of any method. As a serde value, they stand under the method's name in kebab case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

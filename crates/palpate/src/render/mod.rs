@@ -19,19 +19,13 @@ mod setting;
 mod state;
 mod virtual_damper;
 
-pub use any::{AnyMemory, AnyMethod, AnyParams};
+pub use any::*;
 pub use basic::{Basic, BasicParams};
-pub use coupled::{Coupled, CoupledMemory, CoupledParams};
-pub use hfcr::{EntryHold, Hfcr, HfcrParams, LeakDissipation};
 pub use method::{Ended, Method, MethodParams, Plan, Situation};
 pub use named::{MethodInfo, MethodName, all_settings};
-pub use popc::{Popc, PopcParams};
-pub use popc_ref::{PopcRef, PopcRefParams};
 pub use queue::OnItsWay;
-pub use seh::{Seh, SehEstimate, SehMemory, SehParams};
 pub use setting::{Basis, Setting, SettingKey, SettingValues, Settings, SettingsError};
 pub use state::State;
-pub use virtual_damper::{DamperObject, VirtualDamper, VirtualDamperParams};
 
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams};

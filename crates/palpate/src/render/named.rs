@@ -3,11 +3,10 @@
 use core::fmt;
 
 use super::any::AnyParams;
-use super::basic::{self, BasicParams};
+use super::basic::{BASIC, BasicParams};
 use super::list::for_all_methods;
 use super::method::MethodParams;
 use super::setting::{Basis, Setting, SettingKey, Settings, SettingsError};
-use super::{coupled, hfcr, popc, popc_ref, seh, virtual_damper};
 
 /// What a method's own file says of it to programs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,8 +56,8 @@ macro_rules! named {
             /// What the method's own file says of it.
             pub const fn info(self) -> &'static MethodInfo {
                 match self {
-                    Self::Basic => &basic::BASIC,
-                    $($(Self::$Name => &$file::$INFO,)+)*
+                    Self::Basic => &BASIC,
+                    $($(Self::$Name => &super::$file::$INFO,)+)*
                 }
             }
 
@@ -72,7 +71,7 @@ macro_rules! named {
                 basis: &Basis,
             ) -> Result<AnyParams<f64>, SettingsError> {
                 #[allow(clippy::wildcard_imports)] // the list names types of every method
-                use super::*;
+                use super::any::*;
                 type S = f64;
                 if let Some(setting) = self.unused(settings) {
                     return Err(SettingsError::Unused { method: self, setting });

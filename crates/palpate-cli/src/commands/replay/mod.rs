@@ -214,5 +214,5 @@ fn scene(recording: &Recording, name: &str) -> Result<SceneFile, Failure> {
             )
         })
     };
-    SceneFile::parse_with(&format!("{name} ({SCENE})"), text, &mut files).map_err(in_file)
+    SceneFile::parse_with(&format!("{name} ({SCENE})"), text, &mut files).map_err(Failure::inputs)
 }
