@@ -7,6 +7,7 @@ use std::process::ExitCode;
 
 use palpate_io::atomic::{WriteError, WriteFault};
 use palpate_io::outputs::OutputError;
+use palpate_scene::SceneError;
 use palpate_study::map::receipt::NoNumber;
 
 use crate::excerpt::Excerpt;
@@ -18,8 +19,8 @@ pub enum Failure {
     System(String),
     /// The arguments are wrong: exit code 2.
     Arguments(String),
-    /// An input file is wrong: exit code 3.
-    Input(Box<InputFault>),
+    /// An input file is wrong, in one place or in several: exit code 3.
+    Input(Vec<InputFault>),
     /// The command is done, but the recording it read or made is not whole, as has been said: exit code
     /// 4.
     NotWhole,
@@ -68,10 +69,10 @@ impl From<NoNumber> for Failure {
 impl Failure {
     /// A fault in an input file without a place to show.
     pub fn input(message: impl fmt::Display) -> Self {
-        Self::Input(Box::new(InputFault {
+        Self::Input(vec![InputFault {
             message: message.to_string(),
             excerpt: None,
-        }))
+        }])
     }
 
     /// A fault in an input file, shown in its text.
@@ -81,10 +82,19 @@ impl Failure {
         text: &str,
         span: Range<usize>,
     ) -> Self {
-        Self::Input(Box::new(InputFault {
+        Self::Input(vec![InputFault {
             message: message.to_string(),
             excerpt: Some(Excerpt::new(file, text, span)),
-        }))
+        }])
+    }
+
+    /// Several faults in input files, each shown in its text.
+    pub fn inputs(faults: impl IntoIterator<Item = SceneError>) -> Self {
+        let faults = faults.into_iter().map(|fault| InputFault {
+            message: fault.to_string(),
+            excerpt: Some(Excerpt::new(&fault.file, &fault.source_text, fault.span)),
+        });
+        Self::Input(faults.collect())
     }
 
     /// What went wrong, in words.
@@ -94,7 +104,10 @@ impl Failure {
             | Self::Arguments(message)
             | Self::MotorsOff(message)
             | Self::Interrupted(message) => message.clone(),
-            Self::Input(fault) => fault.message.clone(),
+            Self::Input(faults) => {
+                let messages: Vec<_> = faults.iter().map(|fault| fault.message.as_str()).collect();
+                messages.join("\n")
+            }
             Self::NotWhole => "a recording is not whole".to_owned(),
         }
     }
@@ -107,10 +120,14 @@ impl Failure {
                 format!("{message}\n\nFor more information, try '--help'."),
                 2,
             ),
-            Self::Input(fault) => match &fault.excerpt {
-                Some(excerpt) => (format!("{}\n{}", fault.message, excerpt.drawing()), 3),
-                None => (fault.message.clone(), 3),
-            },
+            Self::Input(faults) => {
+                let drawn = faults.iter().map(|fault| match &fault.excerpt {
+                    Some(excerpt) => format!("{}\n{}", fault.message, excerpt.drawing()),
+                    None => fault.message.clone(),
+                });
+                let drawn: Vec<_> = drawn.collect();
+                (drawn.join("\n\nerror: "), 3)
+            }
             Self::NotWhole => return ExitCode::from(4),
             Self::MotorsOff(message) => (message.clone(), 5),
             Self::Interrupted(message) => {

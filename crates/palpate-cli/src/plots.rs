@@ -1,7 +1,6 @@
 //! From runs to figures.
 
 use palpate_scene::Scene;
-use palpate_scene::method::MethodName;
 use palpate_sim::run::{IdealPoint, Reference, Run, RunMethod, Tick};
 
 use palpate_figure::{Figure, Grid, Kind, Limits, Panel, Role, Row, Series, Sheet};
@@ -332,17 +331,7 @@ pub fn role(method: impl Into<RunMethod>) -> Role {
         RunMethod::BuiltIn(method) => method,
         RunMethod::Own(_) => return Role::Compared(10),
     };
-    Role::Compared(match method {
-        MethodName::Hfcr => 0,
-        MethodName::Coupled => 4,
-        MethodName::Basic => 1,
-        MethodName::VirtualDamper => 2,
-        MethodName::PopcRef => 3,
-        MethodName::Seh => 9,
-        MethodName::HfcrModSt => 5,
-        MethodName::HfcrMod => 6,
-        MethodName::Popc => 7,
-    })
+    Role::Compared(method.info().colour.into())
 }
 
 /// What is not a method looks like none.

@@ -1,47 +1,90 @@
 //! From flags to what a command runs: required values, defaults, and errors that name the flag.
 
-use std::collections::HashMap;
+use std::borrow::Cow;
 
 use palpate::{
-    BasicParams, Contact, Guard, LARGEST_DELAY, LoopParams, Mass, ObjectState, ParameterError,
-    Renderer, Side,
+    Allowed, BasicParams, Contact, Guard, LARGEST_DELAY, LoopParams, Mass, ObjectState, Parameter,
+    ParameterError, Range, Renderer, Side,
 };
-use palpate_scene::method::{MethodName, Setting, Settings, SettingsError};
-use palpate_scene::{Dropped, GUARD_ALLOWANCE, GUARD_SPEED, Jitter, Scene, SetupError};
+use palpate_scene::method::{MethodName, Setting, SettingKey, Settings, SettingsError};
+use palpate_scene::{
+    Dropped, GUARD_ALLOWANCE, GUARD_SPEED, Jitter, Scene, SceneParameter, SceneParameterError,
+    SetupError,
+};
 use palpate_sim::replay::ReplaySetup;
 use palpate_sim::run::Run;
 use palpate_testbed::InvalidParameter;
 
-use crate::arguments::{Flags, TimingFlags};
+use crate::arguments::{Flags, TimingFlags, flag_of_setting};
 use crate::failure::{Failure, tell};
 use palpate_study::report::{Subject, parameters_of, timing_of};
 
-/// Flag of a parameter, by the name that parameter errors use.
-const FLAG_OF: [(&str, &str); 23] = [
-    ("stiffness", "--stiffness"),
-    ("object_mass", "--mass"),
-    ("virtual force", "--force"),
-    ("object position", "--object-position"),
-    ("object velocity", "--object-velocity"),
-    ("period", "--period"),
-    ("delay", "--delay"),
-    ("force_limit", "--force-limit"),
-    ("slew_limit", "--slew-limit"),
-    ("speed_limit", "--speed-limit"),
-    ("largest_gap", "--largest-gap"),
-    ("guard speed", "--guard-speed"),
-    ("guard allowance", "--guard-allowance"),
-    ("damping", "--damping"),
-    ("damping_cap", "--damping-cap"),
-    ("speed_threshold", "--speed-threshold"),
-    ("initial_energy", "--initial-energy"),
-    ("longest_window", "--longest-window"),
-    ("device_mass", "--device-mass"),
-    ("told device_mass", "--told-device-mass"),
-    ("delay_fraction", "--delay-fraction"),
-    ("jitter_s", "--jitter"),
-    ("drop_probability", "--drop"),
-];
+/// The flag that gives a parameter of a scene, if one does.
+fn flag_of(parameter: SceneParameter) -> Option<Cow<'static, str>> {
+    Some(Cow::Borrowed(match parameter {
+        SceneParameter::Rendered(parameter) => return flag_of_rendered(parameter),
+        SceneParameter::ToldDeviceMass => "--told-device-mass",
+        SceneParameter::DelayFraction => "--delay-fraction",
+        SceneParameter::Jitter => "--jitter",
+        SceneParameter::DropProbability => "--drop",
+        SceneParameter::Seed => "--seed",
+        SceneParameter::ObjectRadius
+        | SceneParameter::DevicePosition
+        | SceneParameter::DeviceVelocity
+        | SceneParameter::ViscousFriction
+        | SceneParameter::CoulombFriction
+        | SceneParameter::MotorLimit
+        | SceneParameter::HandForce
+        | SceneParameter::HandForceAt
+        | SceneParameter::Tremor
+        | SceneParameter::TremorFrequency
+        | SceneParameter::Release
+        | SceneParameter::HandMass
+        | SceneParameter::HandStiffness
+        | SceneParameter::HandDamping
+        | SceneParameter::HandPosition
+        | SceneParameter::Swing
+        | SceneParameter::SwingFrequency
+        | SceneParameter::JitterDeviation
+        | SceneParameter::DroppedSamples
+        | SceneParameter::CollapseFrom
+        | SceneParameter::CollapseUntil
+        | SceneParameter::CollapsePeriod
+        | SceneParameter::RecordedInstants
+        | SceneParameter::Collisions
+        | SceneParameter::Duration => return None,
+    }))
+}
+
+fn flag_of_rendered(parameter: Parameter) -> Option<Cow<'static, str>> {
+    Some(Cow::Borrowed(match parameter {
+        Parameter::Stiffness => "--stiffness",
+        Parameter::ObjectMass => "--mass",
+        Parameter::VirtualForce => "--force",
+        Parameter::ObjectPosition => "--object-position",
+        Parameter::ObjectVelocity => "--object-velocity",
+        Parameter::Side => "--side",
+        Parameter::Period => "--period",
+        Parameter::Delay => "--delay",
+        Parameter::ForceLimit => "--force-limit",
+        Parameter::SlewLimit => "--slew-limit",
+        Parameter::SpeedLimit => "--speed-limit",
+        Parameter::LargestGap => "--largest-gap",
+        Parameter::GuardSpeed => "--guard-speed",
+        Parameter::GuardAllowance => "--guard-allowance",
+        Parameter::DeviceMass => "--device-mass",
+        Parameter::EncoderQuantum | Parameter::NoiseBound => "--encoder-quantum",
+        Parameter::Setting(setting) => return Some(flag_of_setting(setting).into()),
+        // Nobody gives these by a flag.
+        Parameter::DerivedDamping
+        | Parameter::AxisOrigin
+        | Parameter::AxisNormal
+        | Parameter::AxisNormalLength
+        | Parameter::Kappa
+        | Parameter::ObjectKappa
+        | Parameter::Own { .. } => return None,
+    }))
+}
 
 impl TimingFlags {
     /// Puts the flags that were given in place of the scene's values.
@@ -57,12 +100,13 @@ impl TimingFlags {
         timing.seed = self.seed.unwrap_or(timing.seed);
     }
 
-    /// Whether the parameter of an error was given as a flag.
-    pub fn gives(&self, parameter: &str) -> bool {
+    /// Whether a parameter was given as a flag.
+    pub fn gives(&self, parameter: SceneParameter) -> bool {
         match parameter {
-            "delay_fraction" => self.delay_fraction.is_some(),
-            "jitter_s" => self.jitter.is_some(),
-            "drop_probability" => self.drop.is_some(),
+            SceneParameter::DelayFraction => self.delay_fraction.is_some(),
+            SceneParameter::Jitter => self.jitter.is_some(),
+            SceneParameter::DropProbability => self.drop.is_some(),
+            SceneParameter::Seed => self.seed.is_some(),
             _ => false,
         }
     }
@@ -78,67 +122,56 @@ impl Flags {
 
     /// Settings that were given.
     pub fn settings(&self) -> Settings {
-        Settings {
-            damping: self.damping,
-            damping_cap: self.damping_cap,
-            speed_threshold: self.speed_threshold,
-            initial_energy: self.initial_energy,
-            estimate: self.estimate,
-            prediction: self.prediction,
-            longest_window: self.longest_window,
-            damper_object: self.damper_object,
-            entry_hold: self.entry_hold,
-            placement: self.no_placement.then_some(false),
-            correction: self.no_correction.then_some(false),
-        }
+        self.settings.0
     }
 
-    /// Whether a setting was given whose faults are told in terms of flags.
+    /// Whether a setting was given, so that faults of settings are told in terms of flags.
     pub fn explain_settings(&self) -> bool {
-        self.damping.is_some() || self.prediction.is_some() || self.longest_window.is_some()
+        self.settings() != Settings::default()
     }
 
-    /// Refuses a setting that one of the methods has no use for.
+    /// Refuses a setting that one of the methods has no use for, or that means something else for each
+    /// of two.
     pub fn check_settings(&self, methods: &[MethodName]) -> Result<(), Failure> {
-        let settings = self.settings();
-        for setting in Setting::ALL {
-            if !settings.has(setting) {
-                continue;
-            }
-            if let Some(method) = methods.iter().find(|method| !method.uses(setting)) {
+        for (setting, _) in self.settings().iter() {
+            let flag = flag_of_setting(setting);
+            if let Some(method) = methods.iter().find(|method| !method.uses(setting.key)) {
                 return Err(Failure::Arguments(format!(
-                    "{} cannot be used by method {method}; it is for {}",
-                    flag_of_setting(setting),
-                    setting.users()
+                    "{flag} cannot be used by method {method}; it is for {}",
+                    setting.key.users()
                 )));
             }
-        }
-        if methods.len() > 1 && self.damping.is_some() {
-            return Err(Failure::Arguments(
-                "--damping is B of virtual-damper but b of hfcr: name one of them with --method"
-                    .into(),
-            ));
+            let of = |method: &MethodName| Some((method.setting(setting.key)?, *method));
+            let mut said = methods.iter().filter_map(of);
+            if let Some((first, one)) = said.next()
+                && let Some((second, other)) = said.find(|(second, _)| *second != first)
+            {
+                return Err(Failure::Arguments(format!(
+                    "{flag} means two things: of {one} {}, of {other} {}; name one of them with --method",
+                    first.help, second.help
+                )));
+            }
         }
         Ok(())
     }
 
     /// Refuses facts about the device that cannot be true, whether a method uses them or not.
     fn check_device(&self) -> Result<(), Failure> {
-        match (self.device_mass, self.encoder_quantum) {
-            (Some(mass), _) if !(mass.is_finite() && mass > 0.0) => Err(not_allowed(
-                "--device-mass",
-                mass,
-                "kg",
-                "finite and greater than 0",
-            )),
-            (_, Some(quantum)) if !(quantum.is_finite() && quantum >= 0.0) => Err(not_allowed(
-                "--encoder-quantum",
-                quantum,
-                "m",
-                "finite and not below 0",
-            )),
-            _ => Ok(()),
+        for (parameter, range, value) in [
+            (Parameter::DeviceMass, Range::Positive, self.device_mass),
+            (
+                Parameter::EncoderQuantum,
+                Range::NotNegative,
+                self.encoder_quantum,
+            ),
+        ] {
+            if let Some(value) = value
+                && !range.contains(value)
+            {
+                return Err(not_allowed(parameter, value, Allowed::Range(range)));
+            }
         }
+        Ok(())
     }
 
     /// `--told-device-mass` where no device is simulated that could have another mass.
@@ -196,12 +229,13 @@ impl Flags {
         contact.unilateral = self.unilateral;
         let virtual_force = self.force.unwrap_or(0.0);
         if !virtual_force.is_finite() {
-            return Err(not_allowed("--force", virtual_force, "N", "finite"));
+            let allowed = Allowed::Range(Range::Finite);
+            return Err(not_allowed(Parameter::VirtualForce, virtual_force, allowed));
         }
         let velocity = self.object_velocity.unwrap_or(0.0);
         if contact.object_mass == Mass::Infinite && velocity != 0.0 {
-            let allowed = "0 for a wall";
-            return Err(not_allowed("--object-velocity", velocity, "m/s", allowed));
+            let allowed = Allowed::Words("0 for a wall");
+            return Err(not_allowed(Parameter::ObjectVelocity, velocity, allowed));
         }
         let defaults = LoopParams::new(needed(self.period, "--period", "s")?);
         Ok(ReplaySetup {
@@ -241,13 +275,10 @@ impl Flags {
     /// Puts the flags that were given in place of the scene's values, for `methods`.
     pub fn change(&self, scene: &mut Scene, methods: &[MethodName]) -> Result<(), Failure> {
         self.check_device()?;
-        let contact = Contact::object(
-            self.stiffness.unwrap_or(scene.contact.stiffness),
-            self.mass.unwrap_or(f64::NAN),
-        );
-        scene.contact.stiffness = contact.stiffness;
-        if self.mass.is_some() {
-            scene.contact.object_mass = contact.object_mass;
+        let stiffness = self.stiffness.unwrap_or(scene.contact.stiffness);
+        scene.contact.stiffness = stiffness;
+        if let Some(mass) = self.mass {
+            scene.contact.object_mass = Contact::object(stiffness, mass).object_mass;
         }
         scene.contact.side = self.side.unwrap_or(scene.contact.side);
         scene.contact.unilateral |= self.unilateral;
@@ -279,37 +310,63 @@ impl Flags {
 
     /// Whether any flag changes what is simulated.
     pub fn change_a_scene(&self) -> bool {
-        self.side.is_some()
-            || self.encoder_quantum.is_some()
-            || FLAG_OF.iter().any(|(parameter, _)| self.gives(parameter))
+        let rendered = [
+            Parameter::Stiffness,
+            Parameter::ObjectMass,
+            Parameter::VirtualForce,
+            Parameter::ObjectPosition,
+            Parameter::ObjectVelocity,
+            Parameter::Side,
+            Parameter::Period,
+            Parameter::Delay,
+            Parameter::ForceLimit,
+            Parameter::SlewLimit,
+            Parameter::SpeedLimit,
+            Parameter::LargestGap,
+            Parameter::GuardSpeed,
+            Parameter::GuardAllowance,
+            Parameter::DeviceMass,
+            Parameter::EncoderQuantum,
+        ];
+        let is_number = |(setting, _): (&Setting, _)| setting.unit().is_some();
+        rendered.into_iter().any(|given| self.gives(given.into()))
+            || self.gives(SceneParameter::ToldDeviceMass)
+            || self.settings().iter().any(is_number)
     }
 
-    /// Whether the parameter of an error was given as a flag.
-    pub fn gives(&self, parameter: &str) -> bool {
-        let given: HashMap<&str, bool> = [
-            ("stiffness", self.stiffness.is_some()),
-            ("object_mass", self.mass.is_some()),
-            ("virtual force", self.force.is_some()),
-            ("object position", self.object_position.is_some()),
-            ("object velocity", self.object_velocity.is_some()),
-            ("period", self.period.is_some()),
-            ("delay", self.delay.is_some()),
-            ("force_limit", self.force_limit.is_some()),
-            ("slew_limit", self.slew_limit.is_some()),
-            ("speed_limit", self.speed_limit.is_some()),
-            ("largest_gap", self.largest_gap.is_some()),
-            ("guard speed", self.guard_speed.is_some()),
-            ("guard allowance", self.guard_allowance.is_some()),
-            ("damping", self.damping.is_some()),
-            ("damping_cap", self.damping_cap.is_some()),
-            ("speed_threshold", self.speed_threshold.is_some()),
-            ("initial_energy", self.initial_energy.is_some()),
-            ("longest_window", self.longest_window.is_some()),
-            ("device_mass", self.device_mass.is_some()),
-            ("told device_mass", self.told_device_mass.is_some()),
-        ]
-        .into();
-        given.get(parameter).copied().unwrap_or(false)
+    /// Whether a parameter was given as a flag.
+    pub fn gives(&self, parameter: SceneParameter) -> bool {
+        let rendered = match parameter {
+            SceneParameter::Rendered(rendered) => rendered,
+            SceneParameter::ToldDeviceMass => return self.told_device_mass.is_some(),
+            _ => return false,
+        };
+        match rendered {
+            Parameter::Stiffness => self.stiffness.is_some(),
+            Parameter::ObjectMass => self.mass.is_some(),
+            Parameter::VirtualForce => self.force.is_some(),
+            Parameter::ObjectPosition => self.object_position.is_some(),
+            Parameter::ObjectVelocity => self.object_velocity.is_some(),
+            Parameter::Side => self.side.is_some(),
+            Parameter::Period => self.period.is_some(),
+            Parameter::Delay => self.delay.is_some(),
+            Parameter::ForceLimit => self.force_limit.is_some(),
+            Parameter::SlewLimit => self.slew_limit.is_some(),
+            Parameter::SpeedLimit => self.speed_limit.is_some(),
+            Parameter::LargestGap => self.largest_gap.is_some(),
+            Parameter::GuardSpeed => self.guard_speed.is_some(),
+            Parameter::GuardAllowance => self.guard_allowance.is_some(),
+            Parameter::DeviceMass => self.device_mass.is_some(),
+            Parameter::EncoderQuantum | Parameter::NoiseBound => self.encoder_quantum.is_some(),
+            Parameter::Setting(setting) => self.settings().has(setting.key),
+            Parameter::DerivedDamping
+            | Parameter::AxisOrigin
+            | Parameter::AxisNormal
+            | Parameter::AxisNormalLength
+            | Parameter::Kappa
+            | Parameter::ObjectKappa
+            | Parameter::Own { .. } => false,
+        }
     }
 }
 
@@ -318,49 +375,37 @@ pub fn check_contact(setup: &ReplaySetup) -> Result<(), Failure> {
     Renderer::new(setup.contact, setup.known_loop(), BasicParams)
         .and_then(|renderer| renderer.start(setup.object))
         .map(|_| ())
-        .map_err(|error| wrong_flag(&error))
+        .map_err(|error| wrong_rendered(&error))
+}
+
+/// A parameter out of range, in terms of the flag that gave it.
+pub fn wrong_flag(error: &SceneParameterError) -> Failure {
+    let flag = flag_of(error.parameter);
+    Failure::Arguments(match flag {
+        Some(flag) => error.called(flag).to_string(),
+        None => error.to_string(),
+    })
+}
+
+/// As [`wrong_flag`], of what the core refuses.
+pub fn wrong_rendered(error: &ParameterError) -> Failure {
+    wrong_flag(&error.map(SceneParameter::Rendered))
 }
 
 /// A value that a flag cannot have.
-fn not_allowed(
-    flag: &'static str,
-    value: f64,
-    unit: &'static str,
-    allowed: &'static str,
-) -> Failure {
-    wrong_flag(&ParameterError {
-        parameter: flag,
+fn not_allowed(parameter: Parameter, value: f64, allowed: Allowed) -> Failure {
+    wrong_rendered(&ParameterError {
+        parameter,
         value,
-        unit,
         allowed,
     })
 }
 
-/// A parameter out of range, in terms of the flag that gave it.
-pub fn wrong_flag(error: &ParameterError) -> Failure {
-    let flag = FLAG_OF
-        .iter()
-        .find(|(parameter, _)| *parameter == error.parameter)
-        .map_or(error.parameter, |(_, flag)| flag);
-    Failure::Arguments(
-        ParameterError {
-            parameter: flag,
-            ..*error
-        }
-        .to_string(),
-    )
-}
-
-/// A value that the bench refuses, in terms of the flag that gave it.
+/// A value that the bench refuses; the scene was checked, so no flag is known that gave it.
 pub fn wrong_on_bench(error: &InvalidParameter) -> Failure {
-    let name = error.name.replace('_', " ");
-    let flag = FLAG_OF
-        .iter()
-        .find(|(parameter, _)| parameter.replace('_', " ") == name)
-        .map_or(error.name, |(_, flag)| flag);
     Failure::Arguments(format!(
-        "{flag} is {}, but must be {}",
-        error.value, error.allowed
+        "{} is {}, but must be {}",
+        error.name, error.value, error.allowed
     ))
 }
 
@@ -371,17 +416,19 @@ pub fn wrong_setup(error: &SetupError) -> Failure {
         SetupError::Settings(SettingsError::Unused { method, setting }) => {
             Failure::Arguments(format!(
                 "{} cannot be used by method {method}; it is for {}",
-                flag_of_setting(*setting),
-                setting.users()
+                flag_of_setting(setting),
+                setting.key.users()
             ))
         }
-        SetupError::Settings(SettingsError::NoDeviceMass) => {
-            Failure::Arguments("--damping auto needs --device-mass <kg>".into())
-        }
+        SetupError::Settings(SettingsError::NoDeviceMass(setting)) => Failure::Arguments(format!(
+            "{} auto needs --device-mass <kg>",
+            flag_of_setting(setting)
+        )),
         SetupError::Settings(SettingsError::NoPushedMass(method)) => {
-            let without = match method {
-                MethodName::Coupled => "--method hfcr",
-                _ => "--prediction last-step",
+            let without = if method.uses(SettingKey::PREDICTION) {
+                "--prediction last-step"
+            } else {
+                "--method hfcr"
             };
             Failure::Arguments(format!(
                 "{method} needs --device-mass <kg>: what your device weighs where it is held, above 0 \
@@ -389,30 +436,22 @@ pub fn wrong_setup(error: &SetupError) -> Failure {
                  or {without}, which needs none"
             ))
         }
-        SetupError::Settings(SettingsError::NoWindow(method, predictor)) => {
-            Failure::Arguments(format!(
-                "--longest-window, or longest_window_s of a scene, is for --prediction \
-                 first-order-adaptive-window, but the prediction of {method} is {}",
-                predictor.name()
-            ))
+        SetupError::Settings(SettingsError::OnlyBeside {
+            method,
+            setting,
+            other,
+            needed,
+            is,
+        }) => Failure::Arguments(format!(
+            "{}, or {} of a scene, is for {} {needed}, but the {} of {method} is {is}",
+            flag_of_setting(setting),
+            setting.key,
+            flag_of_setting(other),
+            other.name(),
+        )),
+        SetupError::Settings(error @ SettingsError::NoRule { setting, .. }) => {
+            Failure::Arguments(format!("{} auto: {error}", flag_of_setting(setting)))
         }
-        SetupError::Settings(other) => Failure::Arguments(format!("--damping auto: {other}")),
-    }
-}
-
-pub fn flag_of_setting(setting: Setting) -> &'static str {
-    match setting {
-        Setting::Damping => "--damping",
-        Setting::DampingCap => "--damping-cap",
-        Setting::SpeedThreshold => "--speed-threshold",
-        Setting::InitialEnergy => "--initial-energy",
-        Setting::Estimate => "--estimate",
-        Setting::Prediction => "--prediction",
-        Setting::LongestWindow => "--longest-window",
-        Setting::DamperObject => "--damper-object",
-        Setting::EntryHold => "--entry-hold",
-        Setting::Placement => "--no-placement",
-        Setting::Correction => "--no-correction",
     }
 }
 

@@ -3,9 +3,9 @@
 use std::fmt;
 use std::time::Duration;
 
-use palpate::{DamperObject, EntryHold, SehEstimate, Side};
+use palpate::Side;
 use palpate_io::unit::LengthUnit;
-use palpate_scene::method::{Damping, MethodName, Predictor};
+use palpate_scene::method::{MethodName, method_named};
 use palpate_scene::{GuardMode, HandForceAt};
 use palpate_study::sweep::Quantity;
 use palpate_testbed::hold::DelayedHold;
@@ -27,7 +27,7 @@ pub fn methods(text: &str) -> Result<Methods, String> {
     }
     let mut methods = Vec::new();
     for name in text.split(',') {
-        let method: MethodName = name.trim().parse().map_err(|error| format!("{error}"))?;
+        let method = method_named(name.trim()).map_err(|error| error.to_string())?;
         if methods.contains(&method) {
             return Err(format!("{method} is named twice"));
         }
@@ -190,67 +190,12 @@ pub fn samples(text: &str) -> Result<usize, String> {
     }
 }
 
-/// A number or `auto`.
-pub fn damping(text: &str) -> Result<Damping, String> {
-    if text == "auto" {
-        return Ok(Damping::Auto);
-    }
-    text.parse()
-        .map(Damping::Value)
-        .map_err(|_| "a number in N s/m or \"auto\" is needed".into())
-}
-
 /// A side of the device.
 pub fn side(text: &str) -> Result<Side, String> {
     match text {
         "positive" => Ok(Side::Positive),
         "negative" => Ok(Side::Negative),
         _ => Err("the sides are positive and negative".into()),
-    }
-}
-
-/// A member of the SEH family.
-pub fn estimate(text: &str) -> Result<SehEstimate, String> {
-    match text {
-        "ab2" => Ok(SehEstimate::Ab2),
-        "differences" => Ok(SehEstimate::Differences),
-        "ab3" => Ok(SehEstimate::Ab3),
-        _ => Err("the estimates are ab2, differences and ab3".into()),
-    }
-}
-
-/// A way to predict the device.
-pub fn predictor(text: &str) -> Result<Predictor, String> {
-    if text == "constant-velocity" {
-        // Its name of before there were others at constant velocity.
-        return Ok(Predictor::LastStep);
-    }
-    Predictor::ALL
-        .into_iter()
-        .find(|predictor| predictor.name() == text)
-        .ok_or_else(|| {
-            let [others @ .., last] = Predictor::ALL.map(Predictor::name);
-            format!("the predictions are {} and {last}", others.join(", "))
-        })
-}
-
-/// What moves the object of the virtual damper.
-pub fn damper_object(text: &str) -> Result<DamperObject, String> {
-    match text {
-        "spring-and-damper" => Ok(DamperObject::SpringAndDamper),
-        "spring" => Ok(DamperObject::Spring),
-        "held-force" => Ok(DamperObject::HeldForce),
-        _ => Err("the choices are spring-and-damper, spring and held-force".into()),
-    }
-}
-
-/// Where HFCR holds the device after an entry.
-pub fn entry_hold(text: &str) -> Result<EntryHold, String> {
-    match text {
-        "crossing" => Ok(EntryHold::Crossing),
-        "sample" => Ok(EntryHold::Sample),
-        "midpoint" => Ok(EntryHold::Midpoint),
-        _ => Err("the choices are crossing, sample and midpoint".into()),
     }
 }
 

@@ -270,7 +270,7 @@ fn a_setting_that_means_two_things_needs_one_method() {
         folder.fail(
             command,
             2,
-            &["--damping is B of virtual-damper but b of hfcr"],
+            &["--damping means two things: of virtual-damper damping B of the contact, of hfcr damping b"],
         );
     }
     for command in &commands(&[("--method", "all"), ("--damping-cap", "1")])[..2] {

@@ -1,191 +1,203 @@
 //! Ranges of what a scene states.
 
-use palpate::{Mass, ParameterError, Side};
+use palpate::{Allowed, Mass, Parameter, ParameterError, Range, Side};
 use palpate_testbed::hold::DelayedHold;
 
-use super::hand::FORCE_AT;
-use super::{HandForceAt, Measure, Scene};
+use super::parameter::SceneParameter::{self as Of, Rendered};
+use super::{HandForceAt, Measure, Scene, Wave};
 
 /// Longest delay `[samples]`, that of the bench's hold.
 const MOST_DELAY: usize = DelayedHold::LONGEST_DELAY;
+
+/// A parameter of a scene outside its range.
+pub type SceneParameterError = ParameterError<Of>;
+
+/// Faults so far, at most one of each parameter.
+#[derive(Default)]
+struct Faults(Vec<SceneParameterError>);
+
+impl Faults {
+    fn add(&mut self, parameter: Of, value: f64, allowed: Allowed) {
+        if self.0.iter().all(|fault| fault.parameter != parameter) {
+            self.0.push(ParameterError {
+                parameter,
+                value,
+                allowed,
+            });
+        }
+    }
+
+    fn not(&mut self, parameter: Of, value: f64, allowed: &'static str) {
+        self.add(parameter, value, Allowed::Words(allowed));
+    }
+
+    fn within(&mut self, range: Range, values: &[(Of, Option<f64>)]) {
+        for &(parameter, value) in values {
+            if let Some(value) = value
+                && !range.contains(value)
+            {
+                self.add(parameter, value, Allowed::Range(range));
+            }
+        }
+    }
+}
 
 impl Scene {
     /// Checks what no renderer looks at.
     ///
     /// # Errors
-    /// The first value outside its range, under the name the file reader knows it by.
-    pub fn check(&self) -> Result<(), ParameterError> {
-        let out_of_range = |parameter, unit, value: f64, allowed| {
-            Err(ParameterError {
-                parameter,
-                value,
-                unit,
-                allowed,
-            })
-        };
-        for (parameter, unit, value) in [
-            ("object position", "m", self.object.position),
-            ("object velocity", "m/s", self.object.velocity),
-            ("virtual force", "N", self.virtual_force),
-            ("device position", "m", self.device.position),
-            ("device velocity", "m/s", self.device.velocity),
-            ("user force", "N", self.user_force),
-            (
-                "hand position",
-                "m",
-                self.grip.as_ref().map_or(0.0, |grip| grip.position),
-            ),
-            (
-                "tremor",
-                "N",
-                self.tremor.map_or(0.0, |wave| wave.amplitude),
-            ),
-            (
-                "swing",
-                "m",
-                self.swing().map_or(0.0, |wave| wave.amplitude),
-            ),
-        ] {
-            if !value.is_finite() {
-                return out_of_range(parameter, unit, value, "finite");
+    /// The first value outside its range.
+    pub fn check(&self) -> Result<(), SceneParameterError> {
+        self.faults().into_iter().next().map_or(Ok(()), Err)
+    }
+
+    /// Every value outside its range that no renderer looks at, one for each parameter.
+    pub fn faults(&self) -> Vec<SceneParameterError> {
+        let mut faults = Faults::default();
+        self.check_finite(&mut faults);
+        self.check_object_and_linkage(&mut faults);
+        if self.recorded_hand.is_some() {
+            self.check_beside_recorded_hand(&mut faults);
+        }
+        self.check_device_and_hand(&mut faults);
+        if self.delay > MOST_DELAY {
+            let allowed = "at most 1024";
+            faults.not(Rendered(Parameter::Delay), self.delay as f64, allowed);
+        }
+        // A bad period is the renderer's to refuse.
+        if Range::Positive.contains(self.loop_params.period)
+            && let Err(error) = self.check_timing()
+        {
+            faults.add(error.parameter, error.value, error.allowed);
+        }
+        match self.measure {
+            Measure::Collisions(0) => faults.not(Of::Collisions, 0.0, "at least 1"),
+            Measure::Collisions(_) => {}
+            Measure::Duration(duration) => {
+                faults.within(Range::Positive, &[(Of::Duration, Some(duration))]);
             }
         }
-        if !(self.object_radius.is_finite() && self.object_radius >= 0.0) {
-            let allowed = "finite and not below 0";
-            return out_of_range("object radius", "m", self.object_radius, allowed);
-        }
+        faults.0
+    }
+
+    fn check_finite(&self, faults: &mut Faults) {
+        let amplitude = |wave: Option<Wave>| wave.map(|wave| wave.amplitude);
+        let grip = self.grip.as_ref();
+        faults.within(
+            Range::Finite,
+            &[
+                (
+                    Rendered(Parameter::ObjectPosition),
+                    Some(self.object.position),
+                ),
+                (
+                    Rendered(Parameter::ObjectVelocity),
+                    Some(self.object.velocity),
+                ),
+                (Rendered(Parameter::VirtualForce), Some(self.virtual_force)),
+                (Of::DevicePosition, Some(self.device.position)),
+                (Of::DeviceVelocity, Some(self.device.velocity)),
+                (Of::HandForce, Some(self.user_force)),
+                (Of::HandPosition, grip.map(|grip| grip.position)),
+                (Of::Tremor, amplitude(self.tremor)),
+                (Of::Swing, amplitude(self.swing())),
+            ],
+        );
+        let radius = (Of::ObjectRadius, Some(self.object_radius));
+        faults.within(Range::NotNegative, &[radius]);
+    }
+
+    fn check_object_and_linkage(&self, faults: &mut Faults) {
         if self.user_force_at == HandForceAt::Motors && self.linkage.is_none() {
             let allowed = "that of a pantograph, whose motors give torques";
-            return out_of_range(FORCE_AT, "N", self.user_force, allowed);
+            faults.not(Of::HandForceAt, self.user_force, allowed);
         }
-        let is_wall = self.contact.object_mass == Mass::Infinite;
-        if is_wall && self.object.velocity != 0.0 {
-            return out_of_range(
-                "object velocity",
-                "m/s",
-                self.object.velocity,
+        let velocity = self.object.velocity;
+        if self.contact.object_mass == Mass::Infinite && velocity != 0.0 {
+            faults.not(
+                Rendered(Parameter::ObjectVelocity),
+                velocity,
                 "0 for a wall",
             );
         }
-        if let Some(linkage) = &self.linkage {
-            let position = self.device.position;
-            let inside = |[low, high]: [f64; 2]| (low..=high).contains(&position);
-            if linkage.safety_box.is_some_and(|bounds| !inside(bounds.y)) {
-                let allowed = "inside the safety box of the device";
-                return out_of_range("device position", "m", position, allowed);
-            }
-            if self.contact.side != Side::Positive {
-                return out_of_range("side", "", -1.0, "positive for a pantograph");
-            }
-            if self.grip.is_some() || self.tremor.is_some() {
-                return out_of_range(
-                    "user force",
-                    "N",
-                    self.user_force,
-                    "all of the hand of a pantograph",
-                );
-            }
+        let Some(linkage) = &self.linkage else {
+            return;
+        };
+        let position = self.device.position;
+        let inside = |[low, high]: [f64; 2]| (low..=high).contains(&position);
+        if linkage.safety_box.is_some_and(|bounds| !inside(bounds.y)) {
+            let allowed = "inside the safety box of the device";
+            faults.not(Of::DevicePosition, position, allowed);
         }
-        if self.recorded_hand.is_some() {
-            let amplitude = |wave: super::Wave| wave.amplitude;
-            let other_hand = [
-                ("user force", "N", self.user_force),
-                ("viscous friction", "N s/m", self.device.viscous_friction),
-                ("Coulomb friction", "N", self.device.coulomb_friction),
-                ("motor limit", "N", self.device.largest_force.unwrap_or(0.0)),
-                ("tremor", "N", self.tremor.map_or(0.0, amplitude)),
-                ("release", "s", self.release.map_or(0.0, f64::abs)),
-                (
-                    "hand stiffness",
-                    "N/m",
-                    self.grip.as_ref().map_or(0.0, |grip| grip.stiffness),
-                ),
-            ];
-            for (parameter, unit, value) in other_hand {
-                if value != 0.0 {
-                    return out_of_range(parameter, unit, value, "left out beside a recorded hand");
-                }
-            }
-            if self.linkage.is_some() {
-                let allowed = "that of a point mass beside a recorded hand";
-                return out_of_range("device_mass", "kg", self.device.mass, allowed);
-            }
+        if self.contact.side != Side::Positive {
+            let side = Rendered(Parameter::Side);
+            faults.not(side, -1.0, "positive for a pantograph");
         }
-        if let Some(release) = self.release {
-            if self.linkage.is_some() {
-                let allowed = "left out for a pantograph";
-                return out_of_range("release", "s", release, allowed);
-            }
-            if !(release.is_finite() && release >= 0.0) {
-                return out_of_range("release", "s", release, "finite and not below 0");
-            }
-        }
-        let mass = self.device.mass;
-        if !(mass.is_finite() && mass > 0.0) {
-            return out_of_range("device_mass", "kg", mass, "finite and greater than 0");
-        }
-        for (parameter, unit, value) in [
-            ("encoder_quantum", "m", self.device.encoder_quantum),
-            ("viscous friction", "N s/m", self.device.viscous_friction),
-            ("Coulomb friction", "N", self.device.coulomb_friction),
-            (
-                "hand mass",
-                "kg",
-                self.grip.as_ref().map_or(0.0, |grip| grip.mass),
-            ),
-            (
-                "hand stiffness",
-                "N/m",
-                self.grip.as_ref().map_or(0.0, |grip| grip.stiffness),
-            ),
-            (
-                "hand damping",
-                "N s/m",
-                self.grip.as_ref().map_or(0.0, |grip| grip.damping),
-            ),
-        ] {
-            if !(value.is_finite() && value >= 0.0) {
-                return out_of_range(parameter, unit, value, "finite and not below 0");
-            }
-        }
-        for (parameter, unit, value) in [
-            ("told device_mass", "kg", self.told_device_mass),
-            ("motor limit", "N", self.device.largest_force),
-            (
-                "tremor frequency",
-                "Hz",
-                self.tremor.map(|wave| wave.frequency_hz),
-            ),
-            (
-                "swing frequency",
-                "Hz",
-                self.swing().map(|wave| wave.frequency_hz),
-            ),
-        ] {
-            if let Some(value) = value
-                && !(value.is_finite() && value > 0.0)
-            {
-                return out_of_range(parameter, unit, value, "finite and greater than 0");
-            }
-        }
-        if self.delay > MOST_DELAY {
-            return out_of_range("delay", "samples", self.delay as f64, "at most 1024");
-        }
-        // A bad period is the renderer's to refuse.
-        if self.loop_params.period.is_finite() && self.loop_params.period > 0.0 {
-            self.check_timing()?;
-        }
-        match self.measure {
-            Measure::Collisions(0) => out_of_range("measured collisions", "", 0.0, "at least 1"),
-            Measure::Duration(duration) if !(duration.is_finite() && duration > 0.0) => {
-                out_of_range("duration", "s", duration, "finite and greater than 0")
-            }
-            _ => Ok(()),
+        if self.grip.is_some() || self.tremor.is_some() {
+            let allowed = "all of the hand of a pantograph";
+            faults.not(Of::HandForce, self.user_force, allowed);
         }
     }
 
+    fn check_beside_recorded_hand(&self, faults: &mut Faults) {
+        let grip = self.grip.as_ref();
+        for (parameter, value) in [
+            (Of::HandForce, self.user_force),
+            (Of::ViscousFriction, self.device.viscous_friction),
+            (Of::CoulombFriction, self.device.coulomb_friction),
+            (Of::MotorLimit, self.device.largest_force.unwrap_or(0.0)),
+            (Of::Tremor, self.tremor.map_or(0.0, |wave| wave.amplitude)),
+            (Of::Release, self.release.map_or(0.0, f64::abs)),
+            (Of::HandStiffness, grip.map_or(0.0, |grip| grip.stiffness)),
+        ] {
+            if value != 0.0 {
+                faults.not(parameter, value, "left out beside a recorded hand");
+            }
+        }
+        if self.linkage.is_some() {
+            let allowed = "that of a point mass beside a recorded hand";
+            faults.not(Rendered(Parameter::DeviceMass), self.device.mass, allowed);
+        }
+    }
+
+    fn check_device_and_hand(&self, faults: &mut Faults) {
+        if let Some(release) = self.release
+            && self.linkage.is_some()
+        {
+            faults.not(Of::Release, release, "left out for a pantograph");
+        }
+        faults.within(Range::NotNegative, &[(Of::Release, self.release)]);
+        let (grip, device) = (self.grip.as_ref(), &self.device);
+        let mass = (Rendered(Parameter::DeviceMass), Some(device.mass));
+        faults.within(Range::Positive, &[mass]);
+        faults.within(
+            Range::NotNegative,
+            &[
+                (
+                    Rendered(Parameter::EncoderQuantum),
+                    Some(device.encoder_quantum),
+                ),
+                (Of::ViscousFriction, Some(device.viscous_friction)),
+                (Of::CoulombFriction, Some(device.coulomb_friction)),
+                (Of::HandMass, grip.map(|grip| grip.mass)),
+                (Of::HandStiffness, grip.map(|grip| grip.stiffness)),
+                (Of::HandDamping, grip.map(|grip| grip.damping)),
+            ],
+        );
+        let frequency = |wave: Option<Wave>| wave.map(|wave| wave.frequency_hz);
+        faults.within(
+            Range::Positive,
+            &[
+                (Of::ToldDeviceMass, self.told_device_mass),
+                (Of::MotorLimit, device.largest_force),
+                (Of::TremorFrequency, frequency(self.tremor)),
+                (Of::SwingFrequency, frequency(self.swing())),
+            ],
+        );
+    }
+
     /// Swing of the hand's intended position.
-    fn swing(&self) -> Option<super::Wave> {
+    fn swing(&self) -> Option<Wave> {
         self.grip.as_ref().and_then(|grip| grip.swing)
     }
 }

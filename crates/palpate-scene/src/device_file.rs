@@ -171,7 +171,12 @@ impl RawBox {
 }
 
 /// The links of both arms; where the file is silent they are uniform rods.
-fn links(places: &mut Places, names: [&'static str; 3], raw: RawLinks, length: f64) -> [Link; 2] {
+fn links(
+    places: &mut Places<&'static str>,
+    names: [&'static str; 3],
+    raw: RawLinks,
+    length: f64,
+) -> [Link; 2] {
     let mass = places.take(names[0], raw.mass_kg).0;
     let centre = raw.centre.map(|centre| places.take(names[1], centre).0);
     let inertia = raw
@@ -212,7 +217,7 @@ impl Linkage {
                 in_plain_words(error.message()),
             )
         })?;
-        let mut places = Places::default();
+        let mut places = Places::<&'static str>::default();
         let geometry = Geometry {
             proximal: places.take("proximal", raw.geometry.proximal_m),
             distal: places.take("distal", raw.geometry.distal_m),

@@ -2,13 +2,16 @@
 
 use std::ops::Range;
 
+use palpate::Parameter;
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::PointMassDevice;
 use super::beside::{Files, beside_scene};
 use super::device_file::RawBox;
-use super::fault::SceneError;
+use super::fault::{Places, SceneError};
 use super::linkage::Linkage;
+use super::parameter::SceneParameter as Of;
 use crate::method::nearest;
 
 #[derive(Deserialize)]
@@ -42,49 +45,109 @@ pub(super) enum DeviceFault {
     InDeviceFile(SceneError),
 }
 
+/// The device of a scene: what a point mass has, or a linkage has. Neither can have what the other has.
+pub(super) enum ReadDevice {
+    PointMass(ReadPointMass),
+    /// A linkage and where along y from its home it begins `[m]`.
+    Pantograph(Linkage, Option<Spanned<f64>>),
+}
+
+/// A point mass, whose values still know where they stand.
+pub(super) struct ReadPointMass {
+    mass: Spanned<f64>,
+    position: Option<Spanned<f64>>,
+    velocity: Option<Spanned<f64>>,
+    encoder_quantum: Option<Spanned<f64>>,
+    viscous_friction: Option<Spanned<f64>>,
+    coulomb_friction: Option<Spanned<f64>>,
+    largest_force: Option<Spanned<f64>>,
+}
+
+impl ReadPointMass {
+    /// A point mass with its defaults.
+    pub fn of(mass: Spanned<f64>) -> Self {
+        Self {
+            mass,
+            position: None,
+            velocity: None,
+            encoder_quantum: None,
+            viscous_friction: None,
+            coulomb_friction: None,
+            largest_force: None,
+        }
+    }
+
+    pub fn device(self, places: &mut Places<Of>) -> PointMassDevice {
+        PointMassDevice {
+            mass: places.take(Parameter::DeviceMass, self.mass),
+            position: places.take_or(Of::DevicePosition, self.position, 0.0),
+            velocity: places.take_or(Of::DeviceVelocity, self.velocity, 0.0),
+            encoder_quantum: places.take_or(Parameter::EncoderQuantum, self.encoder_quantum, 0.0),
+            viscous_friction: places.take_or(Of::ViscousFriction, self.viscous_friction, 0.0),
+            coulomb_friction: places.take_or(Of::CoulombFriction, self.coulomb_friction, 0.0),
+            largest_force: self
+                .largest_force
+                .map(|force| places.take(Of::MotorLimit, force)),
+        }
+    }
+}
+
 impl RawDevice {
-    /// The linkage of a device of kind `pantograph` in the scene file called `scene`; `files` gives
-    /// the text of its own file. A point mass, checked to have a mass, has none.
-    pub fn linkage(
-        &mut self,
-        scene: &str,
-        files: Files<'_>,
-    ) -> Result<Option<Linkage>, DeviceFault> {
-        let here = |span, message: &str| Err(DeviceFault::Here(span, message.into()));
-        let kind = self.kind.span();
-        let (preset, file) = (self.preset.take(), self.file.take());
-        let safety_box = self.safety_box.take();
-        let linkage = match (self.kind.get_ref(), preset, file) {
-            (DeviceKind::PointMass, Some(of), _) | (DeviceKind::PointMass, None, Some(of)) => {
+    /// The device in the scene file called `scene`; `files` gives the text of a linkage's own file.
+    pub fn read(self, scene: &str, files: Files<'_>) -> Result<ReadDevice, DeviceFault> {
+        match self.kind.get_ref() {
+            DeviceKind::PointMass => self.point_mass().map(ReadDevice::PointMass),
+            DeviceKind::Pantograph => self.pantograph(scene, files),
+        }
+    }
+
+    fn point_mass(self) -> Result<ReadPointMass, DeviceFault> {
+        let of_a_linkage = [&self.preset, &self.file];
+        if let Some(key) = of_a_linkage.into_iter().flatten().next() {
+            return here(
+                key.span(),
+                "only a device of kind pantograph has a preset or a file",
+            );
+        }
+        if let Some(key) = &self.safety_box {
+            return here(
+                key.span(),
+                "only a device of kind pantograph has a safety box",
+            );
+        }
+        let Some(mass) = self.mass_kg else {
+            return here(
+                self.kind.span(),
+                "a device of kind point-mass needs mass_kg",
+            );
+        };
+        Ok(ReadPointMass {
+            mass,
+            position: self.position_m,
+            velocity: self.velocity_m_per_s,
+            encoder_quantum: self.encoder_quantum_m,
+            viscous_friction: self.viscous_n_s_per_m,
+            coulomb_friction: self.coulomb_n,
+            largest_force: self.motor_limit_n,
+        })
+    }
+
+    fn pantograph(self, scene: &str, files: Files<'_>) -> Result<ReadDevice, DeviceFault> {
+        let linkage = match (&self.preset, &self.file) {
+            (None, None) => {
                 return here(
-                    of.span(),
-                    "only a device of kind pantograph has a preset or a file",
-                );
-            }
-            (DeviceKind::PointMass, None, None) => {
-                return match (safety_box, &self.mass_kg) {
-                    (Some(of), _) => here(
-                        of.span(),
-                        "only a device of kind pantograph has a safety box",
-                    ),
-                    (None, Some(_)) => Ok(None),
-                    (None, None) => here(kind, "a device of kind point-mass needs mass_kg"),
-                };
-            }
-            (DeviceKind::Pantograph, None, None) => {
-                return here(
-                    kind,
+                    self.kind.span(),
                     &format!(
                         "a device of kind pantograph needs a preset, one of {}, or a file",
                         presets()
                     ),
                 );
             }
-            (DeviceKind::Pantograph, Some(_), Some(file)) => {
+            (Some(_), Some(file)) => {
                 return here(file.span(), "a device has a preset or a file, not both");
             }
-            (DeviceKind::Pantograph, Some(preset), None) => by_name(&preset)?,
-            (DeviceKind::Pantograph, None, Some(file)) => from_file(&file, scene, files)?,
+            (Some(preset), None) => by_name(preset)?,
+            (None, Some(file)) => from_file(file, scene, files)?,
         };
         let of_a_point_mass = [
             &self.mass_kg,
@@ -101,15 +164,19 @@ impl RawDevice {
                  beside it",
             );
         }
-        let Some(safety_box) = safety_box else {
-            return Ok(Some(linkage));
+        let linkage = match self.safety_box {
+            None => linkage,
+            Some(safety_box) => {
+                let bounds = safety_box.into_inner().read();
+                linkage.in_box(bounds.map_err(|(span, message)| DeviceFault::Here(span, message))?)
+            }
         };
-        let bounds = safety_box
-            .into_inner()
-            .read()
-            .map_err(|(span, message)| DeviceFault::Here(span, message))?;
-        Ok(Some(linkage.in_box(bounds)))
+        Ok(ReadDevice::Pantograph(linkage, self.position_m))
     }
+}
+
+fn here<T>(span: Range<usize>, message: &str) -> Result<T, DeviceFault> {
+    Err(DeviceFault::Here(span, message.into()))
 }
 
 fn presets() -> String {

@@ -1,6 +1,8 @@
 //! Faults of scene and device files, and the places they are found at.
 
 use std::collections::HashMap;
+use std::fmt;
+use std::hash::Hash;
 use std::ops::Range;
 
 use toml::Spanned;
@@ -40,18 +42,77 @@ impl SceneError {
     }
 }
 
-/// Remembers where values stand while it takes them out of their wrapping.
-#[derive(Default)]
-pub(super) struct Places(pub HashMap<&'static str, Range<usize>>);
+/// Every fault of a scene file and of the device file it names, in the order of the file: at least one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneErrors(Vec<SceneError>);
 
-impl Places {
-    pub fn take<T>(&mut self, name: &'static str, value: Spanned<T>) -> T {
-        self.0.insert(name, value.span());
+impl SceneErrors {
+    /// The faults; none if there are none.
+    pub(super) fn of(mut faults: Vec<SceneError>) -> Option<Self> {
+        faults.sort_by_key(|fault| (fault.span.start, fault.span.end));
+        faults.dedup();
+        (!faults.is_empty()).then_some(Self(faults))
+    }
+
+    /// The first.
+    pub fn first(&self) -> &SceneError {
+        &self.0[0]
+    }
+
+    /// Each of them.
+    pub fn iter(&self) -> std::slice::Iter<'_, SceneError> {
+        self.0.iter()
+    }
+}
+
+impl IntoIterator for SceneErrors {
+    type Item = SceneError;
+    type IntoIter = std::vec::IntoIter<SceneError>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.0.into_iter()
+    }
+}
+
+impl<'a> IntoIterator for &'a SceneErrors {
+    type Item = &'a SceneError;
+    type IntoIter = std::slice::Iter<'a, SceneError>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+/// A line for each.
+impl fmt::Display for SceneErrors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, fault) in self.iter().enumerate() {
+            f.write_str(if index > 0 { "\n" } else { "" })?;
+            fault.fmt(f)?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for SceneErrors {}
+
+/// Remembers where values stand while it takes them out of their wrapping.
+pub(super) struct Places<K>(pub HashMap<K, Range<usize>>);
+
+impl<K> Default for Places<K> {
+    fn default() -> Self {
+        Self(HashMap::new())
+    }
+}
+
+impl<K: Eq + Hash> Places<K> {
+    pub fn take<T>(&mut self, key: impl Into<K>, value: Spanned<T>) -> T {
+        self.0.insert(key.into(), value.span());
         value.into_inner()
     }
 
-    pub fn take_or<T>(&mut self, name: &'static str, value: Option<Spanned<T>>, default: T) -> T {
-        value.map_or(default, |value| self.take(name, value))
+    pub fn take_or<T>(&mut self, key: impl Into<K>, value: Option<Spanned<T>>, default: T) -> T {
+        value.map_or(default, |value| self.take(key, value))
     }
 }
 

@@ -1,23 +1,27 @@
 //! Scene files.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::io;
 use std::ops::Range;
 
 use palpate::{
-    Contact, DamperObject, EntryHold, Guard, GuardParams, LoopParams, ObjectState, ParameterError,
-    SehEstimate, Side,
+    Allowed, Contact, Guard, GuardParams, LoopParams, MethodParams as _, ObjectState, Parameter,
+    Side,
 };
 use serde::Deserialize;
 use toml::Spanned;
 
 use super::beside::Files;
-use super::device_key::{DeviceFault, RawDevice};
-use super::fault::{Places, SceneError, in_plain_words};
+use super::check::SceneParameterError;
+use super::device_key::{DeviceFault, RawDevice, ReadDevice, ReadPointMass};
+use super::fault::{Places, SceneError, SceneErrors};
 use super::hand::{RawHand, ReadHand};
-use super::timing::RawLoop;
+use super::linkage::Linkage;
+use super::parameter::SceneParameter::{self, self as Of};
+use super::recover::{self, Fault};
+use super::timing::{RawLoop, Timing};
 use super::{Measure, PointMassDevice, Scene, SetupError};
-use crate::method::{Damping, MethodName, Predictor, Settings, SettingsError};
+use crate::method::{GivenSettings, MethodName, Settings, SettingsError, method_named};
 
 /// The version of scene files this crate reads.
 const FORMAT: i64 = 1;
@@ -29,7 +33,8 @@ pub struct SceneFile {
     pub scene: Scene,
     name: String,
     source: String,
-    places: HashMap<&'static str, Range<usize>>,
+    places: HashMap<SceneParameter, Range<usize>>,
+    methods: HashMap<MethodName, Range<usize>>,
 }
 
 /// The version alone: a file of another version may have keys this one does not know.
@@ -53,7 +58,7 @@ struct RawScene {
     #[serde(default)]
     renderer: RawRenderer,
     #[serde(default)]
-    methods: HashMap<Spanned<String>, RawSettings>,
+    methods: HashMap<Spanned<String>, GivenSettings>,
 }
 
 #[derive(Deserialize)]
@@ -78,7 +83,7 @@ struct RawMeasure {
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 struct RawRenderer {
-    method: Option<MethodName>,
+    method: Option<Spanned<String>>,
     device_mass_kg: Option<Spanned<f64>>,
     unilateral: Option<bool>,
     force_limit_n: Option<Spanned<f64>>,
@@ -129,47 +134,13 @@ pub const GUARD_SPEED: f64 = 1.0;
 /// Allowance of a guard where none is stated `[J]`.
 pub const GUARD_ALLOWANCE: f64 = 1e-3;
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct RawSettings {
-    damping_n_s_per_m: Option<Damping>,
-    damping_cap_n_s_per_m: Option<f64>,
-    speed_threshold_m_per_s: Option<f64>,
-    initial_energy_j: Option<f64>,
-    estimate: Option<SehEstimate>,
-    prediction: Option<Predictor>,
-    longest_window_s: Option<f64>,
-    damper_object: Option<DamperObject>,
-    entry_hold: Option<EntryHold>,
-    placement: Option<bool>,
-    correction: Option<bool>,
-}
-
-impl From<RawSettings> for Settings {
-    fn from(raw: RawSettings) -> Self {
-        Self {
-            damping: raw.damping_n_s_per_m,
-            damping_cap: raw.damping_cap_n_s_per_m,
-            speed_threshold: raw.speed_threshold_m_per_s,
-            initial_energy: raw.initial_energy_j,
-            estimate: raw.estimate,
-            prediction: raw.prediction,
-            longest_window: raw.longest_window_s,
-            damper_object: raw.damper_object,
-            entry_hold: raw.entry_hold,
-            placement: raw.placement,
-            correction: raw.correction,
-        }
-    }
-}
-
 impl SceneFile {
     /// Reads a scene that stands alone: as [`parse_with`](Self::parse_with), but every file that the
     /// scene names is missing.
     ///
     /// # Errors
-    /// The first fault, with its line and column and with what is allowed.
-    pub fn parse(name: &str, source: &str) -> Result<Self, SceneError> {
+    /// Every fault, each with its line and column and with what is allowed.
+    pub fn parse(name: &str, source: &str) -> Result<Self, SceneErrors> {
         Self::parse_with(name, source, &mut |_| {
             let alone = "this scene is read without the files beside it";
             Err(io::Error::new(io::ErrorKind::NotFound, alone))
@@ -181,129 +152,199 @@ impl SceneFile {
     /// stands in the scene; [`beside`](super::beside) looks in the scene's own folder.
     ///
     /// # Errors
-    /// The first fault in the scene file or, with that file's name, in the device file; with its line
-    /// and column and with what is allowed.
-    pub fn parse_with(name: &str, source: &str, files: Files<'_>) -> Result<Self, SceneError> {
-        let fault =
-            |span: Range<usize>, message: String| SceneError::at(name, source, span, message);
-        if let Ok(RawVersion { scene_format }) = toml::from_str(source)
+    /// Every fault in the scene file and, with that file's name, the first in the device file; each
+    /// with its line and column and with what is allowed.
+    pub fn parse_with(name: &str, source: &str, files: Files<'_>) -> Result<Self, SceneErrors> {
+        let mut reading = Reading {
+            name,
+            source,
+            faults: Vec::new(),
+            damaged: HashSet::new(),
+        };
+        let file = reading.read(files);
+        match (SceneErrors::of(reading.faults), file) {
+            (None, Some(file)) => Ok(file),
+            (Some(errors), _) => Err(errors),
+            (None, None) => unreachable!("what cannot be read has a fault"),
+        }
+    }
+
+    /// The place of what makes `method` impossible here.
+    pub fn locate(&self, method: MethodName, error: &SetupError) -> SceneError {
+        match error {
+            SetupError::Parameter(parameter) if self.places.contains_key(&parameter.parameter) => {
+                self.locate_parameter(parameter)
+            }
+            SetupError::Parameter(parameter) => self.at_settings(method, parameter.to_string()),
+            SetupError::Settings(SettingsError::Unused { setting, .. }) => self.at_settings(
+                method,
+                format!(
+                    "{method} has no use for {}; it is for {}",
+                    setting.key,
+                    setting.key.users()
+                ),
+            ),
+            SetupError::Settings(other) => self.at_settings(method, other.to_string()),
+        }
+    }
+
+    /// The place of a parameter that is out of range.
+    pub fn locate_parameter(&self, error: &SceneParameterError) -> SceneError {
+        self.at(error.parameter, error.to_string())
+    }
+
+    /// A fault at the place of `parameter`; at the file's beginning, where the file does not say it.
+    pub fn at(&self, parameter: SceneParameter, message: String) -> SceneError {
+        let span = self.places.get(&parameter).cloned();
+        SceneError::at(&self.name, &self.source, span.unwrap_or(0..0), message)
+    }
+
+    /// A fault of the file as a whole.
+    pub fn as_a_whole(&self, message: String) -> SceneError {
+        SceneError::at(&self.name, &self.source, 0..0, message)
+    }
+
+    fn at_settings(&self, method: MethodName, message: String) -> SceneError {
+        let span = self.methods.get(&method).cloned();
+        SceneError::at(&self.name, &self.source, span.unwrap_or(0..0), message)
+    }
+}
+
+/// A scene file as far as it has been read, and what is wrong with it.
+struct Reading<'a> {
+    name: &'a str,
+    source: &'a str,
+    faults: Vec<SceneError>,
+    /// Tables that keys at fault were taken out of.
+    damaged: HashSet<String>,
+}
+
+impl Reading<'_> {
+    fn fault(&mut self, (span, message): Fault) {
+        let fault = SceneError::at(self.name, self.source, span, message);
+        self.faults.push(fault);
+    }
+
+    /// What keys of a `table` are together, or what is wrong with that and what stands in its place for
+    /// the rest of the reading.
+    fn or<T>(&mut self, table: &str, read: Result<T, Fault>, instead: T) -> T {
+        read.unwrap_or_else(|fault| {
+            self.in_table(table, fault);
+            instead
+        })
+    }
+
+    /// A fault of several keys of a `table`; none where one of them has been at fault by itself.
+    fn in_table(&mut self, table: &str, fault: Fault) {
+        if !self.damaged.contains(table) {
+            self.fault(fault);
+        }
+    }
+
+    /// The file; where there are faults, what is left of it, or nothing.
+    fn read(&mut self, files: Files<'_>) -> Option<SceneFile> {
+        if let Ok(RawVersion { scene_format }) = toml::from_str(self.source)
             && *scene_format.get_ref() != FORMAT
         {
-            return Err(fault(
-                scene_format.span(),
-                format!(
-                    "scene_format is {}, but this version reads {FORMAT} only",
-                    scene_format.get_ref()
-                ),
-            ));
+            let message = format!(
+                "scene_format is {}, but this version reads {FORMAT} only",
+                scene_format.get_ref()
+            );
+            self.fault((scene_format.span(), message));
+            return None;
         }
-        let raw: RawScene = toml::from_str(source).map_err(|error| {
-            fault(
-                error.span().unwrap_or(0..0),
-                in_plain_words(error.message()),
-            )
-        })?;
-        let mut places = Places::default();
+        let left = recover::read::<RawScene>(self.source);
+        for fault in left.faults {
+            self.fault(fault);
+        }
+        self.damaged = left.damaged;
+        let file = self.scene(left.read?, files);
+        self.check(&file);
+        Some(file)
+    }
 
+    fn scene(&mut self, raw: RawScene, files: Files<'_>) -> SceneFile {
+        let mut places = Places::default();
         let measure_span = raw.measure.span();
         let measure = raw.measure.into_inner();
         let measure = match (measure.collisions, measure.duration_s) {
-            (Some(count), None) => Measure::Collisions(places.take("measured collisions", count)),
-            (None, Some(duration)) => Measure::Duration(places.take("duration", duration)),
+            (Some(count), None) => Measure::Collisions(places.take(Of::Collisions, count)),
+            (None, Some(duration)) => Measure::Duration(places.take(Of::Duration, duration)),
             _ => {
-                return Err(fault(
-                    measure_span,
-                    "[measure] needs either collisions or duration_s, one of them".into(),
-                ));
+                let message = "[measure] needs either collisions or duration_s, one of them";
+                self.in_table("measure", (measure_span, message.into()));
+                Measure::Collisions(1)
             }
         };
-        let mut settings = HashMap::new();
-        // In the file's order: the first fault is to be the same one every time.
-        let mut methods: Vec<_> = raw.methods.into_iter().collect();
-        methods.sort_by_key(|(method_key, _)| method_key.span().start);
-        for (method_key, raw) in methods {
-            let span = method_key.span();
-            let method: MethodName = method_key
-                .get_ref()
-                .parse()
-                .map_err(|error| fault(span.clone(), format!("{error}")))?;
-            places.0.insert(settings_place(method), span);
-            settings.insert(method, raw.into());
+        let (settings, methods) = self.settings(raw.methods);
+        let mut method = MethodName::default();
+        if let Some(given) = &raw.renderer.method {
+            match method_named(given.get_ref()) {
+                Ok(named) => method = named,
+                Err(error) => self.fault((given.span(), error.to_string())),
+            }
         }
-        let limit = |places: &mut Places, name, value: Option<Spanned<f64>>| {
-            value.map(|value| places.take(name, value))
-        };
+        let object = raw.object;
         let contact = Contact {
-            side: raw.object.side.unwrap_or_default(),
+            side: object.side.unwrap_or_default(),
             unilateral: raw.renderer.unilateral.unwrap_or(false),
             ..Contact::object(
-                places.take("stiffness", raw.object.stiffness_n_per_m),
-                places.take("object_mass", raw.object.mass_kg),
+                places.take(Parameter::Stiffness, object.stiffness_n_per_m),
+                places.take(Parameter::ObjectMass, object.mass_kg),
             )
         };
-        let mut device = raw.device;
-        let linkage = device.linkage(name, files).map_err(|error| match error {
-            DeviceFault::Here(span, message) => fault(span, message),
-            DeviceFault::InDeviceFile(error) => error,
-        })?;
-        let device_position = places.take_or("device position", device.position_m.take(), 0.0);
-        let device_mass = match &linkage {
-            Some(linkage) => linkage.effective_mass(device_position).map_err(|error| {
-                let place = places.0.get("device position").cloned();
-                fault(place.unwrap_or(device.kind.span()), error.to_string())
-            })?,
-            // Checked to be there.
-            None => places.take_or("device_mass", device.mass_kg.take(), f64::NAN),
-        };
+        let (linkage, device) = self.device(raw.device, &mut places, files);
+        let hand = raw.hand.read(&mut places, files);
         let ReadHand {
             force,
             force_at,
             tremor,
             release,
             grip,
-        } = raw
-            .hand
-            .read(&mut places, files)
-            .map_err(|(span, message)| fault(span, message))?;
-        let period = places.take("period", raw.r#loop.period_s.clone());
-        let (delay, timing) = raw
-            .r#loop
-            .timing(&mut places)
-            .map_err(|(span, message)| fault(span, message.into()))?;
+        } = self.or("hand", hand, ReadHand::default());
+        let period = places.take(Parameter::Period, raw.r#loop.period_s.clone());
+        let timing = raw.r#loop.timing(&mut places);
+        let timing = timing.map_err(|(span, message)| (span, message.to_owned()));
+        let (delay, timing) = self.or("loop", timing, (0, Timing::default()));
+        let mut limit = |of: SceneParameter, value: Option<Spanned<f64>>| {
+            value.map(|value| places.take(of, value))
+        };
+        let rendering = raw.renderer;
+        let loop_params = LoopParams {
+            // A simulated device does not glitch; a loop that diverges is to be seen doing so.
+            speed_limit: limit(Parameter::SpeedLimit.into(), rendering.speed_limit_m_per_s),
+            force_limit: limit(Parameter::ForceLimit.into(), rendering.force_limit_n),
+            slew_limit: limit(Parameter::SlewLimit.into(), rendering.slew_limit_n_per_s),
+            largest_gap: limit(Parameter::LargestGap.into(), rendering.largest_gap_s),
+            ..LoopParams::new(period)
+        };
+        let told_device_mass = limit(Of::ToldDeviceMass, rendering.device_mass_kg);
+        let guard = rendering.guard.map_or(Guard::Off, |guard| {
+            guard.mode.guard(
+                places.take_or(Parameter::GuardSpeed, guard.speed_m_per_s, GUARD_SPEED),
+                places.take_or(
+                    Parameter::GuardAllowance,
+                    guard.allowance_j,
+                    GUARD_ALLOWANCE,
+                ),
+            )
+        });
         let scene = Scene {
             title: raw.title,
             contact,
             loop_params: LoopParams {
-                // A simulated device does not glitch; a loop that diverges is to be seen doing so.
-                speed_limit: limit(&mut places, "speed_limit", raw.renderer.speed_limit_m_per_s),
-                force_limit: limit(&mut places, "force_limit", raw.renderer.force_limit_n),
-                slew_limit: limit(&mut places, "slew_limit", raw.renderer.slew_limit_n_per_s),
-                largest_gap: limit(&mut places, "largest_gap", raw.renderer.largest_gap_s),
-                guard: raw.renderer.guard.map_or(Guard::Off, |guard| {
-                    guard.mode.guard(
-                        places.take_or("guard speed", guard.speed_m_per_s, GUARD_SPEED),
-                        places.take_or("guard allowance", guard.allowance_j, GUARD_ALLOWANCE),
-                    )
-                }),
-                ..LoopParams::new(period)
+                guard,
+                ..loop_params
             },
             object: ObjectState {
-                position: places.take("object position", raw.object.position_m),
-                velocity: places.take_or("object velocity", raw.object.velocity_m_per_s, 0.0),
+                position: places.take(Parameter::ObjectPosition, object.position_m),
+                velocity: places.take_or(Parameter::ObjectVelocity, object.velocity_m_per_s, 0.0),
             },
-            object_radius: places.take_or("object radius", raw.object.radius_m, 0.0),
-            virtual_force: places.take_or("virtual force", raw.object.force_n, 0.0),
+            object_radius: places.take_or(Of::ObjectRadius, object.radius_m, 0.0),
+            virtual_force: places.take_or(Parameter::VirtualForce, object.force_n, 0.0),
             linkage,
-            device: PointMassDevice {
-                mass: device_mass,
-                position: device_position,
-                velocity: places.take_or("device velocity", device.velocity_m_per_s, 0.0),
-                encoder_quantum: places.take_or("encoder_quantum", device.encoder_quantum_m, 0.0),
-                viscous_friction: places.take_or("viscous friction", device.viscous_n_s_per_m, 0.0),
-                coulomb_friction: places.take_or("Coulomb friction", device.coulomb_n, 0.0),
-                largest_force: limit(&mut places, "motor limit", device.motor_limit_n),
-            },
-            told_device_mass: limit(&mut places, "told device_mass", raw.renderer.device_mass_kg),
+            device,
+            told_device_mass,
             user_force: force,
             user_force_at: force_at,
             tremor,
@@ -313,87 +354,125 @@ impl SceneFile {
             delay,
             timing,
             measure,
-            method: raw.renderer.method.unwrap_or_default(),
+            method,
             settings,
         };
-        let file = Self {
+        SceneFile {
             scene,
-            name: name.into(),
-            source: source.into(),
+            name: self.name.into(),
+            source: self.source.into(),
             places: places.0,
-        };
-        file.scene
-            .check()
-            .map_err(|error| file.locate_parameter(&error))?;
-        let named = |method: &MethodName| {
-            *method == file.scene.method || file.scene.settings.contains_key(method)
-        };
-        for method in MethodName::ALL.into_iter().filter(named) {
-            file.scene
-                .renderer(method)
-                .map_err(|error| file.locate(method, &error))?;
-        }
-        Ok(file)
-    }
-
-    /// The place of what makes `method` impossible here.
-    pub fn locate(&self, method: MethodName, error: &SetupError) -> SceneError {
-        match error {
-            SetupError::Parameter(parameter) if self.places.contains_key(parameter.parameter) => {
-                self.locate_parameter(parameter)
-            }
-            SetupError::Parameter(parameter) => self.at_settings(method, parameter.to_string()),
-            SetupError::Settings(SettingsError::Unused { setting, .. }) => self.at_settings(
-                method,
-                format!(
-                    "{method} has no use for {}; it is for {}",
-                    setting.key(),
-                    setting.users()
-                ),
-            ),
-            SetupError::Settings(other) => self.at_settings(method, other.to_string()),
+            methods,
         }
     }
 
-    /// The place of a parameter that is out of range.
-    pub fn locate_parameter(&self, error: &ParameterError) -> SceneError {
-        let span = self.places.get(error.parameter).cloned().unwrap_or(0..0);
-        SceneError::at(&self.name, &self.source, span, error.to_string())
+    /// Settings of the methods that the file names, and where it does.
+    fn settings(
+        &mut self,
+        raw: HashMap<Spanned<String>, GivenSettings>,
+    ) -> (
+        HashMap<MethodName, Settings>,
+        HashMap<MethodName, Range<usize>>,
+    ) {
+        let (mut settings, mut places) = (HashMap::new(), HashMap::new());
+        for (key, given) in raw {
+            match method_named(key.get_ref()) {
+                Ok(method) => {
+                    places.insert(method, key.span());
+                    settings.insert(method, given.0);
+                }
+                Err(error) => self.fault((key.span(), error.to_string())),
+            }
+        }
+        (settings, places)
     }
 
-    fn at_settings(&self, method: MethodName, message: String) -> SceneError {
-        let span = self.places.get(settings_place(method)).cloned();
-        SceneError::at(&self.name, &self.source, span.unwrap_or(0..0), message)
+    /// The linkage, if the device is one, and the device as a point mass.
+    fn device(
+        &mut self,
+        raw: RawDevice,
+        places: &mut Places<SceneParameter>,
+        files: Files<'_>,
+    ) -> (Option<Linkage>, PointMassDevice) {
+        let kind = raw.kind.span();
+        let device = match raw.read(self.name, files) {
+            Ok(device) => device,
+            Err(fault) => {
+                match fault {
+                    DeviceFault::Here(span, message) => self.in_table("device", (span, message)),
+                    DeviceFault::InDeviceFile(error) => self.faults.push(error),
+                }
+                // A mass that is no fault, so that the rest can be looked at.
+                let mass = Spanned::new(kind.clone(), 1.0);
+                ReadDevice::PointMass(ReadPointMass::of(mass))
+            }
+        };
+        match device {
+            ReadDevice::PointMass(read) => (None, read.device(places)),
+            ReadDevice::Pantograph(linkage, position) => {
+                let at = position.as_ref().map_or(kind, Spanned::span);
+                let position = places.take_or(Of::DevicePosition, position, 0.0);
+                let mass = linkage.effective_mass(position);
+                let device = PointMassDevice {
+                    mass: self.or("device", mass.map_err(|error| (at, error.to_string())), 1.0),
+                    position,
+                    ..PointMassDevice::default()
+                };
+                (Some(linkage), device)
+            }
+        }
     }
-}
 
-/// Key under which the place of a method's settings is remembered.
-fn settings_place(method: MethodName) -> &'static str {
-    method.name()
-}
-
-impl<'de> Deserialize<'de> for Damping {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct NumberOrAuto;
-        impl serde::de::Visitor<'_> for NumberOrAuto {
-            type Value = Damping;
-
-            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("a damping in N s/m or \"auto\"")
+    /// Adds what is wrong with the scene that was read.
+    fn check(&mut self, file: &SceneFile) {
+        let (scene, is_whole) = (&file.scene, self.faults.is_empty());
+        // What stands in the place of a fault may contradict the rest; a range looks at one number.
+        let counts =
+            |error: &SceneParameterError| is_whole || matches!(error.allowed, Allowed::Range(_));
+        let faults = scene.faults();
+        for error in faults.iter().filter(|error| counts(error)) {
+            self.faults.push(file.locate_parameter(error));
+        }
+        let loop_params = scene.loop_params_with_delay();
+        let rendered = scene.contact.faults().chain(loop_params.faults());
+        let rendered: Vec<_> = rendered.collect();
+        for error in &rendered {
+            let error = error.map(SceneParameter::Rendered);
+            if faults
+                .iter()
+                .all(|other| other.parameter != error.parameter)
+            {
+                self.faults.push(file.locate_parameter(&error));
             }
-            fn visit_f64<E>(self, value: f64) -> Result<Damping, E> {
-                Ok(Damping::Value(value))
+        }
+        let is_sound = self.faults.is_empty();
+        for method in MethodName::ALL {
+            let given = scene.settings.get(&method);
+            if method != scene.method && given.is_none() {
+                continue;
             }
-            fn visit_i64<E>(self, value: i64) -> Result<Damping, E> {
-                Ok(Damping::Value(value as f64))
-            }
-            fn visit_str<E: serde::de::Error>(self, value: &str) -> Result<Damping, E> {
-                match value {
-                    "auto" => Ok(Damping::Auto),
-                    other => Err(E::invalid_value(serde::de::Unexpected::Str(other), &self)),
+            match scene.params(method) {
+                Err(error) => {
+                    if !self.damaged.contains(&format!("methods.{method}")) {
+                        self.faults.push(file.locate(method, &error.into()));
+                    }
+                }
+                Ok(params) => {
+                    let Err(error) = params.check(&scene.contact, &loop_params) else {
+                        continue;
+                    };
+                    // A default may be derived from what is wrong elsewhere.
+                    let is_given = match error.parameter {
+                        Parameter::Setting(setting) => {
+                            given.is_some_and(|given| given.has(setting.key))
+                        }
+                        _ => false,
+                    };
+                    if is_sound || is_given {
+                        self.faults.push(file.locate(method, &error.into()));
+                    }
                 }
             }
         }
-        deserializer.deserialize_any(NumberOrAuto)
     }
 }

@@ -9,6 +9,7 @@ use toml::Spanned;
 
 use super::beside::Files;
 use super::fault::Places;
+use super::parameter::SceneParameter;
 use super::{Grip, HandForceAt, Wave};
 
 /// A fault and the place of the key that has it.
@@ -41,10 +42,8 @@ pub(super) struct RawHand {
     intention: Option<Spanned<String>>,
 }
 
-/// Name of the place where the hand's force acts, in errors.
-pub(super) const FORCE_AT: &str = "hand force in the motors";
-
 /// What a scene keeps of its hand.
+#[derive(Default)]
 pub(super) struct ReadHand {
     pub force: f64,
     pub force_at: HandForceAt,
@@ -56,18 +55,26 @@ pub(super) struct ReadHand {
 impl RawHand {
     /// The hand; the place of a key that its kind has no use for, that stands alone, or that names a
     /// file without a motion.
-    pub fn read(self, places: &mut Places, files: Files<'_>) -> Result<ReadHand, Fault> {
+    pub fn read(
+        self,
+        places: &mut Places<SceneParameter>,
+        files: Files<'_>,
+    ) -> Result<ReadHand, Fault> {
         let tremor = wave(
             places,
-            ["tremor", "tremor frequency"],
+            [SceneParameter::Tremor, SceneParameter::TremorFrequency],
             [self.tremor_n, self.tremor_hz],
             "a tremor needs both tremor_n and tremor_hz",
         )?;
-        let force = places.take_or("user force", self.force_n, 0.0);
-        let force_at = places.take_or(FORCE_AT, self.force_at, HandForceAt::default());
+        let force = places.take_or(SceneParameter::HandForce, self.force_n, 0.0);
+        let force_at = places.take_or(
+            SceneParameter::HandForceAt,
+            self.force_at,
+            HandForceAt::default(),
+        );
         let release = self
             .release_s
-            .map(|release| places.take("release", release));
+            .map(|release| places.take(SceneParameter::Release, release));
         let grip = match self.kind {
             HandKind::ConstantForce => {
                 let of_a_grip = [
@@ -97,13 +104,21 @@ impl RawHand {
                     return Err((key.span(), message.into()));
                 }
                 Some(Grip {
-                    mass: places.take_or("hand mass", self.mass_kg, 0.0),
-                    stiffness: places.take_or("hand stiffness", self.stiffness_n_per_m, 0.0),
-                    damping: places.take_or("hand damping", self.damping_n_s_per_m, 0.0),
-                    position: places.take_or("hand position", self.position_m, 0.0),
+                    mass: places.take_or(SceneParameter::HandMass, self.mass_kg, 0.0),
+                    stiffness: places.take_or(
+                        SceneParameter::HandStiffness,
+                        self.stiffness_n_per_m,
+                        0.0,
+                    ),
+                    damping: places.take_or(
+                        SceneParameter::HandDamping,
+                        self.damping_n_s_per_m,
+                        0.0,
+                    ),
+                    position: places.take_or(SceneParameter::HandPosition, self.position_m, 0.0),
                     swing: wave(
                         places,
-                        ["swing", "swing frequency"],
+                        [SceneParameter::Swing, SceneParameter::SwingFrequency],
                         [self.swing_m, self.swing_hz],
                         "a swing needs both swing_m and swing_hz",
                     )?,
@@ -126,8 +141,8 @@ impl RawHand {
 
 /// Amplitude and frequency, both or neither; the place of one that stands alone.
 fn wave(
-    places: &mut Places,
-    names: [&'static str; 2],
+    places: &mut Places<SceneParameter>,
+    names: [SceneParameter; 2],
     values: [Option<Spanned<f64>>; 2],
     alone: &str,
 ) -> Result<Option<Wave>, Fault> {

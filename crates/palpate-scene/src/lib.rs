@@ -15,14 +15,18 @@ mod hand;
 mod linkage;
 pub mod method;
 pub mod named_parameters;
+mod parameter;
+mod recover;
 mod timing;
 mod write;
 
 pub use beside::beside;
-pub use fault::SceneError;
+pub use check::SceneParameterError;
 pub use fault::in_plain_words;
+pub use fault::{SceneError, SceneErrors};
 pub use file::{GUARD_ALLOWANCE, GUARD_SPEED, GuardMode, SceneFile};
 pub use linkage::{HandForceAt, Linkage};
+pub use parameter::SceneParameter;
 pub use timing::{Dropped, Jitter, RateCollapse, Timing};
 pub use write::Unwritable;
 
@@ -146,10 +150,16 @@ pub enum Measure {
 pub enum SetupError {
     /// A parameter is outside its range.
     #[error(transparent)]
-    Parameter(#[from] ParameterError),
+    Parameter(#[from] SceneParameterError),
     /// Settings and method do not go together.
     #[error(transparent)]
     Settings(#[from] SettingsError),
+}
+
+impl From<ParameterError> for SetupError {
+    fn from(error: ParameterError) -> Self {
+        Self::Parameter(error.map(SceneParameter::Rendered))
+    }
 }
 
 impl Scene {
@@ -166,11 +176,8 @@ impl Scene {
     /// method cannot use.
     pub fn renderer(&self, method: MethodName) -> Result<AnyRenderer<f64>, SetupError> {
         let params = self.params(method)?;
-        Ok(Renderer::new(
-            self.contact,
-            self.loop_params_with_delay(),
-            params,
-        )?)
+        let renderer = Renderer::new(self.contact, self.loop_params_with_delay(), params);
+        renderer.map_err(SetupError::from)
     }
 
     /// The loop as a renderer is told it: with the scene's delay, as far as one can be told.

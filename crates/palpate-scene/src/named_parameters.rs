@@ -2,8 +2,6 @@
 
 use palpate::{AnyParams, MethodParams as _, ParameterValue};
 
-use crate::method::MethodName;
-
 /// Parameters by name, with the unit in the name; empty for a method without any.
 #[must_use]
 pub fn named_parameters(params: &AnyParams<f64>) -> Vec<(&'static str, ParameterValue<f64>)> {
@@ -12,25 +10,9 @@ pub fn named_parameters(params: &AnyParams<f64>) -> Vec<(&'static str, Parameter
     named
 }
 
-/// The method that has `params`; of the two names for HFCR without dissipation the shorter, `hfcr`.
-#[must_use]
-pub fn method_of(params: &AnyParams<f64>) -> MethodName {
-    match params {
-        AnyParams::Basic => MethodName::Basic,
-        AnyParams::VirtualDamper(_) => MethodName::VirtualDamper,
-        AnyParams::Seh(_) => MethodName::Seh,
-        AnyParams::Popc(_) => MethodName::Popc,
-        AnyParams::PopcRef(_) => MethodName::PopcRef,
-        AnyParams::Hfcr(hfcr) if !hfcr.smooth_transition => MethodName::HfcrMod,
-        AnyParams::Hfcr(_) => MethodName::Hfcr,
-        AnyParams::Coupled(_) => MethodName::Coupled,
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::method::{Basis, Settings};
+    use crate::method::{Basis, MethodName, Settings};
 
     #[test]
     fn every_method_is_said_by_its_name_and_keys_and_never_as_rust_spells_it() {
@@ -49,7 +31,6 @@ mod tests {
                 MethodName::HfcrModSt => MethodName::Hfcr,
                 other => other,
             };
-            assert_eq!(method_of(&params), expected);
             assert!(said.starts_with(expected.name()), "{said}");
             assert!(!said.contains(['{', '}', ':']), "{said}");
             assert!(!said.contains(char::is_uppercase), "{said}");

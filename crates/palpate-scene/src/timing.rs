@@ -2,16 +2,18 @@
 
 use std::ops::Range;
 
-use palpate::ParameterError;
+use palpate::{Allowed, Parameter, ParameterError};
 use palpate_testbed::InvalidParameter;
-use palpate_testbed::schedule::{ActuationDelay, Schedule, ScheduleParams};
+use palpate_testbed::schedule::{ActuationDelay, Schedule, ScheduleParameter, ScheduleParams};
 pub use palpate_testbed::schedule::{Dropped, Jitter, RateCollapse};
 use palpate_testbed::timeline::Timeline;
 use serde::Deserialize;
 use toml::Spanned;
 
 use super::Scene;
+use super::check::SceneParameterError;
 use super::fault::Places;
+use super::parameter::SceneParameter;
 
 /// Imperfections of a loop besides a delay of whole samples; none by default.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -59,16 +61,16 @@ impl RawLoop {
     /// beside one that it excludes.
     pub fn timing(
         self,
-        places: &mut Places,
+        places: &mut Places<SceneParameter>,
     ) -> Result<(usize, Timing), (Range<usize>, &'static str)> {
         let jitter = match (self.jitter_s, self.jitter_deviation_s) {
             (None, None) => Jitter::None,
             (Some(bound), None) => Jitter::Uniform {
-                bound: places.take("jitter_s", bound),
+                bound: places.take(SceneParameter::Jitter, bound),
             },
             (Some(bound), Some(deviation)) => Jitter::Normal {
-                bound: places.take("jitter_s", bound),
-                deviation: places.take("jitter_deviation_s", deviation),
+                bound: places.take(SceneParameter::Jitter, bound),
+                deviation: places.take(SceneParameter::JitterDeviation, deviation),
             },
             (None, Some(deviation)) => {
                 return Err((
@@ -80,9 +82,11 @@ impl RawLoop {
         let dropped = match (self.drop_probability, self.dropped_samples) {
             (None, None) => Dropped::None,
             (Some(probability), None) => {
-                Dropped::Probability(places.take("drop_probability", probability))
+                Dropped::Probability(places.take(SceneParameter::DropProbability, probability))
             }
-            (None, Some(samples)) => Dropped::Listed(places.take("dropped_samples", samples)),
+            (None, Some(samples)) => {
+                Dropped::Listed(places.take(SceneParameter::DroppedSamples, samples))
+            }
             (Some(_), Some(samples)) => {
                 return Err((
                     samples.span(),
@@ -91,18 +95,21 @@ impl RawLoop {
             }
         };
         let timing = Timing {
-            delay_fraction: places.take_or("delay_fraction", self.delay_fraction, 0.0),
+            delay_fraction: places.take_or(SceneParameter::DelayFraction, self.delay_fraction, 0.0),
             jitter,
             dropped,
             collapse: self.collapse.map(|collapse| RateCollapse {
-                from: places.take("collapse.from_s", collapse.from_s),
-                until: places.take("collapse.until_s", collapse.until_s),
-                period: places.take("collapse.period_s", collapse.period_s),
+                from: places.take(SceneParameter::CollapseFrom, collapse.from_s),
+                until: places.take(SceneParameter::CollapseUntil, collapse.until_s),
+                period: places.take(SceneParameter::CollapsePeriod, collapse.period_s),
             }),
-            seed: places.take_or("seed", self.seed, 0),
+            seed: places.take_or(SceneParameter::Seed, self.seed, 0),
             as_recorded: false,
         };
-        Ok((places.take_or("delay", self.delay_samples, 0), timing))
+        Ok((
+            places.take_or(Parameter::Delay, self.delay_samples, 0),
+            timing,
+        ))
     }
 }
 
@@ -122,17 +129,6 @@ impl Timing {
             .map_or(period, |collapse| period.min(collapse.period))
     }
 }
-
-/// What the bench calls a parameter of a schedule: what scene files call it, and its unit.
-const KEYS: [(&str, &str, &str); 7] = [
-    ("collapse.from", "collapse.from_s", "s"),
-    ("collapse.until", "collapse.until_s", "s"),
-    ("collapse.period", "collapse.period_s", "s"),
-    ("jitter.bound", "jitter_s", "s"),
-    ("jitter.deviation", "jitter_deviation_s", "s"),
-    ("dropped", "drop_probability", ""),
-    ("delay.fraction", "delay_fraction", "periods"),
-];
 
 impl Scene {
     /// The schedule of the loop.
@@ -162,44 +158,44 @@ impl Scene {
     }
 
     /// Checks the timing of a loop whose period is sound.
-    pub(super) fn check_timing(&self) -> Result<(), ParameterError> {
+    pub(super) fn check_timing(&self) -> Result<(), SceneParameterError> {
+        let refused = |parameter, value, allowed| {
+            Err(ParameterError {
+                parameter,
+                value,
+                allowed: Allowed::Words(allowed),
+            })
+        };
         let only_as_recorded = Timing {
             as_recorded: true,
             seed: self.timing.seed,
             ..Timing::default()
         };
         if self.timing.as_recorded && self.recorded_hand.is_none() {
-            return Err(ParameterError {
-                parameter: "recorded instants",
-                value: 0.0,
-                unit: "samples",
-                allowed: "those of a recorded hand",
-            });
+            let allowed = "those of a recorded hand";
+            return refused(SceneParameter::RecordedInstants, 0.0, allowed);
         }
         if self.timing.as_recorded && self.timing != only_as_recorded {
-            return Err(ParameterError {
-                parameter: "delay_fraction",
-                value: self.timing.delay_fraction,
-                unit: "",
-                allowed: "left out, like jitter and drops, of a loop that samples as recorded",
-            });
+            let allowed = "left out, like jitter and drops, of a loop that samples as recorded";
+            let fraction = self.timing.delay_fraction;
+            return refused(SceneParameter::DelayFraction, fraction, allowed);
         }
         let Err(error) = Schedule::new(self.schedule()) else {
             return Ok(());
         };
-        let (parameter, unit) = KEYS
-            .iter()
-            .find(|(name, ..)| *name == error.name)
-            .map_or((error.name, ""), |&(_, key, unit)| (key, unit));
-        let parameter = match (&self.timing.dropped, parameter) {
-            (Dropped::Listed(_), "drop_probability") => "dropped_samples",
-            _ => parameter,
+        let parameter = match error.name {
+            ScheduleParameter::Period => Parameter::Period.into(),
+            ScheduleParameter::CollapsePeriod => SceneParameter::CollapsePeriod,
+            ScheduleParameter::CollapseFrom => SceneParameter::CollapseFrom,
+            ScheduleParameter::CollapseUntil => SceneParameter::CollapseUntil,
+            ScheduleParameter::JitterBound => SceneParameter::Jitter,
+            ScheduleParameter::JitterDeviation => SceneParameter::JitterDeviation,
+            ScheduleParameter::DelayFraction => SceneParameter::DelayFraction,
+            ScheduleParameter::Dropped => match self.timing.dropped {
+                Dropped::Listed(_) => SceneParameter::DroppedSamples,
+                Dropped::None | Dropped::Probability(_) => SceneParameter::DropProbability,
+            },
         };
-        Err(ParameterError {
-            parameter,
-            value: error.value,
-            unit,
-            allowed: error.allowed,
-        })
+        refused(parameter, error.value, error.allowed)
     }
 }

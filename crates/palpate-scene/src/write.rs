@@ -2,11 +2,11 @@
 
 use std::fmt::Write;
 
-use palpate::{Contact, DamperObject, EntryHold, Guard, LoopParams, Mass, SehEstimate, Side};
+use palpate::{Contact, Guard, LoopParams, Mass, ParameterValue, Side};
 use palpate_testbed::pantograph::SafetyBox;
 
 use super::{Dropped, Grip, HandForceAt, Jitter, Measure, PointMassDevice, Scene, Timing, Wave};
-use crate::method::{Damping, MethodName, Predictor, Settings};
+use crate::method::{MethodName, Settings};
 
 /// Something of a scene that scene files have no key for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -139,7 +139,7 @@ impl Scene {
         for method in MethodName::ALL {
             if let Some(settings) = settings.get(&method) {
                 file.table(&format!("methods.{method}"));
-                file.settings(settings);
+                file.settings(method, settings);
             }
         }
         Ok(file.0)
@@ -259,43 +259,21 @@ impl File {
         );
     }
 
-    fn settings(&mut self, settings: &Settings) {
-        let Settings {
-            damping,
-            damping_cap,
-            speed_threshold,
-            initial_energy,
-            estimate,
-            prediction,
-            longest_window,
-            damper_object,
-            entry_hold,
-            placement,
-            correction,
-        } = *settings;
-        match damping {
-            None => {}
-            Some(Damping::Auto) => self.line("damping_n_s_per_m", "\"auto\""),
-            Some(Damping::Value(damping)) => self.number("damping_n_s_per_m", damping),
-        }
-        self.if_given("damping_cap_n_s_per_m", damping_cap);
-        self.if_given("speed_threshold_m_per_s", speed_threshold);
-        self.if_given("initial_energy_j", initial_energy);
-        let words = [
-            ("estimate", estimate.map(SehEstimate::name)),
-            ("prediction", prediction.map(Predictor::name)),
-            ("damper_object", damper_object.map(DamperObject::name)),
-            ("entry_hold", entry_hold.map(EntryHold::name)),
-        ];
-        for (key, word) in words {
-            if let Some(word) = word {
-                self.line(key, &format!("\"{word}\""));
-            }
-        }
-        self.if_given("longest_window_s", longest_window);
-        for (key, on) in [("placement", placement), ("correction", correction)] {
-            if let Some(on) = on {
-                self.line(key, &on.to_string());
+    fn settings(&mut self, method: MethodName, given: &Settings) {
+        let own = method.info().settings.iter();
+        let own = own.filter_map(|setting| Some((setting, given.get(setting.key)?)));
+        // Reading refuses what the method cannot use; it is not for the writer to drop it.
+        let unused = given
+            .iter()
+            .filter(|(setting, _)| !method.uses(setting.key));
+        for (setting, value) in own.chain(unused) {
+            let key = setting.key.as_str();
+            match value {
+                ParameterValue::Number(number) => self.number(key, number),
+                ParameterValue::Switch(on) => self.line(key, &on.to_string()),
+                ParameterValue::Word(_) | ParameterValue::ToBeDerived => {
+                    self.line(key, &format!("\"{value}\""));
+                }
             }
         }
     }

@@ -356,7 +356,7 @@ fn a_device_file_that_is_missing_or_bad_is_named() {
     );
     assert_eq!(
         error("file = \"small.toml\"\nposition_m = -0.055", GOOD),
-        "FOLDER/scene.toml:13:14: device position is -0.055 m, but must be inside the safety box of the device"
+        "FOLDER/scene.toml:13:14: device.position_m is -0.055 m, but must be inside the safety box of the device"
     );
     assert_eq!(
         error(

@@ -1,6 +1,6 @@
 //! What page and server tell each other in text; `docs/scope.md` has every field.
 
-use palpate_scene::method::MethodName;
+use palpate_scene::method::{MethodName, deserialize_method};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::{Map, Value};
 
@@ -41,7 +41,7 @@ pub struct Set {
 #[serde(deny_unknown_fields)]
 pub struct LaneChoice {
     /// The method.
-    #[serde(serialize_with = "by_name")]
+    #[serde(serialize_with = "by_name", deserialize_with = "deserialize_method")]
     pub method: MethodName,
     /// Its damping `[N s/m]`; none is the method's own default.
     #[serde(default)]

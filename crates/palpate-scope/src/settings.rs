@@ -1,9 +1,10 @@
 //! What is rendered, as far as a page can change it.
 
-use palpate::{AnyMethod, Mass};
+use palpate::{Mass, MethodParams as _, Parameter, ParameterValue};
 use palpate_rt::Rendering;
-use palpate_scene::Scene;
-use palpate_scene::method::{Damping, MethodName, Setting};
+use palpate_scene::method::{MethodName, SettingKey};
+use palpate_scene::named_parameters::named_parameters;
+use palpate_scene::{Scene, SceneParameter, SceneParameterError, SetupError};
 use serde::Serialize;
 
 use crate::message::{LaneChoice, Set};
@@ -103,7 +104,7 @@ impl Settings {
             check_lanes(lanes.len(), most_lanes)?;
             for lane in lanes {
                 if let Some(value) = lane.damping_n_s_per_m {
-                    if !lane.method.uses(Setting::Damping) {
+                    if !lane.method.uses(SettingKey::DAMPING) {
                         return Err(format!(
                             "{} takes no damping; allowed: none (null)",
                             lane.method.name()
@@ -129,9 +130,10 @@ impl Settings {
         scene.virtual_force = self.virtual_force;
         scene.loop_params.period = self.period;
         scene.method = lane.method;
-        if lane.method.uses(Setting::Damping) {
+        if lane.method.uses(SettingKey::DAMPING) {
             let settings = scene.settings.entry(lane.method).or_default();
-            settings.damping = lane.damping_n_s_per_m.map(Damping::Value);
+            let damping = lane.damping_n_s_per_m.map(ParameterValue::Number);
+            settings.set(SettingKey::DAMPING, damping);
         }
         scene
     }
@@ -145,24 +147,47 @@ impl Settings {
             .iter()
             .map(|lane| {
                 let scene = self.scene(scene, *lane);
-                scene.check().map_err(|error| error.to_string())?;
-                scene
-                    .rendering(lane.method)
-                    .map_err(|error| error.to_string())
+                scene.check().map_err(|error| by_field(&error))?;
+                scene.rendering(lane.method).map_err(|error| match error {
+                    SetupError::Parameter(error) => by_field(&error),
+                    SetupError::Settings(error) => error.to_string(),
+                })
             })
             .collect()
     }
 }
 
+/// A parameter out of range, by the field of the page that says it.
+fn by_field(error: &SceneParameterError) -> String {
+    let SceneParameter::Rendered(parameter) = error.parameter else {
+        return error.to_string();
+    };
+    let field = match parameter {
+        Parameter::Stiffness => "stiffness_n_per_m",
+        Parameter::ObjectMass => "mass_kg",
+        Parameter::VirtualForce => "virtual_force_n",
+        Parameter::Period => "period_s",
+        Parameter::Setting(setting) => setting.key.as_str(),
+        // No field of the page: the scene's.
+        _ => return error.to_string(),
+    };
+    error.called(field).to_string()
+}
+
 /// The damping that `scene` gives `method`; what it derives is given as what comes of it.
 fn damping(scene: &Scene, method: MethodName) -> Option<f64> {
-    match scene.settings.get(&method)?.damping? {
-        Damping::Value(value) => Some(value),
-        Damping::Auto => match scene.renderer(method).ok()?.method() {
-            AnyMethod::Hfcr(hfcr) => Some(hfcr.damping()),
-            _ => None,
-        },
+    if !scene.settings.get(&method)?.has(SettingKey::DAMPING) {
+        return None;
     }
+    let renderer = scene.renderer(method).ok()?;
+    let derived = scene.params(method).ok()?.derived(renderer.method());
+    let key = SettingKey::DAMPING.as_str();
+    named_parameters(&derived)
+        .into_iter()
+        .find_map(|(name, value)| match value {
+            ParameterValue::Number(number) if name == key => Some(number),
+            _ => None,
+        })
 }
 
 /// Whether a device that has `most` lanes can have `lanes` of them.
@@ -226,7 +251,10 @@ mod tests {
         };
         let after = before.with(&set, &limits, 2).unwrap();
         let scene = after.scene(&scene, after.lanes[0]);
-        assert_eq!(scene.settings[&MethodName::Hfcr].damping, None);
+        assert_eq!(
+            scene.settings[&MethodName::Hfcr].get(SettingKey::DAMPING),
+            None
+        );
     }
 
     #[test]
@@ -270,5 +298,39 @@ mod tests {
             refused(lanes(&[(MethodName::Hfcr, Some(-1.0))]), 2),
             "damping_n_s_per_m is -1; allowed: 0 to 50"
         );
+    }
+
+    #[test]
+    fn what_no_renderer_takes_is_told_by_the_page_s_field() {
+        let scene = scene();
+        let told = |change: fn(&mut Settings)| {
+            let mut settings = Settings::of(&scene, &[MethodName::Hfcr]);
+            change(&mut settings);
+            settings.renderings(&scene).unwrap_err()
+        };
+        for (change, message) in [
+            (
+                (|settings| settings.stiffness = -1.0) as fn(&mut Settings),
+                "stiffness_n_per_m is -1 N/m, but must be finite and greater than 0",
+            ),
+            (
+                |settings| settings.mass = Some(0.0),
+                "mass_kg is 0 kg, but must be finite and greater than 0",
+            ),
+            (
+                |settings| settings.virtual_force = f64::INFINITY,
+                "virtual_force_n is inf N, but must be finite",
+            ),
+            (
+                |settings| settings.period = 0.0,
+                "period_s is 0 s, but must be finite and greater than 0",
+            ),
+            (
+                |settings| settings.lanes[0].damping_n_s_per_m = Some(-1.0),
+                "damping_n_s_per_m is -1 N s/m, but must be finite and not below 0",
+            ),
+        ] {
+            assert_eq!(told(change), message);
+        }
     }
 }

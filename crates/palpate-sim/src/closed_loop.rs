@@ -15,7 +15,7 @@ use crate::own_device::{OwnDevice, Seen};
 use crate::plant::{Plant, is_free};
 use crate::run::{Held, IdealPoint, MOST_PERIODS, Reference, Run, RunMethod, Tick};
 use crate::sampled_loop::{Sampled, SampledLoop};
-use palpate_scene::method::{MethodName, with_derived_values};
+use palpate_scene::method::MethodName;
 use palpate_scene::named_parameters::named_parameters;
 use palpate_scene::{Measure, Scene, SetupError};
 
@@ -247,7 +247,7 @@ impl<'a> Bench<'a> {
     ) -> Result<Run, LoopError> {
         let renderer = scene.renderer(method)?;
         let params = scene.params(method).map_err(SetupError::from)?;
-        let parameters = named_parameters(&with_derived_values(params, &renderer));
+        let parameters = named_parameters(&params.derived(renderer.method()));
         let method = RunMethod::BuiltIn(method);
         self.run_along(timeline, scene, &renderer, method, parameters)
     }

@@ -17,7 +17,7 @@ use palpate_testbed::metrics::ForceJudgement;
 use palpate_testbed::recorded_path::{PathError, RecordedPath, to_nanoseconds};
 
 use crate::run::{Held, MOST_PERIODS, Reference, Run, RunMethod, Tick};
-use palpate_scene::method::{Basis, MethodName, Settings, SettingsError, with_derived_values};
+use palpate_scene::method::{Basis, MethodName, Settings, SettingsError};
 use palpate_scene::named_parameters::named_parameters;
 use palpate_scene::{Scene, SetupError, stored_energy};
 
@@ -241,7 +241,7 @@ impl Replay {
             .map_err(SetupError::from)?;
         let renderer: AnyRenderer<f64> =
             Renderer::new(setup.contact, setup.known_loop(), params).map_err(SetupError::from)?;
-        let parameters = named_parameters(&with_derived_values(params, &renderer));
+        let parameters = named_parameters(&params.derived(renderer.method()));
         self.run_with(&renderer, RunMethod::BuiltIn(method), parameters)
     }
 

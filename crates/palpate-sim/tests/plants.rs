@@ -6,7 +6,7 @@ mod common;
 use std::sync::Arc;
 
 use common::scene as experiment;
-use palpate_scene::method::MethodName;
+use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_scene::{Grip, Measure, Scene, Wave};
 use palpate_sim::closed_loop::{Bench, error_against};
 use palpate_sim::run::Run;
@@ -371,10 +371,7 @@ fn in_the_second_experiment_the_timing_is_lost_after_three_collisions() {
 fn in_the_first_experiment_a_damper_is_good_in_a_narrow_valley_only() {
     let at = |damping: f64| {
         let mut scene = experiment("fig4");
-        let settings = palpate_scene::method::Settings {
-            damping: Some(palpate_scene::method::Damping::Value(damping)),
-            ..Default::default()
-        };
+        let settings = Settings::default().with(SettingKey::DAMPING, damping);
         scene.settings.insert(MethodName::VirtualDamper, settings);
         let run = run(&scene, MethodName::VirtualDamper);
         run.force.fidelity.unwrap().force_rendering_error

@@ -10,7 +10,7 @@ use std::fmt;
 use crate::suite::Column;
 use crate::sweep::{ALMOST_STABLE_UP_TO, Quantity, SweepError, sweep};
 use palpate::SehEstimate;
-use palpate_scene::method::{MethodName, Settings};
+use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_scene::{Measure, Scene};
 use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_sim::run::Run;
@@ -299,10 +299,7 @@ fn almost_stable(scenes: &PaperScenes<'_>) -> Result<Claim, ClaimError> {
     ]
     .map(|(name, estimate)| Column {
         name: name.into(),
-        settings: Settings {
-            estimate: Some(estimate),
-            ..Settings::default()
-        },
+        settings: Settings::default().with(SettingKey::ESTIMATE, estimate),
         ..Column::of(MethodName::Seh)
     })
     .into();
@@ -385,9 +382,6 @@ fn who_stays_in_the_box(scenes: &PaperScenes<'_>) -> Result<Claim, ClaimError> {
 }
 
 fn damping_of(settings: &Settings) -> String {
-    match settings.damping {
-        Some(palpate_scene::method::Damping::Value(value)) => value.to_string(),
-        Some(palpate_scene::method::Damping::Auto) => "auto".into(),
-        None => "0".into(),
-    }
+    let given = settings.get(SettingKey::DAMPING);
+    given.map_or_else(|| "0".into(), |damping| damping.to_string())
 }

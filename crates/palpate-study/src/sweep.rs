@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use crate::suite::Column;
 use crate::tune::{HEIGHTS, Spread, at_height, spread, tunable};
 use palpate_scene::Scene;
-use palpate_scene::method::{Damping, Setting, Settings};
+use palpate_scene::method::{SettingKey, Settings};
 use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_sim::run::Run;
 
@@ -360,16 +360,8 @@ fn with(scene: &Scene, quantity: Quantity, value: f64) -> Result<Scene, SweepErr
 }
 
 fn with_damping(column: &Column, value: f64) -> Column {
-    let given = match tunable(column.method) {
-        Some(Setting::DampingCap) => Settings {
-            damping_cap: Some(value),
-            ..Settings::default()
-        },
-        _ => Settings {
-            damping: Some(Damping::Value(value)),
-            ..Settings::default()
-        },
-    };
+    let damping = tunable(column.method).map_or(SettingKey::DAMPING, |setting| setting.key);
+    let given = Settings::default().with(damping, value);
     Column {
         settings: given.or(column.settings),
         dampings: None,

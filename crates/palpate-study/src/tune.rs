@@ -3,8 +3,9 @@
 //! A value that is best at one start height may be bad at the next, so every value is judged over
 //! start heights around the scene's own.
 
+use palpate::Unit;
 use palpate_scene::Scene;
-use palpate_scene::method::{Damping, MethodName, Setting, Settings};
+use palpate_scene::method::{MethodName, Setting, Settings};
 pub mod report;
 
 use palpate_sim::closed_loop::{Bench, LoopError};
@@ -73,10 +74,9 @@ pub enum TuneError {
 }
 
 /// The setting of `method` that is a damping.
-pub fn tunable(method: MethodName) -> Option<Setting> {
-    [Setting::Damping, Setting::DampingCap]
-        .into_iter()
-        .find(|setting| method.uses(*setting))
+pub fn tunable(method: MethodName) -> Option<&'static Setting> {
+    let mut settings = method.info().settings.iter();
+    settings.find(|setting| setting.unit() == Some(Unit::NewtonSecondPerMetre))
 }
 
 /// Judges `method` on `scene` at each of `values` `[N s/m]`; `done` hears of each start height that
@@ -97,16 +97,7 @@ pub fn tune(
         let mut tuned = at_height.clone();
         let bench = Bench::new(&at_height)?;
         for (value, trials) in values.iter().zip(&mut trials) {
-            let given = match setting {
-                Setting::DampingCap => Settings {
-                    damping_cap: Some(*value),
-                    ..Settings::default()
-                },
-                _ => Settings {
-                    damping: Some(Damping::Value(*value)),
-                    ..Settings::default()
-                },
-            };
+            let given = Settings::default().with(setting.key, *value);
             let others = scene.settings.get(&method).copied().unwrap_or_default();
             tuned.settings.insert(method, given.or(others));
             let run = bench.run_varied(&tuned, method)?;

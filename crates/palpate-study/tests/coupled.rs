@@ -5,7 +5,7 @@
 mod common;
 
 use common::{PAPER_SCENES, scene};
-use palpate_scene::method::{MethodName, Settings};
+use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_scene::{Measure, Scene};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::run::Run;
@@ -155,11 +155,9 @@ fn what_the_motor_did_not_give_is_placed_for() {
 #[test]
 fn on_random_plants_each_step_takes_it_nearer() {
     let step = |placement, correction| Column {
-        settings: Settings {
-            placement: Some(placement),
-            correction: Some(correction),
-            ..Settings::default()
-        },
+        settings: Settings::default()
+            .with(SettingKey::PLACEMENT, placement)
+            .with(SettingKey::CORRECTION, correction),
         ..Column::of(MethodName::Coupled)
     };
     let columns = [

@@ -5,7 +5,8 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use palpate_scene::method::{Damping, MethodName, Settings};
+use palpate::ParameterValue;
+use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_scene::{Linkage, Measure};
 use palpate_sim::closed_loop::Bench;
 use palpate_study::map::{
@@ -181,10 +182,8 @@ fn wall(kappa: f64, friction: f64) -> Bounce {
 }
 
 fn judged(bounce: &Bounce, method: MethodName, damping: Option<f64>) -> Entry {
-    let settings = Settings {
-        damping: damping.map(Damping::Value),
-        ..Settings::default()
-    };
+    let mut settings = Settings::default();
+    settings.set(SettingKey::DAMPING, damping.map(ParameterValue::Number));
     let (entries, _) = bounce.judge(Plant::Damped, &[(method, settings)]).unwrap();
     entries[0]
 }
@@ -251,10 +250,8 @@ fn a_bounce_that_never_meets_is_refused() {
 fn the_stiffest_wall_of_the_best_damper_is_near_the_classical_one_and_not_above() {
     let bounce = wall(0.1, 0.0);
     let beta = 2.0 * (2.0_f64.sqrt() - 1.0);
-    let settings = Settings {
-        damping: Some(Damping::Value(beta * bounce.device.mass / bounce.period)),
-        ..Settings::default()
-    };
+    let damping = beta * bounce.device.mass / bounce.period;
+    let settings = Settings::default().with(SettingKey::DAMPING, damping);
     let found = bounce
         .stiffest(MethodName::VirtualDamper, settings)
         .unwrap();

@@ -5,9 +5,9 @@
 mod common;
 
 use common::{PAPER_SCENES, experiments, scene};
-use palpate::Mass;
+use palpate::{Mass, ParameterValue};
 use palpate_scene::SceneFile;
-use palpate_scene::method::{Damping, MethodName, Settings};
+use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_sim::closed_loop::Bench;
 use palpate_study::heights::over_heights;
 use palpate_study::suite::{Column, DELAYS, Judged, RandomPlant, quantile, run, summary};
@@ -272,8 +272,9 @@ method = \"hfcr\"
     let columns = Column::parse(text).unwrap();
     let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
     assert_eq!(names, ["quiet", "firm", "as it is"]);
-    assert_eq!(columns[0].settings.damping, Some(Damping::Auto));
-    assert_eq!(columns[1].settings.damping, Some(Damping::Value(3.0)));
+    let damping = |index: usize| columns[index].settings.get(SettingKey::DAMPING);
+    assert_eq!(damping(0), Some(ParameterValue::ToBeDerived));
+    assert_eq!(damping(1), Some(ParameterValue::Number(3.0)));
     assert_eq!(columns[2].settings, Settings::default());
     let judged = run(1, 2, &columns, || ()).unwrap();
     assert_ne!(judged[0].trials[0].fidelity, judged[0].trials[2].fidelity);
@@ -370,7 +371,8 @@ fn over_heights_the_damping_of_least_median_is_the_scene_s() {
     // The scene's own B is the best at its own height, and far from it at others.
     let scene = scene("fig2");
     let impedance = scene.contact.stiffness * scene.loop_params.period;
-    let Some(Damping::Value(own)) = scene.settings[&MethodName::VirtualDamper].damping else {
+    let damper = &scene.settings[&MethodName::VirtualDamper];
+    let Some(own) = damper.number(SettingKey::DAMPING) else {
         panic!("a tuned damper");
     };
     let ratios = [0.0, 0.2, 0.38, own / impedance, 0.7];
@@ -444,10 +446,7 @@ fn the_told_mass_reaches_what_is_derived_from_it_and_nothing_else() {
     let run = |scene: &_, method| Bench::new(scene).unwrap().run(method).unwrap();
     scene.settings.insert(
         MethodName::Hfcr,
-        Settings {
-            damping: Some(Damping::Auto),
-            ..Settings::default()
-        },
+        Settings::default().with(SettingKey::DAMPING, ParameterValue::ToBeDerived),
     );
     let told = run(&scene, MethodName::Hfcr);
     let basic = run(&scene, MethodName::Basic);

@@ -5,7 +5,7 @@
 mod common;
 
 use common::scene;
-use palpate_scene::method::{Damping, MethodName, Settings};
+use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_sim::closed_loop::Bench;
 use palpate_study::tune::{HEIGHTS, Objective, TuneError, best, tune};
 
@@ -23,14 +23,8 @@ fn at_its_own_height_a_value_does_what_a_single_run_does() {
         let mut scene = scene("fig2");
         let points = tune(&scene, method, &[value], || ()).unwrap();
         let given = match method {
-            MethodName::PopcRef => Settings {
-                damping_cap: Some(value),
-                ..Settings::default()
-            },
-            _ => Settings {
-                damping: Some(Damping::Value(value)),
-                ..Settings::default()
-            },
+            MethodName::PopcRef => Settings::default().with(SettingKey::DAMPING_CAP, value),
+            _ => Settings::default().with(SettingKey::DAMPING, value),
         };
         scene.settings.insert(method, given);
         let run = Bench::new(&scene).unwrap().run(method).unwrap();

@@ -1,24 +1,26 @@
 //! The one error of parameters, and the checks that raise it.
 
+use std::fmt::Display;
+
 use thiserror::Error;
 
 /// A parameter outside its range: which one, what it was, what it may be.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error("{name} = {value} is not allowed; allowed: {allowed}")]
-pub struct InvalidParameter {
-    /// Name of the parameter, as in the type that holds it.
-    pub name: &'static str,
+pub struct InvalidParameter<N: Display = &'static str> {
+    /// The parameter: its name, as in the type that holds it, or a value to match.
+    pub name: N,
     /// The rejected value, in the parameter's own unit.
     pub value: f64,
     /// The allowed range in words, with its unit.
     pub allowed: &'static str,
 }
 
-impl InvalidParameter {
+impl<N: Display> InvalidParameter<N> {
     /// Accepts `value` if `holds`.
     pub(crate) fn unless(
         holds: bool,
-        name: &'static str,
+        name: N,
         value: f64,
         allowed: &'static str,
     ) -> Result<f64, Self> {
@@ -35,19 +37,19 @@ impl InvalidParameter {
 }
 
 /// Accepts a finite number.
-pub(crate) fn finite(
-    name: &'static str,
+pub(crate) fn finite<N: Display>(
+    name: N,
     value: f64,
     allowed: &'static str,
-) -> Result<f64, InvalidParameter> {
+) -> Result<f64, InvalidParameter<N>> {
     InvalidParameter::unless(value.is_finite(), name, value, allowed)
 }
 
 /// Accepts a finite number above zero.
-pub(crate) fn positive(
-    name: &'static str,
+pub(crate) fn positive<N: Display>(
+    name: N,
     value: f64,
     allowed: &'static str,
-) -> Result<f64, InvalidParameter> {
+) -> Result<f64, InvalidParameter<N>> {
     InvalidParameter::unless(value.is_finite() && value > 0.0, name, value, allowed)
 }

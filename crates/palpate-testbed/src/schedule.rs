@@ -13,6 +13,8 @@
 
 use std::f64::consts::TAU;
 
+use std::fmt;
+
 use crate::InvalidParameter;
 use crate::error::{finite, positive};
 
@@ -147,6 +149,52 @@ pub struct Schedule {
     drop_numbers: SplitMix64,
 }
 
+/// A parameter of a schedule, to be matched by value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)] // the parameters are called what the fields are that have them
+pub enum ScheduleParameter {
+    Period,
+    CollapsePeriod,
+    CollapseFrom,
+    CollapseUntil,
+    JitterBound,
+    JitterDeviation,
+    Dropped,
+    DelayFraction,
+}
+
+impl ScheduleParameter {
+    /// The field that has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Period => "period",
+            Self::CollapsePeriod => "collapse.period",
+            Self::CollapseFrom => "collapse.from",
+            Self::CollapseUntil => "collapse.until",
+            Self::JitterBound => "jitter.bound",
+            Self::JitterDeviation => "jitter.deviation",
+            Self::Dropped => "dropped",
+            Self::DelayFraction => "delay.fraction",
+        }
+    }
+}
+
+impl fmt::Display for ScheduleParameter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl From<InvalidParameter<ScheduleParameter>> for InvalidParameter {
+    fn from(error: InvalidParameter<ScheduleParameter>) -> Self {
+        Self {
+            name: error.name.name(),
+            value: error.value,
+            allowed: error.allowed,
+        }
+    }
+}
+
 impl Schedule {
     /// A schedule from checked parameters.
     ///
@@ -156,14 +204,15 @@ impl Schedule {
     /// is negative or reaches half of the shortest period (samples would change places), the
     /// probability is not in \[0, 1), listed indices do not rise or begin with 0, or the delay's
     /// fraction is not in \[0, 1).
-    pub fn new(params: ScheduleParams) -> Result<Self, InvalidParameter> {
-        let mut shortest = positive("period", params.period, "finite and above 0 s")?;
+    pub fn new(params: ScheduleParams) -> Result<Self, InvalidParameter<ScheduleParameter>> {
+        use ScheduleParameter as Of;
+        let mut shortest = positive(Of::Period, params.period, "finite and above 0 s")?;
         if let Some(collapse) = params.collapse {
-            positive("collapse.period", collapse.period, "finite and above 0 s")?;
-            finite("collapse.from", collapse.from, "finite [s]")?;
+            positive(Of::CollapsePeriod, collapse.period, "finite and above 0 s")?;
+            finite(Of::CollapseFrom, collapse.from, "finite [s]")?;
             InvalidParameter::unless(
                 collapse.until > collapse.from,
-                "collapse.until",
+                Of::CollapseUntil,
                 collapse.until,
                 "after the collapse begins [s]",
             )?;
@@ -172,19 +221,19 @@ impl Schedule {
         let bound = params.jitter.bound();
         InvalidParameter::unless(
             (0.0..0.5 * shortest).contains(&bound),
-            "jitter.bound",
+            Of::JitterBound,
             bound,
             "from 0 s to below half of the shortest period",
         )?;
         if let Jitter::Normal { deviation, .. } = params.jitter {
-            positive("jitter.deviation", deviation, "finite and above 0 s")?;
+            positive(Of::JitterDeviation, deviation, "finite and above 0 s")?;
         }
         match &params.dropped {
             Dropped::None => {}
             Dropped::Probability(probability) => {
                 InvalidParameter::unless(
                     (0.0..1.0).contains(probability),
-                    "dropped",
+                    Of::Dropped,
                     *probability,
                     "a probability from 0 to below 1",
                 )?;
@@ -192,14 +241,14 @@ impl Schedule {
             Dropped::Listed(indices) => {
                 InvalidParameter::unless(
                     indices.first() != Some(&0),
-                    "dropped",
+                    Of::Dropped,
                     0.0,
                     "indices from 1 on: a loop begins with sample 0",
                 )?;
                 if let Some(pair) = indices.windows(2).find(|pair| pair[1] <= pair[0]) {
                     InvalidParameter::unless(
                         false,
-                        "dropped",
+                        Of::Dropped,
                         pair[1] as f64,
                         "indices in rising order",
                     )?;
@@ -208,7 +257,7 @@ impl Schedule {
         }
         InvalidParameter::unless(
             (0.0..1.0).contains(&params.delay.fraction),
-            "delay.fraction",
+            Of::DelayFraction,
             params.delay.fraction,
             "from 0 to below 1 period",
         )?;
@@ -512,7 +561,10 @@ mod tests {
     #[test]
     fn a_rejected_parameter_is_named() {
         let perfect = ScheduleParams::perfect(1e-3);
-        let rejected = |params: ScheduleParams| Schedule::new(params).unwrap_err().name;
+        let rejected = |params: ScheduleParams| {
+            let error = Schedule::new(params).unwrap_err();
+            error.name.name()
+        };
         assert_eq!(rejected(ScheduleParams::perfect(0.0)), "period");
         let half = Jitter::Uniform { bound: 5e-4 };
         assert_eq!(

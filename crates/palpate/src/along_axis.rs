@@ -1,7 +1,7 @@
 //! A contact with one dimension along an axis in the plane or in space.
 
 use crate::Scalar;
-use crate::parameter::{ParameterError, check, finite};
+use crate::parameter::{Allowed, Parameter, ParameterError};
 
 /// Where the axis of a contact lies in a device of `N` dimensions: an origin and a unit normal.
 ///
@@ -58,20 +58,15 @@ impl<S: Scalar, const N: usize> AlongAxis<S, N> {
     /// scaled to length 1 exactly, so a normal written with few digits does no harm).
     pub fn new(origin: [S; N], normal: [S; N]) -> Result<Self, ParameterError> {
         for coordinate in origin {
-            finite("origin", "m", coordinate)?;
+            Parameter::AxisOrigin.finite(coordinate)?;
         }
         let mut square = S::ZERO;
         for component in normal {
-            square += finite("normal", "", component)? * component;
+            square += Parameter::AxisNormal.finite(component)? * component;
         }
         let length = square.sqrt();
-        check(
-            (length - S::ONE).abs() <= S::from_f64(1e-3),
-            "length of normal",
-            "",
-            length,
-            "1",
-        )?;
+        let is_one = (length - S::ONE).abs() <= S::from_f64(1e-3);
+        Parameter::AxisNormalLength.unless(is_one, length, Allowed::Words("1"))?;
         Ok(Self {
             origin,
             normal: normal.map(|component| component / length),

@@ -2,7 +2,7 @@
 
 use crate::Scalar;
 use crate::guard::Guard;
-use crate::parameter::{ParameterError, positive};
+use crate::parameter::{Allowed, Parameter, ParameterError};
 
 /// Mass of the virtual object.
 ///
@@ -112,12 +112,18 @@ impl<S: Scalar> Contact<S> {
         }
     }
 
+    /// Every parameter outside its range.
+    pub fn faults(&self) -> impl Iterator<Item = ParameterError> {
+        let mass = match self.object_mass {
+            Mass::Finite(mass) => Parameter::ObjectMass.positive(mass).err(),
+            Mass::Infinite => None,
+        };
+        let stiffness = Parameter::Stiffness.positive(self.stiffness).err();
+        [stiffness, mass].into_iter().flatten()
+    }
+
     pub(crate) fn check(&self) -> Result<(), ParameterError> {
-        positive("stiffness", "N/m", self.stiffness)?;
-        if let Mass::Finite(mass) = self.object_mass {
-            positive("object_mass", "kg", mass)?;
-        }
-        Ok(())
+        self.faults().next().map_or(Ok(()), Err)
     }
 }
 
@@ -210,34 +216,35 @@ impl<S: Scalar> LoopParams<S> {
         self.largest_gap.unwrap_or(self.period * S::from_f64(20.0))
     }
 
+    /// Every parameter outside its range.
+    pub fn faults(&self) -> impl Iterator<Item = ParameterError> {
+        let limit = |parameter: Parameter, limit: Option<S>| parameter.positive(limit?).err();
+        let bridges = |gap: S| gap.is_finite() && gap >= self.period;
+        let gap = self.largest_gap.and_then(|gap| {
+            let allowed = Allowed::AtLeastOnePeriod;
+            Parameter::LargestGap
+                .unless(bridges(gap), gap, allowed)
+                .err()
+        });
+        let known = self.delay <= LARGEST_DELAY;
+        let most = Allowed::UpToSamples(LARGEST_DELAY);
+        [
+            Parameter::Period.positive(self.period).err(),
+            gap,
+            limit(Parameter::SpeedLimit, self.speed_limit),
+            limit(Parameter::ForceLimit, self.force_limit),
+            limit(Parameter::SlewLimit, self.slew_limit),
+            Parameter::Delay
+                .unless(known, self.delay as f64, most)
+                .err(),
+        ]
+        .into_iter()
+        .chain(self.guard.faults())
+        .flatten()
+    }
+
     pub(crate) fn check(&self) -> Result<(), ParameterError> {
-        positive("period", "s", self.period)?;
-        if let Some(gap) = self.largest_gap {
-            crate::parameter::check(
-                gap.is_finite() && gap >= self.period,
-                "largest_gap",
-                "s",
-                gap,
-                "finite and at least one period",
-            )?;
-        }
-        for (parameter, unit, limit) in [
-            ("speed_limit", "m/s", self.speed_limit),
-            ("force_limit", "N", self.force_limit),
-            ("slew_limit", "N/s", self.slew_limit),
-        ] {
-            if let Some(limit) = limit {
-                positive(parameter, unit, limit)?;
-            }
-        }
-        crate::parameter::check(
-            self.delay <= LARGEST_DELAY,
-            "delay",
-            "samples",
-            self.delay as f64,
-            "0 to 8",
-        )?;
-        self.guard.check()
+        self.faults().next().map_or(Ok(()), Err)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The two numbers that say how hard a contact is to render at a loop rate.
 
 use crate::Scalar;
-use crate::parameter::{ParameterError, positive};
+use crate::parameter::{Allowed, Parameter, ParameterError};
 
 /// The nondimensional pair (kappa, Kc): contact stiffness against the inertia that one period
 /// leaves to device and object.
@@ -41,12 +41,12 @@ impl<S: Scalar> Difficulty<S> {
         object_mass: S,
         period: S,
     ) -> Result<Self, ParameterError> {
-        positive("stiffness", "N/m", stiffness)?;
-        positive("period", "s", period)?;
+        Parameter::Stiffness.positive(stiffness)?;
+        Parameter::Period.positive(period)?;
         let force_per_acceleration = stiffness * period * period;
         Ok(Self {
-            kappa: force_per_acceleration / mass("device_mass", device_mass)?,
-            object_kappa: force_per_acceleration / mass("object_mass", object_mass)?,
+            kappa: force_per_acceleration / mass(Parameter::DeviceMass, device_mass)?,
+            object_kappa: force_per_acceleration / mass(Parameter::ObjectMass, object_mass)?,
         })
     }
 
@@ -56,9 +56,9 @@ impl<S: Scalar> Difficulty<S> {
     /// # Errors
     /// A mass, a period or a kappa that is not finite and positive.
     pub fn stiffness(&self, device_mass: S, period: S) -> Result<S, ParameterError> {
-        positive("kappa", "", self.kappa)?;
-        positive("device_mass", "kg", device_mass)?;
-        positive("period", "s", period)?;
+        Parameter::Kappa.positive(self.kappa)?;
+        Parameter::DeviceMass.positive(device_mass)?;
+        Parameter::Period.positive(period)?;
         Ok(self.kappa * device_mass / (period * period))
     }
 
@@ -68,9 +68,9 @@ impl<S: Scalar> Difficulty<S> {
     /// # Errors
     /// A mass or a kappa that is not finite and positive; a negative object kappa.
     pub fn object_mass(&self, device_mass: S) -> Result<S, ParameterError> {
-        positive("kappa", "", self.kappa)?;
-        crate::parameter::not_negative("object_kappa", "", self.object_kappa)?;
-        positive("device_mass", "kg", device_mass)?;
+        Parameter::Kappa.positive(self.kappa)?;
+        Parameter::ObjectKappa.not_negative(self.object_kappa)?;
+        Parameter::DeviceMass.positive(device_mass)?;
         Ok(if self.object_kappa == S::ZERO {
             S::INFINITY
         } else {
@@ -79,6 +79,6 @@ impl<S: Scalar> Difficulty<S> {
     }
 }
 
-fn mass<S: Scalar>(parameter: &'static str, mass: S) -> Result<S, ParameterError> {
-    crate::parameter::check(mass > S::ZERO, parameter, "kg", mass, "greater than 0")
+fn mass<S: Scalar>(parameter: Parameter, mass: S) -> Result<S, ParameterError> {
+    parameter.unless(mass > S::ZERO, mass, Allowed::Words("greater than 0"))
 }

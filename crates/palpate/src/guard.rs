@@ -15,7 +15,7 @@
 //! was stored, what f_V and changes from outside put in, and the allowance.
 
 use crate::Scalar;
-use crate::parameter::{ParameterError, not_negative, positive};
+use crate::parameter::{Parameter, ParameterError};
 
 /// Whether the energy given out is bounded, and how.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -59,14 +59,16 @@ pub struct GuardParams<S> {
 }
 
 impl<S: Scalar> Guard<S> {
-    pub(crate) fn check(&self) -> Result<(), ParameterError> {
+    /// Each of its parameters outside its range.
+    pub(crate) fn faults(&self) -> [Option<ParameterError>; 2] {
         match self {
-            Self::Off => Ok(()),
-            Self::Report(params) | Self::Limit(params) => {
-                positive("guard speed", "m/s", params.largest_speed)?;
-                not_negative("guard allowance", "J", params.allowance)?;
-                Ok(())
-            }
+            Self::Off => [None; 2],
+            Self::Report(params) | Self::Limit(params) => [
+                Parameter::GuardSpeed.positive(params.largest_speed).err(),
+                Parameter::GuardAllowance
+                    .not_negative(params.allowance)
+                    .err(),
+            ],
         }
     }
 

@@ -70,14 +70,11 @@ pub use difficulty::Difficulty;
 pub use energy::{Leak, Ledger};
 pub use guard::{Guard, GuardParams};
 pub use motion::{Displacement, ObjectMotion, ObjectState, Rule, Start};
-pub use parameter::{ParameterError, ParameterValue};
-pub use predict::{LONGEST_WINDOW, Prediction, PredictionMemory};
-pub use render::{
-    AnyMemory, AnyMethod, AnyParams, AnyRenderer, Basic, BasicParams, Coupled, CoupledMemory,
-    CoupledParams, DamperObject, Ended, EntryHold, Hfcr, HfcrParams, LeakDissipation, Method,
-    MethodParams, OnItsWay, Plan, Popc, PopcParams, PopcRef, PopcRefParams, Renderer, Seh,
-    SehEstimate, SehMemory, SehParams, Situation, State, VirtualDamper, VirtualDamperParams,
+pub use parameter::{
+    Allowed, Parameter, ParameterError, ParameterName, ParameterValue, Range, Unit,
 };
+pub use predict::{LONGEST_WINDOW, Prediction, PredictionMemory, PredictionName};
+pub use render::*;
 pub use rendering::Rendering;
 pub use sample::{Fault, Limited, Output, Phase, Sample};
 pub use scalar::Scalar;

@@ -3,97 +3,332 @@
 use core::fmt;
 
 use crate::Scalar;
+use crate::render::Setting;
 
-/// A parameter outside its allowed range.
+/// A parameter that is checked, to be matched by value: whoever tells a user of it knows its key, flag or
+/// field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[allow(missing_docs)] // the parameters are called what the fields are that have them
+pub enum Parameter {
+    Stiffness,
+    ObjectMass,
+    ObjectPosition,
+    ObjectVelocity,
+    VirtualForce,
+    Side,
+    Period,
+    Delay,
+    LargestGap,
+    SpeedLimit,
+    ForceLimit,
+    SlewLimit,
+    GuardSpeed,
+    GuardAllowance,
+    DeviceMass,
+    EncoderQuantum,
+    /// Largest error of a measured position that an adaptive window bears.
+    NoiseBound,
+    /// What automatic damping comes to.
+    DerivedDamping,
+    AxisOrigin,
+    AxisNormal,
+    AxisNormalLength,
+    Kappa,
+    ObjectKappa,
+    /// A setting of a method.
+    Setting(&'static Setting),
+    /// A parameter of a method of one's own.
+    Own {
+        /// Its name.
+        name: &'static str,
+        /// Its unit, empty for a pure number.
+        unit: &'static str,
+    },
+}
+
+/// What has a name and a unit in messages.
+pub trait ParameterName: Copy {
+    /// Its name, as the field is called.
+    fn name(&self) -> &'static str;
+    /// The symbol of its unit, empty for a pure number.
+    fn unit(&self) -> &'static str;
+}
+
+impl ParameterName for Parameter {
+    fn name(&self) -> &'static str {
+        match self {
+            Self::Stiffness => "stiffness",
+            Self::ObjectMass => "object_mass",
+            Self::ObjectPosition => "object position",
+            Self::ObjectVelocity => "object velocity",
+            Self::VirtualForce => "virtual force",
+            Self::Side => "side",
+            Self::Period => "period",
+            Self::Delay => "delay",
+            Self::LargestGap => "largest_gap",
+            Self::SpeedLimit => "speed_limit",
+            Self::ForceLimit => "force_limit",
+            Self::SlewLimit => "slew_limit",
+            Self::GuardSpeed => "guard speed",
+            Self::GuardAllowance => "guard allowance",
+            Self::DeviceMass => "device_mass",
+            Self::EncoderQuantum => "encoder_quantum",
+            Self::NoiseBound => "noise_bound",
+            Self::DerivedDamping => "derived damping",
+            Self::AxisOrigin => "origin",
+            Self::AxisNormal => "normal",
+            Self::AxisNormalLength => "length of normal",
+            Self::Kappa => "kappa",
+            Self::ObjectKappa => "object_kappa",
+            Self::Setting(setting) => setting.name(),
+            Self::Own { name, .. } => name,
+        }
+    }
+
+    fn unit(&self) -> &'static str {
+        match self {
+            Self::Stiffness => Unit::NewtonPerMetre,
+            Self::ObjectMass | Self::DeviceMass => Unit::Kilogram,
+            Self::ObjectPosition | Self::EncoderQuantum | Self::NoiseBound | Self::AxisOrigin => {
+                Unit::Metre
+            }
+            Self::ObjectVelocity | Self::SpeedLimit | Self::GuardSpeed => Unit::MetrePerSecond,
+            Self::VirtualForce | Self::ForceLimit => Unit::Newton,
+            Self::SlewLimit => Unit::NewtonPerSecond,
+            Self::Period | Self::LargestGap => Unit::Second,
+            Self::Delay => Unit::Sample,
+            Self::GuardAllowance => Unit::Joule,
+            Self::DerivedDamping => Unit::NewtonSecondPerMetre,
+            Self::Side
+            | Self::AxisNormal
+            | Self::AxisNormalLength
+            | Self::Kappa
+            | Self::ObjectKappa => Unit::One,
+            Self::Setting(setting) => setting.unit().unwrap_or(Unit::One),
+            Self::Own { unit, .. } => return unit,
+        }
+        .symbol()
+    }
+}
+
+impl Parameter {
+    pub(crate) fn within<S: Scalar>(self, range: Range, value: S) -> Result<S, ParameterError> {
+        self.unless(range.contains(value), value, Allowed::Range(range))
+    }
+
+    pub(crate) fn positive<S: Scalar>(self, value: S) -> Result<S, ParameterError> {
+        self.within(Range::Positive, value)
+    }
+
+    pub(crate) fn not_negative<S: Scalar>(self, value: S) -> Result<S, ParameterError> {
+        self.within(Range::NotNegative, value)
+    }
+
+    pub(crate) fn finite<S: Scalar>(self, value: S) -> Result<S, ParameterError> {
+        self.within(Range::Finite, value)
+    }
+
+    /// `value` where `holds`, else the error that it is not `allowed`.
+    pub(crate) fn unless<S: Scalar>(
+        self,
+        holds: bool,
+        value: S,
+        allowed: Allowed,
+    ) -> Result<S, ParameterError> {
+        if holds {
+            return Ok(value);
+        }
+        Err(ParameterError {
+            parameter: self,
+            value: value.to_f64(),
+            allowed,
+        })
+    }
+}
+
+/// What a parameter may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Allowed {
+    /// A range.
+    Range(Range),
+    /// Finite and at least one period of the loop.
+    AtLeastOnePeriod,
+    /// A whole number of samples from 0 to this one.
+    UpToSamples(usize),
+    /// What no range says, in words that follow "must be".
+    Words(&'static str),
+}
+
+impl fmt::Display for Allowed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Range(range) => f.write_str(range.allowed()),
+            Self::AtLeastOnePeriod => f.write_str("finite and at least one period"),
+            Self::UpToSamples(most) => write!(f, "0 to {most}"),
+            Self::Words(words) => f.write_str(words),
+        }
+    }
+}
+
+/// A parameter outside its allowed range: of the core ([`Parameter`]), or of what is built on it.
 ///
 /// Its message names the parameter, the value it was given, and the range:
 ///
 /// ```
-/// use palpate::{BasicParams, Contact, LoopParams, Renderer};
+/// use palpate::{BasicParams, Contact, LoopParams, Parameter, Renderer};
 ///
 /// let wrong = Renderer::new(Contact::object(-400.0, 0.1), LoopParams::new(0.001), BasicParams);
+/// let error = wrong.unwrap_err();
+/// assert_eq!(error.parameter, Parameter::Stiffness);
 /// assert_eq!(
-///     wrong.unwrap_err().to_string(),
+///     error.to_string(),
 ///     "stiffness is -400 N/m, but must be finite and greater than 0"
+/// );
+/// assert_eq!(
+///     error.called("--stiffness").to_string(),
+///     "--stiffness is -400 N/m, but must be finite and greater than 0"
 /// );
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ParameterError {
-    /// Name of the parameter, as the field is called.
-    pub parameter: &'static str,
-    /// The value that was given.
+pub struct ParameterError<P = Parameter> {
+    /// The parameter.
+    pub parameter: P,
+    /// The value that was given, in the parameter's unit.
     pub value: f64,
-    /// The parameter's unit, empty for a pure number.
-    pub unit: &'static str,
-    /// The values that are allowed, in words that follow "must be".
-    pub allowed: &'static str,
+    /// The values that are allowed.
+    pub allowed: Allowed,
 }
 
-impl fmt::Display for ParameterError {
+impl<P: ParameterName> ParameterError<P> {
+    /// The same error of a parameter that is known otherwise.
+    pub fn map<Q>(self, known_as: impl FnOnce(P) -> Q) -> ParameterError<Q> {
+        ParameterError {
+            parameter: known_as(self.parameter),
+            value: self.value,
+            allowed: self.allowed,
+        }
+    }
+
+    /// The message with another name of the parameter: a key of a file, a flag, a field.
+    pub fn called<N: fmt::Display>(&self, name: N) -> impl fmt::Display + use<N, P> {
+        Message {
+            name,
+            unit: self.parameter.unit(),
+            value: self.value,
+            allowed: self.allowed,
+        }
+    }
+}
+
+struct Message<N> {
+    name: N,
+    unit: &'static str,
+    value: f64,
+    allowed: Allowed,
+}
+
+impl<N: fmt::Display> fmt::Display for Message<N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let space = if self.unit.is_empty() { "" } else { " " };
+        let (name, value, unit) = (&self.name, self.value, self.unit);
+        let space = if unit.is_empty() { "" } else { " " };
         write!(
             f,
-            "{} is {}{space}{}, but must be {}",
-            self.parameter, self.value, self.unit, self.allowed
+            "{name} is {value}{space}{unit}, but must be {}",
+            self.allowed
         )
     }
 }
 
-impl core::error::Error for ParameterError {}
-
-pub(crate) fn positive<S: Scalar>(
-    parameter: &'static str,
-    unit: &'static str,
-    value: S,
-) -> Result<S, ParameterError> {
-    check(
-        value.is_finite() && value > S::ZERO,
-        parameter,
-        unit,
-        value,
-        "finite and greater than 0",
-    )
+impl<P: ParameterName> fmt::Display for ParameterError<P> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.called(self.parameter.name()).fmt(f)
+    }
 }
 
-pub(crate) fn not_negative<S: Scalar>(
-    parameter: &'static str,
-    unit: &'static str,
-    value: S,
-) -> Result<S, ParameterError> {
-    check(
-        value.is_finite() && value >= S::ZERO,
-        parameter,
-        unit,
-        value,
-        "finite and not below 0",
-    )
+impl<P: ParameterName + fmt::Debug> core::error::Error for ParameterError<P> {}
+
+/// A unit, as messages write it and as keys end with it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[allow(missing_docs)] // the units are called what they are
+pub enum Unit {
+    One,
+    Metre,
+    MetrePerSecond,
+    Second,
+    Kilogram,
+    Newton,
+    NewtonPerMetre,
+    NewtonPerSecond,
+    NewtonSecondPerMetre,
+    Joule,
+    Sample,
 }
 
-pub(crate) fn finite<S: Scalar>(
-    parameter: &'static str,
-    unit: &'static str,
-    value: S,
-) -> Result<S, ParameterError> {
-    check(value.is_finite(), parameter, unit, value, "finite")
+impl Unit {
+    /// Its symbol, empty for a pure number.
+    pub const fn symbol(self) -> &'static str {
+        match self {
+            Self::One => "",
+            Self::Metre => "m",
+            Self::MetrePerSecond => "m/s",
+            Self::Second => "s",
+            Self::Kilogram => "kg",
+            Self::Newton => "N",
+            Self::NewtonPerMetre => "N/m",
+            Self::NewtonPerSecond => "N/s",
+            Self::NewtonSecondPerMetre => "N s/m",
+            Self::Joule => "J",
+            Self::Sample => "samples",
+        }
+    }
+
+    /// What a key of this unit ends with, empty for a pure number.
+    pub const fn suffix(self) -> &'static str {
+        match self {
+            Self::One => "",
+            Self::Metre => "_m",
+            Self::MetrePerSecond => "_m_per_s",
+            Self::Second => "_s",
+            Self::Kilogram => "_kg",
+            Self::Newton => "_n",
+            Self::NewtonPerMetre => "_n_per_m",
+            Self::NewtonPerSecond => "_n_per_s",
+            Self::NewtonSecondPerMetre => "_n_s_per_m",
+            Self::Joule => "_j",
+            Self::Sample => "_samples",
+        }
+    }
 }
 
-pub(crate) fn check<S: Scalar>(
-    allowed_value: bool,
-    parameter: &'static str,
-    unit: &'static str,
-    value: S,
-    allowed: &'static str,
-) -> Result<S, ParameterError> {
-    if allowed_value {
-        Ok(value)
-    } else {
-        Err(ParameterError {
-            parameter,
-            value: value.to_f64(),
-            unit,
-            allowed,
-        })
+/// The range of a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Range {
+    /// Any finite number.
+    Finite,
+    /// Finite and greater than 0.
+    Positive,
+    /// Finite and not below 0.
+    NotNegative,
+}
+
+impl Range {
+    /// Whether `value` lies in it.
+    pub fn contains<S: Scalar>(self, value: S) -> bool {
+        value.is_finite()
+            && match self {
+                Self::Finite => true,
+                Self::Positive => value > S::ZERO,
+                Self::NotNegative => value >= S::ZERO,
+            }
+    }
+
+    /// The range in words that follow "must be".
+    pub const fn allowed(self) -> &'static str {
+        match self {
+            Self::Finite => "finite",
+            Self::Positive => "finite and greater than 0",
+            Self::NotNegative => "finite and not below 0",
+        }
     }
 }
 
@@ -118,5 +353,20 @@ impl<S: fmt::Display> fmt::Display for ParameterValue<S> {
             Self::Switch(on) => write!(f, "{on}"),
             Self::ToBeDerived => f.write_str("auto"),
         }
+    }
+}
+
+impl<S> From<S> for ParameterValue<S>
+where
+    S: Scalar,
+{
+    fn from(number: S) -> Self {
+        Self::Number(number)
+    }
+}
+
+impl From<bool> for ParameterValue<f64> {
+    fn from(on: bool) -> Self {
+        Self::Switch(on)
     }
 }

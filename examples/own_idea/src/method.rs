@@ -1,7 +1,7 @@
 //! A method of one's own: the spring force of where the device will be in the middle of the interval.
 
 use palpate::{
-    Contact, LoopParams, Method, MethodParams, ObjectMotion, ParameterError, ParameterValue, Plan,
+    Allowed, Contact, LoopParams, Method, MethodParams, ObjectMotion, Parameter, ParameterError, ParameterValue, Plan,
     Situation,
 };
 
@@ -30,10 +30,12 @@ impl MethodParams<f64> for LookAheadParams {
             });
         }
         Err(ParameterError {
-            parameter: "periods",
+            parameter: Parameter::Own {
+                name: "periods",
+                unit: "",
+            },
             value: self.periods,
-            unit: "",
-            allowed: "from 0 to 1",
+            allowed: Allowed::Words("from 0 to 1"),
         })
     }
 

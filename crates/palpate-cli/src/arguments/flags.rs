@@ -1,14 +1,11 @@
 //! Flags that several commands share, in SI units.
 
 use clap::{ArgAction, Args};
-use palpate::{DamperObject, EntryHold, SehEstimate, Side};
+use palpate::Side;
 use palpate_scene::GuardMode;
-use palpate_scene::method::{Damping, Predictor};
 
-use crate::values::{
-    Methods, damper_object, damping, entry_hold, estimate, guard, limit, methods, number,
-    predictor, samples, side,
-};
+use super::setting_flags::{SettingFlags, method_help};
+use crate::values::{Methods, guard, limit, methods, number, samples, side};
 
 /// What is not perfect about the loop of a scene.
 #[derive(Args, Debug, Default)]
@@ -166,74 +163,17 @@ pub struct Flags {
     )]
     pub guard_allowance: Option<f64>,
 
-    /// Method: all, or one or more, separated by commas, of basic, seh, virtual-damper, popc,
-    /// popc-ref, hfcr-mod, hfcr-mod-st, hfcr, coupled [default: coupled, or the scene's]
-    #[arg(long, value_name = "NAMES", value_parser = methods, help_heading = "Method")]
+    /// The methods to run.
+    #[arg(
+        long,
+        value_name = "NAMES",
+        value_parser = methods,
+        help = method_help(),
+        help_heading = "Method"
+    )]
     pub method: Option<Methods>,
-    /// B of virtual-damper [default: K T/2], or b of hfcr [default: 0; auto derives it] [N s/m]
-    #[arg(long, value_name = "N s/m|auto", value_parser = damping, allow_hyphen_values = true,
-          help_heading = "Method")]
-    pub damping: Option<Damping>,
-    /// Largest damping alpha_max that popc and popc-ref inject [N s/m] [default: 3 K T]
-    #[arg(
-        long,
-        value_name = "N s/m",
-        value_parser = number,
-        allow_hyphen_values = true,
-        help_heading = "Method"
-    )]
-    pub damping_cap: Option<f64>,
-    /// Device speed v_eps up to which popc and popc-ref do not act [m/s] [default: 1e-4]
-    #[arg(
-        long,
-        value_name = "m/s",
-        value_parser = number,
-        allow_hyphen_values = true,
-        help_heading = "Method"
-    )]
-    pub speed_threshold: Option<f64>,
-    /// Energy E_0 that popc lets out [J] [default: what the object stores at the start]
-    #[arg(
-        long,
-        value_name = "J",
-        value_parser = number,
-        allow_hyphen_values = true,
-        help_heading = "Method"
-    )]
-    pub initial_energy: Option<f64>,
-    /// Extrapolation of seh: ab2, differences or ab3 [default: ab2]
-    #[arg(long, value_name = "NAME", value_parser = estimate, help_heading = "Method")]
-    pub estimate: Option<SehEstimate>,
-    /// How virtual-damper tells the velocity of the penetration, and hfcr where the device will be:
-    /// last-step, first-order-adaptive-window (which is last-step without --encoder-quantum, its noise
-    /// bound), extrapolation (constant acceleration) or observer [default: last-step]
-    #[arg(long, value_name = "NAME", value_parser = predictor, help_heading = "Method")]
-    pub prediction: Option<Predictor>,
-    /// Longest window of --prediction first-order-adaptive-window [s]; it never holds more than 16 steps
-    /// [default: 15 periods]
-    #[arg(
-        long,
-        value_name = "s",
-        value_parser = number,
-        allow_hyphen_values = true,
-        help_heading = "Method"
-    )]
-    pub longest_window: Option<f64>,
-    /// What moves the object of virtual-damper in contact: spring-and-damper, spring, or held-force, the
-    /// one that the device feels [default: spring-and-damper]
-    #[arg(long, value_name = "NAME", value_parser = damper_object, help_heading = "Method")]
-    pub damper_object: Option<DamperObject>,
-    /// Where hfcr-mod-st and hfcr hold the device once contact has begun within a period: at the
-    /// crossing, at the sample, or at the midpoint of the crossing and the predicted end [default:
-    /// crossing]
-    #[arg(long, value_name = "NAME", value_parser = entry_hold, help_heading = "Method")]
-    pub entry_hold: Option<EntryHold>,
-    /// Let the object of coupled keep its own momentum: a step of the method, to compare with
-    #[arg(long, action = ArgAction::SetTrue, help_heading = "Method")]
-    pub no_placement: bool,
-    /// Let coupled keep to what it predicted: a step of the method, to compare with
-    #[arg(long, action = ArgAction::SetTrue, help_heading = "Method")]
-    pub no_correction: bool,
+    #[command(flatten)]
+    pub settings: SettingFlags,
 
     /// Effective mass of the device [kg]
     #[arg(

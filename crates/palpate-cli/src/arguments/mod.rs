@@ -4,6 +4,7 @@ mod files;
 mod flags;
 mod offline;
 mod replay;
+mod setting_flags;
 
 pub use files::{Overwriting, PartFlags};
 pub use flags::{Flags, TimingFlags};
@@ -13,3 +14,4 @@ pub use offline::{
     SimulateArguments, SuiteArguments, SweepArguments, TuneArguments,
 };
 pub use replay::{ReplayFlags, ReplayKind};
+pub use setting_flags::flag_of_setting;

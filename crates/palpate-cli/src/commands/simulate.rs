@@ -3,9 +3,10 @@
 use std::path::Path;
 use std::string::FromUtf8Error;
 
-use palpate::ParameterError;
 use palpate_scene::method::MethodName;
-use palpate_scene::{HandForceAt, Measure, Scene, SceneError, SceneFile, SetupError, beside};
+use palpate_scene::{
+    HandForceAt, Measure, Scene, SceneError, SceneFile, SceneParameter, SetupError, beside,
+};
 use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_sim::run::Run;
 
@@ -157,7 +158,7 @@ pub(super) fn read_scene(path: &Path) -> Result<SceneFile, Failure> {
     let name = path.display().to_string();
     let bytes = std::fs::read(path).map_err(|error| Failure::System(format!("{name}: {error}")))?;
     let text = String::from_utf8(bytes).map_err(|error| not_utf8(&name, &error))?;
-    let file = SceneFile::parse_with(&name, &text, &mut beside(path)).map_err(in_file)?;
+    let file = SceneFile::parse_with(&name, &text, &mut beside(path)).map_err(Failure::inputs)?;
     tell_if_not_a_hand(&name, &file.scene);
     Ok(file)
 }
@@ -219,28 +220,21 @@ pub(super) fn explain(
         {
             Failure::Arguments(format!("with these flags, {error}"))
         }
-        LoopError::TooFewCollisions { .. } => in_window(file, "measured collisions", &error),
+        LoopError::TooFewCollisions { .. } => in_window(file, SceneParameter::Collisions, &error),
         LoopError::TooLong(_) => match file.scene.measure {
-            Measure::Collisions(_) => in_window(file, "measured collisions", &error),
-            Measure::Duration(_) => in_window(file, "duration", &error),
+            Measure::Collisions(_) => in_window(file, SceneParameter::Collisions, &error),
+            Measure::Duration(_) => in_window(file, SceneParameter::Duration, &error),
         },
         LoopError::Bench(bench) if bench.name == "collisions" => {
-            in_window(file, "measured collisions", &error)
+            in_window(file, SceneParameter::Collisions, &error)
         }
-        LoopError::Bench(_) | LoopError::AnotherScene => in_window(file, "no place", &error),
+        LoopError::Bench(_) | LoopError::AnotherScene => {
+            in_file(file.as_a_whole(error.to_string()))
+        }
     }
 }
 
 /// A fault of the window, at the `parameter` of the file that says how long it is.
-fn in_window(file: &SceneFile, parameter: &'static str, error: &LoopError) -> Failure {
-    let place = file.locate_parameter(&ParameterError {
-        parameter,
-        value: f64::NAN,
-        unit: "",
-        allowed: "",
-    });
-    in_file(SceneError {
-        message: error.to_string(),
-        ..place
-    })
+fn in_window(file: &SceneFile, parameter: SceneParameter, error: &LoopError) -> Failure {
+    in_file(file.at(parameter, error.to_string()))
 }

@@ -1,16 +1,15 @@
 //! `palpate tune`: how a method's error and leak depend on its damping.
 
 use palpate_scene::Scene;
-use palpate_scene::method::{MethodName, Setting};
+use palpate_scene::method::{MethodName, SettingKey};
 use palpate_study::tune::report::{PointReport, SpreadReport, TuneReport};
 use palpate_study::tune::{self, HEIGHTS, Objective, TuneError};
 
 use super::simulate::{explain, read_scene};
-use crate::arguments::{CurveArguments, Least, TuneArguments};
+use crate::arguments::{CurveArguments, Least, TuneArguments, flag_of_setting};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::results::{draw, plan_picture, print_report};
-use crate::setup::flag_of_setting;
 use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 
 /// Tries every value of the curve at every start height.
@@ -28,7 +27,7 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
         let nothing = TuneError::NothingToTune(method);
         Failure::Arguments(format!("{nothing}; name one with --method"))
     })?;
-    if flags.settings().has(setting) {
+    if flags.settings().has(setting.key) {
         return Err(Failure::Arguments(format!(
             "{} is what tune looks for; say where with --from and --to",
             flag_of_setting(setting)
@@ -46,7 +45,7 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
     scene
         .renderer(method)
         .map_err(|error| explain((flags, &arguments.timing), &file, method, error.into()))?;
-    let values = values(&arguments.curve, &scene, method, setting)?;
+    let values = values(&arguments.curve, &scene, method, setting.key)?;
     let progress = Progress::new(HEIGHTS);
     progress.begin("start heights");
     let points =
@@ -75,16 +74,16 @@ fn values(
     curve: &CurveArguments,
     scene: &Scene,
     method: MethodName,
-    setting: Setting,
+    setting: SettingKey,
 ) -> Result<Vec<f64>, Failure> {
     let impedance = scene.contact.stiffness * scene.loop_params.period;
     let to = curve.to.unwrap_or(match (setting, method) {
-        (Setting::DampingCap, _) => 8.0 * impedance,
+        (SettingKey::DAMPING_CAP, _) => 8.0 * impedance,
         (_, MethodName::Hfcr) => impedance,
         _ => 4.0 * impedance,
     });
     let from = curve.from.unwrap_or(match setting {
-        Setting::DampingCap => to / f64::from(curve.steps),
+        SettingKey::DAMPING_CAP => to / f64::from(curve.steps),
         _ => 0.0,
     });
     if !(from.is_finite() && to.is_finite() && from >= 0.0 && to > from) {

@@ -4,12 +4,14 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod faults;
+mod settings_table;
+mod several;
 mod written;
 
 use std::path::{Path, PathBuf};
 
-use palpate::{AnyParams, HfcrParams, Mass, ParameterError, Side};
-use palpate_scene::method::{Damping, MethodName, UnknownMethod};
+use palpate::{AnyParams, HfcrParams, Mass, Parameter, ParameterError, ParameterValue, Side};
+use palpate_scene::method::{MethodName, SettingKey, UnknownMethod, method_named};
 use palpate_scene::{Dropped, Jitter, Measure, RateCollapse, Scene, SceneFile, Timing, beside};
 use palpate_sim::closed_loop::{Bench, LoopError};
 
@@ -146,8 +148,8 @@ fn every_key_ends_up_in_the_scene() {
     assert_eq!(scene.method, MethodName::Hfcr);
     assert_eq!(scene.settings.len(), 3);
     assert_eq!(
-        scene.settings[&MethodName::Hfcr].damping,
-        Some(Damping::Value(0.1))
+        scene.settings[&MethodName::Hfcr].get(SettingKey::DAMPING),
+        Some(ParameterValue::Number(0.1))
     );
     let edit = |from, to| SceneFile::parse("edited", &edited(from, to)).unwrap().scene;
     assert_eq!(
@@ -210,8 +212,8 @@ fn every_key_ends_up_in_the_scene() {
     assert_eq!(gap.largest_gap, Some(0.5));
     let auto = edit("damping_n_s_per_m = 0.1", "damping_n_s_per_m = \"auto\"");
     assert_eq!(
-        auto.settings[&MethodName::Hfcr].damping,
-        Some(Damping::Auto)
+        auto.settings[&MethodName::Hfcr].get(SettingKey::DAMPING),
+        Some(ParameterValue::ToBeDerived)
     );
 }
 
@@ -279,14 +281,18 @@ fn columns_count_characters_and_lines_count_comments() {
         edited("title", "\"\u{e9}\u{e9}\" = 1\ntitle")
     );
     let error = SceneFile::parse("s", &text).unwrap_err();
-    assert_eq!((error.line, error.column), (3, 1));
+    assert_eq!((error.first().line, error.first().column), (3, 1));
     let text = edited("mass_kg = 0.1\n", "\"mass_kg\" = 0 # \u{b5}g\n");
     let error = SceneFile::parse("s", &text).unwrap_err();
-    assert_eq!((error.line, error.column), (5, 13));
+    assert_eq!((error.first().line, error.first().column), (5, 13));
     let text =
         edited("[object]", "[object] # \u{b5}").replace("[loop]\n", "[loop]\nq = \"\u{b5}\"; z\n");
     let error = SceneFile::parse("s", &text).unwrap_err();
-    assert_eq!((error.line, error.column), (24, 8), "{error}");
+    assert_eq!(
+        (error.first().line, error.first().column),
+        (24, 8),
+        "{error}"
+    );
 }
 
 #[test]
@@ -344,7 +350,7 @@ fn a_hand_without_a_kind_is_a_constant_force() {
 
 #[test]
 fn a_method_by_name_suggests_the_nearest() {
-    let error = "virtual_damper".parse::<MethodName>().unwrap_err();
+    let error = method_named("virtual_damper").unwrap_err();
     assert_eq!(
         error,
         UnknownMethod {
@@ -356,7 +362,7 @@ fn a_method_by_name_suggests_the_nearest() {
         "no method is called \"virtual_damper\"; did you mean \"virtual-damper\"?"
     );
     for method in MethodName::ALL {
-        assert_eq!(method.name().parse(), Ok(method));
+        assert_eq!(method_named(method.name()), Ok(method));
         assert_eq!(method.to_string(), method.name());
     }
 }
@@ -374,5 +380,6 @@ fn a_scene_made_in_code_is_checked_before_it_runs() {
     else {
         panic!("{error}");
     };
-    assert_eq!((parameter, value), ("encoder_quantum", -1.0));
+    assert_eq!(parameter, Parameter::EncoderQuantum.into());
+    assert_eq!(value, -1.0);
 }

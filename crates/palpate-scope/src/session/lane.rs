@@ -241,7 +241,7 @@ impl Lane {
 
     /// The choice behind the name of a method that the loop gives: HFCR without dissipation has two.
     fn chosen_as(&self, name: &str) -> Option<MethodName> {
-        let method: MethodName = name.parse().ok()?;
+        let method = MethodName::named(name)?;
         let is_it = |chosen: &&MethodName| {
             **chosen == method || (method == MethodName::Hfcr && **chosen == MethodName::HfcrModSt)
         };

@@ -466,7 +466,7 @@ impl Running {
                 .map(|method| Method {
                     name: method.name(),
                     title: method.summary(),
-                    damping: method.uses(palpate_scene::method::Setting::Damping),
+                    damping: method.uses(palpate_scene::method::SettingKey::DAMPING),
                 })
                 .collect(),
             limits: self.limits,

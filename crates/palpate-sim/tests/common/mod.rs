@@ -6,7 +6,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use palpate::{Contact, LoopParams, ObjectState};
-use palpate_scene::method::{Damping, MethodName, Settings};
+use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_scene::{Scene, SceneFile, beside};
 use palpate_sim::replay::{Replay, ReplaySetup};
 use palpate_testbed::metrics::Fidelity;
@@ -37,18 +37,12 @@ pub fn with(mut scene: Scene, method: MethodName, settings: Settings) -> Scene {
 
 /// A damping `[N s/m]` of the virtual damper or of HFCR.
 pub fn damping(value: f64) -> Settings {
-    Settings {
-        damping: Some(Damping::Value(value)),
-        ..Settings::default()
-    }
+    Settings::default().with(SettingKey::DAMPING, value)
 }
 
 /// A cap `[N s/m]` of a passivity controller.
 pub fn cap(value: f64) -> Settings {
-    Settings {
-        damping_cap: Some(value),
-        ..Settings::default()
-    }
+    Settings::default().with(SettingKey::DAMPING_CAP, value)
 }
 
 /// The bench's verdict on a closed loop.

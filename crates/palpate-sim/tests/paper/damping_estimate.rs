@@ -1,16 +1,13 @@
 //! How much leak dissipation a contact needs.
 
-use palpate::{AnyMethod, Difficulty, Mass};
+use palpate::{AnyMethod, Difficulty, Mass, ParameterValue};
 use palpate_scene::Scene;
-use palpate_scene::method::{Damping, MethodName, Settings};
+use palpate_scene::method::{MethodName, SettingKey, Settings};
 
 use crate::common::{PAPER_SCENES, damping, fidelity, scene, with};
 
 fn automatic(name: &str) -> Scene {
-    let settings = Settings {
-        damping: Some(Damping::Auto),
-        ..Settings::default()
-    };
+    let settings = Settings::default().with(SettingKey::DAMPING, ParameterValue::ToBeDerived);
     with(scene(name), MethodName::Hfcr, settings)
 }
 

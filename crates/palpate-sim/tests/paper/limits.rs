@@ -2,7 +2,7 @@
 
 use palpate::{Contact, Mass, Phase};
 use palpate_scene::Measure;
-use palpate_scene::method::{MethodName, Settings};
+use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::run::{Run, Tick};
 
@@ -202,8 +202,5 @@ fn coupled_places_a_wall_by_its_shifts_while_it_is_touched_and_puts_it_back() {
 }
 
 fn unplaced() -> Settings {
-    Settings {
-        placement: Some(false),
-        ..Settings::default()
-    }
+    Settings::default().with(SettingKey::PLACEMENT, false)
 }

@@ -4,23 +4,17 @@
 
 use palpate::{AnyParams, DamperObject, EntryHold, HfcrParams, ObjectState, Phase, Prediction};
 use palpate_scene::Scene;
-use palpate_scene::method::{MethodName, Predictor, Settings};
+use palpate_scene::method::{MethodName, PredictionName, SettingKey, Settings};
 
 use crate::common::{PAPER_SCENES, Random, damping, fidelity, scene, with};
 use crate::trial::{Case, Trial};
 
 fn damper(object: DamperObject, value: f64) -> Settings {
-    Settings {
-        damper_object: Some(object),
-        ..damping(value)
-    }
+    damping(value).with(SettingKey::DAMPER_OBJECT, object)
 }
 
 fn hfcr(hold: EntryHold, value: f64) -> Settings {
-    Settings {
-        entry_hold: Some(hold),
-        ..damping(value)
-    }
+    damping(value).with(SettingKey::ENTRY_HOLD, hold)
 }
 
 /// FRE `[%]`.
@@ -191,17 +185,14 @@ fn a_device_at_constant_acceleration_leaks_nothing_by_extrapolation() {
 }
 
 /// FRE `[%]` at the scene's own height with an encoder of this quantum `[m]`.
-fn quantised(name: &str, method: MethodName, predictor: Predictor, quantum: f64) -> f64 {
+fn quantised(name: &str, method: MethodName, predictor: PredictionName, quantum: f64) -> f64 {
     let mut scene = scene(name);
     scene.device.encoder_quantum = quantum;
     let value = match method {
         MethodName::Hfcr => 0.0,
         _ => 0.5 * scene.contact.stiffness * scene.loop_params.period,
     };
-    let settings = Settings {
-        prediction: Some(predictor),
-        ..damping(value)
-    };
+    let settings = damping(value).with(SettingKey::PREDICTION, predictor);
     error(&scene, method, settings)
 }
 
@@ -216,8 +207,11 @@ fn at_the_paper_s_rates_an_adaptive_window_is_the_last_step_unless_the_encoder_i
     for name in PAPER_SCENES {
         for method in [MethodName::Hfcr, MethodName::VirtualDamper] {
             for quantum in [0.0, 1e-6, 1e-5, 1e-4, 1e-3] {
-                let [last, window] = [Predictor::LastStep, Predictor::FirstOrderAdaptiveWindow]
-                    .map(|predictor| quantised(name, method, predictor, quantum));
+                let [last, window] = [
+                    PredictionName::LastStep,
+                    PredictionName::FirstOrderAdaptiveWindow,
+                ]
+                .map(|predictor| quantised(name, method, predictor, quantum));
                 eprintln!(
                     "{name}, {method}, quantum {quantum:e} m: FRE {last:.1} % by the last step, \
                      {window:.1} % by an adaptive window"

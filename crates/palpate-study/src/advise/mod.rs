@@ -4,7 +4,7 @@ mod text;
 
 use crate::map::{Bounce, BounceError, Class, Entry, Limit, Plant, Stay, bounds, default_settings};
 use crate::tune::tunable;
-use palpate_scene::method::{Damping, MethodName, Setting, Settings};
+use palpate_scene::method::{MethodName, SettingKey, Settings};
 use serde::Serialize;
 
 /// Name and version of the JSON report.
@@ -356,8 +356,8 @@ fn dampings(method: MethodName, impedance: f64) -> Vec<(Settings, f64)> {
     let Some(setting) = tunable(method) else {
         return Vec::new();
     };
-    let (most, first) = match (setting, method) {
-        (Setting::DampingCap, _) => (8.0 * impedance, 1),
+    let (most, first) = match (setting.key, method) {
+        (SettingKey::DAMPING_CAP, _) => (8.0 * impedance, 1),
         (_, MethodName::VirtualDamper) => (2.0 * impedance, 1),
         _ => (impedance, 0),
     };
@@ -366,17 +366,7 @@ fn dampings(method: MethodName, impedance: f64) -> Vec<(Settings, f64)> {
             // Closer together where they are small.
             let share = step as f64 / TRIED as f64;
             let value = most * share * share;
-            let settings = match setting {
-                Setting::DampingCap => Settings {
-                    damping_cap: Some(value),
-                    ..Settings::default()
-                },
-                _ => Settings {
-                    damping: Some(Damping::Value(value)),
-                    ..Settings::default()
-                },
-            };
-            (settings, value)
+            (Settings::default().with(setting.key, value), value)
         })
         .collect()
 }

@@ -2,10 +2,10 @@
 
 use std::collections::HashMap;
 
-use palpate::{AnyRenderer, Contact, LoopParams, ObjectState};
+use palpate::{AnyRenderer, Contact, LoopParams, ObjectState, ParameterValue};
 use palpate_testbed::InvalidParameter;
 
-use palpate_scene::method::{Damping, MethodName, Settings};
+use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_scene::{HandForceAt, Measure, PointMassDevice, Scene, SetupError, Timing};
 use palpate_sim::closed_loop::LoopError;
 
@@ -208,8 +208,10 @@ impl Bounce {
 /// Settings that a map gives a method: its defaults, but for hfcr, which without a damping would be
 /// `hfcr-mod-st` once more.
 pub fn default_settings(method: MethodName) -> Settings {
-    Settings {
-        damping: (method == MethodName::Hfcr).then_some(Damping::Auto),
-        ..Settings::default()
+    let defaults = Settings::default();
+    if method == MethodName::Hfcr {
+        defaults.with(SettingKey::DAMPING, ParameterValue::ToBeDerived)
+    } else {
+        defaults
     }
 }

@@ -6,7 +6,9 @@ use serde::Deserialize;
 
 use palpate::Guard;
 
-use palpate_scene::method::{Damping, MethodName, Setting, Settings, SettingsError};
+use palpate_scene::method::{
+    MethodName, SettingKey, Settings, SettingsError, deserialize_settings, method_named,
+};
 use palpate_scene::{GUARD_ALLOWANCE, GUARD_SPEED, GuardMode, Scene, in_plain_words};
 
 /// A method with settings, under a name of its own.
@@ -94,10 +96,7 @@ impl Column {
         let values = dampings.on(scene).into_iter();
         values
             .map(|value| {
-                let settings = Settings {
-                    damping: Some(Damping::Value(value)),
-                    ..self.settings
-                };
+                let settings = self.settings.with(SettingKey::DAMPING, value);
                 (Some(value), with(settings))
             })
             .collect()
@@ -137,16 +136,16 @@ impl Column {
             .clone();
         let method = keys
             .remove("method")
-            .ok_or_else(|| wrong("it needs a method".into()))?
+            .ok_or_else(|| wrong("it needs a method".into()))?;
+        let method = method
             .as_str()
-            .ok_or_else(|| wrong("its method is a name in quotes".into()))?
-            .parse::<MethodName>()
-            .map_err(|error| wrong(error.to_string()))?;
+            .ok_or_else(|| wrong("its method is a name in quotes".into()))?;
+        let method = method_named(method).map_err(|error| wrong(error.to_string()))?;
         let dampings = dampings(&mut keys).map_err(wrong)?;
-        if dampings.is_some() && !method.uses(Setting::Damping) {
+        if dampings.is_some() && !method.uses(SettingKey::DAMPING) {
             return Err(wrong(format!(
                 "{method} has no damping; {} have",
-                Setting::Damping.users()
+                SettingKey::DAMPING.users()
             )));
         }
         let guard = keys
@@ -155,13 +154,13 @@ impl Column {
             .transpose()
             .map_err(|error| wrong(format!("guard: {}", in_plain_words(error.message()))))?;
         let settings: Settings =
-            Settings::deserialize(keys).map_err(|error| wrong(in_plain_words(error.message())))?;
+            deserialize_settings(keys).map_err(|error| wrong(in_plain_words(error.message())))?;
         if let Some(setting) = method.unused(&settings) {
             return Err(wrong(format!(
                 "{}: {}; it is for {}",
-                setting.key(),
+                setting.key,
                 SettingsError::Unused { method, setting },
-                setting.users()
+                setting.key.users()
             )));
         }
         Ok(Self {

@@ -99,7 +99,7 @@ impl TuneReport {
     pub fn new(
         scene: &Scene,
         method: MethodName,
-        setting: Setting,
+        setting: &Setting,
         objective: Objective,
         points: Vec<TunedPoint>,
     ) -> Self {
@@ -116,7 +116,7 @@ impl TuneReport {
             format: FORMAT,
             title: scene.title.clone(),
             method: method.name(),
-            setting: setting.key(),
+            setting: setting.key.as_str(),
             start_heights: HEIGHTS,
             height_range: HEIGHT_RANGE,
             least: objective.name(),

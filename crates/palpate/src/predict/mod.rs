@@ -8,6 +8,6 @@ mod steps;
 
 pub(crate) use observer::{Motion, Observer, ObserverParams, Seen};
 pub(crate) use placed::Placed;
-pub(crate) use prediction::Predictor;
-pub use prediction::{Prediction, PredictionMemory};
+pub(crate) use prediction::{LONGEST_WINDOW_SETTING, PREDICTION, Predictor};
+pub use prediction::{Prediction, PredictionMemory, PredictionName};
 pub use steps::LONGEST_WINDOW;

@@ -30,7 +30,7 @@
 use super::spread::{DAMPING_RATE, MOBILITY, PARTS, Spread, VELOCITY};
 use crate::Scalar;
 use crate::contact::Mass;
-use crate::parameter::{ParameterError, not_negative, positive};
+use crate::parameter::{Parameter, ParameterError};
 
 /// What the observer starts from.
 #[derive(Clone, Copy, Debug)]
@@ -50,11 +50,12 @@ impl<S: Scalar> ObserverParams<S> {
     /// sensor's quantum `[m]`, 0 if it is not known to have one.
     pub fn new(device_mass: Mass<S>, encoder_quantum: S) -> Result<Self, ParameterError> {
         let mobility = match device_mass {
-            Mass::Finite(mass) => S::ONE / positive("device_mass", "kg", mass)?,
+            Mass::Finite(mass) => S::ONE / Parameter::DeviceMass.positive(mass)?,
             Mass::Infinite => S::ZERO,
         };
-        let quantum =
-            not_negative("encoder_quantum", "m", encoder_quantum)?.max(S::from_f64(FINEST_QUANTUM));
+        let quantum = Parameter::EncoderQuantum
+            .not_negative(encoder_quantum)?
+            .max(S::from_f64(FINEST_QUANTUM));
         let square = |x: f64| S::from_f64(x * x);
         Ok(Self {
             mobility,

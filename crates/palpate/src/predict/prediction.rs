@@ -5,7 +5,10 @@ use super::observer::{Motion, Observer, ObserverParams, Seen};
 use super::steps::{Step, Steps};
 use crate::Scalar;
 use crate::contact::Mass;
-use crate::parameter::{ParameterError, ParameterValue, not_negative, positive};
+use crate::parameter::{Parameter, ParameterError, ParameterValue, Range, Unit};
+use crate::render::{
+    Basis, MethodName, Setting, SettingKey, SettingValues, Settings, SettingsError,
+};
 
 /// How a method tells how fast the device moves, and where it will be at the next sample, xi~.
 ///
@@ -80,23 +83,25 @@ impl<S: Scalar> Prediction<S> {
     /// The choice's name, as files, flags and reports spell it.
     pub fn name(&self) -> &'static str {
         match self {
-            Self::LastStep => "last-step",
-            Self::FirstOrderAdaptiveWindow { .. } => "first-order-adaptive-window",
-            Self::Extrapolation => "extrapolation",
-            Self::Observer { .. } => "observer",
+            Self::LastStep => PredictionName::LastStep,
+            Self::FirstOrderAdaptiveWindow { .. } => PredictionName::FirstOrderAdaptiveWindow,
+            Self::Extrapolation => PredictionName::Extrapolation,
+            Self::Observer { .. } => PredictionName::Observer,
         }
+        .name()
     }
 
     /// As of a method's parameters; what an observer is told of the device is told to it elsewhere.
     pub(crate) fn describe(&self, take: &mut dyn FnMut(&'static str, ParameterValue<S>)) {
-        take("prediction", ParameterValue::Word(self.name()));
+        take(PREDICTION.key.as_str(), ParameterValue::Word(self.name()));
         if let Self::FirstOrderAdaptiveWindow {
             noise_bound,
             longest_window,
         } = *self
         {
             take("noise_bound_m", ParameterValue::Number(noise_bound));
-            take("longest_window_s", ParameterValue::Number(longest_window));
+            let key = LONGEST_WINDOW_SETTING.key.as_str();
+            take(key, ParameterValue::Number(longest_window));
         }
     }
 
@@ -107,14 +112,132 @@ impl<S: Scalar> Prediction<S> {
                 noise_bound,
                 longest_window,
             } => Predictor::AdaptiveWindow {
-                noise_bound: not_negative("noise_bound", "m", noise_bound)?,
-                longest: positive("longest_window", "s", longest_window)?,
+                noise_bound: Parameter::NoiseBound.not_negative(noise_bound)?,
+                longest: LONGEST_WINDOW_SETTING.check(longest_window)?,
             },
             Self::Extrapolation => Predictor::Extrapolation,
             Self::Observer {
                 device_mass,
                 encoder_quantum,
             } => Predictor::Observer(ObserverParams::new(device_mass, encoder_quantum)?),
+        })
+    }
+}
+
+/// How the methods that predict the device say it by name.
+pub(crate) const PREDICTION: Setting = Setting {
+    key: SettingKey::PREDICTION,
+    values: SettingValues::Words {
+        words: &[
+            PredictionName::LastStep.name(),
+            PredictionName::FirstOrderAdaptiveWindow.name(),
+            PredictionName::Extrapolation.name(),
+            PredictionName::Observer.name(),
+        ],
+        // Its name of before there were others at constant velocity.
+        earlier: &[("constant-velocity", PredictionName::LastStep.name())],
+    },
+    help: "how it tells where the device will be, or how fast the penetration grows; \
+           first-order-adaptive-window is last-step where the sensor has no known quantum, its noise \
+           bound; extrapolation is at constant acceleration",
+    default: PredictionName::LastStep.name(),
+};
+
+pub(crate) const LONGEST_WINDOW_SETTING: Setting = Setting {
+    key: SettingKey::LONGEST_WINDOW,
+    values: SettingValues::Number {
+        unit: Unit::Second,
+        range: Range::Positive,
+    },
+    help: "longest window of first-order-adaptive-window; it never holds more than 16 steps",
+    default: "15 periods",
+};
+
+/// Periods in the longest window of first-order adaptive windowing where nothing is said.
+const PERIODS_OF_WINDOW: f64 = 15.0;
+
+impl SettingKey {
+    /// How the virtual damper and HFCR predict the device, one of [`PredictionName`].
+    pub const PREDICTION: Self = Self::new("prediction");
+    /// Longest window of first-order adaptive windowing `[s]`.
+    pub const LONGEST_WINDOW: Self = Self::new("longest_window_s");
+}
+
+/// A [`Prediction`] without what it is derived from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PredictionName {
+    /// At the velocity of its last step, as in the paper.
+    #[default]
+    LastStep,
+    /// At the velocity of first-order adaptive windowing, whose noise bound is the sensor's quantum.
+    FirstOrderAdaptiveWindow,
+    /// At constant acceleration, through the last three samples.
+    Extrapolation,
+    /// By the observer of coupled rendering.
+    Observer,
+}
+
+impl PredictionName {
+    /// Every choice.
+    pub const ALL: [Self; 4] = [
+        Self::LastStep,
+        Self::FirstOrderAdaptiveWindow,
+        Self::Extrapolation,
+        Self::Observer,
+    ];
+
+    /// The name, as files, flags and reports spell it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::LastStep => "last-step",
+            Self::FirstOrderAdaptiveWindow => "first-order-adaptive-window",
+            Self::Extrapolation => "extrapolation",
+            Self::Observer => "observer",
+        }
+    }
+
+    /// The choice of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|choice| choice.name() == name)
+    }
+}
+
+impl From<PredictionName> for ParameterValue<f64> {
+    fn from(choice: PredictionName) -> Self {
+        Self::Word(choice.name())
+    }
+}
+
+impl Prediction<f64> {
+    /// How `method` predicts the device.
+    pub(crate) fn from_settings(
+        method: MethodName,
+        given: &Settings,
+        basis: &Basis,
+    ) -> Result<Self, SettingsError> {
+        let choice = given.word(SettingKey::PREDICTION);
+        let choice = choice.and_then(PredictionName::named).unwrap_or_default();
+        let longest = given.number(SettingKey::LONGEST_WINDOW);
+        if longest.is_some() && choice != PredictionName::FirstOrderAdaptiveWindow {
+            return Err(SettingsError::OnlyBeside {
+                method,
+                setting: &LONGEST_WINDOW_SETTING,
+                other: &PREDICTION,
+                needed: PredictionName::FirstOrderAdaptiveWindow.name(),
+                is: choice.name(),
+            });
+        }
+        Ok(match choice {
+            PredictionName::LastStep => Self::LastStep,
+            PredictionName::FirstOrderAdaptiveWindow => Self::FirstOrderAdaptiveWindow {
+                noise_bound: basis.encoder_quantum,
+                longest_window: longest.unwrap_or(PERIODS_OF_WINDOW * basis.period),
+            },
+            PredictionName::Extrapolation => Self::Extrapolation,
+            PredictionName::Observer => Self::Observer {
+                device_mass: basis.pushed_mass(method)?,
+                encoder_quantum: basis.encoder_quantum,
+            },
         })
     }
 }

@@ -3,18 +3,36 @@
 use core::fmt;
 
 use super::basic::{Basic, BasicParams};
-use super::coupled::{Coupled, CoupledMemory, CoupledParams};
-use super::hfcr::{Hfcr, HfcrParams};
+use super::list::for_all_methods;
 use super::method::{Ended, Method, MethodParams, Plan, Situation};
-use super::popc::{Popc, PopcParams};
-use super::popc_ref::{PopcRef, PopcRefParams};
-use super::seh::{Seh, SehMemory, SehParams};
-use super::virtual_damper::{VirtualDamper, VirtualDamperParams};
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams};
 use crate::motion::{Displacement, ObjectMotion};
 use crate::parameter::{ParameterError, ParameterValue};
 use crate::predict::PredictionMemory;
+
+/// The memory of a method in that of any method: a field, or nothing.
+macro_rules! part {
+    ($memory:ident) => {
+        ()
+    };
+    ($memory:ident $field:ident) => {
+        $memory.$field
+    };
+}
+
+macro_rules! any {
+    ($(
+        $Variant:ident($Params:ty, $Method:ty)
+        $(shares $shared:ident)?
+        $(remembers $own:ident: $Memory:ty)?,
+        named $($Name:ident = $file:ident::$INFO:ident),+;
+    )*) => {
+// What is public in a method's file is public in the crate.
+$($(
+    #[allow(unused_imports)]
+    pub use super::$file::*;
+)+)*
 
 /// Parameters of any method. As a serde value, they stand under the method's name in kebab case.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,18 +48,10 @@ use crate::predict::PredictionMemory;
 pub enum AnyParams<S> {
     /// See [`Basic`].
     Basic,
-    /// See [`VirtualDamper`].
-    VirtualDamper(VirtualDamperParams<S>),
-    /// See [`Seh`].
-    Seh(SehParams),
-    /// See [`Popc`].
-    Popc(PopcParams<S>),
-    /// See [`PopcRef`].
-    PopcRef(PopcRefParams<S>),
-    /// See [`Hfcr`].
-    Hfcr(HfcrParams<S>),
-    /// See [`Coupled`].
-    Coupled(CoupledParams<S>),
+    $(
+        #[doc = concat!("See [`", stringify!($Variant), "`].")]
+        $Variant($Params),
+    )*
 }
 
 /// Any method, with checked parameters.
@@ -49,27 +59,13 @@ pub enum AnyParams<S> {
 #[allow(missing_docs)] // each variant is the type of the same name
 pub enum AnyMethod<S> {
     Basic(Basic),
-    VirtualDamper(VirtualDamper<S>),
-    Seh(Seh),
-    Popc(Popc<S>),
-    PopcRef(PopcRef<S>),
-    Hfcr(Hfcr<S>),
-    Coupled(Coupled<S>),
+    $($Variant($Method),)*
 }
 
 /// Memory of any method.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AnyMemory<S> {
-    seh: SehMemory<S>,
-    device: PredictionMemory<S>,
-    coupled: CoupledMemory<S>,
-}
-
-impl<S: Scalar> AnyMemory<S> {
-    /// What [`Coupled`] remembers; that of a state that has not been coupled is empty.
-    pub fn coupled(&self) -> &CoupledMemory<S> {
-        &self.coupled
-    }
+    $($($own: $Memory,)?)*
 }
 
 impl<S: Scalar> MethodParams<S> for AnyParams<S> {
@@ -78,52 +74,31 @@ impl<S: Scalar> MethodParams<S> for AnyParams<S> {
     fn check(self, c: &Contact<S>, l: &LoopParams<S>) -> Result<AnyMethod<S>, ParameterError> {
         Ok(match self {
             Self::Basic => AnyMethod::Basic(BasicParams.check(c, l)?),
-            Self::VirtualDamper(params) => AnyMethod::VirtualDamper(params.check(c, l)?),
-            Self::Seh(params) => AnyMethod::Seh(params.check(c, l)?),
-            Self::Popc(params) => AnyMethod::Popc(params.check(c, l)?),
-            Self::PopcRef(params) => AnyMethod::PopcRef(params.check(c, l)?),
-            Self::Hfcr(params) => AnyMethod::Hfcr(params.check(c, l)?),
-            Self::Coupled(params) => AnyMethod::Coupled(params.check(c, l)?),
+            $(Self::$Variant(params) => AnyMethod::$Variant(params.check(c, l)?),)*
         })
     }
 
     fn name(&self) -> &'static str {
         match self {
             Self::Basic => MethodParams::<S>::name(&BasicParams),
-            Self::VirtualDamper(params) => params.name(),
-            Self::Seh(params) => MethodParams::<S>::name(params),
-            Self::Popc(params) => params.name(),
-            Self::PopcRef(params) => params.name(),
-            Self::Hfcr(params) => params.name(),
-            Self::Coupled(params) => params.name(),
+            $(Self::$Variant(params) => MethodParams::<S>::name(params),)*
         }
     }
 
     fn describe(&self, take: &mut dyn FnMut(&'static str, ParameterValue<S>)) {
         match self {
             Self::Basic => BasicParams.describe(take),
-            Self::VirtualDamper(params) => params.describe(take),
-            Self::Seh(params) => params.describe(take),
-            Self::Popc(params) => params.describe(take),
-            Self::PopcRef(params) => params.describe(take),
-            Self::Hfcr(params) => params.describe(take),
-            Self::Coupled(params) => params.describe(take),
+            $(Self::$Variant(params) => params.describe(take),)*
         }
     }
-}
 
-/// The method and its parameters, in words: `virtual-damper (damping_n_s_per_m 2.5)`.
-impl<S: Scalar + fmt::Display> fmt::Display for AnyParams<S> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())?;
-        let (mut result, mut is_first) = (Ok(()), true);
-        self.describe(&mut |key, value| {
-            let before = if is_first { " (" } else { ", " };
-            result = result.and_then(|()| write!(f, "{before}{key} {value}"));
-            is_first = false;
-        });
-        result?;
-        if is_first { Ok(()) } else { f.write_str(")") }
+    fn derived(self, method: &AnyMethod<S>) -> Self {
+        match (self, method) {
+            $((Self::$Variant(params), AnyMethod::$Variant(method)) => {
+                Self::$Variant(MethodParams::<S>::derived(params, method))
+            })*
+            (params, _) => params,
+        }
     }
 }
 
@@ -139,12 +114,9 @@ impl<S: Scalar> Method<S> for AnyMethod<S> {
     ) -> Plan<S> {
         match self {
             Self::Basic(method) => method.plan(motion, now, &mut ()),
-            Self::VirtualDamper(method) => method.plan(motion, now, &mut memory.device),
-            Self::Seh(method) => method.plan(motion, now, &mut memory.seh),
-            Self::Popc(method) => method.plan(motion, now, &mut ()),
-            Self::PopcRef(method) => method.plan(motion, now, &mut ()),
-            Self::Hfcr(method) => method.plan(motion, now, &mut memory.device),
-            Self::Coupled(method) => method.plan(motion, now, &mut memory.coupled),
+            $(Self::$Variant(method) => {
+                method.plan(motion, now, &mut part!(memory $($own)? $($shared)?))
+            })*
         }
     }
 
@@ -156,41 +128,64 @@ impl<S: Scalar> Method<S> for AnyMethod<S> {
         memory: &mut AnyMemory<S>,
     ) -> Displacement<S> {
         match self {
-            Self::Coupled(method) => method.conclude(motion, ended, &mut memory.coupled),
-            Self::Hfcr(method) => method.conclude(motion, ended, &mut memory.device),
-            Self::VirtualDamper(method) => method.conclude(motion, ended, &mut memory.device),
-            _ => ended.as_planned(motion),
+            Self::Basic(method) => method.conclude(motion, ended, &mut ()),
+            $(Self::$Variant(method) => {
+                method.conclude(motion, ended, &mut part!(memory $($own)? $($shared)?))
+            })*
         }
     }
 
     #[inline]
     fn begin_anew(&self, memory: &mut AnyMemory<S>, device_known: bool, object_known: bool) {
         match self {
-            Self::Coupled(method) => {
-                method.begin_anew(&mut memory.coupled, device_known, object_known)
-            }
-            Self::Seh(method) => method.begin_anew(&mut memory.seh, device_known, object_known),
-            Self::Hfcr(method) => method.begin_anew(&mut memory.device, device_known, object_known),
-            Self::VirtualDamper(method) => {
-                method.begin_anew(&mut memory.device, device_known, object_known)
-            }
-            _ => {}
+            Self::Basic(_) => {}
+            $(Self::$Variant(method) => {
+                let memory = &mut part!(memory $($own)? $($shared)?);
+                Method::<S>::begin_anew(method, memory, device_known, object_known);
+            })*
         }
     }
 
     #[inline]
     fn placement_shift(&self, memory: &AnyMemory<S>) -> S {
         match self {
-            Self::Coupled(method) => method.placement_shift(&memory.coupled),
-            _ => S::ZERO,
+            Self::Basic(_) => S::ZERO,
+            $(Self::$Variant(method) => {
+                method.placement_shift(&part!(memory $($own)? $($shared)?))
+            })*
         }
     }
 
     #[inline]
     fn contact_damping(&self) -> S {
         match self {
-            Self::VirtualDamper(method) => method.contact_damping(),
-            _ => S::ZERO,
+            Self::Basic(_) => S::ZERO,
+            $(Self::$Variant(method) => method.contact_damping(),)*
         }
+    }
+}
+    };
+}
+for_all_methods!(any);
+
+impl<S: Scalar> AnyMemory<S> {
+    /// What [`Coupled`] remembers; that of a state that has not been coupled is empty.
+    pub fn coupled(&self) -> &CoupledMemory<S> {
+        &self.coupled
+    }
+}
+
+/// The method and its parameters, in words: `virtual-damper (damping_n_s_per_m 2.5)`.
+impl<S: Scalar + fmt::Display> fmt::Display for AnyParams<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())?;
+        let (mut result, mut is_first) = (Ok(()), true);
+        self.describe(&mut |key, value| {
+            let before = if is_first { " (" } else { ", " };
+            result = result.and_then(|()| write!(f, "{before}{key} {value}"));
+            is_first = false;
+        });
+        result?;
+        if is_first { Ok(()) } else { f.write_str(")") }
     }
 }

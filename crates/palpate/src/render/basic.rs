@@ -1,10 +1,19 @@
 //! The basic model: the spring force of the sampled penetration, held.
 
 use super::method::{Method, MethodParams, Plan, Situation};
+use super::named::MethodInfo;
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams};
 use crate::motion::ObjectMotion;
 use crate::parameter::ParameterError;
+
+/// The basic model by name.
+pub(super) const BASIC: MethodInfo = MethodInfo {
+    name: "basic",
+    summary: "spring force of the sampled penetration",
+    colour: 1,
+    settings: &[],
+};
 
 /// The basic model has no parameters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,7 +32,7 @@ impl<S: Scalar> MethodParams<S> for BasicParams {
     }
 
     fn name(&self) -> &'static str {
-        "basic"
+        BASIC.name
     }
 }
 

@@ -2,6 +2,8 @@
 //! between them is held.
 
 use super::method::{Ended, Method, MethodParams, Plan, Situation};
+use super::named::{FromSettings, MethodInfo, MethodName};
+use super::setting::{Basis, Setting, SettingKey, SettingValues, Settings, SettingsError};
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams, Mass};
 use crate::motion::{Displacement, ObjectMotion, Rule};
@@ -9,6 +11,52 @@ use crate::parameter::{ParameterError, ParameterValue};
 use crate::predict::{Motion, Observer, ObserverParams, Placed};
 use crate::relative_motion::{Course, Drive, Relative};
 use crate::response::Response;
+
+/// Coupled rendering by name.
+pub(super) const COUPLED: MethodInfo = MethodInfo {
+    name: "coupled",
+    summary: "device and object predicted together, mean force held",
+    colour: 4,
+    settings: &[PLACEMENT, CORRECTION],
+};
+
+const PLACEMENT: Setting = Setting {
+    key: SettingKey::PLACEMENT,
+    values: SettingValues::Switch,
+    help: "the object is placed where the prediction has it; without, it keeps its own momentum: a step \
+           of the method, to compare with",
+    default: "true",
+};
+
+const CORRECTION: Setting = Setting {
+    key: SettingKey::CORRECTION,
+    values: SettingValues::Switch,
+    help: "an interval that has ended is predicted anew; without, coupled keeps to what it predicted: a \
+           step of the method, to compare with",
+    default: "true",
+};
+
+impl SettingKey {
+    /// Whether coupled rendering places the object.
+    pub const PLACEMENT: Self = Self::new("placement");
+    /// Whether coupled rendering predicts an interval anew when it has ended.
+    pub const CORRECTION: Self = Self::new("correction");
+}
+
+impl FromSettings for CoupledParams<f64> {
+    fn from_settings(
+        method: MethodName,
+        given: &Settings,
+        basis: &Basis,
+    ) -> Result<Self, SettingsError> {
+        Ok(Self {
+            device_mass: basis.pushed_mass(method)?,
+            encoder_quantum: basis.encoder_quantum,
+            placement: given.switch(SettingKey::PLACEMENT).unwrap_or(true),
+            correction: given.switch(SettingKey::CORRECTION).unwrap_or(true),
+        })
+    }
+}
 
 /// Parameters of coupled rendering.
 ///
@@ -154,7 +202,7 @@ impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
     }
 
     fn name(&self) -> &'static str {
-        "coupled"
+        COUPLED.name
     }
 
     fn describe(&self, take: &mut dyn FnMut(&'static str, ParameterValue<S>)) {
@@ -165,8 +213,9 @@ impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
         take("device_mass_kg", device_mass);
         let quantum = ParameterValue::Number(self.encoder_quantum);
         take("encoder_quantum_m", quantum);
-        take("placement", ParameterValue::Switch(self.placement));
-        take("correction", ParameterValue::Switch(self.correction));
+        let (placement, correction) = (self.placement, self.correction);
+        take(PLACEMENT.key.as_str(), ParameterValue::Switch(placement));
+        take(CORRECTION.key.as_str(), ParameterValue::Switch(correction));
     }
 }
 

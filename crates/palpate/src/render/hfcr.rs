@@ -1,14 +1,96 @@
 //! HFCR, the paper's method: energy-consistent rendering of contact forces.
 
 use super::method::{Ended, Method, MethodParams, Plan, Situation};
+use super::named::{FromSettings, MethodInfo, MethodName};
+use super::setting::{Basis, Setting, SettingKey, SettingValues, Settings, SettingsError};
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams, Mass};
 use crate::motion::{Displacement, ObjectMotion, Rule};
-use crate::parameter::{ParameterError, ParameterValue, not_negative, positive};
-use crate::predict::{Prediction, PredictionMemory, Predictor};
+use crate::parameter::{Parameter, ParameterError, ParameterValue, Range, Unit};
+use crate::predict::{LONGEST_WINDOW_SETTING, PREDICTION, Prediction, PredictionMemory, Predictor};
 
 /// Device displacements shorter than this `[m]` are taken as 0 where the force divides by them.
 const STANDSTILL: f64 = 1e-9;
+
+/// The modified force alone, by name: a step of the method, to compare with. Where the object is leaving
+/// while the device turns round, its force is not bounded.
+pub(super) const HFCR_MOD: MethodInfo = MethodInfo {
+    name: "hfcr-mod",
+    summary: "energy-consistent force",
+    colour: 6,
+    settings: &[],
+};
+
+/// The modified force with smooth transitions, by name.
+pub(super) const HFCR_MOD_ST: MethodInfo = MethodInfo {
+    name: "hfcr-mod-st",
+    summary: "energy-consistent force, smooth transitions",
+    colour: 5,
+    settings: &[ENTRY_HOLD],
+};
+
+/// HFCR by name.
+pub(super) const HFCR: MethodInfo = MethodInfo {
+    name: "hfcr",
+    summary: "energy-consistent force, smooth transitions, leak dissipation",
+    colour: 0,
+    settings: &[DAMPING, PREDICTION, ENTRY_HOLD, LONGEST_WINDOW_SETTING],
+};
+
+const DAMPING: Setting = Setting {
+    key: SettingKey::DAMPING,
+    values: SettingValues::NumberOrAuto {
+        unit: Unit::NewtonSecondPerMetre,
+        range: Range::NotNegative,
+    },
+    help: "damping b of the leak dissipation; auto derives it",
+    default: "0",
+};
+
+const ENTRY_HOLD: Setting = Setting {
+    key: SettingKey::ENTRY_HOLD,
+    values: SettingValues::Words {
+        words: &[
+            EntryHold::Crossing.name(),
+            EntryHold::Sample.name(),
+            EntryHold::Midpoint.name(),
+        ],
+        earlier: &[],
+    },
+    help: "where the device is held once contact has begun within a period; midpoint is that of the \
+           crossing and the predicted end",
+    default: EntryHold::Crossing.name(),
+};
+
+impl SettingKey {
+    /// Where HFCR holds the device after an entry, one of [`EntryHold`].
+    pub const ENTRY_HOLD: Self = Self::new("entry_hold");
+}
+
+impl FromSettings for HfcrParams<f64> {
+    fn from_settings(
+        method: MethodName,
+        given: &Settings,
+        basis: &Basis,
+    ) -> Result<Self, SettingsError> {
+        let hold = given.word(SettingKey::ENTRY_HOLD);
+        Ok(Self {
+            modified_force: true,
+            smooth_transition: method != MethodName::HfcrMod,
+            leak_dissipation: match given.get(SettingKey::DAMPING) {
+                Some(ParameterValue::Number(damping)) => LeakDissipation::Damping(damping),
+                Some(ParameterValue::ToBeDerived) => LeakDissipation::Auto {
+                    device_mass: basis
+                        .device_mass
+                        .ok_or(SettingsError::NoDeviceMass(&DAMPING))?,
+                },
+                _ => LeakDissipation::Off,
+            },
+            prediction: Prediction::from_settings(method, given, basis)?,
+            entry_hold: hold.and_then(EntryHold::named).unwrap_or_default(),
+        })
+    }
+}
 
 /// Damping b of the leak dissipation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -54,12 +136,24 @@ pub enum EntryHold {
 
 impl EntryHold {
     /// The choice's name, as files, flags and reports spell it.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Crossing => "crossing",
             Self::Sample => "sample",
             Self::Midpoint => "midpoint",
         }
+    }
+
+    /// The choice of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        let all = [Self::Crossing, Self::Sample, Self::Midpoint];
+        all.into_iter().find(|choice| choice.name() == name)
+    }
+}
+
+impl From<EntryHold> for ParameterValue<f64> {
+    fn from(choice: EntryHold) -> Self {
+        Self::Word(choice.name())
     }
 }
 
@@ -150,16 +244,16 @@ impl<S: Scalar> MethodParams<S> for HfcrParams<S> {
     ) -> Result<Self::Method, ParameterError> {
         let damping = match self.leak_dissipation {
             LeakDissipation::Off => S::ZERO,
-            LeakDissipation::Damping(b) => not_negative("damping", "N s/m", b)?,
+            LeakDissipation::Damping(b) => DAMPING.check(b)?,
             LeakDissipation::Auto { device_mass } => {
-                positive("device_mass", "kg", device_mass)?;
+                Parameter::DeviceMass.positive(device_mass)?;
                 let (k, t) = (contact.stiffness, loop_params.period);
                 let wall = k * k * t * t * t / (S::from_f64(4.0) * device_mass);
                 let damping = match contact.object_mass {
                     Mass::Infinite => wall,
                     Mass::Finite(mass) => wall * mass / (device_mass + mass),
                 };
-                not_negative("derived damping", "N s/m", damping)?
+                Parameter::DerivedDamping.not_negative(damping)?
             }
         };
         Ok(Hfcr {
@@ -175,9 +269,9 @@ impl<S: Scalar> MethodParams<S> for HfcrParams<S> {
     /// dissipation is `hfcr`.
     fn name(&self) -> &'static str {
         if self.smooth_transition {
-            "hfcr"
+            HFCR.name
         } else {
-            "hfcr-mod"
+            HFCR_MOD.name
         }
     }
 
@@ -190,10 +284,24 @@ impl<S: Scalar> MethodParams<S> for HfcrParams<S> {
             LeakDissipation::Damping(damping) => ParameterValue::Number(damping),
             LeakDissipation::Auto { .. } => ParameterValue::ToBeDerived,
         };
-        take("damping_n_s_per_m", damping);
+        take(DAMPING.key.as_str(), damping);
         self.prediction.describe(take);
         if self.smooth_transition {
-            take("entry_hold", ParameterValue::Word(self.entry_hold.name()));
+            let hold = ParameterValue::Word(self.entry_hold.name());
+            take(ENTRY_HOLD.key.as_str(), hold);
+        }
+    }
+
+    fn derived(self, method: &Hfcr<S>) -> Self {
+        let leak_dissipation = match self.leak_dissipation {
+            LeakDissipation::Off => LeakDissipation::Off,
+            LeakDissipation::Damping(_) | LeakDissipation::Auto { .. } => {
+                LeakDissipation::Damping(method.damping)
+            }
+        };
+        Self {
+            leak_dissipation,
+            ..self
         }
     }
 }

@@ -30,6 +30,16 @@ pub trait MethodParams<S: Scalar> {
     /// Gives every parameter to `take`: its key as files and reports spell it, with the unit at its
     /// end, and its value. A method without parameters gives none.
     fn describe(&self, _take: &mut dyn FnMut(&'static str, ParameterValue<S>)) {}
+
+    /// The same parameters with the value that `method`, made from them, has derived in place of each
+    /// choice to derive one.
+    #[must_use]
+    fn derived(self, _method: &Self::Method) -> Self
+    where
+        Self: Sized,
+    {
+        self
+    }
 }
 
 /// A rendering method: a force law and the object motion that goes with it, with checked

@@ -8,32 +8,31 @@ mod any;
 mod basic;
 mod coupled;
 mod hfcr;
+mod list;
 mod method;
+mod named;
 mod popc;
 mod popc_ref;
 mod queue;
 mod seh;
+mod setting;
 mod state;
 mod virtual_damper;
 
-pub use any::{AnyMemory, AnyMethod, AnyParams};
+pub use any::*;
 pub use basic::{Basic, BasicParams};
-pub use coupled::{Coupled, CoupledMemory, CoupledParams};
-pub use hfcr::{EntryHold, Hfcr, HfcrParams, LeakDissipation};
 pub use method::{Ended, Method, MethodParams, Plan, Situation};
-pub use popc::{Popc, PopcParams};
-pub use popc_ref::{PopcRef, PopcRefParams};
+pub use named::{MethodInfo, MethodName, all_settings};
 pub use queue::OnItsWay;
-pub use seh::{Seh, SehEstimate, SehMemory, SehParams};
+pub use setting::{Basis, Setting, SettingKey, SettingValues, Settings, SettingsError};
 pub use state::State;
-pub use virtual_damper::{DamperObject, VirtualDamper, VirtualDamperParams};
 
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams};
 use crate::energy::Closing;
 use crate::guard::Guard;
 use crate::motion::{ObjectMotion, ObjectState, Rule, Start};
-use crate::parameter::{ParameterError, finite};
+use crate::parameter::{Parameter, ParameterError};
 use crate::sample::{Fault, Limited, Output, Phase, Sample};
 use state::{Device, Interval, Traces};
 
@@ -172,8 +171,8 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
     }
 
     fn canonical(&self, object: ObjectState<S>) -> Result<ObjectState<S>, ParameterError> {
-        let position = finite("object position", "m", object.position)?;
-        let velocity = finite("object velocity", "m/s", object.velocity)?;
+        let position = Parameter::ObjectPosition.finite(object.position)?;
+        let velocity = Parameter::ObjectVelocity.finite(object.velocity)?;
         Ok(ObjectState {
             position: self.sign * position,
             velocity: if self.motion.is_wall() {

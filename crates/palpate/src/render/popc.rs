@@ -1,10 +1,80 @@
 //! Passivity observer and passivity controller.
 
 use super::method::{Method, MethodParams, Plan, Situation};
+use super::named::{FromSettings, MethodInfo, MethodName};
+use super::setting::{Basis, Setting, SettingKey, SettingValues, Settings, SettingsError};
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams};
 use crate::motion::ObjectMotion;
-use crate::parameter::{ParameterError, ParameterValue, not_negative, positive};
+use crate::parameter::{ParameterError, ParameterValue, Range, Unit};
+
+/// The passivity controller by name.
+pub(super) const POPC: MethodInfo = MethodInfo {
+    name: "popc",
+    summary: "passivity observer and controller",
+    colour: 7,
+    settings: &[DAMPING_CAP, SPEED_THRESHOLD, INITIAL_ENERGY],
+};
+
+pub(super) const DAMPING_CAP: Setting = Setting {
+    key: SettingKey::DAMPING_CAP,
+    values: SettingValues::Number {
+        unit: Unit::NewtonSecondPerMetre,
+        range: Range::Positive,
+    },
+    help: "largest damping alpha_max that is injected",
+    default: "3 K T",
+};
+
+pub(super) const SPEED_THRESHOLD: Setting = Setting {
+    key: SettingKey::SPEED_THRESHOLD,
+    values: SettingValues::Number {
+        unit: Unit::MetrePerSecond,
+        range: Range::NotNegative,
+    },
+    help: "device speed v_eps up to which nothing is injected",
+    default: "1e-4",
+};
+
+const INITIAL_ENERGY: Setting = Setting {
+    key: SettingKey::INITIAL_ENERGY,
+    values: SettingValues::Number {
+        unit: Unit::Joule,
+        range: Range::NotNegative,
+    },
+    help: "energy E_0 that may be given out",
+    default: "what the object stores at the start",
+};
+
+impl SettingKey {
+    /// Largest damping that a passivity controller injects `[N s/m]`.
+    pub const DAMPING_CAP: Self = Self::new("damping_cap_n_s_per_m");
+    /// Device speed up to which a passivity controller does not act `[m/s]`.
+    pub const SPEED_THRESHOLD: Self = Self::new("speed_threshold_m_per_s");
+    /// Energy that the passivity controller lets out `[J]`.
+    pub const INITIAL_ENERGY: Self = Self::new("initial_energy_j");
+}
+
+/// The cap of a passivity controller `[N s/m]`, as given or 3 K T.
+pub(super) fn cap_of(given: &Settings, basis: &Basis) -> f64 {
+    let cap = given.number(SettingKey::DAMPING_CAP);
+    cap.unwrap_or(3.0 * basis.impedance())
+}
+
+impl FromSettings for PopcParams<f64> {
+    fn from_settings(
+        _: MethodName,
+        given: &Settings,
+        basis: &Basis,
+    ) -> Result<Self, SettingsError> {
+        let (threshold, energy) = (SettingKey::SPEED_THRESHOLD, SettingKey::INITIAL_ENERGY);
+        Ok(Self {
+            damping_cap: cap_of(given, basis),
+            speed_threshold: given.number(threshold).unwrap_or(DEFAULT_SPEED_THRESHOLD),
+            initial_energy: given.number(energy).unwrap_or(basis.stored_energy),
+        })
+    }
+}
 
 /// Slowest device speed `[m/s]` at which a passivity controller acts unless told otherwise.
 pub(super) const DEFAULT_SPEED_THRESHOLD: f64 = 1e-4;
@@ -46,21 +116,21 @@ impl<S: Scalar> MethodParams<S> for PopcParams<S> {
     type Method = Popc<S>;
 
     fn check(self, _: &Contact<S>, _: &LoopParams<S>) -> Result<Self::Method, ParameterError> {
-        positive("damping_cap", "N s/m", self.damping_cap)?;
-        not_negative("speed_threshold", "m/s", self.speed_threshold)?;
-        not_negative("initial_energy", "J", self.initial_energy)?;
+        DAMPING_CAP.check(self.damping_cap)?;
+        SPEED_THRESHOLD.check(self.speed_threshold)?;
+        INITIAL_ENERGY.check(self.initial_energy)?;
         Ok(Popc { params: self })
     }
 
     fn name(&self) -> &'static str {
-        "popc"
+        POPC.name
     }
 
     fn describe(&self, take: &mut dyn FnMut(&'static str, ParameterValue<S>)) {
         let number = ParameterValue::Number;
-        take("damping_cap_n_s_per_m", number(self.damping_cap));
-        take("speed_threshold_m_per_s", number(self.speed_threshold));
-        take("initial_energy_j", number(self.initial_energy));
+        take(DAMPING_CAP.key.as_str(), number(self.damping_cap));
+        take(SPEED_THRESHOLD.key.as_str(), number(self.speed_threshold));
+        take(INITIAL_ENERGY.key.as_str(), number(self.initial_energy));
     }
 }
 

@@ -1,11 +1,37 @@
 //! Passivity observer and controller that follow a reference energy.
 
 use super::method::{Method, MethodParams, Plan, Situation};
-use super::popc::{DEFAULT_SPEED_THRESHOLD, dissipating_force};
+use super::named::{FromSettings, MethodInfo, MethodName};
+use super::popc::{
+    DAMPING_CAP, DEFAULT_SPEED_THRESHOLD, SPEED_THRESHOLD, cap_of, dissipating_force,
+};
+use super::setting::{Basis, SettingKey, Settings, SettingsError};
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams};
 use crate::motion::ObjectMotion;
-use crate::parameter::{ParameterError, ParameterValue, not_negative, positive};
+use crate::parameter::{ParameterError, ParameterValue};
+
+/// Reference energy following by name.
+pub(super) const POPC_REF: MethodInfo = MethodInfo {
+    name: "popc-ref",
+    summary: "passivity controller that follows a reference energy",
+    colour: 3,
+    settings: &[DAMPING_CAP, SPEED_THRESHOLD],
+};
+
+impl FromSettings for PopcRefParams<f64> {
+    fn from_settings(
+        _: MethodName,
+        given: &Settings,
+        basis: &Basis,
+    ) -> Result<Self, SettingsError> {
+        let threshold = given.number(SettingKey::SPEED_THRESHOLD);
+        Ok(Self {
+            damping_cap: cap_of(given, basis),
+            speed_threshold: threshold.unwrap_or(DEFAULT_SPEED_THRESHOLD),
+        })
+    }
+}
 
 /// Parameters of reference energy following.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,19 +69,19 @@ impl<S: Scalar> MethodParams<S> for PopcRefParams<S> {
     type Method = PopcRef<S>;
 
     fn check(self, _: &Contact<S>, _: &LoopParams<S>) -> Result<Self::Method, ParameterError> {
-        positive("damping_cap", "N s/m", self.damping_cap)?;
-        not_negative("speed_threshold", "m/s", self.speed_threshold)?;
+        DAMPING_CAP.check(self.damping_cap)?;
+        SPEED_THRESHOLD.check(self.speed_threshold)?;
         Ok(PopcRef { params: self })
     }
 
     fn name(&self) -> &'static str {
-        "popc-ref"
+        POPC_REF.name
     }
 
     fn describe(&self, take: &mut dyn FnMut(&'static str, ParameterValue<S>)) {
         let number = ParameterValue::Number;
-        take("damping_cap_n_s_per_m", number(self.damping_cap));
-        take("speed_threshold_m_per_s", number(self.speed_threshold));
+        take(DAMPING_CAP.key.as_str(), number(self.damping_cap));
+        take(SPEED_THRESHOLD.key.as_str(), number(self.speed_threshold));
     }
 }
 

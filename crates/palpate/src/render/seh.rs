@@ -1,10 +1,48 @@
 //! Sample-estimate-hold: hold an estimate of the mean force of the coming interval.
 
 use super::method::{Method, MethodParams, Plan, Situation};
+use super::named::{FromSettings, MethodInfo, MethodName};
+use super::setting::{Basis, Setting, SettingKey, SettingValues, Settings, SettingsError};
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams};
 use crate::motion::ObjectMotion;
 use crate::parameter::{ParameterError, ParameterValue};
+
+/// Sample-estimate-hold by name.
+pub(super) const SEH: MethodInfo = MethodInfo {
+    name: "seh",
+    summary: "sample-estimate-hold: extrapolated mean force",
+    colour: 9,
+    settings: &[Setting {
+        key: SettingKey::ESTIMATE,
+        values: SettingValues::Words {
+            words: &[
+                SehEstimate::Ab2.name(),
+                SehEstimate::Differences.name(),
+                SehEstimate::Ab3.name(),
+            ],
+            earlier: &[],
+        },
+        help: "extrapolation",
+        default: SehEstimate::Ab2.name(),
+    }],
+};
+
+impl SettingKey {
+    /// The estimate of sample-estimate-hold, one of [`SehEstimate`].
+    pub const ESTIMATE: Self = Self::new("estimate");
+}
+
+impl FromSettings for SehParams {
+    fn from_settings(_: MethodName, given: &Settings, _: &Basis) -> Result<Self, SettingsError> {
+        let estimate = given
+            .word(SettingKey::ESTIMATE)
+            .and_then(SehEstimate::named);
+        Ok(Self {
+            estimate: estimate.unwrap_or_default(),
+        })
+    }
+}
 
 /// How the mean force of the coming interval is extrapolated from past spring forces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,12 +61,24 @@ pub enum SehEstimate {
 
 impl SehEstimate {
     /// The estimate's name, as files, flags and reports spell it.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Ab2 => "ab2",
             Self::Differences => "differences",
             Self::Ab3 => "ab3",
         }
+    }
+
+    /// The estimate of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        let all = [Self::Ab2, Self::Differences, Self::Ab3];
+        all.into_iter().find(|estimate| estimate.name() == name)
+    }
+}
+
+impl From<SehEstimate> for ParameterValue<f64> {
+    fn from(estimate: SehEstimate) -> Self {
+        Self::Word(estimate.name())
     }
 }
 
@@ -69,11 +119,14 @@ impl<S: Scalar> MethodParams<S> for SehParams {
     }
 
     fn name(&self) -> &'static str {
-        "seh"
+        SEH.name
     }
 
     fn describe(&self, take: &mut dyn FnMut(&'static str, ParameterValue<S>)) {
-        take("estimate", ParameterValue::Word(self.estimate.name()));
+        take(
+            SettingKey::ESTIMATE.as_str(),
+            ParameterValue::Word(self.estimate.name()),
+        );
     }
 }
 

@@ -1,11 +1,73 @@
 //! The virtual damper, also known as the classic virtual coupling.
 
 use super::method::{Ended, Method, MethodParams, Plan, Situation};
+use super::named::{FromSettings, MethodInfo, MethodName};
+use super::setting::{Basis, Setting, SettingKey, SettingValues, Settings, SettingsError};
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams};
 use crate::motion::{Displacement, ObjectMotion, Start};
-use crate::parameter::{ParameterError, ParameterValue, not_negative};
-use crate::predict::{Prediction, PredictionMemory, Predictor};
+use crate::parameter::{ParameterError, ParameterValue, Range, Unit};
+use crate::predict::{LONGEST_WINDOW_SETTING, PREDICTION, Prediction, PredictionMemory, Predictor};
+
+/// The virtual damper by name.
+pub(super) const VIRTUAL_DAMPER: MethodInfo = MethodInfo {
+    name: "virtual-damper",
+    summary: "spring and damper, the classic virtual coupling",
+    colour: 2,
+    settings: &[DAMPING, PREDICTION, DAMPER_OBJECT, LONGEST_WINDOW_SETTING],
+};
+
+const DAMPING: Setting = Setting {
+    key: SettingKey::DAMPING,
+    values: SettingValues::Number {
+        unit: Unit::NewtonSecondPerMetre,
+        range: Range::NotNegative,
+    },
+    help: "damping B of the contact",
+    // It makes up for the half period that the hold lags on a wall.
+    default: "K T/2",
+};
+
+const DAMPER_OBJECT: Setting = Setting {
+    key: SettingKey::DAMPER_OBJECT,
+    values: SettingValues::Words {
+        words: &[
+            DamperObject::SpringAndDamper.name(),
+            DamperObject::Spring.name(),
+            DamperObject::HeldForce.name(),
+        ],
+        earlier: &[],
+    },
+    help: "what moves the object in contact; held-force is the force that the device feels",
+    default: DamperObject::SpringAndDamper.name(),
+};
+
+impl SettingKey {
+    /// What moves the object of the virtual damper, one of [`DamperObject`].
+    pub const DAMPER_OBJECT: Self = Self::new("damper_object");
+}
+
+impl FromSettings for VirtualDamperParams<f64> {
+    fn from_settings(
+        method: MethodName,
+        given: &Settings,
+        basis: &Basis,
+    ) -> Result<Self, SettingsError> {
+        let damping = match given.get(SettingKey::DAMPING) {
+            Some(ParameterValue::ToBeDerived) => {
+                let setting = &DAMPING;
+                return Err(SettingsError::NoRule { method, setting });
+            }
+            _ => given.number(SettingKey::DAMPING),
+        };
+        let object = given.word(SettingKey::DAMPER_OBJECT);
+        Ok(Self {
+            damping: damping.unwrap_or(0.5 * basis.impedance()),
+            object: object.and_then(DamperObject::named).unwrap_or_default(),
+            prediction: Prediction::from_settings(method, given, basis)?,
+        })
+    }
+}
 
 /// What moves the object of a virtual damper in contact.
 ///
@@ -29,12 +91,24 @@ pub enum DamperObject {
 
 impl DamperObject {
     /// The choice's name, as files, flags and reports spell it.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::SpringAndDamper => "spring-and-damper",
             Self::Spring => "spring",
             Self::HeldForce => "held-force",
         }
+    }
+
+    /// The choice of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        let all = [Self::SpringAndDamper, Self::Spring, Self::HeldForce];
+        all.into_iter().find(|choice| choice.name() == name)
+    }
+}
+
+impl From<DamperObject> for ParameterValue<f64> {
+    fn from(choice: DamperObject) -> Self {
+        Self::Word(choice.name())
     }
 }
 
@@ -90,19 +164,20 @@ impl<S: Scalar> MethodParams<S> for VirtualDamperParams<S> {
 
     fn check(self, _: &Contact<S>, _: &LoopParams<S>) -> Result<Self::Method, ParameterError> {
         Ok(VirtualDamper {
-            damping: not_negative("damping", "N s/m", self.damping)?,
+            damping: DAMPING.check(self.damping)?,
             object: self.object,
             predictor: self.prediction.check()?,
         })
     }
 
     fn name(&self) -> &'static str {
-        "virtual-damper"
+        VIRTUAL_DAMPER.name
     }
 
     fn describe(&self, take: &mut dyn FnMut(&'static str, ParameterValue<S>)) {
-        take("damping_n_s_per_m", ParameterValue::Number(self.damping));
-        take("damper_object", ParameterValue::Word(self.object.name()));
+        let (damping, object) = (self.damping, self.object.name());
+        take(DAMPING.key.as_str(), ParameterValue::Number(damping));
+        take(DAMPER_OBJECT.key.as_str(), ParameterValue::Word(object));
         self.prediction.describe(take);
     }
 }

@@ -1,7 +1,8 @@
 //! A contact placed in the plane and in space, and the two numbers of difficulty.
 
 use palpate::{
-    AlongAxis, Contact, Difficulty, HfcrParams, LoopParams, ObjectState, Renderer, Sample, Scalar,
+    AlongAxis, Contact, Difficulty, HfcrParams, LoopParams, ObjectState, Parameter, Renderer,
+    Sample, Scalar,
 };
 use proptest::prelude::*;
 
@@ -111,8 +112,11 @@ fn a_normal_of_another_length_or_a_place_that_is_nowhere_is_refused() {
         );
     }
     for bad in [f64::NAN, f64::INFINITY] {
-        assert_eq!(at_origin([bad, 0.0]).unwrap_err().parameter, "normal");
+        assert_eq!(
+            at_origin([bad, 0.0]).unwrap_err().parameter,
+            Parameter::AxisNormal
+        );
         let nowhere = AlongAxis::new([0.0, bad], [0.0, 1.0]);
-        assert_eq!(nowhere.unwrap_err().parameter, "origin");
+        assert_eq!(nowhere.unwrap_err().parameter, Parameter::AxisOrigin);
     }
 }

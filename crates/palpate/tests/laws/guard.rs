@@ -2,7 +2,7 @@
 
 use palpate::{
     AnyParams, AnyRenderer, Contact, CoupledParams, Guard, GuardParams, HfcrParams, LoopParams,
-    Mass, ObjectState, Renderer, Sample,
+    Mass, ObjectState, Parameter, Renderer, Sample,
 };
 
 use crate::common::{Random, methods};
@@ -197,10 +197,10 @@ fn what_coupled_rendering_predicts_cannot_be_turned_against_it() {
 #[test]
 fn a_guard_without_meaning_is_refused() {
     for (largest_speed, allowance, what) in [
-        (0.0, 1e-3, "guard speed"),
-        (f64::NAN, 1e-3, "guard speed"),
-        (1.0, -1e-9, "guard allowance"),
-        (1.0, f64::INFINITY, "guard allowance"),
+        (0.0, 1e-3, Parameter::GuardSpeed),
+        (f64::NAN, 1e-3, Parameter::GuardSpeed),
+        (1.0, -1e-9, Parameter::GuardAllowance),
+        (1.0, f64::INFINITY, Parameter::GuardAllowance),
     ] {
         let guard = Guard::Limit(GuardParams {
             largest_speed,

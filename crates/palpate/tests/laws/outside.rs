@@ -2,8 +2,8 @@
 
 use crate::common::{every_number_is_finite, explained, methods};
 use palpate::{
-    AnyMemory, AnyParams, AnyRenderer, Contact, HfcrParams, LoopParams, ObjectState, Renderer,
-    Sample, State, VirtualDamperParams,
+    AnyMemory, AnyParams, AnyRenderer, Contact, HfcrParams, LoopParams, ObjectState, Parameter,
+    Renderer, Sample, State, VirtualDamperParams,
 };
 
 const STIFFNESS: f64 = 400.0;
@@ -44,9 +44,9 @@ fn a_start_or_a_teleport_to_nowhere_is_refused_and_changes_nothing() {
         let renderer = renderer(contact, AnyParams::Basic);
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             for (name, object) in [
-                ("object position", ObjectState::at_rest(bad)),
+                (Parameter::ObjectPosition, ObjectState::at_rest(bad)),
                 (
-                    "object velocity",
+                    Parameter::ObjectVelocity,
                     ObjectState {
                         position: 0.0,
                         velocity: bad,

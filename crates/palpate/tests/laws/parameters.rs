@@ -2,7 +2,8 @@
 
 use palpate::{
     AnyParams, AnyRenderer, Contact, Difficulty, HfcrParams, LeakDissipation, LoopParams, Mass,
-    ParameterError, PopcParams, PopcRefParams, Renderer, Scalar, VirtualDamperParams,
+    Parameter, ParameterError, ParameterName as _, PopcParams, PopcRefParams, Renderer, Scalar,
+    VirtualDamperParams,
 };
 
 fn contact<S: Scalar>() -> Contact<S> {
@@ -95,8 +96,8 @@ fn parameters_that_may_be_zero<S: Scalar>() -> Vec<(&'static str, &'static str, 
 fn refused<S: Scalar>((name, unit, attempt): (&str, &str, Attempt<S>), bad: &[f64], allowed: &str) {
     for &bad in bad {
         let error = attempt(S::from_f64(bad)).unwrap_err();
-        assert_eq!(error.parameter, name);
-        assert_eq!(error.unit, unit, "{name}");
+        assert_eq!(error.parameter.name(), name);
+        assert_eq!(error.parameter.unit(), unit, "{name}");
         assert!(error.value == bad || bad.is_nan() && error.value.is_nan());
         assert_eq!(
             error.to_string(),
@@ -140,25 +141,31 @@ fn the_largest_gap_is_finite_and_at_least_one_period() {
 fn an_infinite_mass_is_a_wall_and_a_negative_infinite_one_is_refused() {
     assert_eq!(Contact::object(1.0, f64::INFINITY), Contact::wall(1.0));
     let error = with_contact(Contact::object(1.0, f64::NEG_INFINITY)).unwrap_err();
-    assert_eq!(error.parameter, "object_mass");
+    assert_eq!(error.parameter, Parameter::ObjectMass);
 }
 
 #[test]
 fn difficulty_refuses_what_has_no_meaning() {
     let of = |k, m, object, t| Difficulty::<f64>::of(k, m, object, t).unwrap_err();
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert_eq!(of(bad, 1.0, 1.0, 1.0).parameter, "stiffness");
-        assert_eq!(of(1.0, 1.0, 1.0, bad).parameter, "period");
+        assert_eq!(of(bad, 1.0, 1.0, 1.0).parameter, Parameter::Stiffness);
+        assert_eq!(of(1.0, 1.0, 1.0, bad).parameter, Parameter::Period);
         let pair = Difficulty {
             kappa: bad,
             object_kappa: 1.0,
         };
-        assert_eq!(pair.stiffness(1.0, 1.0).unwrap_err().parameter, "kappa");
-        assert_eq!(pair.object_mass(1.0).unwrap_err().parameter, "kappa");
+        assert_eq!(
+            pair.stiffness(1.0, 1.0).unwrap_err().parameter,
+            Parameter::Kappa
+        );
+        assert_eq!(
+            pair.object_mass(1.0).unwrap_err().parameter,
+            Parameter::Kappa
+        );
     }
     for bad in [0.0, -1.0, f64::NAN] {
-        assert_eq!(of(1.0, bad, 1.0, 1.0).parameter, "device_mass");
-        assert_eq!(of(1.0, 1.0, bad, 1.0).parameter, "object_mass");
+        assert_eq!(of(1.0, bad, 1.0, 1.0).parameter, Parameter::DeviceMass);
+        assert_eq!(of(1.0, 1.0, bad, 1.0).parameter, Parameter::ObjectMass);
     }
     let pair = Difficulty {
         kappa: 1.0,

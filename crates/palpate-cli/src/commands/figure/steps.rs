@@ -1,7 +1,7 @@
 //! Fig. 2: the block on the light device, step by step.
 
 use palpate_scene::SceneFile;
-use palpate_scene::method::{Damping, MethodName, Settings};
+use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_sim::closed_loop::Bench;
 
 use super::super::simulate::{simulate, subject};
@@ -49,10 +49,7 @@ pub fn fig2_long() -> Result<(Report, Figure, String), Failure> {
     let mut runs = Vec::with_capacity(DAMPINGS.len());
     for (damping, _) in DAMPINGS {
         let mut scene = file.scene.clone();
-        let settings = Settings {
-            damping: Some(Damping::Value(damping)),
-            ..Settings::default()
-        };
+        let settings = Settings::default().with(SettingKey::DAMPING, damping);
         scene.settings.insert(MethodName::Hfcr, settings);
         let bench = Bench::new(&scene).map_err(Failure::input)?;
         runs.push(bench.run(MethodName::Hfcr).map_err(Failure::input)?);

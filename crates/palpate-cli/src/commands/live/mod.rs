@@ -131,7 +131,7 @@ fn read(arguments: &LiveArguments) -> Result<(Scene, PathBuf, Vec<MethodName>), 
         }
         None => {
             let name = "live.toml";
-            let file = SceneFile::parse(name, SCENE).map_err(super::simulate::in_file)?;
+            let file = SceneFile::parse(name, SCENE).map_err(Failure::inputs)?;
             // One lane is for the method that is right.
             let first = METHODS.len().saturating_sub(most);
             (file, PathBuf::from(name), METHODS[first..].to_vec())

@@ -2,13 +2,13 @@
 
 use std::fmt;
 
-use palpate::{Contact, ParameterError};
+use palpate::{Contact, Parameter};
 use palpate_rt::{ChangeError, Parameters, Rendering};
-use palpate_scene::SetupError;
 use palpate_scene::method::{MethodName, Settings, SettingsError, nearest};
+use palpate_scene::{SceneParameter, SceneParameterError, SetupError};
 use palpate_sim::replay::ReplaySetup;
 
-use crate::setup::flag_of_setting;
+use crate::arguments::flag_of_setting;
 use palpate_study::text::exactly;
 
 /// Names of what can be set.
@@ -115,7 +115,7 @@ impl Changeable {
         self.parameters
             .change(rendering)
             .map_err(|error| match error {
-                ChangeError::Parameter(error) => named(&error),
+                ChangeError::Parameter(error) => named(&error.map(SceneParameter::Rendered)),
                 other => other.to_string(),
             })?;
         self.setup = setup;
@@ -146,24 +146,19 @@ fn in_words(error: &SetupError) -> String {
     match error {
         SetupError::Parameter(error) => named(error),
         SetupError::Settings(SettingsError::Unused { setting, .. }) => {
-            format!("{} cannot be used", flag_of_setting(*setting))
+            format!("{} cannot be used", flag_of_setting(setting))
         }
         SetupError::Settings(other) => other.to_string(),
     }
 }
 
 /// A parameter out of range, by the name that sets it.
-fn named(error: &ParameterError) -> String {
-    let parameter = match error.parameter {
-        "stiffness" => NAMES[0],
-        "object_mass" => NAMES[1],
-        other => other,
-    };
-    ParameterError {
-        parameter,
-        ..*error
+fn named(error: &SceneParameterError) -> String {
+    match error.parameter {
+        SceneParameter::Rendered(Parameter::Stiffness) => error.called(NAMES[0]).to_string(),
+        SceneParameter::Rendered(Parameter::ObjectMass) => error.called(NAMES[1]).to_string(),
+        _ => error.to_string(),
     }
-    .to_string()
 }
 
 #[cfg(test)]

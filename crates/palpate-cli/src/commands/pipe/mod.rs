@@ -14,7 +14,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::Builder;
 use std::time::Duration;
 
-use palpate::{LARGEST_DELAY, ParameterError};
+use palpate::LARGEST_DELAY;
 use palpate_rt::StopFlag;
 use palpate_rt::safety::{OscillationParams, Safety, SafetyParams};
 use palpate_scene::method::MethodName;
@@ -24,7 +24,7 @@ pub use arguments::PipeArguments;
 
 use super::simulate::read_scene;
 use crate::failure::Failure;
-use crate::setup::{check_contact, wrong_flag, wrong_setup};
+use crate::setup::{check_contact, wrong_rendered, wrong_setup};
 use change::{Changeable, rendering};
 use line::Format;
 use messages::Messages;
@@ -128,7 +128,7 @@ fn set_up(arguments: &PipeArguments) -> Result<Stream, Failure> {
     check_contact(&setup)?;
     let rendering = rendering(&setup, method, &settings).map_err(|error| wrong_setup(&error))?;
     let (parameters, rendered) =
-        palpate_rt::parameters(rendering).map_err(|error| wrong_flag(&error))?;
+        palpate_rt::parameters(rendering).map_err(|error| wrong_rendered(&error))?;
     let safety = Safety::new(
         limits(force_limit, soft_start, defaults),
         setup.loop_params.period,
@@ -174,12 +174,9 @@ fn soft_start(arguments: &PipeArguments, defaults: &SafetyParams) -> Result<f64,
     if (0.0..=60.0).contains(&seconds) {
         return Ok(seconds);
     }
-    Err(wrong_flag(&ParameterError {
-        parameter: "--soft-start",
-        value: seconds,
-        unit: "s",
-        allowed: "0 to 60",
-    }))
+    Err(Failure::Arguments(format!(
+        "--soft-start is {seconds} s, but must be 0 to 60"
+    )))
 }
 
 /// The limits of `run`, as far as a pipe has them: the largest force and the soft start.

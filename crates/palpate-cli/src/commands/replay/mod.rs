@@ -5,6 +5,7 @@ use std::io;
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
+use palpate::Parameter;
 use palpate_io::recording::Recording;
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile, SetupError, Timing};
@@ -66,7 +67,9 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
     let mut ticks = Ticks::of(&recording, &part)?;
     let mut setup = ReplaySetup::of_scene(&scene);
     // A flag of its position or velocity puts it elsewhere.
-    if !flags.gives("object position") && !flags.gives("object velocity") {
+    if !flags.gives(Parameter::ObjectPosition.into())
+        && !flags.gives(Parameter::ObjectVelocity.into())
+    {
         ticks.place_object(&mut setup, arguments.replay.replay);
     }
     let failure = |method, error: ReplayError| match error {
@@ -209,5 +212,5 @@ fn scene(recording: &Recording, name: &str) -> Result<SceneFile, Failure> {
             )
         })
     };
-    SceneFile::parse_with(&format!("{name} ({SCENE})"), text, &mut files).map_err(in_file)
+    SceneFile::parse_with(&format!("{name} ({SCENE})"), text, &mut files).map_err(Failure::inputs)
 }

@@ -27,7 +27,7 @@ pub fn put(receipt: Receipt, scene: &Scene, path: &Path) -> Result<Receipt, Fail
         Ok(text)
     };
     let as_it_stands = SceneFile::parse_with(&name, &text, &mut reads)
-        .map_err(super::super::simulate::in_file)?
+        .map_err(Failure::inputs)?
         .scene;
     if as_it_stands != *scene {
         return Err(Failure::Arguments(format!(

@@ -1,0 +1,152 @@
+//! Flags of the methods' settings, made from what each method's own file says of them.
+
+use std::fmt::Write as _;
+
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
+use palpate::{ParameterValue, SettingValues, Unit, all_settings};
+use palpate_scene::method::{MethodName, Setting, SettingKey, Settings};
+
+/// What was given for settings of methods.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SettingFlags(pub Settings);
+
+/// The flag of a setting: its name, without the unit; a switch is switched off.
+pub fn flag_of_setting(setting: &Setting) -> String {
+    format!("--{}", long(setting))
+}
+
+/// Help of `--method`: the names.
+pub fn method_help() -> String {
+    let names = MethodName::ALL.map(MethodName::name).join(", ");
+    let default = MethodName::default();
+    format!(
+        "Method: all, or one or more, separated by commas, of {names} [default: {default}, or the \
+         scene's]"
+    )
+}
+
+fn long(setting: &Setting) -> String {
+    let name = setting.name().replace('_', "-");
+    match setting.values {
+        SettingValues::Switch => format!("no-{name}"),
+        _ => name,
+    }
+}
+
+/// What each method says of its setting of that key; methods that say the same stand together.
+fn said(key: SettingKey) -> Vec<(Vec<&'static str>, &'static Setting)> {
+    let mut said: Vec<(Vec<_>, &Setting)> = Vec::new();
+    for method in MethodName::ALL {
+        let Some(setting) = method.setting(key) else {
+            continue;
+        };
+        match said.iter_mut().find(|(_, other)| *other == setting) {
+            Some((methods, _)) => methods.push(method.name()),
+            None => said.push((vec![method.name()], setting)),
+        }
+    }
+    said
+}
+
+fn help(setting: &Setting) -> String {
+    let mut text = String::new();
+    let is_switch = setting.values == SettingValues::Switch;
+    for (methods, setting) in said(setting.key) {
+        let between = if text.is_empty() { "" } else { "; " };
+        let off = if is_switch { "Switch off in " } else { "" };
+        let (methods, help) = (methods.join(", "), setting.help);
+        // A string takes every character.
+        let _ = write!(text, "{between}{off}{methods}: {help}");
+        if let SettingValues::Words { words, .. } = setting.values {
+            let _ = write!(text, ": {}", words.join(", "));
+        }
+        if !is_switch {
+            let _ = write!(text, " [default: {}]", setting.default);
+        }
+    }
+    if let Some(unit) = setting.unit() {
+        let _ = write!(text, " [{}]", unit.symbol());
+    }
+    text
+}
+
+/// The value of a flag: anything that some method takes under that key.
+fn value(key: SettingKey, text: &str) -> Result<ParameterValue<f64>, String> {
+    let settings = || {
+        MethodName::ALL
+            .into_iter()
+            .filter_map(move |m| m.setting(key))
+    };
+    if let Some(word) = settings().find_map(|setting| setting.word(text)) {
+        return Ok(word);
+    }
+    let words = settings().find_map(|setting| match setting.values {
+        SettingValues::Words { words, .. } => words.split_last(),
+        _ => None,
+    });
+    if let Some((last, others)) = words {
+        return Err(format!("the choices are {} and {last}", others.join(", ")));
+    }
+    text.parse().map(ParameterValue::Number).map_err(|_| {
+        let unit = settings().find_map(Setting::unit).map_or("", Unit::symbol);
+        if settings().any(Setting::takes_auto) {
+            format!("a number in {unit} or \"auto\" is needed")
+        } else {
+            "a number is needed, such as 0.01 or 1e-2".into()
+        }
+    })
+}
+
+fn argument(setting: &'static Setting) -> Arg {
+    let argument = Arg::new(setting.key.as_str())
+        .long(long(setting))
+        .help(help(setting))
+        .help_heading("Method");
+    let unit = setting.unit().map_or("", Unit::symbol);
+    let deriving = said(setting.key).iter().any(|(_, own)| own.takes_auto());
+    let value_name = match setting.values {
+        SettingValues::Switch => return argument.action(ArgAction::SetTrue),
+        SettingValues::Words { .. } => "NAME".to_owned(),
+        _ if deriving => format!("{unit}|auto"),
+        _ => unit.to_owned(),
+    };
+    let key = setting.key;
+    argument
+        .value_name(value_name)
+        .allow_hyphen_values(true)
+        .value_parser(move |text: &str| value(key, text))
+}
+
+impl Args for SettingFlags {
+    fn augment_args(command: Command) -> Command {
+        command.args(all_settings().map(argument))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for SettingFlags {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let mut flags = Self::default();
+        flags.update_from_arg_matches(matches)?;
+        Ok(flags)
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        for setting in all_settings() {
+            let name = setting.key.as_str();
+            let given = match setting.values {
+                SettingValues::Switch => matches
+                    .get_flag(name)
+                    .then_some(ParameterValue::Switch(false)),
+                _ => matches.get_one(name).copied(),
+            };
+            if given.is_some() {
+                self.0.set(setting.key, given);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,152 @@
+//! What a scene states: each parameter with its key.
+
+use palpate::{Parameter, ParameterName};
+
+/// A number of a scene, to be matched by value: those of the core, and those of device, hand, loop and
+/// window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[allow(missing_docs)] // each stands beside its key
+pub enum SceneParameter {
+    /// What a renderer is told.
+    Rendered(Parameter),
+    ObjectRadius,
+    DevicePosition,
+    DeviceVelocity,
+    ViscousFriction,
+    CoulombFriction,
+    MotorLimit,
+    ToldDeviceMass,
+    HandForce,
+    HandForceAt,
+    Tremor,
+    TremorFrequency,
+    Release,
+    HandMass,
+    HandStiffness,
+    HandDamping,
+    HandPosition,
+    Swing,
+    SwingFrequency,
+    DelayFraction,
+    Jitter,
+    JitterDeviation,
+    DropProbability,
+    DroppedSamples,
+    CollapseFrom,
+    CollapseUntil,
+    CollapsePeriod,
+    Seed,
+    /// No scene file has it.
+    RecordedInstants,
+    Collisions,
+    Duration,
+}
+
+impl From<Parameter> for SceneParameter {
+    fn from(parameter: Parameter) -> Self {
+        Self::Rendered(parameter)
+    }
+}
+
+impl SceneParameter {
+    /// Its key in a scene file, with the table that the key stands in.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Rendered(parameter) => key_of_rendered(parameter),
+            Self::ObjectRadius => "object.radius_m",
+            Self::DevicePosition => "device.position_m",
+            Self::DeviceVelocity => "device.velocity_m_per_s",
+            Self::ViscousFriction => "device.viscous_n_s_per_m",
+            Self::CoulombFriction => "device.coulomb_n",
+            Self::MotorLimit => "device.motor_limit_n",
+            Self::ToldDeviceMass => "renderer.device_mass_kg",
+            Self::HandForce => "hand.force_n",
+            Self::HandForceAt => "hand.force_at",
+            Self::Tremor => "hand.tremor_n",
+            Self::TremorFrequency => "hand.tremor_hz",
+            Self::Release => "hand.release_s",
+            Self::HandMass => "hand.mass_kg",
+            Self::HandStiffness => "hand.stiffness_n_per_m",
+            Self::HandDamping => "hand.damping_n_s_per_m",
+            Self::HandPosition => "hand.position_m",
+            Self::Swing => "hand.swing_m",
+            Self::SwingFrequency => "hand.swing_hz",
+            Self::DelayFraction => "loop.delay_fraction",
+            Self::Jitter => "loop.jitter_s",
+            Self::JitterDeviation => "loop.jitter_deviation_s",
+            Self::DropProbability => "loop.drop_probability",
+            Self::DroppedSamples => "loop.dropped_samples",
+            Self::CollapseFrom => "loop.collapse.from_s",
+            Self::CollapseUntil => "loop.collapse.until_s",
+            Self::CollapsePeriod => "loop.collapse.period_s",
+            Self::Seed => "loop.seed",
+            Self::RecordedInstants => "recorded instants",
+            Self::Collisions => "measure.collisions",
+            Self::Duration => "measure.duration_s",
+        }
+    }
+}
+
+fn key_of_rendered(parameter: Parameter) -> &'static str {
+    match parameter {
+        Parameter::Stiffness => "object.stiffness_n_per_m",
+        Parameter::ObjectMass => "object.mass_kg",
+        Parameter::ObjectPosition => "object.position_m",
+        Parameter::ObjectVelocity => "object.velocity_m_per_s",
+        Parameter::VirtualForce => "object.force_n",
+        Parameter::Side => "object.side",
+        Parameter::Period => "loop.period_s",
+        Parameter::Delay => "loop.delay_samples",
+        Parameter::LargestGap => "renderer.largest_gap_s",
+        Parameter::SpeedLimit => "renderer.speed_limit_m_per_s",
+        Parameter::ForceLimit => "renderer.force_limit_n",
+        Parameter::SlewLimit => "renderer.slew_limit_n_per_s",
+        Parameter::GuardSpeed => "renderer.guard.speed_m_per_s",
+        Parameter::GuardAllowance => "renderer.guard.allowance_j",
+        Parameter::DeviceMass => "device.mass_kg",
+        Parameter::EncoderQuantum | Parameter::NoiseBound => "device.encoder_quantum_m",
+        Parameter::Setting(setting) => setting.key.as_str(),
+        // A scene says none of these.
+        Parameter::DerivedDamping
+        | Parameter::AxisOrigin
+        | Parameter::AxisNormal
+        | Parameter::AxisNormalLength
+        | Parameter::Kappa
+        | Parameter::ObjectKappa
+        | Parameter::Own { .. } => parameter.name(),
+    }
+}
+
+/// In messages a parameter is called by its key.
+impl ParameterName for SceneParameter {
+    fn name(&self) -> &'static str {
+        self.key()
+    }
+
+    fn unit(&self) -> &'static str {
+        match self {
+            Self::Rendered(parameter) => parameter.unit(),
+            Self::ObjectRadius | Self::DevicePosition | Self::HandPosition | Self::Swing => "m",
+            Self::DeviceVelocity => "m/s",
+            Self::ViscousFriction | Self::HandDamping => "N s/m",
+            Self::CoulombFriction
+            | Self::MotorLimit
+            | Self::HandForce
+            | Self::HandForceAt
+            | Self::Tremor => "N",
+            Self::ToldDeviceMass | Self::HandMass => "kg",
+            Self::TremorFrequency | Self::SwingFrequency => "Hz",
+            Self::HandStiffness => "N/m",
+            Self::Release
+            | Self::Jitter
+            | Self::JitterDeviation
+            | Self::CollapseFrom
+            | Self::CollapseUntil
+            | Self::CollapsePeriod
+            | Self::Duration => "s",
+            Self::DelayFraction => "periods",
+            Self::RecordedInstants => "samples",
+            Self::DropProbability | Self::DroppedSamples | Self::Seed | Self::Collisions => "",
+        }
+    }
+}

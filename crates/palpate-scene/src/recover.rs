@@ -1,0 +1,156 @@
+//! Reading on after a fault, so that all faults of a file are found at once.
+
+use std::collections::HashSet;
+use std::ops::Range;
+
+use serde::de::DeserializeOwned;
+use toml::de::{DeTable, DeValue, Deserializer};
+
+use super::fault::in_plain_words;
+
+/// A fault's bytes and what is wrong.
+pub(super) type Fault = (Range<usize>, String);
+
+/// What is left of a file without the keys that are at fault.
+pub(super) struct Recovered<T> {
+    /// What it says; none where it says nothing without them.
+    pub read: Option<T>,
+    /// Every fault of its keys and types.
+    pub faults: Vec<Fault>,
+    /// The tables that something was taken out of; the file itself is the empty name.
+    pub damaged: HashSet<String>,
+}
+
+/// What `source` says, without the keys that are at fault.
+pub(super) fn read<T: DeserializeOwned>(source: &str) -> Recovered<T> {
+    let mut faults = Vec::new();
+    let fault = |error: &toml::de::Error| {
+        let span = error.span().unwrap_or(0..0);
+        (span, in_plain_words(error.message()))
+    };
+    let mut left = match DeTable::parse(source) {
+        Ok(table) => table,
+        Err(error) => {
+            return Recovered {
+                read: None,
+                faults: vec![fault(&error)],
+                damaged: HashSet::new(),
+            };
+        }
+    };
+    let mut damaged = HashSet::new();
+    loop {
+        let error = match T::deserialize(Deserializer::from(left.clone())) {
+            Ok(read) => {
+                return Recovered {
+                    read: Some(read),
+                    faults,
+                    damaged,
+                };
+            }
+            Err(error) => error,
+        };
+        let entry = error.span().and_then(|span| {
+            let exactly = take_out(left.get_mut(), &|other| other == span);
+            let meets = |other: Range<usize>| other.start < span.end && span.start < other.end;
+            exactly.or_else(|| take_out(left.get_mut(), &meets))
+        });
+        // A table lacks what was taken out of it, or what an unknown key was meant to be.
+        let is_missing = error.message().starts_with("missing field");
+        if !(is_missing && damaged.contains(entry.as_deref().unwrap_or_default())) {
+            faults.push(fault(&error));
+        }
+        let Some(key) = entry else {
+            return Recovered {
+                read: None,
+                faults,
+                damaged,
+            };
+        };
+        let table = key.rsplit_once('.').map_or("", |(table, _)| table);
+        damaged.insert(table.to_owned());
+    }
+}
+
+/// Takes the innermost entry whose key or value stands at a place that `is_it` out of `table`; its key
+/// with those of the tables that it stood in.
+fn take_out(table: &mut DeTable<'_>, is_it: &dyn Fn(Range<usize>) -> bool) -> Option<String> {
+    for (key, value) in table.iter_mut() {
+        if let DeValue::Table(inner) = value.get_mut()
+            && let Some(found) = take_out(inner, is_it)
+        {
+            return Some(format!("{}.{found}", key.get_ref()));
+        }
+    }
+    let (key, _) = table
+        .iter()
+        .find(|(key, value)| is_it(key.span()) || is_it(value.span()))?;
+    let key = key.clone();
+    table.remove(&key);
+    Some(key.into_inner().into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use toml::Spanned;
+
+    use super::*;
+
+    #[derive(Debug, PartialEq, serde::Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Inner {
+        a: f64,
+        b: Option<bool>,
+    }
+
+    #[derive(Debug, PartialEq, serde::Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Outer {
+        one: Inner,
+        two: Inner,
+        three: Spanned<i64>,
+    }
+
+    fn faults(source: &str) -> (bool, Vec<String>) {
+        let Recovered { read, faults, .. } = read::<Outer>(source);
+        let mut said: Vec<_> = faults
+            .into_iter()
+            .map(|(span, message)| format!("{}: {message}", &source[span]))
+            .collect();
+        said.sort();
+        (read.is_some(), said)
+    }
+
+    #[test]
+    fn what_is_right_is_read_and_has_no_faults() {
+        let (is_read, said) = faults("three = 3\n[one]\na = 1\n[two]\na = 2\nb = true\n");
+        assert!(is_read && said.is_empty(), "{said:?}");
+    }
+
+    #[test]
+    fn every_fault_is_found_once_and_what_is_left_is_read_where_it_can_be() {
+        let (is_read, said) = faults("three = 3\n[one]\na = 1\nc = 4\n[two]\na = 2\nb = 5\n");
+        assert!(is_read);
+        assert_eq!(said.len(), 2, "{said:?}");
+        assert!(
+            said[0].starts_with("5: invalid type: integer `5`"),
+            "{said:?}"
+        );
+        assert!(said[1].starts_with("c: unknown key c"), "{said:?}");
+
+        // A value that is needed cannot be left out; it is not said to be missing beside that.
+        let (is_read, said) = faults("three = \"x\"\n[one]\na = \"y\"\n[two]\nb = true\n");
+        assert!(!is_read);
+        assert_eq!(said.len(), 3, "{said:?}");
+        assert!(said[0].starts_with("\"x\": invalid type"), "{said:?}");
+        assert!(said[1].starts_with("\"y\": invalid type"), "{said:?}");
+        assert!(said[2].ends_with("missing field `a`"), "{said:?}");
+    }
+
+    #[test]
+    fn what_is_no_toml_has_one_fault() {
+        let (is_read, said) = faults("three = \n[one\n");
+        assert!(!is_read);
+        assert_eq!(said.len(), 1, "{said:?}");
+    }
+}

@@ -1,0 +1,348 @@
+//! Settings of methods by name, as files, flags and reports spell them: what a method's own file says
+//! of them, and the values that a user gives.
+
+use core::fmt;
+
+use super::named::{MOST_SETTINGS, MethodName, all_settings};
+use crate::Scalar;
+use crate::contact::Mass;
+use crate::parameter::{Parameter, ParameterError, ParameterValue, Range, Unit};
+
+/// The key of a setting in files and reports, with its unit at the end. Methods may share a key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct SettingKey(&'static str);
+
+impl SettingKey {
+    /// Damping `[N s/m]`: B of the virtual damper, b of HFCR.
+    pub const DAMPING: Self = Self("damping_n_s_per_m");
+
+    pub(crate) const fn new(key: &'static str) -> Self {
+        Self(key)
+    }
+
+    /// The key, such as `damping_n_s_per_m`.
+    pub fn as_str(self) -> &'static str {
+        self.0
+    }
+
+    /// The names of the methods that take it, in the order of tables, joined by commas.
+    pub fn users(self) -> impl fmt::Display {
+        let users = MethodName::ALL.into_iter();
+        Joined(
+            users
+                .filter(move |method| method.uses(self))
+                .map(MethodName::name),
+        )
+    }
+}
+
+impl fmt::Display for SettingKey {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.0)
+    }
+}
+
+/// What a method's file says of one of its settings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Setting {
+    /// Its key.
+    pub key: SettingKey,
+    /// What it may be.
+    pub values: SettingValues,
+    /// What it is, in words that follow the method's name.
+    pub help: &'static str,
+    /// What is taken where it is not given, in words.
+    pub default: &'static str,
+}
+
+/// What a setting may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SettingValues {
+    /// A number.
+    Number {
+        /// Its unit.
+        unit: Unit,
+        /// Its range.
+        range: Range,
+    },
+    /// A number, or the word `auto` where it is to be derived.
+    NumberOrAuto {
+        /// Its unit.
+        unit: Unit,
+        /// Its range.
+        range: Range,
+    },
+    /// One of several words.
+    Words {
+        /// The words.
+        words: &'static [&'static str],
+        /// Words of earlier files, each with the word that has taken its place.
+        earlier: &'static [(&'static str, &'static str)],
+    },
+    /// On or off; on where it is not given.
+    Switch,
+}
+
+impl Setting {
+    /// Its unit; none of words and switches.
+    pub fn unit(&self) -> Option<Unit> {
+        match self.values {
+            SettingValues::Number { unit, .. } | SettingValues::NumberOrAuto { unit, .. } => {
+                Some(unit)
+            }
+            SettingValues::Words { .. } | SettingValues::Switch => None,
+        }
+    }
+
+    /// The range of a number; none of words and switches.
+    pub fn range(&self) -> Option<Range> {
+        match self.values {
+            SettingValues::Number { range, .. } | SettingValues::NumberOrAuto { range, .. } => {
+                Some(range)
+            }
+            SettingValues::Words { .. } | SettingValues::Switch => None,
+        }
+    }
+
+    /// Its key without the unit, such as `damping`: what its flag is made from.
+    pub fn name(&self) -> &'static str {
+        let key = self.key.0;
+        let suffix = self.unit().map_or("", Unit::suffix);
+        key.strip_suffix(suffix).unwrap_or(key)
+    }
+
+    /// The value that a word says; none for a word that it does not know.
+    pub fn word(&self, given: &str) -> Option<ParameterValue<f64>> {
+        match self.values {
+            SettingValues::Words { words, earlier } => {
+                let now = earlier.iter().find(|(before, _)| *before == given);
+                let given = now.map_or(given, |(_, now)| now);
+                let known = words.iter().find(|word| **word == given);
+                known.map(|word| ParameterValue::Word(word))
+            }
+            SettingValues::NumberOrAuto { .. } if given == "auto" => {
+                Some(ParameterValue::ToBeDerived)
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether it can be derived.
+    pub fn takes_auto(&self) -> bool {
+        matches!(self.values, SettingValues::NumberOrAuto { .. })
+    }
+
+    /// A number of it, if it is in its range.
+    pub(crate) fn check<S: Scalar>(&'static self, value: S) -> Result<S, ParameterError> {
+        let range = self.range().unwrap_or(Range::Finite);
+        Parameter::Setting(self).within(range, value)
+    }
+}
+
+/// What the parameters of a method are derived from where its settings leave them open.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Basis {
+    /// Contact stiffness `[N/m]`.
+    pub stiffness: f64,
+    /// Loop period `[s]`.
+    pub period: f64,
+    /// Effective mass of the device, if known `[kg]`.
+    pub device_mass: Option<f64>,
+    /// Quantum of the device's position sensor, 0 if it is not known to have one `[m]`.
+    pub encoder_quantum: f64,
+    /// Whether a recording moves the device, so that no force can.
+    pub recorded: bool,
+    /// Energy the object stores at the start `[J]`.
+    pub stored_energy: f64,
+}
+
+impl Basis {
+    /// The mass that the contact force of `method` has to move.
+    pub(crate) fn pushed_mass(&self, method: MethodName) -> Result<Mass<f64>, SettingsError> {
+        match self.device_mass {
+            _ if self.recorded => Ok(Mass::Infinite),
+            Some(mass) => Ok(Mass::Finite(mass)),
+            None => Err(SettingsError::NoPushedMass(method)),
+        }
+    }
+
+    /// K T `[N s/m]`, the damping that a held spring force lacks in two periods.
+    pub(crate) fn impedance(&self) -> f64 {
+        self.stiffness * self.period
+    }
+}
+
+/// Settings that do not make a method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SettingsError {
+    /// The method has no use for a setting.
+    Unused {
+        /// The method.
+        method: MethodName,
+        /// The setting it cannot use, as another method has it.
+        setting: &'static Setting,
+    },
+    /// A setting to be derived, but of a method that has no rule for it.
+    NoRule {
+        /// The method.
+        method: MethodName,
+        /// Its setting.
+        setting: &'static Setting,
+    },
+    /// A setting to be derived without the device's mass, which its rule needs.
+    NoDeviceMass(&'static Setting),
+    /// A method that predicts the device, without the device's mass.
+    NoPushedMass(MethodName),
+    /// A setting that counts beside one word of another setting, which has another word.
+    OnlyBeside {
+        /// The method.
+        method: MethodName,
+        /// The setting that was given.
+        setting: &'static Setting,
+        /// The other setting.
+        other: &'static Setting,
+        /// The word it would have to be.
+        needed: &'static str,
+        /// The word it is.
+        is: &'static str,
+    },
+}
+
+/// Names joined by commas.
+struct Joined<I>(I);
+
+impl<I: Iterator<Item = &'static str> + Clone> fmt::Display for Joined<I> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, name) in self.0.clone().enumerate() {
+            f.write_str(if index > 0 { ", " } else { "" })?;
+            f.write_str(name)?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for SettingsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unused { method, .. } => write!(f, "{method} cannot use it"),
+            Self::NoRule { method, setting } => {
+                let deriving = MethodName::ALL.into_iter().filter(|method| {
+                    let own = method.setting(setting.key);
+                    own.is_some_and(Setting::takes_auto)
+                });
+                let names = Joined(deriving.map(MethodName::name));
+                let name = setting.name();
+                write!(f, "only {names} derives its {name}; give {method} a number")
+            }
+            Self::NoDeviceMass(setting) => {
+                let name = setting.name();
+                write!(f, "deriving the {name} needs the device's effective mass")
+            }
+            Self::NoPushedMass(method) => {
+                write!(
+                    f,
+                    "{method} needs the device's effective mass, within a factor of 2"
+                )
+            }
+            Self::OnlyBeside {
+                method,
+                setting,
+                other,
+                needed,
+                is,
+            } => {
+                let (key, other) = (setting.key, other.key);
+                write!(
+                    f,
+                    "{key} is for {other} {needed}, but that of {method} is {is}"
+                )
+            }
+        }
+    }
+}
+
+impl core::error::Error for SettingsError {}
+
+/// Settings that were given; what is not given takes its default.
+#[derive(Clone, Copy, Default, PartialEq)]
+pub struct Settings {
+    /// The values, in the order of [`all_settings`].
+    given: [Option<ParameterValue<f64>>; MOST_SETTINGS],
+}
+
+impl Settings {
+    fn index(key: SettingKey) -> Option<usize> {
+        all_settings().position(|setting| setting.key == key)
+    }
+
+    /// The value that was given for `key`.
+    pub fn get(&self, key: SettingKey) -> Option<ParameterValue<f64>> {
+        self.given[Self::index(key)?]
+    }
+
+    /// The number that was given for `key`, in the unit of its key.
+    pub fn number(&self, key: SettingKey) -> Option<f64> {
+        match self.get(key)? {
+            ParameterValue::Number(number) => Some(number),
+            _ => None,
+        }
+    }
+
+    /// The word that was given for `key`.
+    pub fn word(&self, key: SettingKey) -> Option<&'static str> {
+        match self.get(key)? {
+            ParameterValue::Word(word) => Some(word),
+            _ => None,
+        }
+    }
+
+    /// Whether the switch of `key` is on; none where it was not given.
+    pub fn switch(&self, key: SettingKey) -> Option<bool> {
+        match self.get(key)? {
+            ParameterValue::Switch(on) => Some(on),
+            _ => None,
+        }
+    }
+
+    /// Whether a value was given for `key`.
+    pub fn has(&self, key: SettingKey) -> bool {
+        self.get(key).is_some()
+    }
+
+    /// The same settings with a value for `key`, a number in the unit of the key.
+    #[must_use]
+    pub fn with(mut self, key: SettingKey, value: impl Into<ParameterValue<f64>>) -> Self {
+        self.set(key, Some(value.into()));
+        self
+    }
+
+    /// Gives `key` a value, or takes it away.
+    pub fn set(&mut self, key: SettingKey, value: Option<ParameterValue<f64>>) {
+        if let Some(index) = Self::index(key) {
+            self.given[index] = value;
+        }
+    }
+
+    /// These settings, and where one is missing, that of `others`.
+    #[must_use]
+    pub fn or(mut self, others: Self) -> Self {
+        for (own, other) in self.given.iter_mut().zip(others.given) {
+            *own = own.or(other);
+        }
+        self
+    }
+
+    /// Every setting that was given, with its value. Of a key that methods share, the setting is that
+    /// of the first of them.
+    pub fn iter(&self) -> impl Iterator<Item = (&'static Setting, ParameterValue<f64>)> {
+        let given = all_settings().zip(self.given);
+        given.filter_map(|(setting, value)| Some((setting, value?)))
+    }
+}
+
+impl fmt::Debug for Settings {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let given = self.iter().map(|(setting, value)| (setting.key.0, value));
+        f.debug_map().entries(given).finish()
+    }
+}
