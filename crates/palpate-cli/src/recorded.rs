@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate_io::recording::{Gap, Recording, RecordingError, WHOLE};
+use palpate_record::recording::{Gap, Recording, RecordingError, WHOLE};
 
 use crate::failure::{Failure, tell};
 use crate::report::{counted, digits};

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use palpate_io::outputs::Outputs;
+use palpate_files::outputs::Outputs;
 use palpate_sim::run::Run;
 
 use crate::arguments::Results;

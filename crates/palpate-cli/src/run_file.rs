@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use palpate_io::run::{RunWriteError, RunWriter};
+use palpate_record::run::{RunWriteError, RunWriter};
 use palpate_sim::run::Run;
 
 /// Columns of a run file. Leaks and works are accumulated over the intervals before the sample.

@@ -4,7 +4,7 @@ use std::fmt;
 use std::time::Duration;
 
 use palpate::{DamperObject, EntryHold, SehEstimate, Side};
-use palpate_io::unit::LengthUnit;
+use palpate_record::unit::LengthUnit;
 use palpate_scene::method::{Damping, MethodName, Predictor};
 use palpate_scene::{GuardMode, HandForceAt};
 use palpate_sim::sweep::Quantity;

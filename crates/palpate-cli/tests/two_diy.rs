@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use common::running::{Running, program};
 use common::{Folder, experiment_text, number, parse};
-use palpate_io::recording::{Entry, Recording};
+use palpate_record::recording::{Entry, Recording};
 
 fn folder() -> Folder {
     let folder = Folder::new();

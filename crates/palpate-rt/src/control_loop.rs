@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use palpate::{Output, Placement};
-use palpate_io::recording::{Flags, Tick};
+use palpate_record::recording::{Flags, Tick};
 
 use crate::deadlines::Deadlines;
 use crate::delivered::Delivered;

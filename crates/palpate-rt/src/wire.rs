@@ -1,6 +1,6 @@
 //! The core's words in those of recordings: neither crate knows the other.
 
-use palpate_io::recording::Phase;
+use palpate_record::recording::Phase;
 
 pub(crate) fn phase(phase: palpate::Phase) -> Phase {
     match phase {

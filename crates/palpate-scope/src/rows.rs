@@ -1,6 +1,6 @@
 //! From ticks to what a page can draw: few enough rows, and every peak in them.
 
-use palpate_io::recording::{Flags, Tick};
+use palpate_record::recording::{Flags, Tick};
 
 /// Columns of a frame: name and unit. They mean what they mean in recordings.
 pub const COLUMNS: [(&str, &str); 14] = [

@@ -6,7 +6,7 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use common::{Client, DEVICE, FORCE, Play, Samples, Stage, Told, scene};
-use palpate_io::recording::{Entry, Recording};
+use palpate_record::recording::{Entry, Recording};
 use palpate_scene::method::MethodName;
 use serde_json::{Value, json};
 

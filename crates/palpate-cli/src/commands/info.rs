@@ -5,7 +5,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
-use palpate_io::recording::{Entry, Flags, LoopTime, Recording};
+use palpate_record::recording::{Entry, Flags, LoopTime, Recording};
 use serde::Serialize;
 
 use crate::failure::Failure;

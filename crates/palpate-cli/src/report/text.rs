@@ -5,7 +5,7 @@ use std::fmt;
 use comfy_table::presets::NOTHING;
 use comfy_table::{Cell, CellAlignment, Table, TableComponent};
 use palpate::Mass;
-use palpate_io::recording::LoopTime;
+use palpate_record::recording::LoopTime;
 
 use super::{CollisionReport, MethodReport, Report};
 

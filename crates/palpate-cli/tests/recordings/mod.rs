@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use palpate_io::recording::{Event, Flags, LoopCount, Phase, Receipt, RecordingWriter, Tick};
+use palpate_record::recording::{Event, Flags, LoopCount, Phase, Receipt, RecordingWriter, Tick};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Jitter, SceneFile};
 use palpate_sim::closed_loop::Bench;

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use palpate::Placement;
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Capabilities, Device, DeviceError, DeviceErrorKind, Reading, Vector};
-use palpate_io::recording::Receipt;
+use palpate_record::recording::Receipt;
 use palpate_rt::StopFlag;
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;

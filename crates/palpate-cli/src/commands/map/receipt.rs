@@ -1,6 +1,6 @@
 //! What a map file says of how it was made.
 
-use palpate_io::map::{CELLS, LINES_PER_CELL, Map, SHARD};
+use palpate_record::map::{CELLS, LINES_PER_CELL, Map, SHARD};
 use palpate_sim::map::{
     ERROR_COLLISIONS, Forces, GROWTH_COLLISIONS, MapParams, PHASE_RANGE, PHASES, STABLE_UP_TO, Stay,
 };

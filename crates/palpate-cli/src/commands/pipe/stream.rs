@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use palpate::Fault;
-use palpate_io::unit::HandMotion;
+use palpate_record::unit::HandMotion;
 use palpate_rt::safety::{self, Safety};
 use palpate_rt::{CHANGE_DURATION, Rendered};
 use palpate_testbed::hold::DelayedHold;

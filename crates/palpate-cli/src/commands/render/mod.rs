@@ -4,8 +4,8 @@ use std::fs::File;
 use std::io;
 use std::path::Path;
 
-use palpate_io::trace::{self, HeldTrace, Part, Trace, TraceError, TraceFault};
-use palpate_io::unit::LengthUnit;
+use palpate_record::trace::{self, HeldTrace, Part, Trace, TraceError, TraceFault};
+use palpate_record::unit::LengthUnit;
 use palpate_scene::Timing;
 use palpate_scene::method::{MethodName, Settings};
 use palpate_sim::closed_loop::LoopError;

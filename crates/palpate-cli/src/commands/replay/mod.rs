@@ -7,7 +7,7 @@ use std::io;
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
-use palpate_io::recording::Recording;
+use palpate_record::recording::Recording;
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile, SetupError, Timing};
 use palpate_sim::closed_loop::LoopError;

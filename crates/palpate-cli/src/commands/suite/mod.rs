@@ -5,7 +5,7 @@ mod table;
 
 use std::path::{Path, PathBuf};
 
-use palpate_io::outputs::Outputs;
+use palpate_files::outputs::Outputs;
 use palpate_scene::method::MethodName;
 use palpate_sim::suite::{self, Column, Judged};
 

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use palpate::Mass;
-use palpate_io::run::{Cell, RunWriteError, RunWriter};
+use palpate_record::run::{Cell, RunWriteError, RunWriter};
 use palpate_sim::suite::{COLLISIONS, Column, Judged, Trial};
 
 /// What is said of a plant, in every row of it.

@@ -1,6 +1,8 @@
 //! What is written is read.
 
-use palpate_io::recording::{Event, Flags, Gap, Phase, Receipt, Recording, RecordingWriter, Tick};
+use palpate_record::recording::{
+    Event, Flags, Gap, Phase, Receipt, Recording, RecordingWriter, Tick,
+};
 use proptest::collection::{btree_set, vec};
 use proptest::prelude::*;
 

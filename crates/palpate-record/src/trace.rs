@@ -7,9 +7,9 @@
 //!
 //! ```
 //! let text = "# a hand at rest\nt_s,position_m\n0,0.01\n0.001,0.01\n";
-//! let trace = palpate_io::trace::read(text.as_bytes(), "rest.csv")?;
+//! let trace = palpate_record::trace::read(text.as_bytes(), "rest.csv")?;
 //! assert_eq!(trace.t_s, [0.0, 0.001]);
-//! # Ok::<(), palpate_io::trace::TraceError>(())
+//! # Ok::<(), palpate_record::trace::TraceError>(())
 //! ```
 
 mod growing;

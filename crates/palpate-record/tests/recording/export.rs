@@ -1,7 +1,7 @@
 //! Recordings as tables.
 
-use palpate_io::recording::Recording;
-use palpate_io::run;
+use palpate_record::recording::Recording;
+use palpate_record::run;
 
 use super::common::{Scratch, receipt, small, tick};
 
@@ -66,7 +66,7 @@ fn events_are_a_table_of_their_own() {
 
 #[cfg(feature = "parquet")]
 mod as_parquet {
-    use palpate_io::recording::RecordingWriter;
+    use palpate_record::recording::RecordingWriter;
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::RowAccessor;
 

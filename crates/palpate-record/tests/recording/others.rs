@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use palpate_io::recording::LoopCount;
+use palpate_record::recording::LoopCount;
 
 use super::common::{Scratch, bits, content, count, event, receipt, small, tick};
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use palpate_io::recording::{Gap, LoopCount, LoopTime, Recording, RecordingWriter};
+use palpate_record::recording::{Gap, LoopCount, LoopTime, Recording, RecordingWriter};
 
 use super::common::{content, count, event, receipt, tick};
 
@@ -98,7 +98,7 @@ fn an_event_of_the_end_says_how_many_ticks_there_were() {
         for sequence in 0..5 {
             writer.append(&tick(sequence)).unwrap();
         }
-        let ended = palpate_io::recording::Event {
+        let ended = palpate_record::recording::Event {
             kind: "ended".into(),
             ..event(last)
         };

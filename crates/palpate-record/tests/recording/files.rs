@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use palpate_io::recording::{Recording, RecordingWriter};
+use palpate_record::recording::{Recording, RecordingWriter};
 
 use super::common::{names, receipt, tick};
 

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate_io::recording::{
+use palpate_record::recording::{
     Entry, Event, Flags, LoopCount, Phase, Receipt, Recording, RecordingError, RecordingWriter,
     Tick,
 };

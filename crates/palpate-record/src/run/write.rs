@@ -277,7 +277,7 @@ mod tests {
         if !full.exists() {
             return;
         }
-        let error = crate::atomic::write(full, |out| {
+        let error = palpate_files::atomic::write(full, |out| {
             let mut writer = RunWriter::new(out, NO_RECEIPT, &["x"])?;
             for _ in 0..100_000 {
                 writer.row(&[0.1.into()])?;

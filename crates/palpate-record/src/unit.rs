@@ -92,7 +92,7 @@ const TRAVEL_STEP: f64 = 0.01;
 /// A single wrong sample does not count: each position is the median of three samples.
 ///
 /// ```
-/// use palpate_io::unit::{HandMotion, LengthUnit};
+/// use palpate_record::unit::{HandMotion, LengthUnit};
 ///
 /// let mut motion = HandMotion::default();
 /// for i in 0..1000 {

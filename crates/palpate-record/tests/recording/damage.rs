@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use palpate_io::recording::{Recording, RecordingWriter};
+use palpate_record::recording::{Recording, RecordingWriter};
 
 use super::common::{Scratch, bits, content, event, receipt, small, tick};
 

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use mcap::records::Metadata;
+use palpate_files::checksum::Checksum;
 
 use super::VERSION;
-use crate::checksum::Checksum;
 
 /// Name of the metadata record that holds the receipt.
 pub(super) const RECORD: &str = "palpate";

@@ -4,7 +4,7 @@ use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use palpate_io::recording::{Recording, RecordingWriter};
+use palpate_record::recording::{Recording, RecordingWriter};
 
 use super::common::{bits, content, receipt, tick};
 use super::files::say;

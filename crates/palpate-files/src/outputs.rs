@@ -1,8 +1,8 @@
 //! The files that a command writes: checked together before its work starts, written after it.
 //!
 //! ```
-//! use palpate_io::atomic::Existing;
-//! use palpate_io::outputs::Outputs;
+//! use palpate_files::atomic::Existing;
+//! use palpate_files::outputs::Outputs;
 //!
 //! let folder = tempfile::tempdir()?;
 //! let (table, figure) = (folder.path().join("run.csv"), folder.path().join("run.svg"));

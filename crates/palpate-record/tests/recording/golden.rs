@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use palpate_io::recording::Recording;
+use palpate_record::recording::Recording;
 
 use super::common::{bits, content, event, receipt, tick};
 

@@ -11,10 +11,10 @@
 //! lost, by their numbers, an end that was cut off, and chunks that are not what was written.
 //!
 //! ```
-//! use palpate_io::recording::{Entry, Receipt, Recording, RecordingWriter};
+//! use palpate_record::recording::{Entry, Receipt, Recording, RecordingWriter};
 //! # let folder = tempfile::tempdir()?;
 //! # let path = folder.path().join("tap.mcap");
-//! # let tick = palpate_io::recording::Tick::default();
+//! # let tick = palpate_record::recording::Tick::default();
 //!
 //! let receipt = Receipt::new("0.1.0").with("scene", "scene_format = 1");
 //! let mut writer = RecordingWriter::create(&path, &receipt)?;

@@ -18,9 +18,9 @@ pub use row::{Row, StaySwing};
 
 use std::io::{self, Read, Write};
 
+use palpate_files::checksum::Checksum;
 use thiserror::Error;
 
-use crate::checksum::Checksum;
 use crate::run::receipt;
 
 /// Keys of the receipt that the file itself is answerable for.

@@ -6,11 +6,11 @@ use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use palpate_files::atomic::WriteError;
 use tempfile::TempPath;
 
 use super::stream::Stream;
 use super::{Event, LoopCount, Receipt, Tick};
-use crate::atomic::WriteError;
 
 /// Flushed ticks reach the disk itself at least this often while they come.
 const SYNC_EVERY: Duration = Duration::from_secs(2);
