@@ -81,6 +81,14 @@ impl<'a> Reader<'a> {
         std::str::from_utf8(text).ok()
     }
 
+    /// Passes over a number of so many bytes.
+    pub fn skip(&mut self, size: usize) -> Option<()> {
+        let end = self.at.next_multiple_of(size).checked_add(size)?;
+        self.bytes.get(..end)?;
+        self.at = end;
+        Some(())
+    }
+
     pub fn is_at_end(&self) -> bool {
         self.at == self.bytes.len()
     }

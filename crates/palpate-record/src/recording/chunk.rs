@@ -1,19 +1,22 @@
 //! The ticks and events of one chunk.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use mcap::parse_record;
 use mcap::records::{ChunkHeader, Record, op};
 
 use super::frames::records;
+use super::layout::Layout;
 use super::loss::Loss;
 use super::read::Entry;
 use super::unpack::unpack;
-use super::{EVENT_TOPIC, Event, LONGEST_RECORD, MESSAGE_ENCODING, TICK_TOPIC, Tick};
+use super::{EVENT_TOPIC, Event, LONGEST_RECORD, MESSAGE_ENCODING, TICK_TOPIC, schema};
 
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 enum Channel {
-    Ticks,
+    /// With where the columns stand in a message.
+    Ticks(Arc<Layout>),
     Events,
     /// Somebody else's.
     Other,
@@ -22,15 +25,19 @@ enum Channel {
 /// What is known from the chunks so far: which channel is which, and which ticks are there.
 #[derive(Clone)]
 pub(super) struct Content {
+    /// What the types of ticks say, by their numbers.
+    layouts: BTreeMap<u16, Arc<Layout>>,
     channels: BTreeMap<u16, Channel>,
     pub loss: Loss,
 }
 
 impl Content {
     pub fn new() -> Self {
+        let own = Channel::Ticks(Arc::new(Layout::own()));
         Self {
+            layouts: BTreeMap::new(),
             // As they are written; a chunk that says otherwise is heard.
-            channels: [(1, Channel::Ticks), (2, Channel::Events)].into(),
+            channels: [(1, own), (2, Channel::Events)].into(),
             loss: Loss::default(),
         }
     }
@@ -93,22 +100,32 @@ impl Content {
     /// The tick or event in a record, if there is one; why it cannot be believed.
     pub fn record(&mut self, opcode: u8, record: &[u8]) -> Result<Option<Entry>, String> {
         // Nothing else is of interest, and the library does not expect everything everywhere.
-        if ![op::CHANNEL, op::MESSAGE].contains(&opcode) {
+        if ![op::SCHEMA, op::CHANNEL, op::MESSAGE].contains(&opcode) {
             return Ok(None);
         }
         match parse_record(opcode, record).map_err(|_| "it does not hold records".to_owned())? {
+            Record::Schema { header, data } if header.name == schema::TICK => {
+                let layout = std::str::from_utf8(&data)
+                    .map_err(|_| "it is no text".to_owned())
+                    .and_then(Layout::of_schema)
+                    .map_err(|why| format!("the type of the ticks: {why}"))?;
+                self.layouts.insert(header.id, Arc::new(layout));
+            }
             Record::Channel(channel) => {
                 let known = match channel.topic.as_str() {
                     _ if channel.message_encoding != MESSAGE_ENCODING => Channel::Other,
-                    TICK_TOPIC => Channel::Ticks,
+                    TICK_TOPIC => {
+                        let told = self.layouts.get(&channel.schema_id).map(Arc::clone);
+                        Channel::Ticks(told.unwrap_or_else(|| Arc::new(Layout::own())))
+                    }
                     EVENT_TOPIC => Channel::Events,
                     _ => Channel::Other,
                 };
                 self.channels.insert(channel.id, known);
             }
             Record::Message { header, data } => match self.channels.get(&header.channel_id) {
-                Some(Channel::Ticks) => {
-                    let tick = Tick::decode(&data).ok_or("a message is not a tick")?;
+                Some(Channel::Ticks(layout)) => {
+                    let tick = layout.decode(&data).ok_or("a message is not a tick")?;
                     if !self.loss.tick(tick.sequence) {
                         return Err(format!(
                             "tick {} does not come after the one before it",

@@ -1,9 +1,10 @@
 //! A recording as tables of text.
 
+use std::borrow::Cow;
 use std::io::{self, Write};
 
-use super::export::{COLUMNS, receipt};
-use super::{Entry, Recording};
+use super::export::{names, receipt};
+use super::{COLUMNS, Entry, Recording, Value, event};
 use crate::run::{Cell, RunWriter};
 
 impl Recording {
@@ -13,18 +14,27 @@ impl Recording {
     /// # Errors
     /// There is no tick; the recording cannot be read any more; what `out` says.
     pub fn write_csv(&self, out: &mut dyn Write) -> io::Result<()> {
-        let mut rows = RunWriter::new(out, &receipt(self), &COLUMNS)?;
+        let mut rows = RunWriter::new(out, &receipt(self), &names())?;
         for entry in self.entries().map_err(io::Error::other)? {
             let Entry::Tick(tick) = entry.map_err(io::Error::other)? else {
                 continue;
             };
-            let counts = [tick.sequence.to_string(), tick.generation.to_string()];
-            let flags = tick.flags.names();
-            let mut cells = vec![Cell::Text(&counts[0])];
-            cells.extend(tick.numbers().map(Cell::Number));
-            cells.push(Cell::Text(&counts[1]));
-            cells.push(Cell::Text(&flags));
-            cells.push(Cell::Text(tick.phase.name()));
+            let values: Vec<_> = COLUMNS.iter().map(|column| column.value(&tick)).collect();
+            let texts: Vec<_> = values
+                .iter()
+                .map(|value| match value {
+                    Value::Number(_) => Cow::default(),
+                    other => other.text(),
+                })
+                .collect();
+            let cells: Vec<_> = values
+                .iter()
+                .zip(&texts)
+                .map(|(value, text)| match value {
+                    Value::Number(number) => Cell::Number(*number),
+                    _ => Cell::Text(text),
+                })
+                .collect();
             rows.row(&cells)?;
         }
         rows.finish()?;
@@ -37,7 +47,7 @@ impl Recording {
     /// There is no event; the recording cannot be read any more; what `out` says.
     pub fn write_events_csv(&self, out: &mut dyn Write) -> io::Result<()> {
         let receipt = [("recording", self.path().display().to_string())];
-        let mut rows = RunWriter::new(out, &receipt, &["sequence", "t_s", "kind", "text"])?;
+        let mut rows = RunWriter::new(out, &receipt, &event::COLUMNS.map(|column| column.name))?;
         for entry in self.entries().map_err(io::Error::other)? {
             if let Entry::Event(event) = entry.map_err(io::Error::other)? {
                 rows.row(&[

@@ -15,16 +15,37 @@ pub struct Event {
     pub text: String,
 }
 
-/// Name of the message type.
-pub(super) const SCHEMA_NAME: &str = "palpate_msgs/msg/Event";
-/// The message type, as ROS 2 writes it.
-pub(super) const SCHEMA: &str = "\
-# Something that happened at a tick of a haptic loop, palpate recording format 1.
-uint64 sequence  # number of the tick
-float64 t_s      # since the loop's start [s]
-string kind      # what kind of thing, in kebab case
-string text      # what happened, in words
-";
+/// A column of the events.
+pub(super) struct Column {
+    pub name: &'static str,
+    /// What the type of the message calls its values, in ROS 2.
+    pub message_type: &'static str,
+    pub meaning: &'static str,
+}
+
+/// The columns of the events, in the order in which files have them.
+pub(super) const COLUMNS: [Column; 4] = [
+    Column {
+        name: "sequence",
+        message_type: "uint64",
+        meaning: "number of the tick",
+    },
+    Column {
+        name: "t_s",
+        message_type: "float64",
+        meaning: "since the loop's start [s]",
+    },
+    Column {
+        name: "kind",
+        message_type: "string",
+        meaning: "what kind of thing, in kebab case",
+    },
+    Column {
+        name: "text",
+        message_type: "string",
+        meaning: "what happened, in words",
+    },
+];
 
 impl Event {
     pub(super) fn encode(&self, message: &mut Vec<u8>) {
@@ -50,6 +71,7 @@ impl Event {
 
 #[cfg(test)]
 mod tests {
+    use super::super::layout::Layout;
     use super::*;
 
     fn event() -> Event {
@@ -107,7 +129,7 @@ mod tests {
         #[test]
         fn no_bytes_make_the_reader_panic(bytes: Vec<u8>) {
             let _ = Event::decode(&bytes);
-            let _ = super::super::tick::Tick::decode(&bytes);
+            let _ = Layout::own().decode(&bytes);
             let marked = [&[0, 1, 0, 0], bytes.as_slice()].concat();
             let _ = Event::decode(&marked);
         }

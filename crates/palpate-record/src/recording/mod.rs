@@ -33,16 +33,19 @@
 
 mod cdr;
 mod chunk;
+mod column;
 mod count;
 mod csv;
 mod event;
 mod export;
 mod frames;
+mod layout;
 mod loss;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod read;
 mod receipt;
+mod schema;
 mod state;
 mod stream;
 mod tick;
@@ -53,13 +56,14 @@ mod write;
 /// How damage begins that is of the file as a whole: nothing is left out for it.
 pub const WHOLE: &str = "the file as a whole";
 
+pub use column::{Column, Kind, Value};
 pub use count::{LoopCount, LoopTime};
 pub use event::Event;
 pub use loss::Gap;
 pub use read::{Entries, Entry, Recording, RecordingError};
 pub use receipt::Receipt;
 pub use state::{Flags, Phase};
-pub use tick::Tick;
+pub use tick::{COLUMNS, Tick};
 pub use write::{RecordingWriter, Summary};
 
 /// The version that is written and read.

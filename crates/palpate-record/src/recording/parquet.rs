@@ -4,9 +4,8 @@ use std::io::{self, Write};
 
 use parquet::data_type::ByteArray;
 
-use super::export::{COLUMNS, receipt};
-use super::tick::NUMBERS;
-use super::{Entry, Recording, Tick};
+use super::export::{names, receipt};
+use super::{COLUMNS, Entry, Kind, Recording, Tick, Value};
 use crate::parquet_table::{self, Column, count};
 
 /// Ticks that are gathered before they are written: about 12 MB.
@@ -35,25 +34,32 @@ impl Recording {
             begun = true;
             (!last).then(|| Ok(columns(&ticks)))
         });
-        parquet_table::write(out, "ticks", &COLUMNS, receipt(self), groups)
+        parquet_table::write(out, "ticks", &names(), receipt(self), groups)
     }
 }
 
 fn columns(ticks: &[Tick]) -> Vec<Column> {
-    let counts = |of: &dyn Fn(&Tick) -> u64| {
-        Column::Counts(ticks.iter().map(|tick| count(of(tick))).collect())
-    };
-    let names = |of: &dyn Fn(&Tick) -> String| {
-        let bytes = |tick| ByteArray::from(of(tick).into_bytes());
-        Column::Names(ticks.iter().map(bytes).collect())
-    };
-    let mut columns = vec![counts(&|tick| tick.sequence)];
-    columns.extend((0..NUMBERS.len()).map(|at| {
-        let numbers = ticks.iter().map(|tick| tick.numbers()[at]);
-        Column::Numbers(numbers.collect())
-    }));
-    columns.push(counts(&|tick| u64::from(tick.generation)));
-    columns.push(names(&|tick| tick.flags.names()));
-    columns.push(names(&|tick| tick.phase.name().to_owned()));
-    columns
+    COLUMNS
+        .iter()
+        .map(|column| {
+            let values = ticks.iter().map(|tick| column.value(tick));
+            match column.kind {
+                Kind::Number => Column::Numbers(values.map(Value::number).collect()),
+                Kind::Count | Kind::ShortCount => Column::Counts(values.map(whole).collect()),
+                Kind::Flags | Kind::Phase => {
+                    let bytes =
+                        |value: Value| ByteArray::from(value.text().into_owned().into_bytes());
+                    Column::Names(values.map(bytes).collect())
+                }
+            }
+        })
+        .collect()
+}
+
+fn whole(value: Value) -> i64 {
+    match value {
+        Value::Count(value) => count(value),
+        Value::ShortCount(value) => i64::from(value),
+        _ => 0,
+    }
 }

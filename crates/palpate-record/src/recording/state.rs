@@ -105,6 +105,14 @@ impl Flags {
         self.0 & others.0 == others.0
     }
 
+    /// The limits of the renderer that acted, such as `pull` and `force`.
+    pub fn limits(self) -> impl Iterator<Item = &'static str> {
+        let set = Self::NAMED
+            .into_iter()
+            .filter(move |(flag, _)| self.has(*flag));
+        set.filter_map(|(_, name)| name.strip_prefix("limited-"))
+    }
+
     /// Names of the flags, separated by spaces; a bit without a name as `bit-` and its number.
     #[must_use]
     pub fn names(self) -> String {
@@ -134,5 +142,10 @@ mod tests {
         );
         assert!(flags.has(Flags::CONTACT) && !flags.has(Flags::FAULT));
         assert_eq!(Flags(1 << 20).names(), "bit-20");
+        let limits = flags.with(Flags::LIMITED_SLEW, true);
+        let limits = limits
+            .with(Flags::LIMITED_PULL, true)
+            .with(Flags::SAFETY_LIMITED, true);
+        assert!(limits.limits().eq(["pull", "slew"]));
     }
 }

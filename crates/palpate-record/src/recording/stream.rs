@@ -9,7 +9,7 @@ use mcap::{McapError, McapResult, WriteOptions, Writer};
 
 use super::{
     EVENT_TOPIC, Event, LoopCount, MESSAGE_ENCODING, Receipt, SCHEMA_ENCODING, TICK_TOPIC, Tick,
-    event, tick,
+    schema,
 };
 
 /// A chunk is ended at this size even if nobody asks [bytes]: about five seconds at 1 kHz.
@@ -48,8 +48,8 @@ impl<W: Write> Stream<W> {
                 mcap.add_channel(schema, topic, MESSAGE_ENCODING, &BTreeMap::new())
             };
             let channels = (
-                channel(TICK_TOPIC, tick::SCHEMA_NAME, tick::SCHEMA)?,
-                channel(EVENT_TOPIC, event::SCHEMA_NAME, event::SCHEMA)?,
+                channel(TICK_TOPIC, schema::TICK, &schema::tick())?,
+                channel(EVENT_TOPIC, schema::EVENT, &schema::event())?,
             );
             // A recording without a tick has its channels too.
             mcap.flush()?;

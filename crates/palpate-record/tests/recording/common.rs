@@ -8,6 +8,7 @@ use palpate_record::recording::{
 };
 
 /// A tick in which every quantity has a value of its own that follows from its number.
+#[allow(clippy::needless_update, reason = "columns may come")]
 pub fn tick(sequence: u64) -> Tick {
     let t = sequence as f64 / 1000.0;
     let of = |quantity: f64| quantity / 3.0 + t;
@@ -36,6 +37,7 @@ pub fn tick(sequence: u64) -> Tick {
         generation: u32::from(sequence > 4),
         flags: Flags::CONTACT.with(Flags::LIMITED_SLEW, sequence.is_multiple_of(2)),
         phase: Phase::ALL[usize::try_from(sequence % 5).unwrap()],
+        ..Tick::UNKNOWN
     }
 }
 

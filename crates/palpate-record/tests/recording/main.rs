@@ -1,5 +1,6 @@
 //! Recordings as files: what is written is read, and what is not there is said.
 
+mod columns;
 mod common;
 mod counted;
 mod damage;

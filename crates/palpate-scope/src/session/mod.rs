@@ -24,7 +24,7 @@ use crate::message::{
     Column, DeviceSaid, LaneState, Method, RecordingState, RecordingStatus, Said, Set, Wish,
 };
 use crate::pace::Pace;
-use crate::rows::COLUMNS;
+use crate::rows::columns;
 use crate::settings::{self, Limits, Settings};
 
 pub use lane::Ended;
@@ -457,10 +457,7 @@ impl Running {
             protocol: 1,
             version: env!("CARGO_PKG_VERSION"),
             title: &scene.title,
-            columns: COLUMNS
-                .iter()
-                .map(|(name, unit)| Column { name, unit })
-                .collect(),
+            columns: columns().map(Column::from).collect(),
             methods: MethodName::ALL
                 .into_iter()
                 .map(|method| Method {
