@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
 use palpate_device::{Device, DeviceErrorKind, NullDevice, ReplayDevice, ScriptedDevice, Step};
-use palpate_io::recording::Flags;
+use palpate_record::recording::Flags;
 use palpate_rt::safety::{OscillationParams, SafetyParams, Trip};
 use palpate_rt::{ControlLoop, Ending, Note, StopFlag, Told, tap};
 use palpate_scene::method::MethodName;

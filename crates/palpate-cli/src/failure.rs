@@ -5,8 +5,8 @@ use std::io::{self, Write};
 use std::ops::Range;
 use std::process::ExitCode;
 
-use palpate_io::atomic::{WriteError, WriteFault};
-use palpate_io::outputs::OutputError;
+use palpate_files::atomic::{WriteError, WriteFault};
+use palpate_files::outputs::OutputError;
 use palpate_scene::SceneError;
 use palpate_study::map::receipt::NoNumber;
 

@@ -1,6 +1,6 @@
 //! A synthetic hand: a person who taps on something, for a demonstration without a recording.
 
-use palpate_io::trace::Trace;
+use palpate_record::trace::Trace;
 
 /// Recording step `[s]`, as of a 2 kHz encoder.
 const STEP: f64 = 0.0005;

@@ -2,8 +2,8 @@
 //! another unit.
 
 use palpate::Side;
-use palpate_io::trace::Trace;
-use palpate_io::unit::{Excess, HandMotion, LengthUnit};
+use palpate_record::trace::Trace;
+use palpate_record::unit::{Excess, HandMotion, LengthUnit};
 use palpate_sim::replay::ReplaySetup;
 
 use crate::failure::Failure;

@@ -2,10 +2,13 @@
 
 use std::io::Write;
 
-use palpate_io::run::{RunWriteError, RunWriter};
+use palpate_record::recording::{Column, Tick, Value};
+use palpate_record::run::{RunWriteError, RunWriter};
+use palpate_rt::answered;
 use palpate_sim::run::Run;
 
-/// Columns of a run file. Leaks and works are accumulated over the intervals before the sample.
+/// Columns of a run file: those of a tick, by their names, and the run's own. Leaks and works are
+/// accumulated over the intervals before the sample.
 pub const COLUMNS: [&str; 22] = [
     "t_s",
     "device_position_m",
@@ -44,51 +47,58 @@ pub fn write(
     let mut columns = COLUMNS.to_vec();
     columns.extend(centre.then_some(CENTRE));
     let mut file = RunWriter::new(writer, receipt, &columns)?;
+    let of_tick: Vec<_> = columns.iter().map(|name| Column::named(name)).collect();
     for run in runs {
         for tick in &run.ticks {
             let (output, ledger) = (&tick.output, &tick.ledger);
-            let limited = [
-                (output.limited.pull, "pull"),
-                (output.limited.force, "force"),
-                (output.limited.slew, "slew"),
-                (output.limited.guard, "guard"),
-            ]
-            .into_iter()
-            .filter_map(|(acted, name)| acted.then_some(name))
-            .collect::<Vec<_>>()
-            .join(" ");
-            let mut row = vec![
-                tick.time.into(),
-                tick.device_position.into(),
-                output.object_position.into(),
-                output.object_velocity.into(),
-                output.force_on_object.into(),
-                ledger.original_leak.accumulated.into(),
-                ledger.held_leak.accumulated.into(),
-                output.force_on_device.into(),
-                tick.held_force_on_object.into(),
-                // Empty for a command that never reaches the motor.
-                tick.command_from.unwrap_or(f64::NAN).into(),
-                output.penetration.into(),
-                tick.true_device_position.into(),
-                ledger.stored.into(),
-                ledger.port_work.into(),
-                ledger.virtual_force_work.into(),
-                ledger.outside_work.into(),
-                output.phase.name().into(),
-                output.transition_after.into(),
-                output.placement_shift.into(),
-                limited.as_str().into(),
-                output.fault.map_or("", |fault| fault.name()).into(),
-                run.method.name().into(),
-            ];
-            let place = output.object_position + run.centre_offset;
-            if centre {
-                row.push(place.into());
-            }
-            file.row(&row)?;
+            let listed = Tick {
+                time: tick.time,
+                device_position: tick.device_position,
+                ..answered(output, ledger)
+            };
+            let limits: Vec<_> = listed.flags.limits().collect();
+            let limits = limits.join(" ");
+            let cells = columns
+                .iter()
+                .zip(&of_tick)
+                .map(|(name, column)| match *name {
+                    "held_force_on_object_n" => tick.held_force_on_object.into(),
+                    // Empty for a command that never reaches the motor.
+                    "command_from_s" => tick.command_from.unwrap_or(f64::NAN).into(),
+                    "true_device_position_m" => tick.true_device_position.into(),
+                    "transition_after_s" => output.transition_after.into(),
+                    "limited" => limits.as_str().into(),
+                    "fault" => output.fault.map_or("", |fault| fault.name()).into(),
+                    "method" => run.method.name().into(),
+                    CENTRE => (output.object_position + run.centre_offset).into(),
+                    _ => match column.map(|column| column.value(&listed)) {
+                        Some(Value::Phase(phase)) => phase.name().into(),
+                        value => value.map_or(f64::NAN, Value::number).into(),
+                    },
+                });
+            file.row(&cells.collect::<Vec<_>>())?;
         }
     }
     file.finish()?;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_column_is_one_of_a_tick_or_the_run_s_own() {
+        let mut others = COLUMNS.iter().filter(|name| Column::named(name).is_none());
+        let own = [
+            "held_force_on_object_n",
+            "command_from_s",
+            "true_device_position_m",
+            "transition_after_s",
+            "limited",
+            "fault",
+            "method",
+        ];
+        assert!(others.all(|name| own.contains(name)));
+    }
 }

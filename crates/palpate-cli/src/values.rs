@@ -4,7 +4,7 @@ use std::fmt;
 use std::time::Duration;
 
 use palpate::Side;
-use palpate_io::unit::LengthUnit;
+use palpate_record::unit::LengthUnit;
 use palpate_scene::method::{MethodName, method_named};
 use palpate_scene::{GuardMode, HandForceAt};
 use palpate_study::sweep::Quantity;

@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use common::running::{Running, program};
 use common::{Folder, experiment_text};
-use palpate_io::recording::Recording;
+use palpate_record::recording::Recording;
 
 #[test]
 fn it_says_where_the_page_is_and_ends_with_a_report() {

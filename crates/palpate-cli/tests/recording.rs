@@ -4,7 +4,7 @@ mod common;
 mod recordings;
 
 use common::{Folder, number, of_method, parse};
-use palpate_io::recording::{LoopCount, Receipt, RecordingWriter};
+use palpate_record::recording::{LoopCount, Receipt, RecordingWriter};
 use palpate_scene::method::MethodName;
 use recordings::{loop_of, record, tick, write};
 

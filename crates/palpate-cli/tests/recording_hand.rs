@@ -4,7 +4,7 @@ mod common;
 mod recordings;
 
 use common::{Folder, number, of_method};
-use palpate_io::recording::{Flags, Receipt, RecordingWriter, Tick};
+use palpate_record::recording::{Flags, Receipt, RecordingWriter, Tick};
 use palpate_scene::method::MethodName;
 use palpate_sim::run::Run;
 use recordings::{loop_in, record, tick, write};

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use common::running::{Running, program};
 use common::{Folder, experiment_text, number, parse};
-use palpate_io::recording::{Entry, Recording, Tick};
+use palpate_record::recording::{Entry, Recording, Tick};
 use serde_json::Value;
 
 fn folder_with_scenes() -> Folder {

@@ -20,7 +20,7 @@ fn standard_input_gives_the_run_of_the_file() {
     let of_input = folder.palpate_reading(&text, &format!("render - {FLAGS} --out -"));
     assert_eq!((of_file.code, of_input.code), (0, 0));
     let ticks = |text: &str| {
-        let run = palpate_io::run::read(text.as_bytes(), "run").unwrap();
+        let run = palpate_record::run::read(text.as_bytes(), "run").unwrap();
         (
             run.numbers("t_s").unwrap(),
             run.numbers("force_on_object_n").unwrap(),

@@ -16,7 +16,7 @@ use common::running::{Running, program};
 use common::{Folder, experiment_text, number, parse};
 use palpate_haply::two_diy::{Board, Generation};
 use palpate_haply_emulator::two_diy::{Emulator, Fault, Hand, PortSettings, Settings};
-use palpate_io::recording::{Entry, Recording};
+use palpate_record::recording::{Entry, Recording};
 
 fn folder() -> Folder {
     let folder = Folder::new();

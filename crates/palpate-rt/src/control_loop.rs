@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use palpate::{AlongAxis, Output};
-use palpate_io::recording::{Flags, Tick};
+use palpate_record::recording::{Flags, Tick};
 
 use crate::deadlines::Deadlines;
 use crate::delivered::Delivered;
@@ -19,7 +19,7 @@ use crate::setup::SetupError;
 use crate::statistics::LoopStatistics;
 use crate::stop::StopFlag;
 use crate::tap::Tap;
-use crate::wire::phase;
+use crate::wire::{answered, booked};
 use palpate_device::clock::Clock;
 use palpate_device::{Device, DeviceError, DeviceErrorKind, Pose, Vector, Wrench};
 
@@ -487,46 +487,31 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
     /// What is to be said of the last sample.
     fn account(&self, woke: Duration, flags: Flags) -> Tick {
         let ledger = self.rendered.ledger();
+        let said = match &self.last {
+            Some((_, output)) => answered(output, ledger),
+            // Nothing was rendered yet.
+            None => booked(Tick::default(), ledger),
+        };
         let mut tick = Tick {
             sequence: self.sequence,
             time: (woke - self.started).as_secs_f64(),
             device_axes: [f64::NAN; 3],
             device_position: f64::NAN,
-            stored_energy: ledger.stored,
-            port_work: ledger.port_work,
-            virtual_force_work: ledger.virtual_force_work,
-            outside_work: ledger.outside_work + self.delivered.withheld,
-            original_leak: ledger.original_leak.accumulated,
+            outside_work: said.outside_work + self.delivered.withheld,
             held_leak: self.delivered.leak,
             generation: self.rendered.generation(),
-            flags,
-            ..Tick::default()
+            flags: flags.with(said.flags, true),
+            ..said
         };
-        let Some((reading, output)) = &self.last else {
-            return tick;
-        };
-        let axes = self.device.capabilities().axes;
-        for (given, read) in tick.device_axes.iter_mut().zip(reading.position).take(axes) {
-            *given = read;
+        if let Some((reading, _)) = &self.last {
+            let axes = self.device.capabilities().axes;
+            for (given, read) in tick.device_axes.iter_mut().zip(reading.position).take(axes) {
+                *given = read;
+            }
+            tick.time = (reading.time.saturating_sub(self.started)).as_secs_f64();
+            tick.device_position = self.axis.coordinate(reading.position);
         }
-        let limited = output.limited;
-        Tick {
-            time: (reading.time.saturating_sub(self.started)).as_secs_f64(),
-            device_position: self.axis.coordinate(reading.position),
-            object_position: output.object_position,
-            object_velocity: output.object_velocity,
-            penetration: output.penetration,
-            placement_shift: output.placement_shift,
-            force_on_object: output.force_on_object,
-            phase: phase(output.phase),
-            flags: flags
-                .with(Flags::CONTACT, output.penetration > 0.0)
-                .with(Flags::LIMITED_PULL, limited.pull)
-                .with(Flags::LIMITED_FORCE, limited.force)
-                .with(Flags::LIMITED_SLEW, limited.slew)
-                .with(Flags::LIMITED_GUARD, limited.guard),
-            ..tick
-        }
+        tick
     }
 
     fn notes_of(&mut self, verdict: &Verdict) {

@@ -91,3 +91,4 @@ pub use statistics::{Durations, LoopStatistics};
 pub use stop::StopFlag;
 pub use tap::{Counted, Listener, Tap, Told, tap};
 pub use thread::{LoopEnd, LoopThread};
+pub use wire::answered;

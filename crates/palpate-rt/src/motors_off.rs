@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use palpate_io::recording::LoopTime;
+use palpate_record::recording::LoopTime;
 
 /// Adds up the time in which the motors were off. The time counts and not the ticks, since a loop that
 /// stands still makes none.

@@ -1,7 +1,7 @@
 //! What happens beside the ticks, without a word allocated in the loop.
 
 use palpate::Fault;
-use palpate_io::recording::Event;
+use palpate_record::recording::Event;
 
 use crate::rendering::Rendering;
 use crate::safety::Trip;

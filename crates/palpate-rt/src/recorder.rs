@@ -6,8 +6,10 @@ use std::sync::{Arc, OnceLock};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
-use palpate_io::atomic::WriteError;
-use palpate_io::recording::{Event, LoopCount, LoopTime, Receipt, RecordingWriter, Summary, Tick};
+use palpate_files::atomic::WriteError;
+use palpate_record::recording::{
+    Event, LoopCount, LoopTime, Receipt, RecordingWriter, Summary, Tick,
+};
 
 use crate::note::Ending;
 use crate::tap::{Counted, Listener, Tap, Told, tap};

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use hdrhistogram::Histogram;
-use palpate_io::recording::LoopTime;
+use palpate_record::recording::LoopTime;
 
 /// Longest time that is told apart: 10 s.
 const LONGEST: u64 = 10_000_000_000;

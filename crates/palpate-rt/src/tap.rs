@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use palpate_io::recording::{Flags, LoopTime, Tick};
+use palpate_record::recording::{Flags, LoopTime, Tick};
 
 use crate::note::{Ending, Noted};
 use crate::tally::{Counts, Tally};

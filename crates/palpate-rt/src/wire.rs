@@ -1,13 +1,121 @@
 //! The core's words in those of recordings: neither crate knows the other.
 
-use palpate_io::recording::Phase;
+use palpate::{Ledger, Output};
+use palpate_record::recording::{Flags, Phase, Tick};
 
-pub(crate) fn phase(phase: palpate::Phase) -> Phase {
+/// What the core says of a sample, in a tick: its answer, and the books up to the sample. Which tick it
+/// is, when it was, where the device was and what was really sent are for the caller to say, and
+/// unknown here.
+#[must_use]
+pub fn answered(output: &Output<f64>, ledger: &Ledger<f64>) -> Tick {
+    let limited = output.limited;
+    Tick {
+        object_position: output.object_position,
+        object_velocity: output.object_velocity,
+        penetration: output.penetration,
+        placement_shift: output.placement_shift,
+        force_on_object: output.force_on_object,
+        force_on_device: output.force_on_device,
+        phase: phase(output.phase),
+        flags: Flags::default()
+            .with(Flags::CONTACT, output.penetration > 0.0)
+            .with(Flags::LIMITED_PULL, limited.pull)
+            .with(Flags::LIMITED_FORCE, limited.force)
+            .with(Flags::LIMITED_SLEW, limited.slew)
+            .with(Flags::LIMITED_GUARD, limited.guard),
+        ..booked(Tick::UNKNOWN, ledger)
+    }
+}
+
+/// A tick, with what the books say.
+pub(crate) fn booked(tick: Tick, ledger: &Ledger<f64>) -> Tick {
+    Tick {
+        stored_energy: ledger.stored,
+        port_work: ledger.port_work,
+        virtual_force_work: ledger.virtual_force_work,
+        outside_work: ledger.outside_work,
+        original_leak: ledger.original_leak.accumulated,
+        held_leak: ledger.held_leak.accumulated,
+        ..tick
+    }
+}
+
+fn phase(phase: palpate::Phase) -> Phase {
     match phase {
         palpate::Phase::Free => Phase::Free,
         palpate::Phase::Contact => Phase::Contact,
         palpate::Phase::Enters => Phase::Enters,
         palpate::Phase::Leaves => Phase::Leaves,
         palpate::Phase::Waiting => Phase::Waiting,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_quantity_of_the_core_has_its_own_place() {
+        let leak = |accumulated| palpate::Leak {
+            last: -1.0,
+            accumulated,
+            absolute: -1.0,
+        };
+        let output = Output {
+            force_on_device: 1.0,
+            force_on_object: 2.0,
+            object_position: 3.0,
+            object_velocity: 4.0,
+            penetration: 5.0,
+            phase: palpate::Phase::Enters,
+            transition_after: -1.0,
+            placement_shift: 6.0,
+            limited: palpate::Limited {
+                slew: true,
+                ..palpate::Limited::default()
+            },
+            fault: None,
+        };
+        let ledger = Ledger {
+            stored: 7.0,
+            port_work: 8.0,
+            virtual_force_work: 9.0,
+            outside_work: 10.0,
+            original_leak: leak(11.0),
+            held_leak: leak(12.0),
+        };
+        let expected = Tick {
+            force_on_device: 1.0,
+            force_on_object: 2.0,
+            object_position: 3.0,
+            object_velocity: 4.0,
+            penetration: 5.0,
+            placement_shift: 6.0,
+            stored_energy: 7.0,
+            port_work: 8.0,
+            virtual_force_work: 9.0,
+            outside_work: 10.0,
+            original_leak: 11.0,
+            held_leak: 12.0,
+            phase: Phase::Enters,
+            flags: Flags::CONTACT.with(Flags::LIMITED_SLEW, true),
+            ..Tick::UNKNOWN
+        };
+        // NaN is no other NaN, but is written alike.
+        let said = answered(&output, &ledger);
+        assert_eq!(format!("{said:?}"), format!("{expected:?}"));
+    }
+
+    #[test]
+    fn a_phase_keeps_its_name() {
+        for of_core in [
+            palpate::Phase::Free,
+            palpate::Phase::Contact,
+            palpate::Phase::Enters,
+            palpate::Phase::Leaves,
+            palpate::Phase::Waiting,
+        ] {
+            assert_eq!(phase(of_core).name(), of_core.name());
+        }
     }
 }

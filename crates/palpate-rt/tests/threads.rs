@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 use palpate::{AnyParams, Contact, LoopParams, ObjectState};
 use palpate_device::clock::{Clock, MonotonicClock};
 use palpate_device::{Capabilities, Device, DeviceError, Pose, Wrench, ZeroWriter};
-use palpate_io::recording::{Entry, Receipt, Recording, Tick};
+use palpate_record::recording::{Entry, Receipt, Recording, Tick};
 use palpate_rt::realtime::{Answer, Request};
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, Ending, LoopThread, Recorder, Rendering, StopFlag};

@@ -161,8 +161,8 @@ fn recorded(name: &Spanned<String>, files: Files<'_>) -> Result<Arc<RecordedPath
     let fault = |message: String| (name.span(), message);
     let file = name.get_ref();
     let text = files(file).map_err(|error| fault(format!("{file} cannot be read: {error}")))?;
-    let trace =
-        palpate_io::trace::read(text.as_bytes(), file).map_err(|error| fault(error.to_string()))?;
+    let trace = palpate_record::trace::read(text.as_bytes(), file)
+        .map_err(|error| fault(error.to_string()))?;
     let start = trace.t_s.first().copied().unwrap_or(0.0);
     let times: Vec<f64> = trace.t_s.iter().map(|time| time - start).collect();
     RecordedPath::new(&times, &trace.position_m)

@@ -175,7 +175,7 @@ impl Client {
 
 #[cfg(test)]
 mod tests {
-    use palpate_io::recording::Tick;
+    use palpate_record::recording::Tick;
 
     use super::*;
     use crate::rows::Rows;

@@ -219,6 +219,16 @@ pub struct Column {
     pub unit: &'static str,
 }
 
+impl From<&palpate_record::recording::Column> for Column {
+    fn from(column: &palpate_record::recording::Column) -> Self {
+        Self {
+            name: column.name,
+            // A column without a unit is told as one with an empty text.
+            unit: if column.unit == "1" { "" } else { column.unit },
+        }
+    }
+}
+
 /// A method that can be chosen.
 #[derive(Clone, Debug, Serialize)]
 pub struct Method {

@@ -1,28 +1,34 @@
 //! From ticks to what a page can draw: few enough rows, and every peak in them.
 
-use palpate_io::recording::{Flags, Tick};
+use palpate_record::recording::{COLUMNS, Column, Flags, Kind, Tick};
 
-/// Columns of a frame: name and unit. They mean what they mean in recordings.
-pub const COLUMNS: [(&str, &str); 14] = [
-    ("device_position_m", "m"),
-    ("object_position_m", "m"),
-    ("object_velocity_m_per_s", "m/s"),
-    ("penetration_m", "m"),
-    ("force_on_device_n", "N"),
-    ("stored_energy_j", "J"),
-    ("port_work_j", "J"),
-    ("virtual_force_work_j", "J"),
-    ("outside_work_j", "J"),
-    ("leak_original_j", "J"),
-    ("leak_held_j", "J"),
-    ("lateness_s", "s"),
-    ("tick_duration_s", "s"),
-    ("flags", ""),
-];
-
-const WIDTH: usize = COLUMNS.len();
+/// How many columns a frame has.
+const WIDTH: usize = live_before(COLUMNS.len());
 /// Where the flags stand.
-const FLAGS: usize = WIDTH - 1;
+const FLAGS: usize = {
+    let mut at = 0;
+    while !matches!(COLUMNS[at].kind, Kind::Flags) {
+        at += 1;
+    }
+    live_before(at)
+};
+
+/// The columns of a frame, in their order: those of a tick that the live page is sent.
+pub fn columns() -> impl Iterator<Item = &'static Column> {
+    COLUMNS.iter().filter(|column| column.is_live)
+}
+
+/// How many of the first columns of a tick the live page is sent.
+const fn live_before(end: usize) -> usize {
+    let (mut at, mut count) = (0, 0);
+    while at < end {
+        if COLUMNS[at].is_live {
+            count += 1;
+        }
+        at += 1;
+    }
+    count
+}
 
 /// Below this period, ticks are taken together `[s]`.
 const SHORTEST: f64 = 0.001;
@@ -186,26 +192,10 @@ impl Frame {
 }
 
 fn row(tick: &Tick) -> [f32; WIDTH] {
-    let numbers = [
-        tick.device_position,
-        tick.object_position,
-        tick.object_velocity,
-        tick.penetration,
-        tick.force_on_device,
-        tick.stored_energy,
-        tick.port_work,
-        tick.virtual_force_work,
-        tick.outside_work,
-        tick.original_leak,
-        tick.held_leak,
-        tick.lateness,
-        tick.tick_duration,
-    ];
     let mut row = [0.0; WIDTH];
-    for (single_value, value) in row.iter_mut().zip(numbers) {
-        *single_value = single(value);
+    for (value, column) in row.iter_mut().zip(columns()) {
+        *value = single(column.value(tick).number());
     }
-    row[FLAGS] = number(tick.flags);
     row
 }
 
@@ -232,8 +222,9 @@ mod tests {
         }
     }
 
-    /// Times and one column of a frame.
-    fn read(frame: &Frame, column: usize) -> Vec<(f64, f32)> {
+    /// Times and the column of this name of a frame.
+    fn read(frame: &Frame, name: &str) -> Vec<(f64, f32)> {
+        let column = columns().position(|column| column.name == name).unwrap();
         let bytes = frame.numbered(7);
         assert_eq!(bytes[NUMBER], 7_u32.to_le_bytes());
         let rows = u32::from_le_bytes(bytes[4..8].try_into().unwrap()) as usize;
@@ -262,13 +253,13 @@ mod tests {
             });
         }
         let frame = rows.take_frame(1, 3).unwrap();
-        let read_back = read(&frame, 3);
+        let read_back = read(&frame, "penetration_m");
         assert_eq!(read_back.len(), 20);
         for (number, (time, penetration)) in read_back.iter().enumerate() {
             assert!((time - 1e-3 * number as f64).abs() < 1e-9);
             assert!((penetration + 1e-3 * number as f32).abs() < 1e-8);
         }
-        assert_eq!(read(&frame, FLAGS)[0].1, 1.0);
+        assert_eq!(read(&frame, "flags")[0].1, 1.0);
         assert!(rows.take_frame(1, 3).is_none());
     }
 
@@ -287,7 +278,7 @@ mod tests {
                     });
                 }
                 let frame = rows.take_frame(0, 0).unwrap();
-                let forces = read(&frame, 4);
+                let forces = read(&frame, "force_on_device_n");
                 // 8 ticks a group, 2 rows each
                 assert_eq!(forces.len(), 16);
                 let found: Vec<_> = forces
@@ -297,9 +288,24 @@ mod tests {
                 assert_eq!(found.len(), 1, "{peak}");
                 assert!((found[0].0 - peak as f64 * period).abs() < 0.002);
                 assert!(forces.windows(2).all(|pair| pair[0].0 <= pair[1].0));
-                let flags = read(&frame, FLAGS);
+                let flags = read(&frame, "flags");
                 assert!(flags.iter().any(|(_, flags)| *flags == 32.0), "{peak}");
             }
+        }
+    }
+
+    /// The page looks its curves up by name; one that is not sent would stay empty.
+    #[test]
+    fn every_curve_of_the_page_is_a_column_that_it_is_sent() {
+        let curves = include_str!("../page/curves.js");
+        let named: Vec<&str> = curves
+            .split("column: \"")
+            .skip(1)
+            .filter_map(|rest| rest.split('"').next())
+            .collect();
+        assert!(named.len() > 10, "{named:?}");
+        for name in named {
+            assert!(columns().any(|column| column.name == name), "{name}");
         }
     }
 

@@ -10,7 +10,7 @@ mod common;
 use std::time::{Duration, Instant};
 
 use common::{Play, Stage, Told, scene};
-use palpate_io::recording::{Entry, Recording};
+use palpate_record::recording::{Entry, Recording};
 
 /// Clients that read, and one that does not.
 const READING: usize = 7;

@@ -5,8 +5,8 @@ mod common;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use common::{Client, DEVICE, FORCE, Play, Samples, Stage, Told, scene};
-use palpate_io::recording::{Entry, Recording};
+use common::{Client, DEVICE, FORCE, Play, Samples, Stage, Told, scene, sent};
+use palpate_record::recording::{Entry, Recording};
 use palpate_scene::method::MethodName;
 use serde_json::{Value, json};
 
@@ -20,11 +20,14 @@ fn a_client_is_greeted_and_told_the_state() {
     assert_eq!(hello["type"], "hello");
     assert_eq!(hello["protocol"], 1);
     assert_eq!(hello["title"], "A light block on the device, 100 Hz");
-    assert_eq!(hello["columns"].as_array().unwrap().len(), 14);
-    assert_eq!(
-        hello["columns"][4],
-        json!({"name": "force_on_device_n", "unit": "N"})
-    );
+    let columns = hello["columns"].as_array().unwrap();
+    assert_eq!(columns.len(), sent().count());
+    for (told, column) in columns.iter().zip(sent()) {
+        assert_eq!(told["name"], column.name);
+    }
+    let force = json!({"name": "force_on_device_n", "unit": "N"});
+    let flags = json!({"name": "flags", "unit": ""});
+    assert!(columns.contains(&force) && columns.contains(&flags));
     assert_eq!(hello["methods"].as_array().unwrap().len(), 9);
     assert_eq!(hello["methods"][7]["name"], "hfcr");
     assert_eq!(hello["methods"][7]["damping"], true);
@@ -87,7 +90,7 @@ fn at_a_kilohertz_every_tick_is_a_row() {
             .into_iter()
             .any(|time| counted_to.is_some_and(|to| (time - to).abs() < 1e-6));
         assert_eq!((frame.lane, frame.run), (0, 0));
-        assert_eq!(frame.columns.len(), 14);
+        assert_eq!(frame.columns.len(), sent().count());
         assert_eq!(frame.times.len(), frame.columns[0].len());
         if let Some(last) = &last {
             assert_eq!(frame.number, last.number + 1);
@@ -162,7 +165,7 @@ fn the_hand_is_led_and_lets_go_when_its_client_is_gone() {
     let stage = Stage::new(Play::default());
     let mut client = stage.client();
     client.say(r#"{"type":"hand","position_m":-0.04}"#);
-    client.frame(|frame| (frame.columns[DEVICE].last().unwrap() + 0.04).abs() < 0.005);
+    client.frame(|frame| (frame.column(DEVICE).last().unwrap() + 0.04).abs() < 0.005);
     client.until("state", |state| state["hand_m"] == -0.04);
     client.say(r#"{"type":"hand","position_m":null}"#);
     client.until("state", |state| state["hand_m"].is_null());
@@ -207,13 +210,13 @@ fn another_rate_and_another_lane_begin_anew_where_the_device_is() {
     let stage = Stage::new(Play::default());
     let mut client = stage.client();
     client.say(r#"{"type":"hand","position_m":-0.05}"#);
-    client.frame(|frame| (frame.columns[DEVICE].last().unwrap() + 0.05).abs() < 0.005);
+    client.frame(|frame| (frame.column(DEVICE).last().unwrap() + 0.05).abs() < 0.005);
     client.say(r#"{"type":"set","period_s":0.00025}"#);
     let state = client.until("state", |state| state["period_s"] == 0.000_25);
     assert_eq!(state["lanes"][0]["running"], true);
     let frame = client.frame(|frame| frame.run == 1);
     assert!(frame.times[0] < 0.1, "{}", frame.times[0]);
-    assert!((frame.columns[DEVICE][0] + 0.05).abs() < 0.01);
+    assert!((frame.column(DEVICE)[0] + 0.05).abs() < 0.01);
     client.say(
         r#"{"type":"set","lanes":[{"method":"basic"},{"method":"hfcr","damping_n_s_per_m":0.1}]}"#,
     );
@@ -221,10 +224,7 @@ fn another_rate_and_another_lane_begin_anew_where_the_device_is() {
     assert_eq!(state["lanes"][1]["damping_n_s_per_m"], 0.1);
     for lane in [0, 1] {
         let frame = client.frame(|frame| frame.run == 2 && frame.lane == lane);
-        assert!(
-            (frame.columns[DEVICE][0] + 0.05).abs() < 0.01,
-            "lane {lane}"
-        );
+        assert!((frame.column(DEVICE)[0] + 0.05).abs() < 0.01, "lane {lane}");
     }
     // Another method in the same lanes is no other loop.
     client.say(r#"{"type":"set","lanes":[{"method":"seh"},{"method":"coupled"}]}"#);
@@ -247,7 +247,7 @@ fn a_trip_is_told_and_ends_when_somebody_rearms() {
     let state = client.until("state", |state| state["lanes"][0]["trip"].is_string());
     assert_eq!(state["lanes"][0]["trip"], "the device left its workspace");
     client.say(r#"{"type":"hand","position_m":0}"#);
-    client.frame(|frame| frame.columns[DEVICE].last().unwrap().abs() < 0.01);
+    client.frame(|frame| frame.column(DEVICE).last().unwrap().abs() < 0.01);
     client.say(r#"{"type":"rearm","lane":0}"#);
     client.until("note", |note| note["kind"] == "rearmed");
     client.until("state", |state| state["lanes"][0]["trip"].is_null());
@@ -375,7 +375,7 @@ fn the_page_sees_every_peak_of_a_fast_loop() {
     {
         let frame = client.frame(|_| true);
         let times = frame.times.chunks_exact(2);
-        let forces = frame.columns[FORCE].chunks_exact(2);
+        let forces = frame.column(FORCE).chunks_exact(2);
         assert!(times.remainder().is_empty(), "a group is two rows");
         groups.extend(
             times

@@ -8,7 +8,7 @@
 use std::error::Error;
 
 use palpate::{Contact, LoopParams, ObjectState};
-use palpate_io::trace::{self, Trace};
+use palpate_record::trace::{self, Trace};
 use palpate_scene::method::{MethodName, Settings};
 use palpate_sim::replay::{Replay, ReplaySetup};
 

@@ -1,9 +1,9 @@
 //! Arguments about files: what becomes of those that are there, and which part of a motion is read.
 
 use clap::{ArgAction, Args};
-use palpate_io::atomic::Existing;
-use palpate_io::outputs::Outputs;
-use palpate_io::trace::Part;
+use palpate_files::atomic::Existing;
+use palpate_files::outputs::Outputs;
+use palpate_record::trace::Part;
 
 use crate::failure::Failure;
 use crate::values::number;

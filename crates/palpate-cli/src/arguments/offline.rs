@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
-use palpate_io::unit::LengthUnit;
+use palpate_record::unit::LengthUnit;
 use palpate_scene::HandForceAt;
 use palpate_study::sweep::Quantity;
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use palpate_io::outputs::Outputs;
+use palpate_files::outputs::Outputs;
 use palpate_scene::SetupError;
 use palpate_scene::method::MethodName;
 use palpate_sim::closed_loop::{Bench, LoopError};

@@ -4,7 +4,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum, ValueHint};
-use palpate_io::recording::Recording;
+use palpate_record::recording::Recording;
 
 use crate::arguments::Overwriting;
 use crate::failure::Failure;

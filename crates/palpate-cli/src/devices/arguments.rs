@@ -4,7 +4,7 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum, ValueHint};
-use palpate_io::unit::LengthUnit;
+use palpate_record::unit::LengthUnit;
 
 use super::inverse3::Inverse3Arguments;
 use crate::arguments::PartFlags;

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use palpate_device::clock::Clock;
 use palpate_device::{Device, ReplayDevice};
-use palpate_io::trace::Part;
-use palpate_io::unit::LengthUnit;
+use palpate_record::trace::Part;
+use palpate_record::unit::LengthUnit;
 
 use super::DeviceArguments;
 use crate::failure::Failure;

@@ -5,7 +5,7 @@ pub mod trace;
 
 use std::path::{Path, PathBuf};
 
-use palpate_io::recording::{Recording, RecordingError};
+use palpate_record::recording::{Recording, RecordingError};
 use palpate_study::recording::shortcomings;
 
 use crate::failure::{Failure, tell};

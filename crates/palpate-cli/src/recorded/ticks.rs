@@ -1,7 +1,7 @@
 //! What a replay takes from the ticks of a recording.
 
-use palpate_io::recording::{Entry, Flags, Recording, Tick};
-use palpate_io::trace::Part;
+use palpate_record::recording::{Entry, Flags, Recording, Tick};
+use palpate_record::trace::Part;
 use palpate_sim::replay::ReplaySetup;
 
 use crate::arguments::ReplayKind;

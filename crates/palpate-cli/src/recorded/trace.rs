@@ -4,8 +4,8 @@ use std::fs::File;
 use std::io;
 use std::path::Path;
 
-use palpate_io::trace::{self, HeldTrace, Part, TraceError, TraceFault};
-use palpate_io::unit::LengthUnit;
+use palpate_record::trace::{self, HeldTrace, Part, TraceError, TraceFault};
+use palpate_record::unit::LengthUnit;
 use palpate_sim::run::MOST_PERIODS;
 use palpate_study::text::digits;
 

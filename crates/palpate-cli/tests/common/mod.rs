@@ -113,8 +113,8 @@ impl Folder {
     }
 
     /// A run file in it.
-    pub fn run_file(&self, name: &str) -> palpate_io::run::Run {
-        palpate_io::run::read(std::fs::File::open(self.path(name)).unwrap(), name).unwrap()
+    pub fn run_file(&self, name: &str) -> palpate_record::run::Run {
+        palpate_record::run::read(std::fs::File::open(self.path(name)).unwrap(), name).unwrap()
     }
 }
 

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use palpate_io::recording::{Event, Flags, LoopCount, Phase, Receipt, RecordingWriter, Tick};
+use palpate_record::recording::{Event, Flags, LoopCount, Phase, Receipt, RecordingWriter, Tick};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Jitter, SceneFile};
 use palpate_sim::closed_loop::Bench;
@@ -26,6 +26,7 @@ pub fn loop_in(text: &str, method: MethodName) -> Run {
 }
 
 /// A tick of a run as a recorder sees it.
+#[allow(clippy::needless_update, reason = "columns may come")]
 pub fn tick(run: &Run, at: usize) -> Tick {
     let tick = &run.ticks[at];
     let period = at
@@ -59,6 +60,7 @@ pub fn tick(run: &Run, at: usize) -> Tick {
             .into_iter()
             .find(|phase| phase.name() == tick.output.phase.name())
             .unwrap(),
+        ..Tick::UNKNOWN
     }
 }
 

@@ -96,7 +96,9 @@ impl Run {
         for told in self.listener {
             match told {
                 Told::Tick(tick) => {
-                    let missing = tick.flags.has(palpate_io::recording::Flags::DEVICE_FAULT);
+                    let missing = tick
+                        .flags
+                        .has(palpate_record::recording::Flags::DEVICE_FAULT);
                     ticks.push((missing, tick.force_on_device));
                 }
                 Told::Note(noted) => notes.push(noted.note),

@@ -1,5 +1,5 @@
 use palpate_haply_emulator::two_diy::{Fault, PortSettings};
-use palpate_io::recording::{Flags, Tick};
+use palpate_record::recording::{Flags, Tick};
 use palpate_rt::realtime::Request;
 use palpate_rt::{Ending, LoopEnd, LoopThread, Note, Noted, StopFlag, Told, safety::Trip, tap};
 

@@ -1,4 +1,4 @@
-use palpate_io::recording::Flags;
+use palpate_record::recording::Flags;
 use palpate_rt::realtime::Request;
 use palpate_rt::{LoopThread, StopFlag, Told, tap};
 

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use palpate_device::clock::{Clock, SteppedClock};
 use palpate_device::{DeviceErrorKind, Step};
-use palpate_io::recording::Flags;
+use palpate_record::recording::Flags;
 use palpate_rt::safety::{SafetyParams, Trip};
 use palpate_rt::{Listener, Note, StopFlag, Told, tap};
 use palpate_scene::method::MethodName;

@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use palpate_device::clock::Clock;
-use palpate_io::recording::{Flags, LoopTime, Tick};
+use palpate_record::recording::{Flags, LoopTime, Tick};
 use palpate_rt::safety::{SafetyParams, Trip};
 use palpate_rt::tap;
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use palpate::AlongAxis;
 use palpate_device::Capabilities;
 use palpate_device::clock::MonotonicClock;
-use palpate_io::recording::{Flags, Tick};
+use palpate_record::recording::{Flags, Tick};
 use palpate_rt::realtime::{Answer, Request};
 use palpate_rt::safety::{SafetyParams, Trip};
 use palpate_rt::{

@@ -13,7 +13,7 @@ use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
 use palpate_device::Capabilities;
-use palpate_io::atomic::WriteError;
+use palpate_files::atomic::WriteError;
 use palpate_rt::realtime::Answer;
 use palpate_rt::{Account, Ending as LoopEnding, Note, StopFlag};
 use palpate_scene::Scene;
@@ -24,7 +24,7 @@ use crate::message::{
     Column, DeviceSaid, LaneState, Method, RecordingState, RecordingStatus, Said, Set, Wish,
 };
 use crate::pace::Pace;
-use crate::rows::COLUMNS;
+use crate::rows::columns;
 use crate::settings::{self, Limits, Settings};
 
 pub use lane::Ended;
@@ -457,10 +457,7 @@ impl Running {
             protocol: 1,
             version: env!("CARGO_PKG_VERSION"),
             title: &scene.title,
-            columns: COLUMNS
-                .iter()
-                .map(|(name, unit)| Column { name, unit })
-                .collect(),
+            columns: columns().map(Column::from).collect(),
             methods: MethodName::ALL
                 .into_iter()
                 .map(|method| Method {

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate_io::atomic::WriteError;
-use palpate_io::recording::{Receipt, Tick};
+use palpate_files::atomic::WriteError;
+use palpate_record::recording::{Receipt, Tick};
 use palpate_rt::{Counted, Note, Noted, Recorder, Tap};
 
 use super::Written;
@@ -200,7 +200,7 @@ impl Ending {
 mod tests {
     use std::time::Duration;
 
-    use palpate_io::recording::{Entry, LoopTime, Recording};
+    use palpate_record::recording::{Entry, LoopTime, Recording};
 
     use super::*;
 

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use palpate::{AlongAxis, Side};
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Capabilities, Device};
-use palpate_io::recording::Receipt;
+use palpate_record::recording::Receipt;
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{Rendering, SetupError, StopFlag};

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use palpate::AlongAxis;
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Vector, Wrench};
-use palpate_io::recording::Receipt;
+use palpate_record::recording::{COLUMNS, Column, Receipt};
 use palpate_rt::StopFlag;
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
@@ -234,11 +234,23 @@ pub struct Samples {
     pub columns: Vec<Vec<f32>>,
 }
 
-/// Columns, by their place.
-pub const DEVICE: usize = 0;
-pub const FORCE: usize = 4;
+/// Columns, by their name.
+pub const DEVICE: &str = "device_position_m";
+pub const FORCE: &str = "force_on_device_n";
+
+/// The columns that the page is sent.
+pub fn sent() -> impl Iterator<Item = &'static Column> {
+    COLUMNS.iter().filter(|column| column.is_live)
+}
 
 impl Samples {
+    /// The values of a column that the page is sent.
+    pub fn column(&self, name: &str) -> &[f32] {
+        let names: Vec<_> = sent().map(|column| column.name).collect();
+        assert_eq!(self.columns.len(), names.len());
+        &self.columns[names.iter().position(|other| *other == name).unwrap()]
+    }
+
     fn read(bytes: &[u8]) -> Self {
         assert_eq!(bytes[0], 1);
         let columns = usize::from(u16::from_le_bytes([bytes[2], bytes[3]]));

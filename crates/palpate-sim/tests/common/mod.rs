@@ -139,7 +139,7 @@ pub fn recorded_hands(caller: &str) -> Vec<Motion> {
             let name = format!("tap_{letter}_free_motion");
             let path = folder.join(&name).with_extension("csv");
             let file = std::fs::File::open(&path).unwrap_or_else(|e| panic!("{path:?}: {e}"));
-            let trace = palpate_io::trace::read(file, &name).unwrap_or_else(|e| panic!("{e}"));
+            let trace = palpate_record::trace::read(file, &name).unwrap_or_else(|e| panic!("{e}"));
             Motion {
                 name,
                 times: trace.t_s,

@@ -3,7 +3,7 @@
 use super::{
     ERROR_COLLISIONS, Forces, GROWTH_COLLISIONS, MapParams, PHASE_RANGE, PHASES, STABLE_UP_TO, Stay,
 };
-use palpate_io::map::{CELLS, LINES_PER_CELL, Map, SHARD};
+use palpate_record::map::{CELLS, LINES_PER_CELL, Map, SHARD};
 
 /// The receipt of a map lacks a number.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::Path;
 
 use comfy_table::CellAlignment;
-use palpate_io::map::{Format, Map, Row};
+use palpate_record::map::{Format, Map, Row};
 use serde::Serialize;
 
 use super::receipt::{self, NoNumber};
@@ -160,11 +160,11 @@ impl MapReport {
                 reports.push(MethodReport::new(plant, method, &rows, map.format()));
             }
         }
-        let lines_per_cell = receipt::count(map, palpate_io::map::LINES_PER_CELL)?;
+        let lines_per_cell = receipt::count(map, palpate_record::map::LINES_PER_CELL)?;
         Ok(Self {
             format: FORMAT,
             palpate_version: value("palpate_version"),
-            shard: value(palpate_io::map::SHARD),
+            shard: value(palpate_record::map::SHARD),
             cells_per_axis: receipt::count(map, "cells_per_axis")?,
             cells: map.rows.len() / lines_per_cell.max(1),
             scene: SceneReport {

@@ -2,7 +2,7 @@
 
 pub mod report;
 
-use palpate_io::recording::{Gap, LoopTime, Recording, WHOLE};
+use palpate_record::recording::{Gap, LoopTime, Recording, WHOLE};
 
 use crate::text::{counted, digits};
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use palpate_io::recording::{Entry, Flags, LoopTime, Recording, RecordingError};
+use palpate_record::recording::{Entry, Flags, LoopTime, Recording, RecordingError};
 use serde::Serialize;
 
 use super::{motors_off, shortcomings};

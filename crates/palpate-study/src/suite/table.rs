@@ -4,7 +4,7 @@ use std::io::Write;
 
 use super::{COLLISIONS, Column, Judged, Trial};
 use palpate::Mass;
-use palpate_io::run::{Cell, RunWriteError, RunWriter};
+use palpate_record::run::{Cell, RunWriteError, RunWriter};
 
 /// What is said of a plant, in every row of it.
 const PLANT: [&str; 24] = [

@@ -4,9 +4,9 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use palpate_io::atomic::Existing;
-use palpate_io::checksum::Checksum;
-use palpate_io::outputs::Outputs;
+use palpate_files::atomic::Existing;
+use palpate_files::checksum::Checksum;
+use palpate_files::outputs::Outputs;
 
 use crate::failure::Failure;
 

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use palpate::{Contact, LoopParams, ObjectState};
-use palpate_io::trace::Trace;
+use palpate_record::trace::Trace;
 use palpate_scene::Timing;
 use palpate_scene::method::{MethodName, Settings};
 use palpate_sim::replay::ReplaySetup;

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use palpate_io::atomic::{Existing, check};
-use palpate_io::journal::{Journal, JournalError};
-use palpate_io::map::{Format, Map, Row, StaySwing};
+use palpate_files::atomic::{Existing, check};
+use palpate_files::journal::{Journal, JournalError};
+use palpate_record::map::{Format, Map, Row, StaySwing};
 use palpate_study::map::receipt;
 use palpate_study::map::report::Speed;
 use palpate_study::map::{Done, MapParams, MethodResult, Summary, compute};

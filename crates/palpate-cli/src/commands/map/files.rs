@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate_io::atomic::{Existing, is_stream};
-use palpate_io::map::Map;
-use palpate_io::outputs::Outputs;
+use palpate_files::atomic::{Existing, is_stream};
+use palpate_files::outputs::Outputs;
+use palpate_record::map::Map;
 
 use super::arguments::MapResults;
 use super::picture;
@@ -167,7 +167,8 @@ impl Files {
 
     #[cfg(feature = "parquet")]
     fn write_parquet(&self, map: &Map, path: &Path) -> Result<(), Failure> {
-        let write = |writer: &mut dyn std::io::Write| palpate_io::map::write_parquet(map, writer);
+        let write =
+            |writer: &mut dyn std::io::Write| palpate_record::map::write_parquet(map, writer);
         Ok(self.outputs.write(path, write)?)
     }
 

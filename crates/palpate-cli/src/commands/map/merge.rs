@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::path::PathBuf;
 
-use palpate_io::map::{Map, merge};
+use palpate_record::map::{Map, merge};
 
 use super::arguments::MergeArguments;
 use super::deliver;

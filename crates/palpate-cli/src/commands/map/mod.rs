@@ -10,7 +10,7 @@ pub use arguments::MapArguments;
 
 use std::path::PathBuf;
 
-use palpate_io::map::Map;
+use palpate_record::map::Map;
 use palpate_scene::method::MethodName;
 use palpate_study::map::report::{MapReport, Speed};
 use palpate_study::map::{Forces, MapParams};

@@ -1,7 +1,7 @@
 //! A map as a figure: a column for each method, a row for each quantity and plant.
 
 use clap::ValueEnum;
-use palpate_io::map::{Format, Map, Row};
+use palpate_record::map::{Format, Map, Row};
 use palpate_scene::method::MethodName;
 use palpate_study::map::{Plant, RESTS_BELOW, STABLE_UP_TO, bounds};
 

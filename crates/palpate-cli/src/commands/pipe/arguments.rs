@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
-use palpate_io::unit::LengthUnit;
+use palpate_record::unit::LengthUnit;
 
-use super::columns::{Columns, columns};
+use super::columns::{Columns, columns, help};
 use crate::arguments::Flags;
 use crate::values::{length_unit, number};
 
@@ -37,11 +37,8 @@ pub struct StreamArguments {
     /// fast for a hand is right [default: m, or what the header says]
     #[arg(long, value_name = "UNIT", value_parser = length_unit)]
     pub unit: Option<LengthUnit>,
-    /// Columns to print, in this order, separated by commas: force, force_on_object, time,
-    /// device_position, object_position, object_velocity, penetration, placement_shift, phase,
-    /// stored_energy, port_work, virtual_force_work, outside_work, leak_original, leak_held, limited,
-    /// fault; all in SI units
-    #[arg(long, value_name = "NAMES", value_parser = columns, default_value = "force")]
+    /// Columns to print.
+    #[arg(long, value_name = "NAMES", value_parser = columns, default_value = "force", help = help())]
     pub columns: Columns,
     /// Print the names of the columns first, with their units
     #[arg(long)]

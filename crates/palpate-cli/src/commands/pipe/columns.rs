@@ -2,84 +2,89 @@
 
 use std::fmt::Write;
 
-use palpate::{Ledger, Limited, Output};
+use palpate_record::recording::{self, Flags, Tick, Value};
 use palpate_scene::method::nearest;
 
 /// A quantity that a line can say.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub enum Column {
-    Force,
-    ForceOnObject,
-    Time,
-    DevicePosition,
-    ObjectPosition,
-    ObjectVelocity,
-    Penetration,
-    PlacementShift,
-    Phase,
-    StoredEnergy,
-    PortWork,
-    VirtualForceWork,
-    OutsideWork,
-    LeakOriginal,
-    LeakHeld,
+    /// A column of a tick.
+    OfTick(&'static recording::Column),
+    /// Limits that changed the force.
     Limited,
+    /// What was wrong with the line.
     Fault,
 }
 
-impl Column {
-    /// Every column: what `--columns` calls it, and its name with the unit, which is that of
-    /// recordings and run files.
-    pub const ALL: [(Self, &'static str, &'static str); 17] = [
-        (Self::Force, "force", "force_on_device_n"),
-        (Self::ForceOnObject, "force_on_object", "force_on_object_n"),
-        (Self::Time, "time", "t_s"),
-        (Self::DevicePosition, "device_position", "device_position_m"),
-        (Self::ObjectPosition, "object_position", "object_position_m"),
-        (
-            Self::ObjectVelocity,
-            "object_velocity",
-            "object_velocity_m_per_s",
-        ),
-        (Self::Penetration, "penetration", "penetration_m"),
-        (Self::PlacementShift, "placement_shift", "placement_shift_m"),
-        (Self::Phase, "phase", "phase"),
-        (Self::StoredEnergy, "stored_energy", "stored_energy_j"),
-        (Self::PortWork, "port_work", "port_work_j"),
-        (
-            Self::VirtualForceWork,
-            "virtual_force_work",
-            "virtual_force_work_j",
-        ),
-        (Self::OutsideWork, "outside_work", "outside_work_j"),
-        (Self::LeakOriginal, "leak_original", "leak_original_j"),
-        (Self::LeakHeld, "leak_held", "leak_held_j"),
-        (Self::Limited, "limited", "limited"),
-        (Self::Fault, "fault", "fault"),
-    ];
+/// The columns of a tick that a pipe has, in the order in which it tells of them.
+const OF_TICK: [&str; 15] = [
+    "force_on_device_n",
+    "force_on_object_n",
+    "t_s",
+    "device_position_m",
+    "object_position_m",
+    "object_velocity_m_per_s",
+    "penetration_m",
+    "placement_shift_m",
+    "phase",
+    "stored_energy_j",
+    "port_work_j",
+    "virtual_force_work_j",
+    "outside_work_j",
+    "leak_original_j",
+    "leak_held_j",
+];
 
-    /// Its name with the unit.
+impl Column {
+    /// Every column.
+    fn all() -> impl Iterator<Item = Self> {
+        let named = |name| recording::Column::named(name).map(Self::OfTick);
+        let own = [Self::Limited, Self::Fault];
+        OF_TICK.into_iter().filter_map(named).chain(own)
+    }
+
+    /// Its name with the unit, which is that of recordings and run files.
     fn header(self) -> &'static str {
-        Self::ALL
-            .into_iter()
-            .find(|(column, ..)| *column == self)
-            .map_or("", |(_, _, header)| header)
+        match self {
+            Self::OfTick(column) => column.name,
+            Self::Limited => "limited",
+            Self::Fault => "fault",
+        }
+    }
+
+    /// What `--columns` calls it.
+    fn short_name(self) -> &'static str {
+        match self {
+            // What a pipe is for, and what its input calls so.
+            Self::OfTick(column) if column.name == "force_on_device_n" => "force",
+            Self::OfTick(column) if column.name == "t_s" => "time",
+            Self::OfTick(column) => column.short_name(),
+            own => own.header(),
+        }
     }
 }
 
+/// What the flag says of itself.
+pub fn help() -> String {
+    let names: Vec<_> = Column::all().map(Column::short_name).collect();
+    format!(
+        "Columns to print, in this order, separated by commas: {}; all in SI units",
+        names.join(", ")
+    )
+}
+
 /// Columns in the order in which they are printed.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct Columns(Vec<Column>);
 
 /// Names separated by commas, with or without their units.
 pub fn columns(text: &str) -> Result<Columns, String> {
-    let mut columns = Vec::new();
+    let mut columns: Vec<Column> = Vec::new();
     for name in text.split(',').map(str::trim) {
-        let found = Column::ALL
-            .into_iter()
-            .find(|(_, short, header)| [*short, *header].contains(&name));
-        let Some((column, short, _)) = found else {
-            let all = Column::ALL.map(|(_, short, _)| short);
+        let found =
+            Column::all().find(|column| [column.short_name(), column.header()].contains(&name));
+        let Some(column) = found else {
+            let all: Vec<_> = Column::all().map(Column::short_name).collect();
             let nearest = nearest(name, &all)
                 .map(|near| format!("did you mean \"{near}\"? "))
                 .unwrap_or_default();
@@ -88,8 +93,11 @@ pub fn columns(text: &str) -> Result<Columns, String> {
                 all.join(", ")
             ));
         };
-        if columns.contains(&column) {
-            return Err(format!("{short} is named twice"));
+        if columns
+            .iter()
+            .any(|other| other.header() == column.header())
+        {
+            return Err(format!("{} is named twice", column.short_name()));
         }
         columns.push(column);
     }
@@ -99,18 +107,10 @@ pub fn columns(text: &str) -> Result<Columns, String> {
 /// What there is to say of a line that was answered.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// Time of the sample `[s]`.
-    pub time: f64,
-    /// Position of the device `[m]`; NaN if the line had none.
-    pub device_position: f64,
-    /// Force on the device that is to be commanded `[N]`.
-    pub force: f64,
+    /// What the renderer made of it; the force on the device is the one that is to be commanded.
+    pub tick: Tick,
     /// Whether the force was still coming in.
     pub softened: bool,
-    /// What the renderer made of it.
-    pub output: Output<f64>,
-    /// The books up to the sample.
-    pub ledger: Ledger<f64>,
     /// Name of what was wrong with the line, if anything was.
     pub fault: &'static str,
     /// Whether this is the end, which answers no line.
@@ -120,59 +120,20 @@ pub struct Row {
 impl Row {
     /// The last line of the output: the same without a force.
     pub fn end(mut self) -> Self {
-        self.force = 0.0;
+        self.tick.force_on_device = 0.0;
+        self.tick.force_on_object = 0.0;
+        self.tick.flags = Flags::default();
         self.softened = false;
-        self.output.force_on_object = 0.0;
-        self.output.limited = Limited::default();
         self.fault = "";
         self.ended = true;
         self
     }
 
-    fn number(&self, column: Column) -> Option<f64> {
-        let (output, ledger) = (&self.output, &self.ledger);
-        Some(match column {
-            Column::Force => self.force,
-            Column::ForceOnObject => output.force_on_object,
-            Column::Time => self.time,
-            Column::DevicePosition => self.device_position,
-            Column::ObjectPosition => output.object_position,
-            Column::ObjectVelocity => output.object_velocity,
-            Column::Penetration => output.penetration,
-            Column::PlacementShift => output.placement_shift,
-            Column::StoredEnergy => ledger.stored,
-            Column::PortWork => ledger.port_work,
-            Column::VirtualForceWork => ledger.virtual_force_work,
-            Column::OutsideWork => ledger.outside_work,
-            Column::LeakOriginal => ledger.original_leak.accumulated,
-            Column::LeakHeld => ledger.held_leak.accumulated,
-            Column::Phase | Column::Limited | Column::Fault => return None,
-        })
-    }
-
-    fn text(&self, column: Column) -> String {
-        match column {
-            Column::Phase if self.ended => "ended".into(),
-            Column::Phase => self.output.phase.name().into(),
-            Column::Limited => self.limits(),
-            _ => self.fault.into(),
-        }
-    }
-
     /// Limits that changed the force, separated by spaces.
     fn limits(&self) -> String {
-        let limited = self.output.limited;
-        [
-            (limited.pull, "pull"),
-            (limited.force, "force"),
-            (limited.slew, "slew"),
-            (limited.guard, "guard"),
-            (self.softened, "soft-start"),
-        ]
-        .into_iter()
-        .filter_map(|(acted, name)| acted.then_some(name))
-        .collect::<Vec<_>>()
-        .join(" ")
+        let soft_start = self.softened.then_some("soft-start");
+        let limits: Vec<_> = self.tick.flags.limits().chain(soft_start).collect();
+        limits.join(" ")
     }
 }
 
@@ -190,13 +151,28 @@ impl Columns {
             if at > 0 {
                 line.push(',');
             }
-            match row.number(column) {
-                Some(number) if number.is_nan() => line.push_str("nan"),
-                // Adding 0 turns -0 into 0. A string takes whatever is written into it.
-                Some(number) => drop(write!(line, "{}", number + 0.0)),
-                None => line.push_str(&row.text(column)),
+            match column {
+                Column::OfTick(column) => match column.value(&row.tick) {
+                    Value::Number(number) if number.is_nan() => line.push_str("nan"),
+                    // Adding 0 turns -0 into 0. A string takes whatever is written into it.
+                    Value::Number(number) => drop(write!(line, "{}", number + 0.0)),
+                    Value::Phase(_) if row.ended => line.push_str("ended"),
+                    other => line.push_str(&other.text()),
+                },
+                Column::Limited => line.push_str(&row.limits()),
+                Column::Fault => line.push_str(row.fault),
             }
         }
         line.push('\n');
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_column_that_a_pipe_names_is_one_of_a_tick() {
+        assert_eq!(Column::all().count(), OF_TICK.len() + 2);
     }
 }

@@ -1,6 +1,6 @@
 //! What a line of the input is: a sample, a header, a change, or nothing of these.
 
-use palpate_io::unit::LengthUnit;
+use palpate_record::unit::LengthUnit;
 
 use super::change::Change;
 

@@ -4,9 +4,10 @@ use std::io::{self, Write};
 
 use palpate::Fault;
 use palpate_device::Wrench;
-use palpate_io::unit::HandMotion;
+use palpate_record::recording::Tick;
+use palpate_record::unit::HandMotion;
 use palpate_rt::safety::{self, Safety};
-use palpate_rt::{CHANGE_DURATION, Rendered};
+use palpate_rt::{CHANGE_DURATION, Rendered, answered};
 use palpate_testbed::hold::DelayedHold;
 
 use super::change::Changeable;
@@ -200,16 +201,17 @@ impl Stream {
             ));
         }
         Ok(Row {
-            time: if self.format.time {
-                time.unwrap_or(f64::NAN)
-            } else {
-                counted
+            tick: Tick {
+                time: if self.format.time {
+                    time.unwrap_or(f64::NAN)
+                } else {
+                    counted
+                },
+                device_position: position,
+                force_on_device: force,
+                ..answered(&output, self.rendered.ledger())
             },
-            device_position: position,
-            force,
             softened: verdict.bounded.soft_start,
-            output,
-            ledger: *self.rendered.ledger(),
             fault,
             ended: false,
         })

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use palpate_io::trace::{HeldTrace, Trace};
+use palpate_record::trace::{HeldTrace, Trace};
 use palpate_scene::Timing;
 use palpate_scene::method::{MethodName, Settings};
 use palpate_sim::closed_loop::LoopError;

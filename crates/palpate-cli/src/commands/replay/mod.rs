@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
 use palpate::Parameter;
-use palpate_io::recording::Recording;
+use palpate_record::recording::Recording;
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile, SetupError, Timing};
 use palpate_sim::closed_loop::LoopError;

@@ -2,7 +2,7 @@
 
 use palpate_device::Device;
 use palpate_device::clock::Clock;
-use palpate_io::recording::Recording;
+use palpate_record::recording::Recording;
 use palpate_rt::safety::Trip;
 use palpate_rt::{Ending, LoopEnd};
 

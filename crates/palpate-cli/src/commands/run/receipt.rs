@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use palpate_device::{Capabilities, Vector};
-use palpate_io::recording::Receipt;
+use palpate_record::recording::Receipt;
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
 

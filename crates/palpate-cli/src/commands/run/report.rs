@@ -6,7 +6,7 @@ use std::time::Duration;
 use comfy_table::CellAlignment;
 use palpate_device::clock::Clock;
 use palpate_device::{Capabilities, Device};
-use palpate_io::recording::{Event, LoopTime, Recording};
+use palpate_record::recording::{Event, LoopTime, Recording};
 use palpate_rt::realtime::Answer;
 use palpate_rt::{Account, Durations, LoopEnd, LoopStatistics};
 use palpate_scene::Scene;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use palpate_io::recording::Receipt;
+use palpate_record::recording::Receipt;
 use palpate_scene::{Scene, SceneFile, beside};
 
 use crate::failure::Failure;

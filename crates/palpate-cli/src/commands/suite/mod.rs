@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate_io::outputs::Outputs;
+use palpate_files::outputs::Outputs;
 use palpate_scene::method::MethodName;
 use palpate_study::suite::report::{SuiteReport, delay_in_words};
 use palpate_study::suite::{self, Column, Judged, table};

@@ -1,0 +1,12 @@
+//! How files are put on disk, whatever stands in them.
+//!
+//! - [`atomic`] puts a file on disk whole or not at all; [`outputs`] checks the files of a command
+//!   together, before its work starts.
+//! - [`journal`] keeps work in progress, one program at a time, and knows which of its lines are whole.
+//! - [`checksum`] tells a file that was changed from one that was not.
+
+pub mod atomic;
+pub mod checksum;
+pub mod journal;
+mod lock;
+pub mod outputs;

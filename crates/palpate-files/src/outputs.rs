@@ -1,0 +1,235 @@
+//! The files that a command writes: checked together before its work starts, written after it.
+//!
+//! ```
+//! use palpate_files::atomic::Existing;
+//! use palpate_files::outputs::Outputs;
+//!
+//! let folder = tempfile::tempdir()?;
+//! let (table, figure) = (folder.path().join("run.csv"), folder.path().join("run.svg"));
+//! let mut outputs = Outputs::new(Existing::Keep);
+//! outputs.plan("--out", &table)?;
+//! outputs.plan("--plot", &figure)?;
+//! // The work is done here.
+//! outputs.write(&table, |out| out.write_all(b"t_s,position_m\n"))?;
+//! outputs.write(&figure, |out| out.write_all(b"<svg/>"))?;
+//! // They are there now, so that a second run of the command is refused before its work.
+//! assert!(Outputs::new(Existing::Keep).plan("--out", &table).is_err());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use crate::atomic::{self, Existing, WriteError, directory_of, follow_links, is_stream};
+
+/// The files that a command is going to write.
+#[derive(Debug)]
+pub struct Outputs {
+    existing: Existing,
+    inputs: BTreeMap<PathBuf, PathBuf>,
+    /// What names a file, by the place where it really is.
+    named: BTreeMap<PathBuf, String>,
+    planned: BTreeMap<PathBuf, Existing>,
+    /// Directories in which files can be made.
+    usable: BTreeSet<PathBuf>,
+}
+
+/// Why a command cannot write its files.
+#[derive(Debug, Error)]
+pub enum OutputError {
+    /// The file cannot be written, or is there already.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// The file is read by the same command.
+    #[error("{name} would overwrite the input {}", input.display())]
+    IsInput {
+        /// What names the file.
+        name: String,
+        /// The input.
+        input: PathBuf,
+    },
+    /// Two outputs are one file.
+    #[error("{first} and {second} name the same file; each needs a file of its own")]
+    Twice {
+        /// What named it first.
+        first: String,
+        /// What named it again.
+        second: String,
+    },
+}
+
+impl Outputs {
+    /// No file yet; `existing` says what becomes of files that are there already.
+    #[must_use]
+    pub fn new(existing: Existing) -> Self {
+        Self {
+            existing,
+            inputs: BTreeMap::new(),
+            named: BTreeMap::new(),
+            planned: BTreeMap::new(),
+            usable: BTreeSet::new(),
+        }
+    }
+
+    /// What becomes of files that are there already.
+    #[must_use]
+    pub fn existing(&self) -> Existing {
+        self.existing
+    }
+
+    /// A file that the command reads, which no output may replace.
+    pub fn protect(&mut self, input: &Path) {
+        if let Ok(place) = input.canonicalize()
+            && place.is_file()
+        {
+            self.inputs.insert(place, input.to_owned());
+        }
+    }
+
+    /// Plans to write the file at `path`, which `name` names in errors: the flag that gave it.
+    ///
+    /// # Errors
+    /// It cannot be written there, is there already and to be kept, is an input, or is planned
+    /// already.
+    pub fn plan(&mut self, name: &str, path: &Path) -> Result<(), OutputError> {
+        self.plan_over(name, path, self.existing)
+    }
+
+    /// As [`plan`](Self::plan), with a rule of its own for this file.
+    ///
+    /// # Errors
+    /// As those of `plan`.
+    pub fn plan_over(
+        &mut self,
+        name: &str,
+        path: &Path,
+        existing: Existing,
+    ) -> Result<(), OutputError> {
+        if !is_stream(path)
+            && let Some(place) = place_of(path)
+        {
+            if let Some(input) = self.inputs.get(&place) {
+                return Err(OutputError::IsInput {
+                    name: name.to_owned(),
+                    input: input.clone(),
+                });
+            }
+            if let Some(first) = self.named.get(&place) {
+                return Err(OutputError::Twice {
+                    first: first.clone(),
+                    second: name.to_owned(),
+                });
+            }
+            let directory = directory_of(&place).to_owned();
+            let is_new = fs::symlink_metadata(&place).is_err();
+            // Thousands of new files in one directory are checked once.
+            if !(is_new && self.usable.contains(&directory)) {
+                atomic::check(path, existing)?;
+            }
+            self.usable.insert(directory);
+            self.named.insert(place, name.to_owned());
+        } else {
+            atomic::check(path, existing)?;
+        }
+        self.planned.insert(path.to_owned(), existing);
+        Ok(())
+    }
+
+    /// Writes the file at `path` through `write`, whole or not at all.
+    ///
+    /// # Errors
+    /// What the system says; a file that has appeared since it was planned and is to be kept; a file
+    /// that was never planned.
+    pub fn write<T>(
+        &self,
+        path: &Path,
+        write: impl FnOnce(&mut dyn Write) -> io::Result<T>,
+    ) -> Result<T, WriteError> {
+        let Some(existing) = self.planned.get(path) else {
+            let unplanned = io::Error::other("it was not checked before the work");
+            return Err(WriteError::new(path, unplanned));
+        };
+        atomic::write_over(path, *existing, write)
+    }
+}
+
+/// Where a file really is, or will be; none where its directory is missing.
+fn place_of(path: &Path) -> Option<PathBuf> {
+    let target = follow_links(path).ok()?;
+    let name = target.file_name()?;
+    let directory = directory_of(&target).canonicalize().ok()?;
+    Some(directory.join(name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_file_is_planned_once_whatever_it_is_called() {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, again) = (folder.path().join("a.csv"), folder.path().join("./a.csv"));
+        let mut outputs = Outputs::new(Existing::Keep);
+        outputs.plan("--out", &file).unwrap();
+        let error = outputs.plan("--plot", &again).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "--out and --plot name the same file; each needs a file of its own"
+        );
+    }
+
+    #[test]
+    fn an_input_is_never_an_output() {
+        let folder = tempfile::tempdir().unwrap();
+        let input = folder.path().join("tap.csv");
+        fs::write(&input, "t_s").unwrap();
+        let mut outputs = Outputs::new(Existing::Replace);
+        outputs.protect(&input);
+        let error = outputs.plan("--out", &folder.path().join("./tap.csv"));
+        let words = format!("--out would overwrite the input {}", input.display());
+        assert_eq!(error.unwrap_err().to_string(), words);
+    }
+
+    #[test]
+    fn what_was_not_checked_is_not_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.csv");
+        let outputs = Outputs::new(Existing::Replace);
+        assert!(outputs.write(&path, |_| Ok(())).is_err());
+        assert!(!path.exists());
+    }
+
+    #[test]
+    fn each_of_many_files_in_a_directory_is_looked_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |number: usize| folder.path().join(format!("plant-{number}.toml"));
+        fs::write(path(7), "mine").unwrap();
+        let mut outputs = Outputs::new(Existing::Keep);
+        let refused: Vec<usize> = (0..10)
+            .filter(|number| outputs.plan("--write-scenes", &path(*number)).is_err())
+            .collect();
+        assert_eq!(refused, [7]);
+        outputs
+            .plan_over("--write-scenes", &path(7), Existing::Replace)
+            .unwrap();
+        outputs
+            .write(&path(7), |out| out.write_all(b"ours"))
+            .unwrap();
+        assert_eq!(fs::read(path(7)).unwrap(), b"ours");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn streams_may_be_written_by_several() {
+        let mut outputs = Outputs::new(Existing::Keep);
+        outputs.plan("--out", Path::new("/dev/null")).unwrap();
+        outputs.plan("--plot", Path::new("/dev/null")).unwrap();
+        outputs
+            .write(Path::new("/dev/null"), |out| out.write_all(b"gone"))
+            .unwrap();
+    }
+}

@@ -1,0 +1,348 @@
+//! Maps: what each method can render, as a CSV table, in parts or as a whole.
+//!
+//! One line per cell, plant and method. The last column, [`Format::column`], holds, in the first line,
+//! what made the map as a JSON object of strings: its parameters, which part it is, the number of lines
+//! and their checksum, so that a torn part is told from a whole one.
+
+mod format;
+mod merge;
+#[cfg(feature = "parquet")]
+mod parquet;
+mod row;
+
+pub use format::Format;
+pub use merge::{MergeError, merge};
+#[cfg(feature = "parquet")]
+pub use parquet::write_parquet;
+pub use row::{Row, StaySwing};
+
+use std::io::{self, Read, Write};
+
+use palpate_files::checksum::Checksum;
+use thiserror::Error;
+
+use crate::run::receipt;
+
+/// Keys of the receipt that the file itself is answerable for.
+const OWN: [&str; 2] = ["lines", "checksum"];
+
+/// Key of the receipt that says which part a file is, `2/3`.
+pub const SHARD: &str = "shard";
+
+/// Key of the receipt that says how many cells the whole map has.
+pub const CELLS: &str = "cells_in_all";
+
+/// Key of the receipt that says how many lines each cell has.
+pub const LINES_PER_CELL: &str = "lines_per_cell";
+
+/// A map, or a part of one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Map {
+    /// What made it, in order; number of lines and checksum are not among these.
+    pub receipt: Vec<(String, String)>,
+    /// Its lines, by increasing cell.
+    pub rows: Vec<Row>,
+}
+
+/// Why a file is no map.
+#[derive(Debug, Error)]
+pub enum MapError {
+    /// It cannot be read.
+    #[error("cannot read `{file}`: {source}")]
+    Unreadable {
+        /// The file.
+        file: String,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// It is something else.
+    #[error(
+        "{file}:1: this is not a map of palpate; its first line must name the column {}, or {} of older \
+         versions",
+        Format::BouncesAndStays.column(),
+        Format::Bounces.column()
+    )]
+    NotAMap {
+        /// The file.
+        file: String,
+    },
+    /// A line is not a line of a map.
+    #[error("{file}:{line}: {fault}")]
+    Line {
+        /// The file.
+        file: String,
+        /// The line, counted from 1.
+        line: usize,
+        /// What is wrong.
+        fault: String,
+    },
+    /// Lines are missing, or are not what was written.
+    #[error("{file} is torn: {fault}; make this part again")]
+    Torn {
+        /// The file.
+        file: String,
+        /// How it shows.
+        fault: String,
+    },
+}
+
+impl Map {
+    /// The value of a key of the receipt.
+    pub fn value(&self, key: &str) -> Option<&str> {
+        self.receipt
+            .iter()
+            .find(|(name, _)| name == key)
+            .map(|(_, value)| value.as_str())
+    }
+
+    /// The format of the file it is written to; none where only some of the lines have contacts that
+    /// stay.
+    #[must_use]
+    pub fn format(&self) -> Option<Format> {
+        let format = self.rows.first()?.format();
+        let are_alike = self.rows.iter().all(|row| row.format() == format);
+        are_alike.then_some(format)
+    }
+
+    /// Writes the map.
+    ///
+    /// # Errors
+    /// What the writer says, a key of the receipt that stands twice, or lines of different formats.
+    pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let format = self.written_format()?;
+        let lines: Vec<String> = self.rows.iter().map(Row::to_line).collect();
+        let mut checksum = Checksum::new();
+        for line in &lines {
+            checksum.add(line.as_bytes());
+            checksum.add(b"\n");
+        }
+        let mut receipt = self.receipt.clone();
+        receipt.push(("lines".into(), lines.len().to_string()));
+        receipt.push(("checksum".into(), checksum.text()));
+        let json = receipt::to_json(&receipt)
+            .map_err(|key| io::Error::other(format!("the key `{key}` is empty or stands twice")))?;
+        out.write_all(format.head().as_bytes())?;
+        for (number, line) in lines.iter().enumerate() {
+            if number == 0 {
+                writeln!(out, "{line},\"{}\"", json.replace('"', "\"\""))?;
+            } else {
+                writeln!(out, "{line},")?;
+            }
+        }
+        Ok(())
+    }
+
+    fn written_format(&self) -> io::Result<Format> {
+        let mixed = "a map has contacts that stay in all of its lines or in none, and has a line";
+        self.format().ok_or_else(|| io::Error::other(mixed))
+    }
+
+    /// Reads a map; `file` is what to call it in errors.
+    ///
+    /// # Errors
+    /// [`MapError`], which names the file, and the line where there is one.
+    pub fn read(mut source: impl Read, file: &str) -> Result<Self, MapError> {
+        let file = file.to_owned();
+        let mut bytes = Vec::new();
+        if let Err(source) = source.read_to_end(&mut bytes) {
+            return Err(MapError::Unreadable { file, source });
+        }
+        let torn = |fault: String| MapError::Torn {
+            file: file.clone(),
+            fault,
+        };
+        let Ok(text) = String::from_utf8(bytes) else {
+            return Err(torn("it has bytes that are no text".into()));
+        };
+        let body_of = |format: Format| Some((format, text.strip_prefix(&format.head())?));
+        let Some((format, body)) = Format::ALL.into_iter().find_map(body_of) else {
+            let is_begun = |format: Format| format.head().starts_with(&text);
+            return Err(
+                if !text.is_empty() && Format::ALL.into_iter().any(is_begun) {
+                    torn("it ends within its first line".into())
+                } else {
+                    MapError::NotAMap { file }
+                },
+            );
+        };
+        let at_line = |line: usize, fault: String| MapError::Line {
+            file: file.clone(),
+            line,
+            fault,
+        };
+        if !body.ends_with('\n') {
+            return Err(torn("its last line has no end".into()));
+        }
+        let mut receipt = None;
+        let mut rows = Vec::new();
+        let mut checksum = Checksum::new();
+        for (number, line) in body.lines().enumerate() {
+            let (row, rest) = row::split(line, format)
+                .ok_or_else(|| torn(format!("line {} has too few fields", number + 2)))?;
+            checksum.add(row.as_bytes());
+            checksum.add(b"\n");
+            if number == 0 {
+                let json = rest
+                    .strip_prefix('"')
+                    .and_then(|rest| rest.strip_suffix('"'))
+                    .map(|json| json.replace("\"\"", "\""))
+                    .ok_or_else(|| at_line(2, "the receipt is missing".into()))?;
+                receipt = Some(
+                    receipt::from_json(&json)
+                        .map_err(|error| at_line(2, format!("the receipt: {error}")))?,
+                );
+            } else if !rest.is_empty() {
+                return Err(at_line(
+                    number + 2,
+                    "only the first line has a receipt".into(),
+                ));
+            }
+            rows.push(Row::from_line(row, format).map_err(|fault| at_line(number + 2, fault))?);
+        }
+        let mut receipt = receipt.ok_or_else(|| torn("it has no lines".into()))?;
+        let take = |key: &str| receipt.iter().find(|(name, _)| name == key).map(|(_, v)| v);
+        let lines = take("lines").cloned().unwrap_or_default();
+        if lines != rows.len().to_string() {
+            return Err(torn(format!("it has {} lines of {lines}", rows.len())));
+        }
+        if take("checksum") != Some(&checksum.text()) {
+            return Err(torn("its checksum does not fit its lines".into()));
+        }
+        receipt.retain(|(key, _)| !OWN.contains(&key.as_str()));
+        Ok(Self { receipt, rows })
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// A map, or a part, with the cells of an index rule.
+    pub(crate) fn part(shard: usize, of: usize) -> Map {
+        let receipt = [
+            ("palpate_version", "0.1.0".to_owned()),
+            ("cells_per_axis", "3".to_owned()),
+            (CELLS, "12".to_owned()),
+            (LINES_PER_CELL, "2".to_owned()),
+            (SHARD, format!("{shard}/{of}")),
+        ];
+        let rows = (shard - 1..12)
+            .step_by(of)
+            .flat_map(|cell| {
+                ["undamped", "damped"].map(|plant| row::tests::row(cell as u64, plant))
+            })
+            .collect();
+        Map {
+            receipt: receipt.map(|(key, value)| (key.to_owned(), value)).to_vec(),
+            rows,
+        }
+    }
+
+    pub(crate) fn bytes(map: &Map) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        map.write(&mut bytes).unwrap();
+        bytes
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        let map = part(2, 3);
+        let written = bytes(&map);
+        assert_eq!(Map::read(written.as_slice(), "m.csv").unwrap(), map);
+        let text = String::from_utf8(written).unwrap();
+        assert!(text.starts_with("cell,kappa,object_kappa,"), "{text}");
+        let head = text.lines().next().unwrap();
+        assert!(
+            head.ends_with("resting_swing,pressed_swing,palpate_map_2"),
+            "{head}"
+        );
+    }
+
+    /// The same part as an older version wrote it.
+    pub(crate) fn of_bounces(mut part: Map) -> Map {
+        for row in &mut part.rows {
+            row.stay = None;
+        }
+        part
+    }
+
+    #[test]
+    fn an_older_map_is_read_and_written_as_it_is() {
+        let map = of_bounces(part(2, 3));
+        let written = bytes(&map);
+        let text = String::from_utf8(written.clone()).unwrap();
+        assert!(
+            text.starts_with("cell,kappa,")
+                && text
+                    .lines()
+                    .next()
+                    .unwrap()
+                    .ends_with("diverged,palpate_map_1")
+        );
+        let read = Map::read(written.as_slice(), "m.csv").unwrap();
+        assert_eq!(read, map);
+        assert_eq!(read.format(), Some(Format::Bounces));
+        assert!(read.rows.iter().all(|row| row.stay.is_none()));
+        assert_eq!(bytes(&read), written);
+        for length in 0..written.len() {
+            let error = Map::read(&written[..length], "p1.csv").unwrap_err();
+            assert!(error.to_string().starts_with("p1.csv"), "{length}: {error}");
+        }
+    }
+
+    #[test]
+    fn lines_of_different_formats_are_not_written() {
+        let mut map = part(1, 1);
+        map.rows[3].stay = None;
+        assert_eq!(map.format(), None);
+        let error = map.write(&mut Vec::new()).unwrap_err().to_string();
+        assert!(error.contains("in all of its lines or in none"), "{error}");
+    }
+
+    #[test]
+    fn a_part_cut_anywhere_is_torn() {
+        let whole = bytes(&part(1, 3));
+        for length in 0..whole.len() {
+            let error = Map::read(&whole[..length], "p1.csv").unwrap_err();
+            assert!(error.to_string().starts_with("p1.csv"), "{length}: {error}");
+        }
+        let error = Map::read(&whole[..whole.len() - 1], "p1.csv").unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "p1.csv is torn: its last line has no end; make this part again"
+        );
+    }
+
+    #[test]
+    fn a_hole_or_a_changed_digit_in_the_middle_shows() {
+        let whole = String::from_utf8(bytes(&part(1, 1))).unwrap();
+        let lines: Vec<&str> = whole.lines().collect();
+        let mut without = lines.clone();
+        without.remove(7);
+        let read = |text: &str| Map::read(text.as_bytes(), "p.csv").unwrap_err().to_string();
+        let error = read(&(without.join("\n") + "\n"));
+        assert_eq!(
+            error,
+            "p.csv is torn: it has 23 lines of 24; make this part again"
+        );
+        let error = read(&whole.replacen("0.125", "0.126", 1));
+        assert!(error.contains("checksum"), "{error}");
+        let mut zeros = whole.clone().into_bytes();
+        let middle = zeros.len() / 2;
+        zeros[middle..middle + 40].fill(0);
+        let error = Map::read(zeros.as_slice(), "p.csv")
+            .unwrap_err()
+            .to_string();
+        assert!(error.starts_with("p.csv"), "{error}");
+    }
+
+    #[test]
+    fn another_file_is_not_a_map() {
+        let error = Map::read("t_s,position_m\n0,0\n".as_bytes(), "hand.csv").unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "hand.csv:1: this is not a map of palpate; its first line must name the column \
+             palpate_map_2, or palpate_map_1 of older versions"
+        );
+    }
+}

@@ -1,0 +1,64 @@
+//! A recording as tables of text.
+
+use std::borrow::Cow;
+use std::io::{self, Write};
+
+use super::export::{names, receipt};
+use super::{COLUMNS, Entry, Recording, Value, event};
+use crate::run::{Cell, RunWriter};
+
+impl Recording {
+    /// Writes every tick that is there as a [run file](crate::run), with the receipt and what is
+    /// to be known of the recording in its first row.
+    ///
+    /// # Errors
+    /// There is no tick; the recording cannot be read any more; what `out` says.
+    pub fn write_csv(&self, out: &mut dyn Write) -> io::Result<()> {
+        let mut rows = RunWriter::new(out, &receipt(self), &names())?;
+        for entry in self.entries().map_err(io::Error::other)? {
+            let Entry::Tick(tick) = entry.map_err(io::Error::other)? else {
+                continue;
+            };
+            let values: Vec<_> = COLUMNS.iter().map(|column| column.value(&tick)).collect();
+            let texts: Vec<_> = values
+                .iter()
+                .map(|value| match value {
+                    Value::Number(_) => Cow::default(),
+                    other => other.text(),
+                })
+                .collect();
+            let cells: Vec<_> = values
+                .iter()
+                .zip(&texts)
+                .map(|(value, text)| match value {
+                    Value::Number(number) => Cell::Number(*number),
+                    _ => Cell::Text(text),
+                })
+                .collect();
+            rows.row(&cells)?;
+        }
+        rows.finish()?;
+        Ok(())
+    }
+
+    /// Writes every event as a [run file](crate::run).
+    ///
+    /// # Errors
+    /// There is no event; the recording cannot be read any more; what `out` says.
+    pub fn write_events_csv(&self, out: &mut dyn Write) -> io::Result<()> {
+        let receipt = [("recording", self.path().display().to_string())];
+        let mut rows = RunWriter::new(out, &receipt, &event::COLUMNS.map(|column| column.name))?;
+        for entry in self.entries().map_err(io::Error::other)? {
+            if let Entry::Event(event) = entry.map_err(io::Error::other)? {
+                rows.row(&[
+                    Cell::Text(&event.sequence.to_string()),
+                    Cell::Number(event.time),
+                    Cell::Text(&event.kind),
+                    Cell::Text(&event.text),
+                ])?;
+            }
+        }
+        rows.finish()?;
+        Ok(())
+    }
+}

@@ -1,0 +1,149 @@
+//! What happened beside the ticks.
+
+use super::cdr::{Reader, Writer};
+
+/// Something that happened at a tick: a fault, a change of parameters, the end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// Number of the tick it belongs to. That tick is known to have been, even where it was lost.
+    pub sequence: u64,
+    /// When, since the loop's start `[s]`.
+    pub time: f64,
+    /// What kind of thing, in kebab case.
+    pub kind: String,
+    /// What happened, in words. Up to a first NUL character, which no text can hold.
+    pub text: String,
+}
+
+/// A column of the events.
+pub(super) struct Column {
+    pub name: &'static str,
+    /// What the type of the message calls its values, in ROS 2.
+    pub message_type: &'static str,
+    pub meaning: &'static str,
+}
+
+/// The columns of the events, in the order in which files have them.
+pub(super) const COLUMNS: [Column; 4] = [
+    Column {
+        name: "sequence",
+        message_type: "uint64",
+        meaning: "number of the tick",
+    },
+    Column {
+        name: "t_s",
+        message_type: "float64",
+        meaning: "since the loop's start [s]",
+    },
+    Column {
+        name: "kind",
+        message_type: "string",
+        meaning: "what kind of thing, in kebab case",
+    },
+    Column {
+        name: "text",
+        message_type: "string",
+        meaning: "what happened, in words",
+    },
+];
+
+impl Event {
+    pub(super) fn encode(&self, message: &mut Vec<u8>) {
+        let mut out = Writer::begin(message);
+        out.u64(self.sequence);
+        out.u64(self.time.to_bits());
+        out.text(&self.kind);
+        out.text(&self.text);
+    }
+
+    /// Reads a message; none if it is not that of an event.
+    pub(super) fn decode(message: &[u8]) -> Option<Self> {
+        let mut bytes = Reader::begin(message)?;
+        let event = Self {
+            sequence: bytes.u64()?,
+            time: f64::from_bits(bytes.u64()?),
+            kind: bytes.text()?.to_owned(),
+            text: bytes.text()?.to_owned(),
+        };
+        bytes.is_at_end().then_some(event)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::layout::Layout;
+    use super::*;
+
+    fn event() -> Event {
+        Event {
+            sequence: 258,
+            time: 0.5,
+            kind: "abc".into(),
+            text: "µ".into(),
+        }
+    }
+
+    #[test]
+    fn the_bytes_of_an_event() {
+        let mut message = Vec::new();
+        event().encode(&mut message);
+        let mut expected = vec![0, 1, 0, 0];
+        expected.extend([2, 1, 0, 0, 0, 0, 0, 0]);
+        expected.extend(0.5_f64.to_le_bytes());
+        expected.extend(*b"\x04\0\0\0abc\0");
+        expected.extend(*b"\x03\0\0\0\xc2\xb5\0");
+        assert_eq!(message, expected);
+        assert_eq!(Event::decode(&message), Some(event()));
+        for length in 0..message.len() {
+            assert_eq!(Event::decode(&message[..length]), None, "{length}");
+        }
+        message.push(0);
+        assert_eq!(Event::decode(&message), None);
+    }
+
+    #[test]
+    fn numbers_after_texts_stand_at_multiples_of_their_size() {
+        let mut message = Vec::new();
+        let odd = Event {
+            kind: "abcd".into(),
+            ..event()
+        };
+        odd.encode(&mut message);
+        // 16 bytes of numbers, a length, five of text, and three of padding.
+        assert_eq!(message[4 + 25..4 + 28], [0, 0, 0]);
+        assert_eq!(Event::decode(&message), Some(odd));
+    }
+
+    #[test]
+    fn a_text_ends_where_no_text_can_go_on() {
+        let mut message = Vec::new();
+        let torn = Event {
+            text: "one\0two".into(),
+            ..event()
+        };
+        torn.encode(&mut message);
+        assert_eq!(Event::decode(&message).unwrap().text, "one");
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn no_bytes_make_the_reader_panic(bytes: Vec<u8>) {
+            let _ = Event::decode(&bytes);
+            let _ = Layout::own().decode(&bytes);
+            let marked = [&[0, 1, 0, 0], bytes.as_slice()].concat();
+            let _ = Event::decode(&marked);
+        }
+
+        #[test]
+        fn every_event_reads_back(
+            sequence: u64, bits: u64, kind in "[^\0]{0,9}", text in "[^\0]{0,40}",
+        ) {
+            let event = Event { sequence, time: f64::from_bits(bits), kind, text };
+            let mut message = Vec::new();
+            event.encode(&mut message);
+            let read = Event::decode(&message).unwrap();
+            assert_eq!(read.time.to_bits(), event.time.to_bits());
+            assert_eq!(Event { time: 0.0, ..read }, Event { time: 0.0, ..event });
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! What is to be said of a tick beside its numbers.
+
+/// What the coming interval is predicted to hold.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Phase {
+    /// No contact.
+    #[default]
+    Free,
+    /// In contact throughout.
+    Contact,
+    /// Contact begins within the interval.
+    Enters,
+    /// Contact ends within the interval.
+    Leaves,
+    /// The sample was refused: the object waits.
+    Waiting,
+}
+
+impl Phase {
+    /// Every phase, in the order of their numbers in a recording.
+    pub const ALL: [Self; 5] = [
+        Self::Free,
+        Self::Contact,
+        Self::Enters,
+        Self::Leaves,
+        Self::Waiting,
+    ];
+
+    /// Short name, as run files spell it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Free => "free",
+            Self::Contact => "contact",
+            Self::Enters => "enters",
+            Self::Leaves => "leaves",
+            Self::Waiting => "waiting",
+        }
+    }
+
+    pub(super) fn number(self) -> u8 {
+        match self {
+            Self::Free => 0,
+            Self::Contact => 1,
+            Self::Enters => 2,
+            Self::Leaves => 3,
+            Self::Waiting => 4,
+        }
+    }
+}
+
+/// A set of things that are to be said of a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Flags(pub u32);
+
+impl Flags {
+    /// Device and object touch at the sample.
+    pub const CONTACT: Self = Self(1);
+    /// The method would have pulled.
+    pub const LIMITED_PULL: Self = Self(1 << 1);
+    /// The renderer's force limit acted.
+    pub const LIMITED_FORCE: Self = Self(1 << 2);
+    /// The renderer's slew limit acted.
+    pub const LIMITED_SLEW: Self = Self(1 << 3);
+    /// The guard of the energy that is given out acted.
+    pub const LIMITED_GUARD: Self = Self(1 << 4);
+    /// The renderer refused the sample; an event says why.
+    pub const FAULT: Self = Self(1 << 5);
+    /// Safety changed the force on its way to the device.
+    pub const SAFETY_LIMITED: Self = Self(1 << 6);
+    /// Safety has tripped: no force is sent.
+    pub const SAFETY_TRIPPED: Self = Self(1 << 7);
+    /// The tick came or ended past its deadline.
+    pub const MISSED_DEADLINE: Self = Self(1 << 8);
+    /// The device did not answer, or not with a position.
+    pub const DEVICE_FAULT: Self = Self(1 << 9);
+
+    /// The flags that have a name, by bit.
+    pub const NAMED: [(Self, &'static str); 10] = [
+        (Self::CONTACT, "contact"),
+        (Self::LIMITED_PULL, "limited-pull"),
+        (Self::LIMITED_FORCE, "limited-force"),
+        (Self::LIMITED_SLEW, "limited-slew"),
+        (Self::LIMITED_GUARD, "limited-guard"),
+        (Self::FAULT, "fault"),
+        (Self::SAFETY_LIMITED, "safety-limited"),
+        (Self::SAFETY_TRIPPED, "safety-tripped"),
+        (Self::MISSED_DEADLINE, "missed-deadline"),
+        (Self::DEVICE_FAULT, "device-fault"),
+    ];
+
+    /// These flags, and `others` if `condition` holds.
+    #[must_use]
+    pub fn with(self, others: Self, condition: bool) -> Self {
+        if condition {
+            Self(self.0 | others.0)
+        } else {
+            self
+        }
+    }
+
+    /// Whether all of `others` are set.
+    #[must_use]
+    pub fn has(self, others: Self) -> bool {
+        self.0 & others.0 == others.0
+    }
+
+    /// The limits of the renderer that acted, such as `pull` and `force`.
+    pub fn limits(self) -> impl Iterator<Item = &'static str> {
+        let set = Self::NAMED
+            .into_iter()
+            .filter(move |(flag, _)| self.has(*flag));
+        set.filter_map(|(_, name)| name.strip_prefix("limited-"))
+    }
+
+    /// Names of the flags, separated by spaces; a bit without a name as `bit-` and its number.
+    #[must_use]
+    pub fn names(self) -> String {
+        let name = |bit: u32| {
+            let named = Self::NAMED.iter().find(|(flag, _)| flag.0 == 1 << bit);
+            named.map_or_else(|| format!("bit-{bit}"), |(_, name)| (*name).to_owned())
+        };
+        let names: Vec<String> = (0..u32::BITS)
+            .filter(|bit| self.0 & (1 << bit) != 0)
+            .map(name)
+            .collect();
+        names.join(" ")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flags_are_named_and_none_is_hidden() {
+        assert_eq!(Flags::default().names(), "");
+        let flags = Flags::CONTACT.with(Flags::DEVICE_FAULT, true);
+        assert_eq!(
+            flags.with(Flags::FAULT, false).names(),
+            "contact device-fault"
+        );
+        assert!(flags.has(Flags::CONTACT) && !flags.has(Flags::FAULT));
+        assert_eq!(Flags(1 << 20).names(), "bit-20");
+        let limits = flags.with(Flags::LIMITED_SLEW, true);
+        let limits = limits
+            .with(Flags::LIMITED_PULL, true)
+            .with(Flags::SAFETY_LIMITED, true);
+        assert!(limits.limits().eq(["pull", "slew"]));
+    }
+}

@@ -1,0 +1,267 @@
+//! Ticks and events as an MCAP stream.
+
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+
+use mcap::records::MessageHeader;
+use mcap::write::NoSeek;
+use mcap::{McapError, McapResult, WriteOptions, Writer};
+
+use super::{
+    EVENT_TOPIC, Event, LoopCount, MESSAGE_ENCODING, Receipt, SCHEMA_ENCODING, TICK_TOPIC, Tick,
+    schema,
+};
+
+/// A chunk is ended at this size even if nobody asks [bytes]: about five seconds at 1 kHz.
+const CHUNK: u64 = 1 << 20;
+/// Longest text of an event [bytes].
+const LONGEST_TEXT: usize = 1 << 20;
+
+/// Writes a recording into anything that takes bytes; chunks appear there as a whole.
+pub(super) struct Stream<W: Write> {
+    /// Until the end, or until something could not be written: the library panics when a writer is
+    /// used on after its end could not be written.
+    mcap: Option<Writer<NoSeek<W>>>,
+    tick_channel: u16,
+    event_channel: u16,
+    last_sequence: Option<u64>,
+    pub ticks: u64,
+    pub events: u64,
+    message: Vec<u8>,
+}
+
+impl<W: Write> Stream<W> {
+    /// Begins with the receipt, which is with `out` when this returns.
+    pub fn begin(out: W, receipt: &Receipt) -> io::Result<Self> {
+        let receipt = receipt.to_metadata().map_err(invalid)?;
+        let mut mcap = WriteOptions::new()
+            .compression(None)
+            .library(concat!("palpate ", env!("CARGO_PKG_VERSION")))
+            .chunk_size(Some(CHUNK))
+            .disable_seeking(true)
+            .create(NoSeek::new(out))
+            .map_err(plain)?;
+        let begin = |mcap: &mut Writer<NoSeek<W>>| {
+            mcap.write_metadata(&receipt)?;
+            let mut channel = |topic, name, schema: &str| {
+                let schema = mcap.add_schema(name, SCHEMA_ENCODING, schema.as_bytes())?;
+                mcap.add_channel(schema, topic, MESSAGE_ENCODING, &BTreeMap::new())
+            };
+            let channels = (
+                channel(TICK_TOPIC, schema::TICK, &schema::tick())?,
+                channel(EVENT_TOPIC, schema::EVENT, &schema::event())?,
+            );
+            // A recording without a tick has its channels too.
+            mcap.flush()?;
+            Ok(channels)
+        };
+        match begin(&mut mcap) {
+            Ok((tick_channel, event_channel)) => Ok(Self {
+                mcap: Some(mcap),
+                tick_channel,
+                event_channel,
+                last_sequence: None,
+                ticks: 0,
+                events: 0,
+                message: Vec::new(),
+            }),
+            Err(error) => {
+                // Dropping it would write an end.
+                drop(mcap.into_inner());
+                Err(plain(error))
+            }
+        }
+    }
+
+    pub fn append(&mut self, tick: &Tick) -> io::Result<()> {
+        if let Some(last) = self.last_sequence.filter(|last| tick.sequence <= *last) {
+            return Err(invalid(format!(
+                "tick {} does not come after tick {last}; numbers of ticks rise",
+                tick.sequence
+            )));
+        }
+        self.message.clear();
+        tick.encode(&mut self.message);
+        self.write(self.tick_channel, tick.sequence, tick.time)?;
+        self.last_sequence = Some(tick.sequence);
+        self.ticks += 1;
+        Ok(())
+    }
+
+    pub fn event(&mut self, event: &Event) -> io::Result<()> {
+        let length = event.kind.len() + event.text.len();
+        if length > LONGEST_TEXT {
+            return Err(invalid(format!(
+                "the event has {length} bytes of text; at most {LONGEST_TEXT} fit"
+            )));
+        }
+        self.message.clear();
+        event.encode(&mut self.message);
+        self.write(self.event_channel, event.sequence, event.time)?;
+        self.events += 1;
+        Ok(())
+    }
+
+    /// Ends the chunk: all of it is with the output when this returns.
+    pub fn flush(&mut self) -> io::Result<()> {
+        self.with(|mcap, _| mcap.flush())
+    }
+
+    /// Writes what the loop counted.
+    pub fn count(&mut self, count: &LoopCount) -> io::Result<()> {
+        let record = count.to_metadata();
+        self.with(|mcap, _| mcap.write_metadata(&record))
+    }
+
+    /// Writes what makes the file complete, and gives the output back.
+    pub fn finish(mut self) -> io::Result<W> {
+        self.with(|mcap, _| mcap.finish().map(drop))?;
+        let mcap = self.mcap.take().ok_or_else(failed_before)?;
+        Ok(mcap.into_inner().into_inner())
+    }
+
+    fn write(&mut self, channel_id: u16, sequence: u64, time: f64) -> io::Result<()> {
+        let log_time = nanoseconds(time);
+        let header = MessageHeader {
+            channel_id,
+            // Its own number is whole in the message.
+            sequence: u32::try_from(sequence & u64::from(u32::MAX)).expect("32 bits"),
+            log_time,
+            publish_time: log_time,
+        };
+        self.with(|mcap, message| mcap.write_to_known_channel(&header, message))
+    }
+
+    /// Does something with the writer, which is not used again once it has failed.
+    fn with(
+        &mut self,
+        act: impl FnOnce(&mut Writer<NoSeek<W>>, &[u8]) -> McapResult<()>,
+    ) -> io::Result<()> {
+        let mut mcap = self.mcap.take().ok_or_else(failed_before)?;
+        let outcome = act(&mut mcap, &self.message);
+        if outcome.is_ok() {
+            self.mcap = Some(mcap);
+        } else {
+            // Dropping it would write an end.
+            drop(mcap.into_inner());
+        }
+        outcome.map_err(plain)
+    }
+}
+
+impl<W: Write> Drop for Stream<W> {
+    /// What was appended is kept, and no end is written: nobody said that this is one.
+    fn drop(&mut self) {
+        if let Some(mut mcap) = self.mcap.take() {
+            let _ = mcap.flush();
+            drop(mcap.into_inner());
+        }
+    }
+}
+
+/// A time since the start as MCAP has it; what is no time is 0.
+fn nanoseconds(time: f64) -> u64 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a float becomes the nearest number there is"
+    )]
+    let nanoseconds = (time * 1e9).round() as u64;
+    nanoseconds
+}
+
+fn invalid(message: String) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidInput, message)
+}
+
+fn failed_before() -> io::Error {
+    io::Error::other("an earlier part could not be written")
+}
+
+/// The system's own error where there is one.
+fn plain(error: McapError) -> io::Error {
+    match error {
+        McapError::Io(error) => error,
+        other => io::Error::other(other),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::{Arc, Mutex};
+
+    use super::super::tick::tests::tick;
+    use super::*;
+
+    /// A disk with room for so many bytes.
+    #[derive(Clone)]
+    struct Disk {
+        room: usize,
+        bytes: Arc<Mutex<Vec<u8>>>,
+    }
+
+    impl Write for Disk {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            let mut disk = self.bytes.lock().unwrap();
+            let fits = bytes.len().min(self.room - disk.len());
+            if fits == 0 && !bytes.is_empty() {
+                return Err(io::ErrorKind::StorageFull.into());
+            }
+            disk.extend(&bytes[..fits]);
+            Ok(fits)
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    /// Records until something fails; how many ticks were flushed, and whether the end was written.
+    fn record(disk: &Disk) -> io::Result<u64> {
+        let receipt = Receipt::new("0.1.0").with("scene", "a = 1");
+        let mut stream = Stream::begin(disk.clone(), &receipt)?;
+        let mut outcome = Ok(());
+        for sequence in 0..6 {
+            outcome = stream.append(&tick(sequence)).and_then(|()| stream.flush());
+            if let Err(error) = &outcome {
+                assert_eq!(error.kind(), io::ErrorKind::StorageFull);
+                let again = stream.append(&tick(9)).unwrap_err().to_string();
+                assert_eq!(again, "an earlier part could not be written");
+                assert_eq!(
+                    stream.flush().unwrap_err().to_string(),
+                    "an earlier part could not be written"
+                );
+                break;
+            }
+        }
+        let ticks = stream.ticks;
+        let finished = stream.finish();
+        assert!(outcome.is_ok() || finished.is_err());
+        finished.map(|_| ticks)
+    }
+
+    #[test]
+    fn wherever_the_disk_is_full_an_error_says_so_and_no_end_is_written() {
+        let disk = |room| Disk {
+            room,
+            bytes: Arc::default(),
+        };
+        let whole = disk(usize::MAX);
+        assert_eq!(record(&whole).unwrap(), 6);
+        let size = whole.bytes.lock().unwrap().len();
+        for room in 0..size {
+            let full = disk(room);
+            record(&full).unwrap_err();
+            let written = full.bytes.lock().unwrap();
+            assert!(whole.bytes.lock().unwrap().starts_with(&written), "{room}");
+        }
+        assert_eq!(record(&disk(size)).unwrap(), 6);
+    }
+
+    #[test]
+    fn a_time_that_is_none_is_no_fault() {
+        assert_eq!(nanoseconds(1.5), 1_500_000_000);
+        assert_eq!([nanoseconds(f64::NAN), nanoseconds(-1.0)], [0, 0]);
+        assert_eq!(nanoseconds(f64::INFINITY), u64::MAX);
+    }
+}

@@ -1,0 +1,79 @@
+//! The tables of columns in the documentation, against the list that the files are written from.
+//! `PALPATE_WRITE_DOCS=1 cargo test --release -p palpate-record --test documented` writes them.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use palpate_record::recording::{COLUMNS, Column, Flags, Kind, Phase};
+
+/// Compares what stands between `<!-- name -->` and `<!-- end -->` with `made`, or writes it there.
+fn compare(document: &str, name: &str, made: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../docs")
+        .join(document);
+    let text = std::fs::read_to_string(&path).unwrap();
+    let begin = format!("<!-- {name} -->\n");
+    let from = text.find(&begin).expect("a place for the table") + begin.len();
+    let to = from + text[from..].find("<!-- end -->").expect("an end of it");
+    if std::env::var_os("PALPATE_WRITE_DOCS").is_some() {
+        let written = [&text[..from], made, &text[to..]].concat();
+        std::fs::write(&path, written).unwrap();
+        return;
+    }
+    assert_eq!(
+        &text[from..to],
+        made,
+        "docs/{document} is not up to date; PALPATE_WRITE_DOCS=1 cargo test --release -p palpate-record \
+         --test documented writes it"
+    );
+}
+
+fn meaning(column: &Column) -> String {
+    let numbered = |values: Vec<(u32, &str)>| {
+        let named = values.iter().map(|(n, name)| format!("{n} `{name}`"));
+        named.collect::<Vec<_>>().join(", ")
+    };
+    match column.kind {
+        Kind::Flags => {
+            let bits = Flags::NAMED.map(|(flag, name)| (flag.0.trailing_zeros(), name));
+            format!("{}: {}", column.meaning, numbered(bits.to_vec()))
+        }
+        Kind::Phase => {
+            let phases = (0..).zip(Phase::ALL.map(Phase::name)).collect();
+            format!("{}: {}", column.meaning, numbered(phases))
+        }
+        _ => column.meaning.to_owned(),
+    }
+}
+
+fn unit(column: &Column) -> &str {
+    match column.unit {
+        "1" => "",
+        unit => unit,
+    }
+}
+
+#[test]
+fn the_table_of_a_tick_is_up_to_date() {
+    let mut table =
+        String::from("| byte | field | type | unit | meaning |\n|---:|---|---|---|---|\n");
+    let mut end = 0_usize;
+    for column in COLUMNS {
+        let at = end.next_multiple_of(column.kind.size());
+        end = at + column.kind.size();
+        let (name, kind) = (column.name, column.kind.message_type());
+        let (unit, meaning) = (unit(column), meaning(column));
+        let _ = writeln!(table, "| {at} | `{name}` | {kind} | {unit} | {meaning} |");
+    }
+    let _ = writeln!(table, "\nA message has {end} bytes after the first four.");
+    compare("formats.md", "columns of a tick", &table);
+}
+
+#[test]
+fn the_table_of_the_live_page_is_up_to_date() {
+    let mut table = String::from("| column | unit |\n|---|---|\n");
+    for column in COLUMNS.iter().filter(|column| column.is_live) {
+        let _ = writeln!(table, "| `{}` | {} |", column.name, unit(column));
+    }
+    compare("scope.md", "columns that the page is sent", &table);
+}

@@ -1,0 +1,154 @@
+//! Recordings to test with.
+
+use std::path::{Path, PathBuf};
+
+use palpate_record::recording::{
+    Entry, Event, Flags, LoopCount, Phase, Receipt, Recording, RecordingError, RecordingWriter,
+    Tick,
+};
+
+/// A tick in which every quantity has a value of its own that follows from its number.
+#[allow(clippy::needless_update, reason = "columns may come")]
+pub fn tick(sequence: u64) -> Tick {
+    let t = sequence as f64 / 1000.0;
+    let of = |quantity: f64| quantity / 3.0 + t;
+    let position = 0.02 * (9.0 * t).sin();
+    Tick {
+        sequence,
+        time: t,
+        lateness: 1e-6 * of(1.0),
+        period: if sequence == 0 { f64::NAN } else { 0.001 },
+        device_axes: [position, of(2.0), f64::NAN],
+        device_position: position,
+        object_position: 0.01 + 0.001 * (31.0 * t).cos(),
+        object_velocity: -of(3.0),
+        penetration: of(4.0),
+        placement_shift: -0.0,
+        force_on_object: of(5.0),
+        force_on_device: -of(5.0),
+        stored_energy: of(6.0),
+        port_work: of(7.0),
+        virtual_force_work: of(8.0),
+        outside_work: f64::INFINITY,
+        original_leak: of(9.0),
+        held_leak: of(10.0),
+        tick_duration: 4e-6,
+        device_round_trip: of(11.0),
+        generation: u32::from(sequence > 4),
+        flags: Flags::CONTACT.with(Flags::LIMITED_SLEW, sequence.is_multiple_of(2)),
+        phase: Phase::ALL[usize::try_from(sequence % 5).unwrap()],
+        ..Tick::UNKNOWN
+    }
+}
+
+/// An event at a tick.
+pub fn event(sequence: u64) -> Event {
+    Event {
+        sequence,
+        time: tick(sequence).time,
+        kind: "parameters".into(),
+        text: format!("stiffness now {sequence} N/m, µ as before"),
+    }
+}
+
+/// What a loop of so many ticks and events counted.
+pub fn count(ticks: u64, events: u64) -> LoopCount {
+    LoopCount {
+        ticks,
+        events,
+        motors_off: 0,
+        time: None,
+        ending: Some("its time was over".into()),
+    }
+}
+
+/// What made the recordings here.
+pub fn receipt() -> Receipt {
+    Receipt::new("0.1.0")
+        .with("scene", "scene_format = 1\ntitle = \"a test\"\n")
+        .with_file("hand.csv", "t_s,position_m\n0,0\n1,0\n")
+}
+
+/// Bits of every number, so that NaN equals NaN.
+pub fn bits(tick: &Tick) -> String {
+    // The shortest text that reads back to the same bits.
+    format!("{tick:?}")
+}
+
+/// A recording of three flushes of three ticks each, with an event in the second; finished or
+/// not, as bytes, and how long the file was after each flush.
+pub fn small(finished: bool) -> (Vec<u8>, Vec<usize>) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("small.mcap");
+    let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+    let part = writer.part().to_owned();
+    let size = || usize::try_from(std::fs::metadata(&part).unwrap().len()).unwrap();
+    let mut sizes = vec![size()];
+    for flush in 0..3 {
+        for sequence in 3 * flush..3 * flush + 3 {
+            writer.append(&tick(sequence)).unwrap();
+            if sequence == 4 {
+                writer.event(&event(4)).unwrap();
+            }
+        }
+        writer.flush().unwrap();
+        sizes.push(size());
+    }
+    if finished {
+        writer.count(&count(9, 1)).unwrap();
+        writer.finish().unwrap();
+        (std::fs::read(path).unwrap(), sizes)
+    } else {
+        drop(writer);
+        (std::fs::read(part).unwrap(), sizes)
+    }
+}
+
+/// A file to put bytes into.
+pub struct Scratch {
+    _folder: tempfile::TempDir,
+    pub path: PathBuf,
+}
+
+impl Scratch {
+    pub fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("r.mcap");
+        Self {
+            _folder: folder,
+            path,
+        }
+    }
+
+    pub fn open(&self, bytes: &[u8]) -> Result<Recording, RecordingError> {
+        std::fs::write(&self.path, bytes).unwrap();
+        Recording::open(&self.path)
+    }
+}
+
+/// All ticks and events of a recording, checked against what it says of itself.
+pub fn content(recording: &Recording) -> (Vec<Tick>, Vec<Event>) {
+    let (mut ticks, mut events) = (Vec::new(), Vec::new());
+    for entry in recording.entries().unwrap() {
+        match entry.unwrap() {
+            Entry::Tick(tick) => ticks.push(tick),
+            Entry::Event(event) => events.push(event),
+        }
+    }
+    assert_eq!(ticks.len() as u64, recording.ticks);
+    assert_eq!(events.len() as u64, recording.events);
+    let ends = [ticks.first(), ticks.last()].map(|tick| tick.map(bits));
+    let said = [recording.first, recording.last].map(|tick| tick.as_ref().map(bits));
+    assert_eq!(ends, said);
+    (ticks, events)
+}
+
+/// Names in a folder, sorted.
+pub fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}

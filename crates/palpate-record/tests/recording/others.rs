@@ -1,0 +1,104 @@
+//! Recordings that another tool has written anew: the MCAP library for Python, from the recording that
+//! `golden-v1.mcap` holds and one with the loop's count. `others.py` beside them makes the files.
+
+use std::path::Path;
+
+use palpate_record::recording::LoopCount;
+
+use super::common::{Scratch, bits, content, count, event, receipt, small, tick};
+
+fn bytes_of(name: &str) -> Vec<u8> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recording/others");
+    std::fs::read(folder.join(name)).unwrap()
+}
+
+#[test]
+fn chunks_in_lz4_and_zstd_are_read() {
+    for name in [
+        "lz4.mcap",
+        "zstd.mcap",
+        "plain.mcap",
+        "unchunked.mcap",
+        "receipt-last.mcap",
+    ] {
+        let scratch = Scratch::new();
+        let recording = scratch.open(&bytes_of(name)).unwrap();
+        assert_eq!(recording.damage, [] as [String; 0], "{name}");
+        assert!(recording.is_complete(), "{name}: {recording:?}");
+        assert_eq!(recording.receipt, receipt(), "{name}");
+        let counted: Option<LoopCount> = Some(count(9, 1));
+        assert_eq!(recording.counted, counted, "{name}");
+        let (ticks, events) = content(&recording);
+        assert_eq!((ticks.len(), events), (9, vec![event(4)]), "{name}");
+        for (sequence, read) in (0..).zip(&ticks) {
+            assert_eq!(bits(read), bits(&tick(sequence)), "{name}");
+        }
+    }
+}
+
+#[test]
+fn a_changed_bit_in_what_is_compressed_is_no_tick() {
+    for name in ["lz4.mcap", "zstd.mcap"] {
+        let bytes = bytes_of(name);
+        let scratch = Scratch::new();
+        let mut opened = 0;
+        for at in 0..bytes.len() {
+            let mut changed = bytes.clone();
+            changed[at] ^= 1 << (at % 8);
+            // The receipt may be what was changed.
+            let Ok(recording) = scratch.open(&changed) else {
+                continue;
+            };
+            opened += 1;
+            let (ticks, _) = content(&recording);
+            for read in &ticks {
+                assert_eq!(bits(read), bits(&tick(read.sequence)), "{name}: byte {at}");
+            }
+        }
+        assert!(opened > 1000, "{name}: {opened}");
+    }
+}
+
+#[test]
+fn what_is_left_of_a_cut_one_is_read() {
+    for name in ["lz4.mcap", "zstd.mcap", "plain.mcap"] {
+        let bytes = bytes_of(name);
+        let scratch = Scratch::new();
+        let mut most = 0;
+        for length in 0..bytes.len() {
+            let Ok(recording) = scratch.open(&bytes[..length]) else {
+                continue;
+            };
+            assert!(!recording.finished, "{name}: {length}");
+            let (ticks, _) = content(&recording);
+            for (sequence, read) in (0..).zip(&ticks) {
+                assert_eq!(bits(read), bits(&tick(sequence)), "{name}: {length}");
+            }
+            most = most.max(ticks.len());
+        }
+        assert_eq!(most, 9, "{name}");
+    }
+}
+
+#[test]
+fn another_compression_is_named() {
+    let (bytes, _) = small(true);
+    let mut renamed = bytes_of("lz4.mcap");
+    let at = renamed.windows(3).position(|word| word == b"lz4").unwrap();
+    renamed[at..at + 3].copy_from_slice(b"lzx");
+    let recording = Scratch::new().open(&renamed).unwrap();
+    assert!(
+        recording.damage[0].contains("compressed with `lzx`"),
+        "{:?}",
+        recording.damage
+    );
+    assert!(Scratch::new().open(&bytes).unwrap().is_complete());
+}
+
+/// Not a test of its own: what `others.py` begins with.
+#[test]
+#[ignore = "writes PALPATE_RECORDING, for others.py"]
+fn write_small() {
+    let path = std::env::var_os("PALPATE_RECORDING").expect("a path to write to");
+    std::fs::write(path, small(true).0).unwrap();
+}

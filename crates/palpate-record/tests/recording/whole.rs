@@ -1,0 +1,250 @@
+//! What is written is read.
+
+use palpate_record::recording::{
+    Event, Flags, Gap, Phase, Receipt, Recording, RecordingWriter, Tick,
+};
+use proptest::collection::{btree_set, vec};
+use proptest::prelude::*;
+
+use super::common::{bits, content, event, receipt, small, tick};
+
+#[test]
+fn a_recording_reads_as_it_was_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("tap.mcap");
+    let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+    for sequence in 0..100 {
+        writer.append(&tick(sequence)).unwrap();
+    }
+    writer.event(&event(99)).unwrap();
+    let summary = writer.finish().unwrap();
+    assert_eq!((summary.ticks, summary.events), (100, 1));
+    assert_eq!(summary.bytes, std::fs::metadata(&path).unwrap().len());
+
+    let recording = Recording::open(&path).unwrap();
+    assert_eq!(recording.receipt, receipt());
+    assert!(recording.is_whole(), "{recording:?}");
+    assert_eq!((recording.tail.as_deref(), recording.generation), (None, 1));
+    let (ticks, events) = content(&recording);
+    assert_eq!(events, [event(99)]);
+    for (sequence, read) in (0..100).zip(&ticks) {
+        assert_eq!(bits(read), bits(&tick(sequence)));
+    }
+}
+
+#[test]
+fn what_is_lost_is_counted_from_the_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("tap.mcap");
+    let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+    for sequence in [2, 3, 7, 8] {
+        writer.append(&tick(sequence)).unwrap();
+        writer.flush().unwrap();
+    }
+    writer.event(&event(9)).unwrap();
+    writer.finish().unwrap();
+    let recording = Recording::open(&path).unwrap();
+    let gap = |after, count| Gap { after, count };
+    assert_eq!(
+        recording.missing,
+        [gap(None, 2), gap(Some(3), 3), gap(Some(8), 1)]
+    );
+    assert_eq!(recording.lost(), 6);
+    assert!(recording.finished && !recording.is_whole());
+}
+
+#[test]
+fn a_tick_that_does_not_come_after_the_last_is_not_taken() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("tap.mcap");
+    let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+    writer.append(&tick(5)).unwrap();
+    for sequence in [5, 4] {
+        let error = writer.append(&tick(sequence)).unwrap_err().to_string();
+        let what = format!("tick {sequence} does not come after tick 5");
+        assert!(error.contains(&what), "{error}");
+    }
+    writer.append(&tick(6)).unwrap();
+    writer.finish().unwrap();
+    assert_eq!(Recording::open(&path).unwrap().ticks, 2);
+}
+
+#[test]
+fn a_recording_without_a_tick_is_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("nothing.mcap");
+    let writer = RecordingWriter::create(&path, &receipt()).unwrap();
+    writer.finish().unwrap();
+    let recording = Recording::open(&path).unwrap();
+    assert!(recording.is_whole());
+    assert_eq!((recording.ticks, recording.first), (0, None));
+    assert_eq!(recording.entries().unwrap().count(), 0);
+}
+
+#[test]
+fn a_recording_that_is_being_made_is_read_as_far_as_it_is_flushed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("live.mcap");
+    let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+    for sequence in 0..5 {
+        writer.append(&tick(sequence)).unwrap();
+    }
+    writer.flush().unwrap();
+    writer.append(&tick(5)).unwrap();
+    let recording = Recording::open(writer.part()).unwrap();
+    assert_eq!(recording.ticks, 5);
+    assert_eq!(
+        recording.tail.as_deref(),
+        Some("never finished: it ends with its last flush")
+    );
+    // More comes, and what was opened stays what it was.
+    writer.flush().unwrap();
+    content(&recording);
+    assert_eq!(Recording::open(writer.part()).unwrap().ticks, 6);
+}
+
+#[test]
+fn a_long_recording_is_cut_into_chunks_by_itself() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("long.mcap");
+    let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
+    for sequence in 0..12_000 {
+        writer.append(&tick(sequence)).unwrap();
+    }
+    // Nobody has flushed, and most of it is there.
+    let there = Recording::open(writer.part()).unwrap().ticks;
+    assert!((5_000..12_000).contains(&there), "{there}");
+    writer.finish().unwrap();
+    assert_eq!(Recording::open(&path).unwrap().ticks, 12_000);
+}
+
+#[test]
+fn other_programs_find_its_index() {
+    let (bytes, _) = small(true);
+    let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
+    let counts = summary.stats.unwrap();
+    assert_eq!((counts.message_count, counts.metadata_count), (10, 2));
+    assert_eq!(counts.message_end_time, 8_000_000);
+    // The channels, and three flushes.
+    assert_eq!(summary.chunk_indexes.len(), 4);
+    for (topic, name) in [("/tick", "Tick"), ("/event", "Event")] {
+        let channel = summary
+            .channels
+            .values()
+            .find(|c| c.topic == topic)
+            .unwrap();
+        let schema = channel.schema.as_ref().unwrap();
+        assert_eq!(channel.message_encoding, "cdr");
+        assert_eq!(
+            (&schema.name[..], &schema.encoding[..]),
+            (&format!("palpate_msgs/msg/{name}")[..], "ros2msg")
+        );
+    }
+    let messages: Vec<_> = mcap::MessageStream::new(&bytes)
+        .unwrap()
+        .map(Result::unwrap)
+        .collect();
+    assert_eq!(messages[1].log_time, 1_000_000);
+    assert_eq!(messages[1].sequence, 1);
+}
+
+#[test]
+fn the_receipt_is_the_first_record() {
+    let (bytes, sizes) = small(false);
+    let records = mcap::read::LinearReader::sans_magic(&bytes[8..sizes[0]]);
+    let kinds: Vec<u8> = records
+        .take(2)
+        .map(|record| record.unwrap().opcode())
+        .collect();
+    use mcap::records::op;
+    assert_eq!(kinds, [op::HEADER, op::METADATA]);
+}
+
+#[allow(clippy::needless_update, reason = "columns may come")]
+fn any_tick() -> impl Strategy<Value = Tick> {
+    (
+        vec(any::<u64>(), 21),
+        any::<u32>(),
+        any::<u32>(),
+        0..5_usize,
+    )
+        .prop_map(|(bits, generation, flags, phase)| {
+            let of = |quantity: usize| f64::from_bits(bits[quantity]);
+            Tick {
+                sequence: 0,
+                time: of(0),
+                lateness: of(1),
+                period: of(2),
+                device_axes: [of(3), of(4), of(5)],
+                device_position: of(6),
+                object_position: of(7),
+                object_velocity: of(8),
+                penetration: of(9),
+                placement_shift: of(10),
+                force_on_object: of(11),
+                force_on_device: of(12),
+                stored_energy: of(13),
+                port_work: of(14),
+                virtual_force_work: of(15),
+                outside_work: of(16),
+                original_leak: of(17),
+                held_leak: of(18),
+                tick_duration: of(19),
+                device_round_trip: of(20),
+                generation,
+                flags: Flags(flags),
+                phase: Phase::ALL[phase],
+                ..Tick::UNKNOWN
+            }
+        })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn every_recording_reads_back(
+        ticks in vec(any_tick(), 0..20),
+        sequences in btree_set(any::<u64>(), 20),
+        flushes in vec(any::<bool>(), 20),
+        texts in proptest::collection::btree_map("[^\0]{1,9}", ".{0,40}", 0..4),
+        words in vec(("[^\0]{0,9}", "[^\0]{0,40}"), 0..5),
+    ) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("any.mcap");
+        let receipt = Receipt { palpate_version: "1.2.3".into(), texts };
+        let mut writer = RecordingWriter::create(&path, &receipt).unwrap();
+        let mut written = Vec::new();
+        let mut events = Vec::new();
+        for (i, (tick, sequence)) in ticks.into_iter().zip(sequences).enumerate() {
+            let tick = Tick { sequence, ..tick };
+            writer.append(&tick).unwrap();
+            if let Some((kind, text)) = words.get(i) {
+                let event = Event { sequence, time: 0.5, kind: kind.clone(), text: text.clone() };
+                writer.event(&event).unwrap();
+                events.push(event);
+            }
+            if flushes[i] {
+                writer.flush().unwrap();
+            }
+            written.push(tick);
+        }
+        writer.finish().unwrap();
+        let recording = Recording::open(&path).unwrap();
+        prop_assert_eq!(&recording.receipt, &receipt);
+        prop_assert!(recording.finished && recording.damage.is_empty());
+        let (read, said) = content(&recording);
+        prop_assert_eq!(said, events);
+        prop_assert_eq!(
+            read.iter().map(bits).collect::<Vec<_>>(),
+            written.iter().map(bits).collect::<Vec<_>>()
+        );
+        let first = written.first().map_or(0, |tick| tick.sequence);
+        let last = written.last().map_or(0, |tick| tick.sequence);
+        let steps = written.windows(2).filter(|pair| pair[1].sequence > pair[0].sequence + 1);
+        prop_assert_eq!(recording.missing.len(), steps.count() + usize::from(first > 0));
+        if !written.is_empty() {
+            prop_assert_eq!(recording.lost(), last - (written.len() as u64 - 1));
+        }
+    }
+}
