@@ -6,7 +6,7 @@ use serde::de::{Deserializer, Error as _, MapAccess, Unexpected, Visitor};
 pub use palpate::{
     Basis, MethodName, PredictionName, Setting, SettingKey, SettingValues, Settings, SettingsError,
 };
-use palpate::{ParameterValue, all_settings};
+use palpate::{ParameterValue, Unit, all_settings};
 
 /// A name that no method has.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -150,9 +150,16 @@ impl Visitor<'_> for Value {
             return f.write_str("the value of a setting");
         };
         match setting.values {
-            SettingValues::Number { unit, .. } => write!(f, "a number in {}", unit.symbol()),
-            SettingValues::NumberOrAuto { unit, .. } => {
-                write!(f, "a number in {} or \"auto\"", unit.symbol())
+            SettingValues::Number { unit, .. } | SettingValues::NumberOrAuto { unit, .. } => {
+                f.write_str("a number")?;
+                if unit != Unit::One {
+                    write!(f, " in {}", unit.symbol())?;
+                }
+                f.write_str(if setting.takes_auto() {
+                    " or \"auto\""
+                } else {
+                    ""
+                })
             }
             SettingValues::Words { words, .. } => {
                 write!(f, "one of \"{}\"", words.join("\", \""))

@@ -561,25 +561,25 @@ mod tests {
     #[test]
     fn a_rejected_parameter_is_named() {
         let perfect = ScheduleParams::perfect(1e-3);
-        let rejected = |params: ScheduleParams| {
-            let error = Schedule::new(params).unwrap_err();
-            error.name.name()
-        };
-        assert_eq!(rejected(ScheduleParams::perfect(0.0)), "period");
+        let rejected = |params: ScheduleParams| Schedule::new(params).unwrap_err().name;
+        assert_eq!(
+            rejected(ScheduleParams::perfect(0.0)),
+            ScheduleParameter::Period
+        );
         let half = Jitter::Uniform { bound: 5e-4 };
         assert_eq!(
             rejected(ScheduleParams {
                 jitter: half,
                 ..perfect.clone()
             }),
-            "jitter.bound"
+            ScheduleParameter::JitterBound
         );
         assert_eq!(
             rejected(ScheduleParams {
                 dropped: Dropped::Probability(1.0),
                 ..perfect.clone()
             }),
-            "dropped"
+            ScheduleParameter::Dropped
         );
         for indices in [vec![4, 4], vec![0, 4]] {
             assert_eq!(
@@ -587,7 +587,7 @@ mod tests {
                     dropped: Dropped::Listed(indices),
                     ..perfect.clone()
                 }),
-                "dropped"
+                ScheduleParameter::Dropped
             );
         }
         let delay = ActuationDelay {
@@ -596,7 +596,7 @@ mod tests {
         };
         assert_eq!(
             rejected(ScheduleParams { delay, ..perfect }),
-            "delay.fraction"
+            ScheduleParameter::DelayFraction
         );
     }
 }

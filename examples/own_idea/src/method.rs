@@ -1,8 +1,8 @@
 //! A method of one's own: the spring force of where the device will be in the middle of the interval.
 
 use palpate::{
-    Allowed, Contact, LoopParams, Method, MethodParams, ObjectMotion, Parameter, ParameterError, ParameterValue, Plan,
-    Situation,
+    Allowed, Contact, LoopParams, Method, MethodParams, ObjectMotion, Parameter, ParameterError,
+    ParameterValue, Plan, Situation,
 };
 
 /// Parameters of the method.

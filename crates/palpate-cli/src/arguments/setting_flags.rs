@@ -64,7 +64,7 @@ fn help(setting: &Setting) -> String {
             let _ = write!(text, " [default: {}]", setting.default);
         }
     }
-    if let Some(unit) = setting.unit() {
+    if let Some(unit) = setting.unit().filter(|unit| *unit != Unit::One) {
         let _ = write!(text, " [{}]", unit.symbol());
     }
     text
@@ -102,7 +102,10 @@ fn argument(setting: &'static Setting) -> Arg {
         .long(long(setting))
         .help(help(setting))
         .help_heading("Method");
-    let unit = setting.unit().map_or("", Unit::symbol);
+    let unit = match setting.unit() {
+        Some(Unit::One) | None => "NUMBER",
+        Some(unit) => unit.symbol(),
+    };
     let deriving = said(setting.key).iter().any(|(_, own)| own.takes_auto());
     let value_name = match setting.values {
         SettingValues::Switch => return argument.action(ArgAction::SetTrue),
