@@ -5,7 +5,7 @@ mod flags;
 mod offline;
 mod replay;
 
-pub use files::{Overwriting, PartFlags};
+pub use files::{Overwriting, PartFlags, PlotFlags, SizeFlag, TimeFlags};
 pub use flags::{Flags, TimingFlags};
 pub use offline::{
     ClaimsArguments, CompareArguments, Compared, CompletionArguments, CurveArguments,

@@ -10,9 +10,10 @@ use palpate_sim::closed_loop::{Bench, LoopError};
 use super::simulate::{explain, read_scene, subject};
 use crate::arguments::{CompareArguments, Flags, TimingFlags};
 use crate::failure::Failure;
+use crate::plots;
 use crate::progress::Progress;
 use crate::report::compare::{COLUMNS, Comparison, SceneRows};
-use crate::results::print;
+use crate::results::{draw, print};
 
 /// Runs every method on every scene.
 pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
@@ -27,6 +28,7 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     if let Some(out) = &arguments.out {
         outputs.plan("--out", out)?;
     }
+    arguments.picture.plan(&mut outputs)?;
     // Every file is read before any work is done.
     let files = arguments
         .scenes
@@ -64,6 +66,11 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     if let Some(out) = &arguments.out {
         write(&outputs, out, &comparison)?;
         comparison.wrote(out);
+    }
+    if let Some(path) = &arguments.picture.plot {
+        let figure = plots::compared(&comparison.errors());
+        draw(&outputs, path, &figure, arguments.picture.size)?;
+        comparison.wrote(path);
     }
     print(&if arguments.json {
         comparison.json() + "\n"

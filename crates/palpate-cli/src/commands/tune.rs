@@ -13,7 +13,7 @@ use crate::arguments::{CurveArguments, Least, TuneArguments};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::report::{digits, lines, number, percent, plain_table};
-use crate::results::{draw, plan_picture, print};
+use crate::results::{draw, print};
 use crate::setup::flag_of_setting;
 use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 
@@ -40,9 +40,7 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
     }
     let mut outputs = arguments.overwriting.outputs();
     outputs.protect(&arguments.scene);
-    if let Some(path) = &arguments.plot {
-        plan_picture(&mut outputs, "--plot", path)?;
-    }
+    arguments.picture.plan(&mut outputs)?;
     let mut scene = file.scene.clone();
     flags.change(&mut scene, &methods)?;
     arguments.timing.change(&mut scene);
@@ -63,8 +61,8 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
     drop(progress);
 
     let mut report = Report::new(&scene, method, setting, arguments.curve.least, points);
-    if let Some(path) = &arguments.plot {
-        draw(&outputs, path, &report.figure())?;
+    if let Some(path) = &arguments.picture.plot {
+        draw(&outputs, path, &report.figure(), arguments.picture.size)?;
         report.files.push(path.display().to_string());
     }
     print(&if arguments.json {
@@ -203,21 +201,53 @@ impl Report {
             x: x.clone(),
             y: self.curve.iter().map(value).collect(),
         };
-        let row = |y_label: &str, of: &dyn Fn(&PointReport) -> SpreadReport| Row {
-            y_label: y_label.into(),
-            limits: Limits::Data,
-            panels: vec![Panel {
-                series: vec![
-                    series(1, "own height", &|point| of(point).own),
-                    series(2, "worst height", &|point| of(point).worst),
-                    series(0, "median height", &|point| of(point).median),
-                ],
-            }],
+        let best = self.best.value_n_s_per_m;
+        let chosen = format!("chosen: {} N s/m", digits(best));
+        let row = |y_label: &str, of: &dyn Fn(&PointReport) -> SpreadReport| {
+            let mut all = vec![
+                series(1, "own height", &|point| of(point).own),
+                series(2, "worst height", &|point| of(point).worst),
+                series(0, "median height", &|point| of(point).median),
+            ];
+            // The line of the chosen value, from the least to the greatest of all that is drawn.
+            let heights = || all.iter().flat_map(|series| &series.y).copied();
+            let heights = || heights().filter(|height| height.is_finite());
+            let (least, most) = (
+                heights().fold(f64::INFINITY, f64::min),
+                heights().fold(f64::NEG_INFINITY, f64::max),
+            );
+            let mark = |name: &str, kind, x: Vec<f64>, y: Vec<f64>| Series {
+                name: name.into(),
+                kind,
+                role: Role::Mark,
+                x,
+                y,
+            };
+            let at = of(&self.best).median;
+            all.push(mark("", Kind::Line, vec![best, best], vec![least, most]));
+            all.push(mark(&chosen, Kind::Points, vec![best], vec![at]));
+            Row {
+                y_label: y_label.into(),
+                limits: Limits::Data,
+                panels: vec![Panel { series: all }],
+                ..Row::default()
+            }
         };
+        let error = self.best.mean_force_error_percent;
         Figure {
-            title: format!("{}: {}", self.title, self.method),
+            title: format!(
+                "{} with a {} of {} N s/m has the least {}: E {} % in the median, {} % at the worst height",
+                self.method,
+                words(self.setting),
+                digits(best),
+                self.least,
+                percent(error.median),
+                percent(error.worst)
+            ),
+            subtitle: self.title.clone(),
             footnote: Some(format!(
-                "Simulated from {} start heights within ±{} % of the scene's gap.",
+                "E: error of the mean force of each period. Leak: energy that the held force creates or takes \
+                 away. {} start heights within ±{} % of the scene's gap; chosen by the median.",
                 self.start_heights,
                 100.0 * self.height_range
             )),
@@ -225,9 +255,7 @@ impl Report {
             x_decades: false,
             columns: Vec::new(),
             rows: vec![
-                row("mean-force error [%]", &|point| {
-                    point.mean_force_error_percent
-                }),
+                row("error E [%]", &|point| point.mean_force_error_percent),
                 row("sum of leaks [mJ]", &|point| {
                     let leak = point.absolute_leak_j;
                     SpreadReport {

@@ -8,6 +8,8 @@ use palpate_sim::run::{Reference, Run};
 use serde::Serialize;
 use serde_json::Value;
 
+use crate::plots::{ComparedMethod, ComparedScene};
+
 use super::text::{digits, lines, percent, plain_table};
 use super::{MethodReport, Report, Subject};
 
@@ -105,6 +107,32 @@ impl Comparison {
     /// The comparison as JSON.
     pub fn json(&self) -> String {
         serde_json::to_string_pretty(self).expect("a report has string keys only")
+    }
+
+    /// The force errors of every scene, for a figure.
+    pub fn errors(&self) -> Vec<ComparedScene<'_>> {
+        let of_method = |method: &MethodRow| match &method.result {
+            Result::Ran(run) => ComparedMethod {
+                name: method.method,
+                error: run.force_rendering_error_percent,
+                holds_together: run.is_whole(),
+                ran: true,
+            },
+            Result::Cannot { .. } => ComparedMethod {
+                name: method.method,
+                error: None,
+                holds_together: false,
+                ran: false,
+            },
+        };
+        self.scenes
+            .iter()
+            .map(|scene| ComparedScene {
+                title: &scene.title,
+                hold_floor: scene.hold_floor_percent,
+                methods: scene.methods.iter().map(of_method).collect(),
+            })
+            .collect()
     }
 
     /// The table by rows, as [`COLUMNS`] name them; what does not exist is empty.

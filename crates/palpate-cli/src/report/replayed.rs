@@ -2,9 +2,11 @@
 
 use palpate_scene::method::MethodName;
 use palpate_sim::hand_replay::RecordedHand;
+use palpate_sim::run::{Reference, Run};
 use serde::Serialize;
 
 use super::{counted, digits};
+use crate::plots::{Devices, Recorded, RunsFigure};
 
 /// A recorded motion, or the hand that made it.
 #[derive(Debug, Clone, Serialize)]
@@ -78,11 +80,28 @@ impl Replayed {
         }
     }
 
-    /// How well the force of a hand is known, in a few words.
-    pub fn known_to(&self) -> Option<String> {
-        match self {
-            Self::Motion => None,
-            Self::Hand(hand) => Some(format!("±{} N", digits(hand.hand_force_deviation_n))),
+    /// The figure of the runs of a replay, and of what was `recorded`.
+    pub fn figure<'a>(
+        &self,
+        title: &str,
+        reference: &'a Reference,
+        runs: &'a [Run],
+        recorded: Option<&'a Recorded>,
+    ) -> RunsFigure<'a> {
+        let (of, devices) = match self {
+            Self::Motion => (title.to_owned(), Devices::Recorded),
+            Self::Hand(hand) => {
+                let known = digits(hand.hand_force_deviation_n);
+                let of = format!("{title}, the hand's force known to ±{known} N");
+                (of, Devices::InARecordedHand)
+            }
+        };
+        RunsFigure {
+            of,
+            reference,
+            runs,
+            devices,
+            recorded,
         }
     }
 

@@ -23,6 +23,8 @@ pub struct Advice {
     pub verdict: Verdict,
     pub methods: Vec<MethodAdvice>,
     pub bounds: Bounds,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<String>,
 }
 
 #[derive(Debug, Serialize)]
@@ -163,6 +165,7 @@ impl Advice {
             verdict: Verdict::NotAsked,
             methods: Vec::new(),
             bounds: Bounds::of(bounce),
+            files: Vec::new(),
         };
         for method in methods {
             let settings = default_settings(*method);
@@ -271,6 +274,11 @@ impl Advice {
             let judged = advice.by_itself.iter().chain(&advice.tuned);
             judged.map(|judged| (advice.method, *judged))
         })
+    }
+
+    /// Adds a file that was written.
+    pub fn wrote(&mut self, path: &std::path::Path) {
+        self.files.push(path.display().to_string());
     }
 
     /// The advice as JSON.

@@ -2,6 +2,7 @@
 
 mod advice;
 mod arguments;
+mod picture;
 mod text;
 
 pub use arguments::AdviseArguments;
@@ -11,21 +12,34 @@ use palpate_sim::map::{Bounce, BounceDevice, BounceError, MapParams};
 
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::results::print;
+use crate::results::{draw, print};
 use crate::setup::{wrong_flag, wrong_on_bench};
-use advice::Advice;
+use advice::{Advice, FAITHFUL_PERCENT};
 
 /// Looks, and answers.
 pub fn run(arguments: &AdviseArguments) -> Result<(), Failure> {
     let bounce = bounce(arguments)?;
     let methods = &arguments.method.0;
+    let mut outputs = arguments.overwriting.outputs();
+    arguments.picture.plan(&mut outputs)?;
     let progress = Progress::new(methods.len());
     progress.begin("looking for limits");
-    let advice = Advice::on(&bounce, arguments.stiffness.is_some(), methods, || {
+    let mut advice = Advice::on(&bounce, arguments.stiffness.is_some(), methods, || {
         progress.advance();
     })
     .map_err(|error| refused(&error))?;
     drop(progress);
+    if let Some(path) = &arguments.picture.plot {
+        let shown = picture::shown(methods);
+        let progress = Progress::new(shown.len());
+        progress.begin("looking for the reach");
+        let reach = bounce.reach(&shown, FAITHFUL_PERCENT, || {});
+        let reach = reach.map_err(|error| refused(&error))?;
+        drop(progress);
+        let size = arguments.picture.size;
+        draw(&outputs, path, &picture::figure(&advice, &reach), size)?;
+        advice.wrote(path);
+    }
     print(&if arguments.json {
         advice.json() + "\n"
     } else {

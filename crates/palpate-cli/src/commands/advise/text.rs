@@ -16,12 +16,16 @@ impl fmt::Display for Advice {
             writeln!(f, "{}\n", lines(&self.contact_table()))?;
         }
         writeln!(f, "{}\n", lines(&self.limit_table()))?;
-        writeln!(f, "{}", wrapped(&self.bounds_in_words()))
+        writeln!(f, "{}", wrapped(&self.bounds_in_words()))?;
+        for file in &self.files {
+            writeln!(f, "wrote {file}")?;
+        }
+        Ok(())
     }
 }
 
 impl Advice {
-    fn object(&self) -> String {
+    pub(super) fn object(&self) -> String {
         match self.device.object_mass_kg {
             Some(mass) => format!("an object of {mass} kg"),
             None => "a wall".into(),

@@ -16,12 +16,12 @@ use super::render::render;
 use crate::arguments::DemoArguments;
 use crate::failure::Failure;
 use crate::hand;
-use crate::plots;
+use crate::plots::{Devices, RunsFigure};
 use crate::progress::Progress;
 use crate::report::{Report, Subject};
 use crate::results::print;
 use made::Made;
-use palpate_figure::svg;
+use palpate_figure::{Picture, Size};
 
 const SCENE_PLOT: &str = "fig2.svg";
 const HAND: &str = "hand.csv";
@@ -73,11 +73,17 @@ pub fn run(arguments: &DemoArguments) -> Result<(), Failure> {
     let mut hand_report = Report::new(&subject, replay.reference(), &runs);
     hand_report.wrote(&made.path(HAND));
     hand_report.wrote(&made.path(HAND_PLOT));
-    let hand_figure = plots::overlay(title, replay.reference(), &runs);
+    let hand_figure = RunsFigure {
+        of: title.into(),
+        reference: replay.reference(),
+        runs: &runs,
+        devices: Devices::Recorded,
+        recorded: None,
+    };
     made.write(&[
-        (SCENE_PLOT, svg(&scene_figure).into_bytes()),
+        (SCENE_PLOT, svg(&scene_figure)),
         (HAND, trace_text(&trace).into_bytes()),
-        (HAND_PLOT, svg(&hand_figure).into_bytes()),
+        (HAND_PLOT, svg(&hand_figure.sheet())),
     ])?;
 
     if arguments.json {
@@ -89,6 +95,12 @@ pub fn run(arguments: &DemoArguments) -> Result<(), Failure> {
         return print(&format!("{both:#}\n"));
     }
     print(&story(folder, &scene_report, &hand_report))
+}
+
+/// A figure as large as it is by itself.
+fn svg(figure: &impl Picture) -> Vec<u8> {
+    let text = palpate_figure::svg(figure, Size::NATURAL);
+    text.expect("a figure fits its own size").into_bytes()
 }
 
 fn story(folder: &Path, scene: &Report, hand: &Report) -> String {

@@ -11,6 +11,7 @@ use super::picture;
 use super::report::Report;
 use crate::failure::Failure;
 use crate::results::{draw, plan_picture};
+use crate::values::Methods;
 
 /// The files of a map, and the leave to write them.
 pub struct Files {
@@ -130,7 +131,7 @@ impl Files {
     pub fn deliver(
         &self,
         map: &Map,
-        results: &MapResults,
+        (results, methods): (&MapResults, Option<&Methods>),
         found: bool,
         report: &mut Report,
     ) -> Result<(), Failure> {
@@ -155,7 +156,8 @@ impl Files {
             if is_kept(path) {
                 kept.push(path.clone());
             } else {
-                draw(&self.outputs, path, &picture::figure(map, &results.show)?)?;
+                let figure = picture::figure(map, &results.show, methods)?;
+                draw(&self.outputs, path, &figure, results.size)?;
                 report.wrote(path);
             }
         }

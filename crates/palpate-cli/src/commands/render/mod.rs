@@ -17,7 +17,6 @@ use super::hand_replay::{Recorded, ReplayRuns, close_loop};
 use crate::arguments::{RenderArguments, ReplayKind};
 use crate::failure::{Failure, tell};
 use crate::inside;
-use crate::plots;
 use crate::progress::Progress;
 use crate::report::{Replayed, Report, Subject, digits};
 use crate::results::deliver;
@@ -115,7 +114,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         report,
         &receipt,
         &runs,
-        || plots::replay(&title, &replayed, &reference, &runs, None),
+        || replayed.figure(&title, &reference, &runs, None).sheet(),
         progress,
     )
 }

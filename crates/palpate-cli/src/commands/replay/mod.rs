@@ -20,7 +20,6 @@ use super::render::how_to_cut;
 use super::simulate::in_file;
 use crate::arguments::{Flags, PartFlags, ReplayFlags, ReplayKind, Results};
 use crate::failure::Failure;
-use crate::plots;
 use crate::progress::Progress;
 use crate::recorded::{open, whole_or_said};
 use crate::report::{FromRecording, Replayed, Report, Subject};
@@ -162,7 +161,10 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
         report,
         &receipt,
         &runs,
-        || plots::replay(&title, &replayed, &reference, &runs, Some(&ticks.curves)),
+        || {
+            let recorded = Some(&ticks.curves);
+            replayed.figure(&title, &reference, &runs, recorded).sheet()
+        },
         progress,
     )?;
     whole_or_said(&recording)
