@@ -128,7 +128,7 @@ pub(super) struct Head<'a> {
 impl Head<'_> {
     /// Draws both from `top` on; where they end.
     pub fn draw(&self, page: &mut Scene, mut top: f64) -> f64 {
-        let title = text::lines(&text::clean(self.title), self.room / BOLD, TITLE_SIZE);
+        let title = text::balanced(&text::clean(self.title), self.room / BOLD, TITLE_SIZE);
         let subtitle = text::lines(&text::clean(self.subtitle), self.room, SUBTITLE_SIZE);
         let lines = title.iter().map(|line| (line, TITLE_SIZE));
         for (line, size) in lines.chain(subtitle.iter().map(|line| (line, SUBTITLE_SIZE))) {

@@ -158,7 +158,7 @@ fn figure(seed: u64, columns: &[Column], drawn: &[usize], judged: &[Judged]) -> 
             .collect(),
     };
     Figure {
-        title: finding(columns, judged),
+        title: finding(columns, drawn, judged),
         subtitle: format!("{} random plants, seed {seed}", judged.len()),
         footnote: Some(
             "Share of the plants on which E, the error of the mean force of each period, is at most so large: \
@@ -178,17 +178,20 @@ fn figure(seed: u64, columns: &[Column], drawn: &[usize], judged: &[Judged]) -> 
 }
 
 /// On how many of the plants each column's force is within E < 20 %, for the two best, without a delay.
-fn finding(columns: &[Column], judged: &[Judged]) -> String {
+fn finding(columns: &[Column], drawn: &[usize], judged: &[Judged]) -> String {
     const FAITHFUL_PERCENT: f64 = 20.0;
     let delay = suite::DELAYS[0];
-    let mut shares: Vec<(&str, f64)> = (columns.iter().enumerate())
-        .map(|(number, column)| {
+    let mut shares: Vec<(&str, f64)> = (drawn.iter().copied())
+        .map(|number| {
             let of_column = judged.iter().flat_map(|one| &one.trials);
             let faithful = of_column
                 .filter(|trial| trial.column == number && trial.delay == delay)
                 .filter(|trial| trial.fidelity.mean_force_error < FAITHFUL_PERCENT)
                 .count();
-            (&*column.name, 100.0 * faithful as f64 / judged.len() as f64)
+            (
+                &*columns[number].name,
+                100.0 * faithful as f64 / judged.len() as f64,
+            )
         })
         .collect();
     shares.sort_by(|a, b| b.1.total_cmp(&a.1));
