@@ -119,7 +119,7 @@ fn three_parts_one_of_them_killed_and_run_again_are_the_whole_map() {
     let again = folder.succeed(&format!("{arguments} --shard 2/3 --resume"));
     assert!(!again.contains("ticks"), "{again}");
     let parts = "map-3-of-3.csv map-1-of-3.csv map-2-of-3.csv";
-    folder.succeed(&format!("map merge {parts} --out merged.csv --method all"));
+    folder.succeed(&format!("map merge {parts} --out merged.csv"));
     assert!(folder.read("merged.csv") == folder.read("whole.csv"));
     assert!(folder.read("merged.svg") == folder.read("whole.svg"));
 

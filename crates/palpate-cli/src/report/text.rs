@@ -9,6 +9,12 @@ use palpate_io::recording::LoopTime;
 
 use super::{CollisionReport, MethodReport, Report};
 
+/// What the columns of errors and leaks are.
+const ERRORS_IN_WORDS: &str = "\
+E: error of the mean force of each period, what a method answers for. FRE:
+error of the held force, the hold floor included. Leak: energy that the held
+force created; |leak|: the same with every part counted as positive.";
+
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", self.title)?;
@@ -25,6 +31,9 @@ impl fmt::Display for Report {
         }
         writeln!(f, "{}\n", self.window())?;
         writeln!(f, "{}\n", lines(&self.method_table()))?;
+        if self.says_what_columns_are && self.hold_floor_percent.is_some() {
+            writeln!(f, "{ERRORS_IN_WORDS}\n")?;
+        }
         if let [method] = self.methods.as_slice()
             && !method.collisions.is_empty()
         {
@@ -254,7 +263,8 @@ pub fn lines(table: &Table) -> String {
     lines.join("\n")
 }
 
-/// A table with a line under its header; the first column holds names, or numbers like the others.
+/// A table with a line under its header, its columns two blanks apart; the first column holds names, or
+/// numbers like the others.
 pub fn plain_table(first: CellAlignment, header: &[&str]) -> Table {
     let mut table = Table::new();
     table
@@ -268,6 +278,9 @@ pub fn plain_table(first: CellAlignment, header: &[&str]) -> Table {
             CellAlignment::Right
         })
     }));
+    for column in table.column_iter_mut() {
+        column.set_padding((1, 0));
+    }
     table
 }
 

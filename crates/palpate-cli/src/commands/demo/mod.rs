@@ -71,6 +71,7 @@ pub fn run(arguments: &DemoArguments) -> Result<(), Failure> {
         timing: Timing::default(),
     };
     let mut hand_report = Report::new(&subject, replay.reference(), &runs);
+    hand_report.after_another();
     hand_report.wrote(&made.path(HAND));
     hand_report.wrote(&made.path(HAND_PLOT));
     let hand_figure = RunsFigure {
@@ -117,8 +118,7 @@ least error that any held force can have.
 1. The paper's Fig. 2, in closed loop with a light device
 
 {scene}
-   E is the part of the force error a method answers for; FRE is all of it, the unavoidable
-   hold floor included. Coupled rendering was told the device's mass; HFCR needs none.
+   Coupled rendering was told the device's mass; HFCR needs none.
 
 2. The same force laws on the motion of a hand, which no force moves
 

@@ -64,13 +64,15 @@ pub fn columns<'a>(map: &'a Map, asked: Option<&Methods>) -> Result<Vec<&'a str>
     if asked.len() == MethodName::ALL.len() {
         return Ok(all);
     }
-    let column = |method: &MethodName| {
-        let found = all.iter().copied().find(|name| *name == method.name());
-        found.ok_or_else(|| {
-            Failure::input(format!("--method {method}: the map has {}", all.join(", ")))
-        })
-    };
-    asked.iter().map(column).collect()
+    if let Some(missing) = asked.iter().find(|method| !all.contains(&method.name())) {
+        return Err(Failure::input(format!(
+            "--method {missing}: the map has {}",
+            all.join(", ")
+        )));
+    }
+    // In the order of the map, so that the same methods make the same figure.
+    let is_asked = |name: &&str| asked.iter().any(|method| method.name() == *name);
+    Ok(all.into_iter().filter(is_asked).collect())
 }
 
 /// On how much of the map each method is stable from the worst start, on the damped device.
