@@ -79,7 +79,7 @@ test("the picture that is saved shows scene and curves", async () => {
   const open = await visit(live.url);
   await open.pass(1.5);
   const picture = decode(await saved(open, "#png", ".png"));
-  assert.ok(picture.width > 1000 && picture.height > 600, `${picture.width} x ${picture.height}`);
+  assert.ok(picture.width > 900 && picture.height > 600, `${picture.width} x ${picture.height}`);
   const colours = await open.get(() => ["--lane-1", "--lane-2", "--panel"].map((name) => getComputedStyle(document.documentElement).getPropertyValue(name)));
   const [first, second, panel] = colours.map((hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16)));
   assert.ok(countColour(picture, first) > 500, "the first lane is drawn");

@@ -10,11 +10,11 @@ use palpate_study::json;
 use palpate_study::report::Report;
 use serde::Serialize;
 
-use crate::arguments::Results;
+use crate::arguments::{PlotFlags, Results, SizeFlag, TimeFlags};
 use crate::failure::{Failure, tell};
 use crate::progress::Progress;
 use crate::run_file;
-use palpate_figure::{Figure, Picture};
+use palpate_figure::{Picture, Sheet, Size, SizeError};
 
 /// Name that stands for standard output.
 pub const STANDARD_OUTPUT: &str = "-";
@@ -32,8 +32,9 @@ impl Results {
         {
             outputs.plan("--out", out)?;
         }
-        if let Some(plot) = &self.plot {
-            plan_picture(&mut outputs, "--plot", plot)?;
+        self.picture.plan(&mut outputs)?;
+        if self.picture.plot.is_none() {
+            self.time.refuse()?;
         }
         Ok(outputs)
     }
@@ -45,7 +46,7 @@ pub fn deliver(
     mut report: Report,
     receipt: &[(String, String)],
     runs: &[Run],
-    figure: impl FnOnce() -> Figure,
+    figure: impl FnOnce() -> Sheet,
     progress: Progress,
 ) -> Result<(), Failure> {
     let to_standard_output = results.out.as_deref() == Some(Path::new(STANDARD_OUTPUT));
@@ -74,9 +75,10 @@ pub fn deliver(
             report.wrote(path);
         }
     }
-    if let Some(path) = &results.plot {
+    if let Some(path) = &results.picture.plot {
         begin(path);
-        draw(outputs, path, &figure())?;
+        let figure = results.time.cut(figure())?;
+        draw(outputs, path, &figure, results.picture.size)?;
         report.wrote(path);
     }
     drop(progress);
@@ -125,6 +127,7 @@ const PIXELS_PER_UNIT: f32 = 2.5;
 
 enum PictureFormat {
     Svg,
+    Pdf,
     Png,
 }
 
@@ -134,13 +137,14 @@ fn picture_format(path: &Path) -> Result<PictureFormat, Failure> {
         .map(|extension| extension.to_string_lossy().to_ascii_lowercase());
     match extension.as_deref() {
         Some("svg") => Ok(PictureFormat::Svg),
+        Some("pdf") => Ok(PictureFormat::Pdf),
         Some("png") if cfg!(feature = "png") => Ok(PictureFormat::Png),
         Some("png") => Err(Failure::Arguments(format!(
-            "{}: this build draws SVG only; for PNG build with --features png",
+            "{}: this build draws SVG and PDF only; for PNG build with --features png",
             path.display()
         ))),
         _ => Err(Failure::Arguments(format!(
-            "{}: the name of a figure ends in .svg or .png",
+            "{}: the name of a figure ends in .svg, .pdf or .png",
             path.display()
         ))),
     }
@@ -153,20 +157,77 @@ pub fn plan_picture(outputs: &mut Outputs, name: &str, path: &Path) -> Result<()
     Ok(outputs.plan(name, path)?)
 }
 
+impl PlotFlags {
+    /// Plans the figure where one is asked for.
+    pub fn plan(&self, outputs: &mut Outputs) -> Result<(), Failure> {
+        match &self.plot {
+            Some(path) => plan_picture(outputs, "--plot", path),
+            None if self.size.size.is_some() => Err(Failure::Arguments(
+                "--size is that of a figure; name its file with --plot".into(),
+            )),
+            None => Ok(()),
+        }
+    }
+}
+
 /// Draws a figure into a file, whole or not at all.
 pub fn draw(
     outputs: &Outputs,
     path: &Path,
     figure: &(impl Picture + ?Sized),
+    flag: SizeFlag,
 ) -> Result<(), Failure> {
+    let size = flag.size.unwrap_or(Size::NATURAL);
+    let refused = |error: SizeError| Failure::Arguments(format!("--size: {error}"));
     let bytes = match picture_format(path)? {
-        PictureFormat::Svg => palpate_figure::svg(figure).into_bytes(),
+        PictureFormat::Svg => palpate_figure::svg(figure, size)
+            .map_err(refused)?
+            .into_bytes(),
+        PictureFormat::Pdf => palpate_figure::pdf(figure, size).map_err(refused)?,
         #[cfg(feature = "png")]
-        PictureFormat::Png => palpate_figure::png(figure, PIXELS_PER_UNIT).map_err(|error| {
-            Failure::System(format!("{} cannot be drawn: {error}", path.display()))
-        })?,
+        PictureFormat::Png => {
+            palpate_figure::png(figure, size, PIXELS_PER_UNIT).map_err(|error| match error {
+                palpate_figure::PngError::Size(error) => refused(error),
+                palpate_figure::PngError::Image(error) => {
+                    Failure::System(format!("{} cannot be drawn: {error}", path.display()))
+                }
+            })?
+        }
         #[cfg(not(feature = "png"))]
         PictureFormat::Png => unreachable!("refused above"),
     };
     Ok(outputs.write(path, |writer| writer.write_all(&bytes))?)
+}
+
+impl TimeFlags {
+    /// Refuses a part of no figure.
+    fn refuse(self) -> Result<(), Failure> {
+        if self.plot_from.is_none() && self.plot_to.is_none() {
+            return Ok(());
+        }
+        Err(Failure::Arguments(
+            "--plot-from and --plot-to are of a figure; name its file with --plot".into(),
+        ))
+    }
+
+    /// Keeps of a figure over time what is asked for.
+    pub fn cut(self, mut sheet: Sheet) -> Result<Sheet, Failure> {
+        if self.plot_from.is_none() && self.plot_to.is_none() {
+            return Ok(sheet);
+        }
+        let Some((first, last)) = sheet.reach() else {
+            return Ok(sheet);
+        };
+        let from = self.plot_from.unwrap_or(first);
+        let to = self.plot_to.unwrap_or(last);
+        // Written so that it is false for what is no number.
+        if from < to && from < last && to > first {
+            sheet.keep(from, to);
+            return Ok(sheet);
+        }
+        Err(Failure::Arguments(format!(
+            "--plot-from {from} --plot-to {to}: the part must begin before it ends, and lie within the \
+             figure's {first} to {last} s"
+        )))
+    }
 }

@@ -132,7 +132,7 @@ fn a_figure_without_a_place_leaves_nothing() {
     folder.fail(
         "figure fig2 --plot fig2.gif",
         2,
-        &["fig2.gif", ".svg or .png"],
+        &["fig2.gif", ".svg, .pdf or .png"],
     );
     assert!(folder.names().is_empty());
 }
@@ -155,7 +155,11 @@ fn figures_of_runs_are_documents_with_titles() {
     drawn(
         &folder,
         "run.svg",
-        &["hand & eye <1>.csv", "virtual-damper", "held leak [mJ]"],
+        &[
+            "hand & eye <1>.csv",
+            "virtual-damper",
+            "force on object [N]",
+        ],
     );
 }
 

@@ -133,7 +133,7 @@ fn all_methods_stand_in_table_json_run_file_and_figure() {
             .filter(|line| line.split_whitespace().next() == Some(method));
         assert_eq!(rows.count(), 1, "{method} in\n{table}");
         assert!(
-            figure.contains(&format!(">{method}<")),
+            figure.contains(&format!(">{method}: FRE ")),
             "{method} in the figure"
         );
     }

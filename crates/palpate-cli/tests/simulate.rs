@@ -131,7 +131,7 @@ fn all_methods_stand_in_table_json_run_file_and_figure() {
             "{method} in\n{table}"
         );
         assert!(
-            figure.contains(&format!(">{method}<")),
+            figure.contains(&format!(">{method}: FRE ")),
             "{method} in the figure"
         );
         assert_eq!(

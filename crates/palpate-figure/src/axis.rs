@@ -1,8 +1,10 @@
 //! How far an axis reaches and where its ticks stand.
 
+use std::collections::BTreeMap;
+
 use kuva::render::render_utils::compute_tick_step;
 
-use super::{Limits, Role, Row, Series, Sheet};
+use super::{Limits, Row, Series, Sheet};
 
 /// Share of the data's range that is left free above and below it.
 const AIR: f64 = 0.06;
@@ -26,6 +28,23 @@ pub(super) fn horizontal(sheet: &Sheet) -> (f64, f64) {
     }
 }
 
+/// Vertical ranges by the label of their rows.
+pub(super) type Shared<'a> = BTreeMap<&'a str, (f64, f64)>;
+
+/// The ranges that all rows of a label have; none where each row has its own.
+pub(super) fn shared(sheet: &Sheet) -> Shared<'_> {
+    let mut shared = Shared::new();
+    if !sheet.same_scales {
+        return shared;
+    }
+    for row in sheet.lines.iter().flatten().flat_map(|grid| &grid.rows) {
+        let (low, high) = vertical(row);
+        let range = shared.entry(&*row.y_label).or_insert((low, high));
+        *range = (range.0.min(low), range.1.max(high));
+    }
+    shared
+}
+
 /// The shared range of the vertical axes of a row.
 pub(super) fn vertical(row: &Row) -> (f64, f64) {
     let series: Vec<&Series> = row.panels.iter().flat_map(|panel| &panel.series).collect();
@@ -36,9 +55,7 @@ pub(super) fn vertical(row: &Row) -> (f64, f64) {
     let (low, high) = match row.limits {
         Limits::Data => data,
         Limits::Calm { times } => {
-            let reference = series
-                .iter()
-                .filter(|series| series.role == Role::Reference);
+            let reference = series.iter().filter(|series| series.role.is_reference());
             let calm = union(reference.filter_map(|series| heights(series)))
                 .filter(|range| range.1 > range.0)
                 .unwrap_or_else(|| {
@@ -52,7 +69,10 @@ pub(super) fn vertical(row: &Row) -> (f64, f64) {
             }
         }
     };
-    if has_height(low, high) {
+    if row.y_decades {
+        let (first, last) = (low.floor(), high.ceil().max(low.floor() + 1.0));
+        (first - 0.05, last + 0.05)
+    } else if has_height(low, high) {
         let air = AIR * (high - low);
         (low - air, high + air)
     } else {
@@ -172,7 +192,7 @@ fn decimals(step: f64) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Figure, Kind, Panel};
+    use crate::{Figure, Kind, Panel, Role};
 
     fn series(role: Role, y: &[f64]) -> Series {
         let (name, kind) = (String::new(), Kind::Line);
@@ -189,6 +209,7 @@ mod tests {
         let (y_label, panels) = (String::new(), vec![Panel { series }]);
         vertical(&Row {
             y_label,
+            y_decades: false,
             limits,
             panels,
         })

@@ -7,7 +7,8 @@ use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
 
 use crate::drawn::Drawn;
-use crate::{Picture, ink, text};
+use crate::page::Page;
+use crate::{Picture, Size, SizeError, ink, text};
 
 /// A place on the page \[px\].
 pub type Place = (f64, f64);
@@ -263,14 +264,18 @@ impl Drawing {
 impl Picture for Drawing {}
 
 impl Drawn for Drawing {
-    fn page(&self) -> Scene {
+    fn page(&self, size: Size) -> Result<Page, SizeError> {
         let mut page = Scene::new(self.size.0, self.size.1);
         page.font_family = Some(text::FAMILY.to_owned());
         page.text_color = Some("#111111".to_owned());
         for element in &self.elements {
             page.add(element.clone());
         }
-        page
+        // A drawing keeps its proportions: it is as large as fits.
+        let fits = |asked: Option<f64>, own: f64| asked.map_or(f64::INFINITY, |asked| asked / own);
+        let scale = fits(size.width, self.size.0).min(fits(size.height, self.size.1));
+        let scale = if scale.is_finite() { scale } else { 1.0 };
+        Ok(Page { scene: page, scale })
     }
 }
 

@@ -63,8 +63,8 @@ pub(super) struct Planned<'a> {
 }
 
 impl<'a> Planned<'a> {
-    /// None if there is no panel.
-    pub fn new(grid: &'a Grid, common: Common<'a>) -> Option<Self> {
+    /// None if there is no panel. Rows with a label of `shared` have the range that stands there.
+    pub fn new(grid: &'a Grid, common: Common<'a>, shared: &axis::Shared) -> Option<Self> {
         let columns = grid.rows.iter().map(|row| row.panels.len()).max()?;
         if columns == 0 {
             return None;
@@ -74,6 +74,9 @@ impl<'a> Planned<'a> {
             && let Some(all) = axis::union(ranges.iter().copied())
         {
             ranges.fill(all);
+        }
+        for (range, row) in ranges.iter_mut().zip(&grid.rows) {
+            *range = shared.get(&*row.y_label).copied().unwrap_or(*range);
         }
         let mut planned = Self {
             grid,
@@ -101,6 +104,11 @@ impl<'a> Planned<'a> {
         self.columns as f64
     }
 
+    /// Number of frames below each other.
+    pub fn rows(&self) -> f64 {
+        self.grid.rows.len() as f64
+    }
+
     /// Width of the grid without its frames and what is left of the first \[px\].
     pub fn between(&self) -> f64 {
         self.columns() * RIGHT + (self.columns() - 1.0) * LEFT
@@ -126,7 +134,8 @@ impl<'a> Planned<'a> {
     fn layout(&self, row: usize, column: usize, width: f64) -> Layout {
         let height = self.common.height;
         let window = self.window(row, width);
-        let mut layout = panel::axes(&window, width, height, self.common.x_decades);
+        let decades = (self.common.x_decades, self.grid.rows[row].y_decades);
+        let mut layout = panel::axes(&window, width, height, decades);
         if column == 0 {
             let label = text::clean(&self.grid.rows[row].y_label);
             layout.y_label_wrap = Some(text::characters(&label, height, LABEL_SIZE));

@@ -33,6 +33,34 @@ const REFERENCE: Ink = Ink {
     marker: MarkerShape::Circle,
 };
 
+const BESIDE_REFERENCE: Ink = Ink {
+    colour: "#a6a6a6",
+    width: 2.8,
+    ..REFERENCE
+};
+
+const DEVICE: Ink = Ink {
+    colour: "#000000",
+    dashes: &[11.0, 3.0],
+    width: 1.0,
+    marker: MarkerShape::Circle,
+};
+
+const RECORDED: Ink = Ink {
+    dashes: &[],
+    width: 1.1,
+    ..DEVICE
+};
+
+const MARK: Ink = Ink {
+    dashes: &[1.5, 2.5],
+    width: 1.1,
+    ..DEVICE
+};
+
+/// Width of a line beside one of those that are compared \[px\].
+const BESIDE: f64 = 0.8;
+
 /// Okabe and Ito; their yellow, the last, is darkened so that it is not lost on white paper.
 /// Neighbours differ in lightness.
 const COLOURS: [&str; 8] = [
@@ -41,10 +69,10 @@ const COLOURS: [&str; 8] = [
 
 const DASHES: [&[f64]; 8] = [
     &[],
-    &[7.0, 2.5],
+    &[10.0, 3.5],
     &[2.0, 2.0],
     &[9.0, 2.5, 2.0, 2.5],
-    &[4.0, 2.0],
+    &[3.5, 2.5],
     &[12.0, 3.0, 4.0, 3.0],
     &[6.0, 2.0, 1.5, 2.0, 1.5, 2.0],
     &[14.0, 3.0],
@@ -63,6 +91,14 @@ const MARKERS: [MarkerShape; 7] = [
 pub(super) fn ink(role: Role) -> Ink {
     match role {
         Role::Reference => REFERENCE,
+        Role::BesideReference => BESIDE_REFERENCE,
+        Role::Device => DEVICE,
+        Role::Recorded => RECORDED,
+        Role::Mark => MARK,
+        Role::Beside(number) => Ink {
+            width: BESIDE,
+            ..ink(Role::Compared(number))
+        },
         Role::Compared(number) => Ink {
             colour: COLOURS[number % COLOURS.len()],
             // One further each time the colours come round, so that the pair is new.

@@ -1,12 +1,12 @@
 //! The legend: one line of swatches above all panels, more where they do not fit.
 
 use kuva::plot::legend::{LegendEntry, LegendShape};
-use kuva::render::color::Color;
 use kuva::render::render::{Primitive, Scene, TextAnchor, render_legend_at};
 use kuva::render::theme::Theme;
 
+use super::element::{disc, line};
 use super::ink::{Ink, dash_array, ink};
-use super::{Kind, Sheet, text};
+use super::{Kind, Role, Sheet, text};
 
 const SIZE: u32 = 12;
 /// Long enough to show the longest dashes once \[px\].
@@ -24,6 +24,7 @@ pub(super) struct Legend {
 struct Entry {
     name: String,
     kind: Kind,
+    role: Role,
     ink: Ink,
     x: f64,
     line: usize,
@@ -47,6 +48,7 @@ impl Legend {
             entries.push(Entry {
                 name,
                 kind: series.kind,
+                role: series.role,
                 ink,
                 x,
                 line,
@@ -67,19 +69,22 @@ impl Legend {
         for entry in &self.entries {
             let x = left + entry.x;
             let y = top + LINE * (entry.line as f64 + 0.5);
-            if entry.kind == Kind::Points {
-                marker(scene, entry, x, y);
-                continue;
+            match (entry.kind, entry.role) {
+                (Kind::Points, Role::Mark) => {
+                    let middle = (x + 0.5 * SWATCH, y);
+                    scene.add(disc(middle, 5.0, entry.ink.colour, false));
+                }
+                (Kind::Points, _) => {
+                    marker(scene, entry, x, y);
+                    continue;
+                }
+                _ => {
+                    let (from, to) = ((x, y), (x + SWATCH, y));
+                    let dashes = dash_array(entry.ink.dashes);
+                    let (colour, width) = (entry.ink.colour, entry.ink.width);
+                    scene.add(line(from, to, colour, width, dashes.as_deref()));
+                }
             }
-            scene.add(Primitive::Line {
-                x1: x,
-                y1: y,
-                x2: x + SWATCH,
-                y2: y,
-                stroke: Color::from(entry.ink.colour),
-                stroke_width: entry.ink.width,
-                stroke_dasharray: dash_array(entry.ink.dashes),
-            });
             scene.add(Primitive::Text {
                 x: x + SWATCH + GAP,
                 y: y + 0.36 * f64::from(SIZE),

@@ -1,5 +1,5 @@
-//! Figures for a paper: panels in a grid over one time axis, as SVG (and PNG with the feature
-//! `png`), and [drawings](drawing) of what is no plot.
+//! Figures for a paper: panels in a grid over one time axis, [fields](FieldFigure), [dots](DotFigure) and
+//! [drawings](drawing) of what is no plot; as SVG or PDF, and as PNG with the feature `png`.
 //!
 //! The panels of a column stand on the same time axis, the panels of a row share their vertical
 //! range, so that columns can be compared by eye. Colours are those of Okabe and Ito, told apart
@@ -7,15 +7,20 @@
 
 mod axis;
 mod cut;
+mod dots;
 pub mod drawing;
+mod element;
 mod field;
 mod grid;
 mod ink;
 mod legend;
 mod page;
 mod panel;
+mod pdf;
 #[cfg(feature = "png")]
 mod png;
+mod range;
+mod size;
 mod stroke;
 mod svg;
 mod text;
@@ -24,13 +29,16 @@ mod thin;
 #[cfg(test)]
 mod tests;
 
+pub use dots::{Dot, DotFigure, DotPanel};
 pub use drawing::{Beside, Drawing, Pen};
 pub use field::{Bound, FieldFigure, FieldPanel, FieldRow, Scale};
+pub use pdf::pdf;
 #[cfg(feature = "png")]
-pub use png::png;
+pub use png::{PngError, png};
+pub use size::{Size, SizeError};
 pub use svg::svg;
 
-/// What can be drawn: a [`Figure`], a [`Sheet`], a [`FieldFigure`] or a [`Drawing`].
+/// What can be drawn: a [`Figure`], a [`Sheet`], a [`FieldFigure`], a [`DotFigure`] or a [`Drawing`].
 pub trait Picture: drawn::Drawn {}
 
 impl Picture for Figure {}
@@ -39,33 +47,40 @@ impl Picture for Sheet {}
 
 impl Picture for FieldFigure {}
 
+impl Picture for DotFigure {}
+
 /// Keeps the drawing library out of what users of this crate see.
 mod drawn {
-    use kuva::render::render::Scene;
-
-    use super::{FieldFigure, Figure, Sheet, field, page};
+    use super::page::Page;
+    use super::{DotFigure, FieldFigure, Figure, Sheet, Size, SizeError, dots, field, page};
 
     /// What has a page.
     pub trait Drawn {
         /// The page.
-        fn page(&self) -> Scene;
+        fn page(&self, size: Size) -> Result<Page, SizeError>;
     }
 
     impl Drawn for Figure {
-        fn page(&self) -> Scene {
-            page::scene(&Sheet::from(self))
+        fn page(&self, size: Size) -> Result<Page, SizeError> {
+            page::page(&Sheet::from(self), size)
         }
     }
 
     impl Drawn for Sheet {
-        fn page(&self) -> Scene {
-            page::scene(self)
+        fn page(&self, size: Size) -> Result<Page, SizeError> {
+            page::page(self, size)
         }
     }
 
     impl Drawn for FieldFigure {
-        fn page(&self) -> Scene {
-            field::scene(self)
+        fn page(&self, size: Size) -> Result<Page, SizeError> {
+            field::page(self, size)
+        }
+    }
+
+    impl Drawn for DotFigure {
+        fn page(&self, size: Size) -> Result<Page, SizeError> {
+            dots::page(self, size)
         }
     }
 }
@@ -73,8 +88,10 @@ mod drawn {
 /// A figure: rows of panels over one time axis.
 #[derive(Debug, Clone, Default)]
 pub struct Figure {
-    /// Line above everything; none where empty.
+    /// Line above everything, what the figure shows; none where empty.
     pub title: String,
+    /// Line below the title, what it is a figure of; none where empty.
+    pub subtitle: String,
     /// Small print below everything.
     pub footnote: Option<String>,
     /// Quantity and unit of the horizontal axis, `time [s]`.
@@ -96,11 +113,15 @@ pub struct Sheet {
     /// As of a [`Figure`].
     pub title: String,
     /// As of a [`Figure`].
+    pub subtitle: String,
+    /// As of a [`Figure`].
     pub footnote: Option<String>,
     /// As of a [`Figure`].
     pub x_label: String,
     /// As of a [`Figure`].
     pub x_decades: bool,
+    /// Whether all rows with the same label, in whatever grid, have the same vertical axis.
+    pub same_scales: bool,
     /// The lines of grids.
     pub lines: Vec<Vec<Grid>>,
 }
@@ -122,9 +143,11 @@ impl From<&Figure> for Sheet {
     fn from(figure: &Figure) -> Self {
         Self {
             title: figure.title.clone(),
+            subtitle: figure.subtitle.clone(),
             footnote: figure.footnote.clone(),
             x_label: figure.x_label.clone(),
             x_decades: figure.x_decades,
+            same_scales: false,
             lines: vec![vec![Grid {
                 columns: figure.columns.clone(),
                 rows: figure.rows.clone(),
@@ -150,6 +173,8 @@ impl Sheet {
 pub struct Row {
     /// Quantity and unit of the vertical axis, `force [N]`.
     pub y_label: String,
+    /// Whether the vertical positions are logarithms to the base 10 of what the axis shows.
+    pub y_decades: bool,
     /// How far the vertical axis reaches.
     pub limits: Limits,
     /// One panel per column, from left to right.
@@ -197,8 +222,25 @@ pub enum Kind {
 pub enum Role {
     /// What the others are measured against, the ideal: a broad grey line behind them.
     Reference,
+    /// What moves with the reference, as the ideal's device: a narrower, darker grey line.
+    BesideReference,
     /// One of those that are compared, counted from 0.
     Compared(usize),
+    /// What moves with one of those that are compared: a thin line that looks the same otherwise.
+    Beside(usize),
+    /// The device where there is one for all: a thin black line with long dashes.
+    Device,
+    /// What was measured: a thin black line without gaps.
+    Recorded,
+    /// What the figure points at: a black ring, or a thin black line of dots.
+    Mark,
+}
+
+impl Role {
+    /// Whether it is what the others are measured against.
+    fn is_reference(self) -> bool {
+        matches!(self, Self::Reference | Self::BesideReference)
+    }
 }
 
 /// How far the vertical axis of a row reaches.

@@ -41,7 +41,7 @@ pub(super) fn draw(panel: &Panel, window: &Window, height: f64) -> Drawn {
         // The library draws no axes around nothing.
         plots.push(LinePlot::new().into());
     }
-    let is_reference = |series: &&Series| series.role == Role::Reference;
+    let is_reference = |series: &&Series| series.role.is_reference();
     let references = panel.series.iter().filter(is_reference);
     let others = panel.series.iter().filter(|series| !is_reference(series));
     let mut leaving = Vec::new();
@@ -79,8 +79,14 @@ pub(super) fn draw(panel: &Panel, window: &Window, height: f64) -> Drawn {
 fn curve(series: &Series, points: Vec<(f64, f64)>) -> Plot {
     let ink = ink(series.role);
     if series.kind == Kind::Points {
-        let dots = ScatterPlot::new().with_data(points).with_color(ink.colour);
-        return dots.with_size(2.5).with_marker(ink.marker).into();
+        let dots = ScatterPlot::new().with_data(points);
+        if series.role == Role::Mark {
+            let ring = dots.with_color(ink.colour).with_size(MARK + 1.0);
+            let ring = ring.with_marker(ink.marker).with_marker_opacity(0.0);
+            return ring.with_marker_stroke_width(1.6).into();
+        }
+        let dots = dots.with_color(ink.colour).with_size(2.5);
+        return dots.with_marker(ink.marker).into();
     }
     let mut line = LinePlot::new().with_data(points);
     if let Some(dashes) = dash_array(ink.dashes) {
@@ -91,17 +97,21 @@ fn curve(series: &Series, points: Vec<(f64, f64)>) -> Plot {
         .into()
 }
 
-/// The axes of a panel of the given size \[px\], without their labels. With `x_decades` the
-/// horizontal one shows powers of ten.
-pub(super) fn axes(window: &Window, width: f64, height: f64, x_decades: bool) -> Layout {
-    let x_step = if x_decades {
-        1.0
-    } else {
-        axis::tick_step(window.x, width, 48.0)
+/// The axes of a panel of the given size \[px\], without their labels. The horizontal and the vertical
+/// one show powers of ten where their `decades` say so.
+pub(super) fn axes(window: &Window, width: f64, height: f64, decades: (bool, bool)) -> Layout {
+    let step = |range: (f64, f64), length: f64, room: f64, decades: bool| {
+        let step = axis::tick_step(range, length, room);
+        if decades { step.ceil().max(1.0) } else { step }
     };
-    let y_step = axis::tick_step(window.y, height, 26.0);
-    let label =
-        |step: f64| TickFormat::Custom(Arc::new(move |value| axis::tick_label(value, step)));
+    let x_step = step(window.x, width, 48.0, decades.0);
+    let y_step = step(window.y, height, 26.0, decades.1);
+    let label = |step: f64, decades: bool| {
+        if decades {
+            return TickFormat::Custom(Arc::new(axis::decade_label));
+        }
+        TickFormat::Custom(Arc::new(move |value| axis::tick_label(value, step)))
+    };
     let mut layout = Layout::new(window.x, window.y)
         .with_x_axis_min(window.x.0)
         .with_x_axis_max(window.x.1)
@@ -109,12 +119,8 @@ pub(super) fn axes(window: &Window, width: f64, height: f64, x_decades: bool) ->
         .with_y_axis_max(window.y.1)
         .with_x_tick_step(x_step)
         .with_y_tick_step(y_step)
-        .with_x_tick_format(if x_decades {
-            TickFormat::Custom(Arc::new(axis::decade_label))
-        } else {
-            label(x_step)
-        })
-        .with_y_tick_format(label(y_step))
+        .with_x_tick_format(label(x_step, decades.0))
+        .with_y_tick_format(label(y_step, decades.1))
         .with_tick_size(TICK_SIZE)
         .with_label_size(LABEL_SIZE)
         .with_tick_length(4.0)

@@ -4,18 +4,34 @@ use kuva::backend::raster::RasterBackend;
 use kuva::render::color::Color;
 use kuva::render::render::Primitive;
 
-use crate::Picture;
+use crate::page::Page;
+use crate::{Picture, Size, SizeError};
 
 /// Draws `figure` as a PNG image with `scale` pixels for each pixel of the SVG.
 ///
 /// # Errors
 ///
-/// What the drawing library says where it cannot encode the image.
-pub fn png(figure: &(impl Picture + ?Sized), scale: f32) -> Result<Vec<u8>, String> {
-    let mut scene = figure.page();
+/// The figure does not fit into `size`; what the drawing library says where it cannot encode the image.
+pub fn png(figure: &(impl Picture + ?Sized), size: Size, scale: f32) -> Result<Vec<u8>, PngError> {
+    let Page {
+        mut scene,
+        scale: of_page,
+    } = figure.page(size).map_err(PngError::Size)?;
     let elements = std::mem::take(&mut scene.elements);
     scene.elements = elements.into_iter().flat_map(solid).collect();
-    RasterBackend::new().with_scale(scale).render_scene(&scene)
+    #[expect(clippy::cast_possible_truncation, reason = "a factor near 1")]
+    let scale = scale * of_page as f32;
+    let image = RasterBackend::new().with_scale(scale).render_scene(&scene);
+    image.map_err(PngError::Image)
+}
+
+/// Why there is no image.
+#[derive(Debug)]
+pub enum PngError {
+    /// The figure does not fit.
+    Size(SizeError),
+    /// The image cannot be encoded; what the drawing library says.
+    Image(String),
 }
 
 /// The dashes of a dashed line as lines of their own. The library begins its dashes anew at every

@@ -5,23 +5,37 @@ use std::fmt::Write;
 use kuva::backend::svg::SvgBackend;
 use kuva::render::render::{PathData, Primitive, Scene};
 
-use crate::Picture;
+use crate::page::Page;
+use crate::{Picture, Size, SizeError};
 
 /// Draws `figure` as an SVG document; the same figure gives the same bytes.
-pub fn svg(figure: &(impl Picture + ?Sized)) -> String {
-    let mut scene = figure.page();
+///
+/// # Errors
+///
+/// The figure does not fit into `size`.
+pub fn svg(figure: &(impl Picture + ?Sized), size: Size) -> Result<String, SizeError> {
+    let Page { mut scene, scale } = figure.page(size)?;
     number_clips(&mut scene);
     for element in &mut scene.elements {
         shorten(element);
     }
     let size = format!(r#"viewBox="0 0 {} {}" "#, scene.width, scene.height);
+    let own = format!(r#"width="{}" height="{}""#, scene.width, scene.height);
+    let scaled = format!(
+        r#"width="{}" height="{}""#,
+        hundredths(scale * scene.width),
+        hundredths(scale * scene.height)
+    );
     let mut document = SvgBackend::new().render_scene(&scene);
     // Without it, a document that embeds the figure cannot scale it.
     if let Some(at) = document.find("width=") {
         document.insert_str(at, &size);
     }
+    if scale != 1.0 {
+        document = document.replacen(&own, &scaled, 1);
+    }
     document.push('\n');
-    document
+    Ok(document)
 }
 
 /// Numbers the clipped regions from 0; the library counts over the whole process.
@@ -58,8 +72,11 @@ fn shorten(element: &mut Primitive) {
     }
 }
 
+fn hundredths(value: f64) -> f64 {
+    (value * 100.0).round() / 100.0
+}
+
 fn path(points: &[(f64, f64)]) -> String {
-    let hundredths = |value: f64| (value * 100.0).round() / 100.0;
     let mut path = String::new();
     let mut before = None;
     for point in points {

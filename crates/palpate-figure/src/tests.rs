@@ -2,6 +2,11 @@
 
 use super::*;
 
+/// A figure as large as it is by itself.
+fn svg(figure: &impl Picture) -> String {
+    super::svg(figure, Size::NATURAL).unwrap()
+}
+
 fn series(name: &str, role: Role, kind: Kind, y: impl Fn(f64) -> f64, count: u32) -> Series {
     let x: Vec<f64> = (0..count)
         .map(|i| f64::from(i) / f64::from(count - 1))
@@ -23,11 +28,13 @@ fn figure(columns: usize, rows: usize, series: &[Series]) -> Figure {
     };
     let row = Row {
         y_label: "force [N]".to_owned(),
+        y_decades: false,
         limits: Limits::default(),
         panels: vec![panel; columns],
     };
     Figure {
         title: "A figure".to_owned(),
+        subtitle: "of nothing".to_owned(),
         footnote: Some("In small print.".to_owned()),
         x_label: "time [s]".to_owned(),
         x_decades: false,
@@ -249,9 +256,9 @@ fn a_png_is_the_same_each_time() {
         2,
         &[noise(0, Kind::Line, 100), noise(3, Kind::Step, 100)],
     );
-    let first = png(&figure, 2.0).unwrap();
+    let first = png(&figure, Size::NATURAL, 2.0).unwrap();
     assert!(first.starts_with(b"\x89PNG"));
-    assert_eq!(png(&figure, 2.0).unwrap(), first);
+    assert_eq!(png(&figure, Size::NATURAL, 2.0).unwrap(), first);
 }
 
 #[test]

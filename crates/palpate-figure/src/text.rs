@@ -33,6 +33,15 @@ pub(super) fn lines(text: &str, room: f64, size: u32) -> Vec<String> {
     wrap_text(text, characters(text, room, size))
 }
 
+/// `text` in as few lines as fit into `room` \[px\], none much shorter than the others.
+pub(super) fn balanced(text: &str, room: f64, size: u32) -> Vec<String> {
+    let lines = lines(text, room, size);
+    let least = (8..text.chars().count())
+        .map(|count| wrap_text(text, count))
+        .find(|shorter| shorter.len() == lines.len());
+    least.unwrap_or(lines)
+}
+
 /// `text` without the characters that XML does not allow.
 pub(super) fn clean(text: &str) -> String {
     let allowed = |&c: &char| !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}');

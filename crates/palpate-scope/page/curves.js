@@ -44,7 +44,7 @@ export const CHARTS = [
       { column: "stored_energy_j", name: "stored", dash: SOLID },
       { column: "port_work_j", name: "port work", dash: DASHED },
       { column: "virtual_force_work_j", name: "virtual force", dash: DOTTED },
-      { column: "outside_work_j", name: "outside", dash: BOTH },
+      { column: "outside_work_j", name: "by changes", dash: BOTH },
     ],
   },
   {
@@ -55,7 +55,7 @@ export const CHARTS = [
     range: { least: 1e-5 },
     curves: [
       { column: "leak_held_j", name: "held force", dash: SOLID },
-      { column: "leak_original_j", name: "spring’s own", dash: DOTTED },
+      { column: "leak_original_j", name: "plain spring", dash: DOTTED },
     ],
   },
   {

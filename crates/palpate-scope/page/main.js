@@ -11,6 +11,7 @@ import { Pace, SAY_S, Turns } from "./pace.js";
 import { readSamples, say } from "./protocol.js";
 import { refusalInWords } from "./refusal.js";
 import { Scene } from "./scene.js";
+import { createdWithin, seenInWords } from "./seen.js";
 import { Status, aboutBuffer } from "./status.js";
 import { onThemeChange, readTheme } from "./theme.js";
 import { Toolbar } from "./toolbar.js";
@@ -20,6 +21,8 @@ import { View } from "./view.js";
 // Somebody who wants less motion sees the charts go on this often.
 const STILL_S = 0.5;
 const READ_OUT_S = 0.1;
+// A sentence that changes more often is not read.
+const SENTENCE_S = 0.5;
 
 const place = (id) => document.getElementById(id);
 const still = matchMedia("(prefers-reduced-motion: reduce)");
@@ -190,6 +193,7 @@ let lastMs = performance.now();
 const pace = new Pace();
 let drawnS = -Infinity;
 let readS = -Infinity;
+let seenS = -Infinity;
 const saying = new Turns(SAY_S);
 
 function frame(nowMs) {
@@ -218,6 +222,11 @@ function frame(nowMs) {
     hand.describe();
     // It counts seconds: read out each time it would hide all else.
     place("buffer").textContent = aboutBuffer(model, view);
+  }
+  if (model.hello && model.state && nowS - seenS >= SENTENCE_S) {
+    seenS = nowS;
+    const lanes = model.state.lanes.map(({ method }, lane) => ({ method, ...createdWithin(model, lane, view.spanS) }));
+    place("seen").textContent = seenInWords(lanes);
   }
   counted.allFrames += 1;
   counted.frames += 1;

@@ -150,7 +150,7 @@ export class Scene {
     const side = model.hello.side;
     const colour = theme.lanes[lane];
     const middle = left + width / 2 - 10;
-    const size = Math.max(0.72, Math.min(1, width / 150));
+    const size = Math.max(0.72, Math.min(1.5, width / 150));
     const hand = this.handM;
     if (hand !== null && !(Math.abs(axis.y(hand) - axis.y(look.device)) < 2)) {
       drawHand(context, middle, axis.y(hand), axis.y(look.device), side, size);

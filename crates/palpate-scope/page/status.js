@@ -21,8 +21,8 @@ const COLUMNS = [
   { title: "Tick, 99 %", about: "99 of 100 ticks took no longer than this", of: (lane) => seconds(lane.tick_s?.p99) },
   { title: "Missed", about: "deadlines that were missed", of: (lane) => count(lane.missed_deadlines) },
   { title: "No sample", about: "ticks without a fresh sample of the device", of: (lane) => count(lane.without_sample) },
-  { title: "Cut", about: "times the supervisor commanded no force", of: (lane) => count(lane.supervisor_cuts) },
-  { title: "Untold", about: "ticks that found no room on their way to the scope", of: (lane) => count(lane.untold) },
+  { title: "Stop force", about: "times the supervisor commanded no force because the loop did not answer", of: (lane) => count(lane.supervisor_cuts) },
+  { title: "Not shown", about: "ticks that found no room on their way to this page; a recording has them", of: (lane) => count(lane.untold) },
 ];
 
 export class Status {

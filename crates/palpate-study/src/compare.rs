@@ -247,7 +247,8 @@ impl Figures {
     }
 
     /// Whether it neither ran away nor ran out of a safety box or into the end of a mechanism.
-    fn is_whole(&self) -> bool {
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
         self.diverged != Some(true) && self.left_box_at_s.is_none() && self.jammed_at_s.is_none()
     }
 }

@@ -11,7 +11,8 @@ pub fn lines(table: &Table) -> String {
     lines.join("\n")
 }
 
-/// A table with a line under its header; the first column holds names, or numbers like the others.
+/// A table with a line under its header, its columns two blanks apart; the first column holds names, or
+/// numbers like the others.
 pub fn plain_table(first: CellAlignment, header: &[&str]) -> Table {
     let mut table = Table::new();
     table
@@ -25,6 +26,9 @@ pub fn plain_table(first: CellAlignment, header: &[&str]) -> Table {
             CellAlignment::Right
         })
     }));
+    for column in table.column_iter_mut() {
+        column.set_padding((1, 0));
+    }
     table
 }
 

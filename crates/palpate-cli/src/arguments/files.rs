@@ -1,6 +1,9 @@
 //! Arguments about files: what becomes of those that are there, and which part of a motion is read.
 
-use clap::{ArgAction, Args};
+use std::path::PathBuf;
+
+use clap::{ArgAction, Args, ValueHint};
+use palpate_figure::Size;
 use palpate_files::atomic::Existing;
 use palpate_files::outputs::Outputs;
 use palpate_record::trace::Part;
@@ -26,6 +29,39 @@ impl Overwriting {
             Existing::Keep
         })
     }
+}
+
+/// Where the figure of a command goes.
+#[derive(Args, Debug, Default, Clone)]
+pub struct PlotFlags {
+    /// Draw a figure into a file, .svg or .pdf (or .png where built with the feature png)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Results")]
+    pub plot: Option<PathBuf>,
+    /// How large it is.
+    #[command(flatten)]
+    pub size: SizeFlag,
+}
+
+/// How large a figure is.
+#[derive(Args, Debug, Default, Clone, Copy)]
+pub struct SizeFlag {
+    /// Size of the figure: column (85 mm wide), page (170 mm wide), slide (254x142.9), or width and
+    /// height in mm, such as 120x80 [default: its own]
+    #[arg(long, value_name = "SIZE", help_heading = "Results")]
+    pub size: Option<Size>,
+}
+
+/// Which part of a figure over time is drawn.
+#[derive(Args, Debug, Default, Clone, Copy)]
+pub struct TimeFlags {
+    /// Draw the figure from this time on [s]; what is computed stays the same [default: its begin]
+    #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true,
+          help_heading = "Results")]
+    pub plot_from: Option<f64>,
+    /// Draw the figure up to this time [s] [default: its end]
+    #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true,
+          help_heading = "Results")]
+    pub plot_to: Option<f64>,
 }
 
 /// Which part of a recorded motion is taken.

@@ -6,7 +6,7 @@ mod offline;
 mod replay;
 mod setting_flags;
 
-pub use files::{Overwriting, PartFlags};
+pub use files::{Overwriting, PartFlags, PlotFlags, SizeFlag, TimeFlags};
 pub use flags::{Flags, TimingFlags};
 pub use offline::{
     ClaimsArguments, CompareArguments, Compared, CompletionArguments, CurveArguments,

@@ -7,7 +7,9 @@ use palpate_record::unit::LengthUnit;
 use palpate_scene::HandForceAt;
 use palpate_study::sweep::Quantity;
 
-use super::{Flags, Overwriting, PartFlags, ReplayFlags, TimingFlags};
+use super::{
+    Flags, Overwriting, PartFlags, PlotFlags, ReplayFlags, SizeFlag, TimeFlags, TimingFlags,
+};
 use crate::values::{
     Methods, Numbers, force_place, length_unit, methods, number, numbers, quantity,
 };
@@ -106,6 +108,9 @@ pub struct CompareArguments {
     /// Write the table to a CSV file
     #[arg(long, value_name = "TABLE.csv", value_hint = ValueHint::FilePath)]
     pub out: Option<PathBuf>,
+    /// The figure of the force errors.
+    #[command(flatten)]
+    pub picture: PlotFlags,
     /// Files that are there already.
     #[command(flatten)]
     pub overwriting: Overwriting,
@@ -129,9 +134,9 @@ pub struct TuneArguments {
     /// The curve.
     #[command(flatten)]
     pub curve: CurveArguments,
-    /// Draw the curve into a file, .svg (or .png where built with the feature png)
-    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Results")]
-    pub plot: Option<PathBuf>,
+    /// The figure of the curve.
+    #[command(flatten)]
+    pub picture: PlotFlags,
     /// Files that are there already.
     #[command(flatten)]
     pub overwriting: Overwriting,
@@ -187,9 +192,9 @@ pub struct SuiteArguments {
     /// Write a row for each plant, delay and method to a CSV file
     #[arg(long, value_name = "FILE.csv", value_hint = ValueHint::FilePath, help_heading = "Results")]
     pub out: Option<PathBuf>,
-    /// Draw the distribution of the error into a file, .svg (or .png where built with the feature png)
-    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, help_heading = "Results")]
-    pub plot: Option<PathBuf>,
+    /// The figure of the distribution of the error.
+    #[command(flatten)]
+    pub picture: PlotFlags,
     /// Files that are there already.
     #[command(flatten)]
     pub overwriting: Overwriting,
@@ -234,9 +239,16 @@ pub struct FigureArguments {
     /// Which figure
     #[arg(value_enum)]
     pub figure: FigureName,
-    /// File to draw into, .svg (or .png where built with the feature png) [default: its name with .svg]
+    /// File to draw into, .svg or .pdf (or .png where built with the feature png) [default: its name
+    /// with .svg]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub plot: Option<PathBuf>,
+    /// How large it is.
+    #[command(flatten)]
+    pub size: SizeFlag,
+    /// Which part of it is drawn, of a figure over time.
+    #[command(flatten)]
+    pub time: TimeFlags,
     /// Files that are there already.
     #[command(flatten)]
     pub overwriting: Overwriting,
@@ -294,9 +306,12 @@ pub struct Results {
     /// Write every tick to a CSV file; - for standard output
     #[arg(long, value_name = "RUN.csv", value_hint = ValueHint::FilePath)]
     pub out: Option<PathBuf>,
-    /// Draw the run into a file, .svg (or .png where built with the feature png)
-    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
-    pub plot: Option<PathBuf>,
+    /// The figure of the runs.
+    #[command(flatten)]
+    pub picture: PlotFlags,
+    /// Which part of it is drawn.
+    #[command(flatten)]
+    pub time: TimeFlags,
     /// Files that are there already.
     #[command(flatten)]
     pub overwriting: Overwriting,

@@ -10,8 +10,9 @@ use palpate_sim::closed_loop::{Bench, LoopError};
 use super::simulate::{explain, read_scene, subject};
 use crate::arguments::{CompareArguments, Flags, TimingFlags};
 use crate::failure::Failure;
+use crate::plots;
 use crate::progress::Progress;
-use crate::results::print_report;
+use crate::results::{draw, print_report};
 use palpate_study::compare::{COLUMNS, Comparison, SceneRows};
 
 /// Runs every method on every scene.
@@ -27,6 +28,7 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     if let Some(out) = &arguments.out {
         outputs.plan("--out", out)?;
     }
+    arguments.picture.plan(&mut outputs)?;
     // Every file is read before any work is done.
     let files = arguments
         .scenes
@@ -64,6 +66,11 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     if let Some(out) = &arguments.out {
         write(&outputs, out, &comparison)?;
         comparison.wrote(out);
+    }
+    if let Some(path) = &arguments.picture.plot {
+        let figure = plots::compared(&comparison);
+        draw(&outputs, path, &figure, arguments.picture.size)?;
+        comparison.wrote(path);
     }
     print_report(&comparison, arguments.json)
 }

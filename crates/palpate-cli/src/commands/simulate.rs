@@ -13,7 +13,7 @@ use palpate_sim::run::Run;
 use crate::arguments::{Flags, SimulateArguments, TimingFlags};
 use crate::failure::{Failure, tell};
 use crate::inside;
-use crate::plots;
+use crate::plots::{Devices, RunsFigure};
 use crate::progress::Progress;
 use crate::results::deliver;
 use crate::setup::{receipt, wrong_flag, wrong_setup};
@@ -59,7 +59,16 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         report,
         &receipt,
         &runs,
-        || plots::overlay(&scene.title, bench.reference(), &runs),
+        || {
+            let figure = RunsFigure {
+                of: scene.title.clone(),
+                reference: bench.reference(),
+                runs: &runs,
+                devices: Devices::OfEachRun,
+                recorded: None,
+            };
+            figure.sheet()
+        },
         progress,
     )
 }

@@ -9,8 +9,9 @@ use super::simulate::{explain, read_scene};
 use crate::arguments::{CurveArguments, Least, TuneArguments, flag_of_setting};
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::results::{draw, plan_picture, print_report};
+use crate::results::{draw, print_report};
 use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
+use palpate_study::text::{digits, percent};
 
 /// Tries every value of the curve at every start height.
 pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
@@ -35,9 +36,7 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
     }
     let mut outputs = arguments.overwriting.outputs();
     outputs.protect(&arguments.scene);
-    if let Some(path) = &arguments.plot {
-        plan_picture(&mut outputs, "--plot", path)?;
-    }
+    arguments.picture.plan(&mut outputs)?;
     let mut scene = file.scene.clone();
     flags.change(&mut scene, &methods)?;
     arguments.timing.change(&mut scene);
@@ -62,8 +61,8 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
         Least::Leak => Objective::Leak,
     };
     let mut report = TuneReport::new(&scene, method, setting, objective, points);
-    if let Some(path) = &arguments.plot {
-        draw(&outputs, path, &figure(&report))?;
+    if let Some(path) = &arguments.picture.plot {
+        draw(&outputs, path, &figure(&report), arguments.picture.size)?;
         report.wrote(path);
     }
     print_report(&report, arguments.json)
@@ -97,7 +96,7 @@ fn values(
         .collect())
 }
 
-/// The curves of a report, over the values.
+/// The curves of a report, over the values, and the chosen value.
 fn figure(report: &TuneReport) -> Figure {
     let x: Vec<f64> = report
         .curve
@@ -111,21 +110,53 @@ fn figure(report: &TuneReport) -> Figure {
         x: x.clone(),
         y: report.curve.iter().map(value).collect(),
     };
-    let row = |y_label: &str, of: &dyn Fn(&PointReport) -> SpreadReport| Row {
-        y_label: y_label.into(),
-        limits: Limits::Data,
-        panels: vec![Panel {
-            series: vec![
-                series(1, "own height", &|point| of(point).own),
-                series(2, "worst height", &|point| of(point).worst),
-                series(0, "median height", &|point| of(point).median),
-            ],
-        }],
+    let best = report.best.value_n_s_per_m;
+    let chosen = format!("chosen: {} N s/m", digits(best));
+    let row = |y_label: &str, of: &dyn Fn(&PointReport) -> SpreadReport| {
+        let mut all = vec![
+            series(1, "own height", &|point| of(point).own),
+            series(2, "worst height", &|point| of(point).worst),
+            series(0, "median height", &|point| of(point).median),
+        ];
+        // The line of the chosen value, from the least to the greatest of all that is drawn.
+        let heights = || all.iter().flat_map(|series| &series.y).copied();
+        let heights = || heights().filter(|height| height.is_finite());
+        let (least, most) = (
+            heights().fold(f64::INFINITY, f64::min),
+            heights().fold(f64::NEG_INFINITY, f64::max),
+        );
+        let mark = |name: &str, kind, x: Vec<f64>, y: Vec<f64>| Series {
+            name: name.into(),
+            kind,
+            role: Role::Mark,
+            x,
+            y,
+        };
+        let at = of(&report.best).median;
+        all.push(mark("", Kind::Line, vec![best, best], vec![least, most]));
+        all.push(mark(&chosen, Kind::Points, vec![best], vec![at]));
+        Row {
+            y_label: y_label.into(),
+            limits: Limits::Data,
+            panels: vec![Panel { series: all }],
+            ..Row::default()
+        }
     };
+    let error = report.best.mean_force_error_percent;
     Figure {
-        title: format!("{}: {}", report.title, report.method),
+        title: format!(
+            "{} with a {} of {} N s/m has the least {}: E {} % in the median, {} % at the worst height",
+            report.method,
+            report.setting_in_words(),
+            digits(best),
+            report.least,
+            percent(error.median),
+            percent(error.worst)
+        ),
+        subtitle: report.title.clone(),
         footnote: Some(format!(
-            "Simulated from {} start heights within ±{} % of the scene's gap.",
+            "E: error of the mean force of each period. Leak: energy that the held force creates or takes \
+             away. {} start heights within ±{} % of the scene's gap; chosen by the median.",
             report.start_heights,
             100.0 * report.height_range
         )),
@@ -133,9 +164,7 @@ fn figure(report: &TuneReport) -> Figure {
         x_decades: false,
         columns: Vec::new(),
         rows: vec![
-            row("mean-force error [%]", &|point| {
-                point.mean_force_error_percent
-            }),
+            row("error E [%]", &|point| point.mean_force_error_percent),
             row("sum of leaks [mJ]", &|point| {
                 let leak = point.absolute_leak_j;
                 SpreadReport {

@@ -5,13 +5,15 @@ mod page;
 mod panel;
 mod region;
 
-pub(super) use page::scene;
+pub(super) use page::page;
 
 /// A page of fields: rows of panels over the same axes.
 #[derive(Debug, Clone, Default)]
 pub struct FieldFigure {
-    /// Line above everything.
+    /// Line above everything: what the figure shows.
     pub title: String,
+    /// Line below the title: what it is a figure of.
+    pub subtitle: String,
     /// Small print below everything.
     pub footnote: String,
     /// Quantity of the horizontal axis.
@@ -133,7 +135,7 @@ mod tests {
 
     #[test]
     fn everything_that_is_drawn_lies_on_the_page() {
-        let scene = scene(&figure());
+        let scene = page(&figure(), crate::Size::NATURAL).unwrap().scene;
         let mut texts = Vec::new();
         for element in &scene.elements {
             let (x, y) = match element {

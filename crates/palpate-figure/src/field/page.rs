@@ -3,9 +3,11 @@
 use kuva::render::color::Color;
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 
-use super::panel::{self, Place, SIZE, SPLIT, STRIP, line, swatch};
+use super::panel::{self, Place, SPLIT, STRIP, swatch};
 use super::{FieldFigure, Scale};
-use crate::{ink, text};
+use crate::element::{line, words};
+use crate::page::{Head, Page, foot};
+use crate::{Size, SizeError, ink, text};
 
 const EDGE: f64 = 10.0;
 /// Left of the panels, for the name of the row, the axis' label and its numbers \[px\].
@@ -15,39 +17,64 @@ const BETWEEN: f64 = 9.0;
 /// Below the panels of a row without numbers, and with them \[px\].
 const BELOW: f64 = 8.0;
 const BELOW_LAST: f64 = 36.0;
-const TITLE_SIZE: u32 = 14;
 const HEAD_SIZE: u32 = 12;
 const LABEL_SIZE: u32 = 11;
 const NOTE_SIZE: u32 = 10;
 const SWATCH: f64 = 16.0;
 const LEGEND_LINE: f64 = 17.0;
 
+/// Width and height of a field where nothing else is asked for: four fit on a page of 170 mm \[px\].
+const SIZE: f64 = 117.0;
+/// Least width and height of a field \[px\].
+const LEAST: f64 = 40.0;
+
+/// Width of everything beside the fields \[px\].
+fn beside(columns: f64) -> f64 {
+    2.0 * EDGE + LEFT + columns * (STRIP + SPLIT + BETWEEN)
+}
+
 /// Draws a figure.
-pub(crate) fn scene(figure: &FieldFigure) -> Scene {
-    let columns = figure
-        .rows
-        .iter()
-        .map(|row| row.panels.len())
-        .max()
-        .unwrap_or(0);
-    let step = STRIP + SPLIT + SIZE + BETWEEN;
-    let width = (2.0 * EDGE + LEFT + columns.max(3) as f64 * step).ceil();
-    let mut page = Scene::new(width, 0.0);
+pub(crate) fn page(figure: &FieldFigure, size: Size) -> Result<Page, SizeError> {
+    let columns = figure.rows.iter().map(|row| row.panels.len()).max();
+    let columns = columns.unwrap_or(0).max(1) as f64;
+    let within = |side: &'static str, asked: f64, other: f64, fields: f64| {
+        let field = (asked - other) / fields;
+        if field < LEAST {
+            return Err(SizeError::too_small(side, asked, other + fields * LEAST));
+        }
+        Ok(field)
+    };
+    let mut field = match size.width {
+        None => SIZE,
+        Some(width) => within("width", width, beside(columns), columns)?,
+    };
+    let width = size
+        .width
+        .unwrap_or(beside(columns.max(3.0)) + columns.max(3.0) * field);
+    if let Some(height) = size.height {
+        let rows = figure.rows.len().max(1) as f64;
+        let other = scene(figure, field, width).height - rows * field;
+        // Fields are square: what is scarcer decides.
+        field = field.min(within("height", height, other, rows)?);
+    }
+    let mut scene = scene(figure, field, width);
+    scene.height = size.height.unwrap_or(scene.height);
+    Ok(Page::from(scene))
+}
+
+fn scene(figure: &FieldFigure, size: f64, width: f64) -> Scene {
+    let step = STRIP + SPLIT + size + BETWEEN;
+    let mut page = Scene::new(width.ceil(), 0.0);
     page.font_family = Some(text::FAMILY.to_owned());
     page.text_color = Some("#111111".to_owned());
     let room = width - 2.0 * EDGE;
-    let mut top = EDGE;
-    for title in text::lines(&text::clean(&figure.title), room / 1.17, TITLE_SIZE) {
-        top += f64::from(TITLE_SIZE);
-        page.add(words(
-            &title,
-            (EDGE, top),
-            TITLE_SIZE,
-            TextAnchor::Start,
-            None,
-        ));
-        top += 6.0;
-    }
+    let head = Head {
+        title: &figure.title,
+        subtitle: &figure.subtitle,
+        middle: 0.5 * width,
+        room,
+    };
+    let mut top = head.draw(&mut page, EDGE);
     let left = EDGE + LEFT;
     let last = figure.rows.len().saturating_sub(1);
     let mut scale: Option<&Scale> = None;
@@ -57,7 +84,7 @@ pub(crate) fn scene(figure: &FieldFigure) -> Scene {
             scale = Some(&row.scale);
             top += f64::from(HEAD_SIZE) + 4.0;
             for (column, head) in figure.columns.iter().enumerate() {
-                let middle = left + column as f64 * step + 0.5 * (STRIP + SPLIT + SIZE);
+                let middle = left + column as f64 * step + 0.5 * (STRIP + SPLIT + size);
                 let at = (middle, top);
                 page.add(words(
                     &text::clean(head),
@@ -69,7 +96,7 @@ pub(crate) fn scene(figure: &FieldFigure) -> Scene {
             }
             top += 6.0;
         }
-        let middle = top + 0.5 * SIZE;
+        let middle = top + 0.5 * size;
         page.add(upright(&row.name, (EDGE + 9.0, middle), HEAD_SIZE, true));
         page.add(upright(
             &figure.y_label,
@@ -81,13 +108,14 @@ pub(crate) fn scene(figure: &FieldFigure) -> Scene {
             let place = Place {
                 left: left + column as f64 * step,
                 top,
+                size,
                 x_numbers: index == last,
                 y_numbers: column == 0,
             };
             panel::draw(&mut page, figure, &row.scale, panel, &place);
             if index == last {
-                let bottom = top + SIZE;
-                let field = place.left + STRIP + SPLIT + 0.5 * SIZE;
+                let bottom = top + size;
+                let field = place.left + STRIP + SPLIT + 0.5 * size;
                 let x_label = (field, bottom + 27.0);
                 let label = text::clean(&figure.x_label);
                 page.add(words(&label, x_label, LABEL_SIZE, TextAnchor::Middle, None));
@@ -102,19 +130,9 @@ pub(crate) fn scene(figure: &FieldFigure) -> Scene {
                 ));
             }
         }
-        top += SIZE + if index == last { BELOW_LAST } else { BELOW };
+        top += size + if index == last { BELOW_LAST } else { BELOW };
     }
-    for note in text::lines(&text::clean(&figure.footnote), room, NOTE_SIZE) {
-        top += 1.3 * f64::from(NOTE_SIZE);
-        let at = (EDGE, top);
-        page.add(words(
-            &note,
-            at,
-            NOTE_SIZE,
-            TextAnchor::Start,
-            Some(ink::NOTE),
-        ));
-    }
+    top = foot(&mut page, &figure.footnote, EDGE, top, room);
     page.height = (top + EDGE).ceil();
     page
 }
@@ -209,24 +227,5 @@ fn upright(content: &str, at: (f64, f64), size: u32, bold: bool) -> Primitive {
         rotate: Some(-90.0),
         bold,
         color: None,
-    }
-}
-
-fn words(
-    content: &str,
-    at: (f64, f64),
-    size: u32,
-    anchor: TextAnchor,
-    colour: Option<&str>,
-) -> Primitive {
-    Primitive::Text {
-        x: at.0,
-        y: at.1,
-        content: content.to_owned(),
-        size,
-        anchor,
-        rotate: None,
-        bold: size == TITLE_SIZE,
-        color: colour.map(Color::from),
     }
 }

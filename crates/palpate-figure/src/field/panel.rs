@@ -5,16 +5,15 @@ use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
 
 use super::region::Grid;
 use super::{Bound, FieldFigure, FieldPanel, Scale};
+use crate::element::line;
 use crate::ink;
 
-/// Width and height of the field \[px\].
-pub(super) const SIZE: f64 = 112.0;
 /// Width of the strip at zero \[px\].
 pub(super) const STRIP: f64 = 7.0;
 /// Between strip and field \[px\].
 pub(super) const SPLIT: f64 = 3.0;
 /// Size of the numbers at the ticks \[px\].
-const TICK_SIZE: u32 = 9;
+const TICK_SIZE: u32 = 10;
 const TICK: f64 = 3.0;
 
 /// Looks of bounds: colour and dashes.
@@ -29,6 +28,8 @@ const LOOKS: [(&str, &str); 4] = [
 pub(super) struct Place {
     pub left: f64,
     pub top: f64,
+    /// Width and height of the field \[px\].
+    pub size: f64,
     pub x_numbers: bool,
     pub y_numbers: bool,
 }
@@ -61,7 +62,7 @@ pub(super) fn draw(
         x: place.left + STRIP,
         y: place.top,
         width: SPLIT,
-        height: SIZE,
+        height: place.size,
         fill: Color::from("#ffffff"),
         stroke: None,
         stroke_width: None,
@@ -77,12 +78,15 @@ pub(super) fn draw(
     for bound in &panel.bounds {
         draw_bound(page, figure, bound, place, (columns - 1, rows));
     }
-    for (left, width) in [(place.left, STRIP), (place.left + STRIP + SPLIT, SIZE)] {
+    for (left, width) in [
+        (place.left, STRIP),
+        (place.left + STRIP + SPLIT, place.size),
+    ] {
         page.add(Primitive::Rect {
             x: left,
             y: place.top,
             width,
-            height: SIZE,
+            height: place.size,
             fill: Color::None,
             stroke: Some(Color::from(ink::FRAME)),
             stroke_width: Some(0.8),
@@ -94,22 +98,23 @@ pub(super) fn draw(
 
 fn grid(place: &Place, columns: usize, rows: usize) -> Grid {
     let field = place.left + STRIP + SPLIT;
-    let width = SIZE / (columns - 1) as f64;
+    let width = place.size / (columns - 1) as f64;
     let mut x = vec![place.left];
     x.extend((0..columns).map(|column| field + column as f64 * width));
     // The strip's cells end where the field begins; the gap is painted over.
-    let bottom = place.top + SIZE;
-    let height = SIZE / rows as f64;
+    let bottom = place.top + place.size;
+    let height = place.size / rows as f64;
     Grid {
         x,
         y: (0..=rows).map(|row| bottom - row as f64 * height).collect(),
     }
 }
 
-/// Distance of a value from the axis' lower end \[px\]: cells stand around their values.
-fn distance(range: (f64, f64), cells: usize, value: f64) -> f64 {
+/// Distance of a value from the lower end of an axis, as a share of its length: cells stand around their
+/// values.
+fn share(range: (f64, f64), cells: usize, value: f64) -> f64 {
     let share = (value / range.0).ln() / (range.1 / range.0).ln();
-    SIZE * (share * (cells - 1) as f64 + 0.5) / cells as f64
+    (share * (cells - 1) as f64 + 0.5) / cells as f64
 }
 
 fn draw_bound(
@@ -119,13 +124,13 @@ fn draw_bound(
     place: &Place,
     cells: (usize, usize),
 ) {
-    let y = distance(figure.range, cells.1, bound.at);
-    if !(0.0..=SIZE).contains(&y) {
+    let height = share(figure.range, cells.1, bound.at);
+    if !(0.0..=1.0).contains(&height) {
         return;
     }
-    let y = place.top + SIZE - y;
+    let y = place.top + place.size * (1.0 - height);
     let field = place.left + STRIP + SPLIT;
-    let to = field + distance(figure.range, cells.0, bound.to).clamp(0.0, SIZE);
+    let to = field + place.size * share(figure.range, cells.0, bound.to).clamp(0.0, 1.0);
     page.add(line((place.left, y), (to, y), "#ffffff", 2.8, None));
     let (colour, dashes) = LOOKS[bound.look % LOOKS.len()];
     page.add(line((place.left, y), (to, y), colour, 1.5, Some(dashes)));
@@ -139,10 +144,10 @@ pub(super) fn swatch(look: usize, from: (f64, f64), to: (f64, f64)) -> Primitive
 
 fn ticks(page: &mut Scene, figure: &FieldFigure, place: &Place, cells: (usize, usize)) {
     let field = place.left + STRIP + SPLIT;
-    let bottom = place.top + SIZE;
+    let bottom = place.top + place.size;
     for (number, value) in decades(figure.range).into_iter().enumerate() {
-        let x = field + distance(figure.range, cells.0, value);
-        let y = bottom - distance(figure.range, cells.1, value);
+        let x = field + place.size * share(figure.range, cells.0, value);
+        let y = bottom - place.size * share(figure.range, cells.1, value);
         page.add(line((x, bottom), (x, bottom + TICK), ink::FRAME, 0.8, None));
         page.add(line(
             (place.left - TICK, y),
@@ -196,24 +201,6 @@ fn words(content: &str, at: (f64, f64), anchor: TextAnchor) -> Primitive {
     }
 }
 
-pub(super) fn line(
-    from: (f64, f64),
-    to: (f64, f64),
-    colour: &str,
-    width: f64,
-    dashes: Option<&str>,
-) -> Primitive {
-    Primitive::Line {
-        x1: from.0,
-        y1: from.1,
-        x2: to.0,
-        y2: to.1,
-        stroke: Color::from(colour),
-        stroke_width: width,
-        stroke_dasharray: dashes.map(str::to_owned),
-    }
-}
-
 fn filled(d: String, colour: &str) -> Primitive {
     Primitive::Path(Box::new(PathData {
         d,
@@ -248,8 +235,7 @@ mod tests {
 
     #[test]
     fn a_value_stands_in_the_middle_of_its_cell() {
-        let cell = SIZE / 5.0;
-        assert!((distance((1e-3, 10.0), 5, 1e-3) - 0.5 * cell).abs() < 1e-9);
-        assert!((distance((1e-3, 10.0), 5, 0.1) - 2.5 * cell).abs() < 1e-9);
+        assert!((share((1e-3, 10.0), 5, 1e-3) - 0.1).abs() < 1e-9);
+        assert!((share((1e-3, 10.0), 5, 0.1) - 0.5).abs() < 1e-9);
     }
 }

@@ -22,6 +22,16 @@ impl Grid {
         self.y.len() - 1
     }
 
+    /// Where a column begins \[px\].
+    fn x(&self, column: usize) -> f64 {
+        tenths(self.x[column])
+    }
+
+    /// Where a row begins \[px\].
+    fn y(&self, row: usize) -> f64 {
+        tenths(self.y[row])
+    }
+
     /// The cells for which `inside` holds, as a path to be filled: the outlines of their regions, so
     /// that no paper shows between two cells.
     pub fn fill(&self, inside: impl Fn(usize, usize) -> bool) -> String {
@@ -72,16 +82,18 @@ impl Grid {
                 }
             }
             edges.retain(|_, ends| !ends.is_empty());
-            let mut text = format!("M{} {}", short(self.x[start.0]), short(self.y[start.1]));
-            // The last leg, back to the start, is the path's own closing.
+            path.push_str(&format!("M{} {}", self.x(start.0), self.y(start.1)));
+            // The last leg, back to the start, is the path's own closing. Legs are shorter to write than
+            // places.
+            let mut at = start;
             for (corner, horizontal) in corners {
-                text.push_str(&if horizontal {
-                    format!("V{}", short(self.y[corner.1]))
+                path.push_str(&if horizontal {
+                    format!("v{}", tenths(self.y(corner.1) - self.y(at.1)))
                 } else {
-                    format!("H{}", short(self.x[corner.0]))
+                    format!("h{}", tenths(self.x(corner.0) - self.x(at.0)))
                 });
+                at = corner;
             }
-            path.push_str(&text);
             path.push('z');
         }
         path
@@ -95,23 +107,15 @@ impl Grid {
         for row in 0..self.rows() - 1 {
             let differs = |column: usize| inside(row, column) != inside(row + 1, column);
             for (from, to) in runs(self.columns(), differs) {
-                let y = short(self.y[row + 1]);
-                add(format!(
-                    "M{} {y}H{}",
-                    short(self.x[from]),
-                    short(self.x[to])
-                ));
+                let (left, y) = (self.x(from), self.y(row + 1));
+                add(format!("M{left} {y}h{}", tenths(self.x(to) - left)));
             }
         }
         for column in 0..self.columns() - 1 {
             let differs = |row: usize| inside(row, column) != inside(row, column + 1);
             for (from, to) in runs(self.rows(), differs) {
-                let x = short(self.x[column + 1]);
-                add(format!(
-                    "M{x} {}V{}",
-                    short(self.y[from]),
-                    short(self.y[to])
-                ));
+                let (x, bottom) = (self.x(column + 1), self.y(from));
+                add(format!("M{x} {bottom}v{}", tenths(self.y(to) - bottom)));
             }
         }
         path
@@ -130,9 +134,9 @@ fn runs(count: usize, holds: impl Fn(usize) -> bool) -> Vec<(usize, usize)> {
     runs
 }
 
-/// To a hundredth of a pixel.
-fn short(value: f64) -> f64 {
-    (value * 100.0).round() / 100.0
+/// To a tenth of a pixel, which takes few digits and is less than the eye sees.
+fn tenths(value: f64) -> f64 {
+    (value * 10.0).round() / 10.0
 }
 
 #[cfg(test)]
@@ -149,8 +153,8 @@ mod tests {
     #[test]
     fn a_region_is_its_outline() {
         let path = grid().fill(|row, column| row == 1 && column < 2);
-        assert_eq!(path, "M0 10H20V0H0z");
-        assert_eq!(grid().fill(|_, column| column == 2), "M20 20H30V0H20z");
+        assert_eq!(path, "M0 10h20v-10h-20z");
+        assert_eq!(grid().fill(|_, column| column == 2), "M20 20h10v-20h-10z");
         assert_eq!(grid().fill(|_, _| false), "");
     }
 
@@ -159,20 +163,20 @@ mod tests {
         let touching =
             grid().fill(|row, column| (row, column) == (0, 0) || (row, column) == (1, 1));
         assert_eq!(touching.matches('M').count(), touching.matches('z').count());
-        assert!(touching.starts_with("M0 20H10V10"), "{touching}");
+        assert!(touching.starts_with("M0 20h10v-10"), "{touching}");
         let ring = Grid {
             x: vec![0.0, 1.0, 2.0, 3.0],
             y: vec![3.0, 2.0, 1.0, 0.0],
         };
         let path = ring.fill(|row, column| (row, column) != (1, 1));
         // The hole runs the other way round, so that it stays open.
-        assert_eq!(path, "M0 3H3V0H0zM1 2V1H2V2z");
+        assert_eq!(path, "M0 3h3v-3h-3zM1 2v-1h1v1z");
     }
 
     #[test]
     fn a_border_stands_between_and_not_around() {
         let path = grid().border(|row, column| row == 0 && column < 2);
-        assert_eq!(path, "M0 10H20M20 20V10");
+        assert_eq!(path, "M0 10h20M20 20v-10");
         assert_eq!(grid().border(|_, _| true), "");
     }
 }

@@ -58,6 +58,7 @@ pub const FILES: &[File] = &[
     file!("/ring.js", SCRIPT, "ring.js"),
     file!("/save.js", SCRIPT, "save.js"),
     file!("/scene.js", SCRIPT, "scene.js"),
+    file!("/seen.js", SCRIPT, "seen.js"),
     file!("/si.js", SCRIPT, "si.js"),
     file!("/slide.js", SCRIPT, "slide.js"),
     file!("/status.js", SCRIPT, "status.js"),

@@ -33,6 +33,9 @@ pub struct Advice {
     pub methods: Vec<MethodAdvice>,
     /// Classical bounds of walls.
     pub bounds: Bounds,
+    /// Files that were written.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<String>,
 }
 
 /// The device that is asked about, and the bounce on it.
@@ -191,6 +194,11 @@ pub struct Bounds {
 }
 
 impl Advice {
+    /// Adds a file that was written.
+    pub fn wrote(&mut self, path: &std::path::Path) {
+        self.files.push(path.display().to_string());
+    }
+
     /// Finds out what `methods` can do on the device of `bounce`, and at its own stiffness if that
     /// is `asked`; `done` hears of each method.
     pub fn on(
@@ -218,6 +226,7 @@ impl Advice {
             verdict: Verdict::NotAsked,
             methods: Vec::new(),
             bounds: Bounds::of(bounce),
+            files: Vec::new(),
         };
         for method in methods {
             let settings = default_settings(*method);

@@ -16,12 +16,18 @@ impl fmt::Display for Advice {
             writeln!(f, "{}\n", lines(&self.contact_table()))?;
         }
         writeln!(f, "{}\n", lines(&self.limit_table()))?;
-        writeln!(f, "{}", wrapped(&self.bounds_in_words()))
+        writeln!(f, "{}", wrapped(&self.bounds_in_words()))?;
+        for file in &self.files {
+            writeln!(f, "wrote {file}")?;
+        }
+        Ok(())
     }
 }
 
 impl Advice {
-    fn object(&self) -> String {
+    /// The object in words: `an object of 0.1 kg`, `a wall`.
+    #[must_use]
+    pub fn object(&self) -> String {
         match self.device.object_mass_kg {
             Some(mass) => format!("an object of {mass} kg"),
             None => "a wall".into(),

@@ -1,6 +1,7 @@
 //! How far a method goes on a device: the stiffest contact, the lightest object.
 
-use super::bounce::{Bounce, BounceError};
+use super::bounce::{Bounce, BounceError, Plant};
+use super::cell::Entry;
 use super::growth::{Class, classify};
 use palpate_scene::method::{MethodName, Settings};
 
@@ -48,6 +49,31 @@ impl Bounce {
                 ..*self
             }
             .is_stable(method, settings)
+        })?;
+        Ok(limit.map(|kappa| kappa * per_kappa))
+    }
+
+    /// The largest stiffness `[N/m]` at which the bounce is stable and its mean-force error E below
+    /// `most_error` `[%]` from every start height; all softer contacts that were tried are, too.
+    ///
+    /// # Errors
+    /// A parameter that the bench or the method refuses.
+    pub fn stiffest_faithful(
+        &self,
+        method: MethodName,
+        settings: Settings,
+        most_error: f64,
+    ) -> Result<Limit, BounceError> {
+        let per_kappa = self.device.mass / (self.period * self.period);
+        let limit = hardest(|kappa| {
+            let bounce = Self {
+                stiffness: kappa * per_kappa,
+                ..*self
+            };
+            let (entries, _) = bounce.judge(Plant::Damped, &[(method, settings)])?;
+            let is_faithful =
+                |entry: &Entry| entry.class() == Class::Stable && entry.error.worst < most_error;
+            Ok(entries.iter().all(is_faithful))
         })?;
         Ok(limit.map(|kappa| kappa * per_kappa))
     }

@@ -17,6 +17,7 @@ mod compute;
 mod grid;
 mod growth;
 mod limits;
+mod reach;
 pub mod receipt;
 pub mod report;
 mod stay;
@@ -29,6 +30,7 @@ pub use compute::{Done, compute};
 pub use grid::{Cell, MapParams, ParamsError};
 pub use growth::{Class, STABLE_UP_TO, classify};
 pub use limits::{Limit, SEARCHED};
+pub use reach::{MethodReach, Reach};
 pub use stay::{PRESSED_WITH, RESTS_BELOW, Stay};
 pub use trial::Outcome;
 

@@ -63,6 +63,9 @@ pub struct Report {
     /// What else is not perfect about the loop.
     #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
     pub timing: serde_json::Map<String, Value>,
+    /// Whether the text says what the columns of errors and leaks are.
+    #[serde(skip)]
+    says_what_columns_are: bool,
     /// Part of a period by which the delay is longer.
     #[serde(skip)]
     delay_fraction: f64,
@@ -234,6 +237,7 @@ impl Report {
             replay: None,
             recording: None,
             timing: timing::of(&subject.timing),
+            says_what_columns_are: true,
             delay_fraction: subject.timing.delay_fraction,
             timing_in_words: timing::in_words(&subject.timing),
             samples: runs.first().map_or(0, |run| run.ticks.len()),
@@ -252,6 +256,11 @@ impl Report {
                 .collect(),
             files: Vec::new(),
         }
+    }
+
+    /// Leaves out what the columns are: another report has said so.
+    pub fn after_another(&mut self) {
+        self.says_what_columns_are = false;
     }
 
     /// Says what of a recording was replayed.

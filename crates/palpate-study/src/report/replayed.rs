@@ -89,6 +89,7 @@ impl Replayed {
     }
 
     /// How well the force of a hand is known, in a few words.
+    #[must_use]
     pub fn known_to(&self) -> Option<String> {
         match self {
             Self::Motion => None,

@@ -8,6 +8,12 @@ use palpate::Mass;
 use super::{CollisionReport, MethodReport, Report};
 use crate::text::{counted, digits, lines, number, percent, plain_table, short};
 
+/// What the columns of errors and leaks are.
+const ERRORS_IN_WORDS: &str = "\
+E: error of the mean force of each period, what a method answers for. FRE:
+error of the held force, the hold floor included. Leak: energy that the held
+force created; |leak|: the same with every part counted as positive.";
+
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", self.title)?;
@@ -24,6 +30,9 @@ impl fmt::Display for Report {
         }
         writeln!(f, "{}\n", self.window())?;
         writeln!(f, "{}\n", lines(&self.method_table()))?;
+        if self.says_what_columns_are && self.hold_floor_percent.is_some() {
+            writeln!(f, "{ERRORS_IN_WORDS}\n")?;
+        }
         if let [method] = self.methods.as_slice()
             && !method.collisions.is_empty()
         {

@@ -2,6 +2,7 @@
 
 use clap::Args;
 
+use crate::arguments::{Overwriting, PlotFlags};
 use crate::values::{Methods, methods, number, samples};
 
 /// Arguments of `advise`.
@@ -42,6 +43,13 @@ pub struct AdviseArguments {
     /// Methods, separated by commas, or all
     #[arg(long, value_name = "NAME", value_parser = methods, default_value = "all")]
     pub method: Methods,
+    /// The figure: how stiff over the object's mass, for the methods that are named; of more than four,
+    /// for basic, virtual-damper, hfcr and coupled.
+    #[command(flatten)]
+    pub picture: PlotFlags,
+    /// Files that are there already.
+    #[command(flatten)]
+    pub overwriting: Overwriting,
     /// Print the advice as JSON
     #[arg(long, help_heading = "Results")]
     pub json: bool,

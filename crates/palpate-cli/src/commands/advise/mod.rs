@@ -1,29 +1,43 @@
 //! `palpate advise`: can this be rendered, and by what?
 
 mod arguments;
+mod picture;
 
 pub use arguments::AdviseArguments;
 
 use palpate_scene::SetupError;
-use palpate_study::advise::Advice;
+use palpate_study::advise::{Advice, FAITHFUL_PERCENT};
 use palpate_study::map::{Bounce, BounceDevice, BounceError, MapParams};
 
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::results::print_report;
+use crate::results::{draw, print_report};
 use crate::setup::{wrong_flag, wrong_on_bench};
 
 /// Looks, and answers.
 pub fn run(arguments: &AdviseArguments) -> Result<(), Failure> {
     let bounce = bounce(arguments)?;
     let methods = &arguments.method.0;
+    let mut outputs = arguments.overwriting.outputs();
+    arguments.picture.plan(&mut outputs)?;
     let progress = Progress::new(methods.len());
     progress.begin("looking for limits");
-    let advice = Advice::on(&bounce, arguments.stiffness.is_some(), methods, || {
+    let mut advice = Advice::on(&bounce, arguments.stiffness.is_some(), methods, || {
         progress.advance();
     })
     .map_err(|error| refused(&error))?;
     drop(progress);
+    if let Some(path) = &arguments.picture.plot {
+        let shown = picture::shown(methods);
+        let progress = Progress::new(shown.len());
+        progress.begin("looking for the reach");
+        let reach = bounce.reach(&shown, FAITHFUL_PERCENT, || {});
+        let reach = reach.map_err(|error| refused(&error))?;
+        drop(progress);
+        let size = arguments.picture.size;
+        draw(&outputs, path, &picture::figure(&advice, &reach), size)?;
+        advice.wrote(path);
+    }
     print_report(&advice, arguments.json)
 }
 

@@ -16,11 +16,11 @@ use super::render::render;
 use crate::arguments::DemoArguments;
 use crate::failure::Failure;
 use crate::hand;
-use crate::plots;
+use crate::plots::{Devices, RunsFigure};
 use crate::progress::Progress;
 use crate::results::print;
 use made::Made;
-use palpate_figure::svg;
+use palpate_figure::{Picture, Size};
 use palpate_study::report::{Report, Subject};
 use serde::Serialize;
 
@@ -87,13 +87,20 @@ pub fn run(arguments: &DemoArguments) -> Result<(), Failure> {
         timing: Timing::default(),
     };
     let mut hand_report = Report::new(&subject, replay.reference(), &runs);
+    hand_report.after_another();
     hand_report.wrote(&made.path(HAND));
     hand_report.wrote(&made.path(HAND_PLOT));
-    let hand_figure = plots::overlay(title, replay.reference(), &runs);
+    let hand_figure = RunsFigure {
+        of: title.into(),
+        reference: replay.reference(),
+        runs: &runs,
+        devices: Devices::Recorded,
+        recorded: None,
+    };
     made.write(&[
-        (SCENE_PLOT, svg(&scene_figure).into_bytes()),
+        (SCENE_PLOT, svg(&scene_figure)),
         (HAND, trace_text(&trace).into_bytes()),
-        (HAND_PLOT, svg(&hand_figure).into_bytes()),
+        (HAND_PLOT, svg(&hand_figure.sheet())),
     ])?;
 
     if arguments.json {
@@ -106,6 +113,12 @@ pub fn run(arguments: &DemoArguments) -> Result<(), Failure> {
         return print(&format!("{sorted:#}\n"));
     }
     print(&story(folder, &scene_report, &hand_report))
+}
+
+/// A figure as large as it is by itself.
+fn svg(figure: &impl Picture) -> Vec<u8> {
+    let text = palpate_figure::svg(figure, Size::NATURAL);
+    text.expect("a figure fits its own size").into_bytes()
 }
 
 fn story(folder: &Path, scene: &Report, hand: &Report) -> String {
@@ -122,8 +135,7 @@ least error that any held force can have.
 1. The paper's Fig. 2, in closed loop with a light device
 
 {scene}
-   E is the part of the force error a method answers for; FRE is all of it, the unavoidable
-   hold floor included. Coupled rendering was told the device's mass; HFCR needs none.
+   Coupled rendering was told the device's mass; HFCR needs none.
 
 2. The same force laws on the motion of a hand, which no force moves
 

@@ -78,7 +78,11 @@ pub fn run(arguments: &FigureArguments) -> Result<(), Failure> {
         FigureName::Fig5Box => of_runs(experiment::fig5_box()?),
     };
     drop(progress);
-    draw(&outputs, &path, drawn.picture())?;
+    let drawn = match drawn {
+        Drawn::Runs(report, sheet, below) => Drawn::Runs(report, arguments.time.cut(sheet)?, below),
+        drawing @ Drawn::Drawing(_) => drawing,
+    };
+    draw(&outputs, &path, drawn.picture(), arguments.size)?;
     print(&match drawn {
         Drawn::Runs(mut report, _, below) => {
             report.wrote(&path);

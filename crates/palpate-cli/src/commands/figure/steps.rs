@@ -54,15 +54,7 @@ pub fn fig2_long() -> Result<(Report, Figure, String), Failure> {
         let bench = Bench::new(&scene).map_err(Failure::input)?;
         runs.push(bench.run(MethodName::Hfcr).map_err(Failure::input)?);
     }
-    let heads: Vec<String> = DAMPINGS
-        .iter()
-        .zip(&runs)
-        .map(|((_, name), run)| match run.force.fidelity {
-            Some(fidelity) => format!("{name}: FRE {:.1} %", fidelity.force_rendering_error),
-            None => (*name).into(),
-        })
-        .collect();
-    let steps: Vec<_> = heads.iter().map(String::as_str).zip(&runs).collect();
+    let steps: Vec<_> = DAMPINGS.iter().map(|(_, name)| *name).zip(&runs).collect();
     let bench = Bench::new(&file.scene).map_err(Failure::input)?;
     let figure = plots::step_by_step(&file.scene.title, bench.reference(), &steps);
     let report = Report::new(&subject(&file.scene), bench.reference(), &runs);

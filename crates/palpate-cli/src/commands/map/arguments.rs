@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum, ValueHint};
 
-use crate::arguments::Overwriting;
+use crate::arguments::{Overwriting, SizeFlag};
 use crate::values::{Methods, methods, number, samples};
 
 /// Arguments of `map`.
@@ -32,7 +32,7 @@ pub enum MapAction {
     #[command(after_help = "\
 Examples:
   palpate map merge map-1-of-3.csv map-2-of-3.csv map-3-of-3.csv --out map.csv
-  palpate map merge map.csv --plot map.svg --show error,resting")]
+  palpate map merge map.csv --plot map.svg --show error,resting --method all --size page")]
     Merge(MergeArguments),
 }
 
@@ -42,6 +42,10 @@ pub struct MergeArguments {
     /// Parts of one map, in any order, or a whole map
     #[arg(value_name = "PART.csv", required = true, value_hint = ValueHint::FilePath)]
     pub parts: Vec<PathBuf>,
+    /// Methods that the figure shows, separated by commas, or all [default: basic, virtual-damper, hfcr and
+    /// coupled where the map has more than four]
+    #[arg(long, value_name = "NAME", value_parser = methods)]
+    pub method: Option<Methods>,
     /// Where it goes.
     #[command(flatten)]
     pub results: MapResults,
@@ -55,9 +59,10 @@ pub struct SceneArguments {
     #[arg(long, value_name = "COUNT", default_value_t = 65,
           value_parser = clap::value_parser!(u16).range(2..=1000))]
     pub cells: u16,
-    /// Methods, separated by commas, or all
-    #[arg(long, value_name = "NAME", value_parser = methods, default_value = "all")]
-    pub method: Methods,
+    /// Methods, separated by commas, or all [default: all; the figure then shows basic, virtual-damper,
+    /// hfcr and coupled]
+    #[arg(long, value_name = "NAME", value_parser = methods)]
+    pub method: Option<Methods>,
     /// Viscous friction of the damped device [N s/m] [default: 0.0394, that of the virtual
     /// pantograph of fig4]
     #[arg(long, value_name = "N s/m", value_parser = number, allow_hyphen_values = true)]
@@ -115,12 +120,14 @@ pub struct MapResults {
     /// map again]
     #[arg(long, value_name = "MAP.csv", value_hint = ValueHint::FilePath)]
     pub out: Option<PathBuf>,
-    /// The figure of a whole map, .svg (or .png where built with the feature png) [default: the
+    /// The figure of a whole map, .svg or .pdf (or .png where built with the feature png) [default: the
     /// name of the map with .svg]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub plot: Option<PathBuf>,
-    /// What the figure shows, separated by commas [default: growth,error,resting,pressed, as far as
-    /// the map has them]
+    /// How large it is.
+    #[command(flatten)]
+    pub size: SizeFlag,
+    /// What the figure shows, separated by commas [default: growth,error; a page holds no more]
     #[arg(long, value_enum, value_delimiter = ',')]
     pub show: Vec<Quantity>,
     /// The map as Parquet, too, where built with the feature parquet

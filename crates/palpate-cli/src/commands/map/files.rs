@@ -10,6 +10,7 @@ use super::arguments::MapResults;
 use super::picture;
 use crate::failure::Failure;
 use crate::results::{draw, plan_picture};
+use crate::values::Methods;
 use palpate_study::map::report::MapReport;
 
 /// The files of a map, and the leave to write them.
@@ -130,7 +131,7 @@ impl Files {
     pub fn deliver(
         &self,
         map: &Map,
-        results: &MapResults,
+        (results, methods): (&MapResults, Option<&Methods>),
         found: bool,
         report: &mut MapReport,
     ) -> Result<(), Failure> {
@@ -155,7 +156,8 @@ impl Files {
             if is_kept(path) {
                 kept.push(path.clone());
             } else {
-                draw(&self.outputs, path, &picture::figure(map, &results.show)?)?;
+                let figure = picture::figure(map, &results.show, methods)?;
+                draw(&self.outputs, path, &figure, results.size)?;
                 report.wrote(path);
             }
         }

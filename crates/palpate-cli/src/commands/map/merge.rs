@@ -37,7 +37,9 @@ pub fn run(arguments: &MergeArguments) -> Result<(), Failure> {
         parts.push((name, part));
     }
     let map = merge(parts).map_err(Failure::input)?;
+    let methods = arguments.method.as_ref();
     picture::quantities(&map, &results.show)?;
+    picture::columns(&map, methods)?;
     files.write_map(&map)?;
-    deliver(results, &map, &files, None)
+    deliver((results, methods), &map, &files, None)
 }

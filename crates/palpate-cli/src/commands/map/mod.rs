@@ -17,6 +17,7 @@ use palpate_study::map::{Forces, MapParams};
 
 use crate::failure::Failure;
 use crate::results::print_report;
+use crate::values::Methods;
 use arguments::{ForcesName, MapAction, MapResults, SceneArguments, Shard};
 use compute::unusable;
 use files::Files;
@@ -49,21 +50,22 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
     let mut files = Files::new(results)?;
     files.compute(&out, arguments.work.resume)?;
     files.show(results, plot, arguments.work.resume)?;
+    let methods = arguments.scene.method.as_ref();
     let done = compute::run(&params, shard, &arguments.work, &out, &files)?;
-    deliver(results, &done.map, &files, done.speed)?;
+    deliver((results, methods), &done.map, &files, done.speed)?;
     done.journal
         .map_or(Ok(()), |journal| journal.remove().map_err(unusable))
 }
 
 /// Draws a whole map, and reports.
 fn deliver(
-    results: &MapResults,
+    (results, methods): (&MapResults, Option<&Methods>),
     map: &Map,
     files: &Files,
     speed: Option<Speed>,
 ) -> Result<(), Failure> {
     let mut report = MapReport::new(map, speed).map_err(Failure::input)?;
-    files.deliver(map, results, speed.is_none(), &mut report)?;
+    files.deliver(map, (results, methods), speed.is_none(), &mut report)?;
     print_report(&report, results.json)
 }
 
@@ -93,13 +95,13 @@ fn params(scene: &SceneArguments) -> Result<MapParams, Failure> {
     }
     device.encoder_quantum = not_below("--encoder-quantum", scene.encoder_quantum, 0.0, " m")?;
     device.told_mass = factor("--told-mass", scene.told_mass)?;
-    let named = &scene.method.0;
+    let named = scene.method.as_ref().map(|methods| &methods.0);
     let params = MapParams {
         cells: usize::from(scene.cells),
         // In their own order, so that the same methods make the same map.
         methods: MethodName::ALL
             .into_iter()
-            .filter(|method| named.contains(method))
+            .filter(|method| named.is_none_or(|named| named.contains(method)))
             .collect(),
         device,
         delay: scene.delay,

@@ -7,6 +7,8 @@ use palpate_study::map::{Plant, RESTS_BELOW, STABLE_UP_TO, bounds};
 
 use super::arguments::Quantity;
 use crate::failure::Failure;
+use crate::plots::SHOWN;
+use crate::values::Methods;
 use palpate_figure::{Bound, FieldFigure, FieldPanel, FieldRow, Scale};
 use palpate_study::map::receipt;
 use palpate_study::map::report::{FAITHFUL_PERCENT, is_faithful, is_stable, stay};
@@ -14,8 +16,7 @@ use palpate_study::map::report::{FAITHFUL_PERCENT, is_faithful, is_stable, stay}
 /// How far on the axis of Kc the bounds of walls are drawn.
 const NEARLY_A_WALL: f64 = 0.03;
 
-/// What a figure of this map shows where `asked` is asked for; where nothing is, what matters of what
-/// the map has.
+/// What a figure of this map shows where `asked` is asked for; where nothing is, what fits on a page.
 ///
 /// # Errors
 /// The map does not have what is asked for.
@@ -25,13 +26,7 @@ pub fn quantities(map: &Map, asked: &[Quantity]) -> Result<Vec<Quantity>, Failur
         has_stays || !matches!(quantity, Quantity::Resting | Quantity::Pressed)
     };
     if asked.is_empty() {
-        let all = [
-            Quantity::Growth,
-            Quantity::Error,
-            Quantity::Resting,
-            Quantity::Pressed,
-        ];
-        return Ok(all.into_iter().filter(is_there).collect());
+        return Ok(vec![Quantity::Growth, Quantity::Error]);
     }
     match asked.iter().find(|quantity| !is_there(quantity)) {
         Some(missing) => Err(Failure::input(format!(
@@ -45,10 +40,69 @@ pub fn quantities(map: &Map, asked: &[Quantity]) -> Result<Vec<Quantity>, Failur
     }
 }
 
+/// The methods that a figure of this map shows: those that are `asked` for, or the ones that figures show
+/// of many.
+///
+/// # Errors
+/// The map does not have what is asked for.
+pub fn columns<'a>(map: &'a Map, asked: Option<&Methods>) -> Result<Vec<&'a str>, Failure> {
+    let all: Vec<&str> = map
+        .value("methods")
+        .unwrap_or_default()
+        .split(' ')
+        .collect();
+    let Some(Methods(asked)) = asked else {
+        let shown = |name: &&str| SHOWN.iter().any(|method| method.name() == *name);
+        let few: Vec<&str> = all.iter().copied().filter(shown).collect();
+        return Ok(if all.len() > SHOWN.len() && !few.is_empty() {
+            few
+        } else {
+            all
+        });
+    };
+    // `all` is all that the map has.
+    if asked.len() == MethodName::ALL.len() {
+        return Ok(all);
+    }
+    if let Some(missing) = asked.iter().find(|method| !all.contains(&method.name())) {
+        return Err(Failure::input(format!(
+            "--method {missing}: the map has {}",
+            all.join(", ")
+        )));
+    }
+    // In the order of the map, so that the same methods make the same figure.
+    let is_asked = |name: &&str| asked.iter().any(|method| method.name() == *name);
+    Ok(all.into_iter().filter(is_asked).collect())
+}
+
+/// On how much of the map each method is stable from the worst start, on the damped device.
+fn finding(map: &Map, columns: &[&str]) -> String {
+    let share = |method: &str| {
+        let of_method = |row: &&Row| row.plant == Plant::Damped.name() && row.method == method;
+        let rows: Vec<&Row> = map.rows.iter().filter(of_method).collect();
+        let stable = rows.iter().filter(|row| is_stable(row)).count();
+        100.0 * stable as f64 / rows.len().max(1) as f64
+    };
+    let mut shares: Vec<(&str, f64)> = columns.iter().map(|name| (*name, share(name))).collect();
+    shares.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let named: Vec<String> = shares
+        .iter()
+        .take(SHOWN.len())
+        .map(|(name, share)| format!("{name} {share:.0} %"))
+        .collect();
+    format!(
+        "Share of the damped map that is stable: {}",
+        named.join(", ")
+    )
+}
+
 /// The figure of a whole map.
-pub fn figure(map: &Map, show: &[Quantity]) -> Result<FieldFigure, Failure> {
-    let columns = map.value("methods").unwrap_or_default();
-    let columns: Vec<&str> = columns.split(' ').collect();
+pub fn figure(
+    map: &Map,
+    show: &[Quantity],
+    methods: Option<&Methods>,
+) -> Result<FieldFigure, Failure> {
+    let columns = columns(map, methods)?;
     let loop_numbers = LoopNumbers::of(map)?;
     let mut rows = Vec::new();
     let show = quantities(map, show)?;
@@ -65,11 +119,11 @@ pub fn figure(map: &Map, show: &[Quantity]) -> Result<FieldFigure, Failure> {
         }
     }
     Ok(FieldFigure {
-        title: "What each method can render: stiffness against the inertia of device and object"
-            .into(),
+        title: finding(map, &columns),
+        subtitle: "Stiffness against the inertia of object and device".into(),
         footnote: footnote(map, &loop_numbers, &show),
-        x_label: "Kc = K T²/M".into(),
-        y_label: "κ = K T²/m".into(),
+        x_label: "Kc = K T²/M [1]".into(),
+        y_label: "κ = K T²/m [1]".into(),
         zero_label: "wall".into(),
         range: (1e-3, 10.0),
         columns: columns.into_iter().map(str::to_owned).collect(),
@@ -197,7 +251,7 @@ fn bounds_on(plant: Plant, method: &str, numbers: &LoopNumbers) -> Vec<Bound> {
 fn scale(quantity: Quantity) -> Scale {
     match quantity {
         Quantity::Growth => Scale {
-            name: "Energy growth per collision, median start".into(),
+            name: "Energy growth per collision [1], median start".into(),
             steps: steps(&[
                 ("#08306b", "≤ 0.5"),
                 ("#3b7dbc", "≤ 0.9"),
@@ -225,7 +279,7 @@ fn scale(quantity: Quantity) -> Scale {
             border: "border of E < 20 % and stable, from the worst start".into(),
         },
         Quantity::OverFloor => Scale {
-            name: "Force rendering error over the hold floor, median start".into(),
+            name: "Force rendering error over the hold floor [1], median start".into(),
             steps: steps(&[
                 ("#00224e", "≤ 1.05"),
                 ("#1f3f6e", "≤ 1.2"),

@@ -14,7 +14,7 @@ use super::hand_replay::{Recorded, ReplayRuns, close_loop};
 use crate::arguments::{RenderArguments, ReplayKind};
 use crate::failure::{Failure, tell};
 use crate::inside;
-use crate::plots;
+use crate::plots::RunsFigure;
 use crate::progress::Progress;
 use crate::recorded::trace::{STANDARD_INPUT, how_to_cut, read_trace};
 use crate::results::deliver;
@@ -107,7 +107,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         report,
         &receipt,
         &runs,
-        || plots::replay(&title, &replayed, &reference, &runs, None),
+        || RunsFigure::of_replay(&replayed, &title, (&reference, &runs), None).sheet(),
         progress,
     )
 }

@@ -17,7 +17,7 @@ use super::hand_replay::{Recorded, ReplayRuns, close_loop};
 use super::simulate::in_file;
 use crate::arguments::{Flags, PartFlags, ReplayFlags, ReplayKind, Results};
 use crate::failure::Failure;
-use crate::plots;
+use crate::plots::RunsFigure;
 use crate::progress::Progress;
 use crate::recorded::ticks::Ticks;
 use crate::recorded::trace::how_to_cut;
@@ -163,7 +163,10 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
         report,
         &receipt,
         &runs,
-        || plots::replay(&title, &replayed, &reference, &runs, Some(&ticks.curves)),
+        || {
+            let recorded = Some(&ticks.curves);
+            RunsFigure::of_replay(&replayed, &title, (&reference, &runs), recorded).sheet()
+        },
         progress,
     )?;
     whole_or_said(&recording)

@@ -11,7 +11,7 @@ use crate::arguments::{Compared, SuiteArguments};
 use crate::failure::Failure;
 use crate::plots;
 use crate::progress::Progress;
-use crate::results::{draw, plan_picture, print_report};
+use crate::results::{draw, print_report};
 use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 
 /// Draws the plants, judges every column on them, and writes what was asked for.
@@ -35,8 +35,10 @@ pub fn run(arguments: &SuiteArguments) -> Result<(), Failure> {
         })?;
         report.wrote(path);
     }
-    if let Some(path) = &arguments.plot {
-        draw(&outputs, path, &figure(arguments.seed, &columns, &judged))?;
+    if let Some(path) = &arguments.picture.plot {
+        let drawn = arguments.compared.drawn(&columns);
+        let figure = figure(arguments.seed, &columns, &drawn, &judged);
+        draw(&outputs, path, &figure, arguments.picture.size)?;
         report.wrote(path);
     }
     print_report(&report, arguments.json)
@@ -57,6 +59,17 @@ impl Compared {
     }
 }
 
+impl Compared {
+    /// Which of the columns a figure shows: those that are named, or the ones that figures show of many.
+    fn drawn(&self, columns: &[Column]) -> Vec<usize> {
+        let is_named = self.method.is_some() || self.columns.is_some();
+        let is_shown = |column: &Column| is_named || plots::SHOWN.contains(&column.method);
+        (0..columns.len())
+            .filter(|number| is_shown(&columns[*number]))
+            .collect()
+    }
+}
+
 /// The files that are asked for, with the folder of the scenes made.
 fn outputs(arguments: &SuiteArguments, plants: usize) -> Result<Outputs, Failure> {
     let mut outputs = arguments.overwriting.outputs();
@@ -66,9 +79,7 @@ fn outputs(arguments: &SuiteArguments, plants: usize) -> Result<Outputs, Failure
     if let Some(path) = &arguments.out {
         outputs.plan("--out", path)?;
     }
-    if let Some(path) = &arguments.plot {
-        plan_picture(&mut outputs, "--plot", path)?;
-    }
+    arguments.picture.plan(&mut outputs)?;
     if let Some(folder) = &arguments.write_scenes {
         std::fs::create_dir_all(folder)
             .map_err(|error| Failure::System(format!("{}: {error}", folder.display())))?;
@@ -109,9 +120,9 @@ fn role(columns: &[Column], number: usize) -> Role {
 const LARGEST_DRAWN: f64 = 3.0;
 
 /// The distribution of E of every column, a panel for each delay.
-fn figure(seed: u64, columns: &[Column], judged: &[Judged]) -> Figure {
+fn figure(seed: u64, columns: &[Column], drawn: &[usize], judged: &[Judged]) -> Figure {
     let panel = |delay: usize| Panel {
-        series: (0..columns.len())
+        series: (drawn.iter().copied())
             .map(|number| {
                 let mut errors: Vec<f64> = judged
                     .iter()
@@ -122,17 +133,17 @@ fn figure(seed: u64, columns: &[Column], judged: &[Judged]) -> Figure {
                 errors.sort_by(f64::total_cmp);
                 let all = errors.len() as f64;
                 // From nothing at the least error to all at the largest, or at the edge.
-                let drawn = errors.partition_point(|error| *error <= LARGEST_DRAWN);
-                let shares = (0..=drawn).map(|below| 100.0 * below as f64 / all);
+                let within = errors.partition_point(|error| *error <= LARGEST_DRAWN);
+                let shares = (0..=within).map(|below| 100.0 * below as f64 / all);
                 Series {
                     name: columns[number].name.clone(),
                     kind: Kind::Step,
                     role: role(columns, number),
                     y: shares.collect(),
-                    x: errors[..drawn]
+                    x: errors[..within]
                         .first()
                         .into_iter()
-                        .chain(&errors[..drawn])
+                        .chain(&errors[..within])
                         .copied()
                         .collect(),
                 }
@@ -140,10 +151,11 @@ fn figure(seed: u64, columns: &[Column], judged: &[Judged]) -> Figure {
             .collect(),
     };
     Figure {
-        title: format!("{} random plants, seed {seed}", judged.len()),
+        title: finding(columns, drawn, judged),
+        subtitle: format!("{} random plants, seed {seed}", judged.len()),
         footnote: Some(
-            "Share of the plants on which the mean-force error is at most so large: the further left, \
-             the better. Errors above 1000 % are not drawn."
+            "Share of the plants on which E, the error of the mean force of each period, is at most so large: \
+             the further left, the better. Errors above 1000 % are not drawn."
                 .into(),
         ),
         x_label: "mean-force error E [%]".into(),
@@ -151,8 +163,37 @@ fn figure(seed: u64, columns: &[Column], judged: &[Judged]) -> Figure {
         columns: suite::DELAYS.map(delay_in_words).to_vec(),
         rows: vec![Row {
             y_label: "plants [%]".into(),
+            y_decades: false,
             limits: Limits::Data,
             panels: suite::DELAYS.map(panel).to_vec(),
         }],
     }
+}
+
+/// On how many of the plants each column's force is within E < 20 %, for the two best, without a delay.
+fn finding(columns: &[Column], drawn: &[usize], judged: &[Judged]) -> String {
+    const FAITHFUL_PERCENT: f64 = 20.0;
+    let delay = suite::DELAYS[0];
+    let mut shares: Vec<(&str, f64)> = (drawn.iter().copied())
+        .map(|number| {
+            let of_column = judged.iter().flat_map(|one| &one.trials);
+            let faithful = of_column
+                .filter(|trial| trial.column == number && trial.delay == delay)
+                .filter(|trial| trial.fidelity.mean_force_error < FAITHFUL_PERCENT)
+                .count();
+            (
+                &*columns[number].name,
+                100.0 * faithful as f64 / judged.len() as f64,
+            )
+        })
+        .collect();
+    shares.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let best: Vec<String> = (shares.iter().take(2))
+        .map(|(name, share)| format!("{name} on {share:.0} %"))
+        .collect();
+    format!(
+        "E below {FAITHFUL_PERCENT} % with {}: {} of the plants",
+        delay_in_words(delay),
+        best.join(", ")
+    )
 }

@@ -1,0 +1,107 @@
+//! What runs show, in a sentence for the title of their figure: always computed from them.
+
+use palpate_sim::run::Run;
+
+/// Names that a sentence lists; more are counted.
+const MOST_NAMES: usize = 3;
+
+/// The finding of some runs, each with the name that the figure gives it; none where the ideal has no
+/// contact, so that there is no error.
+pub fn of_runs(runs: &[&Run], names: &[&str]) -> Option<String> {
+    let errors: Vec<Option<f64>> = runs.iter().map(|run| error(run)).collect();
+    let floor = runs.iter().find_map(|run| run.force.fidelity)?.hold_floor;
+    let floor = format!("hold floor {} %", percent(floor));
+    let broken: Vec<&str> = (runs.iter().zip(names))
+        .filter(|(run, _)| end(run).is_some())
+        .map(|(_, name)| *name)
+        .collect();
+    if let ([run], [name]) = (runs, names) {
+        let error = percent(errors[0]?);
+        let leak = digits(1e3 * run.last().ledger.held_leak.absolute);
+        let end = end(run).map_or_else(String::new, |end| format!("; it {end}"));
+        return Some(format!(
+            "{name}: FRE {error} % ({floor}), leaks of {leak} mJ{end}"
+        ));
+    }
+    let whole = (runs.iter().zip(names).zip(&errors))
+        .filter(|((run, _), _)| end(run).is_none())
+        .filter_map(|((_, name), error)| Some((*name, (*error)?)));
+    let nearest = whole.clone().min_by(|a, b| a.1.total_cmp(&b.1));
+    let farthest = whole.max_by(|a, b| a.1.total_cmp(&b.1));
+    let mut text = match (nearest, farthest) {
+        (Some(near), Some(far)) if near.0 != far.0 => format!(
+            "Nearest to the ideal: {}, FRE {} % ({floor}); farthest: {}, {} %",
+            near.0,
+            percent(near.1),
+            far.0,
+            percent(far.1)
+        ),
+        (Some(near), _) => format!(
+            "Nearest to the ideal: {}, FRE {} % ({floor})",
+            near.0,
+            percent(near.1)
+        ),
+        _ => {
+            return Some(format!(
+                "All of {} methods diverged or were stopped",
+                runs.len()
+            ));
+        }
+    };
+    if !broken.is_empty() {
+        let what = if broken.len() <= MOST_NAMES {
+            broken.join(", ")
+        } else {
+            format!("{} of {}", broken.len(), runs.len())
+        };
+        text += &format!("; diverged or stopped: {what}");
+    }
+    Some(text)
+}
+
+/// FRE of a run `[%]`.
+pub fn error(run: &Run) -> Option<f64> {
+    let error = run.force.fidelity?.force_rendering_error;
+    error.is_finite().then_some(error)
+}
+
+/// How a run came to an early end; none where it did not.
+fn end(run: &Run) -> Option<&'static str> {
+    if run.diverged == Some(true) {
+        Some("diverges")
+    } else if run.left_box_at.is_some() {
+        Some("leaves the safety box")
+    } else if run.jammed_at.is_some() {
+        Some("jams")
+    } else {
+        None
+    }
+}
+
+/// With one decimal, or an exponent where there are more than four digits before it.
+pub fn percent(value: f64) -> String {
+    if value.abs() < 9999.5 {
+        format!("{value:.1}")
+    } else {
+        format!("{value:.1e}")
+    }
+}
+
+/// Three significant digits, in plain notation where that is short.
+pub fn digits(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    let magnitude = value.abs().log10().floor();
+    if (-3.0..5.0).contains(&magnitude) {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "0 to 5"
+        )]
+        let decimals = (2.0 - magnitude).max(0.0) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.2e}")
+    }
+}
