@@ -108,7 +108,7 @@ fn a_method_that_cannot_be_set_up_says_why_and_the_others_run() {
     for method in METHODS {
         let row = row(&comparison, 0, method);
         if method.starts_with("popc") {
-            let why = "damping_cap is 0 N s/m, but must be finite and greater than 0";
+            let why = "damping_cap_n_s_per_m is 0 N s/m, but must be finite and greater than 0";
             assert_eq!(row["cannot"], why, "{method}");
             assert_eq!(row.get("diverged"), None, "{method}");
         } else {
@@ -118,7 +118,7 @@ fn a_method_that_cannot_be_set_up_says_why_and_the_others_run() {
     }
     let told = folder.succeed("compare soft.toml --out soft.csv");
     assert_eq!(
-        told.matches("cannot be set up: damping_cap is 0").count(),
+        told.matches("cannot be set up: damping_cap_n_s_per_m is 0").count(),
         2,
         "{told}"
     );
@@ -130,7 +130,7 @@ fn a_method_that_cannot_be_set_up_says_why_and_the_others_run() {
     folder.fail(
         "compare gap.toml bad.toml",
         3,
-        &["bad.toml:21:12: period is 0 s"],
+        &["bad.toml:21:12: loop.period_s is 0 s"],
     );
     folder.fail("compare", 2, &["<SCENE.toml>"]);
     folder.fail(

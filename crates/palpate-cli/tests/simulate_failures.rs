@@ -10,7 +10,7 @@ const FAULTS: [(&str, &str, &str, &[&str]); 24] = [
         "stiffness_n_per_m = 100",
         "stiffness_n_per_m = -100",
         "8:21",
-        &["stiffness is -100 N/m", "greater than 0"],
+        &["object.stiffness_n_per_m is -100 N/m", "greater than 0"],
     ),
     (
         "stiffness_n_per_m = 100",
@@ -228,7 +228,7 @@ fn a_wall_that_the_scene_would_move_is_shown_in_the_scene() {
     );
     let words = [
         "scene.toml:10:20: ",
-        "object velocity is 1 m/s",
+        "object.velocity_m_per_s is 1 m/s",
         "0 for a wall",
     ];
     folder.fail("simulate scene.toml --mass inf", 3, &words);

@@ -531,11 +531,11 @@ fn a_scene_has_one_hand() {
     assert!(Bench::new(&plain).is_ok());
     type Change = fn(&mut Scene);
     let changes: [(&str, Change); 3] = [
-        ("user force", |scene| scene.user_force = 1.0),
-        ("viscous friction", |scene| {
+        ("hand.force_n", |scene| scene.user_force = 1.0),
+        ("device.viscous_n_s_per_m", |scene| {
             scene.device.viscous_friction = 0.1;
         }),
-        ("release", |scene| scene.release = Some(0.1)),
+        ("hand.release_s", |scene| scene.release = Some(0.1)),
     ];
     for (name, change) in changes {
         let mut changed = plain.clone();

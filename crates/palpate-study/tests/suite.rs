@@ -435,7 +435,7 @@ fn a_column_that_cannot_be_run_is_named() {
     };
     let error = run(1, 1, &[column], || ()).unwrap_err().to_string();
     assert!(
-        error.starts_with("column wrong on plant 0: damping is -1 N s/m"),
+        error.starts_with("column wrong on plant 0: damping_n_s_per_m is -1 N s/m"),
         "{error}"
     );
 }
