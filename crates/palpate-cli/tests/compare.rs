@@ -118,7 +118,8 @@ fn a_method_that_cannot_be_set_up_says_why_and_the_others_run() {
     }
     let told = folder.succeed("compare soft.toml --out soft.csv");
     assert_eq!(
-        told.matches("cannot be set up: damping_cap_n_s_per_m is 0").count(),
+        told.matches("cannot be set up: damping_cap_n_s_per_m is 0")
+            .count(),
         2,
         "{told}"
     );

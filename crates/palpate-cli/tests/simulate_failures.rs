@@ -16,7 +16,7 @@ const FAULTS: [(&str, &str, &str, &[&str]); 24] = [
         "stiffness_n_per_m = 100",
         "stiffness_n_per_m = nan",
         "8:21",
-        &["stiffness is NaN"],
+        &["object.stiffness_n_per_m is NaN"],
     ),
     (
         "stiffness_n_per_m = 100",
@@ -37,19 +37,19 @@ const FAULTS: [(&str, &str, &str, &[&str]); 24] = [
         "mass_kg = 0.1\nstiff",
         "mass_kg = 0\nstiff",
         "7:11",
-        &["object_mass is 0 kg"],
+        &["object.mass_kg is 0 kg"],
     ),
     (
         "position_m = 0.1",
         "position_m = inf",
         "9:14",
-        &["object position is inf m", "finite"],
+        &["object.position_m is inf m", "finite"],
     ),
     (
         "mass_kg = 0.1\n\n[hand]",
         "mass_kg = inf\n\n[hand]",
         "14:11",
-        &["device_mass is inf kg"],
+        &["device.mass_kg is inf kg"],
     ),
     (
         "kind = \"point-mass\"",
@@ -67,19 +67,19 @@ const FAULTS: [(&str, &str, &str, &[&str]); 24] = [
         "force_n = 0.981",
         "force_n = nan",
         "18:11",
-        &["user force is NaN N", "finite"],
+        &["hand.force_n is NaN N", "finite"],
     ),
     (
         "period_s = 0.01",
         "period_s = 0",
         "21:12",
-        &["period is 0 s", "greater than 0"],
+        &["loop.period_s is 0 s", "greater than 0"],
     ),
     (
         "period_s = 0.01",
         "period_s = 0.01\ndelay_samples = 5000",
         "22:17",
-        &["delay is 5000 samples", "at most 1024"],
+        &["loop.delay_samples is 5000", "at most 1024"],
     ),
     (
         "period_s = 0.01",
@@ -92,7 +92,7 @@ const FAULTS: [(&str, &str, &str, &[&str]); 24] = [
         "collisions = 3",
         "duration_s = -1",
         "24:14",
-        &["duration is -1 s", "greater than 0"],
+        &["duration_s is -1 s", "greater than 0"],
     ),
     (
         "collisions = 3",
@@ -128,7 +128,7 @@ const FAULTS: [(&str, &str, &str, &[&str]); 24] = [
         "damping_n_s_per_m = 0.53",
         "damping_n_s_per_m = -0.53",
         "34:10",
-        &["damping is -0.53 N s/m"],
+        &["damping_n_s_per_m is -0.53 N s/m"],
     ),
     (
         "damping_n_s_per_m = 0.53",
