@@ -5,7 +5,9 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use palpate_device::clock::{Clock, SteppedClock};
-use palpate_device::{Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Wrench, ZeroWriter};
+use palpate_device::{
+    Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Wrench, ZeroWriter,
+};
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, tap};
 use palpate_scene::method::MethodName;
