@@ -31,6 +31,10 @@ pub use pose::{Pose, Vector, Wrench};
 pub use replay::ReplayDevice;
 pub use scripted::{Script, ScriptedDevice, Step};
 
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;
+
 /// A haptic device with one end-point: up to three axes with a force, up to three with a torque.
 ///
 /// Each period the loop reads once and writes once, in this order. The device holds a written force

@@ -56,6 +56,7 @@ impl<C: Clock> ReplayDevice<C> {
 
 /// Why a recording cannot be replayed. Samples count from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ReplayError {
     /// Nothing to move along.
     #[error("{0} samples; a replay needs two or more")]

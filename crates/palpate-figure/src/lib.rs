@@ -38,6 +38,10 @@ pub use png::{PngError, png};
 pub use size::{Size, SizeError};
 pub use svg::svg;
 
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;
+
 /// What can be drawn: a [`Figure`], a [`Sheet`], a [`FieldFigure`], a [`DotFigure`] or a [`Drawing`].
 pub trait Picture: drawn::Drawn {}
 

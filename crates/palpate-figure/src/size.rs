@@ -64,6 +64,7 @@ impl FromStr for Size {
 
 /// A size that no figure has, or not this one.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub enum SizeError {
     /// It is not understood.
     Unknown(String),

@@ -23,6 +23,7 @@ pub struct WriteError {
 
 /// What stood in the way of a file.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum WriteFault {
     /// The directory of the file is not there.
     #[error("there is no directory `{}`", directory.display())]

@@ -10,3 +10,7 @@ pub mod checksum;
 pub mod journal;
 mod lock;
 pub mod outputs;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

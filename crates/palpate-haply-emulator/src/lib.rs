@@ -7,3 +7,7 @@
 pub mod inverse3;
 #[cfg(unix)]
 pub mod two_diy;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

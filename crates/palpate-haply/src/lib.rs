@@ -2,3 +2,7 @@
 
 pub mod inverse3;
 pub mod two_diy;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

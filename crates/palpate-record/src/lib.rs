@@ -23,3 +23,7 @@ pub mod trace;
 pub mod unit;
 
 pub use place::Place;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

@@ -106,6 +106,7 @@ impl TraceError {
 
 /// What is wrong with the text of a trace. Each message also says what is allowed.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum TraceFault {
     /// There is no header.
     #[error("the file is empty; a trace begins with a header that names `t_s` and `position_m`")]

@@ -92,3 +92,7 @@ pub use stop::StopFlag;
 pub use tap::{Counted, Listener, Tap, Told, tap};
 pub use thread::{LoopEnd, LoopThread};
 pub use wire::answered;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

@@ -9,6 +9,7 @@ use palpate_device::DeviceError;
 
 /// Something that happened in the loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Note {
     /// Safety has tripped: no force is sent. [`Trip::Oscillation`] has a note of its own.
     Tripped(Trip),
@@ -42,6 +43,7 @@ pub enum Note {
 
 /// Why a loop has ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Ending {
     /// It was asked to.
     Stopped,

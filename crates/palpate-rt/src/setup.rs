@@ -6,6 +6,7 @@ use crate::safety::SafetyError;
 
 /// Why a loop cannot be set up.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SetupError {
     /// A parameter of what is rendered.
     #[error(transparent)]

@@ -43,6 +43,10 @@ use palpate_testbed::recorded_path::RecordedPath;
 
 use crate::method::{Basis, MethodName, Settings, SettingsError};
 
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;
+
 /// A closed loop to simulate: everything but the choice of the method is fixed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {

@@ -5,22 +5,10 @@ use palpate_testbed::pantograph::{Actuation, Pantograph, PantographParams, Pid, 
 
 /// The committed devices by the names that scenes know them by.
 const PRESETS: [(&str, &str); 4] = [
-    (
-        "paper-like",
-        include_str!("../../../devices/paper-like.toml"),
-    ),
-    (
-        "2diy-gen1",
-        include_str!("../../../devices/haply-2diy-gen1.toml"),
-    ),
-    (
-        "2diy-gen2",
-        include_str!("../../../devices/haply-2diy-gen2.toml"),
-    ),
-    (
-        "2diy-gen3",
-        include_str!("../../../devices/haply-2diy-gen3.toml"),
-    ),
+    ("paper-like", include_str!("../devices/paper-like.toml")),
+    ("2diy-gen1", include_str!("../devices/haply-2diy-gen1.toml")),
+    ("2diy-gen2", include_str!("../devices/haply-2diy-gen2.toml")),
+    ("2diy-gen3", include_str!("../devices/haply-2diy-gen3.toml")),
 ];
 
 /// Where the hand's constant force acts on a pantograph.

@@ -19,3 +19,7 @@ pub use session::{
     Written,
 };
 pub use settings::{Limits, Settings};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

@@ -19,3 +19,7 @@ mod virtual_device;
 
 pub use own_device::OwnDevice;
 pub use virtual_device::VirtualDevice;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

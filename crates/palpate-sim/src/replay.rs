@@ -89,6 +89,7 @@ impl ReplaySetup {
 
 /// Why a recording cannot be replayed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ReplayError {
     /// The method cannot be set up.
     #[error(transparent)]

@@ -86,6 +86,7 @@ impl fmt::Display for Holds {
 
 /// Why the claims cannot be checked.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ClaimError {
     /// A scene cannot be run.
     #[error(transparent)]

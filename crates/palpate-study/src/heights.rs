@@ -28,6 +28,7 @@ pub struct OverHeights {
 
 /// Why a column cannot be judged on a scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum HeightsError {
     /// The ideal has no contact, so there is no error.
     #[error("the ideal has no contact in the window, so there is no error")]

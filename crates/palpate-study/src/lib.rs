@@ -25,3 +25,7 @@ pub mod text;
 pub mod tune;
 
 pub use json::json;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

@@ -113,6 +113,7 @@ pub struct SweptHeights {
 
 /// Why a quantity cannot be varied.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SweepError {
     /// The scene has not what is to be varied.
     #[error("{0}")]

@@ -61,6 +61,7 @@ pub struct TunedPoint {
 
 /// Why a method cannot be tuned on a scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum TuneError {
     /// The method has nothing to tune.
     #[error("{0} has no damping to tune; virtual-damper, popc, popc-ref and hfcr have")]

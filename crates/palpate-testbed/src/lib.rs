@@ -85,3 +85,7 @@ pub mod viscous_ideal;
 pub mod viscous_mass;
 
 pub use error::InvalidParameter;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadmeExamples;

@@ -20,6 +20,7 @@ const MOST_SAMPLES: f64 = 1e8;
 
 /// Why times and positions do not make a path.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[non_exhaustive]
 pub enum PathError {
     /// Fewer than two samples.
     #[error("a path needs at least two samples, not {samples}")]

@@ -80,8 +80,12 @@ pub use sample::{Fault, Limited, Output, Phase, Sample};
 pub use scalar::Scalar;
 
 #[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
+#[doc = include_str!("../README.md")]
 struct ReadmeExamples;
+
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct RepositoryReadmeExamples;
 
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/signs.md")]

@@ -250,6 +250,7 @@ impl<P: ParameterName + fmt::Debug> core::error::Error for ParameterError<P> {}
 /// A unit, as messages write it and as keys end with it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[allow(missing_docs)] // the units are called what they are
+#[non_exhaustive]
 pub enum Unit {
     One,
     Metre,

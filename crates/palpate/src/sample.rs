@@ -57,6 +57,7 @@ impl<S: Scalar> Sample<S> {
 /// Why a sample was refused. The force is then 0; the object finishes its interval as planned and
 /// waits there. The next trustworthy sample takes up rendering, as if the device had come to rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Fault {
     /// The device position is NaN or infinite.
     PositionNotFinite,

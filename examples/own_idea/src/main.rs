@@ -8,7 +8,7 @@ mod method;
 
 use std::error::Error;
 
-use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series, svg};
+use palpate_figure::{Figure, Kind, Panel, Role, Row, Series, Size, svg};
 use palpate_scene::SceneFile;
 use palpate_scene::method::MethodName;
 use palpate_sim::closed_loop::Bench;
@@ -92,10 +92,10 @@ fn figure(reference: &Reference, runs: &[Run]) -> Figure {
         });
         Row {
             y_label: "force [N]".into(),
-            limits: Limits::default(),
             panels: vec![Panel {
                 series: [Some(ideal), held].into_iter().flatten().collect(),
             }],
+            ..Row::default()
         }
     };
     Figure {
@@ -126,7 +126,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             1e3 * run.last().ledger.held_leak.accumulated,
         );
     }
-    std::fs::write("own_idea.svg", svg(&figure(&reference, &runs)))?;
+    let picture = svg(&figure(&reference, &runs), Size::NATURAL)?;
+    std::fs::write("own_idea.svg", picture)?;
     println!("wrote own_idea.svg");
     Ok(())
 }

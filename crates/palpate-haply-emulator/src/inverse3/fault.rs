@@ -6,6 +6,7 @@ use std::time::Duration;
 
 /// Something that goes wrong with one reply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Fault {
     /// It is never sent.
     Dropped,

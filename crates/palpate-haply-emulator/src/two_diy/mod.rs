@@ -72,6 +72,7 @@ impl Settings {
 
 /// Something that goes wrong.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Fault {
     /// The board stands still, reads nothing and holds its torque.
     Stall(Duration),

@@ -4,6 +4,7 @@ use super::frame::{DeviceFrame, Model, Status};
 
 /// Why a device is not commanded a force, with what to do about it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Unfit {
     /// Its motors have no power.
     #[error("its motors have no power: plug in its power supply")]

@@ -184,6 +184,7 @@ pub struct Sample {
 
 /// A frame that is not believed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum FrameError {
     /// It is not JSON, or not all of it is there.
     #[error("not a frame of the service: {0}")]

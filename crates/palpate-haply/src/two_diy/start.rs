@@ -87,6 +87,7 @@ impl Options {
 
 /// Why a device could not be opened. No torque was commanded.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum OpenError {
     /// There is no such file.
     #[error("{0}: there is no such port; `palpate devices` lists those that are there")]

@@ -8,6 +8,7 @@ use super::{CELLS, Format, LINES_PER_CELL, Map, Row, SHARD};
 
 /// Why parts do not make a map.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum MergeError {
     /// No part at all.
     #[error("there are no parts to merge")]

@@ -46,6 +46,7 @@ pub struct Map {
 
 /// Why a file is no map.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum MapError {
     /// It cannot be read.
     #[error("cannot read `{file}`: {source}")]

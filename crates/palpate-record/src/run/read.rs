@@ -11,6 +11,7 @@ use crate::place::{Place, field_span, first_byte, open_quote, record_span};
 
 /// Why a run file could not be read.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum RunError {
     /// The bytes could not be had.
     #[error("{file}: cannot be read: {source}")]
@@ -43,6 +44,7 @@ impl RunError {
 
 /// What is wrong with the text of a run file. Each message also says what is allowed.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum RunFault {
     /// The bytes are not UTF-8.
     #[error("the byte 0x{byte:02X} is not UTF-8; a run file is UTF-8 text")]

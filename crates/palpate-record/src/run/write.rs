@@ -29,6 +29,7 @@ impl<'a> From<&'a str> for Cell<'a> {
 
 /// Why a run file could not be written.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum RunWriteError {
     /// The bytes could not be put where they should go.
     #[error(transparent)]

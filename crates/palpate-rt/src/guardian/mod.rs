@@ -151,6 +151,7 @@ impl GuardianAccount {
 
 /// Why there is no guardian.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum GuardianError {
     /// The system does not start it.
     #[error("its process cannot be started: {0}")]

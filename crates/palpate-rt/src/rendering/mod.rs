@@ -29,6 +29,7 @@ pub struct Parameters {
 
 /// Why a change is not taken; what was rendered goes on.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ChangeError {
     /// A parameter outside its range.
     #[error(transparent)]

@@ -4,6 +4,7 @@ use std::fmt;
 
 /// Why safety holds the force at none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Trip {
     /// A position or a force was NaN or infinite.
     NotANumber,

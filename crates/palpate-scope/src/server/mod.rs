@@ -47,6 +47,7 @@ const BACKLOG: u32 = 1024;
 
 /// Why nobody can be served.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ListenError {
     /// The address cannot be listened on.
     #[error("{address}: {source}")]

@@ -86,6 +86,7 @@ impl Plant {
 
 /// Why a bounce cannot be run.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum BounceError {
     /// A method cannot be set up.
     #[error("{method}: {error}")]

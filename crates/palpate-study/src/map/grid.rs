@@ -29,6 +29,7 @@ pub struct MapParams {
 
 /// Parameters that make no map.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ParamsError {
     /// Too few or too many cells.
     #[error("a map has 2 to 1000 cells along each axis, not {0}")]

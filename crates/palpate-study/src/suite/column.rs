@@ -51,6 +51,7 @@ impl Dampings {
 
 /// A fault in a file of columns.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ColumnError {
     /// The text is no TOML.
     #[error("{0}")]

@@ -43,6 +43,7 @@ pub struct RandomPlant {
 
 /// Why a plant cannot be drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum DrawError {
     /// None of very many draws collides as often as it should.
     #[error("plant {0}: none of {MOST_DRAWS} draws collides {COLLISIONS} times")]

@@ -66,6 +66,7 @@ pub struct Trial {
 
 /// Why a suite cannot be run.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SuiteError {
     /// A plant cannot be drawn.
     #[error(transparent)]

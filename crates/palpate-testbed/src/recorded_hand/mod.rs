@@ -121,6 +121,7 @@ pub struct HandUncertainty {
 
 /// Why a recording shows no hand.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum HandError {
     /// The recording is no motion.
     #[error(transparent)]

@@ -45,6 +45,7 @@ $($(
         deserialize = "S: Scalar + serde::Deserialize<'de>"
     ))
 )]
+#[non_exhaustive]
 pub enum AnyParams<S> {
     /// See [`Basic`].
     Basic,
@@ -57,6 +58,7 @@ pub enum AnyParams<S> {
 /// Any method, with checked parameters.
 #[derive(Clone, Copy, Debug)]
 #[allow(missing_docs)] // each variant is the type of the same name
+#[non_exhaustive]
 pub enum AnyMethod<S> {
     Basic(Basic),
     $($Variant($Method),)*

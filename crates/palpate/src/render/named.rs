@@ -42,6 +42,7 @@ macro_rules! named {
         /// A method of the program, by its name.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[allow(missing_docs)] // the summary of each says what it is
+        #[non_exhaustive]
         pub enum MethodName {
             Basic,
             $($($Name,)+)*

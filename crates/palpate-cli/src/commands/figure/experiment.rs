@@ -15,9 +15,9 @@ use palpate_figure::Sheet;
 use palpate_study::report::Report;
 use palpate_study::text::{lines, number, percent, plain_table};
 
-const FIG4: &str = include_str!("../../../../../experiments/fig4.toml");
-const FIG5: &str = include_str!("../../../../../experiments/fig5.toml");
-const FIG5_BOX: &str = include_str!("../../../../../experiments/fig5_box.toml");
+const FIG4: &str = include_str!("../../../experiments/fig4.toml");
+const FIG5: &str = include_str!("../../../experiments/fig5.toml");
+const FIG5_BOX: &str = include_str!("../../../experiments/fig5_box.toml");
 
 /// What the paper measured on its device: FRE in percent, or that the method failed.
 type Measured = [(MethodName, &'static str); 3];

@@ -10,8 +10,8 @@ use crate::plots;
 use palpate_figure::Figure;
 use palpate_study::report::Report;
 
-const FIG2: &str = include_str!("../../../../../experiments/fig2.toml");
-const LONG: &str = include_str!("../../../../../experiments/fig2_long.toml");
+const FIG2: &str = include_str!("../../../experiments/fig2.toml");
+const LONG: &str = include_str!("../../../experiments/fig2_long.toml");
 
 /// Dampings of HFCR that are beside each other over many collisions `[N s/m]`, and what they are.
 const DAMPINGS: [(f64, &str); 4] = [

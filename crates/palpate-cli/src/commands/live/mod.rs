@@ -27,7 +27,7 @@ use crate::values::duration;
 use palpate_study::recording::in_a_line;
 
 /// What is shown without a scene, and by which methods.
-const SCENE: &str = include_str!("../../../../../experiments/live.toml");
+const SCENE: &str = include_str!("../../../experiments/live.toml");
 const METHODS: [MethodName; 2] = [MethodName::Basic, MethodName::Coupled];
 
 /// How often it is looked whether the session has ended.

@@ -26,6 +26,7 @@ pub(super) struct Address {
 
 /// Why there is no WebSocket.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ConnectError {
     /// What was given is no address.
     #[error("{given}: {what}; allowed: ws://HOST:PORT, such as ws://localhost:10001")]

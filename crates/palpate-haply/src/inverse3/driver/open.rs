@@ -29,6 +29,7 @@ const AGAIN: Duration = Duration::from_millis(50);
 
 /// Why a device is not opened.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum OpenError {
     /// There is no service.
     #[error(transparent)]
