@@ -109,6 +109,11 @@ impl Told {
 
     /// Waits until it says `words`.
     fn hear(&mut self, words: &str) {
+        self.hear_before(words, None);
+    }
+
+    /// Waits until it says `words`, which have to come before `later`.
+    fn hear_before(&mut self, words: &str, later: Option<&str>) {
         loop {
             let line = self.lines.next();
             let line = line.unwrap_or_else(|| panic!("it ended without {words}: {}", self.said));
@@ -117,6 +122,8 @@ impl Told {
             if line.contains(words) {
                 return;
             }
+            let is_late = later.is_some_and(|later| line.contains(later));
+            assert!(!is_late, "not a word of {words}: {}", self.said);
         }
     }
 
@@ -321,9 +328,8 @@ fn no_force_comes_back_before_enter_has_said_that_the_arm_is_in_its_start_pose()
     // What is typed before says nothing.
     keys.write_all(b"\n").unwrap();
     emulator.suffer(Fault::Unplug(Duration::from_millis(300)));
-    run.hear("press enter");
     let back = "the device is back";
-    assert!(!run.said.contains(back), "{}", run.said);
+    run.hear_before("press enter", Some(back));
     let asked = Instant::now();
     let typing = std::thread::spawn(move || {
         std::thread::sleep(Duration::from_secs(5));
