@@ -42,6 +42,10 @@ test("dragging with the mouse moves the hand, which stays where it is let be", a
   const live = await startLive();
   const open = await visit(live.url);
   const { mouse } = open.page;
+  // The scene has the height that the loop's status and the sentence above it leave.
+  await open.until("the loop's status is told", () => document.querySelectorAll("#status tbody tr").length === 2);
+  await open.until("what is seen is said", () => document.querySelector("#seen").textContent !== "");
+  await open.pass(0.5);
   const { x, y } = await open.middle("#scene");
   const from = await open.get(handM);
   const scale = await open.get(pxPerM);
