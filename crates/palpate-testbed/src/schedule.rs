@@ -11,9 +11,11 @@
 //! logarithm and cosine, whose last bit may differ between platforms; the rest is the same
 //! everywhere.
 
+mod parameter;
+
 use std::f64::consts::TAU;
 
-use std::fmt;
+pub use parameter::ScheduleParameter;
 
 use crate::InvalidParameter;
 use crate::error::{finite, positive};
@@ -147,52 +149,6 @@ pub struct Schedule {
     last_hold: f64,
     jitter_numbers: SplitMix64,
     drop_numbers: SplitMix64,
-}
-
-/// A parameter of a schedule, to be matched by value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs)] // the parameters are called what the fields are that have them
-pub enum ScheduleParameter {
-    Period,
-    CollapsePeriod,
-    CollapseFrom,
-    CollapseUntil,
-    JitterBound,
-    JitterDeviation,
-    Dropped,
-    DelayFraction,
-}
-
-impl ScheduleParameter {
-    /// The field that has it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Period => "period",
-            Self::CollapsePeriod => "collapse.period",
-            Self::CollapseFrom => "collapse.from",
-            Self::CollapseUntil => "collapse.until",
-            Self::JitterBound => "jitter.bound",
-            Self::JitterDeviation => "jitter.deviation",
-            Self::Dropped => "dropped",
-            Self::DelayFraction => "delay.fraction",
-        }
-    }
-}
-
-impl fmt::Display for ScheduleParameter {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-impl From<InvalidParameter<ScheduleParameter>> for InvalidParameter {
-    fn from(error: InvalidParameter<ScheduleParameter>) -> Self {
-        Self {
-            name: error.name.name(),
-            value: error.value,
-            allowed: error.allowed,
-        }
-    }
 }
 
 impl Schedule {

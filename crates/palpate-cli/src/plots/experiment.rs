@@ -3,6 +3,7 @@
 use palpate_figure::{Grid, Kind, Limits, Panel, Role, Row, Series, Sheet};
 use palpate_scene::Scene;
 use palpate_sim::run::{Reference, Run, Tick};
+use palpate_study::text::percent;
 
 use super::{
     FINE, JOULE_TO_MILLIJOULE, METRE_TO_MILLIMETRE, end_of_motors, finding, ideal_device,
@@ -67,10 +68,7 @@ pub fn method_by_method(
         methods.iter().map(row).collect()
     };
     let accuracy = |&(name, run): &(&str, &Run)| match run.force.fidelity {
-        Some(fidelity) => format!(
-            "{name}: FRE {} %",
-            finding::percent(fidelity.force_rendering_error)
-        ),
+        Some(fidelity) => format!("{name}: FRE {} %", percent(fidelity.force_rendering_error)),
         None => name.into(),
     };
     let end = |(_, run): &(&str, &Run)| match run.left_box_at {

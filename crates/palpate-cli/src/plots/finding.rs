@@ -1,6 +1,7 @@
 //! What runs show, in a sentence for the title of their figure: always computed from them.
 
 use palpate_sim::run::Run;
+use palpate_study::text::{digits, percent};
 
 /// Names that a sentence lists; more are counted.
 const MOST_NAMES: usize = 3;
@@ -75,33 +76,5 @@ fn end(run: &Run) -> Option<&'static str> {
         Some("jams")
     } else {
         None
-    }
-}
-
-/// With one decimal, or an exponent where there are more than four digits before it.
-pub fn percent(value: f64) -> String {
-    if value.abs() < 9999.5 {
-        format!("{value:.1}")
-    } else {
-        format!("{value:.1e}")
-    }
-}
-
-/// Three significant digits, in plain notation where that is short.
-pub fn digits(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return value.to_string();
-    }
-    let magnitude = value.abs().log10().floor();
-    if (-3.0..5.0).contains(&magnitude) {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "0 to 5"
-        )]
-        let decimals = (2.0 - magnitude).max(0.0) as usize;
-        format!("{value:.decimals$}")
-    } else {
-        format!("{value:.2e}")
     }
 }

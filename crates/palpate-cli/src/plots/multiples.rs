@@ -2,11 +2,11 @@
 
 use palpate_figure::{Grid, Limits, Panel, Role, Row, Series};
 use palpate_sim::run::Run;
+use palpate_study::text::{digits, percent};
 
 use super::runs::{Devices, RunsFigure};
 use super::{
-    JOULE_TO_MILLIJOULE, device_position, end_of_motors, finding, held_force, ideal_force,
-    object_position,
+    JOULE_TO_MILLIJOULE, device_position, end_of_motors, held_force, ideal_force, object_position,
 };
 
 /// Panels side by side.
@@ -49,13 +49,10 @@ pub(super) fn lines(figure: &RunsFigure) -> (Vec<Vec<Grid>>, String) {
 /// Name, error and leak of a run.
 fn head(run: &Run) -> String {
     let error = run.force.fidelity.map_or_else(String::new, |fidelity| {
-        format!(
-            "FRE {} %, ",
-            finding::percent(fidelity.force_rendering_error)
-        )
+        format!("FRE {} %, ", percent(fidelity.force_rendering_error))
     });
     let leak = JOULE_TO_MILLIJOULE * run.last().ledger.held_leak.absolute;
-    format!("{}: {error}{} mJ", run.method, finding::digits(leak))
+    format!("{}: {error}{} mJ", run.method, digits(leak))
 }
 
 fn positions(figure: &RunsFigure, run: &Run) -> Vec<Series> {

@@ -2,6 +2,7 @@
 
 use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 use palpate_sim::run::{Reference, Run, Tick};
+use palpate_study::text::percent;
 
 use super::{
     JOULE_TO_MILLIJOULE, device_position, finding, held_force, ideal_device, ideal_force,
@@ -35,7 +36,7 @@ pub fn step_by_step(title: &str, reference: &Reference, steps: &[(&str, &Run)]) 
         .iter()
         .zip(&errors)
         .map(|((name, _), error)| match error {
-            Some(error) => format!("{name}: FRE {} %", finding::percent(*error)),
+            Some(error) => format!("{name}: FRE {} %", percent(*error)),
             None => (*name).into(),
         });
     Figure {
@@ -80,7 +81,7 @@ fn falling(steps: &[(&str, &Run)], errors: &[Option<f64>]) -> String {
     let (Some(first), Some(last)) = (known.first(), known.last()) else {
         return String::new();
     };
-    let (from, to) = (finding::percent(*first), finding::percent(*last));
+    let (from, to) = (percent(*first), percent(*last));
     if known.len() == errors.len() && known.is_sorted_by(|a, b| a > b) {
         return format!("The force error falls at each step, from FRE {from} % to {to} %");
     }
@@ -89,6 +90,6 @@ fn falling(steps: &[(&str, &Run)], errors: &[Option<f64>]) -> String {
     let name = place.map_or("", |place| steps[place].0);
     format!(
         "The force error is least with {name}: FRE {} %",
-        finding::percent(least)
+        percent(least)
     )
 }
