@@ -16,7 +16,7 @@ pub enum PortSettings {
         /// A symbolic link to the terminal; the link's name stays when the device is plugged in again.
         link: Option<PathBuf>,
     },
-    /// A Unix socket at this path. Nobody stands between its two ends.
+    /// A Unix socket at this path. The kernel hands its bytes over at once, without a worker.
     Socket {
         /// The socket's path.
         path: PathBuf,
