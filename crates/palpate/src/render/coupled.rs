@@ -148,6 +148,8 @@ pub struct CoupledMemory<S> {
     /// How well it is known where the object belongs.
     placed: Placed<S>,
     avatar: Avatar<S>,
+    /// Part of the avatar's speed that no force is going to make up for `[m/s]`.
+    given_up: S,
     /// Shift of the object by placement over the last interval `[m]`.
     shift: S,
 }
@@ -192,9 +194,9 @@ const REPAID: f64 = 0.5;
 /// this part.
 const NEGLIGIBLE: f64 = 1e-7;
 
-/// Speed at which a wall that is free goes back to its place `[m/s]`: below what a hand feels. In contact
-/// it keeps its offset: what is taken back while there is a force is energy.
-const WALK: f64 = 1e-3;
+/// Time in which a wall in contact goes back to its place `[s]`. What is taken back while the force
+/// changes is energy, so it takes much longer than a collision.
+const WALL_RETURN: f64 = 0.3;
 
 impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
     type Method = Coupled<S>;
@@ -348,9 +350,13 @@ impl<S: Scalar> Coupled<S> {
         if self.object_mobility == S::ZERO {
             let gives_way = self.placement && device.mobility > S::ZERO;
             let wall_offset = if course.impulse > S::ZERO && gives_way {
-                avatar.wall_offset + placed
+                let back = (h / S::from_f64(WALL_RETURN)).min(S::ONE);
+                (S::ONE - back) * (avatar.wall_offset + placed)
             } else {
-                avatar.wall_offset - avatar.wall_offset.within(S::from_f64(WALK) * h)
+                // As far as it stays free.
+                (avatar.wall_offset + course.end.penetration)
+                    .max(S::ZERO)
+                    .min(avatar.wall_offset.max(S::ZERO))
             };
             let by = wall_offset - avatar.wall_offset;
             return Moved {
@@ -406,7 +412,13 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             .filter(|_| self.correction && self.placement && !motion.is_wall());
         let [object_off, object_slow] =
             lesson.map_or([S::ZERO; 2], |lesson| memory.placed.correction(lesson));
-        let object_velocity = ended.start.object_velocity + object_slow;
+        // What no force makes up for: the object takes it, a wall and its avatar come together.
+        let given_up = core::mem::take(&mut memory.given_up);
+        memory.avatar.speed -= given_up;
+        let mut object_velocity = ended.start.object_velocity + object_slow;
+        if !motion.is_wall() {
+            object_velocity -= given_up;
+        }
         let start = Relative {
             penetration: ended.start.penetration + device.offset - object_off,
             speed: device.velocity + memory.avatar.speed - object_velocity,
@@ -495,7 +507,17 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             relative.speed = device.velocity + avatar.speed - object_velocity;
         });
         let interval = self.interval(motion, &device, relative, virtual_force, period);
-        let owed = S::from_f64(REPAID) * owed;
+        let owed = if motion.is_wall() {
+            if device.mobility > S::ZERO {
+                // Never more than the contact itself: else a device that moves as no mass does is
+                // given more and more.
+                (S::ZERO - avatar.speed / device.mobility).within(interval.course.impulse)
+            } else {
+                S::ZERO
+            }
+        } else {
+            S::from_f64(REPAID) * owed
+        };
         let mut mean = ((interval.course.impulse + owed) / period).max(S::ZERO);
         let apart = interval.course.impulse == S::ZERO;
         let least = S::from_f64(NEGLIGIBLE) * object_velocity.abs();
@@ -503,8 +525,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             // What was pushed too much is not pulled back, and rounding errors are not paid.
             mean = S::ZERO;
             memory.debt = S::ZERO;
-            // The object takes what no force will.
-            memory.avatar.speed = memory.avatar.speed - avatar.speed;
+            memory.given_up = avatar.speed;
         }
         let force = governed.with_mean(mean, period);
         let first = first.filter(|_| now.ahead.is_whole());

@@ -83,12 +83,12 @@ fn undamped_wall() {
     let t = 1e-3;
     for (delay, lag) in [(0.0, 0.0), (1.0, 0.0), (0.5, 0.0), (0.25, 0.0), (0.75, 0.0), (0.5, 0.3), (0.01, 0.0), (0.0, 0.3)] {
         let mut line = String::new();
-        for kappa in [0.1, 1.0, 4.0] {
+        for (kappa, b) in [(0.1, 0.01), (1.0, 0.01), (4.0, 0.01), (2.0, 1.0), (4.0, 1.0)] {
             let mut desk = draw(3);
             desk.device_mass = 0.2;
             desk.object_mass = f64::INFINITY;
             desk.stiffness = kappa * desk.device_mass / (t * t);
-            desk.hand = (0.0, 0.01);
+            desk.hand = (0.0, b);
             desk.push = 2.0;
             desk.gap = 2e-4;
             desk.delay = delay * t;
@@ -96,7 +96,7 @@ fn undamped_wall() {
             let actuation = Actuation::after(desk.delay).with_lag(desk.lag);
             let loop_params = LoopParams { actuation, ..LoopParams::new(desk.period) };
             let params = AnyParams::Coupled(CoupledParams::new(desk.device_mass * 1.0));
-            for n in [100, 400, 1600] {
+            for n in [25, 50, 100, 200, 400] {
                 let f = desk.rendered(loop_params, params, n, 5);
                 let ideal = desk.ideal(n);
                 line += &format!(" {kappa},{n}: {:.2}", desk.error(&ideal, &f));
