@@ -196,7 +196,7 @@ const NEGLIGIBLE: f64 = 1e-7;
 
 /// Time in which a wall in contact goes back to its place `[s]`. What is taken back while the force
 /// changes is energy, so it takes much longer than a collision.
-const WALL_RETURN: f64 = 0.3;
+const WALL_RETURN: f64 = 0.2;
 
 impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
     type Method = Coupled<S>;
@@ -511,7 +511,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             if device.mobility > S::ZERO {
                 // Never more than the contact itself: else a device that moves as no mass does is
                 // given more and more.
-                (S::ZERO - avatar.speed / device.mobility).within(interval.course.impulse)
+                (S::from_f64(-1.0) * avatar.speed / device.mobility).within(S::from_f64(0.06) * interval.course.impulse)
             } else {
                 S::ZERO
             }
