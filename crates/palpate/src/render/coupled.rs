@@ -9,7 +9,7 @@ use crate::actuator::Held;
 use crate::contact::{Contact, LoopParams, Mass};
 use crate::motion::{Displacement, ObjectMotion, Rule};
 use crate::parameter::{ParameterError, ParameterValue};
-use crate::predict::{Motion, Observer, ObserverParams, Placed};
+use crate::predict::{Lesson, Motion, Observer, ObserverParams, PARTS, Placed};
 use crate::relative_motion::{Course, Drive, Relative};
 use crate::response::Response;
 
@@ -148,6 +148,8 @@ pub struct CoupledMemory<S> {
     /// How well it is known where the object belongs.
     placed: Placed<S>,
     avatar: Avatar<S>,
+    /// By how much later than told commands begin.
+    lateness: Lateness<S>,
     /// Part of the avatar's speed that no force is going to make up for `[m/s]`.
     given_up: S,
     /// Shift of the object by placement over the last interval `[m]`.
@@ -404,6 +406,11 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         };
         let before = observer.motion;
         let (smoothed, lesson) = observer.see(&self.observer, &ended.seen());
+        if let Some(lesson) = &lesson {
+            let first = S::from_f64(FIRST) * ended.elapsed;
+            let changed = memory.lateness.learn(lesson, &smoothed, &ended.held, ended.elapsed, first);
+            if SHIFT { observer.shift(changed); }
+        }
         let certainty = observer.damping_certainty();
         let device = if self.correction { smoothed } else { before };
         // A wall is where it is.
@@ -540,7 +547,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
                 let held = Held {
                     mean: (before * rest + after * (period - rest)) / period,
                     lead: S::HALF * (before - after) * rest * (period - rest),
-                    doubt: S::ZERO,
+                    ..Held::constant(S::ZERO)
                 };
                 (interval, held)
             };
@@ -577,10 +584,69 @@ impl<S: Scalar> Method<S> for Coupled<S> {
     }
 
     #[inline]
+    fn later(&self, memory: &CoupledMemory<S>) -> S {
+        memory.lateness.mean
+    }
+
+    #[inline]
     fn placement_shift(&self, memory: &CoupledMemory<S>) -> S {
         memory.shift
     }
 }
+
+/// By how much later than told the commands begin: a delay that nobody has told, or told wrongly.
+///
+/// A Kalman filter of this one number beside that of the device (Friedland 1969): `answer` says how the
+/// error of the device's state answers to a second of lateness, through all that the observer has made
+/// of it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Lateness<S> {
+    /// Best guess `[s]`.
+    mean: S,
+    /// Its variance `[s^2]`.
+    variance: Option<S>,
+    answer: [S; PARTS],
+}
+
+impl<S: Scalar> Lateness<S> {
+    /// Takes what a sample tells. The change of the device's state that follows.
+    fn learn(&mut self, lesson: &Lesson<S>, device: &Motion<S>, held: &Held<S>, h: S, first: S) -> [S; PARTS] {
+        let variance = self.variance.unwrap_or(first * first);
+        let mut next = self.answer;
+        for (entry, row) in next.iter_mut().zip(&lesson.transition) {
+            *entry = S::ZERO;
+            for (by, from) in row.iter().zip(&self.answer) {
+                *entry += *by * *from;
+            }
+        }
+        let pushed = device.mobility * held.step;
+        next[0] += pushed * held.step_age;
+        next[1] += pushed;
+        let seen = next[0];
+        let gain = variance * seen / (seen * seen * variance + lesson.variance);
+        for (entry, by) in next.iter_mut().zip(&lesson.gain) {
+            *entry -= *by * seen;
+        }
+        let learned = gain * lesson.innovation;
+        let drift = S::from_f64(LATENESS_DRIFT) * h;
+        let rest = (S::ONE - gain * seen) * variance + drift * drift;
+        if !(learned.is_finite() && rest.is_finite() && next.iter().all(|entry| entry.is_finite())) {
+            *self = Self::default();
+            return [S::ZERO; PARTS];
+        }
+        let before = self.mean;
+        self.mean = (before + learned).within(S::from_f64(LATENESS_MOST) * h);
+        self.variance = Some(rest.min(first * first));
+        self.answer = next;
+        let changed = self.mean - before;
+        next.map(|entry| entry * changed)
+    }
+}
+
+const FIRST: f64 = 0.03;
+const SHIFT: bool = true;
+const LATENESS_DRIFT: f64 = 0.0003;
+const LATENESS_MOST: f64 = 1.5;
 
 /// What a damping does to an interval of relative motion.
 struct Damped<S> {
