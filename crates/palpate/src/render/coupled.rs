@@ -606,6 +606,12 @@ struct Lateness<S> {
     /// Its variance `[s^2]`.
     variance: Option<S>,
     answer: [S; PARTS],
+    /// What the last samples tell of it: `[1/s^2]`,
+    information: S,
+    /// and that times how far off the guess is by them `[1/s]`.
+    score: S,
+    /// and how many samples that is, those in contact counted.
+    count: S,
 }
 
 impl<S: Scalar> Lateness<S> {
@@ -623,6 +629,20 @@ impl<S: Scalar> Lateness<S> {
         next[0] += pushed * held.step_age;
         next[1] += pushed;
         let seen = next[0];
+        let kept = S::ONE - S::from_f64(1.0 / RECENT);
+        self.information = kept * self.information + seen * seen / lesson.variance;
+        self.score = kept * self.score + seen * lesson.innovation / lesson.variance;
+        let told = if held.step == S::ZERO { S::ZERO } else { S::ONE };
+        self.count = kept * self.count + told;
+        let off = self.score / self.information;
+        let sure = off * self.score > S::from_f64(SURE * SURE);
+        let least = if sure && self.information > S::ZERO && self.count > S::from_f64(ENOUGH) {
+            let off = off.within(S::from_f64(0.5) * h);
+            S::from_f64(BELIEVED) * off * off
+        } else {
+            S::ZERO
+        };
+        let variance = variance.max(least);
         let gain = variance * seen / (seen * seen * variance + lesson.variance);
         for (entry, by) in next.iter_mut().zip(&lesson.gain) {
             *entry -= *by * seen;
@@ -636,14 +656,19 @@ impl<S: Scalar> Lateness<S> {
         }
         let before = self.mean;
         self.mean = (before + learned).within(S::from_f64(LATENESS_MOST) * h);
-        self.variance = Some(rest.min(first * first));
+        self.variance = Some(rest);
         self.answer = next;
         let changed = self.mean - before;
+        self.score = self.score - self.information * changed;
         next.map(|entry| entry * changed)
     }
 }
 
-const FIRST: f64 = 0.03;
+const FIRST: f64 = 0.005;
+const ENOUGH: f64 = 24.0;
+const RECENT: f64 = 64.0;
+const SURE: f64 = 5.0;
+const BELIEVED: f64 = 0.1;
 const SHIFT: bool = true;
 const LATENESS_DRIFT: f64 = 0.0003;
 const LATENESS_MOST: f64 = 1.5;
