@@ -1,17 +1,20 @@
 //! Coupled rendering: device and object are predicted together, and the mean of the contact force
 //! between them is held.
 
+mod interval;
+
+use interval::{Avatar, Moved, rule};
+
 use super::method::{Ended, Method, MethodParams, Plan, Situation};
 use super::named::{FromSettings, MethodInfo, MethodName};
 use super::setting::{Basis, Setting, SettingKey, SettingValues, Settings, SettingsError};
 use crate::Scalar;
 use crate::actuator::Held;
 use crate::contact::{Contact, LoopParams, Mass};
-use crate::motion::{Displacement, ObjectMotion, Rule};
+use crate::motion::{Displacement, ObjectMotion};
 use crate::parameter::{ParameterError, ParameterValue};
-use crate::predict::{Lesson, Motion, Observer, ObserverParams, PARTS, Placed};
-use crate::relative_motion::{Course, Drive, Relative};
-use crate::response::Response;
+use crate::predict::{Lateness, Observer, ObserverParams, Placed};
+use crate::relative_motion::Relative;
 
 /// Coupled rendering by name.
 pub(super) const COUPLED: MethodInfo = MethodInfo {
@@ -134,6 +137,7 @@ pub struct Coupled<S> {
     object_mobility: S,
     placement: bool,
     correction: bool,
+    timing_deviation: S,
 }
 
 /// What coupled rendering remembers.
@@ -148,7 +152,6 @@ pub struct CoupledMemory<S> {
     /// How well it is known where the object belongs.
     placed: Placed<S>,
     avatar: Avatar<S>,
-    /// By how much later than told commands begin.
     lateness: Lateness<S>,
     /// Part of the avatar's speed that no force is going to make up for `[m/s]`.
     given_up: S,
@@ -164,6 +167,11 @@ impl<S: Scalar> CoupledMemory<S> {
         a.min(b).max(a.max(b).min(c))
     }
 
+    /// By how much later than told the commands begin, as far as it has been learned `[s]`.
+    pub fn lateness(&self) -> S {
+        self.lateness.mean
+    }
+
     /// Effective mass of the device with the hand that holds it, as far as it has been learned
     /// `[kg]`: infinite for one that no force moves, none before the first sample.
     pub fn device_mass(&self) -> Option<S> {
@@ -172,33 +180,19 @@ impl<S: Scalar> CoupledMemory<S> {
     }
 }
 
-/// What the contact meets in the device's place.
-///
-/// The contact acts continuously, the held force does not, so what the contact has moved is not where
-/// the device is. The relative motion is that of the avatar. By the end of the window that a command
-/// governs both have the same velocity; where a window ends between two samples, they differ at each
-/// sample.
-#[derive(Clone, Copy, Debug, Default)]
-struct Avatar<S> {
-    /// By how much a wall stands off its place, so that the device has the avatar's penetration `[m]`:
-    /// the avatar is as much behind the device. An object moves on from where it stands off.
-    wall_offset: S,
-    /// Its velocity less the device's `[m/s]`.
-    speed: S,
-}
-
 /// Part of the impulse owed that the next force makes up for. All of it would pass on the noise of
 /// one estimate as a force of the other sign in the next; on random plants a half has the least
 /// error, with and without delay.
 const REPAID: f64 = 0.5;
 
+/// Most of what a wall's avatar is ahead of the device by that the next force makes up for, as a part of
+/// the contact's impulse. Without a bound, a device that moves as no mass does is given more and more;
+/// with 0.15, a wall whose delay is not known swings with every other sample.
+const REPAID_BY_WALLS: f64 = 0.06;
+
 /// What is owed to an object that is apart is forgotten when it would change its velocity by less than
 /// this part.
 const NEGLIGIBLE: f64 = 1e-7;
-
-/// Time in which a wall in contact goes back to its place `[s]`. What is taken back while the force
-/// changes is energy, so it takes much longer than a collision.
-const WALL_RETURN: f64 = 0.2;
 
 impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
     type Method = Coupled<S>;
@@ -206,7 +200,7 @@ impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
     fn check(
         self,
         contact: &Contact<S>,
-        _: &LoopParams<S>,
+        loop_params: &LoopParams<S>,
     ) -> Result<Self::Method, ParameterError> {
         Ok(Coupled {
             observer: ObserverParams::new(self.device_mass, self.encoder_quantum)?,
@@ -216,6 +210,7 @@ impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
             },
             placement: self.placement,
             correction: self.correction,
+            timing_deviation: loop_params.actuation.timing_deviation(),
         })
     }
 
@@ -237,161 +232,6 @@ impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
     }
 }
 
-/// How one interval goes: what moves device and object against each other, and where it ends.
-struct Interval<S> {
-    start: Relative<S>,
-    drive: Drive<S>,
-    /// Rate of the drive's acceleration `[m/s^3]`.
-    ramp: S,
-    course: Course<S>,
-    duration: S,
-}
-
-impl<S: Scalar> Coupled<S> {
-    fn interval(
-        &self,
-        motion: &ObjectMotion<S>,
-        device: &Motion<S>,
-        start: Relative<S>,
-        virtual_force: S,
-        duration: S,
-    ) -> Interval<S> {
-        let drive = self.drive(motion, device, virtual_force);
-        Interval {
-            start,
-            drive,
-            ramp: S::ZERO,
-            course: drive.over(start, duration),
-            duration,
-        }
-    }
-
-    /// The same for an interval that is over, with the changes of the device's external acceleration
-    /// under the force that was held, and how its end answers to what it started from.
-    fn interval_past(
-        &self,
-        motion: &ObjectMotion<S>,
-        device: &Motion<S>,
-        start: Relative<S>,
-        ended: &Ended<S>,
-        certainty: S,
-    ) -> (Interval<S>, Option<Response<S>>) {
-        let drive = self.drive(motion, device, ended.start.virtual_force);
-        let h = ended.elapsed;
-        let (mut course, response) = drive.over_with_response(start, h);
-        let mut ramp = S::ZERO;
-        if let Some(response) = &response {
-            ramp = device.ramp(ended.held.mean);
-            let rate = certainty * device.damping_rate;
-            let damped = damped(rate, device, &drive, start, &course, response, h);
-            let faster = response.ramp[1] * ramp + damped.speed;
-            course.end.penetration += response.ramp[0] * ramp + damped.penetration;
-            course.end.speed += faster;
-            if course.impulse > S::ZERO && drive.mobility > S::ZERO {
-                let pushed = S::HALF * ramp * h * h + damped.pushed;
-                course.impulse = (course.impulse + (pushed - faster) / drive.mobility).max(S::ZERO);
-            }
-        }
-        let interval = Interval {
-            start,
-            drive,
-            ramp,
-            course,
-            duration: h,
-        };
-        (interval, response)
-    }
-
-    fn drive(&self, motion: &ObjectMotion<S>, device: &Motion<S>, virtual_force: S) -> Drive<S> {
-        Drive {
-            stiffness: motion.stiffness(),
-            mobility: device.mobility + self.object_mobility,
-            acceleration: device.external - virtual_force * self.object_mobility,
-        }
-    }
-
-    /// What the interval does to the object while the device feels what is `held`, how far placement
-    /// shifts it by that, and the avatar at its end.
-    fn object_moved(
-        &self,
-        interval: &Interval<S>,
-        device: &Motion<S>,
-        object_velocity: S,
-        virtual_force: S,
-        held: &Held<S>,
-        avatar: &Avatar<S>,
-    ) -> Moved<S> {
-        let Interval {
-            start,
-            drive,
-            ramp,
-            course,
-            duration: h,
-        } = interval;
-        let h = *h;
-        // Integral of (h - s) f(s), from the relative motion itself.
-        let pushed = drive.acceleration + *ramp * h * S::from_f64(1.0 / 3.0);
-        let flown = start.penetration + (start.speed + S::HALF * pushed * h) * h;
-        let lost = flown - course.end.penetration;
-        let moment_times = |mobility: S| {
-            if drive.mobility > S::ZERO {
-                lost * (mobility / drive.mobility)
-            } else {
-                S::ZERO
-            }
-        };
-        let (travel, gained) = device.under(held, h);
-        let placed = start.penetration - course.end.penetration + travel;
-        let alpha = virtual_force * self.object_mobility;
-        let velocity = object_velocity + alpha * h + self.object_mobility * course.impulse;
-        let speed = if self.placement {
-            course.end.speed + velocity - (device.velocity + gained)
-        } else {
-            S::ZERO
-        };
-        if self.object_mobility == S::ZERO {
-            let gives_way = self.placement && device.mobility > S::ZERO;
-            let wall_offset = if course.impulse > S::ZERO && gives_way {
-                let back = (h / S::from_f64(WALL_RETURN)).min(S::ONE);
-                (S::ONE - back) * (avatar.wall_offset + placed)
-            } else {
-                // As far as it stays free.
-                (avatar.wall_offset + course.end.penetration)
-                    .max(S::ZERO)
-                    .min(avatar.wall_offset.max(S::ZERO))
-            };
-            let by = wall_offset - avatar.wall_offset;
-            return Moved {
-                object: Displacement {
-                    by,
-                    velocity: S::ZERO,
-                },
-                shift: by,
-                avatar: Avatar { wall_offset, speed },
-            };
-        }
-        // By its own momentum.
-        let own = (object_velocity + S::HALF * alpha * h) * h + moment_times(self.object_mobility);
-        let by = if self.placement { placed } else { own };
-        Moved {
-            object: Displacement { by, velocity },
-            shift: by - own,
-            avatar: Avatar {
-                speed,
-                ..Avatar::default()
-            },
-        }
-    }
-}
-
-/// What an interval does to the object.
-struct Moved<S> {
-    object: Displacement<S>,
-    /// How far placement shifts it `[m]`.
-    shift: S,
-    avatar: Avatar<S>,
-}
-
 impl<S: Scalar> Method<S> for Coupled<S> {
     type Memory = CoupledMemory<S>;
 
@@ -406,10 +246,12 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         };
         let before = observer.motion;
         let (smoothed, lesson) = observer.see(&self.observer, &ended.seen());
-        if let Some(lesson) = &lesson {
-            let first = S::from_f64(FIRST) * ended.elapsed;
-            let changed = memory.lateness.learn(lesson, &smoothed, &ended.held, ended.elapsed, first);
-            if SHIFT { observer.shift(changed); }
+        if let Some(lesson) = lesson.as_ref().filter(|_| self.timing_deviation > S::ZERO) {
+            let (held, elapsed, told) = (&ended.held, ended.elapsed, self.timing_deviation);
+            let learned = memory
+                .lateness
+                .learn(lesson, &smoothed, held, elapsed, told);
+            observer.shift(learned);
         }
         let certainty = observer.damping_certainty();
         let device = if self.correction { smoothed } else { before };
@@ -485,7 +327,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             penetration: now.start.penetration + device.offset,
             speed: device.velocity + avatar.speed - object_velocity,
         };
-        let at_sample = (device, relative);
+        let at_sample = (device, relative, object_velocity, avatar);
         let mut first = None;
         let mut owed = memory.debt;
         let governed = now.ahead.until_own(period, |piece| {
@@ -514,16 +356,13 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             relative.speed = device.velocity + avatar.speed - object_velocity;
         });
         let interval = self.interval(motion, &device, relative, virtual_force, period);
-        let owed = if motion.is_wall() {
-            if device.mobility > S::ZERO {
-                // Never more than the contact itself: else a device that moves as no mass does is
-                // given more and more.
-                (S::from_f64(-1.0) * avatar.speed / device.mobility).within(S::from_f64(0.06) * interval.course.impulse)
-            } else {
-                S::ZERO
-            }
-        } else {
+        let owed = if !motion.is_wall() {
             S::from_f64(REPAID) * owed
+        } else if device.mobility > S::ZERO {
+            let most = S::from_f64(REPAID_BY_WALLS) * interval.course.impulse;
+            (S::ZERO - avatar.speed / device.mobility).within(most)
+        } else {
+            S::ZERO
         };
         let mut mean = ((interval.course.impulse + owed) / period).max(S::ZERO);
         let apart = interval.course.impulse == S::ZERO;
@@ -535,35 +374,18 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             memory.given_up = avatar.speed;
         }
         let force = governed.with_mean(mean, period);
-        let first = first.filter(|_| now.ahead.is_whole());
-        let (moved, rule) = first.unwrap_or_else(|| {
-            let (from, held) = if now.ahead.is_whole() {
-                (interval, Held::constant(mean))
-            } else {
+        let planned = first.filter(|_| now.ahead.is_whole());
+        let (moved, rule) = planned.unwrap_or_else(|| {
+            let mut held = Held::constant(mean);
+            let mut from = interval;
+            if !now.ahead.is_whole() {
                 // A command begins between this sample and the next.
-                let (device, relative) = at_sample;
-                let interval = self.interval(motion, &device, relative, virtual_force, period);
-                let (before, after, rest) = now.ahead.next(force);
-                let held = Held {
-                    mean: (before * rest + after * (period - rest)) / period,
-                    lead: S::HALF * (before - after) * rest * (period - rest),
-                    ..Held::constant(S::ZERO)
-                };
-                (interval, held)
-            };
-            let (device, object_velocity, avatar) = if now.ahead.is_whole() {
-                (device, object_velocity, avatar)
-            } else {
-                (at_sample.0, now.start.object_velocity, memory.avatar)
-            };
-            let moved = self.object_moved(
-                &from,
-                &device,
-                object_velocity,
-                virtual_force,
-                &held,
-                &avatar,
-            );
+                (device, relative, object_velocity, avatar) = at_sample;
+                from = self.interval(motion, &device, relative, virtual_force, period);
+                held = now.ahead.over_next(force, period);
+            }
+            let velocity = object_velocity;
+            let moved = self.object_moved(&from, &device, velocity, virtual_force, &held, &avatar);
             (moved.object, rule(&from, now.start.device_velocity))
         });
         Plan { force, rule, moved }
@@ -571,8 +393,12 @@ impl<S: Scalar> Method<S> for Coupled<S> {
 
     fn begin_anew(&self, memory: &mut CoupledMemory<S>, device_known: bool, object_known: bool) {
         let observer = memory.observer.filter(|_| device_known);
+        // A loop's delay stays what it is.
+        let mut lateness = memory.lateness;
+        lateness.begin_anew();
         *memory = CoupledMemory {
             observer,
+            lateness,
             // A wall that waited for a sample still has to go back to its place.
             avatar: if object_known {
                 memory.avatar
@@ -591,156 +417,5 @@ impl<S: Scalar> Method<S> for Coupled<S> {
     #[inline]
     fn placement_shift(&self, memory: &CoupledMemory<S>) -> S {
         memory.shift
-    }
-}
-
-/// By how much later than told the commands begin: a delay that nobody has told, or told wrongly.
-///
-/// A Kalman filter of this one number beside that of the device (Friedland 1969): `answer` says how the
-/// error of the device's state answers to a second of lateness, through all that the observer has made
-/// of it.
-#[derive(Clone, Copy, Debug, Default)]
-struct Lateness<S> {
-    /// Best guess `[s]`.
-    mean: S,
-    /// Its variance `[s^2]`.
-    variance: Option<S>,
-    answer: [S; PARTS],
-    /// What the last samples tell of it: `[1/s^2]`,
-    information: S,
-    /// and that times how far off the guess is by them `[1/s]`.
-    score: S,
-    /// and how many samples that is, those in contact counted.
-    count: S,
-}
-
-impl<S: Scalar> Lateness<S> {
-    /// Takes what a sample tells. The change of the device's state that follows.
-    fn learn(&mut self, lesson: &Lesson<S>, device: &Motion<S>, held: &Held<S>, h: S, first: S) -> [S; PARTS] {
-        let variance = self.variance.unwrap_or(first * first);
-        let mut next = self.answer;
-        for (entry, row) in next.iter_mut().zip(&lesson.transition) {
-            *entry = S::ZERO;
-            for (by, from) in row.iter().zip(&self.answer) {
-                *entry += *by * *from;
-            }
-        }
-        let pushed = device.mobility * held.step;
-        next[0] += pushed * held.step_age;
-        next[1] += pushed;
-        let seen = next[0];
-        let kept = S::ONE - S::from_f64(1.0 / RECENT);
-        self.information = kept * self.information + seen * seen / lesson.variance;
-        self.score = kept * self.score + seen * lesson.innovation / lesson.variance;
-        let told = if held.step == S::ZERO { S::ZERO } else { S::ONE };
-        self.count = kept * self.count + told;
-        let off = self.score / self.information;
-        let sure = off * self.score > S::from_f64(SURE * SURE);
-        let least = if sure && self.information > S::ZERO && self.count > S::from_f64(ENOUGH) {
-            let off = off.within(S::from_f64(0.5) * h);
-            S::from_f64(BELIEVED) * off * off
-        } else {
-            S::ZERO
-        };
-        let variance = variance.max(least);
-        let gain = variance * seen / (seen * seen * variance + lesson.variance);
-        for (entry, by) in next.iter_mut().zip(&lesson.gain) {
-            *entry -= *by * seen;
-        }
-        let learned = gain * lesson.innovation;
-        let drift = S::from_f64(LATENESS_DRIFT) * h;
-        let rest = (S::ONE - gain * seen) * variance + drift * drift;
-        if !(learned.is_finite() && rest.is_finite() && next.iter().all(|entry| entry.is_finite())) {
-            *self = Self::default();
-            return [S::ZERO; PARTS];
-        }
-        let before = self.mean;
-        self.mean = (before + learned).within(S::from_f64(LATENESS_MOST) * h);
-        self.variance = Some(rest);
-        self.answer = next;
-        let changed = self.mean - before;
-        self.score = self.score - self.information * changed;
-        next.map(|entry| entry * changed)
-    }
-}
-
-const FIRST: f64 = 0.005;
-const ENOUGH: f64 = 24.0;
-const RECENT: f64 = 64.0;
-const SURE: f64 = 5.0;
-const BELIEVED: f64 = 0.1;
-const SHIFT: bool = true;
-const LATENESS_DRIFT: f64 = 0.0003;
-const LATENESS_MOST: f64 = 1.5;
-
-/// What a damping does to an interval of relative motion.
-struct Damped<S> {
-    /// Change of the penetration at the interval's end `[m]`.
-    penetration: S,
-    /// Change of its rate `[m/s]`.
-    speed: S,
-    /// Integral of the acceleration by the damping `[m/s]`.
-    pushed: S,
-}
-
-/// What the damping of hand and device does to the relative motion beyond the ramp under the force that
-/// is held. The ideal device's velocity follows the contact force as it comes and goes; what it deviates
-/// from a straight line is the device's share of how p' does,
-///
-/// ```text
-/// p'' = ... - c (p' - p'_line),    c = lambda theta / (theta + 1/M)
-/// ```
-///
-/// to the first order of c, kept below 2/h, where the oscillation is gone after one interval. Nothing
-/// else takes energy from the oscillation of an object that lies on the device: the held force, its
-/// mean, shows the device next to nothing of it. `damping_rate`: lambda, as far as it is certain.
-fn damped<S: Scalar>(
-    damping_rate: S,
-    device: &Motion<S>,
-    drive: &Drive<S>,
-    start: Relative<S>,
-    course: &Course<S>,
-    response: &Response<S>,
-    h: S,
-) -> Damped<S> {
-    let none = Damped {
-        penetration: S::ZERO,
-        speed: S::ZERO,
-        pushed: S::ZERO,
-    };
-    // An estimate below zero would feed the oscillation.
-    if course.impulse <= S::ZERO || drive.mobility <= S::ZERO || damping_rate <= S::ZERO {
-        return none;
-    }
-    let rate = damping_rate * (device.mobility / drive.mobility);
-    let c = rate / (S::ONE + S::HALF * rate * h);
-    let Relative { penetration, speed } = start;
-    let slope = (course.end.speed - speed) / h;
-    let travelled = course.end.penetration - penetration;
-    let by =
-        |damping: S, acceleration: S, ramp: S| c * (damping + speed * acceleration + slope * ramp);
-    Damped {
-        penetration: by(
-            response.damping[0],
-            response.penetration[2],
-            response.ramp[0],
-        ),
-        speed: by(response.damping[1], response.speed[2], response.ramp[1]),
-        pushed: c * ((speed + S::HALF * slope * h) * h - travelled),
-    }
-}
-
-/// What an interval holds, in the words that every method shares: `device_velocity` `[m/s]`, that of the
-/// device's last step, says where an entry takes place.
-fn rule<S: Scalar>(interval: &Interval<S>, device_velocity: S) -> Rule<S> {
-    let pressed = interval.start.penetration > S::ZERO;
-    match interval.course.first_transition {
-        None if interval.course.impulse > S::ZERO => Rule::Contact,
-        None => Rule::Free,
-        Some(after) if pressed => Rule::Leaves(after),
-        Some(after) => Rule::Enters {
-            after,
-            held_at: device_velocity * after,
-        },
     }
 }
