@@ -28,6 +28,10 @@ pub(super) struct Avatar<S> {
 /// Time in which a wall in contact goes back to its place `[s]`. What is taken back while the force
 /// changes is energy, so it takes much longer than a collision.
 const WALL_RETURN: f64 = 0.2;
+/// A wall's offset grows no further than this multiple of the way that the impulse of one interval takes a
+/// device in one interval: ten times what a collision leaves. It bounds what a device that moves as no mass
+/// does can take from it.
+const WALL_OFFSET_MOST: f64 = 16.0;
 
 /// How one interval goes: what moves device and object against each other, and where it ends.
 pub(super) struct Interval<S> {
@@ -145,7 +149,9 @@ impl<S: Scalar> Coupled<S> {
             let gives_way = self.placement && device.mobility > S::ZERO;
             let wall_offset = if course.impulse > S::ZERO && gives_way {
                 let back = (h / S::from_f64(WALL_RETURN)).min(S::ONE);
-                (S::ONE - back) * (avatar.wall_offset + placed)
+                let most = S::from_f64(WALL_OFFSET_MOST) * device.mobility * course.impulse * h;
+                let most = most.max(avatar.wall_offset.abs());
+                (S::ONE - back) * (avatar.wall_offset + placed).within(most)
             } else {
                 // As far as it stays free.
                 (avatar.wall_offset + course.end.penetration)
