@@ -63,7 +63,7 @@ fn a_small_map_says_what_each_method_can_render_and_draws_it() {
     }
     let text = folder.succeed(&format!("{SMALL} --out again.csv"));
     assert!(
-        text.contains("walls to kappa") && text.contains("rests %") && text.contains("ticks/s"),
+        text.contains("to kappa") && text.contains("rests %") && text.contains("ticks/s"),
         "{text}"
     );
     assert_eq!(folder.read("again.csv"), table);
@@ -229,7 +229,8 @@ fn what_is_told_wrong_and_delays_stand_in_the_map() {
         "told period x 1.1",
         "0.5 N s/m",
     ] {
-        assert!(text.contains(word), "{word}: {text}");
+        // A line may end within them.
+        assert!(text.replace('\n', " ").contains(word), "{word}: {text}");
     }
     let table = folder.read("map.csv");
     for word in [
