@@ -6,9 +6,7 @@ use comfy_table::{Cell, CellAlignment, Table};
 use palpate::Mass;
 
 use super::{CollisionReport, MethodReport, Report};
-use crate::text::{
-    E, FRE, counted, digits, legend, lines, number, percent, plain_table, short, whole,
-};
+use crate::text::{E, FRE, counted, digits, legend, number, percent, plain_table, short, whole};
 
 /// What the columns of leaks are.
 const LEAKS: &str = "Leak: energy that the held force created; |leak|: the same with every part counted as \
@@ -38,7 +36,7 @@ impl fmt::Display for Report {
         {
             const MOST_COLLISIONS: usize = 12;
             writeln!(f, "Collision by collision\n")?;
-            writeln!(f, "{}\n", lines(&collision_table(method, MOST_COLLISIONS)))?;
+            writeln!(f, "{}\n", whole(&collision_table(method, MOST_COLLISIONS)))?;
             if method.collisions.len() > MOST_COLLISIONS {
                 writeln!(
                     f,
