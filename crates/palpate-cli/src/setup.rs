@@ -77,6 +77,11 @@ fn flag_of_rendered(parameter: Parameter) -> Option<Cow<'static, str>> {
         Parameter::Setting(setting) => return Some(flag_of_setting(setting).into()),
         // Nobody gives these by a flag.
         Parameter::DerivedDamping
+        | Parameter::DelayDeviation
+        | Parameter::Lag
+        | Parameter::LagDeviation
+        | Parameter::Gain
+        | Parameter::GainDeviation
         | Parameter::AxisOrigin
         | Parameter::AxisNormal
         | Parameter::AxisNormalLength
@@ -359,7 +364,12 @@ impl Flags {
             Parameter::DeviceMass => self.device_mass.is_some(),
             Parameter::EncoderQuantum | Parameter::NoiseBound => self.encoder_quantum.is_some(),
             Parameter::Setting(setting) => self.settings().has(setting.key),
-            Parameter::DerivedDamping
+            Parameter::DelayDeviation
+            | Parameter::Lag
+            | Parameter::LagDeviation
+            | Parameter::Gain
+            | Parameter::GainDeviation
+            | Parameter::DerivedDamping
             | Parameter::AxisOrigin
             | Parameter::AxisNormal
             | Parameter::AxisNormalLength

@@ -34,8 +34,8 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use palpate::{
-    AnyParams, AnyRenderer, Contact, LARGEST_DELAY, LoopParams, Mass, ObjectState, ParameterError,
-    Renderer, Rendering,
+    Actuation, AnyParams, AnyRenderer, Contact, LARGEST_DELAY, LoopParams, Mass, ObjectState,
+    ParameterError, Renderer, Rendering,
 };
 
 use palpate_testbed::recorded_hand::RecordedHand;
@@ -187,7 +187,10 @@ impl Scene {
     /// The loop as a renderer is told it: with the scene's delay, as far as one can be told.
     pub fn loop_params_with_delay(&self) -> LoopParams<f64> {
         LoopParams {
-            delay: self.delay.min(LARGEST_DELAY),
+            actuation: Actuation::after_samples(
+                self.delay.min(LARGEST_DELAY),
+                self.loop_params.period,
+            ),
             ..self.loop_params
         }
     }

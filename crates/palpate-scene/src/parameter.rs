@@ -108,6 +108,11 @@ fn key_of_rendered(parameter: Parameter) -> &'static str {
         Parameter::Setting(setting) => setting.key.as_str(),
         // A scene says none of these.
         Parameter::DerivedDamping
+        | Parameter::DelayDeviation
+        | Parameter::Lag
+        | Parameter::LagDeviation
+        | Parameter::Gain
+        | Parameter::GainDeviation
         | Parameter::AxisOrigin
         | Parameter::AxisNormal
         | Parameter::AxisNormalLength

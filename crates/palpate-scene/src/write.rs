@@ -55,7 +55,7 @@ impl Scene {
             force_limit,
             slew_limit,
             // Of a scene it is `delay`.
-            delay: _,
+            actuation: _,
             guard,
         } = *loop_params;
         if recorded_hand.is_some() {

@@ -6,8 +6,8 @@
 //! recording at its full rate, straight lines between its samples.
 
 use palpate::{
-    AnyParams, AnyRenderer, Contact, LARGEST_DELAY, LoopParams, Mass, Method, MethodParams,
-    ObjectState, ParameterValue, Renderer, Sample,
+    Actuation, AnyParams, AnyRenderer, Contact, LARGEST_DELAY, LoopParams, Mass, Method,
+    MethodParams, ObjectState, ParameterValue, Renderer, Sample,
 };
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::driven::{DrivenIdeal, DrivenScene};
@@ -81,7 +81,10 @@ impl ReplaySetup {
     /// The loop as the renderer is told: with as much of the delay as it can know.
     pub fn known_loop(&self) -> LoopParams<f64> {
         LoopParams {
-            delay: self.delay.min(LARGEST_DELAY),
+            actuation: Actuation::after_samples(
+                self.delay.min(LARGEST_DELAY),
+                self.loop_params.period,
+            ),
             ..self.loop_params
         }
     }

@@ -126,6 +126,12 @@ impl<'a, M: Method<f64>, D: LoopDevice> SampledLoop<'a, M, D> {
         self.sign * self.device.given_force(self.sign * command)
     }
 
+    /// Tells the renderer the force that was sent for its last output `[N]`.
+    #[inline]
+    pub fn report_sent(&mut self, force: f64) {
+        self.renderer.report_sent(&mut self.state, force);
+    }
+
     /// Tells the renderer the force, or its mean, that is held from its last sample to its next `[N]`.
     #[inline]
     pub fn report_held(&mut self, force: f64) {

@@ -3,7 +3,7 @@
 
 mod common;
 
-use palpate::{Contact, CoupledParams, LoopParams, Mass, ObjectState, Renderer, Side};
+use palpate::{Actuation, Contact, CoupledParams, LoopParams, Mass, ObjectState, Renderer, Side};
 use palpate_scene::method::{MethodName, Settings};
 use palpate_scene::{HandForceAt, Measure, PointMassDevice, Scene, Timing};
 use palpate_sim::closed_loop::Bench;
@@ -320,20 +320,18 @@ fn a_replay_tells_the_renderer_its_delay() {
         .unwrap();
     let answers = |delay| -> Vec<f64> {
         let loop_params = LoopParams {
-            delay,
+            actuation: Actuation::after_samples(delay, 0.005),
             ..setup.loop_params
         };
         let params = CoupledParams::new(f64::INFINITY);
         let renderer = Renderer::new(setup.contact, loop_params, params).unwrap();
         let mut state = renderer.start(setup.object).unwrap();
-        let mut hold = DelayedHold::new(setup.delay).unwrap();
         run.ticks
             .iter()
             .map(|tick| {
                 let sample = palpate::Sample::at(tick.device_position);
                 let sample = sample.with_virtual_force(setup.virtual_force);
                 let output = renderer.step(&mut state, sample);
-                renderer.report_held(&mut state, hold.exchange(output.force_on_object));
                 output.force_on_object
             })
             .collect()

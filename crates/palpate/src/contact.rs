@@ -1,6 +1,7 @@
 //! The contact and the loop it is rendered in: what a user states, checked once.
 
 use crate::Scalar;
+use crate::actuation::Actuation;
 use crate::guard::Guard;
 use crate::parameter::{Allowed, Parameter, ParameterError};
 
@@ -160,18 +161,15 @@ pub struct LoopParams<S> {
     /// once. `None`: no limit.
     #[cfg_attr(feature = "serde", serde(default))]
     pub slew_limit: Option<S>,
-    /// Whole samples between measuring and actuating, at most [`LARGEST_DELAY`]: the force computed
-    /// from a sample is held from that many samples later on. The ledger books it then, and
-    /// methods that predict look that far ahead.
+    /// What is known of the way from a sample to the force on the device. The ledger books a force when
+    /// it acts, methods that predict look that far ahead, and a force is divided by the gain before it
+    /// is commanded. Default: a perfect actuator.
     #[cfg_attr(feature = "serde", serde(default))]
-    pub delay: usize,
+    pub actuation: Actuation<S>,
     /// Whether the energy that held forces give out is bounded. Default: it is not.
     #[cfg_attr(feature = "serde", serde(default))]
     pub guard: Guard<S>,
 }
-
-/// Most samples of delay that a loop can state.
-pub const LARGEST_DELAY: usize = 8;
 
 impl<S: Scalar> LoopParams<S> {
     /// A loop of nominal `period` `[s]` that believes device speeds up to 100 m/s and limits no
@@ -184,7 +182,7 @@ impl<S: Scalar> LoopParams<S> {
             speed_limit: Some(S::from_f64(100.0)),
             force_limit: None,
             slew_limit: None,
-            delay: 0,
+            actuation: Actuation::default(),
             guard: Guard::Off,
         }
     }
@@ -226,21 +224,17 @@ impl<S: Scalar> LoopParams<S> {
                 .unless(bridges(gap), gap, allowed)
                 .err()
         });
-        let known = self.delay <= LARGEST_DELAY;
-        let most = Allowed::UpToSamples(LARGEST_DELAY);
         [
             Parameter::Period.positive(self.period).err(),
             gap,
             limit(Parameter::SpeedLimit, self.speed_limit),
             limit(Parameter::ForceLimit, self.force_limit),
             limit(Parameter::SlewLimit, self.slew_limit),
-            Parameter::Delay
-                .unless(known, self.delay as f64, most)
-                .err(),
         ]
         .into_iter()
         .chain(self.guard.faults())
         .flatten()
+        .chain(self.actuation.faults(self.period))
     }
 
     pub(crate) fn check(&self) -> Result<(), ParameterError> {

@@ -48,6 +48,8 @@
 //! `std` (default) is not needed by anything here. `serde` makes every parameter type
 //! serialisable.
 
+mod actuation;
+mod actuator;
 mod along_axis;
 mod contact;
 mod difficulty;
@@ -64,8 +66,10 @@ mod sample;
 mod scalar;
 mod transition;
 
+pub use actuation::{Actuation, LARGEST_DELAY};
+pub use actuator::{Ahead, Command, Governed, Held, Piece};
 pub use along_axis::AlongAxis;
-pub use contact::{Contact, LARGEST_DELAY, LoopParams, Mass, Side};
+pub use contact::{Contact, LoopParams, Mass, Side};
 pub use difficulty::Difficulty;
 pub use energy::{Leak, Ledger};
 pub use guard::{Guard, GuardParams};

@@ -18,6 +18,11 @@ pub enum Parameter {
     Side,
     Period,
     Delay,
+    DelayDeviation,
+    Lag,
+    LagDeviation,
+    Gain,
+    GainDeviation,
     LargestGap,
     SpeedLimit,
     ForceLimit,
@@ -65,6 +70,11 @@ impl ParameterName for Parameter {
             Self::Side => "side",
             Self::Period => "period",
             Self::Delay => "delay",
+            Self::DelayDeviation => "delay_deviation",
+            Self::Lag => "lag",
+            Self::LagDeviation => "lag_deviation",
+            Self::Gain => "gain",
+            Self::GainDeviation => "gain_deviation",
             Self::LargestGap => "largest_gap",
             Self::SpeedLimit => "speed_limit",
             Self::ForceLimit => "force_limit",
@@ -95,13 +105,19 @@ impl ParameterName for Parameter {
             Self::ObjectVelocity | Self::SpeedLimit | Self::GuardSpeed => Unit::MetrePerSecond,
             Self::VirtualForce | Self::ForceLimit => Unit::Newton,
             Self::SlewLimit => Unit::NewtonPerSecond,
-            Self::Period | Self::LargestGap => Unit::Second,
+            Self::Period
+            | Self::LargestGap
+            | Self::DelayDeviation
+            | Self::Lag
+            | Self::LagDeviation => Unit::Second,
             Self::Delay => Unit::Sample,
             Self::GuardAllowance => Unit::Joule,
             Self::DerivedDamping => Unit::NewtonSecondPerMetre,
             Self::Side
             | Self::AxisNormal
             | Self::AxisNormalLength
+            | Self::Gain
+            | Self::GainDeviation
             | Self::Kappa
             | Self::ObjectKappa => Unit::One,
             Self::Setting(setting) => setting.unit().unwrap_or(Unit::One),
@@ -153,7 +169,7 @@ pub enum Allowed {
     Range(Range),
     /// Finite and at least one period of the loop.
     AtLeastOnePeriod,
-    /// A whole number of samples from 0 to this one.
+    /// From 0 to this number of samples.
     UpToSamples(usize),
     /// What no range says, in words that follow "must be".
     Words(&'static str),

@@ -78,6 +78,11 @@ impl Rendered {
         Some(self.generation)
     }
 
+    /// Tells the renderer the force on the object that was sent for its last output `[N]`.
+    pub fn report_sent(&mut self, force_on_object: f64) {
+        self.renderer.report_sent(&mut self.state, force_on_object);
+    }
+
     /// Tells the renderer the force on the object that was held since the last sample, or its mean
     /// `[N]`.
     pub fn report_held(&mut self, force_on_object: f64) {

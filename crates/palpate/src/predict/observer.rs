@@ -29,6 +29,7 @@
 
 use super::spread::{DAMPING_RATE, MOBILITY, PARTS, Spread, VELOCITY};
 use crate::Scalar;
+use crate::actuator::Held;
 use crate::contact::Mass;
 use crate::parameter::{Parameter, ParameterError};
 
@@ -74,8 +75,8 @@ pub(crate) struct Seen<S> {
     pub moved: S,
     /// Duration of the interval `[s]`.
     pub elapsed: S,
-    /// Force on the object that was held `[N]`; the device felt its opposite.
-    pub held_force: S,
+    /// Force on the object that was held; the device felt its opposite.
+    pub held: Held<S>,
 }
 
 /// The device at a sample, as far as it is known.
@@ -94,13 +95,13 @@ pub(crate) struct Motion<S> {
 }
 
 impl<S: Scalar> Motion<S> {
-    /// Displacement and change of velocity over `h` `[s]` under `force` `[N]` on the object.
+    /// Displacement and change of velocity over `h` `[s]` under the force `held` on the object.
     #[inline]
-    pub fn under(&self, force: S, h: S) -> (S, S) {
-        let gained = (self.external - self.mobility * force) * h;
-        let ramped = S::HALF * self.ramp(force) * h * h;
+    pub fn under(&self, held: &Held<S>, h: S) -> (S, S) {
+        let gained = (self.external - self.mobility * held.mean) * h;
+        let ramped = S::HALF * self.ramp(held.mean) * h * h;
         let travel = self.velocity + S::HALF * gained + ramped * S::from_f64(1.0 / 3.0);
-        (travel * h, gained + ramped)
+        (travel * h - self.mobility * held.lead, gained + ramped)
     }
 
     /// Rate at which the external acceleration changes under `force` `[N]` on the object `[m/s^3]`.
@@ -211,10 +212,11 @@ impl<S: Scalar> Observer<S> {
         let Seen {
             moved,
             elapsed: h,
-            held_force: f,
+            held,
         } = *seen;
+        let f = held.mean;
         let before = self.motion;
-        let (travel, gained) = before.under(f, h);
+        let (travel, gained) = before.under(&held, h);
         let innovation = moved - (before.offset + travel);
 
         let half = S::HALF * h * h;
@@ -231,7 +233,7 @@ impl<S: Scalar> Observer<S> {
                 l,
                 h,
                 half + sixth * by_a,
-                sixth * by_theta - half * f,
+                sixth * by_theta - half * f - held.lead,
                 sixth * by_lambda,
             ],
             [
@@ -243,7 +245,10 @@ impl<S: Scalar> Observer<S> {
             ],
             [o, o, l + h * by_a, h * by_theta, h * by_lambda],
         ];
-        let unseen = params.measurement_variance + q * sixth * sixth;
+        // What is not known of the force that was held: a kick that is not there, or is there twice.
+        let kicked = before.mobility * held.doubt * h;
+        let measurement_variance = params.measurement_variance + kicked * kicked;
+        let unseen = measurement_variance + q * sixth * sixth;
         let mut spread = self.spread;
         let mut foreseen = spread.foreseen(&transition[0], unseen);
         let square = innovation * innovation;
@@ -257,7 +262,7 @@ impl<S: Scalar> Observer<S> {
         }
         let (mut known, gain) = spread
             .stepped(&transition, &foreseen.row, jerk, q)
-            .measured(params.measurement_variance);
+            .measured(measurement_variance);
 
         let within = |x: S, least: S, most: S| x.min(most).max(least);
         let told = params.mobility;

@@ -4,6 +4,7 @@
 use super::observer::{Motion, Observer, ObserverParams, Seen};
 use super::steps::{Step, Steps};
 use crate::Scalar;
+use crate::actuator::Held;
 use crate::contact::Mass;
 use crate::parameter::{Parameter, ParameterError, ParameterValue, Range, Unit};
 use crate::render::{
@@ -294,7 +295,7 @@ impl<S: Scalar> Predictor<S> {
             } = &mut memory.0
             {
                 observer.see(params, seen);
-                *held_force = seen.held_force;
+                *held_force = seen.held.mean;
             }
             return;
         }
@@ -333,7 +334,7 @@ impl<S: Scalar> Predictor<S> {
         match (self, &memory.0) {
             (Self::Observer(params), _) => {
                 let (device, held_force) = memory.observed(params);
-                let (travel, _) = device.under(held_force, period);
+                let (travel, _) = device.under(&Held::constant(held_force), period);
                 Some((device.offset + travel) / period)
             }
             (Self::Extrapolation, Past::Sampled(steps)) => {

@@ -5,6 +5,7 @@ use super::method::{Ended, Method, MethodParams, Plan, Situation};
 use super::named::{FromSettings, MethodInfo, MethodName};
 use super::setting::{Basis, Setting, SettingKey, SettingValues, Settings, SettingsError};
 use crate::Scalar;
+use crate::actuator::Held;
 use crate::contact::{Contact, LoopParams, Mass};
 use crate::motion::{Displacement, ObjectMotion, Rule};
 use crate::parameter::{ParameterError, ParameterValue};
@@ -263,7 +264,7 @@ impl<S: Scalar> Coupled<S> {
         let (mut course, response) = drive.over_with_response(start, h);
         let mut ramp = S::ZERO;
         if let Some(response) = &response {
-            ramp = device.ramp(ended.held_force);
+            ramp = device.ramp(ended.held.mean);
             let rate = certainty * device.damping_rate;
             let damped = damped(rate, device, &drive, start, &course, response, h);
             let faster = response.ramp[1] * ramp + damped.speed;
@@ -292,7 +293,7 @@ impl<S: Scalar> Coupled<S> {
         }
     }
 
-    /// What the interval does to the object while the device feels what is `held` `[N]`, how far
+    /// What the interval does to the object while the device feels what is `held`, how far
     /// placement shifts it by that, and the wall's new offset.
     fn object_moved(
         &self,
@@ -300,7 +301,7 @@ impl<S: Scalar> Coupled<S> {
         device: &Motion<S>,
         object_velocity: S,
         virtual_force: S,
-        held: S,
+        held: &Held<S>,
         wall_offset: S,
     ) -> (Displacement<S>, S, S) {
         let Interval {
@@ -392,8 +393,8 @@ impl<S: Scalar> Method<S> for Coupled<S> {
                 } else {
                     memory.placed
                 };
-                let touched = touched || ended.held_force != S::ZERO;
-                placed.after(lesson, &device, response, touched, ended.held_force)
+                let touched = touched || ended.held.mean != S::ZERO;
+                placed.after(lesson, &device, response, touched, ended.held.mean)
             }
             _ => Placed::default(),
         };
@@ -402,7 +403,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             &device,
             object_velocity,
             ended.start.virtual_force,
-            ended.held_force,
+            &ended.held,
             memory.wall_offset,
         );
         moved.by += object_off;
@@ -433,49 +434,72 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             penetration: now.start.penetration + device.offset,
             speed: device.velocity - object_velocity,
         };
+        let at_sample = (device, relative);
         let mut first = None;
         let mut owed = memory.debt;
-        for on_its_way in now.on_their_way {
-            let interval = self.interval(motion, &device, relative, virtual_force, period);
+        let governed = now.ahead.until_own(period, |piece| {
+            let h = piece.duration;
+            let interval = self.interval(motion, &device, relative, virtual_force, h);
             let (moved, _, offset) = self.object_moved(
                 &interval,
                 &device,
                 object_velocity,
                 virtual_force,
-                on_its_way.commanded,
+                &piece.held,
                 wall_offset,
             );
             if !motion.is_wall() {
-                owed += interval.course.impulse - on_its_way.intended * period;
+                owed += interval.course.impulse - piece.intended * h;
             }
-            let (travel, gained) = device.under(on_its_way.commanded, period);
+            let (travel, gained) = device.under(&piece.held, h);
             first = first.or(Some((moved, rule(&interval, now.start.device_velocity))));
             relative.penetration += travel - moved.by;
             device.velocity += gained;
             object_velocity = moved.velocity;
             wall_offset = offset;
             relative.speed = device.velocity - object_velocity;
-        }
+        });
         let interval = self.interval(motion, &device, relative, virtual_force, period);
         let owed = S::from_f64(REPAID) * owed;
-        let mut force = ((interval.course.impulse + owed) / period).max(S::ZERO);
+        let mut mean = ((interval.course.impulse + owed) / period).max(S::ZERO);
         let apart = interval.course.impulse == S::ZERO;
         let least = S::from_f64(NEGLIGIBLE) * object_velocity.abs();
         if apart && owed * self.object_mobility <= least {
             // What was pushed too much is not pulled back, and rounding errors are not paid.
-            force = S::ZERO;
+            mean = S::ZERO;
             memory.debt = S::ZERO;
         }
+        let force = governed.with_mean(mean, period);
+        let first = first.filter(|_| now.ahead.is_whole());
         let (moved, rule) = first.unwrap_or_else(|| {
+            let (from, held) = if now.ahead.is_whole() {
+                (interval, Held::constant(mean))
+            } else {
+                // A command begins between this sample and the next.
+                let (device, relative) = at_sample;
+                let interval = self.interval(motion, &device, relative, virtual_force, period);
+                let (before, after, rest) = now.ahead.next(force);
+                let held = Held {
+                    mean: (before * rest + after * (period - rest)) / period,
+                    lead: S::HALF * (before - after) * rest * (period - rest),
+                    doubt: S::ZERO,
+                };
+                (interval, held)
+            };
+            let (device, object_velocity, wall_offset) = if now.ahead.is_whole() {
+                (device, object_velocity, wall_offset)
+            } else {
+                (at_sample.0, now.start.object_velocity, memory.wall_offset)
+            };
             let (moved, _, _) = self.object_moved(
-                &interval,
+                &from,
                 &device,
                 object_velocity,
                 virtual_force,
-                force,
+                &held,
                 wall_offset,
             );
-            (moved, rule(&interval, now.start.device_velocity))
+            (moved, rule(&from, now.start.device_velocity))
         });
         Plan { force, rule, moved }
     }

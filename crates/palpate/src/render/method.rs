@@ -2,8 +2,8 @@
 
 use core::fmt::Debug;
 
-use super::queue::OnItsWay;
 use crate::Scalar;
+use crate::actuator::{Ahead, Held};
 use crate::contact::{Contact, LoopParams};
 use crate::motion::{Displacement, ObjectMotion, Rule, Start};
 use crate::parameter::{ParameterError, ParameterValue};
@@ -104,9 +104,8 @@ pub struct Situation<'a, S> {
     pub port_work: S,
     /// Accumulated leak of the held force `[J]`: what is stored beyond what was put in.
     pub held_leak: S,
-    /// Forces computed before but not held yet, the next to be held first: as many as the loop's
-    /// delay has samples.
-    pub on_their_way: &'a [OnItsWay<S>],
+    /// The forces that were computed before and still act, or have yet to.
+    pub ahead: Ahead<'a, S>,
 }
 
 /// An interval that a sample ends.
@@ -124,10 +123,10 @@ pub struct Ended<S> {
     pub elapsed: S,
     /// Whether that counts as the nominal period.
     pub nominal: bool,
-    /// Force on the object that the method asked for `[N]`.
+    /// Mean of what the method had asked for, for this interval, as a force on the object `[N]`.
     pub intended_force: S,
-    /// Force on the object that was held `[N]`.
-    pub held_force: S,
+    /// Force on the object that the device felt.
+    pub held: Held<S>,
 }
 
 impl<S: Scalar> Ended<S> {
@@ -137,7 +136,7 @@ impl<S: Scalar> Ended<S> {
         Seen {
             moved: self.device_moved,
             elapsed: self.elapsed,
-            held_force: self.held_force,
+            held: self.held,
         }
     }
 

@@ -13,7 +13,6 @@ mod method;
 mod named;
 mod popc;
 mod popc_ref;
-mod queue;
 mod seh;
 mod setting;
 mod state;
@@ -23,11 +22,11 @@ pub use any::*;
 pub use basic::{Basic, BasicParams};
 pub use method::{Ended, Method, MethodParams, Plan, Situation};
 pub use named::{MethodInfo, MethodName, all_settings};
-pub use queue::OnItsWay;
 pub use setting::{Basis, Setting, SettingKey, SettingValues, Settings, SettingsError};
 pub use state::State;
 
 use crate::Scalar;
+use crate::actuator::{Actuator, Ahead, Command, Held, Piece};
 use crate::contact::{Contact, LoopParams};
 use crate::energy::Closing;
 use crate::guard::Guard;
@@ -48,6 +47,7 @@ pub struct Renderer<S, M> {
     loop_params: LoopParams<S>,
     method: M,
     motion: ObjectMotion<S>,
+    actuator: Actuator<S>,
     sign: S,
     per_period: S,
     largest_gap: S,
@@ -78,6 +78,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             loop_params,
             method,
             motion: ObjectMotion::new(&contact, method.contact_damping(), loop_params.period),
+            actuator: Actuator::new(&loop_params.actuation, loop_params.period),
             sign: contact.side.sign(),
             per_period: S::ONE / loop_params.period,
             largest_gap: loop_params.bridged_gap(),
@@ -127,15 +128,24 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         Ok(())
     }
 
-    /// Says which force on the object is really held since the last sample `[N]`, where it is not
-    /// the one of the tick's output: a driver clamped it, or a delay still holds an earlier one.
-    /// The ledger, and the methods that watch energy, then use this force. A force that is not
-    /// finite, or a state that waits, is left as it is.
+    /// Says what was really sent for the last output, as a force on the object `[N]`, where it is not
+    /// the output's: the motor clips it, or a driver has limited it. It acts when the output's would
+    /// have. A force that is not finite is left as it is.
+    pub fn report_sent(&self, state: &mut State<S, M::Memory>, force_on_object: S) {
+        if force_on_object.is_finite() {
+            state.under_way.correct(self.sign * force_on_object);
+        }
+    }
+
+    /// Says which force on the object has really acted since the last sample, in the mean `[N]`, where
+    /// somebody has measured it: whatever the actuation is said to be. The ledger, and the methods that
+    /// watch energy, then use this force for the interval in progress. A force that is not finite, or a
+    /// state that waits, is left as it is.
     pub fn report_held(&self, state: &mut State<S, M::Memory>, force_on_object: S) {
         if let Device::Tracked(interval) = &mut state.device
             && force_on_object.is_finite()
         {
-            interval.held_force = self.sign * force_on_object;
+            interval.reported = Some(self.sign * force_on_object);
         }
     }
 
@@ -187,7 +197,10 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
     /// allocates, blocks or loops without bound, and its output is finite for any input.
     #[inline]
     pub fn step(&self, state: &mut State<S, M::Memory>, sample: Sample<S>) -> Output<S> {
-        match self.try_step(state, &sample) {
+        let elapsed = self.elapsed(&sample);
+        let h = elapsed.map_or(self.motion.period(), |(elapsed, _)| elapsed);
+        let passed = state.under_way.pass(&self.actuator, h);
+        match self.try_step(state, &sample, elapsed, &passed) {
             Ok(output) => output,
             Err(fault) => self.wait(state, &sample, fault),
         }
@@ -198,6 +211,8 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         &self,
         state: &mut State<S, M::Memory>,
         sample: &Sample<S>,
+        elapsed: Result<(S, bool), Fault>,
+        passed: &Piece<S>,
     ) -> Result<Output<S>, Fault> {
         let device = self.sign * sample.device_position;
         let virtual_force = self.sign * sample.virtual_force;
@@ -207,7 +222,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         if !virtual_force.is_finite() {
             return Err(Fault::VirtualForceNotFinite);
         }
-        let (elapsed, nominal) = self.elapsed(sample)?;
+        let (elapsed, nominal) = elapsed?;
 
         // Where the interval that ends here has brought the object.
         let mut object = state.object;
@@ -225,6 +240,14 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                 if device_moved.abs() > self.speed_limit * elapsed {
                     return Err(Fault::JumpTooFast);
                 }
+                let held = match interval.reported {
+                    // Its course is that of the actuator, its mean another.
+                    Some(mean) => Held {
+                        mean,
+                        ..passed.held
+                    },
+                    None => passed.held,
+                };
                 let moved = self.method.conclude(
                     &self.motion,
                     &Ended {
@@ -234,8 +257,8 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                         device_moved,
                         elapsed,
                         nominal,
-                        intended_force: interval.intended_force,
-                        held_force: interval.held_force,
+                        intended_force: passed.intended,
+                        held,
                     },
                     &mut state.memory,
                 );
@@ -261,7 +284,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                         interval.start.virtual_force
                     },
                     original_force: interval.original_force,
-                    held_force: interval.held_force,
+                    held_force: held.mean,
                 });
                 if !closed {
                     return Err(Fault::Overflow);
@@ -309,7 +332,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             elapsed,
             port_work: state.ledger.port_work,
             held_leak: state.ledger.held_leak.accumulated,
-            on_their_way: state.queue.ahead(self.loop_params.delay),
+            ahead: Ahead::new(&self.actuator, &state.under_way),
         };
         let plan = self
             .method
@@ -321,13 +344,13 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         if !finite {
             return Err(Fault::Overflow);
         }
-        let (mut commanded, mut limited) = self.limit(plan.force, state.commanded);
-        let claims = || {
-            let ahead = situation.on_their_way.iter();
-            ahead.fold(S::ZERO, |sum, force| sum + force.commanded.abs())
-        };
+        let gain = self.actuator.gain();
+        let intended = plan.force / gain;
+        let (mut commanded, mut limited) = self.limit(intended, state.commanded);
+        let claims = || gain * situation.ahead.magnitude();
         let balance = state.ledger.balance();
         if let Some((bound, kept)) = self.guard_bound(balance, claims)
+            && let bound = bound / gain
             && commanded.abs() > bound
         {
             limited.guard = true;
@@ -339,21 +362,17 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         let original_force = situation.spring_force(&self.motion);
         let start = situation.start;
         state.commanded = commanded;
-        let held = state.queue.exchange(
-            self.loop_params.delay,
-            OnItsWay {
-                intended: plan.force,
-                commanded,
-            },
-        );
+        state.under_way.send(Command {
+            intended,
+            sent: commanded,
+        });
         state.device = Device::Tracked(Interval {
             start,
             device,
             rule: plan.rule,
             planned: plan.moved,
             original_force,
-            intended_force: held.intended,
-            held_force: held.commanded,
+            reported: None,
         });
         let (phase, transition_after) = match plan.rule {
             Rule::Free => (Phase::Free, S::ZERO),
@@ -431,9 +450,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
     #[cold]
     fn wait(&self, state: &mut State<S, M::Memory>, sample: &Sample<S>, fault: Fault) -> Output<S> {
         let device = self.sign * sample.device_position;
-        state
-            .queue
-            .exchange(self.loop_params.delay, OnItsWay::default());
+        state.under_way.send(Command::default());
         state.lose_track(&self.motion, device.is_finite().then_some(device));
         Output {
             force_on_device: S::ZERO,

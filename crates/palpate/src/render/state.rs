@@ -1,7 +1,7 @@
 //! What a renderer remembers from one tick to the next.
 
-use super::queue::Queue;
 use crate::Scalar;
+use crate::actuator::UnderWay;
 use crate::energy::Ledger;
 use crate::motion::{Displacement, ObjectMotion, ObjectState, Rule, Start};
 
@@ -17,7 +17,7 @@ pub struct State<S, Memory> {
     pub(super) teleport: Option<ObjectState<S>>,
     /// Force commanded at the last sample `[N]`.
     pub(super) commanded: S,
-    pub(super) queue: Queue<S>,
+    pub(super) under_way: UnderWay<S>,
     pub(super) memory: Memory,
     pub(super) ledger: Ledger<S>,
     /// Whether the books have been opened by a first sample.
@@ -73,10 +73,8 @@ pub(super) struct Interval<S> {
     pub planned: Displacement<S>,
     /// K p_i, or 0 `[N]`.
     pub original_force: S,
-    /// Force that the method asked for, to be held over it `[N]`.
-    pub intended_force: S,
-    /// Force really held `[N]`.
-    pub held_force: S,
+    /// Force that was held over it by what somebody else says `[N]`.
+    pub reported: Option<S>,
 }
 
 impl<S: Scalar, Memory: Default> State<S, Memory> {
@@ -86,7 +84,7 @@ impl<S: Scalar, Memory: Default> State<S, Memory> {
             device: Device::Unknown,
             teleport: None,
             commanded: S::ZERO,
-            queue: Queue::empty(),
+            under_way: UnderWay::nothing(),
             memory: Memory::default(),
             ledger: Ledger::default(),
             opened: false,

@@ -214,7 +214,7 @@ impl<S: Scalar> Method<S> for VirtualDamper<S> {
     ) -> Displacement<S> {
         let moved = if self.object == DamperObject::HeldForce {
             // What was really held: a limit or a delay may have made it another one.
-            under(motion, &ended.start, ended.held_force, ended.elapsed)
+            under(motion, &ended.start, ended.held.mean, ended.elapsed)
         } else {
             ended.as_planned(motion)
         };

@@ -2,8 +2,8 @@
 
 use crate::common::{entries, every_number_is_finite, explained, methods};
 use palpate::{
-    AnyMemory, AnyParams, AnyRenderer, Contact, Fault, LoopParams, ObjectState, Phase, Renderer,
-    Sample, Scalar, Side, State,
+    Actuation, AnyMemory, AnyParams, AnyRenderer, Contact, Fault, LoopParams, ObjectState, Phase,
+    Renderer, Sample, Scalar, Side, State,
 };
 
 const PERIOD: f64 = 0.001;
@@ -139,7 +139,7 @@ fn in_both_precisions(
             speed_limit: double.speed_limit.map(single),
             force_limit: None,
             slew_limit: None,
-            delay: double.delay,
+            actuation: Actuation::default(),
             guard: palpate::Guard::Off,
         },
         |here| {

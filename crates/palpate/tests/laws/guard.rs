@@ -1,8 +1,8 @@
 //! The guard, attacked by an adversary who moves the device as it suits him.
 
 use palpate::{
-    AnyParams, AnyRenderer, Contact, CoupledParams, Guard, GuardParams, HfcrParams, LoopParams,
-    Mass, ObjectState, Parameter, Renderer, Sample,
+    Actuation, AnyParams, AnyRenderer, Contact, CoupledParams, Guard, GuardParams, HfcrParams,
+    LoopParams, Mass, ObjectState, Parameter, Renderer, Sample,
 };
 
 use crate::common::{Random, methods};
@@ -29,6 +29,7 @@ struct Target {
     renderer: AnyRenderer<f64>,
     contact: Contact<f64>,
     period: f64,
+    delay: usize,
     gap: f64,
 }
 
@@ -41,7 +42,7 @@ impl Target {
         guard: Guard<f64>,
     ) -> Self {
         let l = LoopParams {
-            delay,
+            actuation: Actuation::after_samples(delay, period),
             guard,
             ..LoopParams::new(period)
         };
@@ -49,6 +50,7 @@ impl Target {
             renderer: Renderer::new(contact, l, method).unwrap(),
             contact,
             period,
+            delay,
             gap: 0.5 * SPEED * period,
         }
     }
@@ -57,7 +59,7 @@ impl Target {
     /// held force `[J]`, and in how many samples the guard acted. Kept from outside, with what the
     /// motor really held.
     fn taken_by(&self, moves: &Moves) -> (f64, usize) {
-        let delay = self.renderer.loop_params().delay;
+        let delay = self.delay;
         let mut state = self.renderer.start(ObjectState::at_rest(self.gap)).unwrap();
         let moves_object = f64::from(matches!(self.contact.object_mass, Mass::Finite(_)));
         let mut device = 0.0;

@@ -2,8 +2,8 @@
 
 use crate::common::Random;
 use palpate::{
-    AnyParams, AnyRenderer, BasicParams, Contact, DamperObject, HfcrParams, LoopParams, Mass,
-    ObjectState, Output, Prediction, Renderer, Sample, VirtualDamperParams,
+    Actuation, AnyParams, AnyRenderer, BasicParams, Contact, DamperObject, HfcrParams, LoopParams,
+    Mass, ObjectState, Output, Prediction, Renderer, Sample, VirtualDamperParams,
 };
 
 const STIFFNESS: f64 = 400.0;
@@ -101,15 +101,14 @@ fn an_object_that_the_held_force_moves_takes_its_impulse_whatever_limits_and_del
         LoopParams::new(PERIOD),
         LoopParams::new(PERIOD).with_force_limit(1.5),
         LoopParams {
-            delay: 2,
+            actuation: Actuation::after_samples(2, PERIOD),
             ..LoopParams::new(PERIOD)
         },
     ];
-    for loop_params in loops {
+    for (loop_params, delay) in loops.into_iter().zip([0, 0, 2]) {
         let params = damper(DamperObject::HeldForce, Prediction::LastStep);
         let samples = samples();
         let outputs = outputs(&on_object(params, loop_params), &samples);
-        let delay = loop_params.delay;
         let (mut pushed, mut limited) = (0, 0);
         for tick in delay..samples.len() - 1 {
             let [now, next] = [outputs[tick], outputs[tick + 1]];

@@ -1,7 +1,9 @@
 //! Contact that stays: an object that lies on a held device, an object and a wall that are pressed. What
 //! a hand damps comes to rest.
 
-use palpate::{AnyParams, Contact, CoupledParams, LoopParams, ObjectState, Renderer, Sample};
+use palpate::{
+    Actuation, AnyParams, Contact, CoupledParams, LoopParams, ObjectState, Renderer, Sample,
+};
 
 /// A device in a hand with a spring and a damper, pushed with a steady force.
 #[derive(Clone, Copy, Debug)]
@@ -64,7 +66,7 @@ fn left_after(stays: &Stays, params: AnyParams<f64>) -> (f64, f64) {
         delay,
     } = *stays;
     let loop_params = LoopParams {
-        delay: delay.into(),
+        actuation: Actuation::after_samples(delay.into(), period),
         speed_limit: None,
         ..LoopParams::new(period)
     };

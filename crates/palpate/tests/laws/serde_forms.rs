@@ -4,8 +4,8 @@ use std::fmt::Debug;
 
 use crate::common::methods;
 use palpate::{
-    AnyParams, Contact, EntryHold, Guard, GuardParams, HfcrParams, LeakDissipation, LoopParams,
-    Mass, ObjectState, PopcParams, PopcRefParams, SehEstimate, SehParams, Side,
+    Actuation, AnyParams, Contact, EntryHold, Guard, GuardParams, HfcrParams, LeakDissipation,
+    LoopParams, Mass, ObjectState, PopcParams, PopcRefParams, SehEstimate, SehParams, Side,
     VirtualDamperParams,
 };
 use serde::Serialize;
@@ -42,7 +42,10 @@ fn every_parameter_type_comes_back_from_json_and_toml() {
         speed_limit: None,
         force_limit: Some(5.0),
         slew_limit: Some(1e3),
-        delay: 2,
+        actuation: Actuation {
+            delay_deviation: 1e-5,
+            ..Actuation::after(0.0005).with_lag(0.0003).with_gain(0.98)
+        },
         guard: Guard::Limit(GuardParams {
             largest_speed: 1.0,
             allowance: 1e-3,

@@ -18,7 +18,6 @@ use palpate::LARGEST_DELAY;
 use palpate_rt::StopFlag;
 use palpate_rt::safety::{OscillationParams, Safety, SafetyParams};
 use palpate_scene::method::MethodName;
-use palpate_testbed::hold::DelayedHold;
 
 pub use arguments::PipeArguments;
 
@@ -137,8 +136,6 @@ fn set_up(arguments: &PipeArguments) -> Result<Stream, Failure> {
     let mut stream = Stream {
         rendered,
         safety,
-        hold: DelayedHold::new(setup.delay)
-            .map_err(|error| Failure::Arguments(format!("--delay: {error}")))?,
         changeable: Changeable {
             parameters,
             setup,

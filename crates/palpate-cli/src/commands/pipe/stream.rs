@@ -8,7 +8,6 @@ use palpate_record::recording::Tick;
 use palpate_record::unit::HandMotion;
 use palpate_rt::safety::{self, Safety};
 use palpate_rt::{CHANGE_DURATION, Rendered, answered};
-use palpate_testbed::hold::DelayedHold;
 
 use super::change::Changeable;
 use super::columns::{Columns, Row};
@@ -35,7 +34,6 @@ pub struct Stream {
     pub changeable: Changeable,
     pub rendered: Rendered,
     pub safety: Safety,
-    pub hold: DelayedHold,
     pub format: Format,
     pub columns: Columns,
     pub is_header_asked: bool,
@@ -171,8 +169,7 @@ impl Stream {
         });
         output.limited.force |= verdict.bounded.force;
         let [force, ..] = verdict.wrench.force;
-        let held = self.hold.exchange(-force);
-        self.rendered.report_held(held);
+        self.rendered.report_sent(-force);
         // A time that was refused is kept all the same: if it is wrong, the next line is refused
         // too; if it were not kept and the clock was set, all lines to come would be.
         self.memory.last_time = time.or(self.memory.last_time);

@@ -1,0 +1,109 @@
+//! How a command becomes a force on the device: after a delay, through a lag, with a gain.
+
+use crate::Scalar;
+use crate::parameter::{Allowed, Parameter, ParameterError};
+
+/// Most samples of delay that a loop can state.
+pub const LARGEST_DELAY: usize = 8;
+
+/// A delay this close to a whole number of periods is one: quotients of decimal times are never exact.
+pub(crate) const WHOLE_WITHIN: f64 = 1e-5;
+
+/// What is known of the way from a sample to the force on the device, with the standard deviation of
+/// each value: what a calibration finds. The default is a perfect actuator: no delay, no lag, a gain
+/// of 1.
+///
+/// The force that was computed from a sample at t begins at t + delay, goes through
+/// `lag y' = gain u - y`, and stays until the next one begins (Eq. of a first-order actuator).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields, default))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: Scalar + serde::Serialize",
+        deserialize = "S: Scalar + serde::Deserialize<'de>"
+    ))
+)]
+pub struct Actuation<S> {
+    /// Time from a sample to the beginning of its force `[s]`, at most [`LARGEST_DELAY`] periods.
+    pub delay: S,
+    /// Time constant of the actuator `[s]`, not below 0.
+    pub lag: S,
+    /// Delivered over commanded force, greater than 0.
+    pub gain: S,
+    /// Standard deviation of the delay, its changes from command to command included `[s]`.
+    pub delay_deviation: S,
+    /// Standard deviation of the lag `[s]`.
+    pub lag_deviation: S,
+    /// Standard deviation of the gain.
+    pub gain_deviation: S,
+}
+
+impl<S: Scalar> Default for Actuation<S> {
+    fn default() -> Self {
+        Self {
+            delay: S::ZERO,
+            lag: S::ZERO,
+            gain: S::ONE,
+            delay_deviation: S::ZERO,
+            lag_deviation: S::ZERO,
+            gain_deviation: S::ZERO,
+        }
+    }
+}
+
+impl<S: Scalar> Actuation<S> {
+    /// A force that begins `delay` `[s]` after its sample.
+    #[must_use]
+    pub fn after(delay: S) -> Self {
+        Self {
+            delay,
+            ..Self::default()
+        }
+    }
+
+    /// A force that begins with the sample `samples` periods of `period` `[s]` after its own.
+    #[must_use]
+    pub fn after_samples(samples: usize, period: S) -> Self {
+        Self::after(S::from_f64(samples as f64) * period)
+    }
+
+    /// The same with a first-order lag of time constant `lag` `[s]`.
+    #[must_use]
+    pub fn with_lag(self, lag: S) -> Self {
+        Self { lag, ..self }
+    }
+
+    /// The same with a `gain`: delivered over commanded force.
+    #[must_use]
+    pub fn with_gain(self, gain: S) -> Self {
+        Self { gain, ..self }
+    }
+
+    /// Every parameter outside its range, in a loop of `period` `[s]`.
+    pub(crate) fn faults(&self, period: S) -> impl Iterator<Item = ParameterError> {
+        let periods = self.delay / period;
+        let most = S::from_f64(LARGEST_DELAY as f64 + WHOLE_WITHIN);
+        let known = periods >= S::ZERO && periods <= most;
+        // Where the period is wrong, the number of periods says nothing.
+        let judged = period.is_finite() && period > S::ZERO;
+        let not_negative = |parameter: Parameter, value: S| parameter.not_negative(value).err();
+        [
+            Parameter::Delay
+                .unless(
+                    known || !judged,
+                    periods,
+                    Allowed::UpToSamples(LARGEST_DELAY),
+                )
+                .err(),
+            not_negative(Parameter::Lag, self.lag),
+            Parameter::Gain.positive(self.gain).err(),
+            not_negative(Parameter::DelayDeviation, self.delay_deviation),
+            not_negative(Parameter::LagDeviation, self.lag_deviation),
+            not_negative(Parameter::GainDeviation, self.gain_deviation),
+        ]
+        .into_iter()
+        .flatten()
+    }
+}
