@@ -136,8 +136,11 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
         contact: &setup.contact,
         loop_params: &setup.loop_params,
         device_mass: setup.device_mass,
-        delay: setup.delay,
-        timing: Timing::default(),
+        delay: setup.delay().0,
+        timing: Timing {
+            delay_fraction: setup.delay().1,
+            ..Timing::default()
+        },
     };
     let mut report = Report::new(&subject, &reference, &runs);
     report.recorded(FromRecording {
