@@ -34,6 +34,18 @@ fn flag_of(parameter: SceneParameter) -> Option<Cow<'static, str>> {
         | SceneParameter::ViscousFriction
         | SceneParameter::CoulombFriction
         | SceneParameter::MotorLimit
+        | SceneParameter::Resonance
+        | SceneParameter::ResonanceDamping
+        | SceneParameter::MotorMassShare
+        | SceneParameter::Backlash
+        | SceneParameter::Cogging
+        | SceneParameter::CoggingPitch
+        | SceneParameter::SensorNoise
+        | SceneParameter::DelaySeconds
+        | SceneParameter::CommandJitter
+        | SceneParameter::Lag
+        | SceneParameter::Gain
+        | SceneParameter::ToldDelay
         | SceneParameter::HandForce
         | SceneParameter::HandForceAt
         | SceneParameter::Tremor

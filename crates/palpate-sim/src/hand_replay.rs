@@ -56,7 +56,7 @@ use std::sync::Arc;
 use crate::replay::ReplaySetup;
 use crate::run::{Reference, Run};
 use palpate_scene::method::MethodName;
-use palpate_scene::{HandForceAt, Measure, PointMassDevice, Scene, Timing};
+use palpate_scene::{ActuatorParams, HandForceAt, Measure, PointMassDevice, Scene, Timing, Told};
 
 /// How far, in recording steps, the end of the last period may lie behind that of the recording: time
 /// stamps are written in decimals.
@@ -103,6 +103,8 @@ pub fn scene(hand: Arc<RecordedHand>, setup: &ReplaySetup) -> Result<Scene, Hand
         release: None,
         delay: setup.delay,
         timing: Timing::default(),
+        actuator: ActuatorParams::default(),
+        told: Told::default(),
         measure: Measure::Duration(periods * period),
         method: MethodName::default(),
         settings: HashMap::new(),

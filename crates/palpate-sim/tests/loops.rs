@@ -84,6 +84,8 @@ prop_compose! {
             object_radius: 0.0,
             delay,
             timing: Timing::default(),
+            actuator: palpate_scene::ActuatorParams::default(),
+            told: palpate_scene::Told::default(),
             measure: Measure::Duration(PERIODS * period),
             method: MethodName::Basic,
             settings: std::collections::HashMap::new(),

@@ -73,12 +73,14 @@ impl Desk {
             let mut impulse = 0.0;
             for _ in 0..fine {
                 let f = force(&at);
-                at.device[1] += 0.5 * dt * theta * (self.hand_force(at.device[0], at.device[1]) - f);
+                at.device[1] +=
+                    0.5 * dt * theta * (self.hand_force(at.device[0], at.device[1]) - f);
                 at.object[1] += 0.5 * dt * object_acceleration(f);
                 at.device[0] += dt * at.device[1];
                 at.object[0] += dt * at.object[1];
                 let g = force(&at);
-                at.device[1] += 0.5 * dt * theta * (self.hand_force(at.device[0], at.device[1]) - g);
+                at.device[1] +=
+                    0.5 * dt * theta * (self.hand_force(at.device[0], at.device[1]) - g);
                 at.object[1] += 0.5 * dt * object_acceleration(g);
                 impulse += 0.5 * (f + g) * dt;
             }
@@ -144,7 +146,8 @@ impl Desk {
                     mean
                 };
                 let theta = 1.0 / self.device_mass;
-                let pull = |at: &Bodies| theta * (self.hand_force(at.device[0], at.device[1]) - given);
+                let pull =
+                    |at: &Bodies| theta * (self.hand_force(at.device[0], at.device[1]) - given);
                 at.device[1] += 0.5 * dt * pull(&at);
                 at.device[0] += dt * at.device[1];
                 at.device[1] += 0.5 * dt * pull(&at);
@@ -216,7 +219,11 @@ pub fn draw(seed: u64) -> Desk {
     let object_mass = random.log(0.03, 0.5);
     let speed = random.between(0.1, 0.5);
     let acceleration = random.between(2.0, 10.0);
-    let extra = if in_hand { random.between(0.0, 0.1) } else { random.uniform() * 0.0 };
+    let extra = if in_hand {
+        random.between(0.0, 0.1)
+    } else {
+        random.uniform() * 0.0
+    };
     Desk {
         device_mass: device_mass + extra,
         stiffness,
