@@ -144,12 +144,15 @@ fn a_pressed_wall_stays_steady_with_a_delay_and_any_mass_told() {
 
 #[test]
 fn what_the_motor_did_not_give_is_placed_for() {
-    // Random lateness, and a motor that gives a part of what is asked: the held force is known a
-    // sample later, and the object is placed by that one.
-    let late = fidelity(&scene("users/s09-stale-late-missing")).mean_force_error;
+    // Samples that come late or not at all, and a motor that gives a part of what is asked: what was held
+    // is known a sample later, and the object is placed by that. Where commands come late beside that, by
+    // more than is told, nobody knows what was held.
+    let mut stale = scene("users/s09-stale-late-missing");
+    (stale.delay, stale.timing.delay_fraction) = (0, 0.0);
+    let late = fidelity(&stale).mean_force_error;
     let clipped = fidelity(&scene("users/s04-clipped-200hz")).mean_force_error;
     println!("late and missing {late:.1} %, clipped {clipped:.1} %");
-    assert!(late < 60.0 && clipped < 50.0, "{late}, {clipped}");
+    assert!(late < 30.0 && clipped < 50.0, "{late}, {clipped}");
 }
 
 #[test]

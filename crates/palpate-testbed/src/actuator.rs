@@ -93,6 +93,16 @@ impl Actuator {
         self.force
     }
 
+    /// Force on the object that acts now while `command` is held at the input \[N\].
+    #[must_use]
+    pub fn force_on(&self, command: f64) -> f64 {
+        if self.params.lag == 0.0 {
+            self.params.gain * command
+        } else {
+            self.force
+        }
+    }
+
     /// Moves `device` on for `duration` \[s\] while `command` \[N\], a force on the object, is held at
     /// the input of this actuator.
     pub fn drive(&mut self, device: &mut impl Device, command: f64, duration: f64) -> Delivered {

@@ -6,7 +6,9 @@ use palpate_testbed::reference::{self, POINTS_PER_PERIOD, ReferenceScene, Stop};
 use super::COLLISIONS;
 use super::chance::Chance;
 use palpate_scene::method::MethodName;
-use palpate_scene::{Grip, HandForceAt, Measure, PointMassDevice, Scene, Timing, Wave};
+use palpate_scene::{
+    ActuatorParams, Grip, HandForceAt, Measure, PointMassDevice, Scene, Timing, Told, Wave,
+};
 use palpate_sim::closed_loop::{LoopError, object_mass};
 use palpate_sim::sampled_loop::device_of;
 
@@ -139,6 +141,8 @@ fn draw(chance: &mut Chance) -> RandomPlant {
             release: None,
             delay: 0,
             timing: Timing::default(),
+            actuator: ActuatorParams::default(),
+            told: Told::default(),
             measure: Measure::Collisions(COLLISIONS),
             method: MethodName::default(),
             settings: std::collections::HashMap::new(),

@@ -147,8 +147,7 @@ pub struct CoupledMemory<S> {
     periods: [Option<S>; 3],
     /// How well it is known where the object belongs.
     placed: Placed<S>,
-    /// By how much a wall stands off its place `[m]`.
-    wall_offset: S,
+    avatar: Avatar<S>,
     /// Shift of the object by placement over the last interval `[m]`.
     shift: S,
 }
@@ -169,6 +168,21 @@ impl<S: Scalar> CoupledMemory<S> {
     }
 }
 
+/// What the contact meets in the device's place.
+///
+/// The contact acts continuously, the held force does not, so what the contact has moved is not where
+/// the device is. The relative motion is that of the avatar. By the end of the window that a command
+/// governs both have the same velocity; where a window ends between two samples, they differ at each
+/// sample.
+#[derive(Clone, Copy, Debug, Default)]
+struct Avatar<S> {
+    /// By how much a wall stands off its place, so that the device has the avatar's penetration `[m]`:
+    /// the avatar is as much behind the device. An object moves on from where it stands off.
+    wall_offset: S,
+    /// Its velocity less the device's `[m/s]`.
+    speed: S,
+}
+
 /// Part of the impulse owed that the next force makes up for. All of it would pass on the noise of
 /// one estimate as a force of the other sign in the next; on random plants a half has the least
 /// error, with and without delay.
@@ -178,10 +192,9 @@ const REPAID: f64 = 0.5;
 /// this part.
 const NEGLIGIBLE: f64 = 1e-7;
 
-/// What is left of a wall's offset after one interval in contact. What is taken back while the force
-/// changes is energy, most of it if it goes within one collision: 11 % of error on a struck stop with
-/// a half, 4 % with this, none with 1, where a pressed wall stays off its place for ever.
-const WALL_OFFSET_KEPT: f64 = 0.97;
+/// Speed at which a wall that is free goes back to its place `[m/s]`: below what a hand feels. In contact
+/// it keeps its offset: what is taken back while there is a force is energy.
+const WALK: f64 = 1e-3;
 
 impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
     type Method = Coupled<S>;
@@ -293,8 +306,8 @@ impl<S: Scalar> Coupled<S> {
         }
     }
 
-    /// What the interval does to the object while the device feels what is `held`, how far
-    /// placement shifts it by that, and the wall's new offset.
+    /// What the interval does to the object while the device feels what is `held`, how far placement
+    /// shifts it by that, and the avatar at its end.
     fn object_moved(
         &self,
         interval: &Interval<S>,
@@ -302,8 +315,8 @@ impl<S: Scalar> Coupled<S> {
         object_velocity: S,
         virtual_force: S,
         held: &Held<S>,
-        wall_offset: S,
-    ) -> (Displacement<S>, S, S) {
+        avatar: &Avatar<S>,
+    ) -> Moved<S> {
         let Interval {
             start,
             drive,
@@ -323,37 +336,52 @@ impl<S: Scalar> Coupled<S> {
                 S::ZERO
             }
         };
-        let shift = moment_times(device.mobility) - S::HALF * h * device.mobility * course.impulse;
         let (travel, gained) = device.under(held, h);
         let placed = start.penetration - course.end.penetration + travel;
+        let alpha = virtual_force * self.object_mobility;
+        let velocity = object_velocity + alpha * h + self.object_mobility * course.impulse;
+        let speed = if self.placement {
+            course.end.speed + velocity - (device.velocity + gained)
+        } else {
+            S::ZERO
+        };
         if self.object_mobility == S::ZERO {
             let gives_way = self.placement && device.mobility > S::ZERO;
-            let offset = if course.impulse > S::ZERO && gives_way {
-                S::from_f64(WALL_OFFSET_KEPT) * (wall_offset + placed)
+            let wall_offset = if course.impulse > S::ZERO && gives_way {
+                avatar.wall_offset + placed
             } else {
-                S::ZERO
+                avatar.wall_offset - avatar.wall_offset.within(S::from_f64(WALK) * h)
             };
-            let moved = Displacement {
-                by: offset - wall_offset,
-                velocity: S::ZERO,
+            let by = wall_offset - avatar.wall_offset;
+            return Moved {
+                object: Displacement {
+                    by,
+                    velocity: S::ZERO,
+                },
+                shift: by,
+                avatar: Avatar { wall_offset, speed },
             };
-            return (moved, moved.by, offset);
         }
-        let moved = if self.placement {
-            Displacement {
-                by: placed,
-                velocity: device.velocity + gained - course.end.speed,
-            }
-        } else {
-            let alpha = virtual_force * self.object_mobility;
-            Displacement {
-                by: (object_velocity + S::HALF * alpha * h) * h
-                    + moment_times(self.object_mobility),
-                velocity: object_velocity + alpha * h + self.object_mobility * course.impulse,
-            }
-        };
-        (moved, if self.placement { shift } else { S::ZERO }, S::ZERO)
+        // By its own momentum.
+        let own = (object_velocity + S::HALF * alpha * h) * h + moment_times(self.object_mobility);
+        let by = if self.placement { placed } else { own };
+        Moved {
+            object: Displacement { by, velocity },
+            shift: by - own,
+            avatar: Avatar {
+                speed,
+                ..Avatar::default()
+            },
+        }
     }
+}
+
+/// What an interval does to the object.
+struct Moved<S> {
+    object: Displacement<S>,
+    /// How far placement shifts it `[m]`.
+    shift: S,
+    avatar: Avatar<S>,
 }
 
 impl<S: Scalar> Method<S> for Coupled<S> {
@@ -381,7 +409,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         let object_velocity = ended.start.object_velocity + object_slow;
         let start = Relative {
             penetration: ended.start.penetration + device.offset - object_off,
-            speed: device.velocity - object_velocity,
+            speed: device.velocity + memory.avatar.speed - object_velocity,
         };
         let (interval, response) = self.interval_past(motion, &device, start, ended, certainty);
         let touched = interval.course.impulse > S::ZERO;
@@ -398,13 +426,17 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             }
             _ => Placed::default(),
         };
-        let (mut moved, shift, wall_offset) = self.object_moved(
+        let Moved {
+            object: mut moved,
+            shift,
+            avatar,
+        } = self.object_moved(
             &interval,
             &device,
             object_velocity,
             ended.start.virtual_force,
             &ended.held,
-            memory.wall_offset,
+            &memory.avatar,
         );
         moved.by += object_off;
         if !motion.is_wall() {
@@ -412,7 +444,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         }
         memory.periods = [memory.periods[1], memory.periods[2], Some(ended.elapsed)];
         memory.shift = shift;
-        memory.wall_offset = wall_offset;
+        memory.avatar = avatar;
         moved
     }
 
@@ -429,10 +461,10 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         let mut device = observer.motion;
         let virtual_force = now.start.virtual_force;
         let mut object_velocity = now.start.object_velocity;
-        let mut wall_offset = memory.wall_offset;
+        let mut avatar = memory.avatar;
         let mut relative = Relative {
             penetration: now.start.penetration + device.offset,
-            speed: device.velocity - object_velocity,
+            speed: device.velocity + avatar.speed - object_velocity,
         };
         let at_sample = (device, relative);
         let mut first = None;
@@ -440,24 +472,27 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         let governed = now.ahead.until_own(period, |piece| {
             let h = piece.duration;
             let interval = self.interval(motion, &device, relative, virtual_force, h);
-            let (moved, _, offset) = self.object_moved(
+            let moved = self.object_moved(
                 &interval,
                 &device,
                 object_velocity,
                 virtual_force,
                 &piece.held,
-                wall_offset,
+                &avatar,
             );
             if !motion.is_wall() {
                 owed += interval.course.impulse - piece.intended * h;
             }
             let (travel, gained) = device.under(&piece.held, h);
-            first = first.or(Some((moved, rule(&interval, now.start.device_velocity))));
-            relative.penetration += travel - moved.by;
+            first = first.or(Some((
+                moved.object,
+                rule(&interval, now.start.device_velocity),
+            )));
+            relative.penetration += travel - moved.object.by;
             device.velocity += gained;
-            object_velocity = moved.velocity;
-            wall_offset = offset;
-            relative.speed = device.velocity - object_velocity;
+            object_velocity = moved.object.velocity;
+            avatar = moved.avatar;
+            relative.speed = device.velocity + avatar.speed - object_velocity;
         });
         let interval = self.interval(motion, &device, relative, virtual_force, period);
         let owed = S::from_f64(REPAID) * owed;
@@ -468,6 +503,8 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             // What was pushed too much is not pulled back, and rounding errors are not paid.
             mean = S::ZERO;
             memory.debt = S::ZERO;
+            // The object takes what no force will.
+            memory.avatar.speed = memory.avatar.speed - avatar.speed;
         }
         let force = governed.with_mean(mean, period);
         let first = first.filter(|_| now.ahead.is_whole());
@@ -486,20 +523,20 @@ impl<S: Scalar> Method<S> for Coupled<S> {
                 };
                 (interval, held)
             };
-            let (device, object_velocity, wall_offset) = if now.ahead.is_whole() {
-                (device, object_velocity, wall_offset)
+            let (device, object_velocity, avatar) = if now.ahead.is_whole() {
+                (device, object_velocity, avatar)
             } else {
-                (at_sample.0, now.start.object_velocity, memory.wall_offset)
+                (at_sample.0, now.start.object_velocity, memory.avatar)
             };
-            let (moved, _, _) = self.object_moved(
+            let moved = self.object_moved(
                 &from,
                 &device,
                 object_velocity,
                 virtual_force,
                 &held,
-                wall_offset,
+                &avatar,
             );
-            (moved, rule(&from, now.start.device_velocity))
+            (moved.object, rule(&from, now.start.device_velocity))
         });
         Plan { force, rule, moved }
     }
@@ -509,10 +546,10 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         *memory = CoupledMemory {
             observer,
             // A wall that waited for a sample still has to go back to its place.
-            wall_offset: if object_known {
-                memory.wall_offset
+            avatar: if object_known {
+                memory.avatar
             } else {
-                S::ZERO
+                Avatar::default()
             },
             ..CoupledMemory::default()
         };
