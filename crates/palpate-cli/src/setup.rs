@@ -6,8 +6,8 @@ mod device_file;
 use std::borrow::Cow;
 
 use palpate::{
-    Allowed, BasicParams, Contact, Guard, LoopParams, Mass, ObjectState, Parameter,
-    ParameterError, Range, Renderer, Side,
+    Allowed, BasicParams, Contact, Guard, LoopParams, Mass, ObjectState, Parameter, ParameterError,
+    Range, Renderer, Side,
 };
 use palpate_scene::method::{MethodName, Setting, SettingKey, Settings, SettingsError};
 use palpate_scene::{

@@ -53,7 +53,10 @@ impl Delivery {
                 .collect();
             let first = arrivals.first().copied().unwrap_or(end);
             let before = times.iter().copied().take_while(|time| *time < first);
-            let edges = before.chain(arrivals.iter().copied()).chain([end]).collect();
+            let edges = before
+                .chain(arrivals.iter().copied())
+                .chain([end])
+                .collect();
             (arrivals, edges)
         } else {
             let arrivals = times.iter().skip(samples).copied();
@@ -102,7 +105,11 @@ impl Delivery {
                 impulse += mean * duration;
                 if next >= until {
                     // Of one piece the mean is that of the piece, to the last bit.
-                    break if now > from { impulse / (until - from) } else { mean };
+                    break if now > from {
+                        impulse / (until - from)
+                    } else {
+                        mean
+                    };
                 }
                 now = next;
             };
@@ -153,7 +160,9 @@ mod tests {
 
     fn means(delivered: &Delivered) -> Vec<(f64, f64)> {
         let means = delivered.means.iter();
-        means.map(|held| (held.from, held.force_on_object)).collect()
+        means
+            .map(|held| (held.from, held.force_on_object))
+            .collect()
     }
 
     #[test]
@@ -162,8 +171,14 @@ mod tests {
         let whole = delivery((1, 0.0), Actuation::after(1.0).with_gain(0.5));
         let delivered = whole.of(&commands);
         assert_eq!(delivered.at_samples, [0.0, 0.5, 1.0, 1.5, 2.0]);
-        assert_eq!(means(&delivered), [(0.0, 0.0), (1.0, 0.5), (2.0, 1.0), (3.0, 1.5)]);
-        assert_eq!([0, 3, 4].map(|i| whole.arrival(i)), [Some(1.0), Some(4.0), None]);
+        assert_eq!(
+            means(&delivered),
+            [(0.0, 0.0), (1.0, 0.5), (2.0, 1.0), (3.0, 1.5)]
+        );
+        assert_eq!(
+            [0, 3, 4].map(|i| whole.arrival(i)),
+            [Some(1.0), Some(4.0), None]
+        );
 
         let half = delivery((1, 0.5), Actuation::after(1.5));
         let delivered = half.of(&commands);

@@ -118,7 +118,14 @@ pub fn samples_and_fraction(periods: f64) -> (usize, f64) {
         reason = "a whole number of 0 or above; one too large for any loop is refused there"
     )]
     let samples = whole as usize;
-    (samples, if fraction > WHOLE_WITHIN { fraction } else { 0.0 })
+    (
+        samples,
+        if fraction > WHOLE_WITHIN {
+            fraction
+        } else {
+            0.0
+        },
+    )
 }
 
 /// Why a recording cannot be replayed.

@@ -153,9 +153,8 @@ impl ActuationFlags {
         let known = file.map(|file| file.told(self)).unwrap_or_default();
         let in_seconds = |periods: f64| periods * period;
         let perfect = Actuation::default();
-        let or_known = |flag: Option<f64>, known: Option<f64>, perfect: f64| {
-            flag.or(known).unwrap_or(perfect)
-        };
+        let or_known =
+            |flag: Option<f64>, known: Option<f64>, perfect: f64| flag.or(known).unwrap_or(perfect);
         let delay_deviation = self.delay_deviation.map(in_seconds);
         Actuation {
             delay: or_known(self.delay.map(in_seconds), known.delay, perfect.delay),

@@ -120,7 +120,11 @@ fn set_up(arguments: &PipeArguments) -> Result<Stream, Failure> {
     let (samples, fraction) = setup.delay();
     let periods = samples as f64 + fraction;
     if periods > LARGEST_DELAY as f64 {
-        let unit = if fraction == 0.0 { "samples" } else { "periods" };
+        let unit = if fraction == 0.0 {
+            "samples"
+        } else {
+            "periods"
+        };
         return Err(Failure::Arguments(format!(
             "--delay is {periods} {unit}, and a renderer can be told of {LARGEST_DELAY} at most"
         )));
