@@ -194,3 +194,53 @@ fn what_only_a_simulated_actuator_can_differ_in_is_refused_elsewhere() {
         folder.fail(&format!("simulate scene.toml {flags}"), 2, &[said]);
     }
 }
+
+#[test]
+fn a_recording_says_what_the_renderer_was_told_and_is_replayed_with_it() {
+    let folder = folder();
+    let actuator = "--delay 0.5 --delay-deviation 0.01 --lag 0.002 --gain 0.9";
+    folder.succeed(&format!(
+        "record scene.toml rec.mcap --fast --duration 0.7 {actuator}"
+    ));
+    let info = folder.json("info rec.mcap");
+    for (key, value) in [
+        ("device_mass_kg", 0.1),
+        ("delay_s", 0.005),
+        ("delay_deviation_s", 0.0001),
+        ("lag_s", 0.002),
+        ("lag_deviation_s", 0.0),
+        ("gain", 0.9),
+        ("gain_deviation", 0.0),
+    ] {
+        assert!(
+            (number(&info["told"], key) - value).abs() < 1e-15,
+            "{key}: {info}"
+        );
+    }
+    let shown = folder.succeed("info rec.mcap");
+    let line =
+        "the renderer was told: device 0.100 kg, delay 5.00 ± 0.100 ms, lag 2.00 ms, gain 0.900\n";
+    assert!(shown.contains(line), "{shown}");
+    // The same motion, rendered by what is told: as it was recorded, and with a method that does not look at it.
+    let replayed = |flags: &str| {
+        let report = folder.json(&format!("replay rec.mcap --method basic {flags}"));
+        (error(&report, "basic"), report["actuator"].clone())
+    };
+    let (recorded, told) = replayed("");
+    assert_eq!(number(&told, "told_lag_s"), 0.002);
+    assert_eq!(replayed(actuator).0, recorded);
+    assert_ne!(
+        replayed("--delay 0 --delay-deviation 0 --lag 0 --gain 1").0,
+        recorded
+    );
+    // A perfect loop says so, too.
+    folder.succeed("record scene.toml perfect.mcap --fast --duration 0.1");
+    let info = folder.json("info perfect.mcap");
+    assert_eq!(
+        (
+            number(&info["told"], "delay_s"),
+            number(&info["told"], "gain")
+        ),
+        (0.0, 1.0)
+    );
+}

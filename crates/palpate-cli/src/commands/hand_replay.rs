@@ -53,8 +53,8 @@ pub fn close_loop(
     if recorded.at_its_instants && setup.delay().1 > 0.0 {
         let (samples, fraction) = setup.delay();
         return Err(Failure::Arguments(format!(
-            "--delay is {} periods, but a hand that is replayed at its recorded instants takes whole \
-             samples, from 0 on; --replay motion takes fractions",
+            "the delay is {} periods, but a hand that is replayed at its recorded instants takes whole \
+             samples (--delay 0 to 1024); --replay motion takes fractions",
             samples as f64 + fraction
         )));
     }
