@@ -200,7 +200,7 @@ fn a_recording_says_what_the_renderer_was_told_and_is_replayed_with_it() {
     let folder = folder();
     let actuator = "--delay 0.5 --delay-deviation 0.01 --lag 0.002 --gain 0.9";
     folder.succeed(&format!(
-        "record scene.toml rec.mcap --fast --duration 0.7 {actuator}"
+        "record scene.toml rec.mcap --method coupled --fast --duration 0.7 {actuator}"
     ));
     let info = folder.json("info rec.mcap");
     for (key, value) in [
@@ -230,11 +230,11 @@ fn a_recording_says_what_the_renderer_was_told_and_is_replayed_with_it() {
     assert_eq!(number(&told, "told_lag_s"), 0.002);
     assert_eq!(replayed(actuator).0, recorded);
     assert_ne!(
-        replayed("--delay 0 --delay-deviation 0 --lag 0 --gain 1").0,
+        replayed("--delay 0 --lag 0 --gain 1").0,
         recorded
     );
     // A perfect loop says so, too.
-    folder.succeed("record scene.toml perfect.mcap --fast --duration 0.1");
+    folder.succeed("record scene.toml perfect.mcap --method coupled --fast --duration 0.1");
     let info = folder.json("info perfect.mcap");
     assert_eq!(
         (
