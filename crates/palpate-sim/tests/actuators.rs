@@ -284,31 +284,3 @@ fn a_scene_of_all_of_it_reads_back_from_its_file_to_the_same_run() {
     );
     assert_eq!(a.ticks, b.ticks);
 }
-
-/// The same loop on the clock of a real one: delay in seconds, gain and lag belong to the device.
-#[test]
-fn the_simulated_device_has_the_delay_gain_and_lag_of_the_scene() {
-    use palpate_device::Device as _;
-    use palpate_device::clock::SteppedClock;
-    let mut scene = real("fig2", 0.0, 0.0, 0.9, 0.0);
-    scene.timing.delay_seconds = 1.5e-3;
-    scene.actuator.lag = 4e-4;
-    let clock = SteppedClock::new();
-    let mut device = palpate_sim::device::SimulatedDevice::of(&scene, clock.clone()).unwrap();
-    let mut alone = VirtualDevice::of(&scene).unwrap();
-    device.read().unwrap();
-    let step = std::time::Duration::from_micros(500);
-    let mut written = vec![0.0; 3];
-    for number in 0..200_i32 {
-        let force = if number % 9 < 4 { -3.0 } else { 1.0 };
-        device.write([force, 0.0, 0.0].into()).unwrap();
-        written.push(force);
-        clock.advance(step);
-        let position = device.read().unwrap().position[0];
-        // Three steps of half a millisecond late.
-        alone.hold(written[written.len() - 4], 5e-4);
-        let away = (position - alone.position()).abs();
-        assert!(away < 1e-12, "{away} m after {number} steps");
-    }
-    assert!(device.device().position().abs() > 1e-3);
-}

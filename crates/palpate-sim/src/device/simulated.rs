@@ -1,6 +1,5 @@
 //! The device of a scene, in real time or as fast as the clock goes.
 
-use std::collections::VecDeque;
 use std::time::Duration;
 
 use crate::VirtualDevice;
@@ -23,18 +22,12 @@ pub struct SimulatedDevice<C> {
     held: f64,
     /// Forces on their way to the motor, oldest first.
     on_their_way: Vec<f64>,
-    /// From a write to when its force is held, on top of that.
-    delay: Duration,
-    /// Forces that are held from an instant on, the next first.
-    due: VecDeque<(Duration, f64)>,
     cut: Cut,
 }
 
 impl<C: Clock> SimulatedDevice<C> {
     /// The device and the hand of `scene`. Its delay of whole samples is the device's: what is
-    /// written is held after as many further writes; and so is one in seconds: what is written is held that
-    /// much later. Gain and lag are the device's, too; jitter and a fraction of a period are not, because the
-    /// real loop has its own.
+    /// written is held after as many further writes.
     ///
     /// # Errors
     /// A quantity of the device or the hand outside its range.
@@ -58,14 +51,6 @@ impl<C: Clock> SimulatedDevice<C> {
             sampled: None,
             held: 0.0,
             on_their_way: vec![0.0; scene.delay],
-            delay: Duration::try_from_secs_f64(scene.timing.delay_seconds).map_err(|_| {
-                InvalidParameter {
-                    name: "delay",
-                    value: scene.timing.delay_seconds,
-                    allowed: "finite and at least 0 s",
-                }
-            })?,
-            due: VecDeque::new(),
             cut: Cut::none(),
         })
     }
@@ -81,32 +66,16 @@ impl<C: Clock> SimulatedDevice<C> {
         let now = self.clock.now();
         let mut from = *self.moved_until.get_or_insert(now);
         if let Some(cut) = self.cut.between(from, now) {
-            self.hold(from, cut);
+            self.device.hold(self.held, (cut - from).as_secs_f64());
             self.held = 0.0;
             self.on_their_way.fill(0.0);
-            self.due.clear();
             from = cut;
         }
-        self.hold(from, now);
+        if now > from {
+            self.device.hold(self.held, (now - from).as_secs_f64());
+        }
         self.moved_until = Some(now);
         now
-    }
-
-    /// Moves on between two instants under what is held, and what becomes due.
-    fn hold(&mut self, mut from: Duration, until: Duration) {
-        while let Some(&(at, force)) = self.due.front()
-            && at <= until
-        {
-            if at > from {
-                self.device.hold(self.held, (at - from).as_secs_f64());
-                from = at;
-            }
-            self.held = force;
-            self.due.pop_front();
-        }
-        if until > from {
-            self.device.hold(self.held, (until - from).as_secs_f64());
-        }
     }
 }
 
@@ -127,13 +96,9 @@ impl<C: Clock> Device for SimulatedDevice<C> {
     }
 
     fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
-        let now = self.move_on();
+        self.move_on();
         self.cut.is_over();
         let [force, ..] = wrench.force;
-        if !self.delay.is_zero() {
-            self.due.push_back((now + self.delay, force));
-            return Ok([self.device.given_force(self.held), 0.0, 0.0].into());
-        }
         self.held = force;
         if let Some(oldest) = self.on_their_way.first().copied() {
             self.on_their_way.rotate_left(1);
