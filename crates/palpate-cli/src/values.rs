@@ -7,6 +7,7 @@ use palpate::Side;
 use palpate_record::unit::LengthUnit;
 use palpate_scene::method::{MethodName, method_named};
 use palpate_scene::{GuardMode, HandForceAt};
+use palpate_study::suite::Set;
 use palpate_study::sweep::Quantity;
 use palpate_testbed::hold::DelayedHold;
 
@@ -84,6 +85,14 @@ pub fn quantity(text: &str) -> Result<Quantity, String> {
                 Quantity::ALL.map(Quantity::name).join(", ")
             )
         })
+}
+
+/// A family of random plants.
+pub fn plant_set(text: &str) -> Result<Set, String> {
+    Set::ALL
+        .into_iter()
+        .find(|set| set.name() == text)
+        .ok_or_else(|| format!("the sets are {}", Set::ALL.map(Set::name).join(", ")))
 }
 
 /// A unit of positions.

@@ -41,6 +41,7 @@ fn every_report_is_as_its_schema_says() {
         "sweep fig2.toml --over damping --values 0.01,100 --method hfcr",
         "sweep fig2.toml --over damping --values 0.01 --method hfcr --heights",
         "suite --plants 2 --method basic,coupled",
+        "suite --set desk --plants 1 --method coupled",
         "map --cells 2 --method basic,coupled",
         "map --cells 2 --method basic --shard 1/2 --out part.csv",
         "advise --device-mass 0.25 --period 0.01 --method hfcr",

@@ -232,8 +232,9 @@ impl<'a> Bench<'a> {
         self.run_built_in(&delayed, scene, method)
     }
 
-    /// Whether the ideal of this bench is that of `scene`, whatever its delay.
-    fn judges(&self, scene: &Scene) -> bool {
+    /// Whether this bench can [run](Self::run_varied) `scene`, if the loop is perfect or the delay is its own:
+    /// whether its ideal is that of `scene`.
+    pub fn judges(&self, scene: &Scene) -> bool {
         let mut own = self.scene.clone();
         own.settings.clone_from(&scene.settings);
         own.loop_params.guard = scene.loop_params.guard;

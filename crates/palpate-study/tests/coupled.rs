@@ -10,7 +10,7 @@ use palpate_scene::{Measure, Scene};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::run::Run;
 use palpate_study::heights::over_heights;
-use palpate_study::suite::{Column, DELAYS, run, summary};
+use palpate_study::suite::{Column, DELAYS, Set, run, summary};
 use palpate_testbed::metrics::Fidelity;
 
 fn coupled(scene: &Scene) -> Run {
@@ -169,7 +169,7 @@ fn on_random_plants_each_step_takes_it_nearer() {
         step(true, false),
         step(true, true),
     ];
-    let judged = run(1, 100, &columns, || ()).unwrap();
+    let judged = run(Set::Paper, 1, 100, &columns, || ()).unwrap();
     for delay in DELAYS {
         let medians = [0, 1, 2, 3].map(|i| summary(&judged, i, delay).unwrap().error[0]);
         println!("delay {delay}: medians {medians:?}");

@@ -11,6 +11,10 @@ pub struct Held<S> {
     /// By how much its impulse came earlier than a constant force's: the integral of (h - s) f(s) over the
     /// interval of h, less that of the mean `[N s^2]`. 0 for a force that was held all along.
     pub lead: S,
+    /// Change of the delivered command within the interval `[N]`,
+    pub step: S,
+    /// and the time from it to the interval's end `[s]`.
+    pub step_age: S,
     /// Standard deviation of its impulse, as far as the actuation is not known exactly `[N s]`.
     pub doubt: S,
 }
@@ -21,6 +25,8 @@ impl<S: Scalar> Held<S> {
         Self {
             mean: force,
             lead: S::ZERO,
+            step: S::ZERO,
+            step_age: S::ZERO,
             doubt: S::ZERO,
         }
     }
@@ -62,6 +68,7 @@ pub(crate) struct Actuator<S> {
     samples: usize,
     /// The rest of it `[s]`: 0, or less than a period.
     rest: S,
+    period: S,
     lag: S,
     gain: S,
     timing_deviation: S,
@@ -71,28 +78,39 @@ pub(crate) struct Actuator<S> {
 impl<S: Scalar> Actuator<S> {
     /// Of an actuation without faults, in a loop of `period` `[s]`.
     pub fn new(actuation: &Actuation<S>, period: S) -> Self {
-        let within = S::from_f64(WHOLE_WITHIN);
-        let periods = (actuation.delay / period).max(S::ZERO);
-        let whole = (periods + within).floor();
-        let rest = periods - whole;
         let square = |x: S| x * x;
-        let mut samples = 0;
-        while samples < LARGEST_DELAY && S::from_f64(samples as f64) < whole {
-            samples += 1;
-        }
+        let (samples, rest) = parts(actuation.delay, period);
         Self {
             samples,
-            rest: if rest > within {
-                rest * period
-            } else {
-                S::ZERO
-            },
+            rest,
+            period,
             lag: actuation.lag,
             gain: actuation.gain,
             timing_deviation: (square(actuation.delay_deviation) + square(actuation.lag_deviation))
                 .sqrt(),
             gain_deviation: actuation.gain_deviation,
         }
+    }
+
+    /// The same with every command `by` `[s]` later, or earlier, but not before its sample.
+    pub fn later(&self, by: S) -> Self {
+        let delay = S::from_f64(self.samples as f64) * self.period + self.rest;
+        let (samples, rest) = parts(delay + by, self.period);
+        Self {
+            samples,
+            rest,
+            ..*self
+        }
+    }
+
+    /// The delay `[s]`.
+    pub fn delay(&self) -> S {
+        S::from_f64(self.samples as f64) * self.period + self.rest
+    }
+
+    /// Standard deviation of delay and lag together `[s]`.
+    pub fn timing_deviation(&self) -> S {
+        self.timing_deviation
     }
 
     /// Delivered over commanded force.
@@ -151,7 +169,8 @@ impl<S: Scalar> Actuator<S> {
         } else {
             through(&mut felt.intended, earlier.intended, later.intended).0
         };
-        let timing = self.timing_deviation * self.gain * (later.sent - earlier.sent).abs();
+        let step = self.gain * (later.sent - earlier.sent);
+        let timing = self.timing_deviation * step.abs();
         let gain = self.gain_deviation * mean.abs() * h;
         Piece {
             duration: h,
@@ -159,6 +178,8 @@ impl<S: Scalar> Actuator<S> {
             held: Held {
                 mean,
                 lead,
+                step,
+                step_age: h - first,
                 doubt: if timing > S::ZERO || gain > S::ZERO {
                     (timing * timing + gain * gain).sqrt()
                 } else {
@@ -179,6 +200,25 @@ impl<S: Scalar> Actuator<S> {
         let [_, carried] = decay(self.lag.min(S::HALF * h), h);
         (felt * carried, h - carried)
     }
+}
+
+/// Whole periods of a delay, and the rest of it `[s]`.
+fn parts<S: Scalar>(delay: S, period: S) -> (usize, S) {
+    let within = S::from_f64(WHOLE_WITHIN);
+    let most = S::from_f64(LARGEST_DELAY as f64);
+    let periods = (delay / period).max(S::ZERO).min(most);
+    let whole = (periods + within).floor();
+    let rest = periods - whole;
+    let mut samples = 0;
+    while samples < LARGEST_DELAY && S::from_f64(samples as f64) < whole {
+        samples += 1;
+    }
+    let rest = if rest > within {
+        rest * period
+    } else {
+        S::ZERO
+    };
+    (samples, rest)
 }
 
 /// What is left of a lag's deviation after `h` `[s]`, and the integral of it `[s]`.

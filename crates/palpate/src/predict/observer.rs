@@ -114,6 +114,10 @@ impl<S: Scalar> Motion<S> {
 /// What a sample has told of the interval it ends.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lesson<S> {
+    /// By how much the position was another than expected `[m]`.
+    pub innovation: S,
+    /// Its expected variance `[m^2]`.
+    pub variance: S,
     /// Innovation over its variance `[1/m]`.
     pub weight: S,
     /// Covariance at the interval's beginning, before the sample.
@@ -310,6 +314,8 @@ impl<S: Scalar> Observer<S> {
             return (self.motion, None);
         }
         let lesson = Lesson {
+            innovation,
+            variance: foreseen.variance,
             weight,
             before: spread,
             transition,
@@ -319,6 +325,13 @@ impl<S: Scalar> Observer<S> {
         };
         *self = adapted;
         (smoothed, Some(lesson))
+    }
+
+    /// Changes the state by what was learned beside it.
+    pub fn shift(&mut self, by: [S; PARTS]) {
+        self.motion.offset += by[0];
+        self.motion.velocity += by[1];
+        self.motion.external += by[2];
     }
 
     /// How certain lambda is: 1 where it is known, 0 where it cannot be told from none. A damping that is

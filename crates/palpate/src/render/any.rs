@@ -159,6 +159,14 @@ impl<S: Scalar> Method<S> for AnyMethod<S> {
     }
 
     #[inline]
+    fn later(&self, memory: &AnyMemory<S>) -> S {
+        match self {
+            Self::Basic(_) => S::ZERO,
+            $(Self::$Variant(method) => method.later(&part!(memory $($own)? $($shared)?)),)*
+        }
+    }
+
+    #[inline]
     fn contact_damping(&self) -> S {
         match self {
             Self::Basic(_) => S::ZERO,

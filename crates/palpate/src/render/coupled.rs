@@ -9,7 +9,7 @@ use crate::actuator::Held;
 use crate::contact::{Contact, LoopParams, Mass};
 use crate::motion::{Displacement, ObjectMotion, Rule};
 use crate::parameter::{ParameterError, ParameterValue};
-use crate::predict::{Motion, Observer, ObserverParams, Placed};
+use crate::predict::{Lesson, Motion, Observer, ObserverParams, PARTS, Placed};
 use crate::relative_motion::{Course, Drive, Relative};
 use crate::response::Response;
 
@@ -148,6 +148,10 @@ pub struct CoupledMemory<S> {
     /// How well it is known where the object belongs.
     placed: Placed<S>,
     avatar: Avatar<S>,
+    /// By how much later than told commands begin.
+    lateness: Lateness<S>,
+    /// Part of the avatar's speed that no force is going to make up for `[m/s]`.
+    given_up: S,
     /// Shift of the object by placement over the last interval `[m]`.
     shift: S,
 }
@@ -192,9 +196,9 @@ const REPAID: f64 = 0.5;
 /// this part.
 const NEGLIGIBLE: f64 = 1e-7;
 
-/// Speed at which a wall that is free goes back to its place `[m/s]`: below what a hand feels. In contact
-/// it keeps its offset: what is taken back while there is a force is energy.
-const WALK: f64 = 1e-3;
+/// Time in which a wall in contact goes back to its place `[s]`. What is taken back while the force
+/// changes is energy, so it takes much longer than a collision.
+const WALL_RETURN: f64 = 0.2;
 
 impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
     type Method = Coupled<S>;
@@ -348,9 +352,13 @@ impl<S: Scalar> Coupled<S> {
         if self.object_mobility == S::ZERO {
             let gives_way = self.placement && device.mobility > S::ZERO;
             let wall_offset = if course.impulse > S::ZERO && gives_way {
-                avatar.wall_offset + placed
+                let back = (h / S::from_f64(WALL_RETURN)).min(S::ONE);
+                (S::ONE - back) * (avatar.wall_offset + placed)
             } else {
-                avatar.wall_offset - avatar.wall_offset.within(S::from_f64(WALK) * h)
+                // As far as it stays free.
+                (avatar.wall_offset + course.end.penetration)
+                    .max(S::ZERO)
+                    .min(avatar.wall_offset.max(S::ZERO))
             };
             let by = wall_offset - avatar.wall_offset;
             return Moved {
@@ -398,6 +406,11 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         };
         let before = observer.motion;
         let (smoothed, lesson) = observer.see(&self.observer, &ended.seen());
+        if let Some(lesson) = &lesson {
+            let first = S::from_f64(FIRST) * ended.elapsed;
+            let changed = memory.lateness.learn(lesson, &smoothed, &ended.held, ended.elapsed, first);
+            if SHIFT { observer.shift(changed); }
+        }
         let certainty = observer.damping_certainty();
         let device = if self.correction { smoothed } else { before };
         // A wall is where it is.
@@ -406,7 +419,13 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             .filter(|_| self.correction && self.placement && !motion.is_wall());
         let [object_off, object_slow] =
             lesson.map_or([S::ZERO; 2], |lesson| memory.placed.correction(lesson));
-        let object_velocity = ended.start.object_velocity + object_slow;
+        // What no force makes up for: the object takes it, a wall and its avatar come together.
+        let given_up = core::mem::take(&mut memory.given_up);
+        memory.avatar.speed -= given_up;
+        let mut object_velocity = ended.start.object_velocity + object_slow;
+        if !motion.is_wall() {
+            object_velocity -= given_up;
+        }
         let start = Relative {
             penetration: ended.start.penetration + device.offset - object_off,
             speed: device.velocity + memory.avatar.speed - object_velocity,
@@ -495,7 +514,17 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             relative.speed = device.velocity + avatar.speed - object_velocity;
         });
         let interval = self.interval(motion, &device, relative, virtual_force, period);
-        let owed = S::from_f64(REPAID) * owed;
+        let owed = if motion.is_wall() {
+            if device.mobility > S::ZERO {
+                // Never more than the contact itself: else a device that moves as no mass does is
+                // given more and more.
+                (S::from_f64(-1.0) * avatar.speed / device.mobility).within(S::from_f64(0.06) * interval.course.impulse)
+            } else {
+                S::ZERO
+            }
+        } else {
+            S::from_f64(REPAID) * owed
+        };
         let mut mean = ((interval.course.impulse + owed) / period).max(S::ZERO);
         let apart = interval.course.impulse == S::ZERO;
         let least = S::from_f64(NEGLIGIBLE) * object_velocity.abs();
@@ -503,8 +532,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             // What was pushed too much is not pulled back, and rounding errors are not paid.
             mean = S::ZERO;
             memory.debt = S::ZERO;
-            // The object takes what no force will.
-            memory.avatar.speed = memory.avatar.speed - avatar.speed;
+            memory.given_up = avatar.speed;
         }
         let force = governed.with_mean(mean, period);
         let first = first.filter(|_| now.ahead.is_whole());
@@ -519,7 +547,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
                 let held = Held {
                     mean: (before * rest + after * (period - rest)) / period,
                     lead: S::HALF * (before - after) * rest * (period - rest),
-                    doubt: S::ZERO,
+                    ..Held::constant(S::ZERO)
                 };
                 (interval, held)
             };
@@ -556,10 +584,94 @@ impl<S: Scalar> Method<S> for Coupled<S> {
     }
 
     #[inline]
+    fn later(&self, memory: &CoupledMemory<S>) -> S {
+        memory.lateness.mean
+    }
+
+    #[inline]
     fn placement_shift(&self, memory: &CoupledMemory<S>) -> S {
         memory.shift
     }
 }
+
+/// By how much later than told the commands begin: a delay that nobody has told, or told wrongly.
+///
+/// A Kalman filter of this one number beside that of the device (Friedland 1969): `answer` says how the
+/// error of the device's state answers to a second of lateness, through all that the observer has made
+/// of it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Lateness<S> {
+    /// Best guess `[s]`.
+    mean: S,
+    /// Its variance `[s^2]`.
+    variance: Option<S>,
+    answer: [S; PARTS],
+    /// What the last samples tell of it: `[1/s^2]`,
+    information: S,
+    /// and that times how far off the guess is by them `[1/s]`.
+    score: S,
+    /// and how many samples that is, those in contact counted.
+    count: S,
+}
+
+impl<S: Scalar> Lateness<S> {
+    /// Takes what a sample tells. The change of the device's state that follows.
+    fn learn(&mut self, lesson: &Lesson<S>, device: &Motion<S>, held: &Held<S>, h: S, first: S) -> [S; PARTS] {
+        let variance = self.variance.unwrap_or(first * first);
+        let mut next = self.answer;
+        for (entry, row) in next.iter_mut().zip(&lesson.transition) {
+            *entry = S::ZERO;
+            for (by, from) in row.iter().zip(&self.answer) {
+                *entry += *by * *from;
+            }
+        }
+        let pushed = device.mobility * held.step;
+        next[0] += pushed * held.step_age;
+        next[1] += pushed;
+        let seen = next[0];
+        let kept = S::ONE - S::from_f64(1.0 / RECENT);
+        self.information = kept * self.information + seen * seen / lesson.variance;
+        self.score = kept * self.score + seen * lesson.innovation / lesson.variance;
+        let told = if held.step == S::ZERO { S::ZERO } else { S::ONE };
+        self.count = kept * self.count + told;
+        let off = self.score / self.information;
+        let sure = off * self.score > S::from_f64(SURE * SURE);
+        let least = if sure && self.information > S::ZERO && self.count > S::from_f64(ENOUGH) {
+            let off = off.within(S::from_f64(0.5) * h);
+            S::from_f64(BELIEVED) * off * off
+        } else {
+            S::ZERO
+        };
+        let variance = variance.max(least);
+        let gain = variance * seen / (seen * seen * variance + lesson.variance);
+        for (entry, by) in next.iter_mut().zip(&lesson.gain) {
+            *entry -= *by * seen;
+        }
+        let learned = gain * lesson.innovation;
+        let drift = S::from_f64(LATENESS_DRIFT) * h;
+        let rest = (S::ONE - gain * seen) * variance + drift * drift;
+        if !(learned.is_finite() && rest.is_finite() && next.iter().all(|entry| entry.is_finite())) {
+            *self = Self::default();
+            return [S::ZERO; PARTS];
+        }
+        let before = self.mean;
+        self.mean = (before + learned).within(S::from_f64(LATENESS_MOST) * h);
+        self.variance = Some(rest);
+        self.answer = next;
+        let changed = self.mean - before;
+        self.score = self.score - self.information * changed;
+        next.map(|entry| entry * changed)
+    }
+}
+
+const FIRST: f64 = 0.005;
+const ENOUGH: f64 = 24.0;
+const RECENT: f64 = 64.0;
+const SURE: f64 = 5.0;
+const BELIEVED: f64 = 0.1;
+const SHIFT: bool = true;
+const LATENESS_DRIFT: f64 = 0.0003;
+const LATENESS_MOST: f64 = 1.5;
 
 /// What a damping does to an interval of relative motion.
 struct Damped<S> {

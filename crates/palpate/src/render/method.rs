@@ -83,6 +83,12 @@ pub trait Method<S: Scalar>: Copy + Debug {
         S::ZERO
     }
 
+    /// By how much later than it was told the commands begin, by what the method has learned `[s]`.
+    #[inline]
+    fn later(&self, _memory: &Self::Memory) -> S {
+        S::ZERO
+    }
+
     /// Damping B with which the object moves in contact `[N s/m]`.
     fn contact_damping(&self) -> S {
         S::ZERO

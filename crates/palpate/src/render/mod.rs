@@ -199,7 +199,8 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
     pub fn step(&self, state: &mut State<S, M::Memory>, sample: Sample<S>) -> Output<S> {
         let elapsed = self.elapsed(&sample);
         let h = elapsed.map_or(self.motion.period(), |(elapsed, _)| elapsed);
-        let passed = state.under_way.pass(&self.actuator, h);
+        let actuator = self.actuator_of(&state.memory);
+        let passed = state.under_way.pass(&actuator, h);
         match self.try_step(state, &sample, elapsed, &passed) {
             Ok(output) => output,
             Err(fault) => self.wait(state, &sample, fault),
@@ -321,6 +322,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             }
         };
 
+        let actuator = self.actuator_of(&state.memory);
         let situation = Situation {
             start: Start {
                 penetration,
@@ -332,7 +334,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             elapsed,
             port_work: state.ledger.port_work,
             held_leak: state.ledger.held_leak.accumulated,
-            ahead: Ahead::new(&self.actuator, &state.under_way),
+            ahead: Ahead::new(&actuator, &state.under_way),
         };
         let plan = self
             .method
@@ -394,6 +396,17 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             limited,
             fault: None,
         })
+    }
+
+    /// The actuator as told, and as the method has learned it.
+    #[inline]
+    fn actuator_of(&self, memory: &M::Memory) -> Actuator<S> {
+        let later = self.method.later(memory);
+        if later == S::ZERO {
+            self.actuator
+        } else {
+            self.actuator.later(later)
+        }
     }
 
     /// Time since the previous sample `[s]`, and whether it counts as the nominal period.
