@@ -249,7 +249,9 @@ impl Excitation {
             self.phase = Phase::Done;
             return 0.0;
         }
-        self.amplitude(index) * self.held(position - self.start)
+        let sign = self.held(position - self.start);
+        // Not -0 while there is no force.
+        sign * self.amplitude(index) + 0.0
     }
 
     /// Takes a position in; why the excitation stops, if it does.
