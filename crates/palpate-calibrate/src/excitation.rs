@@ -7,8 +7,9 @@
 use std::collections::VecDeque;
 use std::fmt;
 
-/// Shortest and longest hold `[s]`: sines below the sensor's steps say little, long holds excite cogging.
+/// Shortest and longest hold `[s]`, and what the period adds to each `[periods]`: sines below the sensor's steps say little, long holds excite cogging.
 const HOLD: [f64; 2] = [0.005, 0.015];
+const HOLD_PERIODS: [f64; 2] = [0.5, 2.0];
 /// Time without force at the beginning, in which the hand is watched `[s]`.
 const LISTEN: f64 = 0.5;
 /// Time over which the force comes in, and goes out `[s]`.
@@ -330,7 +331,7 @@ impl Excitation {
         let braking = 0.5 * v * v.abs() * HEAVIEST / largest_force;
         let rest = (position + v * (STEERING + 2.0 * period) + braking) / (STEERED * excursion);
         if self.left <= 0.0 || rest * self.sign > 1.0 {
-            let [shortest, longest] = HOLD;
+            let [shortest, longest] = [0, 1].map(|end| HOLD[end] + HOLD_PERIODS[end] * period);
             let held = shortest + (longest - shortest) * self.random.f64();
             self.left = (held / period).round().max(1.0);
             self.sign = if self.random.f64() < 0.5 - 0.6 * rest {

@@ -15,6 +15,10 @@ use crate::model::{self, FLEXIBLE, Kind, LENGTH, Point, at};
 const ROUNDS: usize = 4;
 /// Time over which the scores are taken as correlated `[s]`.
 const CORRELATED: f64 = 0.03;
+/// Where in a period the sign of the velocity is looked at.
+const PARTS: [f64; 8] = [
+    0.0625, 0.1875, 0.3125, 0.4375, 0.5625, 0.6875, 0.8125, 0.9375,
+];
 
 /// What the fit looks at.
 #[derive(Clone, Debug)]
@@ -252,17 +256,31 @@ impl Problem {
             return None;
         }
         let sign = |v: f64| libm::erf(v / (std::f64::consts::SQRT_2 * known));
+        let kinks = self.kinks();
         self.samples.signs = (0..values.len())
             .map(|i| {
                 let (v, next) = (values[i], values[(i + 1).min(values.len() - 1)]);
-                [0.1, 0.3, 0.5, 0.7, 0.9]
-                    .map(|part| sign(v + (next - v) * part))
+                let (at, change) = kinks.of(i);
+                // Two slopes from one velocity to the other, which differ by what the new force gives.
+                let before = next - v - (1.0 - at) * change;
+                PARTS
+                    .map(|part| sign(v + before * part + change * (part - at).max(0.0)))
                     .iter()
                     .sum::<f64>()
-                    / 5.0
+                    / PARTS.len() as f64
             })
             .collect();
         Some(())
+    }
+
+    /// Where within a period the force changes.
+    fn kinks(&self) -> Kinks<'_> {
+        let mobility = self.point[at::LN_MOBILITY].exp() * self.period * self.period / LENGTH;
+        Kinks {
+            commands: &self.samples.commands,
+            delay: self.point[at::DELAY_PLUS_LAG],
+            mobility,
+        }
     }
 
     /// The sensor's deviation `[LENGTH]` that the scale of the innovations means.
@@ -345,6 +363,34 @@ impl Problem {
             sum += (&product + product.transpose()) * weight;
         }
         sum
+    }
+}
+
+/// The changes of the force, each as if all of it came after delay and lag.
+struct Kinks<'a> {
+    commands: &'a [f64],
+    delay: f64,
+    mobility: f64,
+}
+
+impl Kinks<'_> {
+    /// Where in the period after sample `index` the force changes `[periods]`, and by how much the slope
+    /// of the velocity does `[LENGTH / period^2]`.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a delay is 0 up to some hundred periods"
+    )]
+    fn of(&self, index: usize) -> (f64, f64) {
+        let whole = self.delay.floor();
+        let command = |back: usize| {
+            let at = index.checked_sub(whole as usize + back);
+            at.map_or(0.0, |at| self.commands[at])
+        };
+        (
+            self.delay - whole,
+            self.mobility * (command(0) - command(1)),
+        )
     }
 }
 

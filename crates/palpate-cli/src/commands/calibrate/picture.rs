@@ -82,7 +82,7 @@ pub fn figure(motion: &Motion, measured: &Measured, period: f64) -> Figure {
                 vec![curve(
                     "command",
                     Kind::Step,
-                    Role::Compared(2),
+                    Role::Compared(1),
                     motion.forces[shown.clone()].to_vec(),
                 )],
             ),
