@@ -20,6 +20,8 @@ const REST: f64 = 0.1;
 const STEERING: f64 = 0.004;
 /// Heaviest device that braking is foreseen for `[kg]`.
 const HEAVIEST: f64 = 0.5;
+/// Lightest device that braking at the end is stable for `[kg]`.
+const LIGHTEST: f64 = 0.08;
 /// Part of the box in which the device is steered; the rest is for what steering does not foresee.
 const STEERED: f64 = 0.6;
 /// Speed that no device reaches under these forces `[m/s]`.
@@ -250,9 +252,13 @@ impl Excitation {
             self.phase = Phase::Done;
             return 0.0;
         }
-        let sign = self.held(position - self.start);
+        let part = if index + samples(RAMP, self.params.period) < self.excited().end {
+            self.held(position - self.start)
+        } else {
+            self.braking()
+        };
         // Not -0 while there is no force.
-        sign * self.amplitude(index) + 0.0
+        part * self.amplitude(index) + 0.0
     }
 
     /// Takes a position in; why the excitation stops, if it does.
@@ -317,6 +323,18 @@ impl Excitation {
         let from_start = (index + 1 - excited.start) as f64 / ramp;
         let to_end = (excited.end - index) as f64 / ramp;
         self.params.largest_force * from_start.min(to_end).min(1.0)
+    }
+
+    /// The force that brings the device to rest, over the largest: a damper that delays do not make
+    /// unstable.
+    fn braking(&self) -> f64 {
+        let ExcitationParams {
+            period,
+            largest_force,
+            ..
+        } = self.params;
+        let full = largest_force / LIGHTEST * (STEERING + 3.0 * period);
+        (-self.velocity / full).clamp(-1.0, 1.0)
     }
 
     /// The sign of the force at a `position` from the start `[m]`.

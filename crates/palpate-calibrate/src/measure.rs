@@ -21,7 +21,9 @@ const MOST_MASS_DEVIATION: f64 = 0.1;
 /// Motion that a fit needs `[steps of the sensor]`, root mean square.
 const LEAST_MOTION: f64 = 3.0;
 /// Logarithms of likelihood that a resonance has to win beside what three parameters cost.
-const RESONANCE_MARGIN: f64 = 6.0;
+const RESONANCE_MARGIN: f64 = 12.0;
+/// Least part of the mass beyond a transmission: with less, errors of friction look like a resonance.
+const LEAST_FRACTION: f64 = 0.12;
 
 /// Why nothing is said of a loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -166,7 +168,11 @@ pub fn measure(
 fn better(rigid: Fit, flexible: Option<Fit>) -> Fit {
     let price = 1.5 * (rigid.count as f64).ln() + RESONANCE_MARGIN;
     match flexible {
-        Some(flexible) if rigid.cost() - flexible.cost() > price => flexible,
+        Some(flexible)
+            if rigid.cost() - flexible.cost() > price && flexible.fraction() > LEAST_FRACTION =>
+        {
+            flexible
+        }
         _ => rigid,
     }
 }
@@ -213,5 +219,10 @@ impl Fit {
     /// Whether it has a resonance.
     pub fn is_flexible(&self) -> bool {
         self.kind == Kind::Flexible
+    }
+
+    /// Part of the mass beyond the transmission.
+    pub fn fraction(&self) -> f64 {
+        1.0 / (1.0 + (-self.point[at::LOGIT_FRACTION]).exp())
     }
 }

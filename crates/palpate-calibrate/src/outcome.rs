@@ -83,7 +83,7 @@ impl Fitted {
         );
 
         if fit.is_flexible() {
-            let fraction = 1.0 / (1.0 + (-point[at::LOGIT_FRACTION]).exp());
+            let fraction = fit.fraction();
             let of_fraction = sd[at::LOGIT_FRACTION] * fraction * (1.0 - fraction);
             let alone = point[at::LN_ANTIRESONANCE].exp() / std::f64::consts::TAU;
             let hertz = alone / (1.0 - fraction).sqrt();
