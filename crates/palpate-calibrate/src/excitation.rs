@@ -196,6 +196,10 @@ pub struct Excitation {
     /// Positions of the last [`SPEED_OVER`].
     recent: VecDeque<f64>,
     listened: Listened,
+    /// Whether there was a sample.
+    is_begun: bool,
+    /// Whether the tremor has been judged.
+    is_heard: bool,
 }
 
 impl Excitation {
@@ -218,6 +222,8 @@ impl Excitation {
             left: 0.0,
             recent: VecDeque::new(),
             listened: Listened::default(),
+            is_begun: false,
+            is_heard: false,
         })
     }
 
@@ -261,6 +267,17 @@ impl Excitation {
         part * self.amplitude(index) + 0.0
     }
 
+    /// Goes on over a period without a sample, in which the device keeps the last force.
+    pub fn miss(&mut self) {
+        if self.phase == Phase::Running {
+            self.count += 1;
+            self.left -= 1.0;
+            if self.count >= self.length {
+                self.phase = Phase::Done;
+            }
+        }
+    }
+
     /// Takes a position in; why the excitation stops, if it does.
     fn take(&mut self, position: f64) -> Option<Stop> {
         let ExcitationParams {
@@ -272,7 +289,8 @@ impl Excitation {
         if !position.is_finite() {
             return Some(Stop::NotANumber);
         }
-        if self.count == 0 {
+        if !self.is_begun {
+            self.is_begun = true;
             self.start = position;
             self.last = position;
         }
@@ -301,7 +319,8 @@ impl Excitation {
         if self.count < begins {
             self.listened
                 .add(self.count as f64 * period, position - self.start);
-        } else if self.count == begins {
+        } else if !self.is_heard {
+            self.is_heard = true;
             let found = self.listened.deviation();
             if found > tremor {
                 return Some(Stop::Tremor {

@@ -6,6 +6,7 @@ use clap::{ArgGroup, Args, ValueHint};
 use palpate_calibrate::ExcitationParams;
 
 use crate::arguments::{Overwriting, PlotFlags};
+use crate::commands::run::RealtimeArguments;
 use crate::devices::DeviceArguments;
 use crate::values::number;
 
@@ -31,6 +32,15 @@ pub struct CalibrateArguments {
     /// The device, and the axis that is calibrated.
     #[command(flatten)]
     pub device: DeviceArguments,
+    /// Scene file (TOML) with the device and the hand of --device simulated
+    #[arg(long, value_name = "SCENE.toml", value_hint = ValueHint::FilePath, conflicts_with = "pipe")]
+    pub scene: Option<PathBuf>,
+    /// Do not wait for the time to pass, on a device without a motor
+    #[arg(long, conflicts_with = "pipe")]
+    pub fast: bool,
+    /// What the machine is asked for.
+    #[command(flatten)]
+    pub realtime: RealtimeArguments,
     /// Where the results go.
     #[command(flatten)]
     pub results: CalibrateResults,

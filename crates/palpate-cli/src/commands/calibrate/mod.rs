@@ -1,6 +1,7 @@
 //! `palpate calibrate`: a bounded excitation of a device in its loop, and what it says of the device.
 
 mod arguments;
+mod device;
 mod motion;
 mod picture;
 mod report;
@@ -31,10 +32,11 @@ pub fn run(arguments: &CalibrateArguments) -> Result<(), Failure> {
         outputs.plan("--out", out)?;
     }
     results.picture.plan(&mut outputs)?;
-    if !arguments.pipe {
-        return Err(Failure::Arguments("--device is not there yet".into()));
-    }
-    let motion = stream::excite(params, arguments.time, arguments.device.unit)?;
+    let motion = if arguments.pipe {
+        stream::excite(params, arguments.time, arguments.device.unit)?
+    } else {
+        device::excite(arguments, params)?
+    };
     deliver(arguments, &outputs, &motion)
 }
 

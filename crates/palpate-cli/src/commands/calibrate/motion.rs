@@ -11,6 +11,7 @@ pub struct Motion {
     pub forces: Vec<f64>,
     /// Times of the samples `[s]`, where the device or the stream has them.
     pub times: Vec<f64>,
+    missed: usize,
 }
 
 impl Motion {
@@ -23,6 +24,7 @@ impl Motion {
             positions: Vec::with_capacity(room),
             forces: Vec::with_capacity(room),
             times: Vec::with_capacity(room),
+            missed: 0,
         })
     }
 
@@ -33,6 +35,48 @@ impl Motion {
         self.forces.push(force);
         self.times.extend(time);
         force
+    }
+
+    /// A period without a sample, over which the device kept the last force.
+    pub fn miss(&mut self) {
+        self.excitation.miss();
+        self.missed += 1;
+        self.positions.push(f64::NAN);
+        self.forces.push(self.forces.last().copied().unwrap_or(0.0));
+    }
+
+    /// Says that the last sample was answered by another force than it asked for `[N]`.
+    pub fn really_sent(&mut self, force: f64) {
+        if let Some(last) = self.forces.last_mut() {
+            *last = force;
+        }
+    }
+
+    /// Samples that are missing.
+    pub fn missed(&self) -> usize {
+        self.missed
+    }
+
+    /// Puts positions on straight lines where samples are missing.
+    pub fn fill(&mut self) {
+        let known: Vec<usize> = (0..self.positions.len())
+            .filter(|&i| self.positions[i].is_finite())
+            .collect();
+        for pair in known.windows(2) {
+            let (from, to) = (pair[0], pair[1]);
+            let (x, step) = (
+                self.positions[from],
+                (self.positions[to] - self.positions[from]) / (to - from) as f64,
+            );
+            for i in from + 1..to {
+                self.positions[i] = x + step * (i - from) as f64;
+            }
+        }
+        if let (Some(&first), Some(&last)) = (known.first(), known.last()) {
+            let (before, after) = (self.positions[first], self.positions[last]);
+            self.positions[..first].fill(before);
+            self.positions[last..].fill(after);
+        }
     }
 
     /// Where the excitation is.
