@@ -130,74 +130,67 @@ pub struct Velocity {
     pub deviation: f64,
 }
 
-/// The velocity from all samples, by the steady fixed-interval smoother (Rauch, Tung and Striebel, 1965).
+/// The velocity from all samples, by the steady fixed-interval smoother (Bierman, *Fixed interval smoothing
+/// with discrete measurements*, 1973): it inverts no covariance.
 pub fn smoothed_velocity(
     kind: Kind,
     model: &Sampled,
     steady: &Steady,
     samples: &Samples,
-) -> Option<Velocity> {
+) -> Velocity {
     match kind {
         Kind::Rigid => smooth::<6>(model, steady, samples),
         Kind::Flexible => smooth::<8>(model, steady, samples),
     }
 }
 
-fn smooth<const N: usize>(model: &Sampled, steady: &Steady, samples: &Samples) -> Option<Velocity> {
-    let mut before: Vec<[f64; N]> = Vec::with_capacity(samples.positions.len());
+fn smooth<const N: usize>(model: &Sampled, steady: &Steady, samples: &Samples) -> Velocity {
+    let mut velocities = Vec::with_capacity(samples.positions.len());
     let mut innovations = Vec::with_capacity(samples.positions.len());
     pass::<N>(model, steady, samples, |innovation, state| {
         innovations.push(innovation);
-        before.push(std::array::from_fn(|i| state[i]));
+        velocities.push(state[1]);
     });
-    let p = &steady.before;
-    let row = p.row(0).into_owned();
-    let after = p - &steady.gain * &row;
-    // The motor's force has no noise and no covariance; a trace of it lets the matrix be inverted.
-    let scale: Vec<f64> = (0..N).map(|i| p[(i, i)].max(1e-30).sqrt()).collect();
-    let correlation = DMatrix::from_fn(N, N, |i, j| {
-        p[(i, j)] / (scale[i] * scale[j]) + if i == j { 1e-10 } else { 0.0 }
-    });
-    let scaled = DMatrix::from_fn(N, N, |i, j| {
-        (0..N)
-            .map(|l| after[(i, l)] * model.transition[(j, l)])
-            .sum::<f64>()
-            / scale[j]
-    });
-    let solved = correlation.lu().solve(&scaled.transpose())?;
-    let back = DMatrix::from_fn(N, N, |i, j| solved[(j, i)] / scale[j]);
-    let columns: [[f64; N]; N] = std::array::from_fn(|j| std::array::from_fn(|i| back[(i, j)]));
-    let gain: [f64; N] = std::array::from_fn(|i| steady.gain[i]);
-    let mut values = vec![0.0; before.len()];
-    // Smoothed less predicted state of the sample after.
-    let mut correction = [0.0; N];
-    for index in (0..before.len()).rev() {
-        let mut here: [f64; N] = std::array::from_fn(|i| gain[i] * innovations[index]);
-        for (column, value) in columns.iter().zip(correction) {
-            for (sum, entry) in here.iter_mut().zip(column) {
+    let before = &steady.before;
+    let variance = steady.innovation_variance();
+    // From a state before one sample to that before the next one.
+    let mut corrected = DMatrix::<f64>::identity(N, N);
+    let mut first = corrected.column_mut(0);
+    first -= &steady.gain;
+    let over = &model.transition * corrected;
+    let rows: [[f64; N]; N] = std::array::from_fn(|j| std::array::from_fn(|i| over[(j, i)]));
+    let of_velocity: [f64; N] = std::array::from_fn(|i| before[(1, i)]);
+    // What the samples from here on say of the state.
+    let mut later = [0.0; N];
+    for (velocity, innovation) in velocities.iter_mut().zip(&innovations).rev() {
+        let mut here = [0.0; N];
+        for (row, value) in rows.iter().zip(later) {
+            for (sum, entry) in here.iter_mut().zip(row) {
                 *sum += entry * value;
             }
         }
-        correction = here;
-        values[index] = before[index][1] + correction[1];
+        here[0] += innovation / variance;
+        later = here;
+        let change: f64 = of_velocity.iter().zip(later).map(|(p, l)| p * l).sum();
+        *velocity += change;
     }
-    let deviation = smoothed_deviation(&after, p, &back);
-    Some(Velocity { values, deviation })
-}
-
-/// The deviation of the smoothed velocity in the middle of many samples.
-fn smoothed_deviation(after: &DMatrix<f64>, before: &DMatrix<f64>, back: &DMatrix<f64>) -> f64 {
-    let own = after - back * before * back.transpose();
-    let mut covariance = own.clone();
-    for _ in 0..200 {
-        let next = &own + back * &covariance * back.transpose();
-        let change = (next[(1, 1)] - covariance[(1, 1)]).abs();
-        covariance = next;
-        if change <= 1e-4 * covariance[(1, 1)].abs() {
+    let mut information = DMatrix::<f64>::zeros(N, N);
+    let row = before.row(1);
+    let mut left = before[(1, 1)];
+    for _ in 0..1000 {
+        information = over.transpose() * &information * &over;
+        information[(0, 0)] += 1.0 / variance;
+        let now = before[(1, 1)] - (&row * &information * row.transpose())[(0, 0)];
+        let is_settled = (now - left).abs() <= 1e-4 * now.abs();
+        left = now;
+        if is_settled {
             break;
         }
     }
-    covariance[(1, 1)].clamp(0.0, after[(1, 1)].max(0.0)).sqrt()
+    Velocity {
+        values: velocities,
+        deviation: left.max(0.0).sqrt(),
+    }
 }
 
 impl Steady {

@@ -253,7 +253,7 @@ impl Problem {
     fn smoothed_signs(&mut self) -> Option<()> {
         let model = model::sampled(self.kind, &self.point, self.period);
         let steady = filter::steady(&model)?;
-        let velocity = filter::smoothed_velocity(self.kind, &model, &steady, &self.samples)?;
+        let velocity = filter::smoothed_velocity(self.kind, &model, &steady, &self.samples);
         let r = self.sensor_deviation(&steady);
         let metres_per_second = LENGTH / self.period;
         let known =

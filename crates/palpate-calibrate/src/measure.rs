@@ -15,8 +15,10 @@ const MOST_DELAY: f64 = 0.012;
 const MOST_DELAY_PERIODS: f64 = 4.0;
 /// Coulomb friction over the largest force beyond which a fit is not trusted.
 const MOST_FRICTION: f64 = 0.6;
-/// Standard deviations beyond which nothing is said: of delay and lag `[periods]`, of ln mass.
-const MOST_DELAY_DEVIATION: f64 = 0.1;
+/// Standard deviations beyond which nothing is said: of delay and lag `[periods]` or `[s]`, whichever is
+/// more, and of ln mass.
+const MOST_DELAY_DEVIATION: f64 = 0.3;
+const MOST_DELAY_DEVIATION_SECONDS: f64 = 3e-4;
 const MOST_MASS_DEVIATION: f64 = 0.1;
 /// Motion that a fit needs `[steps of the sensor]`, root mean square.
 const LEAST_MOTION: f64 = 3.0;
@@ -185,7 +187,8 @@ fn check(fit: &Fit, period: f64, force: f64) -> Result<(), Declined> {
     }
     let delay = fit.deviation[at::DELAY_PLUS_LAG];
     let of_mass = fit.deviation[at::LN_MOBILITY];
-    let is_known = delay <= MOST_DELAY_DEVIATION && of_mass <= MOST_MASS_DEVIATION;
+    let most_delay = MOST_DELAY_DEVIATION.max(MOST_DELAY_DEVIATION_SECONDS / period);
+    let is_known = delay <= most_delay && of_mass <= MOST_MASS_DEVIATION;
     if !is_known {
         return Err(Declined::Uncertain {
             delay: delay * period,

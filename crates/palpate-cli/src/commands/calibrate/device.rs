@@ -62,17 +62,31 @@ duration_s = 1
 pub fn excite(arguments: &CalibrateArguments, params: ExcitationParams) -> Result<Motion, Failure> {
     let mut scene = match &arguments.scene {
         Some(path) => read_scene(path)?.scene,
-        None => SceneFile::parse("the built-in scene", SCENE)
-            .map_err(Failure::inputs)?
-            .scene,
+        None => {
+            SceneFile::parse("the built-in scene", SCENE)
+                .map_err(Failure::inputs)?
+                .scene
+        }
     };
     scene.loop_params.period = params.period;
     if arguments.fast {
-        on(arguments, params, &scene, &SteppedClock::new(), Request::nothing())
+        on(
+            arguments,
+            params,
+            &scene,
+            &SteppedClock::new(),
+            Request::nothing(),
+        )
     } else {
         let spin = duration("--spin", arguments.realtime.spin)?;
         let clock = MonotonicClock::new().with_spin(spin);
-        on(arguments, params, &scene, &clock, request(&arguments.realtime))
+        on(
+            arguments,
+            params,
+            &scene,
+            &clock,
+            request(&arguments.realtime),
+        )
     }
 }
 
