@@ -15,6 +15,9 @@ use crate::model::{self, FLEXIBLE, Kind, LENGTH, Point, at};
 const ROUNDS: usize = 4;
 /// Time over which the scores are taken as correlated `[s]`.
 const CORRELATED: f64 = 0.03;
+/// Damping `[1/s]` and stiffness `[1/s^2]` over mass where the search begins.
+const FIRST_DAMPING: f64 = 5.0;
+const FIRST_STIFFNESS: f64 = 100.0;
 /// What the deviations are wider than the fit says, and what the model leaves out of delay `[periods]` and
 /// of ln mass: cogging, friction that holds. Chosen on virtual devices, so that two deviations cover the
 /// error in 85 of 100 or more (`examples/plants.rs`).
@@ -120,8 +123,8 @@ pub fn problem(
     ];
     let mut point = prior.map(|(centre, _)| centre);
     point[at::LAG_SQUARED] = (0.02 * ms2).min(0.5 * delay * delay);
-    point[at::DAMPING] = 5.0;
-    point[at::STIFFNESS] = 100.0;
+    point[at::DAMPING] = FIRST_DAMPING;
+    point[at::STIFFNESS] = FIRST_STIFFNESS;
     point[at::LOGIT_FRACTION] = -0.5;
     point[at::FLEXIBLE_DAMPING] = 0.03;
     Problem {
@@ -448,6 +451,12 @@ fn flexible(rigid: &Problem) -> Option<Problem> {
         }
         let mut problem = rigid.clone();
         problem.kind = Kind::Flexible;
+        // What one mass had to take for noise is the resonance, if there is one.
+        for level in at::LN_DISTURBANCE..=at::LN_TREMOR_DAMPING {
+            problem.point[level] = problem.prior[level].0;
+        }
+        problem.point[at::DAMPING] = FIRST_DAMPING;
+        problem.point[at::STIFFNESS] = FIRST_STIFFNESS;
         problem.point[at::LN_ANTIRESONANCE] = (std::f64::consts::TAU * hertz).ln();
         let Some(mut problem) = problem.minimised(1) else {
             continue;
