@@ -5,6 +5,7 @@ mod excitation;
 mod file;
 mod filter;
 mod fit;
+mod gain;
 mod measure;
 mod model;
 mod outcome;

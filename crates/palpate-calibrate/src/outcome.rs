@@ -38,7 +38,10 @@ impl Fitted {
         let of_sum = sd[at::DELAY_PLUS_LAG];
         let lag = model::lag(point);
         let of_square = sd[at::LAG_SQUARED];
-        let of_lag = (of_square / (2.0 * lag.max(1e-9))).min(of_square.sqrt());
+        // Neither is more than both together.
+        let of_lag = (of_square / (2.0 * lag.max(1e-9)))
+            .min(of_square.sqrt())
+            .min(sum);
         let together =
             "known better together with the other of delay and lag: see delay_plus_lag_s";
         set(

@@ -8,6 +8,7 @@ use palpate_calibrate::ExcitationParams;
 use crate::arguments::{Overwriting, PlotFlags};
 use crate::commands::run::RealtimeArguments;
 use crate::devices::DeviceArguments;
+use crate::failure::Failure;
 use crate::values::number;
 
 /// Arguments of `calibrate`.
@@ -115,5 +116,25 @@ impl CalibrateArguments {
             tremor: flags.tremor,
             seed: flags.seed,
         }
+    }
+}
+
+impl ToldFlags {
+    /// Refuses values that nothing has.
+    pub fn check(&self) -> Result<(), Failure> {
+        for (flag, value) in [
+            ("--gain", self.gain),
+            ("--spring", self.spring),
+            ("--added-mass", self.added_mass),
+        ] {
+            if let Some(value) = value
+                && !(value > 0.0 && value.is_finite())
+            {
+                return Err(Failure::Arguments(format!(
+                    "{flag} is {value}, but must be a finite number above 0"
+                )));
+            }
+        }
+        Ok(())
     }
 }

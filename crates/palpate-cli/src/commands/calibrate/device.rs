@@ -296,7 +296,11 @@ impl<C: Clock> Shaker<C> {
             refused: false,
             stalled,
         });
-        if let Some(trip) = verdict.tripped.filter(|trip| *trip != Trip::StaleSample) {
+        if stalled {
+            self.motion.lose_last();
+        }
+        let passing = [Trip::StaleSample, Trip::Stalled];
+        if let Some(trip) = verdict.tripped.filter(|trip| !passing.contains(trip)) {
             return Err(Failure::Declined(format!(
                 "stopped: safety took the force off ({})",
                 trip.name()

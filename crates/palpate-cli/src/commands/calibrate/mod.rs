@@ -7,12 +7,14 @@ mod picture;
 mod report;
 mod stream;
 
+use std::path::Path;
 use std::time::Instant;
 
-use palpate_calibrate::{Calibration, Measured, measure};
+use palpate_calibrate::{Calibration, Known, Measured, measure};
 use palpate_files::outputs::Outputs;
 
 pub use arguments::CalibrateArguments;
+use arguments::ToldFlags;
 pub use report::CalibrationReport;
 
 use crate::failure::{Failure, tell};
@@ -32,12 +34,55 @@ pub fn run(arguments: &CalibrateArguments) -> Result<(), Failure> {
         outputs.plan("--out", out)?;
     }
     results.picture.plan(&mut outputs)?;
+    let before = match &arguments.told.before {
+        None => None,
+        Some(path) => {
+            outputs.protect(path);
+            Some(read(path)?)
+        }
+    };
+    arguments.told.check()?;
     let motion = if arguments.pipe {
         stream::excite(params, arguments.time, arguments.device.unit)?
     } else {
         device::excite(arguments, params)?
     };
-    deliver(arguments, &outputs, &motion)
+    deliver(arguments, &outputs, &motion, before)
+}
+
+/// Reads a device file.
+fn read(path: &Path) -> Result<Calibration, Failure> {
+    let name = path.display().to_string();
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| Failure::System(format!("{name} cannot be read: {error}")))?;
+    Calibration::parse(&name, &text).map_err(|error| {
+        Failure::input_at(&error, &error.file, &error.source_text, error.span.clone())
+    })
+}
+
+/// The gain, where something beside the motion says it.
+fn gain(
+    found: &Calibration,
+    told: &ToldFlags,
+    before: Option<&Calibration>,
+) -> Result<Option<Known>, Failure> {
+    let unknown = |what: &str| {
+        Failure::Declined(format!(
+            "no calibration: the gain is not known to 20 % from {what}: it was found to change too little"
+        ))
+    };
+    if let Some(gain) = told.gain {
+        return Ok(Some(Known::given(gain, "given")));
+    }
+    if let Some(spring) = told.spring {
+        let gain = found.gain_by_spring(spring);
+        return gain.map(Some).ok_or_else(|| unknown("the spring"));
+    }
+    if let (Some(mass), Some(before)) = (told.added_mass, before) {
+        let gain = found.gain_by_added_mass(before, mass);
+        return gain.map(Some).ok_or_else(|| unknown("the added mass"));
+    }
+    Ok(None)
 }
 
 /// Fits, writes, and says what was found.
@@ -45,6 +90,7 @@ fn deliver(
     arguments: &CalibrateArguments,
     outputs: &Outputs,
     motion: &Motion,
+    before: Option<Calibration>,
 ) -> Result<(), Failure> {
     let begun = Instant::now();
     let mut measured = measure(
@@ -55,7 +101,11 @@ fn deliver(
     )
     .map_err(|declined| Failure::Declined(format!("no calibration: {declined}")))?;
     let seconds = begun.elapsed().as_secs_f64();
-    describe(&mut measured.fitted.calibration, arguments);
+    let calibration = &mut measured.fitted.calibration;
+    describe(calibration, arguments);
+    if let Some(gain) = gain(calibration, &arguments.told, before.as_ref())? {
+        calibration.set_gain(gain);
+    }
     let mut report =
         CalibrationReport::new(&measured.fitted.calibration, &motion.positions, seconds);
     write(arguments, outputs, motion, &measured, &mut report)?;

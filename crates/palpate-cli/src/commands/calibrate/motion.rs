@@ -45,6 +45,11 @@ impl Motion {
         self.forces.push(self.forces.last().copied().unwrap_or(0.0));
     }
 
+    /// Counts the last sample as missing: the loop stood still, and nobody knows when the force went.
+    pub fn lose_last(&mut self) {
+        self.missed += 1;
+    }
+
     /// Says that the last sample was answered by another force than it asked for `[N]`.
     pub fn really_sent(&mut self, force: f64) {
         if let Some(last) = self.forces.last_mut() {
