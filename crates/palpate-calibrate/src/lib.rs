@@ -2,6 +2,7 @@
 
 mod calibration;
 mod excitation;
+mod exponential;
 mod file;
 mod filter;
 mod fit;

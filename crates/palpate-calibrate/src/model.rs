@@ -14,6 +14,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::exponential::exponential;
+
 /// Unit of length inside the fit `[m]`: well-scaled matrices.
 pub const LENGTH: f64 = 1e-6;
 /// Decay of the slow disturbance `[1/s]`.
@@ -192,8 +194,8 @@ pub fn sampled(kind: Kind, point: &Point, period: f64) -> Sampled {
     inputs[(Y, states)] = 1.0 / tau;
     inputs[(V, states + 1)] = friction;
     let whole = delay.floor();
-    let whole_period = inputs.exp();
-    let after_start = (&inputs * (1.0 - (delay - whole))).exp();
+    let whole_period = exponential(&inputs);
+    let after_start = exponential(&(&inputs * (1.0 - (delay - whole))));
     let new_command = after_start
         .view((0, states), (states, 1))
         .column(0)
@@ -229,7 +231,7 @@ fn noise_of_period(a: &DMatrix<f64>, noise: &DMatrix<f64>) -> DMatrix<f64> {
             block[(i, n + j)] = noise[(from_i, from_j)];
         }
     }
-    let block = block.exp();
+    let block = exponential(&block);
     let of_kept = block.view((n, n), (n, n)).transpose() * block.view((0, n), (n, n));
     let mut covariance = DMatrix::<f64>::zeros(a.nrows(), a.nrows());
     for (i, &to_i) in kept.iter().enumerate() {
