@@ -3,7 +3,7 @@
 mod arguments;
 mod change;
 mod columns;
-mod line;
+pub mod line;
 mod messages;
 mod stream;
 mod summary;
