@@ -7,6 +7,7 @@ use palpate::Side;
 use palpate_record::unit::LengthUnit;
 use palpate_scene::method::{MethodName, method_named};
 use palpate_scene::{GuardMode, HandForceAt};
+use palpate_study::suite::Set;
 use palpate_study::sweep::Quantity;
 use palpate_testbed::hold::DelayedHold;
 
@@ -84,6 +85,14 @@ pub fn quantity(text: &str) -> Result<Quantity, String> {
                 Quantity::ALL.map(Quantity::name).join(", ")
             )
         })
+}
+
+/// A family of random plants.
+pub fn plant_set(text: &str) -> Result<Set, String> {
+    Set::ALL
+        .into_iter()
+        .find(|set| set.name() == text)
+        .ok_or_else(|| format!("the sets are {}", Set::ALL.map(Set::name).join(", ")))
 }
 
 /// A unit of positions.
@@ -179,7 +188,18 @@ pub fn duration(flag: &str, seconds: f64) -> Result<Duration, Failure> {
     })
 }
 
-/// A delay that the bench can hold.
+/// A delay in periods that the bench can hold.
+pub fn periods(text: &str) -> Result<f64, String> {
+    const MOST: usize = DelayedHold::LONGEST_DELAY;
+    match text.parse() {
+        Ok(periods) if (0.0..=MOST as f64).contains(&periods) => Ok(periods),
+        _ => Err(format!(
+            "a number of periods is needed, from 0 to {MOST}, such as 1 or 0.5"
+        )),
+    }
+}
+
+/// A delay of whole samples that the bench can hold.
 pub fn samples(text: &str) -> Result<usize, String> {
     const MOST: usize = DelayedHold::LONGEST_DELAY;
     match text.parse() {

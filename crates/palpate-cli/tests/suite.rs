@@ -30,6 +30,54 @@ fn rows(text: &str) -> Vec<std::collections::HashMap<&str, &str>> {
 }
 
 #[test]
+fn sets_with_real_actuators_are_judged_by_what_is_told() {
+    let folder = Folder::new();
+    let report = folder
+        .json("suite --set real --plants 3 --out rows.csv --plot spread.svg --write-scenes plants");
+    assert_eq!(report["set"], "real");
+    let names: Vec<&Value> = report["columns"].as_array().unwrap().iter().collect();
+    let names: Vec<&str> = (names.iter())
+        .map(|column| column["name"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["coupled", "hfcr", "virtual-damper, best B of each"]);
+    let conditions = column(&report, "coupled")["conditions"].as_array().unwrap();
+    let said: Vec<&str> = (conditions.iter())
+        .map(|found| found["condition"].as_str().unwrap())
+        .collect();
+    let expected = ["told nothing", "told the truth", "told as calibrated"];
+    assert_eq!(said, expected);
+    let median = |place: usize| number(&conditions[place]["mean_force_error_percent"], "median");
+    assert!(median(1) < 0.5 * median(0) && median(2) < 0.5 * median(0));
+
+    let text = folder.read("rows.csv");
+    let rows = rows(&text);
+    assert_eq!(rows.len(), 3 * 3 * 3);
+    assert!(rows[0]["palpate_run_1"].contains("\"\"set\"\":\"\"real\"\""));
+    let svg = folder.read("spread.svg");
+    assert!(expected.iter().all(|words| svg.contains(words)));
+    // A row is a scene and a command.
+    let row = rows
+        .iter()
+        .find(|row| {
+            (row["plant"], row["column"], row["condition"])
+                == ("1", "coupled", "told as calibrated")
+        })
+        .unwrap();
+    let single = folder.json("simulate plants/plant-0001.toml --method coupled");
+    let error = number(of_method(&single, "coupled"), "mean_force_error_percent");
+    let of_row: f64 = row["mean_force_error_percent"].parse().unwrap();
+    assert!((error / of_row - 1.0).abs() < 1e-12, "{error} {of_row}");
+
+    let refused = folder.palpate("suite --set table");
+    assert_eq!(refused.code, 2, "{refused:?}");
+    assert!(
+        refused
+            .stderr
+            .contains("the sets are paper, desk, real, steps")
+    );
+}
+
+#[test]
 fn every_method_is_judged_with_both_delays() {
     let folder = Folder::new();
     let report = folder.json("suite --plants 6 --out rows.csv --plot spread.svg");

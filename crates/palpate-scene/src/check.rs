@@ -1,6 +1,7 @@
 //! Ranges of what a scene states.
 
-use palpate::{Allowed, Mass, Parameter, ParameterError, Range, Side};
+use palpate::{Allowed, LARGEST_DELAY, Mass, Parameter, ParameterError, Range, Side};
+use palpate_testbed::drivetrain::Transmission;
 use palpate_testbed::hold::DelayedHold;
 
 use super::parameter::SceneParameter::{self as Of, Rendered};
@@ -60,6 +61,8 @@ impl Scene {
             self.check_beside_recorded_hand(&mut faults);
         }
         self.check_device_and_hand(&mut faults);
+        self.check_actuator(&mut faults);
+        self.check_drivetrain(&mut faults);
         if self.delay > MOST_DELAY {
             let allowed = "at most 1024";
             faults.not(Rendered(Parameter::Delay), self.delay as f64, allowed);
@@ -149,6 +152,14 @@ impl Scene {
             (Of::Tremor, self.tremor.map_or(0.0, |wave| wave.amplitude)),
             (Of::Release, self.release.map_or(0.0, f64::abs)),
             (Of::HandStiffness, grip.map_or(0.0, |grip| grip.stiffness)),
+            (
+                Of::Resonance,
+                self.device.transmission.map_or(0.0, |one| one.resonance_hz),
+            ),
+            (
+                Of::Cogging,
+                self.device.cogging.map_or(0.0, |one| one.amplitude),
+            ),
         ] {
             if value != 0.0 {
                 faults.not(parameter, value, "left out beside a recorded hand");
@@ -194,6 +205,69 @@ impl Scene {
                 (Of::SwingFrequency, frequency(self.swing())),
             ],
         );
+    }
+
+    /// Lag and gain, and what the renderer is told of them.
+    fn check_actuator(&self, faults: &mut Faults) {
+        faults.within(Range::NotNegative, &[(Of::Lag, Some(self.actuator.lag))]);
+        faults.within(Range::Positive, &[(Of::Gain, Some(self.actuator.gain))]);
+        for (range, parameter, value) in self.told.checked() {
+            faults.within(range, &[(parameter, value)]);
+        }
+        let longest = LARGEST_DELAY as f64 * self.loop_params.period;
+        if let Some(delay) = self.told.delay
+            && !(0.0..=longest * (1.0 + 1e-9)).contains(&delay)
+        {
+            faults.not(Of::ToldDelay, delay, "from 0 s to 8 periods");
+        }
+    }
+
+    /// What is not rigid about the device, or not exact about its sensor.
+    fn check_drivetrain(&self, faults: &mut Faults) {
+        let device = &self.device;
+        faults.within(Range::NotNegative, &[(Of::SensorNoise, Some(device.noise))]);
+        if let Some(cogging) = device.cogging {
+            faults.within(
+                Range::NotNegative,
+                &[(Of::Cogging, Some(cogging.amplitude))],
+            );
+            faults.within(Range::Positive, &[(Of::CoggingPitch, Some(cogging.pitch))]);
+        }
+        if let Some(transmission) = device.transmission {
+            let backlash = (Of::Backlash, Some(transmission.backlash));
+            faults.within(Range::NotNegative, &[backlash]);
+            for (parameter, value, holds, allowed) in [
+                (
+                    Of::Resonance,
+                    transmission.resonance_hz,
+                    transmission.resonance_hz > 0.0
+                        && transmission.resonance_hz <= Transmission::HIGHEST_RESONANCE,
+                    "above 0 and at most 5000",
+                ),
+                (
+                    Of::ResonanceDamping,
+                    transmission.damping_ratio,
+                    (0.0..=1.0).contains(&transmission.damping_ratio),
+                    "from 0 to 1",
+                ),
+                (
+                    Of::MotorMassShare,
+                    transmission.motor_share,
+                    transmission.motor_share > 0.0 && transmission.motor_share < 1.0,
+                    "above 0 and below 1",
+                ),
+            ] {
+                if !holds {
+                    faults.not(parameter, value, allowed);
+                }
+            }
+        }
+        if !device.is_rigid()
+            && let Some(release) = self.release
+        {
+            let allowed = "left out of a device with a transmission or cogging";
+            faults.not(Of::Release, release, allowed);
+        }
     }
 
     /// Swing of the hand's intended position.

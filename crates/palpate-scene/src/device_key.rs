@@ -9,6 +9,7 @@ use toml::Spanned;
 use super::PointMassDevice;
 use super::beside::{Files, beside_scene};
 use super::device_file::RawBox;
+use super::drivetrain_key::RawDrivetrain;
 use super::fault::{Places, SceneError};
 use super::linkage::Linkage;
 use super::parameter::SceneParameter as Of;
@@ -35,6 +36,13 @@ pub(super) struct RawDevice {
     pub viscous_n_s_per_m: Option<Spanned<f64>>,
     pub coulomb_n: Option<Spanned<f64>>,
     pub motor_limit_n: Option<Spanned<f64>>,
+    resonance_hz: Option<Spanned<f64>>,
+    resonance_damping_ratio: Option<Spanned<f64>>,
+    motor_mass_share: Option<Spanned<f64>>,
+    backlash_m: Option<Spanned<f64>>,
+    cogging_n: Option<Spanned<f64>>,
+    cogging_pitch_m: Option<Spanned<f64>>,
+    noise_m: Option<Spanned<f64>>,
 }
 
 /// What is wrong with the device of a scene.
@@ -61,6 +69,7 @@ pub(super) struct ReadPointMass {
     viscous_friction: Option<Spanned<f64>>,
     coulomb_friction: Option<Spanned<f64>>,
     largest_force: Option<Spanned<f64>>,
+    drivetrain: RawDrivetrain,
 }
 
 impl ReadPointMass {
@@ -74,11 +83,12 @@ impl ReadPointMass {
             viscous_friction: None,
             coulomb_friction: None,
             largest_force: None,
+            drivetrain: RawDrivetrain::default(),
         }
     }
 
     pub fn device(self, places: &mut Places<Of>) -> PointMassDevice {
-        PointMassDevice {
+        let device = PointMassDevice {
             mass: places.take(Parameter::DeviceMass, self.mass),
             position: places.take_or(Of::DevicePosition, self.position, 0.0),
             velocity: places.take_or(Of::DeviceVelocity, self.velocity, 0.0),
@@ -88,7 +98,9 @@ impl ReadPointMass {
             largest_force: self
                 .largest_force
                 .map(|force| places.take(Of::MotorLimit, force)),
-        }
+            ..PointMassDevice::default()
+        };
+        self.drivetrain.on(device, places)
     }
 }
 
@@ -101,7 +113,20 @@ impl RawDevice {
         }
     }
 
-    fn point_mass(self) -> Result<ReadPointMass, DeviceFault> {
+    /// The keys of transmission, cogging and noise, taken out.
+    fn drivetrain(&mut self) -> RawDrivetrain {
+        RawDrivetrain {
+            resonance_hz: self.resonance_hz.take(),
+            resonance_damping_ratio: self.resonance_damping_ratio.take(),
+            motor_mass_share: self.motor_mass_share.take(),
+            backlash_m: self.backlash_m.take(),
+            cogging_n: self.cogging_n.take(),
+            cogging_pitch_m: self.cogging_pitch_m.take(),
+            noise_m: self.noise_m.take(),
+        }
+    }
+
+    fn point_mass(mut self) -> Result<ReadPointMass, DeviceFault> {
         let of_a_linkage = [&self.preset, &self.file];
         if let Some(key) = of_a_linkage.into_iter().flatten().next() {
             return here(
@@ -115,6 +140,10 @@ impl RawDevice {
                 "only a device of kind pantograph has a safety box",
             );
         }
+        let drivetrain = self.drivetrain();
+        if let Some((span, message)) = drivetrain.alone() {
+            return here(span, message);
+        }
         let Some(mass) = self.mass_kg else {
             return here(
                 self.kind.span(),
@@ -122,6 +151,7 @@ impl RawDevice {
             );
         };
         Ok(ReadPointMass {
+            drivetrain,
             mass,
             position: self.position_m,
             velocity: self.velocity_m_per_s,
@@ -132,7 +162,7 @@ impl RawDevice {
         })
     }
 
-    fn pantograph(self, scene: &str, files: Files<'_>) -> Result<ReadDevice, DeviceFault> {
+    fn pantograph(mut self, scene: &str, files: Files<'_>) -> Result<ReadDevice, DeviceFault> {
         let linkage = match (&self.preset, &self.file) {
             (None, None) => {
                 return here(
@@ -149,6 +179,7 @@ impl RawDevice {
             (Some(preset), None) => by_name(preset)?,
             (None, Some(file)) => from_file(file, scene, files)?,
         };
+        let drivetrain = self.drivetrain();
         let of_a_point_mass = [
             &self.mass_kg,
             &self.velocity_m_per_s,
@@ -157,9 +188,10 @@ impl RawDevice {
             &self.coulomb_n,
             &self.motor_limit_n,
         ];
-        if let Some(key) = of_a_point_mass.into_iter().flatten().next() {
+        let key = of_a_point_mass.into_iter().flatten().map(Spanned::span);
+        if let Some(span) = key.chain(drivetrain.any()).next() {
             return here(
-                key.span(),
+                span,
                 "a pantograph's preset or file says this; only position_m and safety_box stand \
                  beside it",
             );

@@ -21,6 +21,7 @@ use super::linkage::Linkage;
 use super::parameter::SceneParameter::{self, self as Of};
 use super::recover::{self, Fault};
 use super::timing::{RawLoop, Timing};
+use super::told::RawTold;
 use super::{Measure, PointMassDevice, Scene, SetupError};
 use crate::method::{GivenSettings, MethodName, Setting, Settings, SettingsError, method_named};
 
@@ -63,6 +64,8 @@ struct RawScene {
     #[serde(default)]
     hand: RawHand,
     r#loop: RawLoop,
+    #[serde(default)]
+    told: RawTold,
     measure: Spanned<RawMeasure>,
     #[serde(default)]
     renderer: RawRenderer,
@@ -354,6 +357,8 @@ impl Reading<'_> {
             grip,
         } = self.or("hand", hand, ReadHand::default());
         let period = places.take(Parameter::Period, raw.r#loop.period_s.clone());
+        let actuator = raw.r#loop.actuator(&mut places);
+        let told = raw.told.read(&mut places);
         let timing = raw.r#loop.timing(&mut places);
         let timing = timing.map_err(|(span, message)| (span, message.to_owned()));
         let (delay, timing) = self.or("loop", timing, (0, Timing::default()));
@@ -404,6 +409,8 @@ impl Reading<'_> {
             recorded_hand: None,
             delay,
             timing,
+            actuator,
+            told,
             measure,
             method,
             settings,
@@ -501,6 +508,16 @@ impl Reading<'_> {
         let rendered = scene.contact.faults().chain(loop_params.faults());
         let rendered: Vec<_> = rendered.collect();
         for error in &rendered {
+            // What is told as it is has been refused where it stands.
+            let told = match error.parameter {
+                Parameter::Lag => scene.told.lag,
+                Parameter::Gain => scene.told.gain,
+                Parameter::Delay => None,
+                _ => Some(0.0),
+            };
+            if told.is_none() {
+                continue;
+            }
             let error = error.map(SceneParameter::Rendered);
             if faults
                 .iter()

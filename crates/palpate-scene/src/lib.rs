@@ -9,6 +9,7 @@ mod beside;
 mod check;
 mod device_file;
 mod device_key;
+mod drivetrain_key;
 mod fault;
 mod file;
 mod hand;
@@ -18,6 +19,7 @@ pub mod named_parameters;
 mod parameter;
 mod recover;
 mod timing;
+mod told;
 mod write;
 
 pub use beside::beside;
@@ -28,16 +30,19 @@ pub use file::{GUARD_ALLOWANCE, GUARD_SPEED, GuardMode, SceneFile};
 pub use linkage::{HandForceAt, Linkage};
 pub use parameter::SceneParameter;
 pub use timing::{Dropped, Jitter, RateCollapse, Timing};
+pub use told::Told;
 pub use write::Unwritable;
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use palpate::{
-    Actuation, AnyParams, AnyRenderer, Contact, LARGEST_DELAY, LoopParams, Mass, ObjectState,
-    ParameterError, Renderer, Rendering,
+    AnyParams, AnyRenderer, Contact, LoopParams, Mass, ObjectState, ParameterError, Renderer,
+    Rendering,
 };
 
+pub use palpate_testbed::actuator::ActuatorParams;
+pub use palpate_testbed::drivetrain::{Cogging, Transmission};
 use palpate_testbed::recorded_hand::RecordedHand;
 use palpate_testbed::recorded_path::RecordedPath;
 
@@ -86,6 +91,10 @@ pub struct Scene {
     pub delay: usize,
     /// What else is not perfect about the loop.
     pub timing: Timing,
+    /// Gain and lag of the actuator, as they are.
+    pub actuator: ActuatorParams,
+    /// What the renderer is told of delay, lag and gain in place of what they are.
+    pub told: Told,
     /// How long to look.
     pub measure: Measure,
     /// The method to run when none is named.
@@ -109,8 +118,23 @@ pub struct PointMassDevice {
     pub viscous_friction: f64,
     /// Coulomb friction `[N]`.
     pub coulomb_friction: f64,
-    /// Largest force of the motor `[N]`; a larger one is given only in part.
+    /// Largest force of the motor `[N]`; a larger one is sent only in part.
     pub largest_force: Option<f64>,
+    /// Flexible transmission between the motor, where the sensor is, and the end-point, where the hand
+    /// is; none where they are one rigid body.
+    pub transmission: Option<Transmission>,
+    /// Cogging of the motor.
+    pub cogging: Option<Cogging>,
+    /// Standard deviation of the sensor's white noise, before its quantum `[m]`. No renderer is told.
+    pub noise: f64,
+}
+
+impl PointMassDevice {
+    /// Whether motor and end-point are one rigid body, and the motor does not cog.
+    #[must_use]
+    pub fn is_rigid(&self) -> bool {
+        self.transmission.is_none() && self.cogging.is_none()
+    }
 }
 
 /// A hand that holds the device: its mass moves with it, and a spring and a damper pull it to where
@@ -184,13 +208,10 @@ impl Scene {
         renderer.map_err(SetupError::from)
     }
 
-    /// The loop as a renderer is told it: with the scene's delay, as far as one can be told.
+    /// The loop as a renderer is told it: with what it is told of delay, lag and gain.
     pub fn loop_params_with_delay(&self) -> LoopParams<f64> {
         LoopParams {
-            actuation: Actuation::after_samples(
-                self.delay.min(LARGEST_DELAY),
-                self.loop_params.period,
-            ),
+            actuation: self.told_actuation(),
             ..self.loop_params
         }
     }

@@ -15,6 +15,13 @@ pub enum SceneParameter {
     ViscousFriction,
     CoulombFriction,
     MotorLimit,
+    Resonance,
+    ResonanceDamping,
+    MotorMassShare,
+    Backlash,
+    Cogging,
+    CoggingPitch,
+    SensorNoise,
     ToldDeviceMass,
     HandForce,
     HandForceAt,
@@ -28,6 +35,11 @@ pub enum SceneParameter {
     Swing,
     SwingFrequency,
     DelayFraction,
+    DelaySeconds,
+    CommandJitter,
+    Lag,
+    Gain,
+    ToldDelay,
     Jitter,
     JitterDeviation,
     DropProbability,
@@ -59,6 +71,13 @@ impl SceneParameter {
             Self::ViscousFriction => "device.viscous_n_s_per_m",
             Self::CoulombFriction => "device.coulomb_n",
             Self::MotorLimit => "device.motor_limit_n",
+            Self::Resonance => "device.resonance_hz",
+            Self::ResonanceDamping => "device.resonance_damping_ratio",
+            Self::MotorMassShare => "device.motor_mass_share",
+            Self::Backlash => "device.backlash_m",
+            Self::Cogging => "device.cogging_n",
+            Self::CoggingPitch => "device.cogging_pitch_m",
+            Self::SensorNoise => "device.noise_m",
             Self::ToldDeviceMass => "renderer.device_mass_kg",
             Self::HandForce => "hand.force_n",
             Self::HandForceAt => "hand.force_at",
@@ -72,6 +91,11 @@ impl SceneParameter {
             Self::Swing => "hand.swing_m",
             Self::SwingFrequency => "hand.swing_hz",
             Self::DelayFraction => "loop.delay_fraction",
+            Self::DelaySeconds => "loop.delay_s",
+            Self::CommandJitter => "loop.command_jitter_s",
+            Self::Lag => "loop.lag_s",
+            Self::Gain => "loop.gain",
+            Self::ToldDelay => "told.delay_s",
             Self::Jitter => "loop.jitter_s",
             Self::JitterDeviation => "loop.jitter_deviation_s",
             Self::DropProbability => "loop.drop_probability",
@@ -106,13 +130,13 @@ fn key_of_rendered(parameter: Parameter) -> &'static str {
         Parameter::DeviceMass => "device.mass_kg",
         Parameter::EncoderQuantum | Parameter::NoiseBound => "device.encoder_quantum_m",
         Parameter::Setting(setting) => setting.key.as_str(),
+        Parameter::DelayDeviation => "told.delay_deviation_s",
+        Parameter::Lag => "told.lag_s",
+        Parameter::LagDeviation => "told.lag_deviation_s",
+        Parameter::Gain => "told.gain",
+        Parameter::GainDeviation => "told.gain_deviation",
         // A scene says none of these.
         Parameter::DerivedDamping
-        | Parameter::DelayDeviation
-        | Parameter::Lag
-        | Parameter::LagDeviation
-        | Parameter::Gain
-        | Parameter::GainDeviation
         | Parameter::AxisOrigin
         | Parameter::AxisNormal
         | Parameter::AxisNormalLength
@@ -131,16 +155,23 @@ impl ParameterName for SceneParameter {
     fn unit(&self) -> &'static str {
         match self {
             Self::Rendered(parameter) => parameter.unit(),
-            Self::ObjectRadius | Self::DevicePosition | Self::HandPosition | Self::Swing => "m",
+            Self::ObjectRadius
+            | Self::DevicePosition
+            | Self::HandPosition
+            | Self::Swing
+            | Self::Backlash
+            | Self::CoggingPitch
+            | Self::SensorNoise => "m",
             Self::DeviceVelocity => "m/s",
             Self::ViscousFriction | Self::HandDamping => "N s/m",
             Self::CoulombFriction
             | Self::MotorLimit
+            | Self::Cogging
             | Self::HandForce
             | Self::HandForceAt
             | Self::Tremor => "N",
             Self::ToldDeviceMass | Self::HandMass => "kg",
-            Self::TremorFrequency | Self::SwingFrequency => "Hz",
+            Self::TremorFrequency | Self::SwingFrequency | Self::Resonance => "Hz",
             Self::HandStiffness => "N/m",
             Self::Release
             | Self::Jitter
@@ -148,10 +179,20 @@ impl ParameterName for SceneParameter {
             | Self::CollapseFrom
             | Self::CollapseUntil
             | Self::CollapsePeriod
+            | Self::DelaySeconds
+            | Self::CommandJitter
+            | Self::Lag
+            | Self::ToldDelay
             | Self::Duration => "s",
             Self::DelayFraction => "periods",
             Self::RecordedInstants => "samples",
-            Self::DropProbability | Self::DroppedSamples | Self::Seed | Self::Collisions => "",
+            Self::DropProbability
+            | Self::DroppedSamples
+            | Self::Seed
+            | Self::Collisions
+            | Self::Gain
+            | Self::ResonanceDamping
+            | Self::MotorMassShare => "",
         }
     }
 }

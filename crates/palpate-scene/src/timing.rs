@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use palpate::{Allowed, Parameter, ParameterError};
 use palpate_testbed::InvalidParameter;
+use palpate_testbed::actuator::ActuatorParams;
 use palpate_testbed::schedule::{ActuationDelay, Schedule, ScheduleParameter, ScheduleParams};
 pub use palpate_testbed::schedule::{Dropped, Jitter, RateCollapse};
 use palpate_testbed::timeline::Timeline;
@@ -20,6 +21,10 @@ use super::parameter::SceneParameter;
 pub struct Timing {
     /// Fraction of a period, below 1, from a sample to its command, on top of whole samples.
     pub delay_fraction: f64,
+    /// Delay from a sample to its command `[s]`, in place of samples and a fraction.
+    pub delay_seconds: f64,
+    /// How much later than that a command may come, evenly from 0 `[s]`.
+    pub command_jitter: f64,
     /// How far a sample lies from its instant.
     pub jitter: Jitter,
     /// Samples that are not taken.
@@ -40,6 +45,10 @@ pub(super) struct RawLoop {
     pub period_s: Spanned<f64>,
     delay_samples: Option<Spanned<usize>>,
     delay_fraction: Option<Spanned<f64>>,
+    delay_s: Option<Spanned<f64>>,
+    command_jitter_s: Option<Spanned<f64>>,
+    lag_s: Option<Spanned<f64>>,
+    gain: Option<Spanned<f64>>,
     jitter_s: Option<Spanned<f64>>,
     jitter_deviation_s: Option<Spanned<f64>>,
     drop_probability: Option<Spanned<f64>>,
@@ -57,12 +66,30 @@ struct RawCollapse {
 }
 
 impl RawLoop {
+    /// Gain and lag of the actuator.
+    pub fn actuator(&self, places: &mut Places<SceneParameter>) -> ActuatorParams {
+        let perfect = ActuatorParams::default();
+        ActuatorParams {
+            gain: places.take_or(SceneParameter::Gain, self.gain.clone(), perfect.gain),
+            lag: places.take_or(SceneParameter::Lag, self.lag_s.clone(), perfect.lag),
+        }
+    }
+
     /// Delay in whole samples, and the other imperfections; the place of a key that stands alone or
     /// beside one that it excludes.
     pub fn timing(
         self,
         places: &mut Places<SceneParameter>,
     ) -> Result<(usize, Timing), (Range<usize>, &'static str)> {
+        if let (Some(delay), true) = (
+            &self.delay_s,
+            self.delay_samples.is_some() || self.delay_fraction.is_some(),
+        ) {
+            return Err((
+                delay.span(),
+                "either delay_s, or delay_samples with delay_fraction; not both",
+            ));
+        }
         let jitter = match (self.jitter_s, self.jitter_deviation_s) {
             (None, None) => Jitter::None,
             (Some(bound), None) => Jitter::Uniform {
@@ -96,6 +123,12 @@ impl RawLoop {
         };
         let timing = Timing {
             delay_fraction: places.take_or(SceneParameter::DelayFraction, self.delay_fraction, 0.0),
+            delay_seconds: places.take_or(SceneParameter::DelaySeconds, self.delay_s, 0.0),
+            command_jitter: places.take_or(
+                SceneParameter::CommandJitter,
+                self.command_jitter_s,
+                0.0,
+            ),
             jitter,
             dropped,
             collapse: self.collapse.map(|collapse| RateCollapse {
@@ -141,6 +174,8 @@ impl Scene {
             delay: ActuationDelay {
                 samples: u32::try_from(self.delay).unwrap_or(u32::MAX),
                 fraction: self.timing.delay_fraction,
+                seconds: self.timing.delay_seconds,
+                jitter: self.timing.command_jitter,
             },
             seed: self.timing.seed,
         }
@@ -180,6 +215,11 @@ impl Scene {
             let fraction = self.timing.delay_fraction;
             return refused(SceneParameter::DelayFraction, fraction, allowed);
         }
+        let seconds = self.timing.delay_seconds;
+        if seconds != 0.0 && (self.delay > 0 || self.timing.delay_fraction != 0.0) {
+            let allowed = "left out beside a delay of samples or of a fraction of a period";
+            return refused(SceneParameter::DelaySeconds, seconds, allowed);
+        }
         let Err(error) = Schedule::new(self.schedule()) else {
             return Ok(());
         };
@@ -191,6 +231,8 @@ impl Scene {
             ScheduleParameter::JitterBound => SceneParameter::Jitter,
             ScheduleParameter::JitterDeviation => SceneParameter::JitterDeviation,
             ScheduleParameter::DelayFraction => SceneParameter::DelayFraction,
+            ScheduleParameter::DelaySeconds => SceneParameter::DelaySeconds,
+            ScheduleParameter::CommandJitter => SceneParameter::CommandJitter,
             ScheduleParameter::Dropped => match self.timing.dropped {
                 Dropped::Listed(_) => SceneParameter::DroppedSamples,
                 Dropped::None | Dropped::Probability(_) => SceneParameter::DropProbability,

@@ -5,7 +5,9 @@ use std::fmt::Write;
 use palpate::{Contact, Guard, LoopParams, Mass, ParameterValue, Side};
 use palpate_testbed::pantograph::SafetyBox;
 
-use super::{Dropped, Grip, HandForceAt, Jitter, Measure, PointMassDevice, Scene, Timing, Wave};
+use super::{
+    Dropped, Grip, HandForceAt, Jitter, Measure, PointMassDevice, Scene, Timing, Told, Wave,
+};
 use crate::method::{MethodName, Settings};
 
 /// Something of a scene that scene files have no key for.
@@ -38,6 +40,8 @@ impl Scene {
             release,
             delay,
             timing,
+            actuator,
+            told,
             measure,
             method,
             settings,
@@ -54,7 +58,7 @@ impl Scene {
             speed_limit,
             force_limit,
             slew_limit,
-            // Of a scene it is `delay`.
+            // Of a scene it is `delay`, `timing`, `actuator` and `told`.
             actuation: _,
             guard,
         } = *loop_params;
@@ -117,6 +121,11 @@ impl Scene {
             file.line("delay_samples", &delay.to_string());
         }
         file.timing(timing);
+        file.unless_zero("lag_s", actuator.lag);
+        if actuator.gain != 1.0 {
+            file.number("gain", actuator.gain);
+        }
+        file.told(told);
 
         file.table("measure");
         match measure {
@@ -193,6 +202,17 @@ impl File {
         self.unless_zero("viscous_n_s_per_m", device.viscous_friction);
         self.unless_zero("coulomb_n", device.coulomb_friction);
         self.if_given("motor_limit_n", device.largest_force);
+        if let Some(transmission) = device.transmission {
+            self.number("resonance_hz", transmission.resonance_hz);
+            self.number("resonance_damping_ratio", transmission.damping_ratio);
+            self.number("motor_mass_share", transmission.motor_share);
+            self.unless_zero("backlash_m", transmission.backlash);
+        }
+        if let Some(cogging) = device.cogging {
+            self.number("cogging_n", cogging.amplitude);
+            self.number("cogging_pitch_m", cogging.pitch);
+        }
+        self.unless_zero("noise_m", device.noise);
     }
 
     fn hand(&mut self, grip: Option<&Grip>) {
@@ -211,6 +231,8 @@ impl File {
     fn timing(&mut self, timing: &Timing) {
         let Timing {
             delay_fraction,
+            delay_seconds,
+            command_jitter,
             jitter,
             dropped,
             collapse,
@@ -219,6 +241,8 @@ impl File {
             as_recorded: _,
         } = timing;
         self.unless_zero("delay_fraction", *delay_fraction);
+        self.unless_zero("delay_s", *delay_seconds);
+        self.unless_zero("command_jitter_s", *command_jitter);
         match *jitter {
             Jitter::None => {}
             Jitter::Uniform { bound } => self.number("jitter_s", bound),
@@ -242,6 +266,27 @@ impl File {
         if *seed > 0 {
             self.line("seed", &seed.to_string());
         }
+    }
+
+    fn told(&mut self, told: &Told) {
+        let Told {
+            delay,
+            delay_deviation,
+            lag,
+            lag_deviation,
+            gain,
+            gain_deviation,
+        } = *told;
+        if *told == Told::default() {
+            return;
+        }
+        self.table("told");
+        self.if_given("delay_s", delay);
+        self.if_given("delay_deviation_s", delay_deviation);
+        self.if_given("lag_s", lag);
+        self.if_given("lag_deviation_s", lag_deviation);
+        self.if_given("gain", gain);
+        self.if_given("gain_deviation", gain_deviation);
     }
 
     fn guard(&mut self, guard: Guard<f64>) {

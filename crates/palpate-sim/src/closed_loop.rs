@@ -1,9 +1,10 @@
 //! The sampled-data loop: renderer and device, coupled by a held force.
 
 use palpate_testbed::InvalidParameter;
+use palpate_testbed::actuator::Actuator;
 use palpate_testbed::device::Device;
 use palpate_testbed::ideal::{Ideal, PointMassScene};
-use palpate_testbed::measure::Sampler;
+use palpate_testbed::measure::{Sampler, SensorNoise};
 use palpate_testbed::metrics::{EnergyJudgement, ForceJudgement, ReboundSpeed};
 use palpate_testbed::profile::{ForceProfile, Snapshot};
 use palpate_testbed::reference::{self, ReferenceScene, Stop};
@@ -41,8 +42,8 @@ pub enum LoopError {
     },
     /// A run is to vary what the ideal depends on.
     #[error(
-        "the scene differs from the bench's in more than the settings of methods, the guard and, if the \
-         loop is perfect, the delay; make a bench of its own for it"
+        "the scene differs from the bench's in more than the settings of methods, the guard, what the \
+         renderer is told and, if the loop is perfect, the delay; make a bench of its own for it"
     )]
     AnotherScene,
     /// The window is too long.
@@ -187,8 +188,9 @@ impl<'a> Bench<'a> {
     ///
     /// Sample, render, hold: at each sample instant the renderer sees the measured position and the
     /// measured time since the sample before, and each of its forces is held from when it reaches the
-    /// motor until the next one does, while the device moves. The renderer is told what was held since
-    /// its last sample: where that changed in between, its mean.
+    /// motor until the next one does, while the device moves under what the actuator gives of it. The
+    /// renderer is told what a driver knows: the command that was sent, as far as the motor's limit let
+    /// it.
     ///
     /// # Errors
     /// Settings that do not make this method.
@@ -211,8 +213,8 @@ impl<'a> Bench<'a> {
     }
 
     /// As [`run`](Self::run), for `scene` in the place of this bench's own: a copy of it with other
-    /// settings of its methods, another guard, or, if the loop is perfect otherwise, another delay. The
-    /// ideal depends on none of them, so one bench serves all such scenes.
+    /// settings of its methods, another guard, another mass or actuator that the renderer is told, or, if
+    /// the loop is perfect otherwise, another delay. The ideal depends on none of them, so one bench serves all such scenes.
     ///
     /// # Errors
     /// As [`run`](Self::run), and a scene that differs in anything else.
@@ -230,12 +232,15 @@ impl<'a> Bench<'a> {
         self.run_built_in(&delayed, scene, method)
     }
 
-    /// Whether the ideal of this bench is that of `scene`, whatever its delay.
-    fn judges(&self, scene: &Scene) -> bool {
+    /// Whether this bench can [run](Self::run_varied) `scene`, if the loop is perfect or the delay is its own:
+    /// whether its ideal is that of `scene`.
+    pub fn judges(&self, scene: &Scene) -> bool {
         let mut own = self.scene.clone();
         own.settings.clone_from(&scene.settings);
         own.loop_params.guard = scene.loop_params.guard;
         own.delay = scene.delay;
+        own.told = scene.told;
+        own.told_device_mass = scene.told_device_mass;
         own == *scene
     }
 
@@ -267,6 +272,8 @@ impl<'a> Bench<'a> {
             } else {
                 Sampler::Ideal
             },
+            noise: SensorNoise::normal(scene.device.noise, scene.timing.seed)?,
+            actuator: Actuator::new(scene.actuator)?,
             sign,
             virtual_force: scene.virtual_force,
             ..SampledLoop::new(renderer, scene.object, self.plant.clone())
@@ -278,7 +285,7 @@ impl<'a> Bench<'a> {
         let mut ticks: Vec<Tick> = Vec::with_capacity(samples.len());
         let mut record = Vec::with_capacity(samples.len());
         let mut held = Vec::with_capacity(grid.intervals());
-        let mut since_sample = HeldSince::default();
+        let mut delivered = HeldSince::default();
         let mut port_work = 0.0;
         let (mut jammed_at, mut left_box_at) = (None, None);
         let mut time = 0.0;
@@ -286,13 +293,11 @@ impl<'a> Bench<'a> {
             let answer = if let Some(index) = stretch.sample {
                 let sample = samples[index];
                 time = sample.time;
-                if let Some(force) = since_sample.mean() {
-                    in_progress.report_held(force);
-                }
-                since_sample = HeldSince::default();
                 // Nothing was measured before the first sample.
                 let measured_time = (index > 0).then_some(sample.elapsed);
                 let sampled = in_progress.sample(sample.elapsed, measured_time);
+                let sent = in_progress.given_force(sampled.output.force_on_object);
+                in_progress.report_sent(sent);
                 if left_box_at.is_none() && in_progress.device.has_left_box() {
                     left_box_at = Some(time);
                 }
@@ -307,7 +312,8 @@ impl<'a> Bench<'a> {
                 }
                 (Some(earlier), _) => ticks[earlier].output.force_on_object,
             };
-            let force = in_progress.given_force(command);
+            let sent = in_progress.given_force(command);
+            let force = in_progress.acting_force(sent);
             let device = &in_progress.device;
             if let Some((index, Sampled { measured, output })) = answer {
                 ticks.push(Tick {
@@ -329,14 +335,19 @@ impl<'a> Bench<'a> {
                 });
             }
             if stretch.begins_hold && held.len() < grid.intervals() {
+                delivered = HeldSince::default();
                 held.push(Held {
                     from: grid.edge(held.len()),
                     force_on_object: force,
                 });
             }
             if stretch.duration > 0.0 {
-                port_work += in_progress.advance(force, stretch.duration);
-                since_sample.add(force, stretch.duration);
+                let driven = in_progress.drive(sent, stretch.duration);
+                port_work += driven.work;
+                delivered.add(driven.mean_force, stretch.duration);
+                if let (Some(held), Some(mean)) = (held.last_mut(), delivered.mean()) {
+                    held.force_on_object = mean;
+                }
                 time += stretch.duration;
                 if jammed_at.is_none() && in_progress.device.is_jammed() {
                     jammed_at = Some(time);
@@ -370,7 +381,7 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// What was held since a sample.
+/// What was delivered since a command began to act.
 #[derive(Default)]
 struct HeldSince {
     first: Option<f64>,
@@ -387,7 +398,7 @@ impl HeldSince {
         self.duration += duration;
     }
 
-    /// The force, or where it changed its mean over time; none before the first sample.
+    /// The force, or where it changed its mean over time; none before anything was.
     fn mean(&self) -> Option<f64> {
         if self.changed {
             Some(self.impulse / self.duration)

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::device::{Device, PointMass};
+use palpate_testbed::drivetrain::{Drivetrain, DrivetrainParams};
 use palpate_testbed::hand::{Hand, IntendedPath, Intention, Sinusoid};
 use palpate_testbed::held_mass::HeldMass;
 use palpate_testbed::measure::Sampler;
@@ -20,7 +21,19 @@ pub(crate) enum Plant {
     /// Without friction, under a constant force: its ideal is known in closed form.
     Free(PointMass),
     /// With friction, a limit of its motor, or a hand of its own.
-    Held(Box<HeldMass>),
+    Held {
+        /// The mass; its own motor has no limit.
+        device: Box<HeldMass>,
+        /// Largest force that is sent to the motor `[N]`.
+        largest_force: f64,
+    },
+    /// With a flexible transmission or cogging.
+    Drivetrain {
+        /// The mechanism in its hand.
+        device: Box<Drivetrain>,
+        /// Largest force that is sent to the motor `[N]`.
+        largest_force: f64,
+    },
     /// In a recorded hand.
     Recorded(Box<HeldByRecording>),
     /// A linkage; positions count from its home.
@@ -85,25 +98,44 @@ impl Plant {
                 tremor,
             },
         };
+        let largest_force = device.largest_force.unwrap_or(f64::INFINITY);
+        if !device.is_rigid() {
+            let params = DrivetrainParams {
+                mass: device.mass,
+                viscous_friction: device.viscous_friction,
+                coulomb_friction: device.coulomb_friction,
+                transmission: device.transmission,
+                // Odd in the motor's position, so a mirror leaves it as it is.
+                cogging: device.cogging,
+            };
+            let device = Drivetrain::new(params, hand)?.starting_at(position, velocity)?;
+            return Ok(Self::Drivetrain {
+                device: Box::new(device),
+                largest_force,
+            });
+        }
         let held = HeldMass::new(device.mass, hand)?
-            .with_friction(device.viscous_friction, device.coulomb_friction)?
-            .with_largest_force(device.largest_force.unwrap_or(f64::INFINITY))?;
+            .with_friction(device.viscous_friction, device.coulomb_friction)?;
         let held = match scene.release {
             Some(release) => held.released_at(release)?,
             None => held,
         };
-        held.starting_at(position, velocity)
-            .map(|held| Self::Held(Box::new(held)))
+        Ok(Self::Held {
+            device: Box::new(held.starting_at(position, velocity)?),
+            largest_force,
+        })
     }
 
-    /// Force on the object that the motor really holds when it is to hold `force` `[N]`.
+    /// Force on the object that is sent to the motor when it is to hold `force` `[N]`.
     pub fn given_force(&self, force: f64) -> f64 {
         match self {
             // A linkage's motors give torques; what they give at the end-point varies over the
             // interval. Once the safety box has switched them off, it is nothing.
             Self::Linkage { device, .. } if device.is_disconnected() => 0.0,
             Self::Free(_) | Self::Recorded(_) | Self::Linkage { .. } | Self::Own(_) => force,
-            Self::Held(held) => held.given_force(force),
+            Self::Held { largest_force, .. } | Self::Drivetrain { largest_force, .. } => {
+                force.clamp(-largest_force, *largest_force)
+            }
         }
     }
 
@@ -114,7 +146,7 @@ impl Plant {
                 device: Box::new(linkage.device(scene.device.position, pushed(scene), true)?),
                 home: *home,
             }),
-            (Self::Held(_), _) => {
+            (Self::Held { .. } | Self::Drivetrain { .. }, _) => {
                 let mut unlimited = scene.clone();
                 unlimited.device.largest_force = None;
                 Self::of(&unlimited, sign)
@@ -134,8 +166,8 @@ impl Plant {
         matches!(self, Self::Linkage { device, .. } if device.is_disconnected())
     }
 
-    /// Position as the loop's sensor reports it `[m]`.
-    pub fn measured(&self, sampler: &Sampler) -> f64 {
+    /// Position as the loop's sensor reports it, with its `noise` `[m]`. A linkage's encoders have none.
+    pub fn measured(&self, sampler: &Sampler, noise: f64) -> f64 {
         match self {
             Self::Linkage { device, home } => {
                 device
@@ -143,8 +175,17 @@ impl Plant {
                     .map_or_else(|| device.position(), |pose| pose.position[1])
                     - home
             }
-            _ => sampler.sample(self.position()),
+            _ => sampler.sample(noisy(self.position(), noise)),
         }
+    }
+}
+
+/// `position` with `noise` on it; without any to the last bit.
+pub(crate) fn noisy(position: f64, noise: f64) -> f64 {
+    if noise == 0.0 {
+        position
+    } else {
+        position + noise
     }
 }
 
@@ -156,6 +197,7 @@ fn pushed(scene: &Scene) -> (f64, HandForceAt) {
 /// Whether the scene's ideal is known in closed form. A motor's limit is no part of the ideal.
 pub(crate) fn is_free(scene: &Scene) -> bool {
     scene.linkage.is_none()
+        && scene.device.is_rigid()
         && scene.device.viscous_friction == 0.0
         && scene.device.coulomb_friction == 0.0
         && scene.grip.is_none()
@@ -168,7 +210,8 @@ impl Device for Plant {
     fn position(&self) -> f64 {
         match self {
             Self::Free(device) => device.position(),
-            Self::Held(device) => device.position(),
+            Self::Held { device, .. } => device.position(),
+            Self::Drivetrain { device, .. } => device.position(),
             Self::Recorded(device) => device.position(),
             Self::Own(device) => device.position(),
             Self::Linkage { device, home } => device.position() - home,
@@ -178,7 +221,8 @@ impl Device for Plant {
     fn velocity(&self) -> f64 {
         match self {
             Self::Free(device) => device.velocity(),
-            Self::Held(device) => device.velocity(),
+            Self::Held { device, .. } => device.velocity(),
+            Self::Drivetrain { device, .. } => device.velocity(),
             Self::Recorded(device) => device.velocity(),
             Self::Own(device) => device.velocity(),
             Self::Linkage { device, .. } => device.velocity(),
@@ -188,7 +232,8 @@ impl Device for Plant {
     fn advance(&mut self, force_on_object: f64, duration: f64) -> f64 {
         match self {
             Self::Free(device) => device.advance(force_on_object, duration),
-            Self::Held(device) => device.advance(force_on_object, duration),
+            Self::Held { device, .. } => device.advance(force_on_object, duration),
+            Self::Drivetrain { device, .. } => device.advance(force_on_object, duration),
             Self::Recorded(device) => device.advance(force_on_object, duration),
             Self::Own(device) => device.advance(force_on_object, duration),
             Self::Linkage { device, .. } => device.advance(force_on_object, duration),
@@ -199,14 +244,15 @@ impl Device for Plant {
         match self {
             Self::Linkage { device, .. } => device.sample(period),
             Self::Own(device) => device.sample(period),
-            Self::Free(_) | Self::Held(_) | Self::Recorded(_) => {}
+            Self::Free(_) | Self::Held { .. } | Self::Drivetrain { .. } | Self::Recorded(_) => {}
         }
     }
 
     fn stored_energy(&self) -> f64 {
         match self {
             Self::Free(device) => device.stored_energy(),
-            Self::Held(device) => device.stored_energy(),
+            Self::Held { device, .. } => device.stored_energy(),
+            Self::Drivetrain { device, .. } => device.stored_energy(),
             Self::Recorded(device) => device.stored_energy(),
             Self::Own(device) => device.stored_energy(),
             Self::Linkage { device, .. } => device.stored_energy(),

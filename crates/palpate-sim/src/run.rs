@@ -19,9 +19,9 @@ pub struct Tick {
     pub true_device_position: f64,
     /// The renderer's answer.
     pub output: Output<f64>,
-    /// Force on the object that is really held from here on `[N]`: with a delay, that of an earlier
-    /// answer. In a loop of whole periods it lasts to the next sample; else [`Run::held`] says when it
-    /// changes.
+    /// Force on the object that acts from here on `[N]`: with a delay, that of an earlier answer; with a
+    /// lag, the one that acts at this instant. In a loop of whole periods without a lag it lasts to the next
+    /// sample; else [`Run::held`] says when it changes.
     pub held_force_on_object: f64,
     /// When this sample's answer reaches the motor `[s]`; none after the window's end.
     pub command_from: Option<f64>,
@@ -29,7 +29,7 @@ pub struct Tick {
     pub ledger: Ledger<f64>,
 }
 
-/// A force, held from an instant on until the next is.
+/// A force, held from an instant on until the next is; of an actuator with a lag the mean of what it gave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Held {
     /// From when `[s]`.

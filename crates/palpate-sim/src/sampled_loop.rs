@@ -6,8 +6,9 @@
 
 use palpate::{Method, ObjectState, Output, ParameterError, Renderer, Sample, State};
 use palpate_testbed::InvalidParameter;
+use palpate_testbed::actuator::{Actuator, Delivered};
 use palpate_testbed::device::{Device, PointMass};
-use palpate_testbed::measure::Sampler;
+use palpate_testbed::measure::{Sampler, SensorNoise};
 use palpate_testbed::sprung_mass::SprungMass;
 use palpate_testbed::viscous_mass::ViscousMass;
 
@@ -15,17 +16,18 @@ use std::fmt;
 
 use palpate_scene::Scene;
 
-use crate::plant::Plant;
+use crate::plant::{Plant, noisy};
 
 /// A device with the parts that lie between it and a renderer: its sensor and its motor.
 pub trait LoopDevice: Device {
-    /// Position as the loop's sensor reports it `[m]`.
+    /// Position as the loop's sensor reports it, with its `noise` `[m]`.
     #[inline]
-    fn measured(&self, sampler: &Sampler) -> f64 {
-        sampler.sample(self.position())
+    fn measured(&self, sampler: &Sampler, noise: f64) -> f64 {
+        sampler.sample(noisy(self.position(), noise))
     }
 
-    /// Force on the object that the motor really holds when it is to hold `force` `[N]`.
+    /// Force on the object that is sent to the motor when it is to hold `force` `[N]`: what its limit
+    /// leaves. What the motor gives of that is its actuator's.
     #[inline]
     fn given_force(&self, force: f64) -> f64 {
         force
@@ -37,8 +39,8 @@ impl LoopDevice for ViscousMass {}
 impl LoopDevice for SprungMass {}
 
 impl LoopDevice for Plant {
-    fn measured(&self, sampler: &Sampler) -> f64 {
-        Plant::measured(self, sampler)
+    fn measured(&self, sampler: &Sampler, noise: f64) -> f64 {
+        Plant::measured(self, sampler, noise)
     }
 
     fn given_force(&self, force: f64) -> f64 {
@@ -69,6 +71,10 @@ pub struct SampledLoop<'a, M: Method<f64>, D> {
     pub device: D,
     /// The sensor of devices that have none of their own.
     pub sampler: Sampler,
+    /// The noise of that sensor.
+    pub noise: SensorNoise,
+    /// What lies between a command and the force that acts.
+    pub actuator: Actuator,
     /// 1 or -1: mirrors the device's positions and forces to the user's frame.
     pub sign: f64,
     /// Force f_V on the object `[N]`, in the user's frame.
@@ -85,7 +91,7 @@ pub struct Sampled {
 }
 
 impl<'a, M: Method<f64>, D: LoopDevice> SampledLoop<'a, M, D> {
-    /// A loop before its first sample, with an ideal sensor, on the canonical side, without f_V.
+    /// A loop before its first sample, with an ideal sensor and a perfect actuator, on the canonical side, without f_V.
     ///
     /// # Errors
     /// A position or a velocity of `object` that the renderer refuses.
@@ -99,6 +105,8 @@ impl<'a, M: Method<f64>, D: LoopDevice> SampledLoop<'a, M, D> {
             state: renderer.start(object)?,
             device,
             sampler: Sampler::Ideal,
+            noise: SensorNoise::none(),
+            actuator: Actuator::default(),
             sign: 1.0,
             virtual_force: 0.0,
         })
@@ -109,7 +117,8 @@ impl<'a, M: Method<f64>, D: LoopDevice> SampledLoop<'a, M, D> {
     #[inline]
     pub fn sample(&mut self, elapsed: f64, measured_time: Option<f64>) -> Sampled {
         self.device.sample(elapsed);
-        let measured = self.sign * self.device.measured(&self.sampler);
+        let noise = self.noise.draw();
+        let measured = self.sign * self.device.measured(&self.sampler, noise);
         let taken = Sample {
             elapsed: measured_time,
             ..Sample::at(measured).with_virtual_force(self.virtual_force)
@@ -120,7 +129,7 @@ impl<'a, M: Method<f64>, D: LoopDevice> SampledLoop<'a, M, D> {
         }
     }
 
-    /// Force on the object that is really held where `command` is to be `[N]`.
+    /// Force on the object that is sent to the motor where `command` is to be `[N]`.
     #[inline]
     pub fn given_force(&self, command: f64) -> f64 {
         self.sign * self.device.given_force(self.sign * command)
@@ -139,9 +148,28 @@ impl<'a, M: Method<f64>, D: LoopDevice> SampledLoop<'a, M, D> {
     }
 
     /// Lets the device move while `force` is held for `duration` `[s]`; the work through the port
-    /// `[J]`.
+    /// `[J]`. The force acts as it is, without the actuator.
     #[inline]
     pub fn advance(&mut self, force: f64, duration: f64) -> f64 {
         self.device.advance(self.sign * force, duration)
+    }
+
+    /// Lets the device move while `sent` is held at the actuator's input for `duration` `[s]`: the mean of
+    /// the force on the object that was delivered `[N]`, and the work through the port `[J]`.
+    #[inline]
+    pub fn drive(&mut self, sent: f64, duration: f64) -> Delivered {
+        let delivered = self
+            .actuator
+            .drive(&mut self.device, self.sign * sent, duration);
+        Delivered {
+            mean_force: self.sign * delivered.mean_force,
+            ..delivered
+        }
+    }
+
+    /// Force on the object that acts now, where `sent` is at the actuator's input `[N]`.
+    #[inline]
+    pub fn acting_force(&self, sent: f64) -> f64 {
+        self.sign * self.actuator.force_on(self.sign * sent)
     }
 }

@@ -1,8 +1,9 @@
 //! The device and the hand of a scene, to be driven from outside: by a loop in real time.
 
 use palpate_testbed::InvalidParameter;
+use palpate_testbed::actuator::Actuator;
 use palpate_testbed::device::Device;
-use palpate_testbed::measure::Sampler;
+use palpate_testbed::measure::{Sampler, SensorNoise};
 
 use crate::plant::Plant;
 use palpate_scene::Scene;
@@ -13,6 +14,8 @@ use palpate_scene::Scene;
 pub struct VirtualDevice {
     plant: Plant,
     sampler: Sampler,
+    noise: SensorNoise,
+    actuator: Actuator,
     sign: f64,
 }
 
@@ -30,6 +33,8 @@ impl VirtualDevice {
             } else {
                 Sampler::Ideal
             },
+            noise: SensorNoise::normal(scene.device.noise, scene.timing.seed)?,
+            actuator: Actuator::new(scene.actuator)?,
             sign,
         })
     }
@@ -38,18 +43,20 @@ impl VirtualDevice {
     /// its sensor reports this position along the contact's axis `[m]`.
     pub fn sample(&mut self, elapsed: f64) -> f64 {
         self.plant.sample(elapsed);
-        self.sign * self.plant.measured(&self.sampler)
+        let noise = self.noise.draw();
+        self.sign * self.plant.measured(&self.sampler, noise)
     }
 
     /// Moves on for `duration` `[s]` while the motor is to hold `force` on the device `[N]`; what
-    /// it gives may be less. The work of that force on the device `[J]`.
+    /// is sent to it may be less, and what it gives is that through the scene's gain and lag. The work of
+    /// the force that acts on the device `[J]`.
     pub fn hold(&mut self, force: f64, duration: f64) -> f64 {
-        -self
-            .plant
-            .advance(-self.sign * self.given_force(force), duration)
+        let sent = -self.sign * self.given_force(force);
+        let delivered = self.actuator.drive(&mut self.plant, sent, duration);
+        -delivered.work
     }
 
-    /// Force on the device that the motor gives where it is to hold `force` `[N]`.
+    /// Force on the device that is sent to the motor where it is to hold `force` `[N]`.
     pub fn given_force(&self, force: f64) -> f64 {
         -self.sign * self.plant.given_force(-self.sign * force)
     }

@@ -46,7 +46,7 @@ fn imperfect(name: &str, seed: u64) -> Scene {
             period: random.between(1.0, 3.0) * period,
         }),
         seed,
-        as_recorded: false,
+        ..Timing::default()
     };
     scene
 }
@@ -191,9 +191,13 @@ fn the_device_moves_under_what_was_held_and_the_bench_counts_its_work() {
 }
 
 #[test]
-fn the_renderer_gets_the_measured_time_and_hears_the_mean_of_what_was_held() {
-    let mut uneven = 0;
-    for scene in scenes() {
+fn the_renderer_gets_the_measured_time_and_hears_what_was_sent_and_no_more() {
+    let (mut uneven, mut clipped) = (0, 0);
+    for mut scene in scenes() {
+        if scene.timing.seed % 2 == 0 {
+            scene.device.largest_force = Some(2.0);
+        }
+        let largest = scene.device.largest_force.unwrap_or(f64::INFINITY);
         let bench = Bench::new(&scene).unwrap();
         for method in MethodName::ALL {
             let run = bench.run(method).unwrap();
@@ -208,18 +212,11 @@ fn the_renderer_gets_the_measured_time_and_hears_the_mean_of_what_was_held() {
                     let elapsed = tick.time - before;
                     uneven += usize::from((elapsed / period - 1.0).abs() > 1e-3);
                     sample = sample.after(elapsed);
-                    // The mean of the held force, from what reached the motor in between.
-                    let mut cuts = vec![before, tick.time];
-                    let within = run.ticks.iter().filter_map(|tick| tick.command_from);
-                    cuts.extend(within.filter(|cut| *cut > before && *cut < tick.time));
-                    cuts.sort_by(f64::total_cmp);
-                    let impulse: f64 = cuts
-                        .windows(2)
-                        .map(|cut| held_at(&run, 0.5 * (cut[0] + cut[1])) * (cut[1] - cut[0]))
-                        .sum();
-                    renderer.report_held(&mut state, impulse / elapsed);
                 }
                 let output = renderer.step(&mut state, sample);
+                let sent = output.force_on_object.clamp(-largest, largest);
+                clipped += usize::from(sent != output.force_on_object);
+                renderer.report_sent(&mut state, sent);
                 let near = |a: f64, b: f64| (a - b).abs() <= 1e-7 * (1.0 + a.abs());
                 assert!(
                     near(output.force_on_object, tick.output.force_on_object)
@@ -234,7 +231,7 @@ fn the_renderer_gets_the_measured_time_and_hears_the_mean_of_what_was_held() {
             }
         }
     }
-    assert!(uneven > 1000, "{uneven}");
+    assert!(uneven > 1000 && clipped > 1000, "{uneven} {clipped}");
 }
 
 #[test]

@@ -10,7 +10,7 @@ use palpate_scene::{Measure, Scene};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::run::Run;
 use palpate_study::heights::over_heights;
-use palpate_study::suite::{Column, DELAYS, run, summary};
+use palpate_study::suite::{Column, DELAYS, Set, run, summary};
 use palpate_testbed::metrics::Fidelity;
 
 fn coupled(scene: &Scene) -> Run {
@@ -144,12 +144,15 @@ fn a_pressed_wall_stays_steady_with_a_delay_and_any_mass_told() {
 
 #[test]
 fn what_the_motor_did_not_give_is_placed_for() {
-    // Random lateness, and a motor that gives a part of what is asked: the held force is known a
-    // sample later, and the object is placed by that one.
-    let late = fidelity(&scene("users/s09-stale-late-missing")).mean_force_error;
+    // Samples that come late or not at all, and a motor that gives a part of what is asked: what was held
+    // is known a sample later, and the object is placed by that. Where commands come late beside that, by
+    // more than is told, nobody knows what was held.
+    let mut stale = scene("users/s09-stale-late-missing");
+    (stale.delay, stale.timing.delay_fraction) = (0, 0.0);
+    let late = fidelity(&stale).mean_force_error;
     let clipped = fidelity(&scene("users/s04-clipped-200hz")).mean_force_error;
     println!("late and missing {late:.1} %, clipped {clipped:.1} %");
-    assert!(late < 60.0 && clipped < 50.0, "{late}, {clipped}");
+    assert!(late < 30.0 && clipped < 50.0, "{late}, {clipped}");
 }
 
 #[test]
@@ -166,7 +169,7 @@ fn on_random_plants_each_step_takes_it_nearer() {
         step(true, false),
         step(true, true),
     ];
-    let judged = run(1, 100, &columns, || ()).unwrap();
+    let judged = run(Set::Paper, 1, 100, &columns, || ()).unwrap();
     for delay in DELAYS {
         let medians = [0, 1, 2, 3].map(|i| summary(&judged, i, delay).unwrap().error[0]);
         println!("delay {delay}: medians {medians:?}");

@@ -10,7 +10,7 @@ use palpate_scene::SceneFile;
 use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_sim::closed_loop::Bench;
 use palpate_study::heights::over_heights;
-use palpate_study::suite::{Column, DELAYS, Judged, RandomPlant, quantile, run, summary};
+use palpate_study::suite::{Column, DELAYS, Judged, RandomPlant, Set, quantile, run, summary};
 use palpate_study::tune::{Objective, best as tuned_best, tune};
 use rayon::prelude::*;
 
@@ -173,11 +173,21 @@ fn a_plant_depends_on_seed_and_number_only() {
 
 #[test]
 fn the_committed_plants_are_drawn_for_ever() {
-    let folder = experiments().join("suite");
-    for (index, plant) in plants(1, 60).iter().enumerate() {
-        let path = folder.join(format!("plant-{index:04}.toml"));
-        let committed = std::fs::read_to_string(&path).unwrap();
-        assert_eq!(plant.scene.to_toml().unwrap(), committed, "{path:?}");
+    for (set, folder, count) in [
+        (Set::Paper, "suite", 60),
+        (Set::Desk, "suite-desk", 30),
+        (Set::Real, "suite-real", 30),
+        (Set::Steps, "suite-steps", 10),
+    ] {
+        let folder = experiments().join(folder);
+        (0..count).into_par_iter().for_each(|index| {
+            let plant = set.draw(1, index).unwrap();
+            let path = folder.join(format!("plant-{index:04}.toml"));
+            let committed = std::fs::read_to_string(&path).unwrap();
+            assert_eq!(plant.scene.to_toml().unwrap(), committed, "{path:?}");
+            let read = SceneFile::parse("plant.toml", &committed).unwrap().scene;
+            assert_eq!(read, plant.scene, "{path:?}");
+        });
     }
 }
 
@@ -199,7 +209,8 @@ fn a_plant_reads_back_from_its_file_to_the_same_numbers() {
 fn any_number_of_threads_gives_the_same_bits_in_the_same_order() {
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.unwrap().install(|| run(2, 7, &all(), || ()).unwrap())
+        pool.unwrap()
+            .install(|| run(Set::Paper, 2, 7, &all(), || ()).unwrap())
     };
     let (one, three) = (with(1), with(3));
     assert_eq!(bits(&one), bits(&three));
@@ -209,16 +220,19 @@ fn any_number_of_threads_gives_the_same_bits_in_the_same_order() {
             .all(|(at, judged)| judged.plant.index == at)
     );
     // Nor does a plant depend on how many follow it.
-    assert_eq!(bits(&one[..3]), bits(&run(2, 3, &all(), || ()).unwrap()));
+    assert_eq!(
+        bits(&one[..3]),
+        bits(&run(Set::Paper, 2, 3, &all(), || ()).unwrap())
+    );
 }
 
 #[test]
 fn a_trial_is_what_a_single_run_of_the_scene_gives() {
-    let judged = run(7, 3, &all(), || ()).unwrap();
+    let judged = run(Set::Paper, 7, 3, &all(), || ()).unwrap();
     for one in &judged {
         for trial in &one.trials {
             let mut scene = one.plant.scene.clone();
-            scene.delay = trial.delay;
+            scene.delay = DELAYS[trial.condition];
             let method = all()[trial.column].method;
             let run = Bench::new(&scene).unwrap().run(method).unwrap();
             assert_eq!(run.force, trial.force);
@@ -226,7 +240,11 @@ fn a_trial_is_what_a_single_run_of_the_scene_gives() {
             assert_eq!(run.diverged, Some(trial.diverged));
             assert_eq!(trial.force.collisions.len(), 3);
         }
-        let delays: Vec<usize> = one.trials.iter().map(|trial| trial.delay).collect();
+        let delays: Vec<usize> = one
+            .trials
+            .iter()
+            .map(|trial| DELAYS[trial.condition])
+            .collect();
         assert_eq!(
             delays,
             [vec![0; all().len()], vec![1; all().len()]].concat()
@@ -240,7 +258,7 @@ fn hfcr_gives_the_column_that_calibrates_the_suite() {
     // Other random sets of 60 plants, and another integration of their ideal: median 72-78, 75 %
     // 106-109, 90 % 130-138 without delay; 101-112, 139-146, 162-164 with one sample.
     let columns = [Column::of(MethodName::Hfcr)];
-    let judged = run(1, 180, &columns, || ()).unwrap();
+    let judged = run(Set::Paper, 1, 180, &columns, || ()).unwrap();
     let found = DELAYS.map(|delay| summary(&judged, 0, delay).unwrap());
     println!("{found:?}");
     let within = |value: f64, from: f64, to: f64| assert!((from..to).contains(&value), "{value}");
@@ -276,7 +294,7 @@ method = \"hfcr\"
     assert_eq!(damping(0), Some(ParameterValue::ToBeDerived));
     assert_eq!(damping(1), Some(ParameterValue::Number(3.0)));
     assert_eq!(columns[2].settings, Settings::default());
-    let judged = run(1, 2, &columns, || ()).unwrap();
+    let judged = run(Set::Paper, 1, 2, &columns, || ()).unwrap();
     assert_ne!(judged[0].trials[0].fidelity, judged[0].trials[2].fidelity);
     for (text, message) in [
         ("", "there is no column"),
@@ -338,7 +356,7 @@ fn of_a_list_of_dampings_the_best_on_each_plant_counts() {
     text.push_str("[best]\nmethod = \"virtual-damper\"\ndamping_over_k_t = [0, 0.3, 1]\n");
     text.push_str("[given]\nmethod = \"virtual-damper\"\ndamping_n_s_per_m = [2.5, 1]\n");
     let columns = Column::parse(&text).unwrap();
-    let judged = run(1, 12, &columns, || ()).unwrap();
+    let judged = run(Set::Paper, 1, 12, &columns, || ()).unwrap();
     let mut chosen = std::collections::BTreeSet::new();
     for one in &judged {
         let scene = &one.plant.scene;
@@ -361,7 +379,7 @@ fn of_a_list_of_dampings_the_best_on_each_plant_counts() {
         settings: common::damping(judged[0].trials[1].damping.unwrap()),
         ..Column::of(MethodName::VirtualDamper)
     };
-    let same = run(1, 1, &[plain], || ()).unwrap();
+    let same = run(Set::Paper, 1, 1, &[plain], || ()).unwrap();
     assert_eq!(same[0].trials[0].fidelity, judged[0].trials[1].fidelity);
     assert_eq!(same[0].trials[0].damping, None);
 }
@@ -411,7 +429,7 @@ method = \"coupled\"
 guard = { mode = \"limit\", speed_m_per_s = 2 }
 ";
     let columns = Column::parse(text).unwrap();
-    let judged = run(1, 10, &columns, || ()).unwrap();
+    let judged = run(Set::Paper, 1, 10, &columns, || ()).unwrap();
     let of = |column| summary(&judged, column, 0).unwrap();
     let (bare, seen, guarded) = (of(0), of(1), of(2));
     assert_eq!((bare.held_back, bare.limited), (0, 0.0));
@@ -433,7 +451,9 @@ fn a_column_that_cannot_be_run_is_named() {
         settings: common::damping(-1.0),
         ..Column::of(MethodName::Hfcr)
     };
-    let error = run(1, 1, &[column], || ()).unwrap_err().to_string();
+    let error = run(Set::Paper, 1, 1, &[column], || ())
+        .unwrap_err()
+        .to_string();
     assert!(
         error.starts_with("column wrong on plant 0: damping_n_s_per_m is -1 N s/m"),
         "{error}"

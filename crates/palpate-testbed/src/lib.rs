@@ -60,9 +60,11 @@
 //! # }
 //! ```
 
+pub mod actuator;
 mod arc;
 pub mod device;
 pub mod driven;
+pub mod drivetrain;
 mod error;
 pub mod grid;
 pub mod hand;
@@ -74,6 +76,7 @@ pub mod metrics;
 pub mod pantograph;
 mod power_series;
 pub mod profile;
+mod random;
 pub mod recorded_hand;
 pub mod recorded_path;
 pub mod reference;

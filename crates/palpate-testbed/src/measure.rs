@@ -2,6 +2,7 @@
 
 use crate::InvalidParameter;
 use crate::error::positive;
+use crate::random::SplitMix64;
 
 /// How a position is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -44,6 +45,55 @@ impl Sampler {
     }
 }
 
+/// White noise of a sensor, the same for the same seed: added to the true position before it is quantised.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SensorNoise {
+    deviation: f64,
+    numbers: SplitMix64,
+}
+
+/// What separates the generator of the sensor's noise from those of a schedule.
+const NOISE_STREAM: u64 = 0x3C6E_F372_FE94_F82B; // fractional digits of √5
+
+impl SensorNoise {
+    /// No noise.
+    #[must_use]
+    pub fn none() -> Self {
+        Self {
+            deviation: 0.0,
+            numbers: SplitMix64::new(0),
+        }
+    }
+
+    /// Normal noise with a standard deviation \[m\].
+    ///
+    /// # Errors
+    ///
+    /// `deviation` is not finite and at least 0.
+    pub fn normal(deviation: f64, seed: u64) -> Result<Self, InvalidParameter> {
+        InvalidParameter::unless(
+            deviation.is_finite() && deviation >= 0.0,
+            "noise",
+            deviation,
+            "finite and at least 0 m",
+        )?;
+        Ok(Self {
+            deviation,
+            numbers: SplitMix64::new(seed ^ NOISE_STREAM),
+        })
+    }
+
+    /// The noise of the next sample \[m\]; 0 without any.
+    #[must_use]
+    pub fn draw(&mut self) -> f64 {
+        if self.deviation > 0.0 {
+            self.deviation * self.numbers.normal()
+        } else {
+            0.0
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -62,6 +112,24 @@ mod tests {
         ] {
             assert_eq!(encoder.sample(position), expected);
         }
+    }
+
+    #[test]
+    fn noise_has_its_deviation_no_mean_and_follows_from_its_seed() {
+        let drawn = |deviation, seed| -> Vec<f64> {
+            let mut noise = SensorNoise::normal(deviation, seed).unwrap();
+            (0..20_000).map(|_| noise.draw()).collect()
+        };
+        let values = drawn(3e-6, 4);
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let square = values.iter().map(|x| x * x).sum::<f64>() / count;
+        assert!(mean.abs() < 4.0 * 3e-6 / count.sqrt());
+        assert!((square.sqrt() / 3e-6 - 1.0).abs() < 0.03);
+        assert_eq!(values, drawn(3e-6, 4));
+        assert_ne!(values, drawn(3e-6, 5));
+        assert!(drawn(0.0, 4).iter().all(|noise| *noise == 0.0));
+        assert!(SensorNoise::normal(f64::NAN, 0).is_err());
     }
 
     #[test]

@@ -5,23 +5,28 @@
 //! (rate collapse). The command computed from a sample reaches the motor a delay later, and is held
 //! until the next one does.
 //!
-//! Runs are reproducible: the random numbers are those of SplitMix64 (Steele, Lea and Flood, *Fast
-//! splittable pseudorandom number generators*, 2014), with one generator for jitter and another for
-//! drops, so that neither changes the other's numbers. Normal jitter goes through the platform's
-//! logarithm and cosine, whose last bit may differ between platforms; the rest is the same
-//! everywhere.
+//! Runs are reproducible: the random numbers are those of SplitMix64, with one generator each for the
+//! jitter of samples, for drops and for the jitter of commands, so that none changes the others' numbers.
+//! Normal jitter goes through the platform's logarithm and cosine, whose last bit may differ between
+//! platforms; the rest is the same everywhere.
 
 mod parameter;
-
-use std::f64::consts::TAU;
 
 pub use parameter::ScheduleParameter;
 
 use crate::InvalidParameter;
 use crate::error::{finite, positive};
+use crate::hold::DelayedHold;
+use crate::random::SplitMix64;
+
+/// Longest delay in seconds, in periods: that of whole samples.
+const LONGEST_DELAY: f64 = DelayedHold::LONGEST_DELAY as f64;
 
 /// What separates the generator of drops from that of jitter.
 const DROP_STREAM: u64 = 0x6A09_E667_F3BC_C909; // fractional digits of √2
+
+/// What separates the generator of the jitter of commands from the others.
+const COMMAND_STREAM: u64 = 0xBB67_AE85_84CA_A73B; // fractional digits of √3
 
 /// How far a sample lies from its grid instant. Every sample lies near its own instant, so lateness
 /// does not add up.
@@ -78,14 +83,18 @@ pub struct RateCollapse {
     pub period: f64,
 }
 
-/// Time from a sample to the instant from which its command is held, in periods of the grid at the
-/// sample.
+/// Time from a sample to the instant from which its command is held: so many periods of the grid at the
+/// sample, and so many seconds.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ActuationDelay {
     /// Whole periods.
     pub samples: u32,
     /// Fraction of a period, 0 ≤ fraction < 1: the time to compute.
     pub fraction: f64,
+    /// Seconds, whatever the period \[s\].
+    pub seconds: f64,
+    /// By how much more a command may be late \[s\], each by an amount of its own, evenly from 0.
+    pub jitter: f64,
 }
 
 /// What a [`Schedule`] is made of.
@@ -149,6 +158,7 @@ pub struct Schedule {
     last_hold: f64,
     jitter_numbers: SplitMix64,
     drop_numbers: SplitMix64,
+    command_numbers: SplitMix64,
 }
 
 impl Schedule {
@@ -158,8 +168,8 @@ impl Schedule {
     ///
     /// A period is not finite and positive, the collapse does not end after it begins, the jitter
     /// is negative or reaches half of the shortest period (samples would change places), the
-    /// probability is not in \[0, 1), listed indices do not rise or begin with 0, or the delay's
-    /// fraction is not in \[0, 1).
+    /// probability is not in \[0, 1), listed indices do not rise or begin with 0, the delay's fraction is
+    /// not in \[0, 1), or its seconds or the jitter of commands are not from 0 to 1024 periods.
     pub fn new(params: ScheduleParams) -> Result<Self, InvalidParameter<ScheduleParameter>> {
         use ScheduleParameter as Of;
         let mut shortest = positive(Of::Period, params.period, "finite and above 0 s")?;
@@ -217,13 +227,25 @@ impl Schedule {
             params.delay.fraction,
             "from 0 to below 1 period",
         )?;
+        for (name, seconds) in [
+            (Of::DelaySeconds, params.delay.seconds),
+            (Of::CommandJitter, params.delay.jitter),
+        ] {
+            InvalidParameter::unless(
+                (0.0..=LONGEST_DELAY * params.period).contains(&seconds),
+                name,
+                seconds,
+                "from 0 s to 1024 periods",
+            )?;
+        }
         Ok(Self {
             next_index: 0,
             origin: (0, 0.0),
             grid_period: Self::period_at(&params, 0.0),
             last_hold: 0.0,
-            jitter_numbers: SplitMix64(params.seed),
-            drop_numbers: SplitMix64(params.seed ^ DROP_STREAM),
+            jitter_numbers: SplitMix64::new(params.seed),
+            drop_numbers: SplitMix64::new(params.seed ^ DROP_STREAM),
+            command_numbers: SplitMix64::new(params.seed ^ COMMAND_STREAM),
             params,
         })
     }
@@ -267,6 +289,16 @@ impl Schedule {
         }
     }
 
+    /// \[s\]
+    fn command_jitter(&mut self) -> f64 {
+        let bound = self.params.delay.jitter;
+        if bound > 0.0 {
+            bound * self.command_numbers.unit()
+        } else {
+            0.0
+        }
+    }
+
     fn drops(&mut self, index: u64) -> bool {
         match &self.params.dropped {
             Dropped::None => false,
@@ -292,7 +324,8 @@ impl Iterator for Schedule {
                 instant + late
             };
             let delay = f64::from(self.params.delay.samples) + self.params.delay.fraction;
-            let hold_from = (sample_time + delay * period).max(self.last_hold);
+            let later = self.params.delay.seconds + self.command_jitter();
+            let hold_from = (sample_time + delay * period + later).max(self.last_hold);
             self.last_hold = hold_from;
             return Some(Tick {
                 index,
@@ -303,51 +336,13 @@ impl Iterator for Schedule {
     }
 }
 
-/// SplitMix64.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct SplitMix64(u64);
-
-impl SplitMix64 {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// A multiple of 2⁻⁵³ in \[0, 1).
-    fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// Normal with mean 0 and deviation 1 (Box and Muller).
-    fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * (1.0 - self.unit()).ln()).sqrt();
-        radius * (TAU * self.unit()).cos()
-    }
-}
-
 #[cfg(test)]
+#[allow(clippy::print_stdout)] // what was measured
 mod tests {
     use super::*;
 
     fn ticks(params: ScheduleParams, count: usize) -> Vec<Tick> {
         Schedule::new(params).unwrap().take(count).collect()
-    }
-
-    #[test]
-    fn the_generator_gives_the_published_numbers() {
-        let mut generator = SplitMix64(1_234_567);
-        for expected in [
-            6_457_827_717_110_365_317,
-            3_203_168_211_198_807_973,
-            9_817_491_932_198_370_423,
-            4_593_380_528_125_082_431,
-            16_408_922_859_458_223_821,
-        ] {
-            assert_eq!(generator.next(), expected);
-        }
     }
 
     #[test]
@@ -484,6 +479,7 @@ mod tests {
         let delay = ActuationDelay {
             samples: 2,
             fraction: 0.25,
+            ..ActuationDelay::default()
         };
         let params = ScheduleParams {
             delay,
@@ -512,6 +508,50 @@ mod tests {
                 .all(|pair| pair[0].hold_from <= pair[1].hold_from)
         );
         assert!((both[39].hold_from - both[39].sample_time - 0.00225).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_delay_in_seconds_does_not_follow_the_grid_and_jitter_of_commands_only_adds_to_it() {
+        let slow = RateCollapse {
+            from: 0.1,
+            until: 0.2,
+            period: 0.01,
+        };
+        let params = |jitter: f64| ScheduleParams {
+            collapse: Some(slow),
+            delay: ActuationDelay {
+                seconds: 0.00137,
+                jitter,
+                ..ActuationDelay::default()
+            },
+            seed: 5,
+            ..ScheduleParams::perfect(0.001)
+        };
+        let even = ticks(params(0.0), 500);
+        for tick in &even {
+            assert!((tick.hold_from - tick.sample_time - 0.00137).abs() < 1e-15);
+        }
+        let bound = 1e-4;
+        let late: Vec<f64> = ticks(params(bound), 20_000)
+            .iter()
+            .map(|tick| tick.hold_from - tick.sample_time - 0.00137)
+            .collect();
+        assert!(
+            late.iter()
+                .all(|late| (-1e-12..bound + 1e-12).contains(late))
+        );
+        let mean = late.iter().sum::<f64>() / 20_000.0;
+        println!("mean lateness {mean} s of a bound of {bound} s");
+        let deviation = bound / 12.0_f64.sqrt();
+        assert!((mean - 0.5 * bound).abs() < 4.0 * deviation / 20_000.0_f64.sqrt());
+        // The samples are taken when they were.
+        let times = |ticks: &[Tick]| {
+            ticks
+                .iter()
+                .map(|tick| tick.sample_time)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(times(&ticks(params(bound), 500)), times(&even));
     }
 
     #[test]
@@ -549,10 +589,34 @@ mod tests {
         let delay = ActuationDelay {
             samples: 0,
             fraction: f64::NAN,
+            ..ActuationDelay::default()
         };
         assert_eq!(
-            rejected(ScheduleParams { delay, ..perfect }),
+            rejected(ScheduleParams {
+                delay,
+                ..perfect.clone()
+            }),
             ScheduleParameter::DelayFraction
         );
+        for seconds in [-1e-9, 1.1, f64::NAN, f64::INFINITY] {
+            let delay = ActuationDelay {
+                seconds,
+                ..ActuationDelay::default()
+            };
+            let late = ScheduleParams {
+                delay,
+                ..perfect.clone()
+            };
+            assert_eq!(rejected(late), ScheduleParameter::DelaySeconds);
+            let delay = ActuationDelay {
+                jitter: seconds,
+                ..ActuationDelay::default()
+            };
+            let late = ScheduleParams {
+                delay,
+                ..perfect.clone()
+            };
+            assert_eq!(rejected(late), ScheduleParameter::CommandJitter);
+        }
     }
 }

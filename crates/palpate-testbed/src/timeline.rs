@@ -265,6 +265,7 @@ mod tests {
             let delay = ActuationDelay {
                 samples,
                 fraction: 0.0,
+                ..ActuationDelay::default()
             };
             let perfect = timeline(
                 ScheduleParams {
@@ -362,6 +363,7 @@ mod tests {
         let delay = ActuationDelay {
             samples: 1,
             fraction: 0.25,
+            ..ActuationDelay::default()
         };
         let late = timeline(
             ScheduleParams {
@@ -402,6 +404,7 @@ mod tests {
                 delay: ActuationDelay {
                     samples: seed % 4,
                     fraction: 0.1 * f64::from(seed % 10),
+                    ..ActuationDelay::default()
                 },
                 seed: u64::from(seed),
             };

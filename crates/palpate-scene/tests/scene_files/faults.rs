@@ -34,16 +34,16 @@ fn assert_faults(table: &str, rows: usize) {
 fn an_unknown_key_is_named_with_the_nearest_known_one() {
     assert_faults(
         r#"mass_kg = 0.25\n -> mass_kg = 0.25\nmas_kg = 1\n
-  15:1: unknown key mas_kg, did you mean mass_kg? Known here: kind, preset, file, safety_box, mass_kg, position_m, velocity_m_per_s, encoder_quantum_m, viscous_n_s_per_m, coulomb_n, motor_limit_n
+  15:1: unknown key mas_kg, did you mean mass_kg? Known here: kind, preset, file, safety_box, mass_kg, position_m, velocity_m_per_s, encoder_quantum_m, viscous_n_s_per_m, coulomb_n, motor_limit_n, resonance_hz, resonance_damping_ratio, motor_mass_share, backlash_m, cogging_n, cogging_pitch_m, noise_m
   mas_kg
 period_s -> perod_s
-  24:1: unknown key perod_s, did you mean period_s? Known here: period_s, delay_samples, delay_fraction, jitter_s, jitter_deviation_s, drop_probability, dropped_samples, collapse, seed
+  24:1: unknown key perod_s, did you mean period_s? Known here: period_s, delay_samples, delay_fraction, delay_s, command_jitter_s, lag_s, gain, jitter_s, jitter_deviation_s, drop_probability, dropped_samples, collapse, seed
   perod_s
 [hand] -> [hnd]
-  19:2: unknown key hnd, did you mean hand? Known here: scene_format, title, object, device, hand, loop, measure, renderer, methods
+  19:2: unknown key hnd, did you mean hand? Known here: scene_format, title, object, device, hand, loop, told, measure, renderer, methods
   hnd
 [hand] -> [zzz]\n[hand]
-  19:2: unknown key zzz. Known here: scene_format, title, object, device, hand, loop, measure, renderer, methods
+  19:2: unknown key zzz. Known here: scene_format, title, object, device, hand, loop, told, measure, renderer, methods
   zzz
 collisions = 3 -> collisons = 3
   28:1: unknown key collisons, did you mean collisions? Known here: collisions, duration_s
@@ -459,6 +459,74 @@ speed_limit_m_per_s = 10 -> largest_gap_s = 0.01
   35:17: renderer.largest_gap_s is 0.01 s, but must be finite and at least one period
   0.01"#,
         14,
+    );
+}
+
+#[test]
+fn an_actuator_and_what_is_told_of_it_have_ranges() {
+    assert_faults(
+        r#"delay_samples = 0 -> delay_s = -0.001
+  25:11: loop.delay_s is -0.001 s, but must be from 0 s to 1024 periods
+  -0.001
+delay_samples = 0 -> delay_samples = 1\ndelay_s = 0.01
+  26:11: either delay_s, or delay_samples with delay_fraction; not both
+  0.01
+delay_samples = 0 -> command_jitter_s = -1
+  25:20: loop.command_jitter_s is -1 s, but must be from 0 s to 1024 periods
+  -1
+delay_samples = 0 -> lag_s = -1e-4
+  25:9: loop.lag_s is -0.0001 s, but must be finite and not below 0
+  -1e-4
+delay_samples = 0 -> gain = 0
+  25:8: loop.gain is 0, but must be finite and greater than 0
+  0
+delay_samples = 0 -> [told]\ngain = 0
+  26:8: told.gain is 0, but must be finite and greater than 0
+  0
+delay_samples = 0 -> [told]\ndelay_s = 0.2
+  26:11: told.delay_s is 0.2 s, but must be from 0 s to 8 periods
+  0.2
+delay_samples = 0 -> [told]\ndelay_deviation_s = -1e-5
+  26:21: told.delay_deviation_s is -0.00001 s, but must be finite and not below 0
+  -1e-5
+delay_samples = 0 -> [told]\nlag_s = nan
+  26:9: told.lag_s is NaN s, but must be finite and not below 0
+  nan
+delay_samples = 0 -> [told]\ndelay = 1
+  26:1: unknown key delay, did you mean delay_s? Known here: delay_s, delay_deviation_s, lag_s, lag_deviation_s, gain, gain_deviation
+  delay"#,
+        10,
+    );
+}
+
+#[test]
+fn a_transmission_cogging_and_noise_have_ranges_and_belong_together() {
+    assert_faults(
+        r#"encoder_quantum_m = 0 -> noise_m = -1e-6
+  17:11: device.noise_m is -0.000001 m, but must be finite and not below 0
+  -1e-6
+encoder_quantum_m = 0 -> resonance_hz = 0
+  17:16: device.resonance_hz is 0 Hz, but must be above 0 and at most 5000
+  0
+encoder_quantum_m = 0 -> resonance_hz = 150\nresonance_damping_ratio = 2
+  18:27: device.resonance_damping_ratio is 2, but must be from 0 to 1
+  2
+encoder_quantum_m = 0 -> resonance_hz = 150\nmotor_mass_share = 1
+  18:20: device.motor_mass_share is 1, but must be above 0 and below 1
+  1
+encoder_quantum_m = 0 -> resonance_hz = 150\nbacklash_m = -1
+  18:14: device.backlash_m is -1 m, but must be finite and not below 0
+  -1
+encoder_quantum_m = 0 -> backlash_m = 1e-4
+  17:14: this is of a flexible transmission, which needs resonance_hz
+  1e-4
+encoder_quantum_m = 0 -> cogging_n = 0.1
+  17:13: cogging needs both cogging_n and cogging_pitch_m
+  0.1
+encoder_quantum_m = 0 -> cogging_n = 0.1\ncogging_pitch_m = 0
+  18:19: device.cogging_pitch_m is 0 m, but must be finite and greater than 0
+  0"#,
+        8,
     );
 }
 

@@ -197,7 +197,7 @@ fn every_key_ends_up_in_the_scene() {
                 period: 0.04
             }),
             seed: 3,
-            as_recorded: false,
+            ..Timing::default()
         }
     );
     let timing = edit(

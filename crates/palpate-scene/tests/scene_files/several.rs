@@ -38,8 +38,8 @@ fn keys_combinations_and_ranges_are_told_together_in_the_file_s_order() {
              than 0",
             "scene.toml:15:10: only a device of kind pantograph has a preset or a file",
             "scene.toml:26:1: unknown key perod_s, did you mean period_s? Known here: period_s, \
-             delay_samples, delay_fraction, jitter_s, jitter_deviation_s, drop_probability, \
-             dropped_samples, collapse, seed",
+             delay_samples, delay_fraction, delay_s, command_jitter_s, lag_s, gain, jitter_s, \
+             jitter_deviation_s, drop_probability, dropped_samples, collapse, seed",
         ]
     );
 }

@@ -70,6 +70,17 @@ fn every_key_is_written() {
         ("delay_samples = 0", "delay_samples = 3"),
         (
             "delay_samples = 0",
+            "delay_s = 0.0123\ncommand_jitter_s = 0.001\nlag_s = 3e-4\ngain = 0.97\n\n[told]\n\
+             delay_s = 0.013\ndelay_deviation_s = 1e-5\nlag_s = 2e-4\nlag_deviation_s = 1e-4\n\
+             gain = 1.01\ngain_deviation = 0.02",
+        ),
+        (
+            "encoder_quantum_m = 0",
+            "noise_m = 1e-6\nresonance_hz = 150\nresonance_damping_ratio = 0.05\n\
+             motor_mass_share = 0.6\nbacklash_m = 1e-5\ncogging_n = 0.1\ncogging_pitch_m = 0.005",
+        ),
+        (
+            "delay_samples = 0",
             "delay_fraction = 0.3\njitter_s = 0.001\ndrop_probability = 0.2\nseed = 7\n\
              collapse = { from_s = 0.1, until_s = 0.2, period_s = 0.03 }",
         ),

@@ -6,7 +6,9 @@ use palpate::{AnyRenderer, Contact, LoopParams, ObjectState, ParameterValue};
 use palpate_testbed::InvalidParameter;
 
 use palpate_scene::method::{MethodName, SettingKey, Settings};
-use palpate_scene::{HandForceAt, Measure, PointMassDevice, Scene, SetupError, Timing};
+use palpate_scene::{
+    ActuatorParams, HandForceAt, Measure, PointMassDevice, Scene, SetupError, Timing, Told,
+};
 use palpate_sim::closed_loop::LoopError;
 
 /// A device as it is, and what the renderer is told of it.
@@ -181,6 +183,8 @@ impl Bounce {
             told_device_mass: None,
             delay: self.delay,
             timing: Timing::default(),
+            actuator: ActuatorParams::default(),
+            told: Told::default(),
             measure: Measure::Duration(periods as f64 * self.period),
             method: MethodName::Hfcr,
             settings: HashMap::from([(MethodName::Hfcr, default_settings(MethodName::Hfcr))]),

@@ -13,6 +13,12 @@ pub fn of(timing: &Timing) -> Map<String, Value> {
     if timing.delay_fraction > 0.0 {
         put("delay_fraction", json!(timing.delay_fraction));
     }
+    if timing.delay_seconds > 0.0 {
+        put("delay_s", json!(timing.delay_seconds));
+    }
+    if timing.command_jitter > 0.0 {
+        put("command_jitter_s", json!(timing.command_jitter));
+    }
     match timing.jitter {
         Jitter::None => {}
         Jitter::Uniform { bound } => {
@@ -50,6 +56,18 @@ pub fn of(timing: &Timing) -> Map<String, Value> {
 pub fn in_words(timing: &Timing) -> String {
     let mut words = Vec::new();
     let milliseconds = |seconds: f64| crate::text::digits(1e3 * seconds);
+    if timing.delay_seconds > 0.0 {
+        words.push(format!(
+            "commands after {} ms",
+            milliseconds(timing.delay_seconds)
+        ));
+    }
+    if timing.command_jitter > 0.0 {
+        words.push(format!(
+            "commands up to {} ms later",
+            milliseconds(timing.command_jitter)
+        ));
+    }
     match timing.jitter {
         Jitter::None => {}
         Jitter::Uniform { bound } | Jitter::Normal { bound, .. } => {

@@ -37,6 +37,11 @@ impl Chance {
         self.share() < share
     }
 
+    /// A whole number that serves as a seed of its own, small enough for every format.
+    pub fn number(&mut self) -> u64 {
+        self.0.next_u64() >> 33
+    }
+
     /// One of three, each as likely as the others.
     pub fn one_of(&mut self, values: [f64; 3]) -> f64 {
         let share = self.share();

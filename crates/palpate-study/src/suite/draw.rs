@@ -6,12 +6,14 @@ use palpate_testbed::reference::{self, POINTS_PER_PERIOD, ReferenceScene, Stop};
 use super::COLLISIONS;
 use super::chance::Chance;
 use palpate_scene::method::MethodName;
-use palpate_scene::{Grip, HandForceAt, Measure, PointMassDevice, Scene, Timing, Wave};
+use palpate_scene::{
+    ActuatorParams, Grip, HandForceAt, Measure, PointMassDevice, Scene, Timing, Told, Wave,
+};
 use palpate_sim::closed_loop::{LoopError, object_mass};
 use palpate_sim::sampled_loop::device_of;
 
 /// Gravity on the object `[m/s²]`.
-const GRAVITY: f64 = 9.81;
+pub(super) const GRAVITY: f64 = 9.81;
 
 /// Times to search for the collisions `[s]`: most plants have had theirs in the first, and one that
 /// has not in the last is drawn again.
@@ -37,7 +39,8 @@ pub struct RandomPlant {
     pub object_kappa: f64,
     /// Speed of the first impact without the hand's spring and damper and without friction `[m/s]`.
     pub impact_speed: f64,
-    /// The plant without delay, as a scene.
+    /// The plant as a scene: without delay in the paper's set, told as calibrated in those with real
+    /// actuators.
     pub scene: Scene,
 }
 
@@ -54,23 +57,34 @@ pub enum DrawError {
 }
 
 impl RandomPlant {
-    /// Plant number `index` of `seed`: always the same one.
+    /// Plant number `index` of `seed` of the set of the paper: always the same one.
     ///
     /// # Errors
     /// None is known; the types say what would be one.
     pub fn draw(seed: u64, index: usize) -> Result<Self, DrawError> {
-        let mut chance = Chance::new(seed, index as u64);
-        for redrawn in 0..MOST_DRAWS {
-            let mut plant = draw(&mut chance);
-            if collides(&plant.scene).map_err(|error| DrawError::Bench(index, error))? {
-                plant.index = index;
-                plant.redrawn = redrawn;
-                plant.scene.title = format!("Random plant {index} of seed {seed}");
-                return Ok(plant);
-            }
-        }
-        Err(DrawError::NeverCollides(index))
+        colliding(seed, index, "Random plant", draw)
     }
+}
+
+/// The first plant that collides as often as it should, of those that `draw` draws for number `index` of
+/// `seed`; its title begins with `kind`.
+pub(super) fn colliding(
+    seed: u64,
+    index: usize,
+    kind: &str,
+    draw: fn(&mut Chance) -> RandomPlant,
+) -> Result<RandomPlant, DrawError> {
+    let mut chance = Chance::new(seed, index as u64);
+    for redrawn in 0..MOST_DRAWS {
+        let mut plant = draw(&mut chance);
+        if collides(&plant.scene).map_err(|error| DrawError::Bench(index, error))? {
+            plant.index = index;
+            plant.redrawn = redrawn;
+            plant.scene.title = format!("{kind} {index} of seed {seed}");
+            return Ok(plant);
+        }
+    }
+    Err(DrawError::NeverCollides(index))
 }
 
 /// The next draw. Every number is drawn whether it is used or not, so that one choice does not move
@@ -139,6 +153,8 @@ fn draw(chance: &mut Chance) -> RandomPlant {
             release: None,
             delay: 0,
             timing: Timing::default(),
+            actuator: ActuatorParams::default(),
+            told: Told::default(),
             measure: Measure::Collisions(COLLISIONS),
             method: MethodName::default(),
             settings: std::collections::HashMap::new(),

@@ -2,27 +2,31 @@
 //!
 //! A scene that somebody chose says how good a method is on that scene. [`RandomPlant`] draws
 //! devices, hands, objects and sensors over the whole range that desktop devices have, [`run`]
-//! judges columns of methods on them, without and with a delay, and [`summary`] says how the
+//! judges columns of methods on them, under the [`Condition`]s of a [`Set`], and [`summary`] says how the
 //! errors are spread. What is drawn, and how, stands in `docs/suite.md`.
 
 mod chance;
 mod column;
+mod desk;
 mod draw;
 pub mod report;
+mod set;
 mod spread;
+mod steps;
 pub mod table;
 
 pub use column::{Column, ColumnError, Dampings};
 pub use draw::{DrawError, RandomPlant};
+pub use set::{Condition, Set, Telling};
 pub use spread::{Summary, quantile, summary};
+pub use steps::Step;
 
 use palpate_testbed::metrics::{Fidelity, ForceJudgement};
 use rayon::prelude::*;
 
-use palpate_scene::Scene;
 use palpate_sim::closed_loop::{Bench, LoopError};
 
-/// Delays that every plant is judged with `[samples]`.
+/// Delays that every plant of the paper's set is judged with `[samples]`.
 pub const DELAYS: [usize; 2] = [0, 1];
 
 /// Collisions of the ideal over which a plant is judged.
@@ -37,25 +41,27 @@ pub struct Judged {
     pub periods: usize,
     /// Error of any interval's impulse of the ideal, relative to the largest.
     pub ideal_error: f64,
-    /// Largest force of the ideal `[N]`.
+    /// Largest force of the ideal under the first condition `[N]`.
     pub ideal_peak: f64,
-    /// For each delay of [`DELAYS`] every column, in their order.
+    /// For each condition of the set every column, in their order.
     pub trials: Vec<Trial>,
 }
 
-/// What one column did on one plant with one delay.
+/// What one column did on one plant under one condition.
 #[derive(Clone, Debug)]
 pub struct Trial {
     /// Which of the columns.
     pub column: usize,
-    /// Delay between measuring and actuating `[samples]`.
-    pub delay: usize,
+    /// Which of the conditions of the set.
+    pub condition: usize,
     /// The damping that was best here `[N s/m]`, of a column that chooses.
     pub damping: Option<f64>,
     /// Samples that were taken.
     pub samples: usize,
     /// Samples whose force a limit or a guard changed.
     pub limited: usize,
+    /// Largest force of the ideal under this condition `[N]`.
+    pub ideal_peak: f64,
     /// Errors over the window.
     pub fidelity: Fidelity,
     /// The verdict on the force, collision by collision.
@@ -91,44 +97,57 @@ pub enum SuiteError {
     },
 }
 
-/// Judges `columns` on the first `plants` plants of `seed`; `done` hears of each plant that is
+/// Judges `columns` on the first `plants` plants of `seed` of a `set`; `done` hears of each plant that is
 /// finished. Plants are judged on as many threads as rayon has; what comes out does not depend on
 /// how many those are, bit by bit.
 ///
 /// # Errors
 /// Settings that do not make a column's method.
 pub fn run(
+    set: Set,
     seed: u64,
     plants: usize,
     columns: &[Column],
     done: impl Fn() + Sync,
 ) -> Result<Vec<Judged>, SuiteError> {
+    let conditions = set.conditions();
     (0..plants)
         .into_par_iter()
         .map(|index| {
-            let judged = judge(RandomPlant::draw(seed, index)?, columns);
+            let judged = judge(set.draw(seed, index)?, &conditions, columns);
             done();
             judged
         })
         .collect()
 }
 
-fn judge(plant: RandomPlant, columns: &[Column]) -> Result<Judged, SuiteError> {
+/// Largest force of a bench's ideal `[N]`.
+fn peak(bench: &Bench<'_>) -> f64 {
+    let collisions = bench.reference().profile.collisions().iter();
+    collisions.map(|one| one.peak_force).fold(0.0, f64::max)
+}
+
+fn judge(
+    plant: RandomPlant,
+    conditions: &[Condition],
+    columns: &[Column],
+) -> Result<Judged, SuiteError> {
     let index = plant.index;
     let of_plant = |error| SuiteError::Plant {
         plant: index,
         error,
     };
-    let bench = Bench::new(&plant.scene).map_err(of_plant)?;
-    let mut trials = Vec::with_capacity(DELAYS.len() * columns.len());
-    for delay in DELAYS {
+    let first = conditions[0].of(&plant);
+    let shared = Bench::new(&first).map_err(of_plant)?;
+    let mut trials = Vec::with_capacity(conditions.len() * columns.len());
+    for (place, condition) in conditions.iter().enumerate() {
+        let scene = condition.of(&plant);
+        let own = (!shared.judges(&scene)).then(|| Bench::new(&scene));
+        let own = own.transpose().map_err(of_plant)?;
+        let bench = own.as_ref().unwrap_or(&shared);
         for (number, column) in columns.iter().enumerate() {
-            let delayed = Scene {
-                delay,
-                ..plant.scene.clone()
-            };
             let mut best: Option<Trial> = None;
-            for (damping, scene) in column.candidates(&delayed) {
+            for (damping, scene) in column.candidates(&scene) {
                 let run = bench.run_varied(&scene, column.method).map_err(|error| {
                     SuiteError::Column {
                         column: column.name.clone(),
@@ -146,7 +165,8 @@ fn judge(plant: RandomPlant, columns: &[Column]) -> Result<Judged, SuiteError> {
                 }
                 best = Some(Trial {
                     column: number,
-                    delay,
+                    condition: place,
+                    ideal_peak: peak(bench),
                     damping,
                     fidelity,
                     diverged: run.diverged == Some(true),
@@ -158,12 +178,11 @@ fn judge(plant: RandomPlant, columns: &[Column]) -> Result<Judged, SuiteError> {
             trials.extend(best);
         }
     }
-    let reference = bench.reference();
-    let collisions = reference.profile.collisions().iter();
+    let reference = shared.reference();
     Ok(Judged {
         periods: reference.profile.intervals(),
         ideal_error: reference.error,
-        ideal_peak: collisions.map(|one| one.peak_force).fold(0.0, f64::max),
+        ideal_peak: peak(&shared),
         trials,
         plant,
     })

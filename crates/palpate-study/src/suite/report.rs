@@ -6,7 +6,7 @@ use std::path::Path;
 use comfy_table::CellAlignment;
 use serde::Serialize;
 
-use super::{COLLISIONS, Column, DELAYS, Judged, Summary, summary};
+use super::{COLLISIONS, Column, Condition, Judged, Set, Summary, summary};
 use crate::text::{counted, lines, number, percent, plain_table, short};
 
 /// Name and version of the JSON report.
@@ -19,6 +19,9 @@ pub struct SuiteReport {
     /// Name and version of this JSON.
     #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
     pub format: &'static str,
+    /// Name of the set, where it is not the paper's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub set: Option<&'static str>,
     /// Seed of the draws.
     pub seed: u64,
     /// Number of plants.
@@ -34,6 +37,8 @@ pub struct SuiteReport {
     /// Files that were written.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<String>,
+    #[serde(skip)]
+    in_words: Vec<String>,
 }
 
 /// What a column did on all plants.
@@ -44,16 +49,24 @@ pub struct ColumnReport {
     pub name: String,
     /// Name of the method.
     pub method: &'static str,
-    /// One entry for each delay.
-    pub delays: Vec<DelayReport>,
+    /// One entry for each delay, of the paper's set.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub delays: Vec<ConditionReport>,
+    /// One entry for each condition, of every other set.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub conditions: Vec<ConditionReport>,
 }
 
-/// What a column did on all plants with one delay.
+/// What a column did on all plants under one condition.
 #[derive(Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct DelayReport {
-    /// Delay of the loop `[samples]`.
-    pub delay_samples: usize,
+pub struct ConditionReport {
+    /// Delay of the loop, of the paper's set `[samples]`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub delay_samples: Option<usize>,
+    /// The condition in words, of every other set.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub condition: Option<String>,
     /// Mean-force error E `[%]`.
     pub mean_force_error_percent: Quantiles,
     /// FRE over the hold floor.
@@ -85,11 +98,12 @@ pub struct Quantiles {
     pub largest: Option<f64>,
 }
 
-impl From<Summary> for DelayReport {
-    fn from(summary: Summary) -> Self {
+impl ConditionReport {
+    fn new(condition: Condition, summary: &Summary) -> Self {
         let [median, three_quarters, nine_tenths, largest] = summary.error;
         Self {
-            delay_samples: summary.delay,
+            delay_samples: condition.delay(),
+            condition: condition.delay().is_none().then(|| condition.to_string()),
             mean_force_error_percent: Quantiles {
                 median,
                 quantile_75: Some(three_quarters),
@@ -113,12 +127,33 @@ impl From<Summary> for DelayReport {
     }
 }
 
+impl ColumnReport {
+    /// What was found under the condition of this place.
+    fn found(&self, place: usize) -> &ConditionReport {
+        self.delays
+            .get(place)
+            .unwrap_or_else(|| &self.conditions[place])
+    }
+}
+
 impl SuiteReport {
-    /// The report on what [`run`](super::run) gave for `seed` and `columns`.
-    pub fn new(seed: u64, columns: &[Column], judged: &[Judged]) -> Self {
+    /// The report on what [`run`](super::run) gave for `set`, `seed` and `columns`.
+    pub fn new(set: Set, seed: u64, columns: &[Column], judged: &[Judged]) -> Self {
+        let conditions = set.conditions();
+        let reports = |index: usize, of_delays: bool| -> Vec<ConditionReport> {
+            let places = conditions.iter().enumerate();
+            places
+                .filter(|(_, condition)| condition.delay().is_some() == of_delays)
+                .filter_map(|(place, condition)| {
+                    let summary = summary(judged, index, place)?;
+                    Some(ConditionReport::new(*condition, &summary))
+                })
+                .collect()
+        };
         let ideal_errors = judged.iter().map(|one| one.ideal_error);
         Self {
             format: FORMAT,
+            set: (set != Set::Paper).then(|| set.name()),
             seed,
             plants: judged.len(),
             redrawn: judged.iter().map(|one| u64::from(one.plant.redrawn)).sum(),
@@ -130,14 +165,12 @@ impl SuiteReport {
                 .map(|(index, column)| ColumnReport {
                     name: column.name.clone(),
                     method: column.method.name(),
-                    delays: DELAYS
-                        .into_iter()
-                        .filter_map(|delay| summary(judged, index, delay))
-                        .map(DelayReport::from)
-                        .collect(),
+                    delays: reports(index, true),
+                    conditions: reports(index, false),
                 })
                 .collect(),
             files: Vec::new(),
+            in_words: conditions.iter().map(ToString::to_string).collect(),
         }
     }
 
@@ -151,14 +184,16 @@ impl fmt::Display for SuiteReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             f,
-            "{}, seed {}, {} each; {} were drawn again for want of collisions",
+            "{}{}, seed {}, {} each; {} were drawn again for want of collisions",
             counted(self.plants, "random plant"),
+            self.set
+                .map_or_else(String::new, |set| format!(" of the set {set}")),
             self.seed,
             counted(self.collisions, "collision"),
             self.redrawn
         )?;
-        for (place, delay) in DELAYS.into_iter().enumerate() {
-            writeln!(f, "\n{}\n", delay_in_words(delay))?;
+        for (place, condition) in self.in_words.iter().enumerate() {
+            writeln!(f, "\n{condition}\n")?;
             let header = [
                 "method",
                 "E % median",
@@ -176,12 +211,12 @@ impl fmt::Display for SuiteReport {
             let limited = self
                 .columns
                 .iter()
-                .any(|column| column.delays[place].limited_plants > 0);
+                .any(|column| column.found(place).limited_plants > 0);
             let header = &header[..header.len() - if limited { 0 } else { 2 }];
             let mut table = plain_table(CellAlignment::Left, header);
             let ratio = |value: Option<f64>| number(value, |ratio| short(ratio, 2));
             for column in &self.columns {
-                let found = &column.delays[place];
+                let found = column.found(place);
                 let error = &found.mean_force_error_percent;
                 let mut cells = vec![
                     (&*column.name).into(),
@@ -209,13 +244,5 @@ impl fmt::Display for SuiteReport {
             writeln!(f, "wrote {file}")?;
         }
         Ok(())
-    }
-}
-
-/// `no delay`, `1 sample of delay`.
-pub fn delay_in_words(delay: usize) -> String {
-    match delay {
-        0 => "no delay".into(),
-        _ => format!("{} of delay", counted(delay, "sample")),
     }
 }

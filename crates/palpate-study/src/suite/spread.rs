@@ -2,13 +2,13 @@
 
 use super::{Judged, Trial};
 
-/// What a column did over all plants with one delay.
+/// What a column did over all plants under one condition.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
     /// Which of the columns.
     pub column: usize,
-    /// Delay between measuring and actuating `[samples]`.
-    pub delay: usize,
+    /// Which of the conditions of the set.
+    pub condition: usize,
     /// Mean-force error E `[%]`: median, 75 %, 90 %, largest.
     pub error: [f64; 4],
     /// FRE over floor: median and 90 %.
@@ -23,11 +23,13 @@ pub struct Summary {
     pub peak_ratio: [f64; 2],
 }
 
-/// Summary of `column` with `delay` `[samples]`; `None` without a plant.
-pub fn summary(judged: &[Judged], column: usize, delay: usize) -> Option<Summary> {
+/// Summary of `column` under the `condition` of this place in the set; `None` without a plant. In the
+/// paper's set a condition's place is its delay.
+pub fn summary(judged: &[Judged], column: usize, condition: usize) -> Option<Summary> {
     let trials = || {
         judged.iter().flat_map(move |one| {
-            let of_column = move |trial: &&Trial| trial.column == column && trial.delay == delay;
+            let of_column =
+                move |trial: &&Trial| trial.column == column && trial.condition == condition;
             one.trials
                 .iter()
                 .filter(of_column)
@@ -42,10 +44,10 @@ pub fn summary(judged: &[Judged], column: usize, delay: usize) -> Option<Summary
     let errors = sorted(&|_, trial| trial.fidelity.mean_force_error);
     // A floor of 0 is no floor to be over.
     let ratios = sorted(&|_, trial| trial.fidelity.error_over_floor.unwrap_or(f64::INFINITY));
-    let peaks = sorted(&|one, trial| trial.force.peak_force / one.ideal_peak);
+    let peaks = sorted(&|_, trial| trial.force.peak_force / trial.ideal_peak);
     Some(Summary {
         column,
-        delay,
+        condition,
         error: [
             quantile(&errors, 0.5)?,
             quantile(&errors, 0.75)?,

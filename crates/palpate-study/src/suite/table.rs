@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use super::{COLLISIONS, Column, Judged, Trial};
+use super::{COLLISIONS, Column, Condition, Judged, Set, Trial};
 use palpate::Mass;
 use palpate_record::run::{Cell, RunWriteError, RunWriter};
 
@@ -34,9 +34,28 @@ const PLANT: [&str; 24] = [
     "hold_floor_percent",
 ];
 
-/// What is said of a column on a plant, before its collisions.
-const TRIAL: [&str; 11] = [
-    "delay_samples",
+/// What is said of a plant beside that, in sets with real actuators: the truth as it was drawn, and what
+/// the scene tells the renderer.
+const ACTUATOR: [&str; 15] = [
+    "delay_s",
+    "command_jitter_s",
+    "lag_s",
+    "gain",
+    "told_delay_s",
+    "told_lag_s",
+    "told_gain",
+    "resonance_hz",
+    "resonance_damping_ratio",
+    "motor_mass_share",
+    "backlash_m",
+    "cogging_n",
+    "cogging_pitch_m",
+    "noise_m",
+    "schedule_seed",
+];
+
+/// What is said of a column on a plant after its condition, before its collisions.
+const TRIAL: [&str; 10] = [
     "column",
     "method",
     "damping_n_s_per_m",
@@ -52,28 +71,50 @@ const TRIAL: [&str; 11] = [
 /// Writes a row for each trial, with a receipt of what made them.
 pub fn write(
     writer: &mut dyn Write,
+    set: Set,
     seed: u64,
     columns: &[Column],
     judged: &[Judged],
 ) -> Result<(), RunWriteError> {
-    let receipt = [
+    let is_paper = set == Set::Paper;
+    let conditions = set.conditions();
+    let in_words: Vec<String> = conditions.iter().map(ToString::to_string).collect();
+    let mut receipt = vec![
         ("palpate_version", env!("CARGO_PKG_VERSION").to_owned()),
         ("seed", seed.to_string()),
         ("plants", judged.len().to_string()),
     ];
+    if !is_paper {
+        receipt.push(("set", set.name().to_owned()));
+    }
     let of_collisions: Vec<String> = (1..=COLLISIONS)
         .flat_map(|number| {
             ["impulse", "peak_force"].map(|what| format!("collision_{number}_{what}_error_percent"))
         })
         .collect();
     let mut header = PLANT.to_vec();
+    if is_paper {
+        header.push("delay_samples");
+    } else {
+        header.extend(ACTUATOR);
+        header.push("condition");
+    }
     header.extend(TRIAL);
     header.extend(of_collisions.iter().map(String::as_str));
     let mut file = RunWriter::new(writer, &receipt, &header)?;
     for one in judged {
-        let plant = plant_cells(one);
+        let mut plant = plant_cells(one).to_vec();
+        if !is_paper {
+            plant.extend(actuator_cells(one));
+        }
         for trial in &one.trials {
             let mut row: Vec<Cell> = plant.iter().copied().map(Cell::from).collect();
+            row.push(match conditions[trial.condition] {
+                Condition::Delay(delay) => Cell::from(delay as f64),
+                Condition::Told(_) | Condition::Step(_) => {
+                    Cell::from(in_words[trial.condition].as_str())
+                }
+            });
             row.extend(trial_cells(trial, columns));
             file.row(&row)?;
         }
@@ -121,12 +162,37 @@ fn plant_cells(one: &Judged) -> [f64; PLANT.len()] {
     ]
 }
 
+/// In the order of [`ACTUATOR`]. Where there is no transmission or no cogging, there is no number of it.
+fn actuator_cells(one: &Judged) -> [f64; ACTUATOR.len()] {
+    let scene = &one.plant.scene;
+    let told = scene.told_actuation();
+    let (transmission, cogging) = (scene.device.transmission, scene.device.cogging);
+    let of_transmission =
+        |value: fn(palpate_scene::Transmission) -> f64| transmission.map_or(f64::NAN, value);
+    [
+        scene.timing.delay_seconds,
+        scene.timing.command_jitter,
+        scene.actuator.lag,
+        scene.actuator.gain,
+        told.delay,
+        told.lag,
+        told.gain,
+        of_transmission(|one| one.resonance_hz),
+        of_transmission(|one| one.damping_ratio),
+        of_transmission(|one| one.motor_share),
+        of_transmission(|one| one.backlash),
+        cogging.map_or(f64::NAN, |one| one.amplitude),
+        cogging.map_or(f64::NAN, |one| one.pitch),
+        scene.device.noise,
+        scene.timing.seed as f64,
+    ]
+}
+
 /// In the order of [`TRIAL`], and then the collisions. A collision that was not rendered has no
 /// errors.
 fn trial_cells<'a>(trial: &Trial, columns: &'a [Column]) -> Vec<Cell<'a>> {
     let column = &columns[trial.column];
     let mut cells = vec![
-        Cell::from(trial.delay as f64),
         Cell::from(column.name.as_str()),
         Cell::from(column.method.name()),
         // Empty where there is no choice.

@@ -16,6 +16,8 @@ pub enum ScheduleParameter {
     JitterDeviation,
     Dropped,
     DelayFraction,
+    DelaySeconds,
+    CommandJitter,
 }
 
 impl ScheduleParameter {
@@ -30,6 +32,8 @@ impl ScheduleParameter {
             Self::JitterDeviation => "jitter.deviation",
             Self::Dropped => "dropped",
             Self::DelayFraction => "delay.fraction",
+            Self::DelaySeconds => "delay.seconds",
+            Self::CommandJitter => "delay.jitter",
         }
     }
 }

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use palpate_files::outputs::Outputs;
 use palpate_scene::method::MethodName;
-use palpate_study::suite::report::{SuiteReport, delay_in_words};
-use palpate_study::suite::{self, Column, Judged, table};
+use palpate_study::suite::report::SuiteReport;
+use palpate_study::suite::{self, Column, Judged, Set, table};
 
 use crate::arguments::{Compared, SuiteArguments};
 use crate::failure::Failure;
@@ -18,26 +18,28 @@ use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 pub fn run(arguments: &SuiteArguments) -> Result<(), Failure> {
     let plants = arguments.plants as usize;
     let outputs = outputs(arguments, plants)?;
-    let columns = arguments.compared.columns()?;
+    let set = arguments.set;
+    let columns = arguments.compared.columns_or(|| set.columns())?;
     let progress = Progress::new(plants);
     progress.begin("plants");
-    let judged = suite::run(arguments.seed, plants, &columns, || progress.advance())
+    let judged = suite::run(set, arguments.seed, plants, &columns, || progress.advance())
         .map_err(Failure::input)?;
     drop(progress);
 
-    let mut report = SuiteReport::new(arguments.seed, &columns, &judged);
+    let mut report = SuiteReport::new(set, arguments.seed, &columns, &judged);
     if let Some(folder) = &arguments.write_scenes {
         report.wrote(&write_scenes(&outputs, folder, &judged)?);
     }
     if let Some(path) = &arguments.out {
         outputs.write(path, |writer| {
-            table::write(writer, arguments.seed, &columns, &judged).map_err(std::io::Error::from)
+            table::write(writer, set, arguments.seed, &columns, &judged)
+                .map_err(std::io::Error::from)
         })?;
         report.wrote(path);
     }
     if let Some(path) = &arguments.picture.plot {
         let drawn = arguments.compared.drawn(&columns);
-        let figure = figure(arguments.seed, &columns, &drawn, &judged);
+        let figure = figure(set, arguments.seed, &columns, &drawn, &judged);
         draw(&outputs, path, &figure, arguments.picture.size)?;
         report.wrote(path);
     }
@@ -45,12 +47,22 @@ pub fn run(arguments: &SuiteArguments) -> Result<(), Failure> {
 }
 
 impl Compared {
-    /// What is compared: methods with their defaults, or the columns of a file.
+    /// What is compared: methods with their defaults, or the columns of a file; every method where none is
+    /// named.
     pub fn columns(&self) -> Result<Vec<Column>, Failure> {
+        self.columns_or(|| MethodName::ALL.map(Column::of).to_vec())
+    }
+
+    /// The same, with `otherwise` where nothing is named.
+    pub fn columns_or(
+        &self,
+        otherwise: impl FnOnce() -> Vec<Column>,
+    ) -> Result<Vec<Column>, Failure> {
         let Some(path) = &self.columns else {
-            let methods = self.method.as_ref().map(|methods| methods.0.clone());
-            let methods = methods.unwrap_or_else(|| MethodName::ALL.to_vec());
-            return Ok(methods.into_iter().map(Column::of).collect());
+            let Some(methods) = &self.method else {
+                return Ok(otherwise());
+            };
+            return Ok(methods.0.iter().copied().map(Column::of).collect());
         };
         let name = path.display();
         let text = std::fs::read_to_string(path)
@@ -119,15 +131,20 @@ fn role(columns: &[Column], number: usize) -> Role {
 /// Logarithm of the largest error E that is drawn: the force is then lost in any case.
 const LARGEST_DRAWN: f64 = 3.0;
 
-/// The distribution of E of every column, a panel for each delay.
-fn figure(seed: u64, columns: &[Column], drawn: &[usize], judged: &[Judged]) -> Figure {
-    let panel = |delay: usize| Panel {
+/// The distribution of E of every column, a panel for each condition.
+fn figure(set: Set, seed: u64, columns: &[Column], drawn: &[usize], judged: &[Judged]) -> Figure {
+    let conditions = set.conditions();
+    let of_set = match set {
+        Set::Paper => String::new(),
+        other => format!(" of the set {other}"),
+    };
+    let panel = |condition: usize| Panel {
         series: (drawn.iter().copied())
             .map(|number| {
                 let mut errors: Vec<f64> = judged
                     .iter()
                     .flat_map(|one| &one.trials)
-                    .filter(|trial| trial.column == number && trial.delay == delay)
+                    .filter(|trial| trial.column == number && trial.condition == condition)
                     .map(|trial| trial.fidelity.mean_force_error.log10())
                     .collect();
                 errors.sort_by(f64::total_cmp);
@@ -151,8 +168,8 @@ fn figure(seed: u64, columns: &[Column], drawn: &[usize], judged: &[Judged]) -> 
             .collect(),
     };
     Figure {
-        title: finding(columns, drawn, judged),
-        subtitle: format!("{} random plants, seed {seed}", judged.len()),
+        title: finding(set, columns, drawn, judged),
+        subtitle: format!("{} random plants{of_set}, seed {seed}", judged.len()),
         footnote: Some(
             "Share of the plants on which E, the error of the mean force of each period, is at most so large: \
              the further left, the better. Errors above 1000 % are not drawn."
@@ -160,25 +177,30 @@ fn figure(seed: u64, columns: &[Column], drawn: &[usize], judged: &[Judged]) -> 
         ),
         x_label: "mean-force error E [%]".into(),
         x_decades: true,
-        columns: suite::DELAYS.map(delay_in_words).to_vec(),
+        columns: conditions.iter().map(ToString::to_string).collect(),
         rows: vec![Row {
             y_label: "plants [%]".into(),
             y_decades: false,
             limits: Limits::Data,
-            panels: suite::DELAYS.map(panel).to_vec(),
+            panels: (0..conditions.len()).map(panel).collect(),
         }],
     }
 }
 
-/// On how many of the plants each column's force is within E < 20 %, for the two best, without a delay.
-fn finding(columns: &[Column], drawn: &[usize], judged: &[Judged]) -> String {
+/// On how many of the plants each column's force is within E < 20 %, for the two best: without a delay in
+/// the paper's set, under the last condition of the others.
+fn finding(set: Set, columns: &[Column], drawn: &[usize], judged: &[Judged]) -> String {
     const FAITHFUL_PERCENT: f64 = 20.0;
-    let delay = suite::DELAYS[0];
+    let conditions = set.conditions();
+    let condition = match set {
+        Set::Paper => 0,
+        Set::Desk | Set::Real | Set::Steps => conditions.len() - 1,
+    };
     let mut shares: Vec<(&str, f64)> = (drawn.iter().copied())
         .map(|number| {
             let of_column = judged.iter().flat_map(|one| &one.trials);
             let faithful = of_column
-                .filter(|trial| trial.column == number && trial.delay == delay)
+                .filter(|trial| trial.column == number && trial.condition == condition)
                 .filter(|trial| trial.fidelity.mean_force_error < FAITHFUL_PERCENT)
                 .count();
             (
@@ -193,7 +215,7 @@ fn finding(columns: &[Column], drawn: &[usize], judged: &[Judged]) -> String {
         .collect();
     format!(
         "E below {FAITHFUL_PERCENT} % with {}: {} of the plants",
-        delay_in_words(delay),
+        conditions[condition],
         best.join(", ")
     )
 }

@@ -1,0 +1,104 @@
+//! What a renderer is told of the loop's actuator.
+
+use palpate::{Actuation, LARGEST_DELAY, Parameter, Range};
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::Scene;
+use super::fault::Places;
+use super::parameter::SceneParameter as Of;
+
+/// What stands in place of the truth, or beside it; nothing by default. Without it a renderer is told the
+/// delay of whole samples or of `delay_s`, the lag and the gain as they are, without any deviation. It is
+/// not told a fraction of a period, nor the jitter of commands.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Told {
+    /// Delay `[s]`.
+    pub delay: Option<f64>,
+    /// Standard deviation of the delay, its changes from command to command included `[s]`.
+    pub delay_deviation: Option<f64>,
+    /// Lag `[s]`.
+    pub lag: Option<f64>,
+    /// Standard deviation of the lag `[s]`.
+    pub lag_deviation: Option<f64>,
+    /// Delivered over commanded force.
+    pub gain: Option<f64>,
+    /// Standard deviation of the gain.
+    pub gain_deviation: Option<f64>,
+}
+
+/// `[told]` of a scene file.
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawTold {
+    delay_s: Option<Spanned<f64>>,
+    delay_deviation_s: Option<Spanned<f64>>,
+    lag_s: Option<Spanned<f64>>,
+    lag_deviation_s: Option<Spanned<f64>>,
+    gain: Option<Spanned<f64>>,
+    gain_deviation: Option<Spanned<f64>>,
+}
+
+impl RawTold {
+    pub fn read(self, places: &mut Places<Of>) -> Told {
+        let mut take = |parameter: Of, value: Option<Spanned<f64>>| {
+            value.map(|value| places.take(parameter, value))
+        };
+        Told {
+            delay: take(Of::ToldDelay, self.delay_s),
+            delay_deviation: take(Parameter::DelayDeviation.into(), self.delay_deviation_s),
+            lag: take(Parameter::Lag.into(), self.lag_s),
+            lag_deviation: take(Parameter::LagDeviation.into(), self.lag_deviation_s),
+            gain: take(Parameter::Gain.into(), self.gain),
+            gain_deviation: take(Parameter::GainDeviation.into(), self.gain_deviation),
+        }
+    }
+}
+
+impl Told {
+    /// The values that a renderer checks, with the parameter of each.
+    pub(super) fn checked(&self) -> [(Range, Of, Option<f64>); 5] {
+        [
+            (
+                Range::NotNegative,
+                Parameter::DelayDeviation.into(),
+                self.delay_deviation,
+            ),
+            (Range::NotNegative, Parameter::Lag.into(), self.lag),
+            (
+                Range::NotNegative,
+                Parameter::LagDeviation.into(),
+                self.lag_deviation,
+            ),
+            (Range::Positive, Parameter::Gain.into(), self.gain),
+            (
+                Range::NotNegative,
+                Parameter::GainDeviation.into(),
+                self.gain_deviation,
+            ),
+        ]
+    }
+}
+
+impl Scene {
+    /// What a renderer is told of delay, lag and gain: what is true, but for [`Told`], and at most as long
+    /// a delay as a renderer can be told.
+    pub fn told_actuation(&self) -> Actuation<f64> {
+        let (period, told) = (self.loop_params.period, &self.told);
+        let samples = self.delay.min(LARGEST_DELAY);
+        let longest = LARGEST_DELAY as f64 * period;
+        let delay = match told.delay {
+            Some(delay) => delay.min(longest),
+            None if self.timing.delay_seconds > 0.0 => self.timing.delay_seconds.min(longest),
+            None => Actuation::after_samples(samples, period).delay,
+        };
+        Actuation {
+            delay,
+            lag: told.lag.unwrap_or(self.actuator.lag),
+            gain: told.gain.unwrap_or(self.actuator.gain),
+            delay_deviation: told.delay_deviation.unwrap_or(0.0),
+            lag_deviation: told.lag_deviation.unwrap_or(0.0),
+            gain_deviation: told.gain_deviation.unwrap_or(0.0),
+        }
+    }
+}

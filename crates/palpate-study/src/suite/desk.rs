@@ -1,0 +1,181 @@
+//! Random desktop devices with real actuators.
+
+use palpate::{Contact, LoopParams, ObjectState};
+use palpate_scene::method::MethodName;
+use palpate_scene::{
+    ActuatorParams, Cogging, Grip, HandForceAt, Measure, PointMassDevice, Scene, Timing, Told,
+    Transmission, Wave,
+};
+
+use super::COLLISIONS;
+use super::chance::Chance;
+use super::draw::{GRAVITY, RandomPlant};
+use super::set::truth;
+
+/// Period of a desktop loop `[s]`.
+const PERIOD: f64 = 1e-3;
+/// Largest error of a calibrated delay, in periods.
+const DELAY_ERROR: f64 = 0.02;
+/// Largest error of a calibrated gain at a known mass, relative.
+const GAIN_ERROR: f64 = 0.015;
+
+/// Object, hand and user of a desktop device whose loop, actuator and sensor are perfect.
+pub(super) fn base(chance: &mut Chance) -> RandomPlant {
+    let mass = chance.log_between(0.08, 0.4);
+    let stiffness = chance.log_between(500.0, 10_000.0);
+    let object_mass = chance.log_between(0.03, 0.5);
+    let push = chance.between(2.0, 10.0);
+    let impact_speed = chance.between(0.2, 1.0);
+    let viscous_friction = mass * chance.between(0.0, 1.0);
+    let user_force = mass * push;
+    let is_held = chance.happens(0.7);
+    let grip = Grip {
+        mass: mass * chance.between(0.0, 1.0),
+        stiffness: chance.log_between(10.0, 300.0),
+        damping: chance.between(0.5, 5.0),
+        // Where the device starts: the spring is relaxed, and the user's force pushes on top.
+        position: 0.0,
+        swing: None,
+        intention: None,
+    };
+    let trembles = chance.happens(0.5);
+    let tremor = Wave {
+        amplitude: 0.2 * user_force,
+        frequency_hz: chance.between(4.0, 12.0),
+    };
+    let per_stiffness = PERIOD * PERIOD;
+    RandomPlant {
+        index: 0,
+        redrawn: 0,
+        kappa: stiffness * per_stiffness / mass,
+        object_kappa: stiffness * per_stiffness / object_mass,
+        impact_speed,
+        scene: Scene {
+            title: String::new(),
+            contact: Contact::object(stiffness, object_mass),
+            loop_params: LoopParams {
+                // A loop that diverges is to be seen doing so, as in scene files.
+                speed_limit: None,
+                ..LoopParams::new(PERIOD)
+            },
+            object: ObjectState::at_rest(impact_speed * impact_speed / (2.0 * (push + GRAVITY))),
+            virtual_force: -GRAVITY * object_mass,
+            device: PointMassDevice {
+                mass,
+                encoder_quantum: 1e-6,
+                viscous_friction,
+                ..PointMassDevice::default()
+            },
+            told_device_mass: None,
+            user_force,
+            user_force_at: HandForceAt::default(),
+            object_radius: 0.0,
+            linkage: None,
+            grip: is_held.then_some(grip),
+            recorded_hand: None,
+            tremor: trembles.then_some(tremor),
+            release: None,
+            delay: 0,
+            timing: Timing {
+                seed: chance.number(),
+                ..Timing::default()
+            },
+            actuator: ActuatorParams::default(),
+            told: Told::default(),
+            measure: Measure::Collisions(COLLISIONS),
+            method: MethodName::Coupled,
+            settings: std::collections::HashMap::new(),
+        },
+    }
+}
+
+/// A desktop device with everything that is not perfect about it, told with a calibration's errors.
+pub(super) fn desk(chance: &mut Chance) -> RandomPlant {
+    let mut plant = base(chance);
+    let scene = &mut plant.scene;
+    let user_force = scene.user_force;
+    scene.timing.delay_seconds = PERIOD * chance.between(0.0, 1.5);
+    let lag = chance.between(0.0, 5e-4);
+    scene.timing.command_jitter = PERIOD * chance.between(0.0, 0.1);
+    scene.actuator = ActuatorParams {
+        lag,
+        gain: chance.between(0.95, 1.05),
+    };
+    let rubs = chance.happens(0.5);
+    let coulomb_friction = user_force * chance.between(0.0, 0.3);
+    let cogs = chance.happens(0.5);
+    let cogging = Cogging {
+        amplitude: user_force * chance.between(0.0, 0.2),
+        pitch: chance.log_between(0.002, 0.01),
+    };
+    let is_flexible = chance.happens(0.5);
+    let transmission = transmission(chance, 50.0, 300.0);
+    let plays = chance.happens(0.5);
+    let backlash = chance.between(0.0, 1e-4);
+    let device = &mut scene.device;
+    device.encoder_quantum = chance.log_between(1e-6, 1e-4);
+    let is_noisy = chance.happens(0.5);
+    let noise = chance.between(0.0, 5e-6);
+    if rubs {
+        device.coulomb_friction = coulomb_friction;
+    }
+    device.cogging = cogs.then_some(cogging);
+    device.transmission = is_flexible.then_some(Transmission {
+        backlash: if plays { backlash } else { 0.0 },
+        ..transmission
+    });
+    if is_noisy {
+        device.noise = noise;
+    }
+    calibrate(scene, chance);
+    plant
+}
+
+/// The plausible device, varied: a transmission of about 150 Hz, about .3 ms of lag, about half a period of
+/// delay, friction, cogging and an encoder of 10 um, told with a calibration's errors.
+pub(super) fn real(chance: &mut Chance) -> RandomPlant {
+    let mut plant = base(chance);
+    let scene = &mut plant.scene;
+    let user_force = scene.user_force;
+    scene.timing.delay_seconds = PERIOD * chance.between(0.3, 0.7);
+    scene.actuator.lag = chance.between(2e-4, 4e-4);
+    let device = &mut scene.device;
+    device.coulomb_friction = user_force * chance.between(0.05, 0.15);
+    device.cogging = Some(Cogging {
+        amplitude: user_force * chance.between(0.05, 0.15),
+        pitch: chance.log_between(0.003, 0.008),
+    });
+    device.transmission = Some(transmission(chance, 120.0, 190.0));
+    device.encoder_quantum = 1e-5;
+    calibrate(scene, chance);
+    plant
+}
+
+/// A transmission with a resonance between two frequencies `[Hz]`.
+fn transmission(chance: &mut Chance, from: f64, to: f64) -> Transmission {
+    Transmission {
+        resonance_hz: chance.log_between(from, to),
+        damping_ratio: chance.log_between(0.01, 0.1),
+        motor_share: chance.between(0.3, 0.7),
+        backlash: 0.0,
+    }
+}
+
+/// Tells the renderer the truth with a calibration's errors, and how uncertain it is.
+fn calibrate(scene: &mut Scene, chance: &mut Chance) {
+    let truth = truth(scene);
+    let delay_error = PERIOD * chance.between(-DELAY_ERROR, DELAY_ERROR);
+    let gain_error = chance.between(-GAIN_ERROR, GAIN_ERROR);
+    // The deviation of an even distribution, and that of the jitter beside it.
+    let third = 1.0 / 3.0_f64.sqrt();
+    let of_calibration = third * DELAY_ERROR * PERIOD;
+    let of_jitter = truth.delay_deviation.unwrap_or(0.0);
+    let deviation = (of_calibration * of_calibration + of_jitter * of_jitter).sqrt();
+    scene.told = Told {
+        delay: truth.delay.map(|delay| (delay + delay_error).max(0.0)),
+        delay_deviation: Some(deviation),
+        gain: Some(scene.actuator.gain * (1.0 + gain_error)),
+        gain_deviation: Some(third * GAIN_ERROR),
+        ..Told::default()
+    };
+}

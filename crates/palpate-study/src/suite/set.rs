@@ -1,0 +1,190 @@
+//! Which plants are drawn, and under which conditions each is judged.
+
+use std::fmt;
+
+use palpate_scene::method::MethodName;
+use palpate_scene::{Scene, Told};
+
+use super::DELAYS;
+use super::column::{Column, Dampings};
+use super::desk;
+use super::draw::{self, DrawError, RandomPlant};
+use super::steps::Step;
+use crate::text::counted;
+
+/// A family of plants with the conditions under which they are judged.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Set {
+    /// Wide ranges of everything, perfect actuators: without delay and with one sample of it.
+    #[default]
+    Paper,
+    /// Desktop devices at 1 kHz with real actuators, told nothing, the truth, and a calibration.
+    Desk,
+    /// One plausible device with a transmission and a lag, varied, told the same.
+    Real,
+    /// Desktop devices that are perfect but for one thing at a time.
+    Steps,
+}
+
+/// Under which condition a plant is judged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Condition {
+    /// A known delay `[samples]` of a loop that is perfect otherwise.
+    Delay(usize),
+    /// What the renderer is told of the actuator.
+    Told(Telling),
+    /// One thing that is not perfect.
+    Step(Step),
+}
+
+/// What a renderer is told of the actuator and of the device's mass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Telling {
+    /// The mass; no delay, no lag, a gain of 1.
+    Nothing,
+    /// The mass, the mean delay with the deviation that its jitter gives it, lag and gain.
+    Truth,
+    /// What a calibration finds: the truth with the errors that were drawn.
+    Calibrated,
+}
+
+impl Set {
+    /// Every set.
+    pub const ALL: [Self; 4] = [Self::Paper, Self::Desk, Self::Real, Self::Steps];
+
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::Desk => "desk",
+            Self::Real => "real",
+            Self::Steps => "steps",
+        }
+    }
+
+    /// The conditions under which each of its plants is judged, in order.
+    #[must_use]
+    pub fn conditions(self) -> Vec<Condition> {
+        match self {
+            Self::Paper => DELAYS.map(Condition::Delay).to_vec(),
+            Self::Desk | Self::Real => {
+                let tellings = [Telling::Nothing, Telling::Truth, Telling::Calibrated];
+                tellings.map(Condition::Told).to_vec()
+            }
+            Self::Steps => Step::ALL.map(Condition::Step).to_vec(),
+        }
+    }
+
+    /// Plant number `index` of `seed`: always the same one.
+    ///
+    /// # Errors
+    /// None is known; the types say what would be one.
+    pub fn draw(self, seed: u64, index: usize) -> Result<RandomPlant, DrawError> {
+        match self {
+            Self::Paper => RandomPlant::draw(seed, index),
+            Self::Desk => draw::colliding(seed, index, "Desk plant", desk::desk),
+            Self::Real => draw::colliding(seed, index, "Plausible device", desk::real),
+            Self::Steps => draw::colliding(seed, index, "Perfect desk plant", desk::base),
+        }
+    }
+
+    /// What is compared where nothing is named. The damper of the sets with real actuators has the best of
+    /// 24 values on each plant and condition, found with knowledge of the ideal.
+    #[must_use]
+    pub fn columns(self) -> Vec<Column> {
+        if self == Self::Paper {
+            return MethodName::ALL.map(Column::of).to_vec();
+        }
+        vec![
+            Column::of(MethodName::Coupled),
+            Column::of(MethodName::Hfcr),
+            Column {
+                name: "virtual-damper, best B of each".into(),
+                dampings: Some(Dampings::OverImpedance(DAMPINGS.to_vec())),
+                ..Column::of(MethodName::VirtualDamper)
+            },
+        ]
+    }
+}
+
+/// Dampings over K T that the best damper is chosen from.
+const DAMPINGS: [f64; 24] = [
+    0.0, 0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.2, 1.4, 1.7, 2.0, 2.4,
+    2.8, 3.4, 4.0, 5.0, 6.5, 8.0,
+];
+
+impl fmt::Display for Set {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl Condition {
+    /// The delay of a condition that is one `[samples]`.
+    #[must_use]
+    pub fn delay(self) -> Option<usize> {
+        match self {
+            Self::Delay(delay) => Some(delay),
+            Self::Told(_) | Self::Step(_) => None,
+        }
+    }
+
+    /// The scene of `plant` under this condition.
+    #[must_use]
+    pub fn of(self, plant: &RandomPlant) -> Scene {
+        let mut scene = plant.scene.clone();
+        match self {
+            Self::Delay(delay) => scene.delay = delay,
+            Self::Told(telling) => telling.tell(&mut scene),
+            Self::Step(step) => step.change(&mut scene),
+        }
+        scene
+    }
+}
+
+impl Telling {
+    fn tell(self, scene: &mut Scene) {
+        match self {
+            Self::Nothing => {
+                scene.told_device_mass = None;
+                scene.told = Told {
+                    delay: Some(0.0),
+                    lag: Some(0.0),
+                    gain: Some(1.0),
+                    ..Told::default()
+                };
+            }
+            Self::Truth => {
+                scene.told_device_mass = None;
+                scene.told = truth(scene);
+            }
+            // What the scene itself says.
+            Self::Calibrated => {}
+        }
+    }
+}
+
+/// The mean delay of a scene's commands, with the deviation of its jitter, and lag and gain as they are.
+pub(super) fn truth(scene: &Scene) -> Told {
+    let jitter = scene.timing.command_jitter;
+    Told {
+        delay: Some(scene.timing.delay_seconds + 0.5 * jitter),
+        delay_deviation: (jitter > 0.0).then(|| jitter / 12.0_f64.sqrt()),
+        ..Told::default()
+    }
+}
+
+/// `no delay`, `1 sample of delay`, `told the truth`.
+impl fmt::Display for Condition {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Delay(0) => f.write_str("no delay"),
+            Self::Delay(delay) => write!(f, "{} of delay", counted(*delay, "sample")),
+            Self::Told(Telling::Nothing) => f.write_str("told nothing"),
+            Self::Told(Telling::Truth) => f.write_str("told the truth"),
+            Self::Told(Telling::Calibrated) => f.write_str("told as calibrated"),
+            Self::Step(step) => f.write_str(step.in_words()),
+        }
+    }
+}

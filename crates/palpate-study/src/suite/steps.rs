@@ -1,0 +1,138 @@
+//! One thing at a time that is not perfect about a loop, its actuator or its device.
+
+use palpate_scene::{ActuatorParams, Scene, Told, Transmission};
+
+use super::set::truth;
+
+/// What is not perfect, and what the renderer is told of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)] // each is described in words
+pub enum Step {
+    Nothing,
+    ShortDelay,
+    DelayUntold,
+    DelayTold,
+    Lag,
+    LagAndDelay,
+    LagAndDelayMistold,
+    Jitter,
+    Gain,
+    Quantum,
+    Flexible,
+    Friction,
+    Noise,
+}
+
+/// Error of a mistold delay in periods.
+const MISTOLD: f64 = 0.02;
+/// Lag of the steps that have one `[s]`.
+const LAG: f64 = 3e-4;
+
+impl Step {
+    /// Every step, in order.
+    pub const ALL: [Self; 13] = [
+        Self::Nothing,
+        Self::ShortDelay,
+        Self::DelayUntold,
+        Self::DelayTold,
+        Self::Lag,
+        Self::LagAndDelay,
+        Self::LagAndDelayMistold,
+        Self::Jitter,
+        Self::Gain,
+        Self::Quantum,
+        Self::Flexible,
+        Self::Friction,
+        Self::Noise,
+    ];
+
+    /// What it is, with what is told.
+    #[must_use]
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Nothing => "a perfect loop",
+            Self::ShortDelay => "delay .03 T, untold",
+            Self::DelayUntold => "delay .3 T, untold",
+            Self::DelayTold => "delay .3 T, told .3 T",
+            Self::Lag => "lag .3 ms, untold",
+            Self::LagAndDelay => "lag .3 ms + delay .5 T, both told",
+            Self::LagAndDelayMistold => "the same, the delay told .02 T wrong",
+            Self::Jitter => "jitter 0-.1 T, mean told",
+            Self::Gain => "gain .9, untold",
+            Self::Quantum => "lag .3 ms + delay .5 T told, quantum 10 um",
+            Self::Flexible => "flexible 150 Hz",
+            Self::Friction => "friction 30 % of the user's force",
+            Self::Noise => "sensor noise 5 um",
+        }
+    }
+
+    /// Makes a perfect scene one with this step.
+    pub fn change(self, scene: &mut Scene) {
+        let period = scene.loop_params.period;
+        let late = |scene: &mut Scene, periods: f64| scene.timing.delay_seconds = periods * period;
+        let lagging = |scene: &mut Scene| {
+            scene.actuator = ActuatorParams {
+                lag: LAG,
+                ..ActuatorParams::default()
+            };
+        };
+        let untold = Told {
+            delay: Some(0.0),
+            lag: Some(0.0),
+            gain: Some(1.0),
+            ..Told::default()
+        };
+        match self {
+            Self::Nothing => {}
+            Self::ShortDelay => {
+                late(scene, 0.03);
+                scene.told = untold;
+            }
+            Self::DelayUntold => {
+                late(scene, 0.3);
+                scene.told = untold;
+            }
+            Self::DelayTold => late(scene, 0.3),
+            Self::Lag => {
+                lagging(scene);
+                scene.told = untold;
+            }
+            Self::LagAndDelay => {
+                lagging(scene);
+                late(scene, 0.5);
+            }
+            Self::LagAndDelayMistold => {
+                lagging(scene);
+                late(scene, 0.5);
+                // Too long on every second plant, too short on the others.
+                let is_even = scene.timing.seed.is_multiple_of(2);
+                let error = if is_even { MISTOLD } else { -MISTOLD };
+                scene.told.delay = Some((0.5 + error) * period);
+                scene.told.delay_deviation = Some(MISTOLD * period);
+            }
+            Self::Jitter => {
+                scene.timing.command_jitter = 0.1 * period;
+                scene.told = truth(scene);
+            }
+            Self::Gain => {
+                scene.actuator.gain = 0.9;
+                scene.told = untold;
+            }
+            Self::Quantum => {
+                lagging(scene);
+                late(scene, 0.5);
+                scene.device.encoder_quantum = 1e-5;
+            }
+            Self::Flexible => {
+                scene.device.transmission = Some(Transmission {
+                    resonance_hz: 150.0,
+                    damping_ratio: 0.03,
+                    motor_share: 0.5,
+                    backlash: 0.0,
+                });
+            }
+            Self::Friction => scene.device.coulomb_friction = 0.3 * scene.user_force,
+            Self::Noise => scene.device.noise = 5e-6,
+        }
+    }
+}

@@ -1,0 +1,201 @@
+//! The sets of plants with real actuators: what is drawn, what is told, and what telling is worth.
+#![allow(clippy::print_stdout)] // what was measured
+
+use palpate_scene::method::MethodName;
+use palpate_study::suite::{Column, Condition, Judged, RandomPlant, Set, Telling, run, summary};
+use rayon::prelude::*;
+
+fn plants(set: Set, count: usize) -> Vec<RandomPlant> {
+    let numbers = (0..count).into_par_iter();
+    numbers.map(|index| set.draw(9, index).unwrap()).collect()
+}
+
+fn judged(set: Set, plants: usize) -> Vec<Judged> {
+    let columns = [
+        Column::of(MethodName::Coupled),
+        Column::of(MethodName::Hfcr),
+    ];
+    run(set, 2, plants, &columns, || ()).unwrap()
+}
+
+#[test]
+fn every_draw_of_the_desk_lies_in_its_range_and_fills_it() {
+    let plants = plants(Set::Desk, 200);
+    type Value = fn(&RandomPlant) -> Option<f64>;
+    let ranges: [(&str, Value, f64, f64); 17] = [
+        ("mass", |p| Some(p.scene.device.mass), 0.08, 0.4),
+        ("period", |p| Some(p.scene.loop_params.period), 1e-3, 1e-3),
+        ("stiffness", |p| Some(p.scene.contact.stiffness), 500.0, 1e4),
+        (
+            "object",
+            |p| match p.scene.contact.object_mass {
+                palpate::Mass::Finite(mass) => Some(mass),
+                palpate::Mass::Infinite => None,
+            },
+            0.03,
+            0.5,
+        ),
+        ("delay", |p| Some(p.scene.timing.delay_seconds), 0.0, 1.5e-3),
+        ("lag", |p| Some(p.scene.actuator.lag), 0.0, 5e-4),
+        ("gain", |p| Some(p.scene.actuator.gain), 0.95, 1.05),
+        ("jitter", |p| Some(p.scene.timing.command_jitter), 0.0, 1e-4),
+        (
+            "quantum",
+            |p| Some(p.scene.device.encoder_quantum),
+            1e-6,
+            1e-4,
+        ),
+        (
+            "resonance",
+            |p| Some(p.scene.device.transmission?.resonance_hz),
+            50.0,
+            300.0,
+        ),
+        (
+            "damping ratio",
+            |p| Some(p.scene.device.transmission?.damping_ratio),
+            0.01,
+            0.1,
+        ),
+        (
+            "share",
+            |p| Some(p.scene.device.transmission?.motor_share),
+            0.3,
+            0.7,
+        ),
+        (
+            "backlash",
+            |p| Some(p.scene.device.transmission?.backlash),
+            0.0,
+            1e-4,
+        ),
+        (
+            "cogging",
+            |p| Some(p.scene.device.cogging?.amplitude / p.scene.user_force),
+            0.0,
+            0.2,
+        ),
+        (
+            "friction",
+            |p| Some(p.scene.device.coulomb_friction / p.scene.user_force),
+            0.0,
+            0.3,
+        ),
+        ("noise", |p| Some(p.scene.device.noise), 0.0, 5e-6),
+        (
+            "error of the told gain",
+            |p| Some(p.scene.told.gain? / p.scene.actuator.gain - 1.0),
+            -0.015,
+            0.015,
+        ),
+    ];
+    for (name, value, from, to) in ranges {
+        let values: Vec<f64> = plants.iter().filter_map(value).collect();
+        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        println!("{name}: {} values from {low} to {high}", values.len());
+        let round_off = 1e-12 * to;
+        assert!(low >= from - round_off && high <= to + round_off, "{name}");
+        let margin = 0.1 * (to - from) + round_off;
+        assert!(low <= from + margin && high >= to - margin, "{name}");
+    }
+    let share = |is: &dyn Fn(&RandomPlant) -> bool| {
+        plants.iter().filter(|plant| is(plant)).count() as f64 / plants.len() as f64
+    };
+    let in_hand = share(&|plant| plant.scene.grip.is_some());
+    let flexible = share(&|plant| plant.scene.device.transmission.is_some());
+    println!("in a hand {in_hand}, flexible {flexible}");
+    // 70 % of the draws; those that are drawn again are in hands.
+    assert!((in_hand - 0.67).abs() < 0.1 && (flexible - 0.5).abs() < 0.1);
+    for plant in &plants {
+        let scene = &plant.scene;
+        let mean = scene.timing.delay_seconds + 0.5 * scene.timing.command_jitter;
+        let error = scene.told.delay.unwrap() - mean;
+        assert!(error.abs() <= 0.02e-3 * (1.0 + 1e-9), "{error}");
+    }
+}
+
+#[test]
+fn a_condition_is_of_what_is_told_and_leaves_the_truth_as_it_is() {
+    for set in [Set::Desk, Set::Real] {
+        for plant in plants(set, 5) {
+            for condition in set.conditions() {
+                let scene = condition.of(&plant);
+                let told = scene.told_actuation();
+                let period = scene.loop_params.period;
+                match condition {
+                    Condition::Told(Telling::Nothing) => {
+                        assert_eq!((told.delay, told.lag, told.gain), (0.0, 0.0, 1.0));
+                        assert_eq!(told.delay_deviation, 0.0);
+                    }
+                    Condition::Told(Telling::Truth) => {
+                        let jitter = scene.timing.command_jitter;
+                        assert_eq!(told.delay, scene.timing.delay_seconds + 0.5 * jitter);
+                        assert_eq!(told.lag, scene.actuator.lag);
+                        assert_eq!(told.gain, scene.actuator.gain);
+                    }
+                    _ => {
+                        assert_eq!(scene, plant.scene);
+                        assert!(told.delay_deviation > 0.01 * period);
+                    }
+                }
+                let mut alike = scene;
+                alike.told = plant.scene.told;
+                assert_eq!(alike, plant.scene);
+            }
+        }
+    }
+}
+
+/// Time decides, and telling it pays: the claim that the sets are there to look at.
+#[test]
+fn coupled_needs_to_be_told_and_a_calibration_is_nearly_the_truth() {
+    for set in [Set::Desk, Set::Real] {
+        let judged = judged(set, 24);
+        let [nothing, truth, calibrated] =
+            [0, 1, 2].map(|condition| summary(&judged, 0, condition).unwrap().error[0]);
+        let hfcr = summary(&judged, 1, 1).unwrap().error[0];
+        println!(
+            "{set}: nothing {nothing:.1}, truth {truth:.1}, calibrated {calibrated:.1} %; hfcr {hfcr:.1} %"
+        );
+        assert!(truth < 0.2 * nothing && calibrated < 0.2 * nothing);
+        assert!(calibrated < 0.2 * hfcr);
+        for one in &judged {
+            assert!(one.ideal_error < 1e-2, "{}", one.ideal_error);
+            assert_eq!(one.trials.len(), 6);
+        }
+    }
+}
+
+#[test]
+fn in_steps_mass_and_friction_matter_little_and_time_much() {
+    let judged = judged(Set::Steps, 16);
+    let conditions = Set::Steps.conditions();
+    let median = |words: &str| {
+        let place = conditions.iter().position(|one| one.to_string() == words);
+        let place = place.unwrap_or_else(|| panic!("{words} is no step"));
+        summary(&judged, 0, place).unwrap().error[0]
+    };
+    for condition in &conditions {
+        println!("{condition}: {:.2} %", median(&condition.to_string()));
+    }
+    assert!(median("a perfect loop") < 1.0);
+    assert!(median("friction 30 % of the user's force") < 2.0);
+    assert!(median("delay .3 T, untold") > 20.0);
+    assert!(median("delay .3 T, told .3 T") < 0.1 * median("delay .3 T, untold"));
+    assert!(median("lag .3 ms + delay .5 T, both told") < 2.0);
+    let mistold = median("the same, the delay told .02 T wrong");
+    assert!(mistold > median("lag .3 ms + delay .5 T, both told") && mistold < 15.0);
+}
+
+#[test]
+fn a_plant_depends_on_set_seed_and_number_only() {
+    for set in Set::ALL {
+        assert_eq!(set.draw(3, 1).unwrap(), set.draw(3, 1).unwrap());
+        assert_ne!(set.draw(3, 1).unwrap().scene, set.draw(4, 1).unwrap().scene);
+    }
+    assert_eq!(
+        Set::Paper.draw(3, 1).unwrap(),
+        RandomPlant::draw(3, 1).unwrap()
+    );
+}
