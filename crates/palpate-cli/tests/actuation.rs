@@ -131,6 +131,16 @@ fn a_device_file_says_what_flags_would() {
             "--gain stands in place of gain",
         ],
     );
+    // Delay and lag of one fit err against each other: their sum is known better than each.
+    let sum = "delay_plus_lag_s = 0.007\n\n[standard_deviation]\ndelay_plus_lag_s = 0.0001\n\
+               lag_s = 0.001\n";
+    folder.write(
+        "sum.toml",
+        DEVICE
+            .replace("\n[standard_deviation]\n", sum)
+            .replace("delay_s = 0.0001", "delay_s = 0.001"),
+    );
+    assert_eq!(report("--device-file sum.toml"), by_file);
     // The file's mass is enough for `coupled`.
     let pipe = "pipe --stiffness 400 --mass 0.1 --period 0.01 --device-file device.toml";
     let answer = folder.palpate_reading("0\n0.001\n", pipe);
@@ -229,10 +239,7 @@ fn a_recording_says_what_the_renderer_was_told_and_is_replayed_with_it() {
     let (recorded, told) = replayed("");
     assert_eq!(number(&told, "told_lag_s"), 0.002);
     assert_eq!(replayed(actuator).0, recorded);
-    assert_ne!(
-        replayed("--delay 0 --lag 0 --gain 1").0,
-        recorded
-    );
+    assert_ne!(replayed("--delay 0 --lag 0 --gain 1").0, recorded);
     // A perfect loop says so, too.
     folder.succeed("record scene.toml perfect.mcap --method coupled --fast --duration 0.1");
     let info = folder.json("info perfect.mcap");
