@@ -1,5 +1,7 @@
 //! Delay, lag and gain of a loop: by flags, and from a calibrated device file.
 
+#![allow(clippy::print_stdout)] // tests show what they measured
+
 mod common;
 
 use common::{Answer, Folder, experiment_text, number, of_method, parse, taps, trace_text};
@@ -154,6 +156,21 @@ fn a_device_file_says_what_flags_would() {
 }
 
 #[test]
+fn a_flag_stands_in_place_of_the_value_of_a_device_file() {
+    let folder = folder();
+    let render = "render tap.csv --stiffness 400 --mass 0.1 --period 0.01 --method basic --json";
+    let error = |flags: &str| {
+        let answer = folder.palpate(&format!("{render} {flags}"));
+        assert_eq!(answer.code, 0, "{answer:?}");
+        error(&parse(&answer.stdout), "basic")
+    };
+    let own = "--delay 0.25 --lag 0.001 --gain 0.8";
+    let beside = error(&format!("--device-file device.toml {own}"));
+    assert_eq!(beside, error(own));
+    assert_ne!(beside, error("--device-file device.toml"));
+}
+
+#[test]
 fn a_wrong_device_file_is_told_with_its_place() {
     let folder = folder();
     folder.write(
@@ -189,8 +206,8 @@ fn what_only_a_simulated_actuator_can_differ_in_is_refused_elsewhere() {
     ] {
         for command in ["render tap.csv", "pipe"] {
             let command = format!("{command} --stiffness 400 --mass 0.1 --period 0.01 {flag} 0.5");
-            let said = [&format!("{flag} is for simulate and tune"), own];
-            folder.fail(&command, 2, &said.map(|text| text.as_ref()));
+            let said = format!("{flag} is for simulate and tune");
+            folder.fail(&command, 2, &[&said, own]);
         }
     }
     for (flags, said) in [
