@@ -168,6 +168,11 @@ fn a_flag_stands_in_place_of_the_value_of_a_device_file() {
     let beside = error(&format!("--device-file device.toml {own}"));
     assert_eq!(beside, error(own));
     assert_ne!(beside, error("--device-file device.toml"));
+    // What is not taken is not judged: by itself that delay would be too long.
+    let fast =
+        "pipe --stiffness 400 --mass 0.1 --period 0.0005 --device-file device.toml --delay 1";
+    let answer = folder.palpate_reading("0\n", fast);
+    assert_eq!(answer.code, 0, "{answer:?}");
 }
 
 #[test]
