@@ -44,11 +44,18 @@ pub struct Command<S> {
 /// The commands that still act or have yet to act, and where the lag is.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct UnderWay<S> {
-    /// The newest first.
-    commands: [Command<S>; LARGEST_DELAY + 2],
+    /// A ring: those after the newest are older, up to it.
+    commands: [Command<S>; MOST_COMMANDS],
+    newest: u8,
     /// What the device felt at the last sample `[N]`: used where there is a lag.
     felt: Command<S>,
 }
+
+/// Most commands that can act in one interval or have yet to.
+const MOST_COMMANDS: usize = LARGEST_DELAY + 2;
+
+#[expect(clippy::cast_possible_truncation, reason = "9")]
+const LAST_COMMAND: u8 = (MOST_COMMANDS - 1) as u8;
 
 /// A stretch of time, and what reaches the device in it.
 #[derive(Clone, Copy, Debug)]
@@ -68,6 +75,8 @@ pub(crate) struct Actuator<S> {
     samples: usize,
     /// The rest of it `[s]`: 0, or less than a period.
     rest: S,
+    /// Whether commands begin with samples, at once, and all is known.
+    is_plain: bool,
     period: S,
     lag: S,
     gain: S,
@@ -79,9 +88,12 @@ impl<S: Scalar> Actuator<S> {
     /// Of an actuation without faults, in a loop of `period` `[s]`.
     pub fn new(actuation: &Actuation<S>, period: S) -> Self {
         let (samples, rest) = parts(actuation.delay, period);
+        let is_known =
+            actuation.timing_deviation() <= S::ZERO && actuation.gain_deviation <= S::ZERO;
         Self {
             samples,
             rest,
+            is_plain: rest <= S::ZERO && actuation.lag <= S::ZERO && is_known,
             period,
             lag: actuation.lag,
             gain: actuation.gain,
@@ -97,6 +109,7 @@ impl<S: Scalar> Actuator<S> {
         Self {
             samples,
             rest,
+            is_plain: false,
             ..*self
         }
     }
@@ -128,6 +141,20 @@ impl<S: Scalar> Actuator<S> {
         later: Command<S>,
         h: S,
     ) -> Piece<S> {
+        if self.is_plain {
+            // A held force, exactly as it was sent.
+            let intended = self.gain * later.intended;
+            let mean = self.gain * later.sent;
+            return Piece {
+                duration: h,
+                intended,
+                held: Held {
+                    step: self.gain * (later.sent - earlier.sent),
+                    step_age: h,
+                    ..Held::constant(mean)
+                },
+            };
+        }
         let first = self.rest.min(h);
         let through = |felt: &mut S, earlier: S, later: S| {
             if first <= S::ZERO {
@@ -218,7 +245,8 @@ fn decay<S: Scalar>(lag: S, h: S) -> [S; 2] {
 impl<S: Scalar> UnderWay<S> {
     pub fn nothing() -> Self {
         Self {
-            commands: [Command::default(); LARGEST_DELAY + 2],
+            commands: [Command::default(); MOST_COMMANDS],
+            newest: 0,
             felt: Command::default(),
         }
     }
@@ -230,20 +258,39 @@ impl<S: Scalar> UnderWay<S> {
         actuator.pass(&mut self.felt, earlier, later, h)
     }
 
+    /// What reaches the device in it by another actuator, which leaves no trace.
+    #[inline]
+    pub fn passing(&self, actuator: &Actuator<S>, h: S) -> Piece<S> {
+        let mut felt = self.felt;
+        let [earlier, later] = [actuator.samples + 1, actuator.samples].map(|age| self.aged(age));
+        actuator.pass(&mut felt, earlier, later, h)
+    }
+
     /// Sends the command of a sample.
     #[inline]
     pub fn send(&mut self, command: Command<S>) {
-        self.commands.copy_within(..LARGEST_DELAY + 1, 1);
-        self.commands[0] = command;
+        self.newest = match self.newest.checked_sub(1) {
+            Some(before) => before,
+            None => LAST_COMMAND,
+        };
+        if let Some(newest) = self.commands.get_mut(usize::from(self.newest)) {
+            *newest = command;
+        }
     }
 
     /// The driver has sent another force than the command of the last sample `[N]`.
     pub fn correct(&mut self, sent: S) {
-        self.commands[0].sent = sent;
+        if let Some(newest) = self.commands.get_mut(usize::from(self.newest)) {
+            newest.sent = sent;
+        }
     }
 
+    /// The command that is older than the newest by so many samples.
+    #[inline]
     fn aged(&self, age: usize) -> Command<S> {
-        self.commands[age.min(LARGEST_DELAY + 1)]
+        let place = usize::from(self.newest) + age.min(MOST_COMMANDS - 1);
+        let place = place.checked_sub(MOST_COMMANDS).unwrap_or(place);
+        self.commands.get(place).copied().unwrap_or_default()
     }
 }
 

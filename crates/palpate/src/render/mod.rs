@@ -58,8 +58,8 @@ pub struct Renderer<S, M> {
 
 /// What reached the device over an interval that has ended.
 struct Passed<S> {
-    /// By what was told.
-    booked: Piece<S>,
+    /// Mean force by what was told `[N]`.
+    booked: S,
     /// By what the method has learned.
     passed: Piece<S>,
 }
@@ -208,16 +208,20 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         let elapsed = self.elapsed(&sample);
         let h = elapsed.map_or(self.motion.period(), |(elapsed, _)| elapsed);
         // The books go by what was told, a method by what it has learned.
-        let mut told = state.under_way;
-        let booked = told.pass(&self.actuator, h);
         let passed = match self.learned_actuator(&state.memory) {
             None => {
-                state.under_way = told;
-                booked
+                let passed = state.under_way.pass(&self.actuator, h);
+                Passed {
+                    booked: passed.held.mean,
+                    passed,
+                }
             }
-            Some(actuator) => state.under_way.pass(&actuator, h),
+            Some(learned) => Passed {
+                booked: state.under_way.passing(&self.actuator, h).held.mean,
+                passed: state.under_way.pass(&learned, h),
+            },
         };
-        match self.try_step(state, &sample, elapsed, &Passed { booked, passed }) {
+        match self.try_step(state, &sample, elapsed, &passed) {
             Ok(output) => output,
             Err(fault) => self.wait(state, &sample, fault),
         }
@@ -304,7 +308,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                         interval.start.virtual_force
                     },
                     original_force: interval.original_force,
-                    held_force: interval.reported.unwrap_or(booked.held.mean),
+                    held_force: interval.reported.unwrap_or(*booked),
                 });
                 if !closed {
                     return Err(Fault::Overflow);
