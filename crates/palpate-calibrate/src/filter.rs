@@ -185,7 +185,7 @@ fn smooth<const N: usize>(model: &Sampled, steady: &Steady, samples: &Samples) -
     for _ in 0..1000 {
         information = over.transpose() * &information * &over;
         information[(0, 0)] += 1.0 / variance;
-        let now = before[(1, 1)] - (&row * &information * row.transpose())[(0, 0)];
+        let now = before[(1, 1)] - (row * &information * row.transpose())[(0, 0)];
         let is_settled = (now - left).abs() <= 1e-4 * now.abs();
         left = now;
         if is_settled {

@@ -23,7 +23,7 @@ const MOST_MASS_DEVIATION: f64 = 0.1;
 /// Motion that a fit needs `[steps of the sensor]`, root mean square.
 const LEAST_MOTION: f64 = 3.0;
 /// Logarithms of likelihood that a resonance has to win beside what three parameters cost.
-const RESONANCE_MARGIN: f64 = 12.0;
+const RESONANCE_MARGIN: f64 = 25.0;
 /// Least part of the mass beyond a transmission: with less, errors of friction look like a resonance.
 const LEAST_FRACTION: f64 = 0.12;
 
