@@ -2,6 +2,13 @@
 //!
 //! `cargo run --release -p palpate-calibrate --example plants [-- COUNT [ROW]]`
 
+#![allow(
+    clippy::print_stdout,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "prints a table of counts and quantiles"
+)]
+
 #[path = "../tests/plant/mod.rs"]
 mod plant;
 

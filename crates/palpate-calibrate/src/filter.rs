@@ -16,6 +16,8 @@ pub struct Samples {
     pub commands: Vec<f64>,
     /// Mean sign of the velocity over the period that follows each sample.
     pub signs: Vec<f64>,
+    /// Cosine and sine of the cogging's phase in the middle of that period.
+    pub phases: Vec<[f64; 2]>,
 }
 
 impl Samples {
@@ -28,6 +30,7 @@ impl Samples {
                 .collect(),
             commands: commands.to_vec(),
             signs: vec![0.0; positions.len()],
+            phases: vec![[0.0; 2]; positions.len()],
         }
     }
 }
@@ -94,7 +97,8 @@ fn pass<const N: usize>(
         std::array::from_fn(|j| std::array::from_fn(|i| model.transition[(i, j)]));
     let new: [f64; N] = std::array::from_fn(|i| model.new_command[i]);
     let old: [f64; N] = std::array::from_fn(|i| model.old_command[i]);
-    let friction: [f64; N] = std::array::from_fn(|i| model.friction[i]);
+    let push: [f64; N] = std::array::from_fn(|i| model.push[i]);
+    let [cosine, sine] = model.cogging;
     let gain: [f64; N] = std::array::from_fn(|i| steady.gain[i]);
     let commands = &samples.commands;
     let command = |index: Option<usize>| index.map_or(0.0, |index| commands[index]);
@@ -104,9 +108,10 @@ fn pass<const N: usize>(
             let begins = (index - 1).checked_sub(model.whole_delay);
             let u_new = command(begins);
             let u_old = command(begins.and_then(|begins| begins.checked_sub(1)));
-            let sign = samples.signs[index - 1];
+            let [cos, sin] = samples.phases[index - 1];
+            let pushed = cosine * cos + sine * sin - model.friction * samples.signs[index - 1];
             let mut next: [f64; N] =
-                std::array::from_fn(|i| new[i] * u_new + old[i] * u_old + friction[i] * sign);
+                std::array::from_fn(|i| new[i] * u_new + old[i] * u_old + push[i] * pushed);
             for (column, value) in columns.iter().zip(state) {
                 for (sum, entry) in next.iter_mut().zip(column) {
                     *sum += entry * value;
@@ -180,7 +185,7 @@ fn smooth<const N: usize>(model: &Sampled, steady: &Steady, samples: &Samples) -
     for _ in 0..1000 {
         information = over.transpose() * &information * &over;
         information[(0, 0)] += 1.0 / variance;
-        let now = before[(1, 1)] - (&row * &information * row.transpose())[(0, 0)];
+        let now = before[(1, 1)] - (row * &information * row.transpose())[(0, 0)];
         let is_settled = (now - left).abs() <= 1e-4 * now.abs();
         left = now;
         if is_settled {

@@ -8,6 +8,7 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn};
 
+use crate::cogging;
 use crate::filter::{self, Samples};
 use crate::model::{self, FLEXIBLE, Kind, LENGTH, Point, at};
 
@@ -92,6 +93,8 @@ pub fn problem(
         (0.0, 60.0),
         (0.0, 6000.0),
         (0.0, 3.0),
+        (0.0, 2.0),
+        (0.0, 2.0),
         ((20.0 * t.powi(5) / r).ln(), 6.0),
         ((1e3 * t.powi(7) / r).ln(), 6.0),
         ((1e-6 * t.powi(3) / r).ln(), 6.0),
@@ -106,6 +109,8 @@ pub fn problem(
         (ln_mobility - 2.0, ln_mobility + 2.0),
         (0.01, most_delay + 1.0),
         (0.0, 4.0 * ms2),
+        free,
+        free,
         free,
         free,
         free,
@@ -181,6 +186,7 @@ impl Problem {
             at::DAMPING => 0.05,
             at::STIFFNESS => 2.0,
             at::FRICTION | at::FLEXIBLE_DAMPING | at::LN_ANTIRESONANCE => 5e-3,
+            cogging if at::COGGING.contains(&cogging) => 5e-3,
             at::LN_TREMOR_FREQUENCY => 1e-2,
             _ => 2e-2,
         }
@@ -283,6 +289,22 @@ impl Problem {
         Some(())
     }
 
+    /// Looks for cogging; without any, its parameters stay at 0.
+    fn find_cogging(&mut self) -> Option<()> {
+        let model = model::sampled(self.kind, &self.point, self.period);
+        let steady = filter::steady(&model)?;
+        match cogging::pitch(self.kind, &model, &steady, &self.samples, &self.counted) {
+            Some(pitch) => self.samples.phases = cogging::phases(&self.samples, pitch),
+            None => {
+                self.samples.phases.fill([0.0; 2]);
+                for at in at::COGGING {
+                    self.point[at] = 0.0;
+                }
+            }
+        }
+        Some(())
+    }
+
     /// Where within a period the force changes.
     fn kinks(&self) -> Kinks<'_> {
         let mobility = self.point[at::LN_MOBILITY].exp() * self.period * self.period / LENGTH;
@@ -304,6 +326,10 @@ impl Problem {
             self = self.minimised(4)?;
             if round + 1 < rounds {
                 self.smoothed_signs()?;
+                // The first one, with a rough model, and one with a good model.
+                if round % 2 == 0 {
+                    self.find_cogging()?;
+                }
             }
         }
         self.rescale()?;

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod calibration;
+mod cogging;
 mod excitation;
 mod exponential;
 mod file;

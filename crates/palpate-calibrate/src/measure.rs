@@ -23,7 +23,9 @@ const MOST_MASS_DEVIATION: f64 = 0.1;
 /// Motion that a fit needs `[steps of the sensor]`, root mean square.
 const LEAST_MOTION: f64 = 3.0;
 /// Logarithms of likelihood that a resonance has to win beside what three parameters cost.
-const RESONANCE_MARGIN: f64 = 12.0;
+const RESONANCE_MARGIN: f64 = 25.0;
+/// Highest resonance `[cycles per period]`: above, errors of friction look like one.
+const HIGHEST_RESONANCE: f64 = 0.33;
 /// Least part of the mass beyond a transmission: with less, errors of friction look like a resonance.
 const LEAST_FRACTION: f64 = 0.12;
 
@@ -157,6 +159,7 @@ pub fn measure(
     let begin = start(&samples, period, most_delay).ok_or(not_moved)?;
     let problem = fit::problem(samples, period, excited, begin, sensor, most_delay);
     let (rigid, flexible) = fit::fits(problem, sensor).ok_or(Declined::NoFit)?;
+    let flexible = flexible.filter(|fit| fit.resonance() * period < HIGHEST_RESONANCE);
     let fit = better(rigid, flexible);
     check(&fit, period, force)?;
     let foreseen = fit.foreseen.iter().map(|x| x + positions[0]).collect();
@@ -222,6 +225,12 @@ impl Fit {
     /// Whether it has a resonance.
     pub fn is_flexible(&self) -> bool {
         self.kind == Kind::Flexible
+    }
+
+    /// The resonance of two masses, both free `[Hz]`.
+    pub fn resonance(&self) -> f64 {
+        let alone = self.point[at::LN_ANTIRESONANCE].exp() / std::f64::consts::TAU;
+        alone / (1.0 - self.fraction()).sqrt()
     }
 
     /// Part of the mass beyond the transmission.

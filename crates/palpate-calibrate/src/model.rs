@@ -5,11 +5,12 @@
 //! position and velocity beyond the transmission.
 //!
 //! ```text
-//! x'' = -k x - b x' + theta y + a + o - phi s(t)      y' = (u(t - delay) - y) / lag
+//! x'' = -k x - b x' + theta y + a + o - phi s(t) + c(x)      y' = (u(t - delay) - y) / lag
 //! a'  = -a / 2 s + noise                              o'' = -w_t^2 o - 2 z_t w_t o' + noise
 //! ```
 //!
-//! `theta` is gain over mass, `s` the sign of the velocity, `phi` Coulomb friction over mass. A flexible
+//! `theta` is gain over mass, `s` the sign of the velocity, `phi` Coulomb friction and `c` cogging
+//! over mass. A flexible
 //! device has the motor, the sensor and the friction on the first mass, hand and disturbances on the second.
 
 use nalgebra::{DMatrix, DVector};
@@ -39,28 +40,30 @@ pub mod at {
     pub const STIFFNESS: usize = 4;
     /// Coulomb friction over mass `[m/s^2]`.
     pub const FRICTION: usize = 5;
+    /// Cogging over mass that goes with the cosine and with the sine of the position `[m/s^2]`.
+    pub const COGGING: [usize; 2] = [6, 7];
     /// ln of the power of the slow disturbance over that of the sensor.
-    pub const LN_DISTURBANCE: usize = 6;
+    pub const LN_DISTURBANCE: usize = 8;
     /// The same of the tremor.
-    pub const LN_TREMOR: usize = 7;
+    pub const LN_TREMOR: usize = 9;
     /// The same of white acceleration.
-    pub const LN_ACCELERATION: usize = 8;
+    pub const LN_ACCELERATION: usize = 10;
     /// ln of the frequency of the tremor `[ln Hz]`.
-    pub const LN_TREMOR_FREQUENCY: usize = 9;
+    pub const LN_TREMOR_FREQUENCY: usize = 11;
     /// ln of the damping ratio of the tremor.
-    pub const LN_TREMOR_DAMPING: usize = 10;
+    pub const LN_TREMOR_DAMPING: usize = 12;
     /// Logit of the part of the mass beyond the transmission.
-    pub const LOGIT_FRACTION: usize = 11;
+    pub const LOGIT_FRACTION: usize = 13;
     /// ln of the frequency of the second mass alone on its spring `[ln rad/s]`.
-    pub const LN_ANTIRESONANCE: usize = 12;
+    pub const LN_ANTIRESONANCE: usize = 14;
     /// Damping ratio of the second mass alone on its spring.
-    pub const FLEXIBLE_DAMPING: usize = 13;
+    pub const FLEXIBLE_DAMPING: usize = 15;
 }
 
 /// Number of parameters of a rigid device, and of a flexible one.
-pub const RIGID: usize = 11;
+pub const RIGID: usize = 13;
 /// Number of parameters of a flexible device.
-pub const FLEXIBLE: usize = 14;
+pub const FLEXIBLE: usize = 16;
 
 /// A point in the space of the parameters; a rigid model does not look at the last three.
 pub type Point = [f64; FLEXIBLE];
@@ -100,7 +103,7 @@ pub fn lag(point: &Point) -> f64 {
         .min(point[at::DELAY_PLUS_LAG].max(0.0))
 }
 
-/// The model over one period: `s <- transition s + late u_n+1 + early u_n + friction s_mean + noise`.
+/// The model over one period: `s <- transition s + late u_n+1 + early u_n + push (cogging - friction s_mean) + noise`.
 #[derive(Clone, Debug)]
 pub struct Sampled {
     /// Transition over a period.
@@ -111,8 +114,12 @@ pub struct Sampled {
     pub old_command: DVector<f64>,
     /// Whole periods from a sample to the period in which its command begins.
     pub whole_delay: usize,
-    /// Input of the mean sign of the velocity over the period.
-    pub friction: DVector<f64>,
+    /// Input of friction and cogging, forces on the first mass over the mass of the whole.
+    pub push: DVector<f64>,
+    /// Coulomb friction over mass `[m/s^2]`.
+    pub friction: f64,
+    /// Cogging over mass, with the cosine and with the sine `[m/s^2]`.
+    pub cogging: [f64; 2],
     /// Covariance of the noise of a period, over the variance of the sensor.
     pub noise: DMatrix<f64>,
 }
@@ -155,7 +162,7 @@ pub fn sampled(kind: Kind, point: &Point, period: f64) -> Sampled {
     a[(O + 1, O + 1)] = -2.0 * z * w;
     noise[(A, A)] = level(at::LN_DISTURBANCE);
     noise[(O + 1, O + 1)] = level(at::LN_TREMOR);
-    let friction = match kind {
+    let push = match kind {
         Kind::Rigid => {
             a[(V, X)] = -stiffness;
             a[(V, V)] = -damping;
@@ -163,7 +170,7 @@ pub fn sampled(kind: Kind, point: &Point, period: f64) -> Sampled {
             a[(V, A)] = 1.0;
             a[(V, O)] = 1.0;
             noise[(V, V)] = level(at::LN_ACCELERATION);
-            -1.0
+            1.0
         }
         Kind::Flexible => {
             let second = 1.0 / (1.0 + (-point[at::LOGIT_FRACTION]).exp());
@@ -184,15 +191,14 @@ pub fn sampled(kind: Kind, point: &Point, period: f64) -> Sampled {
             a[(V2, A)] = 1.0 / second;
             a[(V2, O)] = 1.0 / second;
             noise[(V, V)] = level(at::LN_ACCELERATION) / (first * first);
-            -1.0 / first
+            1.0 / first
         }
     };
 
-    let friction = friction * point[at::FRICTION] * t * t / LENGTH;
     let mut inputs = DMatrix::<f64>::zeros(states + 2, states + 2);
     inputs.view_mut((0, 0), (states, states)).copy_from(&a);
     inputs[(Y, states)] = 1.0 / tau;
-    inputs[(V, states + 1)] = friction;
+    inputs[(V, states + 1)] = push * t * t / LENGTH;
     let whole = delay.floor();
     let whole_period = exponential(&inputs);
     let after_start = exponential(&(&inputs * (1.0 - (delay - whole))));
@@ -209,10 +215,12 @@ pub fn sampled(kind: Kind, point: &Point, period: f64) -> Sampled {
         old_command: held - &new_command,
         new_command,
         whole_delay: whole as usize,
-        friction: whole_period
+        push: whole_period
             .view((0, states + 1), (states, 1))
             .column(0)
             .into_owned(),
+        friction: point[at::FRICTION],
+        cogging: at::COGGING.map(|at| point[at]),
         noise: noise_of_period(&a, &noise),
     }
 }

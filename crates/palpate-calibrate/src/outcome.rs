@@ -88,8 +88,7 @@ impl Fitted {
         if fit.is_flexible() {
             let fraction = fit.fraction();
             let of_fraction = sd[at::LOGIT_FRACTION] * fraction * (1.0 - fraction);
-            let alone = point[at::LN_ANTIRESONANCE].exp() / std::f64::consts::TAU;
-            let hertz = alone / (1.0 - fraction).sqrt();
+            let hertz = fit.resonance();
             // ln f = ln f_alone - ln(1 - fraction) / 2.
             let of_hertz =
                 hertz * sd[at::LN_ANTIRESONANCE].hypot(0.5 * of_fraction / (1.0 - fraction));

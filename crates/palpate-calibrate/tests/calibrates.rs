@@ -37,10 +37,6 @@ fn calibrated(plant: &PlantParams, seconds: f64) -> Result<Calibration, Declined
 fn deviations(calibration: &Calibration, quantity: Quantity, put_in: f64) -> f64 {
     let found = calibration.value(quantity).unwrap();
     let deviation = calibration.standard_deviation(quantity).unwrap();
-    println!(
-        "{}: {found} +- {deviation}, put in {put_in}",
-        quantity.key()
-    );
     (found - put_in).abs() / deviation
 }
 
@@ -92,6 +88,22 @@ fn a_resonance_is_found_where_there_is_one() {
         let delay = plant.delay_plus_lag() * plant.period;
         assert!(deviations(&found, Quantity::DelayPlusLag, delay) < 3.5);
     }
+}
+
+#[test]
+fn cogging_is_found_and_makes_the_delay_better_known() {
+    let plant = PlantParams {
+        cogging: 0.1,
+        pitch: 0.003,
+        hand_stiffness: 100.0,
+        hand_damping: 2.0,
+        ..PlantParams::bare(1e-3, 0.2)
+    };
+    let found = calibrated(&plant, 6.0).unwrap();
+    assert!(deviations(&found, Quantity::DelayPlusLag, 0.5e-3) < 3.5);
+    // Without it in the model the deviation is 0.057 periods, with it 0.011.
+    let deviation = found.standard_deviation(Quantity::DelayPlusLag).unwrap();
+    assert!(deviation < 0.02e-3, "{deviation}");
 }
 
 #[test]

@@ -10,7 +10,7 @@ mod stream;
 use std::path::Path;
 use std::time::Instant;
 
-use palpate_calibrate::{Calibration, Known, Measured, measure};
+use palpate_calibrate::{Calibration, Known, Measured, Quantity, measure};
 use palpate_files::outputs::Outputs;
 
 pub use arguments::CalibrateArguments;
@@ -103,6 +103,9 @@ fn deliver(
     let seconds = begun.elapsed().as_secs_f64();
     let calibration = &mut measured.fitted.calibration;
     describe(calibration, arguments);
+    if let Some(jitter) = motion.sample_jitter() {
+        calibration.set(Quantity::SampleJitter, jitter);
+    }
     if let Some(gain) = gain(calibration, &arguments.told, before.as_ref())? {
         calibration.set_gain(gain);
     }
@@ -124,6 +127,11 @@ fn deliver(
 
 /// Says how it was found.
 fn describe(calibration: &mut Calibration, arguments: &CalibrateArguments) {
+    calibration.axis = arguments
+        .device
+        .normal
+        .as_ref()
+        .map(|normal| format!("--normal {normal}"));
     let flags = &arguments.excitation;
     let on = if arguments.pipe { "--pipe" } else { "--device" };
     calibration.command = Some(format!(

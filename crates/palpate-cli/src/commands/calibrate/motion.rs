@@ -1,6 +1,6 @@
 //! An excitation under way, and what came of it: positions and forces, sample by sample.
 
-use palpate_calibrate::{Excitation, ExcitationError, ExcitationParams, Phase};
+use palpate_calibrate::{Excitation, ExcitationError, ExcitationParams, Known, Phase};
 
 /// An excitation and its samples so far.
 pub struct Motion {
@@ -82,6 +82,24 @@ impl Motion {
             self.positions[..first].fill(before);
             self.positions[last..].fill(after);
         }
+    }
+
+    /// Standard deviation of the time between samples `[s]`, where each sample has a time.
+    pub fn sample_jitter(&self) -> Option<Known> {
+        if self.times.len() < 100 || self.times.len() != self.positions.len() {
+            return None;
+        }
+        let count = (self.times.len() - 1) as f64;
+        let between = || self.times.windows(2).map(|pair| pair[1] - pair[0]);
+        let mean = between().sum::<f64>() / count;
+        let squares: f64 = between().map(|step| (step - mean).powi(2)).sum();
+        let deviation = (squares / count).sqrt();
+        let by = "times of the samples";
+        Some(Known::found(
+            deviation,
+            deviation / (2.0 * count).sqrt(),
+            by,
+        ))
     }
 
     /// Where the excitation is.
