@@ -8,7 +8,7 @@ mod steps;
 
 pub(crate) use observer::{Lesson, Motion, Observer, ObserverParams, Seen};
 pub(crate) use placed::Placed;
-pub(crate) use spread::PARTS;
 pub(crate) use prediction::{LONGEST_WINDOW_SETTING, PREDICTION, Predictor};
 pub use prediction::{Prediction, PredictionMemory, PredictionName};
+pub(crate) use spread::PARTS;
 pub use steps::LONGEST_WINDOW;

@@ -408,8 +408,13 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         let (smoothed, lesson) = observer.see(&self.observer, &ended.seen());
         if let Some(lesson) = &lesson {
             let first = S::from_f64(FIRST) * ended.elapsed;
-            let changed = memory.lateness.learn(lesson, &smoothed, &ended.held, ended.elapsed, first);
-            if SHIFT { observer.shift(changed); }
+            let changed =
+                memory
+                    .lateness
+                    .learn(lesson, &smoothed, &ended.held, ended.elapsed, first);
+            if SHIFT {
+                observer.shift(changed);
+            }
         }
         let certainty = observer.damping_certainty();
         let device = if self.correction { smoothed } else { before };
@@ -518,7 +523,8 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             if device.mobility > S::ZERO {
                 // Never more than the contact itself: else a device that moves as no mass does is
                 // given more and more.
-                (S::from_f64(-1.0) * avatar.speed / device.mobility).within(S::from_f64(0.06) * interval.course.impulse)
+                (S::from_f64(-1.0) * avatar.speed / device.mobility)
+                    .within(S::from_f64(0.06) * interval.course.impulse)
             } else {
                 S::ZERO
             }
@@ -616,7 +622,14 @@ struct Lateness<S> {
 
 impl<S: Scalar> Lateness<S> {
     /// Takes what a sample tells. The change of the device's state that follows.
-    fn learn(&mut self, lesson: &Lesson<S>, device: &Motion<S>, held: &Held<S>, h: S, first: S) -> [S; PARTS] {
+    fn learn(
+        &mut self,
+        lesson: &Lesson<S>,
+        device: &Motion<S>,
+        held: &Held<S>,
+        h: S,
+        first: S,
+    ) -> [S; PARTS] {
         let variance = self.variance.unwrap_or(first * first);
         let mut next = self.answer;
         for (entry, row) in next.iter_mut().zip(&lesson.transition) {
@@ -632,7 +645,11 @@ impl<S: Scalar> Lateness<S> {
         let kept = S::ONE - S::from_f64(1.0 / RECENT);
         self.information = kept * self.information + seen * seen / lesson.variance;
         self.score = kept * self.score + seen * lesson.innovation / lesson.variance;
-        let told = if held.step == S::ZERO { S::ZERO } else { S::ONE };
+        let told = if held.step == S::ZERO {
+            S::ZERO
+        } else {
+            S::ONE
+        };
         self.count = kept * self.count + told;
         let off = self.score / self.information;
         let sure = off * self.score > S::from_f64(SURE * SURE);
@@ -650,7 +667,8 @@ impl<S: Scalar> Lateness<S> {
         let learned = gain * lesson.innovation;
         let drift = S::from_f64(LATENESS_DRIFT) * h;
         let rest = (S::ONE - gain * seen) * variance + drift * drift;
-        if !(learned.is_finite() && rest.is_finite() && next.iter().all(|entry| entry.is_finite())) {
+        if !(learned.is_finite() && rest.is_finite() && next.iter().all(|entry| entry.is_finite()))
+        {
             *self = Self::default();
             return [S::ZERO; PARTS];
         }
