@@ -29,8 +29,8 @@ export async function closeBrowser() {
 export const WIDE = { width: 1400, height: 900 };
 export const NARROW = { width: 360, height: 740, isMobile: true, hasTouch: true, deviceScaleFactor: 2 };
 
-/** Opens the page in a window of its own, and waits until curves come. */
-export async function visit(url, { viewport = WIDE, scheme = "light", motion = "no-preference", wait = true } = {}) {
+/** Opens the page in a window of its own, and waits until curves come. `first` is run in the page before its own scripts. */
+export async function visit(url, { viewport = WIDE, scheme = "light", motion = "no-preference", wait = true, first = () => {} } = {}) {
   const context = await (await launch()).createBrowserContext();
   const page = await context.newPage();
   const errors = [];
@@ -44,6 +44,7 @@ export async function visit(url, { viewport = WIDE, scheme = "light", motion = "
     globalThis.violations = [];
     addEventListener("securitypolicyviolation", (event) => globalThis.violations.push(event.violatedDirective));
   });
+  await page.evaluateOnNewDocument(first);
   await page.setViewport(viewport);
   await page.emulateMediaFeatures([
     { name: "prefers-color-scheme", value: scheme },

@@ -26,7 +26,7 @@ test("the page loads, keeps its own security policy, and shows curves", async ()
   assert.equal(await open.get(() => document.querySelector("#title").textContent), "A light block on the device, 100 Hz");
   assert.equal(await open.get(() => document.querySelector("#connection").textContent), "live");
   await open.pass(0.5);
-  await open.until("the loop's status is told", () => document.querySelectorAll("#status tbody tr").length === 2);
+  await open.until("the loop has a row for each lane", () => document.querySelectorAll("#status tbody tr").length === 2);
   const unnamed = await open.get(() =>
     [...document.querySelectorAll("input, select, button, [tabindex], canvas[role]")]
       .filter((element) => !(element.labels?.length || element.getAttribute("aria-label") || element.textContent.trim()))
@@ -42,10 +42,6 @@ test("dragging with the mouse moves the hand, which stays where it is let be", a
   const live = await startLive();
   const open = await visit(live.url);
   const { mouse } = open.page;
-  // The scene has the height that the loop's status and the sentence above it leave.
-  await open.until("the loop's status is told", () => document.querySelectorAll("#status tbody tr").length === 2);
-  await open.until("what is seen is said", () => document.querySelector("#seen").textContent !== "");
-  await open.pass(0.5);
   const { x, y } = await open.middle("#scene");
   const from = await open.get(handM);
   const scale = await open.get(pxPerM);

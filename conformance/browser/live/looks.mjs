@@ -101,6 +101,40 @@ for (const [name, viewport] of [["wide", WIDE], ["narrow", NARROW]]) {
   }
 }
 
+for (const viewport of [WIDE, { width: 1240, height: 760 }]) {
+  test(`${viewport.width} px wide: the scene keeps its scale, whatever is told beside it`, async () => {
+    const live = await startLive();
+    const open = await visit(live.url, {
+      viewport,
+      first: () => {
+        globalThis.scales = [];
+        const look = () => {
+          requestAnimationFrame(look);
+          const { model, scene } = globalThis.palpate ?? {};
+          if (model?.hello && model.state) {
+            // A timer runs after the picture is laid out and painted.
+            setTimeout(() => globalThis.scales.push(scene.axis.pxPerM));
+          }
+        };
+        requestAnimationFrame(look);
+      },
+    });
+    await open.told();
+    await open.until("what is seen is said", () => document.querySelector("#seen").textContent !== "");
+    await open.page.click("#record");
+    await open.until("it records", () => document.querySelector("#recording").textContent.includes("ticks"));
+    await open.page.click("#record");
+    await open.until("it has recorded", () => document.querySelector("#recording").textContent.startsWith("Recorded"));
+    await open.pass(0.2);
+    const scales = await open.get(() => globalThis.scales);
+    assert.ok(scales.length > 10 && scales[0] > 1000, `${scales.length} pictures, ${scales[0]} px/m`);
+    assert.deepEqual([...new Set(scales)], [scales[0]], "px/m");
+    await open.leave();
+    await live.end();
+    live.forget();
+  });
+}
+
 test("what counts on is not read out again and again", async () => {
   const live = await startLive("--method", "coupled");
   const open = await visit(live.url);

@@ -60,7 +60,7 @@ fn every_figure_is_that_of_the_simulation() {
 }
 
 #[test]
-fn the_table_marks_the_best_and_the_broken_in_a_hundred_columns() {
+fn the_table_marks_the_best_and_the_broken() {
     let folder = folder();
     let text = folder.succeed("compare fig2.toml experiment2.toml");
     let best: Vec<&str> = text
@@ -72,10 +72,6 @@ fn the_table_marks_the_best_and_the_broken_in_a_hundred_columns() {
     let text = folder.succeed(
         "compare fig2.toml experiment2.toml \
          --method basic,seh,virtual-damper,popc,popc-ref,hfcr-mod,hfcr-mod-st,hfcr",
-    );
-    assert!(
-        text.lines().all(|line| line.chars().count() <= 100),
-        "{text}"
     );
     let (first, second) = text.split_at(text.find("Paper, experiment 2").unwrap());
     let marked = |part: &str, mark: &str| -> Vec<String> {

@@ -63,9 +63,7 @@ fn a_small_map_says_what_each_method_can_render_and_draws_it() {
     }
     let text = folder.succeed(&format!("{SMALL} --out again.csv"));
     assert!(
-        text.contains("walls to kappa")
-            && text.contains("rests % of objects")
-            && text.contains("ticks/s"),
+        text.contains("to kappa") && text.contains("rests %") && text.contains("ticks/s"),
         "{text}"
     );
     assert_eq!(folder.read("again.csv"), table);
@@ -231,7 +229,8 @@ fn what_is_told_wrong_and_delays_stand_in_the_map() {
         "told period x 1.1",
         "0.5 N s/m",
     ] {
-        assert!(text.contains(word), "{word}: {text}");
+        // A line may end within them.
+        assert!(text.replace('\n', " ").contains(word), "{word}: {text}");
     }
     let table = folder.read("map.csv");
     for word in [
@@ -369,7 +368,7 @@ fn an_older_map_is_read_and_says_nothing_of_contacts_that_stay() {
         .write("old-2.csv", OLDER[1]);
     let text = folder.succeed("map merge old-1.csv old-2.csv --out old.csv");
     assert!(text.contains("This map is by an older version"), "{text}");
-    assert!(!text.contains("rests % of objects"), "{text}");
+    assert!(!text.contains("rests %"), "{text}");
     let joined = folder.read("old.csv");
     assert!(joined.lines().next().unwrap().ends_with(",palpate_map_1"));
     let picture = folder.read("old.svg");

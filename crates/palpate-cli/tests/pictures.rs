@@ -191,7 +191,7 @@ fn a_map_shows_four_methods_unless_others_are_named() {
         columns(&shown),
         ["basic", "virtual-damper", "hfcr", "coupled"]
     );
-    assert!(title(&shown).contains("Share of the damped map that is stable: coupled "));
+    assert!(title(&shown).contains("Stable bounces, share of the damped map: coupled "));
     let merge = "map merge map.csv --plot";
     folder.succeed(&format!("{merge} all.svg --method all"));
     assert_eq!(columns(&words(&folder, "all.svg")), METHODS);

@@ -127,13 +127,13 @@ const FAULTS: [(&str, &str, &str, &[&str]); 24] = [
     (
         "damping_n_s_per_m = 0.53",
         "damping_n_s_per_m = -0.53",
-        "34:10",
+        "35:21",
         &["damping_n_s_per_m is -0.53 N s/m"],
     ),
     (
         "damping_n_s_per_m = 0.53",
         "damping_cap_n_s_per_m = 1",
-        "34:10",
+        "35:1",
         &["virtual-damper", "popc, popc-ref"],
     ),
     (
@@ -198,6 +198,19 @@ fn the_line_at_fault_is_drawn() {
         "━━━━━━ here",
     ];
     folder.fail("simulate bad.toml", 3, &drawing);
+}
+
+#[test]
+fn a_wrong_value_of_a_setting_is_drawn_at_the_value() {
+    let folder = Folder::new();
+    let text =
+        experiment_text("fig2").replace("damping_n_s_per_m = 0.53", "damping_n_s_per_m = -0.53");
+    folder.write("bad.toml", text);
+    folder.fail(
+        "simulate bad.toml",
+        3,
+        &["35 │ damping_n_s_per_m = -0.53\n   ╰╴                    ━━━━━ here"],
+    );
 }
 
 #[test]

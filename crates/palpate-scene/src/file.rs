@@ -10,6 +10,7 @@ use palpate::{
 };
 use serde::Deserialize;
 use toml::Spanned;
+use toml::de::DeTable;
 
 use super::beside::Files;
 use super::check::SceneParameterError;
@@ -22,7 +23,7 @@ use super::recover::{self, Fault};
 use super::timing::{RawLoop, Timing};
 use super::told::RawTold;
 use super::{Measure, PointMassDevice, Scene, SetupError};
-use crate::method::{GivenSettings, MethodName, Settings, SettingsError, method_named};
+use crate::method::{GivenSettings, MethodName, Setting, Settings, SettingsError, method_named};
 
 /// The version of scene files this crate reads.
 const FORMAT: i64 = 1;
@@ -35,7 +36,15 @@ pub struct SceneFile {
     name: String,
     source: String,
     places: HashMap<SceneParameter, Range<usize>>,
-    methods: HashMap<MethodName, Range<usize>>,
+    methods: HashMap<MethodName, MethodPlaces>,
+}
+
+/// Where the settings of a method stand.
+#[derive(Clone, Debug)]
+struct MethodPlaces {
+    name: Range<usize>,
+    /// Key and value of each setting.
+    settings: HashMap<String, (Range<usize>, Range<usize>)>,
 }
 
 /// The version alone: a file of another version may have keys this one does not know.
@@ -178,16 +187,34 @@ impl SceneFile {
             SetupError::Parameter(parameter) if self.places.contains_key(&parameter.parameter) => {
                 self.locate_parameter(parameter)
             }
-            SetupError::Parameter(parameter) => self.at_settings(method, parameter.to_string()),
-            SetupError::Settings(SettingsError::Unused { setting, .. }) => self.at_settings(
-                method,
-                format!(
+            SetupError::Parameter(parameter) => {
+                let setting = match parameter.parameter {
+                    Of::Rendered(Parameter::Setting(setting)) => Some(setting),
+                    _ => None,
+                };
+                self.at_settings(method, setting, parameter.to_string())
+            }
+            SetupError::Settings(error) => self.locate_settings(method, error),
+        }
+    }
+
+    fn locate_settings(&self, method: MethodName, error: &SettingsError) -> SceneError {
+        match error {
+            SettingsError::Unused { setting, .. } => {
+                let key = self.place_of(method, setting).map(|(key, _)| key);
+                let message = format!(
                     "{method} has no use for {}; it is for {}",
                     setting.key,
                     setting.key.users()
-                ),
-            ),
-            SetupError::Settings(other) => self.at_settings(method, other.to_string()),
+                );
+                self.at_span(key.or_else(|| self.place_of_method(method)), message)
+            }
+            SettingsError::NoRule { setting, .. }
+            | SettingsError::NoDeviceMass(setting)
+            | SettingsError::OnlyBeside { setting, .. } => {
+                self.at_settings(method, Some(setting), error.to_string())
+            }
+            SettingsError::NoPushedMass(_) => self.at_settings(method, None, error.to_string()),
         }
     }
 
@@ -198,17 +225,41 @@ impl SceneFile {
 
     /// A fault at the place of `parameter`; at the file's beginning, where the file does not say it.
     pub fn at(&self, parameter: SceneParameter, message: String) -> SceneError {
-        let span = self.places.get(&parameter).cloned();
-        SceneError::at(&self.name, &self.source, span.unwrap_or(0..0), message)
+        self.at_span(self.places.get(&parameter).cloned(), message)
     }
 
     /// A fault of the file as a whole.
     pub fn as_a_whole(&self, message: String) -> SceneError {
-        SceneError::at(&self.name, &self.source, 0..0, message)
+        self.at_span(None, message)
     }
 
-    fn at_settings(&self, method: MethodName, message: String) -> SceneError {
-        let span = self.methods.get(&method).cloned();
+    /// A fault of a method's settings: at the value of `setting` where the file gives it, else at the method's name.
+    fn at_settings(
+        &self,
+        method: MethodName,
+        setting: Option<&Setting>,
+        message: String,
+    ) -> SceneError {
+        let value = setting.and_then(|setting| self.place_of(method, setting));
+        let span = value.map(|(_, value)| value);
+        self.at_span(span.or_else(|| self.place_of_method(method)), message)
+    }
+
+    /// Where key and value of a setting stand.
+    fn place_of(
+        &self,
+        method: MethodName,
+        setting: &Setting,
+    ) -> Option<(Range<usize>, Range<usize>)> {
+        let places = &self.methods.get(&method)?.settings;
+        places.get(setting.key.as_str()).cloned()
+    }
+
+    fn place_of_method(&self, method: MethodName) -> Option<Range<usize>> {
+        Some(self.methods.get(&method)?.name.clone())
+    }
+
+    fn at_span(&self, span: Option<Range<usize>>, message: String) -> SceneError {
         SceneError::at(&self.name, &self.source, span.unwrap_or(0..0), message)
     }
 }
@@ -379,13 +430,26 @@ impl Reading<'_> {
         raw: HashMap<Spanned<String>, GivenSettings>,
     ) -> (
         HashMap<MethodName, Settings>,
-        HashMap<MethodName, Range<usize>>,
+        HashMap<MethodName, MethodPlaces>,
     ) {
+        // Settings are read by keys that methods name, so where they stand is looked up in the file itself.
+        let table = DeTable::parse(self.source).ok();
+        let table = table.as_ref().map(Spanned::get_ref);
+        let methods = table.and_then(|file| file.get("methods")?.get_ref().as_table());
         let (mut settings, mut places) = (HashMap::new(), HashMap::new());
         for (key, given) in raw {
             match method_named(key.get_ref()) {
                 Ok(method) => {
-                    places.insert(method, key.span());
+                    let of_method = methods.and_then(|all| all.get(method.name()));
+                    let of_method = of_method.and_then(|given| given.get_ref().as_table());
+                    let spans = of_method.into_iter().flatten().map(|(key, value)| {
+                        (key.get_ref().to_string(), (key.span(), value.span()))
+                    });
+                    let place = MethodPlaces {
+                        name: key.span(),
+                        settings: spans.collect(),
+                    };
+                    places.insert(method, place);
                     settings.insert(method, given.0);
                 }
                 Err(error) => self.fault((key.span(), error.to_string())),

@@ -128,7 +128,7 @@ model.addEventListener("state", () => {
   contact.take(state);
   charts.name();
   place("record").setAttribute("aria-pressed", String(state.recording !== null));
-  status.takeRecording();
+  status.tell();
   [0, 1].forEach((lane) => {
     const rearm = { label: "Rearm", act: () => send(say.rearm(lane)) };
     banners.show(`trip-${lane + 1}`, tripInWords(state.lanes[lane], lane + 1), rearm);

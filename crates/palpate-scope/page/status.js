@@ -42,13 +42,20 @@ export class Status {
     this.reports = [];
   }
 
+  /** Takes a report. */
   take() {
-    const { model } = this;
-    this.reports.push(model.status);
+    this.reports.push(this.model.status);
     this.reports.splice(0, this.reports.length - REPORTS);
-    const rows = model.status.lanes.map((lane, i) => {
+    this.tell();
+  }
+
+  /** Shows a row for each lane, also before the first report: the scene above would lose its height to a row that comes. */
+  tell() {
+    const { model } = this;
+    const rows = (model.state ?? model.status).lanes.map(({ method }, i) => {
+      const lane = model.status?.lanes[i] ?? {};
       const row = document.createElement("tr");
-      const name = cell("th", model.state?.lanes[i]?.method ?? "");
+      const name = cell("th", method ?? "");
       name.scope = "row";
       name.className = `lane-${i + 1}`;
       row.append(name, ...COLUMNS.map(({ of }) => cell("td", of(lane, rate(this.reports[0], model.status, i)))));
@@ -61,7 +68,8 @@ export class Status {
 
   serve() {
     const { model, screenRate } = this;
-    const clients = model.status?.clients ?? 0;
+    // This page at least looks on.
+    const clients = model.status?.clients ?? 1;
     const parts = [
       `${clients} ${clients === 1 ? "page" : "pages"} looking on`,
       `${model.droppedFrames} frames dropped on the way here`,

@@ -9,7 +9,9 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::report::{MethodReport, Report, Subject};
-use crate::text::{digits, lines, percent, plain_table};
+use crate::text::{
+    ABSOLUTE_LEAK, E, FRE, WIDTH, digits, legend, lines, percent, plain_table, within, wrapped,
+};
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate compare 1";
@@ -253,6 +255,13 @@ impl Figures {
     }
 }
 
+/// Words below the line of a method, in the column of its name.
+fn below(words: &str) -> String {
+    const BLANKS: &str = "     ";
+    let lines = within(words, WIDTH - BLANKS.len());
+    format!("{BLANKS}{}", lines.join(&format!("\n{BLANKS}")))
+}
+
 /// Before the name of a method that did not stay in one piece, and of the one with the least error.
 const BROKEN: &str = "!";
 const LEAST: &str = "*";
@@ -267,7 +276,6 @@ impl fmt::Display for Comparison {
             "FRE/floor",
             "peak/ideal",
             "|leak| mJ",
-            "",
         ];
         let mut table = plain_table(CellAlignment::Left, &header);
         for scene in &self.scenes {
@@ -298,7 +306,6 @@ impl fmt::Display for Comparison {
                     Cell::new(cell.unwrap_or_else(|| "-".into()))
                         .set_alignment(CellAlignment::Right)
                 }));
-                row.push(Cell::new(&method.remarks));
                 table.add_row(row);
             }
         }
@@ -308,20 +315,29 @@ impl fmt::Display for Comparison {
             writeln!(f, "{line}")?;
         }
         for scene in &self.scenes {
-            writeln!(f, "\n{}\n  {}", scene.title, scene.conditions)?;
+            writeln!(f, "\n{}\n  {}", wrapped(&scene.title), scene.conditions)?;
             for (line, method) in text.by_ref().take(scene.methods.len()).zip(&scene.methods) {
-                writeln!(f, "{line}")?;
+                let remarks = &method.remarks;
+                if remarks.is_empty() {
+                    writeln!(f, "{line}")?;
+                } else if line.chars().count() + 2 + remarks.chars().count() <= WIDTH {
+                    writeln!(f, "{line}  {remarks}")?;
+                } else {
+                    writeln!(f, "{line}\n{}", below(remarks))?;
+                }
                 if let Outcome::Cannot { cannot } = &method.result {
-                    writeln!(f, "     cannot be set up: {cannot}")?;
+                    writeln!(f, "{}", below(&format!("cannot be set up: {cannot}")))?;
                 }
             }
         }
-        writeln!(
-            f,
-            "\n{LEAST} least E of those that held together, {BROKEN} diverged, left the safety box or \
-             jammed.\nE: what a method answers for. Without a setting in the scene a method has its \
-             default; see --json\nfor every parameter."
-        )?;
+        let marks = format!(
+            "{LEAST} least E of those that held together, {BROKEN} diverged, left the safety box or jammed."
+        );
+        writeln!(f, "\n{}", wrapped(&marks))?;
+        writeln!(f, "{}", legend(&[E, FRE, ABSOLUTE_LEAK]))?;
+        let settings = "Without a setting in the scene a method has its default; see --json for every \
+                        parameter.";
+        writeln!(f, "{}", wrapped(settings))?;
         for file in &self.files {
             writeln!(f, "wrote {file}")?;
         }

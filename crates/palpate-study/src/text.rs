@@ -1,24 +1,123 @@
 //! Numbers and tables for a terminal.
 
 use std::fmt;
+use std::ops::Range;
 
 use comfy_table::presets::NOTHING;
-use comfy_table::{Cell, CellAlignment, Table, TableComponent};
+use comfy_table::{Cell, CellAlignment, Row, Table, TableComponent};
 
-/// A table without blanks at the ends of its lines.
-pub fn lines(table: &Table) -> String {
+/// Characters that a line of a terminal has room for.
+pub const WIDTH: usize = 80;
+
+/// What the column of the mean-force error is.
+pub const E: &str = "E: error of the mean force of each period, what a method answers for.";
+/// What the column of the force rendering error is.
+pub const FRE: &str = "FRE: error of the held force, the hold floor included.";
+/// What the column of the leak's absolute value is.
+pub const ABSOLUTE_LEAK: &str = "|leak|: energy that the held force created or took \
+    away, every part counted as positive.";
+
+/// A table without blanks at the ends of its lines, however wide.
+pub fn whole(table: &Table) -> String {
     let lines: Vec<String> = table.lines().map(|line| line.trim_end().into()).collect();
     lines.join("\n")
 }
 
-/// A table with a line under its header, its columns two blanks apart; the first column holds names, or
-/// numbers like the others.
-pub fn plain_table(first: CellAlignment, header: &[&str]) -> Table {
+/// A table without blanks at the ends of its lines. Where it is wider than a terminal, the columns that do not fit
+/// stand in a block of their own below, which begins with the first column again.
+pub fn lines(table: &Table) -> String {
+    let columns = table.header().map_or(0, Row::cell_count);
+    let mut blocks = Vec::new();
+    let mut from = 1;
+    loop {
+        let mut block = part(table, from..columns);
+        let mut to = columns;
+        // A column that is too wide by itself is not cut.
+        while width(&block) > WIDTH && to > from + 1 {
+            to -= 1;
+            block = part(table, from..to);
+        }
+        blocks.push(block);
+        from = to;
+        if from >= columns {
+            return blocks.join("\n\n");
+        }
+    }
+}
+
+/// The first column and these.
+fn part(table: &Table, columns: Range<usize>) -> String {
+    let cells = |row: &Row| -> Vec<Cell> {
+        let all: Vec<&Cell> = row.cell_iter().collect();
+        let rest = all.get(columns.start..columns.end.min(all.len()));
+        let first = all.first().into_iter();
+        first
+            .chain(rest.into_iter().flatten())
+            .map(|cell| (*cell).clone())
+            .collect()
+    };
+    let mut part = empty();
+    part.set_header(table.header().map(cells).unwrap_or_default());
+    part.add_rows(table.row_iter().map(cells));
+    close_up(&mut part);
+    whole(&part)
+}
+
+fn width(text: &str) -> usize {
+    text.lines()
+        .map(|line| line.chars().count())
+        .max()
+        .unwrap_or(0)
+}
+
+/// The words of a text in lines of less than [`WIDTH`] characters: after a full line some terminals show an empty one.
+pub fn wrapped(text: &str) -> String {
+    within(text, WIDTH - 1).join("\n")
+}
+
+/// The words of a text in lines of at most so many characters; a longer word stands alone. A number keeps its `%`.
+pub fn within(text: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = vec![String::new()];
+    for word in text.replace(" %", "\u{a0}%").split(' ') {
+        let word = word.replace('\u{a0}', " ");
+        let line = lines.last_mut().expect("there is always one");
+        if !line.is_empty() && line.chars().count() + 1 + word.chars().count() > width {
+            lines.push(word);
+        } else {
+            if !line.is_empty() {
+                line.push(' ');
+            }
+            line.push_str(&word);
+        }
+    }
+    lines
+}
+
+/// What the columns of a table are, as a text below it.
+pub fn legend(columns: &[&str]) -> String {
+    wrapped(&columns.join(" "))
+}
+
+fn empty() -> Table {
     let mut table = Table::new();
     table
         .load_preset(NOTHING)
         .set_style(TableComponent::HeaderLines, '─')
         .set_style(TableComponent::MiddleHeaderIntersections, '─');
+    table
+}
+
+/// The columns stand two blanks apart.
+fn close_up(table: &mut Table) {
+    for column in table.column_iter_mut() {
+        column.set_padding((1, 0));
+    }
+}
+
+/// A table with a line under its header, its columns two blanks apart; the first column holds names, or
+/// numbers like the others.
+pub fn plain_table(first: CellAlignment, header: &[&str]) -> Table {
+    let mut table = empty();
     table.set_header(header.iter().enumerate().map(|(column, name)| {
         Cell::new(name).set_alignment(if column == 0 {
             first
@@ -26,9 +125,7 @@ pub fn plain_table(first: CellAlignment, header: &[&str]) -> Table {
             CellAlignment::Right
         })
     }));
-    for column in table.column_iter_mut() {
-        column.set_padding((1, 0));
-    }
+    close_up(&mut table);
     table
 }
 
@@ -86,5 +183,69 @@ pub fn digits(value: f64) -> String {
         format!("{value:.decimals$}")
     } else {
         format!("{value:.2e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A table of one row, its columns so wide; with the two blanks before each, its first takes one more.
+    fn table(widths: &[usize]) -> Table {
+        let names: Vec<String> = widths
+            .iter()
+            .enumerate()
+            .map(|(k, w)| format!("{k:0>w$}"))
+            .collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let mut table = plain_table(CellAlignment::Left, &names);
+        table.add_row(names);
+        table
+    }
+
+    #[test]
+    fn a_table_that_is_too_wide_goes_on_below_with_its_first_column() {
+        // 1 + 8, then 2 + 16 four times: 81.
+        let text = lines(&table(&[8, 16, 16, 16, 16]));
+        let blocks: Vec<&str> = text.split("\n\n").collect();
+        let names = |block: &str| -> Vec<String> {
+            let last = block.lines().last().unwrap();
+            last.split_whitespace()
+                .map(|name| name.trim_start_matches('0').to_owned())
+                .collect()
+        };
+        assert_eq!(blocks.len(), 2, "{text}");
+        assert_eq!(names(blocks[0]), ["", "1", "2", "3"]);
+        assert_eq!(names(blocks[1]), ["", "4"]);
+        assert!(width(&text) <= WIDTH, "{text}");
+        // One character less fits.
+        let text = lines(&table(&[7, 16, 16, 16, 16]));
+        assert_eq!(width(&text), WIDTH, "{text}");
+        assert_eq!(text.split("\n\n").count(), 1, "{text}");
+    }
+
+    #[test]
+    fn a_column_that_is_too_wide_by_itself_is_shown_whole() {
+        let text = lines(&table(&[8, 90, 16]));
+        assert_eq!(text.split("\n\n").count(), 2, "{text}");
+        assert_eq!(width(&text), 1 + 8 + 2 + 90);
+    }
+
+    #[test]
+    fn a_number_keeps_its_percent_sign() {
+        assert_eq!(within("aa below 20 %, b", 11), ["aa below", "20 %, b"]);
+    }
+
+    #[test]
+    fn a_wrapped_text_keeps_its_words() {
+        let text = format!("{}, {E} {FRE} {ABSOLUTE_LEAK}", "a".repeat(100));
+        let wrapped = wrapped(&text);
+        assert_eq!(wrapped.replace('\n', " "), text);
+        assert!(
+            wrapped
+                .lines()
+                .skip(1)
+                .all(|line| line.chars().count() <= WIDTH)
+        );
     }
 }

@@ -81,6 +81,12 @@ impl<S: Scalar> Actuation<S> {
         Self { gain, ..self }
     }
 
+    /// Standard deviation of delay and lag together `[s]`.
+    pub(crate) fn timing_deviation(&self) -> S {
+        let (delay, lag) = (self.delay_deviation, self.lag_deviation);
+        (delay * delay + lag * lag).sqrt()
+    }
+
     /// Every parameter outside its range, in a loop of `period` `[s]`.
     pub(crate) fn faults(&self, period: S) -> impl Iterator<Item = ParameterError> {
         let periods = self.delay / period;

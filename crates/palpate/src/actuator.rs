@@ -78,7 +78,6 @@ pub(crate) struct Actuator<S> {
 impl<S: Scalar> Actuator<S> {
     /// Of an actuation without faults, in a loop of `period` `[s]`.
     pub fn new(actuation: &Actuation<S>, period: S) -> Self {
-        let square = |x: S| x * x;
         let (samples, rest) = parts(actuation.delay, period);
         Self {
             samples,
@@ -86,8 +85,7 @@ impl<S: Scalar> Actuator<S> {
             period,
             lag: actuation.lag,
             gain: actuation.gain,
-            timing_deviation: (square(actuation.delay_deviation) + square(actuation.lag_deviation))
-                .sqrt(),
+            timing_deviation: actuation.timing_deviation(),
             gain_deviation: actuation.gain_deviation,
         }
     }
@@ -101,16 +99,6 @@ impl<S: Scalar> Actuator<S> {
             rest,
             ..*self
         }
-    }
-
-    /// The delay `[s]`.
-    pub fn delay(&self) -> S {
-        S::from_f64(self.samples as f64) * self.period + self.rest
-    }
-
-    /// Standard deviation of delay and lag together `[s]`.
-    pub fn timing_deviation(&self) -> S {
-        self.timing_deviation
     }
 
     /// Delivered over commanded force.
@@ -312,26 +300,26 @@ impl<'a, S: Scalar> Ahead<'a, S> {
         Governed { carried, share }
     }
 
-    /// Whether the command of this sample begins with it.
-    pub fn is_at_once(&self) -> bool {
-        self.actuator.samples == 0 && self.actuator.rest <= S::ZERO
-    }
-
     /// Whether every command begins with a sample.
     pub fn is_whole(&self) -> bool {
         self.actuator.rest <= S::ZERO
     }
 
-    /// Force that acts on the device when the sample is taken, and from the beginning of the next
-    /// command on; `own` where that is this sample's `[N]`. With the time of that beginning `[s]`.
-    pub fn next(&self, own: S) -> (S, S, S) {
-        let samples = self.actuator.samples;
-        let now = self.actuator.gain * self.under_way.aged(samples).sent;
-        let then = match samples.checked_sub(1) {
-            Some(age) => self.actuator.gain * self.under_way.aged(age).sent,
-            None => own,
+    /// What reaches the device in the next `h` `[s]`, if `own` `[N]` is what the command of this sample
+    /// is to deliver.
+    pub fn over_next(&self, own: S, h: S) -> Held<S> {
+        let actuator = self.actuator;
+        let own = own / actuator.gain;
+        let later = match actuator.samples.checked_sub(1) {
+            Some(age) => self.under_way.aged(age),
+            None => Command {
+                intended: own,
+                sent: own,
+            },
         };
-        (now, then, self.actuator.rest)
+        let earlier = self.under_way.aged(actuator.samples);
+        let mut felt = self.under_way.felt;
+        actuator.pass(&mut felt, earlier, later, h).held
     }
 }
 

@@ -227,56 +227,56 @@ method = "hfcr" -> method = "magic"
   37:10: no method is called "?"; the methods are basic, seh, virtual-damper, popc, popc-ref, hfcr-mod, hfcr-mod-st, hfcr, coupled
   "?"
 [methods.hfcr] -> [methods.basic]
-  37:10: basic has no use for damping_n_s_per_m; it is for virtual-damper, hfcr
-  basic
+  38:1: basic has no use for damping_n_s_per_m; it is for virtual-damper, hfcr
+  damping_n_s_per_m
 [methods.hfcr] -> [methods.hfcr-mod]
-  37:10: hfcr-mod has no use for damping_n_s_per_m; it is for virtual-damper, hfcr
-  hfcr-mod
+  38:1: hfcr-mod has no use for damping_n_s_per_m; it is for virtual-damper, hfcr
+  damping_n_s_per_m
 damping_n_s_per_m = 0.1 -> damping_cap_n_s_per_m = 0.1
-  37:10: hfcr has no use for damping_cap_n_s_per_m; it is for popc, popc-ref
-  hfcr
+  38:1: hfcr has no use for damping_cap_n_s_per_m; it is for popc, popc-ref
+  damping_cap_n_s_per_m
 damping_n_s_per_m = 0.1 -> damping_n_s_per_m = -0.1
-  37:10: damping_n_s_per_m is -0.1 N s/m, but must be finite and not below 0
-  hfcr
+  38:21: damping_n_s_per_m is -0.1 N s/m, but must be finite and not below 0
+  -0.1
 [methods.hfcr]\ndamping_n_s_per_m = 0.1 -> [methods.virtual-damper]\ndamping_n_s_per_m = "auto"
-  37:10: only hfcr derives its damping; give virtual-damper a number
-  virtual-damper
+  38:21: only hfcr derives its damping; give virtual-damper a number
+  "auto"
 damping_cap_n_s_per_m = 6 -> damping_cap_n_s_per_m = 0
-  40:10: damping_cap_n_s_per_m is 0 N s/m, but must be finite and greater than 0
-  popc
+  41:25: damping_cap_n_s_per_m is 0 N s/m, but must be finite and greater than 0
+  0
 speed_threshold_m_per_s = 1e-4 -> speed_threshold_m_per_s = -1
-  40:10: speed_threshold_m_per_s is -1 m/s, but must be finite and not below 0
-  popc
+  42:27: speed_threshold_m_per_s is -1 m/s, but must be finite and not below 0
+  -1
 initial_energy_j = 0 -> initial_energy_j = -1
-  40:10: initial_energy_j is -1 J, but must be finite and not below 0
-  popc
+  43:20: initial_energy_j is -1 J, but must be finite and not below 0
+  -1
 [methods.popc] -> [methods.popc-ref]
-  40:10: popc-ref has no use for initial_energy_j; it is for popc
-  popc-ref
+  43:1: popc-ref has no use for initial_energy_j; it is for popc
+  initial_energy_j
 estimate = "ab2" -> damping_n_s_per_m = 1
-  45:10: seh has no use for damping_n_s_per_m; it is for virtual-damper, hfcr
-  seh
+  46:1: seh has no use for damping_n_s_per_m; it is for virtual-damper, hfcr
+  damping_n_s_per_m
 estimate = "ab2" -> prediction = "observer"
-  45:10: seh has no use for prediction; it is for virtual-damper, hfcr
-  seh
+  46:1: seh has no use for prediction; it is for virtual-damper, hfcr
+  prediction
 estimate = "ab2" -> correction = false
-  45:10: seh has no use for correction; it is for coupled
-  seh
+  46:1: seh has no use for correction; it is for coupled
+  correction
 estimate = "ab2" -> entry_hold = "sample"
-  45:10: seh has no use for entry_hold; it is for hfcr-mod-st, hfcr
-  seh
+  46:1: seh has no use for entry_hold; it is for hfcr-mod-st, hfcr
+  entry_hold
 damping_n_s_per_m = 0.1 -> damper_object = "spring"
-  37:10: hfcr has no use for damper_object; it is for virtual-damper
-  hfcr
+  38:1: hfcr has no use for damper_object; it is for virtual-damper
+  damper_object
 damping_n_s_per_m = 0.1 -> damper_object = "both"
   38:17: unknown variant `both`, expected one of `spring-and-damper`, `spring`, `held-force`
   "both"
 damping_n_s_per_m = 0.1 -> longest_window_s = 0.1
-  37:10: longest_window_s is for prediction first-order-adaptive-window, but that of hfcr is last-step
-  hfcr
+  38:20: longest_window_s is for prediction first-order-adaptive-window, but that of hfcr is last-step
+  0.1
 damping_n_s_per_m = 0.1 -> prediction = "first-order-adaptive-window"\nlongest_window_s = 0
-  37:10: longest_window_s is 0 s, but must be finite and greater than 0
-  hfcr"#,
+  39:20: longest_window_s is 0 s, but must be finite and greater than 0
+  0"#,
         21,
     );
 }

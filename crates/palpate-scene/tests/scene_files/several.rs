@@ -57,7 +57,7 @@ fn several_ranges_of_device_contact_loop_and_method_are_told_together() {
             "scene.toml:14:11: device.mass_kg is 0 kg, but must be finite and greater than 0",
             "scene.toml:24:12: loop.period_s is -0.02 s, but must be finite and greater than 0",
             "scene.toml:33:17: renderer.force_limit_n is 0 N, but must be finite and greater than 0",
-            "scene.toml:37:10: damping_n_s_per_m is -0.1 N s/m, but must be finite and not below 0",
+            "scene.toml:38:21: damping_n_s_per_m is -0.1 N s/m, but must be finite and not below 0",
         ]
     );
 }

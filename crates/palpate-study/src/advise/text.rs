@@ -6,7 +6,7 @@ use crate::map::{PRESSED_WITH, RESTS_BELOW};
 use comfy_table::{Cell, CellAlignment};
 
 use super::{Advice, FAITHFUL_PERCENT, Judged, Reach, Verdict};
-use crate::text::{counted, digits, lines, number, percent, plain_table};
+use crate::text::{E, counted, digits, legend, lines, number, percent, plain_table, wrapped};
 
 impl fmt::Display for Advice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -14,6 +14,7 @@ impl fmt::Display for Advice {
         writeln!(f, "{}\n", wrapped(&self.conditions()))?;
         if self.contact.is_some() {
             writeln!(f, "{}\n", lines(&self.contact_table()))?;
+            writeln!(f, "{}\n", legend(&[E]))?;
         }
         writeln!(f, "{}\n", lines(&self.limit_table()))?;
         writeln!(f, "{}", wrapped(&self.bounds_in_words()))?;
@@ -129,7 +130,7 @@ impl Advice {
             ));
         }
         answer.push_str(&format!(
-            " E compares means of the force. Within the {} s for which a force is held, the ideal force \
+            " Within the {} s for which a force is held, the ideal force \
              goes on changing: no held force comes nearer to it than the hold floor, {} %.",
             self.device.period_s,
             percent(contact.hold_floor_percent)
@@ -207,15 +208,15 @@ impl Advice {
             "worst",
             "E %",
             "worst",
-            "resting %",
-            "pressed %",
+            "resting\n%",
+            "pressed\n%",
         ];
         let mut table = plain_table(CellAlignment::Left, &header);
         for advice in &self.methods {
             let tuned = advice.tuned.as_ref();
             for (name, judged) in [
                 (advice.method.to_owned(), advice.by_itself.as_ref()),
-                (format!("{}, tuned", advice.method), tuned),
+                ("  tuned".to_owned(), tuned),
             ] {
                 if let Some(judged) = judged {
                     table.add_row(row(name, judged));
@@ -300,22 +301,4 @@ fn reach(limit: &Reach, beyond: &str) -> Cell {
         let sign = if limit.or_beyond { beyond } else { "" };
         format!("{sign}{}", digits(value))
     })
-}
-
-/// Lines of at most 92 characters.
-fn wrapped(text: &str) -> String {
-    const WIDTH: usize = 92;
-    let mut lines: Vec<String> = vec![String::new()];
-    for word in text.split(' ') {
-        let line = lines.last_mut().expect("there is always one");
-        if !line.is_empty() && line.chars().count() + 1 + word.chars().count() > WIDTH {
-            lines.push(word.to_owned());
-        } else {
-            if !line.is_empty() {
-                line.push(' ');
-            }
-            line.push_str(word);
-        }
-    }
-    lines.join("\n")
 }

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::receipt::{self, NoNumber};
 use super::{Class, PRESSED_WITH, Plant, RESTS_BELOW, Stay, classify};
-use crate::text::{digits, lines, number, percent, plain_table};
+use crate::text::{E, digits, legend, lines, number, percent, plain_table, wrapped};
 
 /// How fast the work was.
 #[derive(Clone, Copy, Debug)]
@@ -281,20 +281,19 @@ impl MapReport {
         let header = [
             "method",
             "device",
-            "rests % of objects",
-            "pressed % of cells",
-            "both, E < 20 %",
-            "pressed walls to",
-            "Kc = 1 rests to",
+            "rests %\nof objects",
+            "pressed %\nof cells",
+            "both,\nE < 20 %",
+            "pressed\nwalls to",
+            "Kc = 1\nrests to",
         ];
         let mut table = plain_table(CellAlignment::Left, &header);
         for method in &self.methods {
             let Some(stay) = &method.stay else {
-                return writeln!(
-                    f,
-                    "This map is by an older version and has bounces alone: whether an object rests on the\n\
-                     device, or a contact is steady when it is pressed, is not known of it.\n"
-                );
+                let older = "This map is by an older version and has bounces alone: whether an object \
+                             rests on the device, or a contact is steady when it is pressed, is not known \
+                             of it.";
+                return writeln!(f, "{}\n", wrapped(older));
             };
             table.add_row(vec![
                 (&*method.method).into(),
@@ -307,12 +306,12 @@ impl MapReport {
             ]);
         }
         writeln!(f, "{}\n", lines(&table))?;
-        writeln!(
-            f,
+        let meaning = format!(
             "Rests by its weight, pressed with {PRESSED_WITH} N: in a light and in a firm hand, the force \
-             swings by less than\n{} % of what presses (standard deviation). \"Both\" are stable, too.\n",
+             swings by less than {} % of what presses (standard deviation). \"Both\" are stable, too.",
             percent(100.0 * RESTS_BELOW)
-        )
+        );
+        writeln!(f, "{}\n", wrapped(&meaning))
     }
 }
 
@@ -324,21 +323,20 @@ impl fmt::Display for MapReport {
         } else {
             format!(", part {}", self.shard)
         };
-        writeln!(
-            f,
+        let map = format!(
             "Map of kappa = K T²/m and Kc = K T²/M from 0.001 to 10, {n} x {n} cells and walls{part}",
             n = self.cells_per_axis
-        )?;
+        );
+        writeln!(f, "{}", wrapped(&map))?;
         writeln!(
             f,
             "device {} kg, period {} s, gap {} m ± 5 % in {} start heights",
             scene.device_mass_kg, scene.period_s, scene.gap_m, scene.start_heights
         )?;
-        write!(
-            f,
+        let mut forces = format!(
             "forces {}; damped: {} N s/m",
             scene.forces, scene.viscous_friction_n_s_per_m
-        )?;
+        );
         for (name, value, usual) in [
             ("encoder quantum [m]", scene.encoder_quantum_m, 0.0),
             ("delay [samples]", scene.delay_samples, 0.0),
@@ -346,19 +344,19 @@ impl fmt::Display for MapReport {
             ("told period x", scene.told_period_factor, 1.0),
         ] {
             if value != usual {
-                write!(f, "; {name} {value}")?;
+                forces.push_str(&format!("; {name} {value}"));
             }
         }
-        writeln!(f, "\n")?;
+        writeln!(f, "{}\n", wrapped(&forces))?;
         if part.is_empty() {
             let header = [
                 "method",
                 "device",
-                "stable % of cells",
-                "and E < 20 %",
-                "walls to kappa",
-                "and E < 20 %",
-                "Kc = 1 to kappa",
+                "stable %\nof cells",
+                "and\nE < 20 %",
+                "walls\nto kappa",
+                "and\nE < 20 %",
+                "Kc = 1\nto kappa",
             ];
             let mut table = plain_table(CellAlignment::Left, &header);
             for method in &self.methods {
@@ -373,11 +371,9 @@ impl fmt::Display for MapReport {
                 ]);
             }
             writeln!(f, "{}\n", lines(&table))?;
-            writeln!(
-                f,
-                "Stable: from every start height, energy grows by at most 1 % per collision. A dash: \
-                 not\neven the softest of the map.\n"
-            )?;
+            let stable = "Stable: from every start height, energy grows by at most 1 % per collision. A \
+                          dash: not even the softest of the map.";
+            writeln!(f, "{}\n", legend(&[stable, E]))?;
             self.write_stays(f)?;
         } else {
             writeln!(

@@ -6,13 +6,11 @@ use comfy_table::{Cell, CellAlignment, Table};
 use palpate::Mass;
 
 use super::{CollisionReport, MethodReport, Report};
-use crate::text::{counted, digits, lines, number, percent, plain_table, short};
+use crate::text::{E, FRE, counted, digits, legend, number, percent, plain_table, short, whole};
 
-/// What the columns of errors and leaks are.
-const ERRORS_IN_WORDS: &str = "\
-E: error of the mean force of each period, what a method answers for. FRE:
-error of the held force, the hold floor included. Leak: energy that the held
-force created; |leak|: the same with every part counted as positive.";
+/// What the columns of leaks are.
+const LEAKS: &str = "Leak: energy that the held force created; |leak|: the same with every part counted as \
+     positive.";
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -29,16 +27,16 @@ impl fmt::Display for Report {
             writeln!(f, "{}: {samples}", self.timing_in_words)?;
         }
         writeln!(f, "{}\n", self.window())?;
-        writeln!(f, "{}\n", lines(&self.method_table()))?;
+        writeln!(f, "{}\n", whole(&self.method_table()))?;
         if self.says_what_columns_are && self.hold_floor_percent.is_some() {
-            writeln!(f, "{ERRORS_IN_WORDS}\n")?;
+            writeln!(f, "{}\n", legend(&[E, FRE, LEAKS]))?;
         }
         if let [method] = self.methods.as_slice()
             && !method.collisions.is_empty()
         {
             const MOST_COLLISIONS: usize = 12;
             writeln!(f, "Collision by collision\n")?;
-            writeln!(f, "{}\n", lines(&collision_table(method, MOST_COLLISIONS)))?;
+            writeln!(f, "{}\n", whole(&collision_table(method, MOST_COLLISIONS)))?;
             if method.collisions.len() > MOST_COLLISIONS {
                 writeln!(
                     f,

@@ -7,8 +7,13 @@ use serde::Serialize;
 
 use super::{Quantity, Swept};
 use crate::suite::Column;
-use crate::text::{digits, lines, number, percent, plain_table};
+use crate::text::{
+    ABSOLUTE_LEAK, FRE, digits, legend, lines, number, percent, plain_table, wrapped,
+};
 use crate::tune::HEIGHTS;
+
+/// What the column `rebound` is.
+const REBOUND: &str = "rebound: largest energy of a rebound over that of the ideal's first.";
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate sweep 1";
@@ -144,47 +149,45 @@ impl fmt::Display for SweepReport {
             "" => String::new(),
             unit => format!(" {unit}"),
         };
-        writeln!(f, "{}", self.title)?;
+        writeln!(f, "{}", wrapped(&self.title))?;
         for at in &self.values {
             writeln!(
                 f,
                 "\n{} {}{unit}: floor {:.2} %, peak of the ideal {:.2} N\n",
                 self.over, at.value, at.hold_floor_percent, at.ideal_peak_force_n
             )?;
-            let header = [
-                "method",
-                "FRE %",
-                "median",
-                "worst",
-                "peak N",
-                "|leak| mJ",
-                "rebound",
-                "bounce",
-                "left box s",
-                "almost stable",
-                "left box",
-            ];
-            // The last two count start heights.
             let heights = at.columns.iter().any(|of| of.left_box_heights.is_some());
-            let header = &header[..header.len() - if heights { 0 } else { 2 }];
+            let mut header = vec!["method", "FRE %"];
+            if heights {
+                header.extend(["median", "worst"]);
+            }
+            header.extend(["peak N", "|leak| mJ", "rebound", "bounce", "left box s"]);
+            if heights {
+                // These count start heights.
+                header.extend(["almost stable", "left box"]);
+            }
             let of_heights = |count: Option<usize>| {
                 number(count.map(|count| count as f64), |count| {
                     format!("{count} of {HEIGHTS}")
                 })
             };
-            let mut table = plain_table(CellAlignment::Left, header);
+            let mut table = plain_table(CellAlignment::Left, &header);
             for column in &at.columns {
                 let mut cells = vec![
                     (&*column.name).into(),
                     number(Some(column.force_rendering_error_percent), percent),
-                    number(column.median_force_rendering_error_percent, percent),
-                    number(column.worst_force_rendering_error_percent, percent),
+                ];
+                if heights {
+                    cells.push(number(column.median_force_rendering_error_percent, percent));
+                    cells.push(number(column.worst_force_rendering_error_percent, percent));
+                }
+                cells.extend([
                     number(Some(column.peak_force_n), |force| format!("{force:.2}")),
                     number(Some(1e3 * column.absolute_leak_held_j), digits),
                     number(column.largest_rebound_energy, |ratio| format!("{ratio:.2}")),
                     comfy_table::Cell::new(column.bounce).set_alignment(CellAlignment::Right),
                     number(column.left_box_at_s, |time| format!("{time:.2}")),
-                ];
+                ]);
                 if heights {
                     cells.push(of_heights(column.almost_stable_heights));
                     cells.push(of_heights(column.left_box_heights));
@@ -193,6 +196,6 @@ impl fmt::Display for SweepReport {
             }
             writeln!(f, "{}", lines(&table))?;
         }
-        Ok(())
+        writeln!(f, "\n{}", legend(&[FRE, ABSOLUTE_LEAK, REBOUND]))
     }
 }

@@ -2,13 +2,13 @@
 
 use std::fmt;
 
-use comfy_table::CellAlignment;
+use comfy_table::{Cell, CellAlignment};
 use palpate_scene::Scene;
 use palpate_scene::method::{MethodName, Setting};
 use serde::Serialize;
 
 use super::{HEIGHT_RANGE, HEIGHTS, Objective, Spread, TunedPoint, best};
-use crate::text::{digits, lines, number, percent, plain_table};
+use crate::text::{ABSOLUTE_LEAK, E, digits, legend, lines, number, percent, plain_table, wrapped};
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate tune 1";
@@ -148,49 +148,53 @@ fn words(key: &str) -> &'static str {
 
 impl fmt::Display for TuneReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}", self.title)?;
-        writeln!(
-            f,
-            "{} of {}, {} values, {} start heights within ±{} %\n",
+        writeln!(f, "{}", wrapped(&self.title))?;
+        let tried = format!(
+            "{} of {}, {} values, {} start heights within ±{} %",
             words(self.setting),
             self.method,
             self.curve.len(),
             self.start_heights,
             100.0 * self.height_range
-        )?;
+        );
+        writeln!(f, "{}\n", wrapped(&tried))?;
         let header = [
             &*format!("least {}", self.least),
-            "N s/m",
-            "E % own",
-            "median",
-            "worst",
-            "|leak| mJ own",
-            "median",
-            "worst",
-            "diverged",
+            "in the median",
+            "at the scene's own height",
         ];
         let mut table = plain_table(CellAlignment::Left, &header);
-        for (name, point) in [
-            ("in the median", &self.best),
-            ("at the scene's own height", &self.best_at_own_height),
-        ] {
-            let (error, leak) = (point.mean_force_error_percent, point.absolute_leak_j);
-            let in_millijoules = |leak: f64| number(Some(1e3 * leak), digits);
-            table.add_row(vec![
-                name.into(),
-                number(Some(point.value_n_s_per_m), digits),
-                number(Some(error.own), percent),
-                number(Some(error.median), percent),
-                number(Some(error.worst), percent),
-                in_millijoules(leak.own),
-                in_millijoules(leak.median),
-                in_millijoules(leak.worst),
-                number(Some(point.diverged as f64), |count| {
-                    format!("{count} of {}", self.start_heights)
-                }),
-            ]);
+        let points = [&self.best, &self.best_at_own_height];
+        let mut row = |name: &str, cell: &dyn Fn(&PointReport) -> Cell| {
+            let cells = points.iter().map(|point| cell(point));
+            table.add_row(std::iter::once(Cell::new(name)).chain(cells));
+        };
+        row(&format!("{} N s/m", words(self.setting)), &|point| {
+            number(Some(point.value_n_s_per_m), digits)
+        });
+        type Of = fn(&SpreadReport) -> f64;
+        let spreads: [(&str, Of); 3] = [
+            ("own height", |spread| spread.own),
+            ("median", |spread| spread.median),
+            ("worst", |spread| spread.worst),
+        ];
+        for (name, of) in spreads {
+            row(&format!("E %, {name}"), &|point| {
+                number(Some(of(&point.mean_force_error_percent)), percent)
+            });
         }
+        for (name, of) in spreads {
+            row(&format!("|leak| mJ, {name}"), &|point| {
+                number(Some(1e3 * of(&point.absolute_leak_j)), digits)
+            });
+        }
+        row("diverged", &|point| {
+            number(Some(point.diverged as f64), |count| {
+                format!("{count} of {}", self.start_heights)
+            })
+        });
         writeln!(f, "{}\n", lines(&table))?;
+        writeln!(f, "{}\n", legend(&[E, ABSOLUTE_LEAK]))?;
         for file in &self.files {
             writeln!(f, "wrote {file}")?;
         }

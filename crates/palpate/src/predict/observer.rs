@@ -327,11 +327,12 @@ impl<S: Scalar> Observer<S> {
         (smoothed, Some(lesson))
     }
 
-    /// Changes the state by what was learned beside it.
+    /// Changes the motion by what was learned beside it.
     pub fn shift(&mut self, by: [S; PARTS]) {
-        self.motion.offset += by[0];
-        self.motion.velocity += by[1];
-        self.motion.external += by[2];
+        let [offset, velocity, external, ..] = by;
+        self.motion.offset += offset;
+        self.motion.velocity += velocity;
+        self.motion.external += external;
     }
 
     /// How certain lambda is: 1 where it is known, 0 where it cannot be told from none. A damping that is

@@ -8,7 +8,7 @@
 use crate::Scalar;
 
 /// Parts of the state: position, velocity, external acceleration, theta and lambda.
-pub(crate) const PARTS: usize = 5;
+pub(super) const PARTS: usize = 5;
 pub(super) const VELOCITY: usize = 1;
 pub(super) const MOBILITY: usize = 3;
 pub(super) const DAMPING_RATE: usize = 4;

@@ -1,17 +1,20 @@
 //! Coupled rendering: device and object are predicted together, and the mean of the contact force
 //! between them is held.
 
+mod interval;
+
+use interval::{Avatar, Moved, rule};
+
 use super::method::{Ended, Method, MethodParams, Plan, Situation};
 use super::named::{FromSettings, MethodInfo, MethodName};
 use super::setting::{Basis, Setting, SettingKey, SettingValues, Settings, SettingsError};
 use crate::Scalar;
 use crate::actuator::Held;
 use crate::contact::{Contact, LoopParams, Mass};
-use crate::motion::{Displacement, ObjectMotion, Rule};
+use crate::motion::{Displacement, ObjectMotion};
 use crate::parameter::{ParameterError, ParameterValue};
-use crate::predict::{Lesson, Motion, Observer, ObserverParams, PARTS, Placed};
-use crate::relative_motion::{Course, Drive, Relative};
-use crate::response::Response;
+use crate::predict::{Lateness, Observer, ObserverParams, Placed};
+use crate::relative_motion::Relative;
 
 /// Coupled rendering by name.
 pub(super) const COUPLED: MethodInfo = MethodInfo {
@@ -134,6 +137,7 @@ pub struct Coupled<S> {
     object_mobility: S,
     placement: bool,
     correction: bool,
+    timing_deviation: S,
 }
 
 /// What coupled rendering remembers.
@@ -148,7 +152,6 @@ pub struct CoupledMemory<S> {
     /// How well it is known where the object belongs.
     placed: Placed<S>,
     avatar: Avatar<S>,
-    /// By how much later than told commands begin.
     lateness: Lateness<S>,
     /// Part of the avatar's speed that no force is going to make up for `[m/s]`.
     given_up: S,
@@ -164,6 +167,11 @@ impl<S: Scalar> CoupledMemory<S> {
         a.min(b).max(a.max(b).min(c))
     }
 
+    /// By how much later than told the commands begin, as far as it has been learned `[s]`.
+    pub fn lateness(&self) -> S {
+        self.lateness.mean
+    }
+
     /// Effective mass of the device with the hand that holds it, as far as it has been learned
     /// `[kg]`: infinite for one that no force moves, none before the first sample.
     pub fn device_mass(&self) -> Option<S> {
@@ -172,33 +180,19 @@ impl<S: Scalar> CoupledMemory<S> {
     }
 }
 
-/// What the contact meets in the device's place.
-///
-/// The contact acts continuously, the held force does not, so what the contact has moved is not where
-/// the device is. The relative motion is that of the avatar. By the end of the window that a command
-/// governs both have the same velocity; where a window ends between two samples, they differ at each
-/// sample.
-#[derive(Clone, Copy, Debug, Default)]
-struct Avatar<S> {
-    /// By how much a wall stands off its place, so that the device has the avatar's penetration `[m]`:
-    /// the avatar is as much behind the device. An object moves on from where it stands off.
-    wall_offset: S,
-    /// Its velocity less the device's `[m/s]`.
-    speed: S,
-}
-
 /// Part of the impulse owed that the next force makes up for. All of it would pass on the noise of
 /// one estimate as a force of the other sign in the next; on random plants a half has the least
 /// error, with and without delay.
 const REPAID: f64 = 0.5;
 
+/// Most of what a wall's avatar is ahead of the device by that the next force makes up for, as a part of
+/// the contact's impulse. Without a bound, a device that moves as no mass does is given more and more;
+/// with 0.15, a wall whose delay is not known swings with every other sample.
+const REPAID_BY_WALLS: f64 = 0.06;
+
 /// What is owed to an object that is apart is forgotten when it would change its velocity by less than
 /// this part.
 const NEGLIGIBLE: f64 = 1e-7;
-
-/// Time in which a wall in contact goes back to its place `[s]`. What is taken back while the force
-/// changes is energy, so it takes much longer than a collision.
-const WALL_RETURN: f64 = 0.2;
 
 impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
     type Method = Coupled<S>;
@@ -206,7 +200,7 @@ impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
     fn check(
         self,
         contact: &Contact<S>,
-        _: &LoopParams<S>,
+        loop_params: &LoopParams<S>,
     ) -> Result<Self::Method, ParameterError> {
         Ok(Coupled {
             observer: ObserverParams::new(self.device_mass, self.encoder_quantum)?,
@@ -216,6 +210,7 @@ impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
             },
             placement: self.placement,
             correction: self.correction,
+            timing_deviation: loop_params.actuation.timing_deviation(),
         })
     }
 
@@ -237,161 +232,6 @@ impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
     }
 }
 
-/// How one interval goes: what moves device and object against each other, and where it ends.
-struct Interval<S> {
-    start: Relative<S>,
-    drive: Drive<S>,
-    /// Rate of the drive's acceleration `[m/s^3]`.
-    ramp: S,
-    course: Course<S>,
-    duration: S,
-}
-
-impl<S: Scalar> Coupled<S> {
-    fn interval(
-        &self,
-        motion: &ObjectMotion<S>,
-        device: &Motion<S>,
-        start: Relative<S>,
-        virtual_force: S,
-        duration: S,
-    ) -> Interval<S> {
-        let drive = self.drive(motion, device, virtual_force);
-        Interval {
-            start,
-            drive,
-            ramp: S::ZERO,
-            course: drive.over(start, duration),
-            duration,
-        }
-    }
-
-    /// The same for an interval that is over, with the changes of the device's external acceleration
-    /// under the force that was held, and how its end answers to what it started from.
-    fn interval_past(
-        &self,
-        motion: &ObjectMotion<S>,
-        device: &Motion<S>,
-        start: Relative<S>,
-        ended: &Ended<S>,
-        certainty: S,
-    ) -> (Interval<S>, Option<Response<S>>) {
-        let drive = self.drive(motion, device, ended.start.virtual_force);
-        let h = ended.elapsed;
-        let (mut course, response) = drive.over_with_response(start, h);
-        let mut ramp = S::ZERO;
-        if let Some(response) = &response {
-            ramp = device.ramp(ended.held.mean);
-            let rate = certainty * device.damping_rate;
-            let damped = damped(rate, device, &drive, start, &course, response, h);
-            let faster = response.ramp[1] * ramp + damped.speed;
-            course.end.penetration += response.ramp[0] * ramp + damped.penetration;
-            course.end.speed += faster;
-            if course.impulse > S::ZERO && drive.mobility > S::ZERO {
-                let pushed = S::HALF * ramp * h * h + damped.pushed;
-                course.impulse = (course.impulse + (pushed - faster) / drive.mobility).max(S::ZERO);
-            }
-        }
-        let interval = Interval {
-            start,
-            drive,
-            ramp,
-            course,
-            duration: h,
-        };
-        (interval, response)
-    }
-
-    fn drive(&self, motion: &ObjectMotion<S>, device: &Motion<S>, virtual_force: S) -> Drive<S> {
-        Drive {
-            stiffness: motion.stiffness(),
-            mobility: device.mobility + self.object_mobility,
-            acceleration: device.external - virtual_force * self.object_mobility,
-        }
-    }
-
-    /// What the interval does to the object while the device feels what is `held`, how far placement
-    /// shifts it by that, and the avatar at its end.
-    fn object_moved(
-        &self,
-        interval: &Interval<S>,
-        device: &Motion<S>,
-        object_velocity: S,
-        virtual_force: S,
-        held: &Held<S>,
-        avatar: &Avatar<S>,
-    ) -> Moved<S> {
-        let Interval {
-            start,
-            drive,
-            ramp,
-            course,
-            duration: h,
-        } = interval;
-        let h = *h;
-        // Integral of (h - s) f(s), from the relative motion itself.
-        let pushed = drive.acceleration + *ramp * h * S::from_f64(1.0 / 3.0);
-        let flown = start.penetration + (start.speed + S::HALF * pushed * h) * h;
-        let lost = flown - course.end.penetration;
-        let moment_times = |mobility: S| {
-            if drive.mobility > S::ZERO {
-                lost * (mobility / drive.mobility)
-            } else {
-                S::ZERO
-            }
-        };
-        let (travel, gained) = device.under(held, h);
-        let placed = start.penetration - course.end.penetration + travel;
-        let alpha = virtual_force * self.object_mobility;
-        let velocity = object_velocity + alpha * h + self.object_mobility * course.impulse;
-        let speed = if self.placement {
-            course.end.speed + velocity - (device.velocity + gained)
-        } else {
-            S::ZERO
-        };
-        if self.object_mobility == S::ZERO {
-            let gives_way = self.placement && device.mobility > S::ZERO;
-            let wall_offset = if course.impulse > S::ZERO && gives_way {
-                let back = (h / S::from_f64(WALL_RETURN)).min(S::ONE);
-                (S::ONE - back) * (avatar.wall_offset + placed)
-            } else {
-                // As far as it stays free.
-                (avatar.wall_offset + course.end.penetration)
-                    .max(S::ZERO)
-                    .min(avatar.wall_offset.max(S::ZERO))
-            };
-            let by = wall_offset - avatar.wall_offset;
-            return Moved {
-                object: Displacement {
-                    by,
-                    velocity: S::ZERO,
-                },
-                shift: by,
-                avatar: Avatar { wall_offset, speed },
-            };
-        }
-        // By its own momentum.
-        let own = (object_velocity + S::HALF * alpha * h) * h + moment_times(self.object_mobility);
-        let by = if self.placement { placed } else { own };
-        Moved {
-            object: Displacement { by, velocity },
-            shift: by - own,
-            avatar: Avatar {
-                speed,
-                ..Avatar::default()
-            },
-        }
-    }
-}
-
-/// What an interval does to the object.
-struct Moved<S> {
-    object: Displacement<S>,
-    /// How far placement shifts it `[m]`.
-    shift: S,
-    avatar: Avatar<S>,
-}
-
 impl<S: Scalar> Method<S> for Coupled<S> {
     type Memory = CoupledMemory<S>;
 
@@ -406,6 +246,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         };
         let before = observer.motion;
         let (smoothed, lesson) = observer.see(&self.observer, &ended.seen());
+<<<<<<< HEAD
         if let Some(lesson) = &lesson {
             let first = S::from_f64(FIRST) * ended.elapsed;
             let changed =
@@ -415,6 +256,14 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             if SHIFT {
                 observer.shift(changed);
             }
+=======
+        if let Some(lesson) = lesson.as_ref().filter(|_| self.timing_deviation > S::ZERO) {
+            let (held, elapsed, told) = (&ended.held, ended.elapsed, self.timing_deviation);
+            let learned = memory
+                .lateness
+                .learn(lesson, &smoothed, held, elapsed, told);
+            observer.shift(learned);
+>>>>>>> main
         }
         let certainty = observer.damping_certainty();
         let device = if self.correction { smoothed } else { before };
@@ -490,7 +339,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             penetration: now.start.penetration + device.offset,
             speed: device.velocity + avatar.speed - object_velocity,
         };
-        let at_sample = (device, relative);
+        let at_sample = (device, relative, object_velocity, avatar);
         let mut first = None;
         let mut owed = memory.debt;
         let governed = now.ahead.until_own(period, |piece| {
@@ -519,6 +368,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             relative.speed = device.velocity + avatar.speed - object_velocity;
         });
         let interval = self.interval(motion, &device, relative, virtual_force, period);
+<<<<<<< HEAD
         let owed = if motion.is_wall() {
             if device.mobility > S::ZERO {
                 // Never more than the contact itself: else a device that moves as no mass does is
@@ -529,7 +379,15 @@ impl<S: Scalar> Method<S> for Coupled<S> {
                 S::ZERO
             }
         } else {
+=======
+        let owed = if !motion.is_wall() {
+>>>>>>> main
             S::from_f64(REPAID) * owed
+        } else if device.mobility > S::ZERO {
+            let most = S::from_f64(REPAID_BY_WALLS) * interval.course.impulse;
+            (S::ZERO - avatar.speed / device.mobility).within(most)
+        } else {
+            S::ZERO
         };
         let mut mean = ((interval.course.impulse + owed) / period).max(S::ZERO);
         let apart = interval.course.impulse == S::ZERO;
@@ -541,35 +399,18 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             memory.given_up = avatar.speed;
         }
         let force = governed.with_mean(mean, period);
-        let first = first.filter(|_| now.ahead.is_whole());
-        let (moved, rule) = first.unwrap_or_else(|| {
-            let (from, held) = if now.ahead.is_whole() {
-                (interval, Held::constant(mean))
-            } else {
+        let planned = first.filter(|_| now.ahead.is_whole());
+        let (moved, rule) = planned.unwrap_or_else(|| {
+            let mut held = Held::constant(mean);
+            let mut from = interval;
+            if !now.ahead.is_whole() {
                 // A command begins between this sample and the next.
-                let (device, relative) = at_sample;
-                let interval = self.interval(motion, &device, relative, virtual_force, period);
-                let (before, after, rest) = now.ahead.next(force);
-                let held = Held {
-                    mean: (before * rest + after * (period - rest)) / period,
-                    lead: S::HALF * (before - after) * rest * (period - rest),
-                    ..Held::constant(S::ZERO)
-                };
-                (interval, held)
-            };
-            let (device, object_velocity, avatar) = if now.ahead.is_whole() {
-                (device, object_velocity, avatar)
-            } else {
-                (at_sample.0, now.start.object_velocity, memory.avatar)
-            };
-            let moved = self.object_moved(
-                &from,
-                &device,
-                object_velocity,
-                virtual_force,
-                &held,
-                &avatar,
-            );
+                (device, relative, object_velocity, avatar) = at_sample;
+                from = self.interval(motion, &device, relative, virtual_force, period);
+                held = now.ahead.over_next(force, period);
+            }
+            let velocity = object_velocity;
+            let moved = self.object_moved(&from, &device, velocity, virtual_force, &held, &avatar);
             (moved.object, rule(&from, now.start.device_velocity))
         });
         Plan { force, rule, moved }
@@ -577,8 +418,12 @@ impl<S: Scalar> Method<S> for Coupled<S> {
 
     fn begin_anew(&self, memory: &mut CoupledMemory<S>, device_known: bool, object_known: bool) {
         let observer = memory.observer.filter(|_| device_known);
+        // A loop's delay stays what it is.
+        let mut lateness = memory.lateness;
+        lateness.begin_anew();
         *memory = CoupledMemory {
             observer,
+            lateness,
             // A wall that waited for a sample still has to go back to its place.
             avatar: if object_known {
                 memory.avatar
@@ -599,6 +444,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         memory.shift
     }
 }
+<<<<<<< HEAD
 
 /// By how much later than told the commands begin: a delay that nobody has told, or told wrongly.
 ///
@@ -762,3 +608,5 @@ fn rule<S: Scalar>(interval: &Interval<S>, device_velocity: S) -> Rule<S> {
         },
     }
 }
+=======
+>>>>>>> main

@@ -56,6 +56,14 @@ pub struct Renderer<S, M> {
     slew_limit: S,
 }
 
+/// What reached the device over an interval that has ended.
+struct Passed<S> {
+    /// By what was told.
+    booked: Piece<S>,
+    /// By what the method has learned.
+    passed: Piece<S>,
+}
+
 /// A renderer whose method is chosen by a value, for instance from a file.
 pub type AnyRenderer<S> = Renderer<S, AnyMethod<S>>;
 
@@ -199,9 +207,17 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
     pub fn step(&self, state: &mut State<S, M::Memory>, sample: Sample<S>) -> Output<S> {
         let elapsed = self.elapsed(&sample);
         let h = elapsed.map_or(self.motion.period(), |(elapsed, _)| elapsed);
-        let actuator = self.actuator_of(&state.memory);
-        let passed = state.under_way.pass(&actuator, h);
-        match self.try_step(state, &sample, elapsed, &passed) {
+        // The books go by what was told, a method by what it has learned.
+        let mut told = state.under_way;
+        let booked = told.pass(&self.actuator, h);
+        let passed = match self.learned_actuator(&state.memory) {
+            None => {
+                state.under_way = told;
+                booked
+            }
+            Some(actuator) => state.under_way.pass(&actuator, h),
+        };
+        match self.try_step(state, &sample, elapsed, &Passed { booked, passed }) {
             Ok(output) => output,
             Err(fault) => self.wait(state, &sample, fault),
         }
@@ -213,7 +229,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         state: &mut State<S, M::Memory>,
         sample: &Sample<S>,
         elapsed: Result<(S, bool), Fault>,
-        passed: &Piece<S>,
+        Passed { booked, passed }: &Passed<S>,
     ) -> Result<Output<S>, Fault> {
         let device = self.sign * sample.device_position;
         let virtual_force = self.sign * sample.virtual_force;
@@ -242,9 +258,12 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                     return Err(Fault::JumpTooFast);
                 }
                 let held = match interval.reported {
-                    // Its course is that of the actuator, its mean another.
+                    // Its course is that of the actuator, its mean another, and when its commands began
+                    // has been measured.
                     Some(mean) => Held {
                         mean,
+                        step: S::ZERO,
+                        step_age: S::ZERO,
                         ..passed.held
                     },
                     None => passed.held,
@@ -285,7 +304,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                         interval.start.virtual_force
                     },
                     original_force: interval.original_force,
-                    held_force: held.mean,
+                    held_force: interval.reported.unwrap_or(booked.held.mean),
                 });
                 if !closed {
                     return Err(Fault::Overflow);
@@ -322,7 +341,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             }
         };
 
-        let actuator = self.actuator_of(&state.memory);
+        let learned = self.learned_actuator(&state.memory);
         let situation = Situation {
             start: Start {
                 penetration,
@@ -334,7 +353,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
             elapsed,
             port_work: state.ledger.port_work,
             held_leak: state.ledger.held_leak.accumulated,
-            ahead: Ahead::new(&actuator, &state.under_way),
+            ahead: Ahead::new(learned.as_ref().unwrap_or(&self.actuator), &state.under_way),
         };
         let plan = self
             .method
@@ -398,15 +417,11 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         })
     }
 
-    /// The actuator as told, and as the method has learned it.
+    /// The actuator as the method has learned it, if that is another than was told.
     #[inline]
-    fn actuator_of(&self, memory: &M::Memory) -> Actuator<S> {
+    fn learned_actuator(&self, memory: &M::Memory) -> Option<Actuator<S>> {
         let later = self.method.later(memory);
-        if later == S::ZERO {
-            self.actuator
-        } else {
-            self.actuator.later(later)
-        }
+        (later != S::ZERO).then(|| self.actuator.later(later))
     }
 
     /// Time since the previous sample `[s]`, and whether it counts as the nominal period.

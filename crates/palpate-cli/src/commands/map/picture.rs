@@ -75,7 +75,8 @@ pub fn columns<'a>(map: &'a Map, asked: Option<&Methods>) -> Result<Vec<&'a str>
     Ok(all.into_iter().filter(is_asked).collect())
 }
 
-/// On how much of the map each method is stable from the worst start, on the damped device.
+/// On how much of the map each method keeps bounces stable from the worst start, on the damped device. Contacts that
+/// stay are not counted.
 fn finding(map: &Map, columns: &[&str]) -> String {
     let share = |method: &str| {
         let of_method = |row: &&Row| row.plant == Plant::Damped.name() && row.method == method;
@@ -91,7 +92,7 @@ fn finding(map: &Map, columns: &[&str]) -> String {
         .map(|(name, share)| format!("{name} {share:.0} %"))
         .collect();
     format!(
-        "Share of the damped map that is stable: {}",
+        "Stable bounces, share of the damped map: {}",
         named.join(", ")
     )
 }

@@ -1,0 +1,81 @@
+//! By how much later than told the commands of a loop begin.
+
+use super::observer::{Lesson, Motion};
+use super::spread::PARTS;
+use crate::Scalar;
+use crate::actuator::Held;
+
+/// A delay that was told with a standard deviation, learned from contact.
+///
+/// A force that changes by f, later than expected by d, pushes the device by f d more than expected. A
+/// Kalman filter of this one number beside that of the device's state learns d from the innovations
+/// (Friedland, "Treatment of bias in recursive filtering", IEEE Trans. Automatic Control 14(4), 1969):
+/// `answer` says how the error of the state answers to a second of lateness, through all that the
+/// observer has made of it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Lateness<S> {
+    /// Best guess `[s]`: negative where commands begin earlier than told.
+    pub mean: S,
+    /// Its variance `[s^2]`; none before the first sample.
+    variance: Option<S>,
+    answer: [S; PARTS],
+}
+
+/// By how much the deviation grows with every sample, in periods, up to what was told: a mass that is still
+/// to be learned looks like lateness at first.
+const DRIFT: f64 = 0.0003;
+/// The guess stays within so many of the deviations that were told.
+const MOST: f64 = 4.0;
+
+impl<S: Scalar> Lateness<S> {
+    /// Takes what a sample tells, with the device's motion at the beginning of the interval of `h` `[s]`
+    /// that it ends. `told`: standard deviation of the delay as told, above 0 `[s]`. The change of the
+    /// device's state at the sample that follows from what was learned.
+    pub fn learn(
+        &mut self,
+        lesson: &Lesson<S>,
+        device: &Motion<S>,
+        held: &Held<S>,
+        h: S,
+        told: S,
+    ) -> [S; PARTS] {
+        let mut answer = self.answer;
+        for (entry, row) in answer.iter_mut().zip(&lesson.transition) {
+            *entry = S::ZERO;
+            for (by, from) in row.iter().zip(&self.answer) {
+                *entry += *by * *from;
+            }
+        }
+        let pushed = device.mobility * held.step;
+        answer[0] += pushed * held.step_age;
+        answer[1] += pushed;
+        let seen = answer[0];
+        let variance = self.variance.unwrap_or(told * told);
+        let gain = variance * seen / (seen * seen * variance + lesson.variance);
+        let drift = S::from_f64(DRIFT) * h;
+        let left = (S::ONE - gain * seen) * variance + drift * drift;
+        for (entry, by) in answer.iter_mut().zip(&lesson.gain) {
+            *entry -= *by * seen;
+        }
+        let most = S::from_f64(MOST) * told;
+        let mean = (self.mean + gain * lesson.innovation).within(most);
+        let learned = mean - self.mean;
+        let mut sum = mean.abs() + left;
+        for entry in answer {
+            sum += entry.abs();
+        }
+        if !sum.is_finite() {
+            *self = Self::default();
+            return [S::ZERO; PARTS];
+        }
+        self.mean = mean;
+        self.variance = Some(left.min(told * told));
+        self.answer = answer;
+        answer.map(|entry| entry * learned)
+    }
+
+    /// The device was lost: what its state answers with is not known any more.
+    pub fn begin_anew(&mut self) {
+        self.answer = [S::ZERO; PARTS];
+    }
+}
