@@ -11,6 +11,7 @@ use crate::arguments::{
 };
 use crate::commands::advise::AdviseArguments;
 use crate::commands::bench::BenchArguments;
+use crate::commands::calibrate::CalibrateArguments;
 use crate::commands::convert::ConvertArguments;
 use crate::commands::devices::DevicesArguments;
 use crate::commands::doctor::DoctorArguments;
@@ -49,6 +50,7 @@ Exit codes:
   4  done, but the recording that was read or made is not whole; the output or
      standard error says what is missing
   5  the loop ran, but safety had the motors off at its end or for most of its time
+  6  nothing can be said of a device; the message says why
   130  stopped by ctrl-C or another signal before its end; what is done is kept")]
 pub struct Arguments {
     /// What to do.
@@ -165,6 +167,32 @@ Examples:
   my-device | palpate pipe --scene experiments/experiment1.toml --columns force,object_position
   printf '0\\n0.001\\n' | palpate pipe --stiffness 1000 --mass inf --period 0.001 --method hfcr")]
     Pipe(PipeArguments),
+    /// Measure mass, delay, lag and friction of a device in its loop
+    #[command(override_usage = "\
+palpate calibrate --device <NAME> [OPTIONS]
+       palpate calibrate --pipe --period <s> [OPTIONS]")]
+    #[command(long_about = "\
+Measure mass, delay, lag and friction of a device in its loop.
+
+Hold the device as in use. A force of at most --largest-force pushes it to and fro in steps of 5 to 15 ms, \
+within --box of where it starts. The first 0.5 s are without force, the force comes in and goes out over \
+0.3 s, and the last force is 0. A fit of the motion then says the effective mass, the delay from a sample \
+to its force, the lag of the motor, friction, hand, first resonance and sensor, each with its standard \
+deviation. --out writes them as a device file.
+
+With --pipe, each line of standard input is a position in metres, or with --time a time and a position. \
+Each is answered by one line on standard output, flushed at once: the force ON THE DEVICE in newtons, to be \
+commanded to the motor as it is and held until the next line. After --seconds of samples the command ends \
+by itself; the answer to the last sample is 0. Where the input, a signal or the device ends it earlier, one \
+more line takes the force off.
+
+The command declines with exit code 6, and writes nothing, where the device leaves the box, the hand moves \
+too much, friction is near to the force, or the motion says too little.")]
+    #[command(after_help = "\
+Examples:
+  my-device | palpate calibrate --pipe --period 0.001 --out device.toml
+  palpate calibrate --device haply-2diy --normal 1,0 --out device-x.toml --plot device-x.svg")]
+    Calibrate(CalibrateArguments),
     /// Run a loop in real time, on a device
     #[command(override_usage = "palpate run <SCENE.toml> [OPTIONS]")]
     #[command(long_about = "\

@@ -26,6 +26,8 @@ pub enum Failure {
     NotWhole,
     /// The loop ran, but the motors were off at its end or for most of it: exit code 5.
     MotorsOff(String),
+    /// Nothing can be said of a device, for a reason of its own or of its hand: exit code 6.
+    Declined(String),
     /// A signal of the user's ended it before its end: exit code 130, as the shell's for ctrl-C.
     Interrupted(String),
 }
@@ -103,6 +105,7 @@ impl Failure {
             Self::System(message)
             | Self::Arguments(message)
             | Self::MotorsOff(message)
+            | Self::Declined(message)
             | Self::Interrupted(message) => message.clone(),
             Self::Input(faults) => {
                 let messages: Vec<_> = faults.iter().map(|fault| fault.message.as_str()).collect();
@@ -130,6 +133,7 @@ impl Failure {
             }
             Self::NotWhole => return ExitCode::from(4),
             Self::MotorsOff(message) => (message.clone(), 5),
+            Self::Declined(message) => (message.clone(), 6),
             Self::Interrupted(message) => {
                 tell(message);
                 return ExitCode::from(130);

@@ -34,6 +34,7 @@ pub fn run() -> ExitCode {
         Command::Simulate(arguments) => commands::simulate::run(&arguments),
         Command::Compare(arguments) => commands::compare::run(&arguments),
         Command::Pipe(arguments) => commands::pipe::run(&arguments),
+        Command::Calibrate(arguments) => commands::calibrate::run(&arguments),
         Command::Run(arguments) => commands::run::run(&arguments),
         Command::Record(arguments) => commands::run::record(&arguments),
         Command::Live(arguments) => commands::live::run(&arguments),

@@ -9,7 +9,7 @@ use schemars::generate::SchemaSettings;
 use schemars::transform::{Transform, transform_subschemas};
 use schemars::{JsonSchema, Schema};
 
-use crate::commands::{bench, demo, devices, doctor, pipe, run};
+use crate::commands::{bench, calibrate, demo, devices, doctor, pipe, run};
 use palpate_study::{advise, claims, compare, heights, map, recording, report, suite, sweep, tune};
 
 /// A number that is not finite, such as the error of a loop that ran away, is `null` in JSON.
@@ -42,6 +42,7 @@ fn the_committed_schemas_are_those_of_the_reports() {
     let schemas = [
         ("advise", schema::<advise::Advice>()),
         ("bench-loop", schema::<Vec<bench::Report>>()),
+        ("calibrate", schema::<calibrate::CalibrationReport>()),
         ("claims", schema::<claims::report::ClaimsReport>()),
         ("compare", schema::<compare::Comparison>()),
         ("demo", schema::<demo::DemoReport>()),

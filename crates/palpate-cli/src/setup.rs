@@ -1,10 +1,13 @@
 //! From flags to what a command runs: required values, defaults, and errors that name the flag.
 
+mod actuation;
+mod device_file;
+
 use std::borrow::Cow;
 
 use palpate::{
-    Allowed, BasicParams, Contact, Guard, LARGEST_DELAY, LoopParams, Mass, ObjectState, Parameter,
-    ParameterError, Range, Renderer, Side,
+    Allowed, BasicParams, Contact, Guard, LoopParams, Mass, ObjectState, Parameter, ParameterError,
+    Range, Renderer, Side,
 };
 use palpate_scene::method::{MethodName, Setting, SettingKey, Settings, SettingsError};
 use palpate_scene::{
@@ -16,7 +19,9 @@ use palpate_sim::run::Run;
 use palpate_testbed::InvalidParameter;
 
 use crate::arguments::{Flags, TimingFlags, flag_of_setting};
-use crate::failure::{Failure, tell};
+use crate::failure::Failure;
+pub use actuation::{actuator_of, told_lines};
+use device_file::DeviceFile;
 use palpate_study::report::{Subject, parameters_of, timing_of};
 
 /// The flag that gives a parameter of a scene, if one does.
@@ -25,6 +30,10 @@ fn flag_of(parameter: SceneParameter) -> Option<Cow<'static, str>> {
         SceneParameter::Rendered(parameter) => return flag_of_rendered(parameter),
         SceneParameter::ToldDeviceMass => "--told-device-mass",
         SceneParameter::DelayFraction => "--delay-fraction",
+        SceneParameter::DelaySeconds => "--delay",
+        SceneParameter::Lag => "--lag",
+        SceneParameter::Gain => "--gain",
+        SceneParameter::ToldDelay => "--told-delay",
         SceneParameter::Jitter => "--jitter",
         SceneParameter::DropProbability => "--drop",
         SceneParameter::Seed => "--seed",
@@ -41,11 +50,7 @@ fn flag_of(parameter: SceneParameter) -> Option<Cow<'static, str>> {
         | SceneParameter::Cogging
         | SceneParameter::CoggingPitch
         | SceneParameter::SensorNoise
-        | SceneParameter::DelaySeconds
         | SceneParameter::CommandJitter
-        | SceneParameter::Lag
-        | SceneParameter::Gain
-        | SceneParameter::ToldDelay
         | SceneParameter::HandForce
         | SceneParameter::HandForceAt
         | SceneParameter::Tremor
@@ -86,14 +91,14 @@ fn flag_of_rendered(parameter: Parameter) -> Option<Cow<'static, str>> {
         Parameter::GuardAllowance => "--guard-allowance",
         Parameter::DeviceMass => "--device-mass",
         Parameter::EncoderQuantum | Parameter::NoiseBound => "--encoder-quantum",
+        Parameter::DelayDeviation => "--delay-deviation",
+        Parameter::Lag => "--lag",
+        Parameter::LagDeviation => "--lag-deviation",
+        Parameter::Gain => "--gain",
+        Parameter::GainDeviation => "--gain-deviation",
         Parameter::Setting(setting) => return Some(flag_of_setting(setting).into()),
         // Nobody gives these by a flag.
         Parameter::DerivedDamping
-        | Parameter::DelayDeviation
-        | Parameter::Lag
-        | Parameter::LagDeviation
-        | Parameter::Gain
-        | Parameter::GainDeviation
         | Parameter::AxisOrigin
         | Parameter::AxisNormal
         | Parameter::AxisNormalLength
@@ -188,11 +193,19 @@ impl Flags {
                 return Err(not_allowed(parameter, value, Allowed::Range(range)));
             }
         }
-        Ok(())
+        self.actuation.check()
     }
 
-    /// `--told-device-mass` where no device is simulated that could have another mass.
-    fn refuse_told_mass(&self, command: &str) -> Result<(), Failure> {
+    /// The device file, if one was given.
+    fn device_file(&self, period: f64) -> Result<Option<DeviceFile>, Failure> {
+        let path = self.actuation.device_file.as_deref();
+        path.map(|path| DeviceFile::read(path, self, period))
+            .transpose()
+    }
+
+    /// What is told where nothing is simulated that could have another value.
+    fn refuse_told(&self, command: &str) -> Result<(), Failure> {
+        self.actuation.refuse_told(command)?;
         if self.told_device_mass.is_none() {
             return Ok(());
         }
@@ -209,7 +222,7 @@ impl Flags {
         mut scene: Scene,
         method: MethodName,
     ) -> Result<(ReplaySetup, Settings), Failure> {
-        self.refuse_told_mass("pipe")?;
+        self.refuse_told("pipe")?;
         self.change(&mut scene, &[method])?;
         let told = self.device_mass.or(scene.told_device_mass);
         // A simulated device does not glitch; a real one does.
@@ -222,7 +235,7 @@ impl Flags {
             },
             object: scene.object,
             virtual_force: scene.virtual_force,
-            delay: scene.delay,
+            actuation: ReplaySetup::of_scene(&scene).actuation,
             device_mass: told.or(Some(scene.device.mass)),
             encoder_quantum: scene.device.encoder_quantum,
         };
@@ -237,7 +250,7 @@ impl Flags {
             value.ok_or_else(|| Failure::Arguments(format!("{command} needs {flag} <{unit}>")))
         };
         self.check_device()?;
-        self.refuse_told_mass(command)?;
+        self.refuse_told(command)?;
         let mut contact = Contact::object(
             needed(self.stiffness, "--stiffness", "N/m")?,
             needed(self.mass, "--mass", "kg|inf")?,
@@ -254,18 +267,21 @@ impl Flags {
             let allowed = Allowed::Words("0 for a wall");
             return Err(not_allowed(Parameter::ObjectVelocity, velocity, allowed));
         }
-        let defaults = LoopParams::new(needed(self.period, "--period", "s")?);
+        let period = needed(self.period, "--period", "s")?;
+        let file = self.device_file(period)?;
+        let file = file.as_ref();
+        let quantum = || file?.sensor_quantum();
         Ok(ReplaySetup {
             contact,
-            loop_params: self.limits(defaults),
+            loop_params: self.limits(LoopParams::new(period)),
             object: ObjectState {
                 position: self.object_position.unwrap_or(0.0),
                 velocity,
             },
             virtual_force,
-            delay: self.delay.unwrap_or(0),
-            device_mass: self.device_mass,
-            encoder_quantum: self.encoder_quantum.unwrap_or(0.0),
+            actuation: self.actuation.actuation(period, file),
+            device_mass: self.device_mass.or_else(|| file?.device_mass()),
+            encoder_quantum: self.encoder_quantum.or_else(quantum).unwrap_or(0.0),
         })
     }
 
@@ -305,19 +321,19 @@ impl Flags {
         object.position = self.object_position.unwrap_or(object.position);
         object.velocity = self.object_velocity.unwrap_or(object.velocity);
         scene.virtual_force = self.force.unwrap_or(scene.virtual_force);
-        scene.delay = self.delay.unwrap_or(scene.delay);
-        if scene.delay > LARGEST_DELAY {
-            tell(format_args!(
-                "warning: a renderer can be told of {LARGEST_DELAY} samples of delay at most; it does \
-                 not know the other {} of these {}",
-                scene.delay - LARGEST_DELAY,
-                scene.delay
-            ));
+        let file = self.device_file(scene.loop_params.period)?;
+        let file = file.as_ref();
+        self.actuation.change(scene, file);
+        if self.device_mass.is_none() {
+            let found = file.and_then(DeviceFile::device_mass);
+            scene.told_device_mass = found.or(scene.told_device_mass);
         }
         scene.told_device_mass = self.told_device_mass.or(scene.told_device_mass);
         let device = &mut scene.device;
         device.mass = self.device_mass.unwrap_or(device.mass);
-        device.encoder_quantum = self.encoder_quantum.unwrap_or(device.encoder_quantum);
+        let quantum = file.and_then(DeviceFile::sensor_quantum);
+        let quantum = self.encoder_quantum.or(quantum);
+        device.encoder_quantum = quantum.unwrap_or(device.encoder_quantum);
         for &method in methods {
             let settings = scene.settings.entry(method).or_default();
             *settings = self.settings().or(*settings);
@@ -335,7 +351,6 @@ impl Flags {
             Parameter::ObjectVelocity,
             Parameter::Side,
             Parameter::Period,
-            Parameter::Delay,
             Parameter::ForceLimit,
             Parameter::SlewLimit,
             Parameter::SpeedLimit,
@@ -348,6 +363,7 @@ impl Flags {
         let is_number = |(setting, _): (&Setting, _)| setting.unit().is_some();
         rendered.into_iter().any(|given| self.gives(given.into()))
             || self.gives(SceneParameter::ToldDeviceMass)
+            || self.actuation.change_a_scene()
             || self.settings().iter().any(is_number)
     }
 
@@ -356,6 +372,10 @@ impl Flags {
         let rendered = match parameter {
             SceneParameter::Rendered(rendered) => rendered,
             SceneParameter::ToldDeviceMass => return self.told_device_mass.is_some(),
+            SceneParameter::DelaySeconds => return self.actuation.delay.is_some(),
+            SceneParameter::Lag => return self.actuation.lag.is_some(),
+            SceneParameter::Gain => return self.actuation.gain.is_some(),
+            SceneParameter::ToldDelay => return self.actuation.told_delay.is_some(),
             _ => return false,
         };
         match rendered {
@@ -366,7 +386,7 @@ impl Flags {
             Parameter::ObjectVelocity => self.object_velocity.is_some(),
             Parameter::Side => self.side.is_some(),
             Parameter::Period => self.period.is_some(),
-            Parameter::Delay => self.delay.is_some(),
+            Parameter::Delay => self.actuation.delay.is_some(),
             Parameter::ForceLimit => self.force_limit.is_some(),
             Parameter::SlewLimit => self.slew_limit.is_some(),
             Parameter::SpeedLimit => self.speed_limit.is_some(),
@@ -376,12 +396,12 @@ impl Flags {
             Parameter::DeviceMass => self.device_mass.is_some(),
             Parameter::EncoderQuantum | Parameter::NoiseBound => self.encoder_quantum.is_some(),
             Parameter::Setting(setting) => self.settings().has(setting.key),
-            Parameter::DelayDeviation
-            | Parameter::Lag
-            | Parameter::LagDeviation
-            | Parameter::Gain
-            | Parameter::GainDeviation
-            | Parameter::DerivedDamping
+            Parameter::DelayDeviation => self.actuation.delay_deviation.is_some(),
+            Parameter::Lag => self.actuation.lag.or(self.actuation.told_lag).is_some(),
+            Parameter::LagDeviation => self.actuation.lag_deviation.is_some(),
+            Parameter::Gain => self.actuation.gain.or(self.actuation.told_gain).is_some(),
+            Parameter::GainDeviation => self.actuation.gain_deviation.is_some(),
+            Parameter::DerivedDamping
             | Parameter::AxisOrigin
             | Parameter::AxisNormal
             | Parameter::AxisNormalLength
@@ -414,13 +434,18 @@ pub fn wrong_rendered(error: &ParameterError) -> Failure {
     wrong_flag(&error.map(SceneParameter::Rendered))
 }
 
-/// A value that a flag cannot have.
+/// A value that the flag of a parameter cannot have.
 fn not_allowed(parameter: Parameter, value: f64, allowed: Allowed) -> Failure {
     wrong_rendered(&ParameterError {
         parameter,
         value,
         allowed,
     })
+}
+
+/// As [`not_allowed`], of another flag that gives the same parameter.
+fn not_allowed_by(flag: &'static str, error: ParameterError) -> Failure {
+    Failure::Arguments(error.called(flag).to_string())
 }
 
 /// A value that the bench refuses; the scene was checked, so no flag is known that gave it.

@@ -188,7 +188,18 @@ pub fn duration(flag: &str, seconds: f64) -> Result<Duration, Failure> {
     })
 }
 
-/// A delay that the bench can hold.
+/// A delay in periods that the bench can hold.
+pub fn periods(text: &str) -> Result<f64, String> {
+    const MOST: usize = DelayedHold::LONGEST_DELAY;
+    match text.parse() {
+        Ok(periods) if (0.0..=MOST as f64).contains(&periods) => Ok(periods),
+        _ => Err(format!(
+            "a number of periods is needed, from 0 to {MOST}, such as 1 or 0.5"
+        )),
+    }
+}
+
+/// A delay of whole samples that the bench can hold.
 pub fn samples(text: &str) -> Result<usize, String> {
     const MOST: usize = DelayedHold::LONGEST_DELAY;
     match text.parse() {

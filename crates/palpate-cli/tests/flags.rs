@@ -7,7 +7,7 @@ use common::{
 };
 
 /// Each flag, a value that is not allowed, and what is said of it.
-const WRONG: [(&str, &str, &str); 57] = [
+const WRONG: [(&str, &str, &str); 64] = [
     ("--stiffness", "0", "0 N/m"),
     ("--stiffness", "-400", "-400 N/m"),
     ("--stiffness", "nan", "NaN N/m"),
@@ -32,8 +32,15 @@ const WRONG: [(&str, &str, &str); 57] = [
     ("--object-velocity", "-inf", "-inf m/s"),
     ("--side", "left", "positive and negative"),
     ("--delay", "-1", "0 to 1024"),
-    ("--delay", "1.5", "0 to 1024"),
-    ("--delay", "1025", "0 to 1024"),
+    ("--delay", "1024.5", "0 to 1024"),
+    ("--delay", "nan", "0 to 1024"),
+    ("--delay-deviation", "-0.1", "-0.1 periods"),
+    ("--lag", "-0.001", "-0.001 s"),
+    ("--lag", "inf", "inf s"),
+    ("--lag-deviation", "nan", "NaN s"),
+    ("--gain", "0", "is 0, but must be"),
+    ("--gain", "much", "a number is needed"),
+    ("--gain-deviation", "-1", "is -1, but must be"),
     ("--force-limit", "0", "inf for no limit"),
     ("--force-limit", "nan", "inf for no limit"),
     ("--slew-limit", "-1", "-1 N/s"),

@@ -49,6 +49,7 @@ fn every_report_is_as_its_schema_says() {
         "figure fig1",
         "figure fig2",
         "devices",
+        "calibrate --device simulated --fast --seconds 2",
         "doctor --priority 0",
         "bench loop --rate 200,1000 --duration 0.05 --priority 0",
         "demo",

@@ -115,6 +115,13 @@ pub trait Device: Send {
     /// As [`read`](Self::read). The force that is held is then not known.
     fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError>;
 
+    /// What is sent to the motors of the wrench that was written last, where that is not what
+    /// [`write`](Self::write) has returned: a device that knows of its delay returns what is held now,
+    /// and says here what will be held later. `None`, the default: what `write` has returned.
+    fn last_sent(&self) -> Option<Wrench> {
+        None
+    }
+
     /// A second way to command no force, for a supervisor on another thread while this one is not
     /// answering. `None`: there is none, and a stalled loop leaves the last force on.
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
@@ -180,6 +187,10 @@ impl<D: Device + ?Sized> Device for Box<D> {
 
     fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
         (**self).write(wrench)
+    }
+
+    fn last_sent(&self) -> Option<Wrench> {
+        (**self).last_sent()
     }
 
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {

@@ -282,7 +282,9 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         let mut verdict = match sampled {
             Sampled::Fresh(reading) => {
                 let held = self.held.take(reading.time);
-                if let Some(mean) = held {
+                if let Some(mean) = held
+                    && !self.is_told_how_forces_act()
+                {
                     self.rendered.report_held(-mean);
                 }
                 let coordinate = self.axis.coordinate(reading.position);
@@ -460,11 +462,18 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         (sampled, answered)
     }
 
+    /// Whether the renderer is told of more than a delay of whole samples. Then it works out what acts
+    /// on the device from what was sent; else what was held is what acts.
+    fn is_told_how_forces_act(&self) -> bool {
+        let told = &self.rendered.rendering().loop_params;
+        !told.actuation.is_of_whole_samples(told.period)
+    }
+
     /// Commands a wrench; the force along the contact's axis that is held from now on `[N]`.
     fn command(&mut self, wrench: Wrench) -> f64 {
         let written = self.device.write(wrench);
-        let sent = match written {
-            Ok(sent) => dot(sent.force, self.axis.vector(1.0)),
+        let held = match written {
+            Ok(held) => dot(held.force, self.axis.vector(1.0)),
             Err(error) => {
                 self.note(Note::Device(error));
                 let trip = if error.kind == DeviceErrorKind::Disconnected {
@@ -480,8 +489,15 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
                 0.0
             }
         };
-        self.held.change(sent, self.clock.now());
-        sent
+        self.held.change(held, self.clock.now());
+        if self.is_told_how_forces_act() {
+            let sent = match (written, self.device.last_sent()) {
+                (Ok(_), Some(sent)) => dot(sent.force, self.axis.vector(1.0)),
+                _ => held,
+            };
+            self.rendered.report_sent(-sent);
+        }
+        held
     }
 
     /// What is to be said of the last sample.

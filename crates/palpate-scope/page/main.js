@@ -14,6 +14,7 @@ import { Scene } from "./scene.js";
 import { createdWithin, seenInWords } from "./seen.js";
 import { Status, aboutBuffer } from "./status.js";
 import { onThemeChange, readTheme } from "./theme.js";
+import { Told } from "./told.js";
 import { Toolbar } from "./toolbar.js";
 import { tripInWords } from "./trips.js";
 import { View } from "./view.js";
@@ -43,6 +44,7 @@ let pending = null;
 let asked = null;
 const methods = new Methods(place("lanes"), model, (message) => later(methods, message));
 const contact = new Contact(place("contact"), model, (message) => later(contact, message));
+const told = new Told(place("told"), model, (message) => later(told, message));
 const hand = new Hand(place("scene"), scene, model, send);
 let fit = false;
 
@@ -78,6 +80,7 @@ function later(who, message) {
 function forgive() {
   if (model.hello) {
     contact.forgive();
+    told.forgive();
     methods.forgive();
   }
 }
@@ -111,6 +114,7 @@ function build() {
   place("title").textContent = title;
   methods.build();
   contact.build();
+  told.build();
   place("note-list").replaceChildren();
   place("note-count").textContent = "";
   charts.build();
@@ -126,6 +130,7 @@ model.addEventListener("state", () => {
   const { state } = model;
   methods.take(state);
   contact.take(state);
+  told.take(state);
   charts.name();
   place("record").setAttribute("aria-pressed", String(state.recording !== null));
   status.tell();
@@ -146,13 +151,14 @@ model.addEventListener("status", () => status.take());
 model.addEventListener("refused", ({ detail: { about, text } }) => {
   if (about !== "set" || !model.state) {
     banners.show("refused", `Refused: ${refusalInWords(text).words}.`, { label: "Close", act: () => banners.show("refused", null) });
-  } else if (!contact.refuse(text, asked === contact)) {
+  } else if (!contact.refuse(text, asked === contact) && !told.refuse(text, asked === told)) {
     methods.refuse(text);
   }
   if (model.state) {
     // Nothing has changed, so nobody tells the state: what shows a wish shows again what is.
     methods.take(model.state);
     contact.take(model.state);
+    told.take(model.state);
   }
 });
 

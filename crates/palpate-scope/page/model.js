@@ -273,12 +273,18 @@ function goesOn({ ring, heardAtS }, frame, nowS) {
   return ring.length === 0 || (passedS >= 0 && nowS.some(fits));
 }
 
-function settingsOf({ stiffness_n_per_m, mass_kg, virtual_force_n, period_s, lanes }) {
+function settingsOf({ lanes, ...state }) {
+  const { stiffness_n_per_m, mass_kg, virtual_force_n, period_s } = state;
+  const { told_device_mass_kg, told_delay_s, told_lag_s, told_gain } = state;
   return {
     stiffness_n_per_m,
     mass_kg,
     virtual_force_n,
     period_s,
+    told_device_mass_kg,
+    told_delay_s,
+    told_lag_s,
+    told_gain,
     lanes: lanes.map(({ method, damping_n_s_per_m }) => ({ method, damping_n_s_per_m })),
   };
 }

@@ -32,6 +32,14 @@ pub struct Set {
     pub virtual_force_n: Option<f64>,
     /// Period `[s]`.
     pub period_s: Option<f64>,
+    /// Mass of the device as the renderer is told `[kg]`.
+    pub told_device_mass_kg: Option<f64>,
+    /// Delay as the renderer is told `[s]`.
+    pub told_delay_s: Option<f64>,
+    /// Lag as the renderer is told `[s]`.
+    pub told_lag_s: Option<f64>,
+    /// Gain as the renderer is told.
+    pub told_gain: Option<f64>,
     /// Methods, one for each lane.
     pub lanes: Option<Vec<LaneChoice>>,
 }
@@ -160,6 +168,9 @@ pub enum Said<'a> {
         virtual_force_n: f64,
         /// Period `[s]`.
         period_s: f64,
+        /// What the renderer is told of the device.
+        #[serde(flatten)]
+        told: ToldState,
         /// The lanes.
         lanes: Vec<LaneState>,
         /// The recording that is being made.
@@ -253,6 +264,19 @@ pub struct DeviceSaid<'a> {
     pub largest_force_n: Option<f64>,
     /// How many lanes it can have.
     pub lanes: usize,
+}
+
+/// What the renderer is told of the device.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ToldState {
+    /// Mass of the device `[kg]`.
+    pub told_device_mass_kg: f64,
+    /// Time from a sample to the beginning of its force `[s]`.
+    pub told_delay_s: f64,
+    /// Time constant of the actuator `[s]`.
+    pub told_lag_s: f64,
+    /// Delivered over commanded force.
+    pub told_gain: f64,
 }
 
 /// A lane of the state.

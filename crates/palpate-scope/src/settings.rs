@@ -1,13 +1,13 @@
 //! What is rendered, as far as a page can change it.
 
-use palpate::{Mass, MethodParams as _, Parameter, ParameterValue};
+use palpate::{LARGEST_DELAY, Mass, MethodParams as _, Parameter, ParameterValue};
 use palpate_rt::Rendering;
 use palpate_scene::method::{MethodName, SettingKey};
 use palpate_scene::named_parameters::named_parameters;
-use palpate_scene::{Scene, SceneParameter, SceneParameterError, SetupError};
+use palpate_scene::{Scene, SceneParameter, SceneParameterError, SetupError, Told};
 use serde::Serialize;
 
-use crate::message::{LaneChoice, Set};
+use crate::message::{LaneChoice, Set, ToldState};
 
 /// What may be set: the least and the greatest of each.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -22,12 +22,21 @@ pub struct Limits {
     pub period_s: [f64; 2],
     /// Damping of a method `[N s/m]`.
     pub damping_n_s_per_m: [f64; 2],
+    /// Mass of the device as the renderer is told `[kg]`.
+    pub told_device_mass_kg: [f64; 2],
+    /// Delay as the renderer is told `[s]`; at most as many periods as a renderer can be told.
+    pub told_delay_s: [f64; 2],
+    /// Lag as the renderer is told `[s]`.
+    pub told_lag_s: [f64; 2],
+    /// Gain as the renderer is told.
+    pub told_gain: [f64; 2],
 }
 
 impl Limits {
-    /// What a desktop device and a hand make sense of, and what `settings` have.
+    /// What a desktop device and a hand make sense of, and what `settings` have of `scene`.
     #[must_use]
-    pub fn around(settings: &Settings) -> Self {
+    pub fn around(settings: &Settings, scene: &Scene) -> Self {
+        let told = settings.told(scene);
         let with = |[least, most]: [f64; 2], value: f64| [least.min(value), most.max(value)];
         let dampings = settings.lanes.iter();
         Self {
@@ -38,6 +47,10 @@ impl Limits {
             damping_n_s_per_m: dampings
                 .filter_map(|lane| lane.damping_n_s_per_m)
                 .fold([0.0, 50.0], with),
+            told_device_mass_kg: with([0.01, 5.0], told.told_device_mass_kg),
+            told_delay_s: with([0.0, 0.02], told.told_delay_s),
+            told_lag_s: with([0.0, 0.02], told.told_lag_s),
+            told_gain: with([0.2, 2.0], told.told_gain),
         }
     }
 }
@@ -53,6 +66,10 @@ pub struct Settings {
     pub virtual_force: f64,
     /// Period of the loop `[s]`.
     pub period: f64,
+    /// Mass of the device as the renderer is told `[kg]`, where it is not as the scene says.
+    pub told_device_mass: Option<f64>,
+    /// What the renderer is told of delay, lag and gain, where it is not as the scene says.
+    pub told: Told,
     /// Methods, one for each lane.
     pub lanes: Vec<LaneChoice>,
 }
@@ -69,6 +86,8 @@ impl Settings {
             },
             virtual_force: scene.virtual_force,
             period: scene.loop_params.period,
+            told_device_mass: None,
+            told: Told::default(),
             lanes: methods
                 .iter()
                 .map(|method| LaneChoice {
@@ -100,6 +119,21 @@ impl Settings {
         if let Some(value) = set.period_s {
             new.period = inside("period_s", value, limits.period_s)?;
         }
+        if let Some(value) = set.told_device_mass_kg {
+            let limits = limits.told_device_mass_kg;
+            new.told_device_mass = Some(inside("told_device_mass_kg", value, limits)?);
+        }
+        if let Some(value) = set.told_delay_s {
+            let [least, most] = limits.told_delay_s;
+            let most = most.min(LARGEST_DELAY as f64 * new.period);
+            new.told.delay = Some(inside("told_delay_s", value, [least, most])?);
+        }
+        if let Some(value) = set.told_lag_s {
+            new.told.lag = Some(inside("told_lag_s", value, limits.told_lag_s)?);
+        }
+        if let Some(value) = set.told_gain {
+            new.told.gain = Some(inside("told_gain", value, limits.told_gain)?);
+        }
         if let Some(lanes) = &set.lanes {
             check_lanes(lanes.len(), most_lanes)?;
             for lane in lanes {
@@ -118,10 +152,33 @@ impl Settings {
         Ok(new)
     }
 
+    /// What the renderer of `scene` is told of the device.
+    #[must_use]
+    pub fn told(&self, scene: &Scene) -> ToldState {
+        let mut scene = scene.clone();
+        scene.loop_params.period = self.period;
+        self.tell(&mut scene);
+        let told = scene.told_actuation();
+        ToldState {
+            told_device_mass_kg: scene.told_device_mass.unwrap_or(scene.device.mass),
+            told_delay_s: told.delay,
+            told_lag_s: told.lag,
+            told_gain: told.gain,
+        }
+    }
+
+    fn tell(&self, scene: &mut Scene) {
+        scene.told_device_mass = self.told_device_mass.or(scene.told_device_mass);
+        scene.told.delay = self.told.delay.or(scene.told.delay);
+        scene.told.lag = self.told.lag.or(scene.told.lag);
+        scene.told.gain = self.told.gain.or(scene.told.gain);
+    }
+
     /// `scene` as a lane renders it.
     #[must_use]
     pub fn scene(&self, scene: &Scene, lane: LaneChoice) -> Scene {
         let mut scene = scene.clone();
+        self.tell(&mut scene);
         scene.contact.stiffness = self.stiffness;
         scene.contact.object_mass = self.mass.map_or(Mass::Infinite, Mass::Finite);
         if self.mass.is_none() {
@@ -227,7 +284,7 @@ mod tests {
         let scene = scene();
         let before = Settings::of(&scene, &[MethodName::Hfcr, MethodName::Basic]);
         assert_eq!(before.lanes[0].damping_n_s_per_m, Some(0.01));
-        let limits = Limits::around(&before);
+        let limits = Limits::around(&before, &scene);
         let set = Set {
             stiffness_n_per_m: Some(250.0),
             mass_kg: Some(None),
@@ -258,9 +315,47 @@ mod tests {
     }
 
     #[test]
+    fn what_the_renderer_is_told_of_the_device_is_set_and_the_device_stays() {
+        let scene = scene();
+        let before = Settings::of(&scene, &[MethodName::Coupled]);
+        let limits = Limits::around(&before, &scene);
+        let as_it_is = ToldState {
+            told_device_mass_kg: 0.1,
+            told_delay_s: 0.0,
+            told_lag_s: 0.0,
+            told_gain: 1.0,
+        };
+        assert_eq!(before.told(&scene), as_it_is);
+        let set = Set {
+            told_device_mass_kg: Some(0.2),
+            told_delay_s: Some(0.005),
+            told_lag_s: Some(0.001),
+            told_gain: Some(0.9),
+            ..Set::default()
+        };
+        let after = before.with(&set, &limits, 2).unwrap();
+        let lane = after.scene(&scene, after.lanes[0]);
+        assert_eq!((lane.device.mass, lane.actuator.gain), (0.1, 1.0));
+        let told = after.renderings(&scene).unwrap()[0].loop_params.actuation;
+        assert_eq!((told.delay, told.lag, told.gain), (0.005, 0.001, 0.9));
+        assert_eq!(after.told(&scene).told_device_mass_kg, 0.2);
+        // Eight periods are the most that a renderer can be told.
+        let late = Set {
+            period_s: Some(0.001),
+            told_delay_s: Some(0.009),
+            ..Set::default()
+        };
+        assert_eq!(
+            before.with(&late, &limits, 2).unwrap_err(),
+            "told_delay_s is 0.009; allowed: 0 to 0.008"
+        );
+    }
+
+    #[test]
     fn what_cannot_be_is_refused_with_what_is_allowed() {
-        let before = Settings::of(&scene(), &[MethodName::Coupled]);
-        let limits = Limits::around(&before);
+        let scene = scene();
+        let before = Settings::of(&scene, &[MethodName::Coupled]);
+        let limits = Limits::around(&before, &scene);
         let refused = |set: Set, most| before.with(&set, &limits, most).unwrap_err();
         let lanes = |lanes: &[(MethodName, Option<f64>)]| Set {
             lanes: Some(

@@ -7,7 +7,7 @@
 
 use std::error::Error;
 
-use palpate::{Contact, LoopParams, ObjectState};
+use palpate::{Actuation, Contact, LoopParams, ObjectState};
 use palpate_record::trace::{self, Trace};
 use palpate_scene::method::{MethodName, Settings};
 use palpate_sim::replay::{Replay, ReplaySetup};
@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         loop_params: LoopParams::new(0.01),
         object: ObjectState::at_rest(0.0),
         virtual_force: 0.0,
-        delay: 0,
+        actuation: Actuation::default(),
         device_mass: None,
         encoder_quantum: 0.0,
     };

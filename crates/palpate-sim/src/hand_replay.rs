@@ -6,7 +6,7 @@
 //!
 //! ```
 //! use std::sync::Arc;
-//! use palpate::{Contact, LoopParams, ObjectState};
+//! use palpate::{Actuation, Contact, LoopParams, ObjectState};
 //! use palpate_sim::closed_loop::Bench;
 //! use palpate_sim::hand_replay::{self, HandModel, RecordedHand, Recording};
 //! use palpate_scene::method::MethodName;
@@ -24,7 +24,7 @@
 //!     loop_params: LoopParams::new(0.01),
 //!     object: ObjectState::at_rest(0.0),
 //!     virtual_force: 0.0,
-//!     delay: 0,
+//!     actuation: Actuation::default(),
 //!     device_mass: None,
 //!     encoder_quantum: 0.0,
 //! };
@@ -79,6 +79,8 @@ pub fn scene(hand: Arc<RecordedHand>, setup: &ReplaySetup) -> Result<Scene, Hand
         });
     }
     let (position, velocity) = hand.motion(0.0);
+    let actuation = setup.actuation;
+    let (samples, fraction) = setup.delay();
     Ok(Scene {
         title: "Recorded hand".into(),
         contact: setup.contact,
@@ -101,10 +103,21 @@ pub fn scene(hand: Arc<RecordedHand>, setup: &ReplaySetup) -> Result<Scene, Hand
         recorded_hand: Some(hand),
         tremor: None,
         release: None,
-        delay: setup.delay,
-        timing: Timing::default(),
-        actuator: ActuatorParams::default(),
-        told: Told::default(),
+        delay: if fraction > 0.0 { 0 } else { samples },
+        timing: Timing {
+            delay_seconds: if fraction > 0.0 { actuation.delay } else { 0.0 },
+            ..Timing::default()
+        },
+        actuator: ActuatorParams {
+            gain: actuation.gain,
+            lag: actuation.lag,
+        },
+        told: Told {
+            delay_deviation: Some(actuation.delay_deviation),
+            lag_deviation: Some(actuation.lag_deviation),
+            gain_deviation: Some(actuation.gain_deviation),
+            ..Told::default()
+        },
         measure: Measure::Duration(periods * period),
         method: MethodName::default(),
         settings: HashMap::new(),

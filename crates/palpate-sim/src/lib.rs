@@ -8,6 +8,7 @@
 //! [`sampled_loop`] has the steps of the loop one by one. Studies of many runs are in `palpate-study`.
 
 pub mod closed_loop;
+mod delivery;
 pub mod device;
 pub mod hand_replay;
 mod own_device;

@@ -12,11 +12,11 @@ use palpate::{
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::driven::{DrivenIdeal, DrivenScene};
 use palpate_testbed::grid::Grid;
-use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::metrics::ForceJudgement;
 use palpate_testbed::recorded_path::{PathError, RecordedPath, to_nanoseconds};
 
-use crate::run::{Held, MOST_PERIODS, Reference, Run, RunMethod, Tick};
+use crate::delivery::Delivery;
+use crate::run::{MOST_PERIODS, Reference, Run, RunMethod, Tick};
 use palpate_scene::method::{Basis, MethodName, Settings, SettingsError};
 use palpate_scene::named_parameters::named_parameters;
 use palpate_scene::{Scene, SetupError, stored_energy};
@@ -32,8 +32,8 @@ pub struct ReplaySetup {
     pub object: ObjectState<f64>,
     /// Virtual force on the object `[N]`.
     pub virtual_force: f64,
-    /// Whole samples between measuring and actuating.
-    pub delay: usize,
+    /// What is known of the actuator. In a replay it is also what the actuator does.
+    pub actuation: Actuation<f64>,
     /// Effective mass of the device, if known `[kg]`.
     pub device_mass: Option<f64>,
     /// Quantum of the device's position sensor `[m]`; 0 if it is not known to have one.
@@ -72,7 +72,16 @@ impl ReplaySetup {
             loop_params: scene.loop_params,
             object: scene.object,
             virtual_force: scene.virtual_force,
-            delay: scene.delay,
+            actuation: if scene.told.delay.is_none() && scene.timing.delay_seconds == 0.0 {
+                // Longer than a renderer can be told of, perhaps.
+                let samples = Actuation::after_samples(scene.delay, scene.loop_params.period);
+                Actuation {
+                    delay: samples.delay,
+                    ..scene.told_actuation()
+                }
+            } else {
+                scene.told_actuation()
+            },
             device_mass: Some(scene.told_device_mass.unwrap_or(scene.device.mass)),
             encoder_quantum: scene.device.encoder_quantum,
         }
@@ -80,14 +89,43 @@ impl ReplaySetup {
 
     /// The loop as the renderer is told: with as much of the delay as it can know.
     pub fn known_loop(&self) -> LoopParams<f64> {
+        let most = LARGEST_DELAY as f64 * self.loop_params.period;
         LoopParams {
-            actuation: Actuation::after_samples(
-                self.delay.min(LARGEST_DELAY),
-                self.loop_params.period,
-            ),
+            actuation: Actuation {
+                delay: self.actuation.delay.min(most),
+                ..self.actuation
+            },
             ..self.loop_params
         }
     }
+
+    /// The delay in whole samples, and the fraction of a period beyond them.
+    pub fn delay(&self) -> (usize, f64) {
+        samples_and_fraction(self.actuation.delay / self.loop_params.period)
+    }
+}
+
+/// A delay in periods as whole samples and what is left, below 1. A delay this close to a whole number is
+/// one: quotients of decimal times are never exact.
+pub fn samples_and_fraction(periods: f64) -> (usize, f64) {
+    const WHOLE_WITHIN: f64 = 1e-5;
+    let periods = periods.max(0.0);
+    let whole = (periods + WHOLE_WITHIN).floor();
+    let fraction = periods - whole;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a whole number of 0 or above; one too large for any loop is refused there"
+    )]
+    let samples = whole as usize;
+    (
+        samples,
+        if fraction > WHOLE_WITHIN {
+            fraction
+        } else {
+            0.0
+        },
+    )
 }
 
 /// Why a recording cannot be replayed.
@@ -130,6 +168,7 @@ pub struct Replay {
     measured: bool,
     /// Recorded positions at these instants, in the user's frame `[m]`.
     positions: Vec<f64>,
+    delivery: Delivery,
     reference: Reference,
 }
 
@@ -192,6 +231,13 @@ impl Replay {
         grid: Grid,
         (times, positions, measured): (Vec<f64>, Vec<f64>, bool),
     ) -> Result<Self, ReplayError> {
+        let (delay, period) = (setup.delay(), setup.loop_params.period);
+        let delivery = Delivery::new(&times, delay, period, &setup.actuation)?;
+        let grid = if delay.1 > 0.0 {
+            Grid::cut_at(delivery.edges().to_vec(), period)?
+        } else {
+            grid
+        };
         let sign: f64 = setup.contact.side.sign();
         let path = if sign < 0.0 {
             recorded.mirrored()
@@ -225,6 +271,7 @@ impl Replay {
             times,
             measured,
             positions,
+            delivery,
             reference: Reference::new(profile, 0.0, sign, |time| ideal.at(time)),
         })
     }
@@ -270,8 +317,12 @@ impl Replay {
     ) -> Result<Run, ReplayError> {
         let setup = &self.setup;
         let mut state = renderer.start(setup.object).map_err(SetupError::from)?;
-        let mut hold = DelayedHold::new(setup.delay)?;
-        let ticks: Vec<Tick> = self
+        let (samples, fraction) = setup.delay();
+        // Without a lag and with a delay of whole samples the force is one over each interval, also
+        // where the delay is longer than a renderer can be told.
+        let is_held = fraction == 0.0 && setup.actuation.lag == 0.0;
+        let mut commands: Vec<f64> = Vec::with_capacity(self.positions.len());
+        let mut ticks: Vec<Tick> = self
             .positions
             .iter()
             .enumerate()
@@ -282,26 +333,27 @@ impl Replay {
                     ..Sample::at(position).with_virtual_force(setup.virtual_force)
                 };
                 let output = renderer.step(&mut state, sample);
-                let held = hold.exchange(output.force_on_object);
-                renderer.report_held(&mut state, held);
+                commands.push(output.force_on_object);
+                if is_held {
+                    let command = i.checked_sub(samples).map_or(0.0, |sent| commands[sent]);
+                    renderer.report_held(&mut state, setup.actuation.gain * command);
+                }
                 Tick {
                     time: self.times[i],
-                    command_from: self.times.get(i + setup.delay).copied(),
+                    command_from: self.delivery.arrival(i),
                     device_position: position,
                     true_device_position: position,
                     output,
-                    held_force_on_object: held,
+                    held_force_on_object: 0.0,
                     ledger: *state.ledger(),
                 }
             })
             .collect();
-        let held: Vec<Held> = ticks[..ticks.len() - 1]
-            .iter()
-            .map(|tick| Held {
-                from: tick.time,
-                force_on_object: tick.held_force_on_object,
-            })
-            .collect();
+        let delivered = self.delivery.of(&commands);
+        for (tick, force) in ticks.iter_mut().zip(delivered.at_samples) {
+            tick.held_force_on_object = force;
+        }
+        let held = delivered.means;
         let forces: Vec<f64> = held
             .iter()
             .map(|held| self.sign * held.force_on_object)

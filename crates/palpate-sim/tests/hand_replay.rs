@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use common::{Random, recorded_hands};
-use palpate::{AnyRenderer, Contact, LoopParams, ObjectState, Renderer, Sample, Side};
+use palpate::{Actuation, AnyRenderer, Contact, LoopParams, ObjectState, Renderer, Sample, Side};
 use palpate_scene::Scene;
 use palpate_scene::method::MethodName;
 use palpate_sim::closed_loop::Bench;
@@ -69,7 +69,7 @@ fn setup(contact: Contact<f64>, period: f64) -> ReplaySetup {
         loop_params: LoopParams::new(period),
         object: ObjectState::at_rest(0.004),
         virtual_force: 0.0,
-        delay: 0,
+        actuation: Actuation::default(),
         device_mass: None,
         encoder_quantum: 0.0,
     }

@@ -312,7 +312,7 @@ fn a_replay_tells_the_renderer_its_delay() {
         loop_params: LoopParams::new(0.005),
         object: ObjectState::at_rest(0.004),
         virtual_force: -0.981,
-        delay: 2,
+        actuation: Actuation::after_samples(2, 0.005),
         device_mass: None,
         encoder_quantum: 0.0,
     };
@@ -359,7 +359,7 @@ fn a_replay_holds_each_answer_after_its_delay_and_books_what_it_held() {
                 loop_params: LoopParams::new(0.005),
                 object: ObjectState::at_rest(sign * 0.004),
                 virtual_force: -sign * 0.981,
-                delay,
+                actuation: Actuation::after_samples(delay, 0.005),
                 device_mass: Some(0.25),
                 encoder_quantum: 0.0,
             };

@@ -87,6 +87,15 @@ impl<S: Scalar> Actuation<S> {
         (delay * delay + lag * lag).sqrt()
     }
 
+    /// Whether a force acts as it is sent, whole samples later: no fraction of `period` `[s]`, no lag and a
+    /// gain of 1.
+    pub fn is_of_whole_samples(&self, period: S) -> bool {
+        let periods = self.delay / period;
+        let within = S::from_f64(WHOLE_WITHIN);
+        let off = periods - (periods + within).floor();
+        off.abs() <= within && self.lag <= S::ZERO && self.gain == S::ONE
+    }
+
     /// Every parameter outside its range, in a loop of `period` `[s]`.
     pub(crate) fn faults(&self, period: S) -> impl Iterator<Item = ParameterError> {
         let periods = self.delay / period;

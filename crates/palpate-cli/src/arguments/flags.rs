@@ -4,8 +4,9 @@ use clap::{ArgAction, Args};
 use palpate::Side;
 use palpate_scene::GuardMode;
 
+use super::actuation::ActuationFlags;
 use super::setting_flags::{SettingFlags, method_help};
-use crate::values::{Methods, guard, limit, methods, number, samples, side};
+use crate::values::{Methods, guard, limit, methods, number, side};
 
 /// What is not perfect about the loop of a scene.
 #[derive(Args, Debug, Default)]
@@ -92,15 +93,6 @@ pub struct Flags {
         help_heading = "Loop"
     )]
     pub period: Option<f64>,
-    /// Whole samples between measuring and actuating [default: 0, or the scene's]
-    #[arg(
-        long,
-        value_name = "SAMPLES",
-        value_parser = samples,
-        allow_hyphen_values = true,
-        help_heading = "Loop"
-    )]
-    pub delay: Option<usize>,
     /// Largest force that is held [N]; inf: no limit [default: no limit, or the scene's; in pipe 20]
     #[arg(
         long,
@@ -162,6 +154,10 @@ pub struct Flags {
         help_heading = "Loop"
     )]
     pub guard_allowance: Option<f64>,
+
+    /// Delay, lag and gain.
+    #[command(flatten)]
+    pub actuation: ActuationFlags,
 
     /// The methods to run.
     #[arg(

@@ -1,11 +1,13 @@
 //! Arguments that commands share, and those of the commands that need no device.
 
+mod actuation;
 mod files;
 mod flags;
 mod offline;
 mod replay;
 mod setting_flags;
 
+pub use actuation::ActuationFlags;
 pub use files::{Overwriting, PartFlags, PlotFlags, SizeFlag, TimeFlags};
 pub use flags::{Flags, TimingFlags};
 pub use offline::{

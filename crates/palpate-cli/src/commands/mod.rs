@@ -2,6 +2,7 @@
 
 pub mod advise;
 pub mod bench;
+pub mod calibrate;
 pub mod claims;
 pub mod compare;
 pub mod completions;

@@ -16,7 +16,7 @@ use crate::inside;
 use crate::plots::{Devices, RunsFigure};
 use crate::progress::Progress;
 use crate::results::deliver;
-use crate::setup::{receipt, wrong_flag, wrong_setup};
+use crate::setup::{actuator_of, receipt, wrong_flag, wrong_setup};
 use palpate_study::report::{Report, Subject};
 
 /// Simulates a scene by the methods that were named, or by its own.
@@ -52,8 +52,12 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     let subject = subject(&scene);
     let mut receipt = receipt(&subject, scene.object, scene.virtual_force, &runs);
     receipt.extend(plant_receipt(&scene));
+    let actuator = actuator_of(&scene);
+    let lines = actuator.iter();
+    receipt.extend(lines.map(|(key, value)| (format!("actuator_{key}"), value.to_string())));
     receipt.push(("scene".into(), arguments.scene.display().to_string()));
-    let report = Report::new(&subject, bench.reference(), &runs);
+    let mut report = Report::new(&subject, bench.reference(), &runs);
+    report.actuated(actuator);
     deliver(
         (&arguments.results, &outputs),
         report,

@@ -162,6 +162,10 @@ impl Device for Reconnecting {
         }
     }
 
+    fn last_sent(&self) -> Option<Wrench> {
+        self.device.as_ref()?.last_sent()
+    }
+
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
         struct Zero(Shared);
         impl ZeroWriter for Zero {

@@ -22,14 +22,14 @@ pub struct Heartbeat {
 
 impl Heartbeat {
     /// The loop has ticked at `now`, and may hold a force.
-    pub(crate) fn beat(&self, now: Duration) {
+    pub fn beat(&self, now: Duration) {
         let now = u64::try_from(now.as_nanos()).unwrap_or(u64::MAX);
         self.beat.store(now, Ordering::Release);
         self.live.store(true, Ordering::Release);
     }
 
     /// The loop has ended and left no force.
-    pub(crate) fn end(&self) {
+    pub fn end(&self) {
         self.live.store(false, Ordering::Release);
     }
 

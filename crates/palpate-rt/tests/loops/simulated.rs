@@ -4,6 +4,8 @@ use std::time::Duration;
 
 use palpate_device::Device;
 use palpate_device::clock::SteppedClock;
+use palpate_rt::safety::SafetyParams;
+use palpate_scene::ActuatorParams;
 use palpate_scene::method::MethodName;
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::device::SimulatedDevice;
@@ -68,6 +70,56 @@ fn a_device_with_a_delay_holds_its_forces_later() {
         assert_eq!(tick.force_on_device, -expected.held_force_on_object + 0.0);
     }
     assert!(held.iter().any(|force| *force != 0.0));
+}
+
+/// A renderer that is told of a fraction of a period, a lag or a gain books what was sent, when it acts:
+/// in the loop as on the bench. Both of the limits count, the motor's and that of safety.
+#[test]
+fn a_renderer_that_is_told_how_forces_act_hears_what_was_sent() {
+    let period = scene("experiment1.toml").loop_params.period;
+    for (samples, seconds, lag, gain) in [
+        (0, 0.5 * period, 0.0, 1.0),
+        (0, 1.25 * period, 0.2 * period, 0.9),
+        (0, 0.0, 0.3 * period, 1.0),
+        (0, 0.0, 0.0, 0.8),
+        (2, 0.0, 0.1 * period, 1.1),
+    ] {
+        let mut late = scene("experiment1.toml");
+        late.delay = samples;
+        late.timing.delay_seconds = seconds;
+        late.actuator = ActuatorParams { gain, lag };
+        for limit in [f64::INFINITY, 1.0] {
+            let mut weak = late.clone();
+            weak.device.largest_force = Some(limit).filter(|limit| limit.is_finite());
+            let bench = Bench::new(&weak).unwrap();
+            let expected = bench.run(MethodName::Coupled).unwrap();
+            assert!(
+                expected.diverged == Some(false),
+                "{samples} {seconds} {lag} {gain} {limit}"
+            );
+            let by_motor = simulated(&weak, MethodName::Coupled, wide());
+            let safe = SafetyParams {
+                largest_force: limit.min(1e6),
+                ..wide()
+            };
+            let by_safety = simulated(&late, MethodName::Coupled, safe);
+            for (kind, (mut control, _)) in [("motor", by_motor), ("safety", by_safety)] {
+                let (mut most, mut largest) = (0.0_f64, 0.0_f64);
+                for expected in &expected.ticks {
+                    let tick = control.tick();
+                    let off = tick.force_on_object - expected.output.force_on_object;
+                    most = most.max(off.abs());
+                    largest = largest.max(tick.force_on_object.abs());
+                }
+                println!(
+                    "{samples} samples, {seconds} s, lag {lag} s, gain {gain}, {kind} {limit} N: {most:.1e} N \
+                     of {largest:.2} N"
+                );
+                assert!(most < 1e-5 * largest, "{most}");
+                assert!(limit > largest || largest > 1.2, "{largest}");
+            }
+        }
+    }
 }
 
 /// A cut holds from its own instant on, not from when the loop finds out.

@@ -63,6 +63,7 @@ pub const FILES: &[File] = &[
     file!("/slide.js", SCRIPT, "slide.js"),
     file!("/status.js", SCRIPT, "status.js"),
     file!("/theme.js", SCRIPT, "theme.js"),
+    file!("/told.js", SCRIPT, "told.js"),
     file!("/toolbar.js", SCRIPT, "toolbar.js"),
     file!("/trips.js", SCRIPT, "trips.js"),
     file!("/view.js", SCRIPT, "view.js"),

@@ -48,6 +48,10 @@ impl Device for Carried {
         self.device()?.write(wrench)
     }
 
+    fn last_sent(&self) -> Option<Wrench> {
+        self.device.as_ref()?.last_sent()
+    }
+
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
         self.device.as_mut()?.zero_writer()
     }

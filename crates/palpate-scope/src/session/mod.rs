@@ -500,6 +500,7 @@ impl Running {
             mass_kg: self.settings.mass,
             virtual_force_n: self.settings.virtual_force,
             period_s: self.settings.period,
+            told: self.settings.told(&self.setup.scene),
             lanes: lanes
                 .map(|(index, choice)| {
                     let lane = self.lanes.get(index);

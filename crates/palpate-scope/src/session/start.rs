@@ -109,7 +109,7 @@ impl Running {
         commands: Receiver<Command>,
     ) -> Self {
         let settings = Settings::of(&setup.scene, &setup.methods);
-        let mut limits = Limits::around(&settings);
+        let mut limits = Limits::around(&settings, &setup.scene);
         if !setup.devices.any_period() {
             limits.period_s = [settings.period; 2];
         }

@@ -235,6 +235,8 @@ pub struct PointerDevice<C> {
     held: f64,
     /// Commands that do not act yet, the oldest first `[N]`.
     on_their_way: Vec<f64>,
+    /// Force on the device that was sent last `[N]`.
+    sent: f64,
     cut: Cut,
 }
 
@@ -279,6 +281,7 @@ impl<C: Clock> PointerDevice<C> {
             alone,
             moved_until: None,
             held: 0.0,
+            sent: 0.0,
             cut: Cut::none(),
         })
     }
@@ -416,6 +419,7 @@ impl<C: Clock> Device for PointerDevice<C> {
         if let Some(limit) = self.params.largest_force {
             force = force.clamp(-limit, limit);
         }
+        self.sent = force;
         if let Some(oldest) = self.on_their_way.first().copied() {
             self.on_their_way.rotate_left(1);
             if let Some(newest) = self.on_their_way.last_mut() {
@@ -425,6 +429,10 @@ impl<C: Clock> Device for PointerDevice<C> {
         }
         self.held = force;
         Ok([force, 0.0, 0.0].into())
+    }
+
+    fn last_sent(&self) -> Option<Wrench> {
+        Some([self.sent, 0.0, 0.0].into())
     }
 
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {

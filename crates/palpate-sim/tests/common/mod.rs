@@ -5,7 +5,7 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use palpate::{Contact, LoopParams, ObjectState};
+use palpate::{Actuation, Contact, LoopParams, ObjectState};
 use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_scene::{Scene, SceneFile, beside};
 use palpate_sim::replay::{Replay, ReplaySetup};
@@ -116,7 +116,7 @@ pub fn lifted_object(hand: &Motion, period: f64, unilateral: bool) -> Replay {
         loop_params: LoopParams::new(period),
         object: ObjectState::at_rest(sorted[sorted.len() * 6 / 10]),
         virtual_force: -0.981,
-        delay: 0,
+        actuation: Actuation::default(),
         device_mass: None,
         encoder_quantum: 0.0,
     };

@@ -72,6 +72,10 @@ pub struct RecordingReport {
     pub longest_tick_s: Option<f64>,
     /// Longest answer of the device `[s]`.
     pub longest_round_trip_s: Option<f64>,
+    /// What the renderer was told of the device at the start, by key with its unit: mass, delay, lag and gain,
+    /// and the standard deviations of the last three. Empty where nobody said, as in recordings of older versions.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub told: BTreeMap<String, f64>,
     /// Changes of parameters.
     pub parameter_changes: u32,
     /// Ticks with each flag.
@@ -165,6 +169,7 @@ impl RecordingReport {
             longest_period_s: period,
             longest_tick_s: tick_duration,
             longest_round_trip_s: round_trip,
+            told: told(recording),
             parameter_changes: recording.generation,
             flags,
             events,
@@ -175,10 +180,46 @@ impl RecordingReport {
     }
 }
 
+/// What the receipt says that the renderer was told, a number for each key.
+fn told(recording: &Recording) -> BTreeMap<String, f64> {
+    let text = recording.receipt.texts.get("told");
+    let lines = text.map_or("", String::as_str).lines();
+    lines
+        .filter_map(|line| {
+            let (key, value) = line.split_once(" = ")?;
+            Some((key.to_owned(), value.parse().ok()?))
+        })
+        .collect()
+}
+
 /// The largest of all; what is no number does not count.
 fn raise(largest: &mut Option<f64>, value: f64) {
     if !value.is_nan() {
         *largest = Some(largest.map_or(value, |largest| largest.max(value)));
+    }
+}
+
+impl RecordingReport {
+    /// What the renderer was told, in a line; none where nobody said.
+    fn told_in_words(&self) -> Option<String> {
+        let of = |key: &str| self.told.get(key).copied();
+        let known = [
+            ("device", "device_mass_kg", "", 1.0, " kg"),
+            ("delay", "delay_s", "delay_deviation_s", 1e3, " ms"),
+            ("lag", "lag_s", "lag_deviation_s", 1e3, " ms"),
+            ("gain", "gain", "gain_deviation", 1.0, ""),
+        ];
+        let words: Vec<String> = known
+            .iter()
+            .filter_map(|(name, key, deviation, factor, unit)| {
+                let value = digits(factor * of(key)?);
+                let deviation = of(deviation).filter(|deviation| *deviation > 0.0);
+                let deviation = deviation.map(|deviation| digits(factor * deviation));
+                let deviation = deviation.map_or_else(String::new, |by| format!(" ± {by}"));
+                Some(format!("{name} {value}{deviation}{unit}"))
+            })
+            .collect();
+        (!words.is_empty()).then(|| format!("the renderer was told: {}", words.join(", ")))
     }
 }
 
@@ -229,6 +270,9 @@ impl fmt::Display for RecordingReport {
         }
         if self.parameter_changes > 0 {
             writeln!(f, "  changes of parameters: {}", self.parameter_changes)?;
+        }
+        if let Some(words) = self.told_in_words() {
+            writeln!(f, "{words}")?;
         }
         let total: u64 = self.events.values().sum();
         writeln!(f, "{}", counted(total, "event"))?;

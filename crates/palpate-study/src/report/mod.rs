@@ -63,6 +63,10 @@ pub struct Report {
     /// What else is not perfect about the loop.
     #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
     pub timing: serde_json::Map<String, Value>,
+    /// Lag and gain of the actuator, and what the renderer was told of delay, lag and gain, by key with the
+    /// unit; empty where that is a delay of whole samples only.
+    #[serde(skip_serializing_if = "serde_json::Map::is_empty")]
+    pub actuator: serde_json::Map<String, Value>,
     /// Whether the text says what the columns of errors and leaks are.
     #[serde(skip)]
     says_what_columns_are: bool,
@@ -237,6 +241,7 @@ impl Report {
             replay: None,
             recording: None,
             timing: timing::of(&subject.timing),
+            actuator: serde_json::Map::new(),
             says_what_columns_are: true,
             delay_fraction: subject.timing.delay_fraction,
             timing_in_words: timing::in_words(&subject.timing),
@@ -271,6 +276,12 @@ impl Report {
     /// Says which recording that was.
     pub fn recorded(&mut self, recording: FromRecording) {
         self.recording = Some(recording);
+    }
+
+    /// Says what the actuator does and what the renderer was told of it: values by key with the unit.
+    pub fn actuated(&mut self, values: impl IntoIterator<Item = (&'static str, f64)>) {
+        let named = |(key, value): (&str, f64)| (key.to_owned(), value.into());
+        self.actuator.extend(values.into_iter().map(named));
     }
 
     /// Adds a file that was written.

@@ -22,6 +22,13 @@ impl fmt::Display for Report {
         if let Some(replayed) = &self.replay {
             writeln!(f, "{}", replayed.in_words())?;
         }
+        if !self.actuator.is_empty() {
+            let values = self.actuator.iter();
+            let values: Vec<String> = values
+                .map(|(key, value)| format!("{key} {value}"))
+                .collect();
+            writeln!(f, "actuator: {}", values.join(", "))?;
+        }
         if !self.timing_in_words.is_empty() {
             let samples = counted(self.samples, "sample");
             writeln!(f, "{}: {samples}", self.timing_in_words)?;

@@ -12,5 +12,4 @@ pub(crate) use observer::{Motion, Observer, ObserverParams, Seen};
 pub(crate) use placed::Placed;
 pub(crate) use prediction::{LONGEST_WINDOW_SETTING, PREDICTION, Predictor};
 pub use prediction::{Prediction, PredictionMemory, PredictionName};
-pub(crate) use spread::PARTS;
 pub use steps::LONGEST_WINDOW;

@@ -246,24 +246,12 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         };
         let before = observer.motion;
         let (smoothed, lesson) = observer.see(&self.observer, &ended.seen());
-<<<<<<< HEAD
-        if let Some(lesson) = &lesson {
-            let first = S::from_f64(FIRST) * ended.elapsed;
-            let changed =
-                memory
-                    .lateness
-                    .learn(lesson, &smoothed, &ended.held, ended.elapsed, first);
-            if SHIFT {
-                observer.shift(changed);
-            }
-=======
         if let Some(lesson) = lesson.as_ref().filter(|_| self.timing_deviation > S::ZERO) {
             let (held, elapsed, told) = (&ended.held, ended.elapsed, self.timing_deviation);
             let learned = memory
                 .lateness
                 .learn(lesson, &smoothed, held, elapsed, told);
             observer.shift(learned);
->>>>>>> main
         }
         let certainty = observer.damping_certainty();
         let device = if self.correction { smoothed } else { before };
@@ -368,20 +356,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             relative.speed = device.velocity + avatar.speed - object_velocity;
         });
         let interval = self.interval(motion, &device, relative, virtual_force, period);
-<<<<<<< HEAD
-        let owed = if motion.is_wall() {
-            if device.mobility > S::ZERO {
-                // Never more than the contact itself: else a device that moves as no mass does is
-                // given more and more.
-                (S::from_f64(-1.0) * avatar.speed / device.mobility)
-                    .within(S::from_f64(0.06) * interval.course.impulse)
-            } else {
-                S::ZERO
-            }
-        } else {
-=======
         let owed = if !motion.is_wall() {
->>>>>>> main
             S::from_f64(REPAID) * owed
         } else if device.mobility > S::ZERO {
             let most = S::from_f64(REPAID_BY_WALLS) * interval.course.impulse;
@@ -444,169 +419,3 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         memory.shift
     }
 }
-<<<<<<< HEAD
-
-/// By how much later than told the commands begin: a delay that nobody has told, or told wrongly.
-///
-/// A Kalman filter of this one number beside that of the device (Friedland 1969): `answer` says how the
-/// error of the device's state answers to a second of lateness, through all that the observer has made
-/// of it.
-#[derive(Clone, Copy, Debug, Default)]
-struct Lateness<S> {
-    /// Best guess `[s]`.
-    mean: S,
-    /// Its variance `[s^2]`.
-    variance: Option<S>,
-    answer: [S; PARTS],
-    /// What the last samples tell of it: `[1/s^2]`,
-    information: S,
-    /// and that times how far off the guess is by them `[1/s]`.
-    score: S,
-    /// and how many samples that is, those in contact counted.
-    count: S,
-}
-
-impl<S: Scalar> Lateness<S> {
-    /// Takes what a sample tells. The change of the device's state that follows.
-    fn learn(
-        &mut self,
-        lesson: &Lesson<S>,
-        device: &Motion<S>,
-        held: &Held<S>,
-        h: S,
-        first: S,
-    ) -> [S; PARTS] {
-        let variance = self.variance.unwrap_or(first * first);
-        let mut next = self.answer;
-        for (entry, row) in next.iter_mut().zip(&lesson.transition) {
-            *entry = S::ZERO;
-            for (by, from) in row.iter().zip(&self.answer) {
-                *entry += *by * *from;
-            }
-        }
-        let pushed = device.mobility * held.step;
-        next[0] += pushed * held.step_age;
-        next[1] += pushed;
-        let seen = next[0];
-        let kept = S::ONE - S::from_f64(1.0 / RECENT);
-        self.information = kept * self.information + seen * seen / lesson.variance;
-        self.score = kept * self.score + seen * lesson.innovation / lesson.variance;
-        let told = if held.step == S::ZERO {
-            S::ZERO
-        } else {
-            S::ONE
-        };
-        self.count = kept * self.count + told;
-        let off = self.score / self.information;
-        let sure = off * self.score > S::from_f64(SURE * SURE);
-        let least = if sure && self.information > S::ZERO && self.count > S::from_f64(ENOUGH) {
-            let off = off.within(S::from_f64(0.5) * h);
-            S::from_f64(BELIEVED) * off * off
-        } else {
-            S::ZERO
-        };
-        let variance = variance.max(least);
-        let gain = variance * seen / (seen * seen * variance + lesson.variance);
-        for (entry, by) in next.iter_mut().zip(&lesson.gain) {
-            *entry -= *by * seen;
-        }
-        let learned = gain * lesson.innovation;
-        let drift = S::from_f64(LATENESS_DRIFT) * h;
-        let rest = (S::ONE - gain * seen) * variance + drift * drift;
-        if !(learned.is_finite() && rest.is_finite() && next.iter().all(|entry| entry.is_finite()))
-        {
-            *self = Self::default();
-            return [S::ZERO; PARTS];
-        }
-        let before = self.mean;
-        self.mean = (before + learned).within(S::from_f64(LATENESS_MOST) * h);
-        self.variance = Some(rest);
-        self.answer = next;
-        let changed = self.mean - before;
-        self.score = self.score - self.information * changed;
-        next.map(|entry| entry * changed)
-    }
-}
-
-const FIRST: f64 = 0.005;
-const ENOUGH: f64 = 24.0;
-const RECENT: f64 = 64.0;
-const SURE: f64 = 5.0;
-const BELIEVED: f64 = 0.1;
-const SHIFT: bool = true;
-const LATENESS_DRIFT: f64 = 0.0003;
-const LATENESS_MOST: f64 = 1.5;
-
-/// What a damping does to an interval of relative motion.
-struct Damped<S> {
-    /// Change of the penetration at the interval's end `[m]`.
-    penetration: S,
-    /// Change of its rate `[m/s]`.
-    speed: S,
-    /// Integral of the acceleration by the damping `[m/s]`.
-    pushed: S,
-}
-
-/// What the damping of hand and device does to the relative motion beyond the ramp under the force that
-/// is held. The ideal device's velocity follows the contact force as it comes and goes; what it deviates
-/// from a straight line is the device's share of how p' does,
-///
-/// ```text
-/// p'' = ... - c (p' - p'_line),    c = lambda theta / (theta + 1/M)
-/// ```
-///
-/// to the first order of c, kept below 2/h, where the oscillation is gone after one interval. Nothing
-/// else takes energy from the oscillation of an object that lies on the device: the held force, its
-/// mean, shows the device next to nothing of it. `damping_rate`: lambda, as far as it is certain.
-fn damped<S: Scalar>(
-    damping_rate: S,
-    device: &Motion<S>,
-    drive: &Drive<S>,
-    start: Relative<S>,
-    course: &Course<S>,
-    response: &Response<S>,
-    h: S,
-) -> Damped<S> {
-    let none = Damped {
-        penetration: S::ZERO,
-        speed: S::ZERO,
-        pushed: S::ZERO,
-    };
-    // An estimate below zero would feed the oscillation.
-    if course.impulse <= S::ZERO || drive.mobility <= S::ZERO || damping_rate <= S::ZERO {
-        return none;
-    }
-    let rate = damping_rate * (device.mobility / drive.mobility);
-    let c = rate / (S::ONE + S::HALF * rate * h);
-    let Relative { penetration, speed } = start;
-    let slope = (course.end.speed - speed) / h;
-    let travelled = course.end.penetration - penetration;
-    let by =
-        |damping: S, acceleration: S, ramp: S| c * (damping + speed * acceleration + slope * ramp);
-    Damped {
-        penetration: by(
-            response.damping[0],
-            response.penetration[2],
-            response.ramp[0],
-        ),
-        speed: by(response.damping[1], response.speed[2], response.ramp[1]),
-        pushed: c * ((speed + S::HALF * slope * h) * h - travelled),
-    }
-}
-
-/// What an interval holds, in the words that every method shares: `device_velocity` `[m/s]`, that of the
-/// device's last step, says where an entry takes place.
-fn rule<S: Scalar>(interval: &Interval<S>, device_velocity: S) -> Rule<S> {
-    let pressed = interval.start.penetration > S::ZERO;
-    match interval.course.first_transition {
-        None if interval.course.impulse > S::ZERO => Rule::Contact,
-        None => Rule::Free,
-        Some(after) if pressed => Rule::Leaves(after),
-        Some(after) => Rule::Enters {
-            after,
-            held_at: device_velocity * after,
-        },
-    }
-}
-=======
->>>>>>> main

@@ -219,17 +219,10 @@ pub fn draw(seed: u64) -> Desk {
     let object_mass = random.log(0.03, 0.5);
     let speed = random.between(0.1, 0.5);
     let acceleration = random.between(2.0, 10.0);
-<<<<<<< HEAD
-    let extra = if in_hand {
-        random.between(0.0, 0.1)
-    } else {
-        random.uniform() * 0.0
-=======
     let hand_mass = if in_hand {
         random.between(0.0, 0.1)
     } else {
         0.0
->>>>>>> main
     };
     Desk {
         device_mass: device_mass + hand_mass,

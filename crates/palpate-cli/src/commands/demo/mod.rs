@@ -5,7 +5,7 @@ mod made;
 use std::fmt::Write;
 use std::path::Path;
 
-use palpate::{Contact, LoopParams, ObjectState};
+use palpate::{Actuation, Contact, LoopParams, ObjectState};
 use palpate_record::trace::Trace;
 use palpate_scene::Timing;
 use palpate_scene::method::{MethodName, Settings};
@@ -61,7 +61,7 @@ pub fn run(arguments: &DemoArguments) -> Result<(), Failure> {
         loop_params: LoopParams::new(0.01),
         object: ObjectState::at_rest(0.0),
         virtual_force: -4.905,
-        delay: 0,
+        actuation: Actuation::default(),
         device_mass: None,
         encoder_quantum: 0.0,
     };

@@ -9,7 +9,7 @@ use std::time::Duration;
 use palpate_device::clock::MonotonicClock;
 use palpate_rt::{SetupError, StopFlag};
 use palpate_scene::method::MethodName;
-use palpate_scene::{Scene, SceneFile, Timing};
+use palpate_scene::{Scene, SceneFile};
 use palpate_scope::{
     LaneEnd, ListenError, Listening, Server, Session, SessionError, Setup, Written,
 };
@@ -17,7 +17,10 @@ use palpate_scope::{
 pub use arguments::LiveArguments;
 use device::{Named, most_lanes};
 
-use super::run::{Asked, Report, guarding, limits, outcome, receipt, request, scene_text};
+use super::run::{
+    Asked, Report, guarding, limits, outcome, receipt, request, scene_text,
+    tell_what_a_loop_has_not,
+};
 use crate::devices::guarding::GuardianReport;
 use crate::devices::{DeviceName, replayed};
 use crate::failure::{Failure, tell};
@@ -161,11 +164,7 @@ fn read(arguments: &LiveArguments) -> Result<(Scene, PathBuf, Vec<MethodName>), 
     for method in &methods {
         scene.rendering(*method).map_err(Failure::input)?;
     }
-    if scene.timing != Timing::default() {
-        tell(
-            "warning: the scene's jitter, drops and fractions of a delay are for the simulator; this loop has its own",
-        );
-    }
+    tell_what_a_loop_has_not(&scene, arguments.device.device);
     if arguments.device.device == DeviceName::Pointer
         && (scene.grip.is_some() || scene.linkage.is_some() || scene.tremor.is_some())
     {

@@ -3,7 +3,7 @@
 mod arguments;
 mod change;
 mod columns;
-mod line;
+pub mod line;
 mod messages;
 mod stream;
 mod summary;
@@ -117,10 +117,16 @@ fn set_up(arguments: &PipeArguments) -> Result<Stream, Failure> {
     }
     let force_limit = setup.loop_params.force_limit;
     let soft_start = soft_start(arguments, &defaults)?;
-    if setup.delay > LARGEST_DELAY {
+    let (samples, fraction) = setup.delay();
+    let periods = samples as f64 + fraction;
+    if periods > LARGEST_DELAY as f64 {
+        let unit = if fraction == 0.0 {
+            "samples"
+        } else {
+            "periods"
+        };
         return Err(Failure::Arguments(format!(
-            "--delay is {} samples, and a renderer can be told of {LARGEST_DELAY} at most",
-            setup.delay
+            "--delay is {periods} {unit}, and a renderer can be told of {LARGEST_DELAY} at most"
         )));
     }
     // Contact and loop first: what is wrong with them is wrong whatever the method.

@@ -18,7 +18,7 @@ use crate::plots::RunsFigure;
 use crate::progress::Progress;
 use crate::recorded::trace::{STANDARD_INPUT, how_to_cut, read_trace};
 use crate::results::deliver;
-use crate::setup::{check_contact, receipt, wrong_on_bench, wrong_setup};
+use crate::setup::{check_contact, receipt, told_lines, wrong_on_bench, wrong_setup};
 use palpate_study::report::{Replayed, Report, Subject};
 
 /// Renders a recorded motion by the methods that were named.
@@ -92,8 +92,11 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         contact: &setup.contact,
         loop_params: &setup.loop_params,
         device_mass: setup.device_mass,
-        delay: setup.delay,
-        timing: Timing::default(),
+        delay: setup.delay().0,
+        timing: Timing {
+            delay_fraction: setup.delay().1,
+            ..Timing::default()
+        },
     };
     let mut report = Report::new(&subject, &reference, &runs);
     let mut receipt = receipt(&subject, setup.object, setup.virtual_force, &runs);
@@ -101,6 +104,11 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let part = arguments.part.receipt();
     receipt.extend(part.map(|(key, value)| (format!("trace_{key}"), value)));
     receipt.extend(replayed.receipt());
+    let told = told_lines(&setup.actuation, setup.delay().0, setup.loop_params.period);
+    let told: Vec<_> = told.collect();
+    let lines = told.iter();
+    receipt.extend(lines.map(|(key, value)| (format!("actuator_{key}"), value.to_string())));
+    report.actuated(told);
     report.replayed(replayed.clone());
     deliver(
         (&arguments.results, &outputs),

@@ -23,7 +23,7 @@ use crate::recorded::ticks::Ticks;
 use crate::recorded::trace::how_to_cut;
 use crate::recorded::{open, whole_or_said};
 use crate::results::deliver;
-use crate::setup::{receipt, wrong_flag, wrong_on_bench, wrong_setup};
+use crate::setup::{receipt, told_lines, wrong_flag, wrong_on_bench, wrong_setup};
 use palpate_study::report::{FromRecording, Replayed, Report, Subject};
 
 /// Text of the receipt that holds the scene.
@@ -136,8 +136,11 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
         contact: &setup.contact,
         loop_params: &setup.loop_params,
         device_mass: setup.device_mass,
-        delay: setup.delay,
-        timing: Timing::default(),
+        delay: setup.delay().0,
+        timing: Timing {
+            delay_fraction: setup.delay().1,
+            ..Timing::default()
+        },
     };
     let mut report = Report::new(&subject, &reference, &runs);
     report.recorded(FromRecording {
@@ -153,6 +156,11 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
     });
     let mut receipt = receipt(&subject, setup.object, setup.virtual_force, &runs);
     receipt.extend(replayed.receipt());
+    let told = told_lines(&setup.actuation, setup.delay().0, setup.loop_params.period);
+    let told: Vec<_> = told.collect();
+    let lines = told.iter();
+    receipt.extend(lines.map(|(key, value)| (format!("actuator_{key}"), value.to_string())));
+    report.actuated(told);
     receipt.push(("recording".into(), name.clone()));
     let taken = arguments.part.receipt();
     receipt.extend(taken.map(|(key, value)| (format!("recording_{key}"), value)));

@@ -68,11 +68,7 @@ fn session(
     let mut scene = file.scene.clone();
     flags.change(&mut scene, &methods)?;
     scene.method = method;
-    if scene.timing != Timing::default() {
-        tell(
-            "warning: the scene's jitter, drops and fractions of a delay are for the simulator; this loop has its own",
-        );
-    }
+    tell_what_a_loop_has_not(&scene, arguments.device.device);
     let session = Session {
         scene: &scene,
         path,
@@ -88,6 +84,26 @@ fn session(
             &MonotonicClock::new().with_spin(spin),
             request(&arguments.realtime),
         )
+    }
+}
+
+/// Says what of a scene's loop a loop in real time has not.
+pub fn tell_what_a_loop_has_not(scene: &Scene, device: DeviceName) {
+    let simulated_only = Timing {
+        delay_seconds: 0.0,
+        ..scene.timing.clone()
+    };
+    if simulated_only != Timing::default() {
+        tell(
+            "warning: the scene's jitter, drops and fractions of a delay are for the simulator; this loop has its own",
+        );
+    }
+    let told = scene.told_actuation();
+    if device == DeviceName::Pointer && !told.is_of_whole_samples(scene.loop_params.period) {
+        tell(
+            "warning: the device `pointer` has a delay of whole samples only, no lag and a gain of 1; what the \
+             renderer is told beyond that is wrong of it. --device simulated has them",
+        );
     }
 }
 

@@ -8,9 +8,30 @@ use palpate_scene::{Scene, SceneFile, beside};
 
 use crate::failure::Failure;
 
+/// Text of the receipt that holds what the renderer was told of the device.
+const TOLD: &str = "told";
+
+/// What the renderer of `scene` is told of the device, a line of `key = value` each.
+fn told(scene: &Scene) -> String {
+    let told = scene.told_actuation();
+    let mass = scene.told_device_mass.unwrap_or(scene.device.mass);
+    [
+        ("device_mass_kg", mass),
+        ("delay_s", told.delay),
+        ("lag_s", told.lag),
+        ("gain", told.gain),
+        ("delay_deviation_s", told.delay_deviation),
+        ("lag_deviation_s", told.lag_deviation),
+        ("gain_deviation", told.gain_deviation),
+    ]
+    .map(|(key, value)| format!("{key} = {value}\n"))
+    .concat()
+}
+
 /// The receipt with the scene as it is run, and with the files it names. `file` is the scene file at
 /// `path`, which `scene` comes from.
 pub fn put(receipt: Receipt, scene: &Scene, path: &Path) -> Result<Receipt, Failure> {
+    let receipt = receipt.with(TOLD, &told(scene));
     let unwritable = match scene.to_toml() {
         Ok(text) => return Ok(receipt.with("scene", &text)),
         Err(unwritable) => unwritable,

@@ -1,0 +1,424 @@
+//! The force that moves the device: `+A` or `-A`, held for random times, steered to stay in a box.
+//!
+//! Each period the device's speed says where it would come to rest, if the force braked it. The further
+//! that is from the middle, the less likely a hold pushes further out; a hold that would leave the box
+//! ends early. The force begins and ends softly, and the first and last part have none.
+
+use std::collections::VecDeque;
+use std::fmt;
+
+/// Shortest and longest hold `[s]`, and what the period adds to each `[periods]`: sines below the sensor's steps say little, long holds excite cogging.
+const HOLD: [f64; 2] = [0.005, 0.015];
+const HOLD_PERIODS: [f64; 2] = [0.5, 2.0];
+/// Time without force at the beginning, in which the hand is watched `[s]`.
+const LISTEN: f64 = 0.5;
+/// Time over which the force comes in, and goes out `[s]`.
+const RAMP: f64 = 0.3;
+/// Time without force at the end `[s]`.
+const REST: f64 = 0.1;
+/// Time constant of the velocity that steers `[s]`.
+const STEERING: f64 = 0.004;
+/// Heaviest device that braking is foreseen for `[kg]`.
+const HEAVIEST: f64 = 0.5;
+/// Lightest device that braking at the end is stable for `[kg]`.
+const LIGHTEST: f64 = 0.08;
+/// Part of the box in which the device is steered; the rest is for what steering does not foresee.
+const STEERED: f64 = 0.6;
+/// Speed that no device reaches under these forces `[m/s]`.
+const LARGEST_SPEED: f64 = 1.0;
+/// Time over which that speed is taken `[s]`: a sensor's step within one period is no speed.
+const SPEED_OVER: f64 = 0.01;
+
+/// Shortest calibration `[s]`.
+pub const SHORTEST: f64 = 2.0;
+/// Longest calibration `[s]`.
+pub const LONGEST: f64 = 120.0;
+/// Shortest and longest period `[s]`.
+pub const PERIODS: [f64; 2] = [0.000_1, 0.02];
+
+/// What an excitation may do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExcitationParams {
+    /// Period of the loop `[s]`.
+    pub period: f64,
+    /// Largest force on the device `[N]`.
+    pub largest_force: f64,
+    /// How long it takes, with the parts that have no force `[s]`.
+    pub duration: f64,
+    /// How far the device may go from where it starts `[m]`; beyond, the excitation stops.
+    pub excursion: f64,
+    /// Largest tremor of the hand, root mean square, before the excitation starts `[m]`.
+    pub tremor: f64,
+    /// Seed of the random holds.
+    pub seed: u64,
+}
+
+impl ExcitationParams {
+    /// The usual ones: 0.5 N for 8 s, within 10 mm, tremor up to 1 mm.
+    pub fn new(period: f64) -> Self {
+        Self {
+            period,
+            largest_force: 0.5,
+            duration: 8.0,
+            excursion: 0.01,
+            tremor: 1e-3,
+            seed: 1,
+        }
+    }
+
+    /// Whether an excitation can be made of them.
+    ///
+    /// # Errors
+    /// A value that is out of its range.
+    pub fn check(&self) -> Result<(), ExcitationError> {
+        let [shortest, longest] = PERIODS;
+        let ranges = [
+            ("the period", self.period, shortest, longest, "s"),
+            ("the largest force", self.largest_force, 0.01, 20.0, "N"),
+            ("the duration", self.duration, SHORTEST, LONGEST, "s"),
+            ("the excursion", self.excursion, 5e-4, 0.2, "m"),
+            ("the tremor", self.tremor, 1e-6, 0.1, "m"),
+        ];
+        for (name, value, least, most, unit) in ranges {
+            if !(least..=most).contains(&value) {
+                return Err(ExcitationError {
+                    name,
+                    value,
+                    least,
+                    most,
+                    unit,
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A parameter of an excitation that is out of its range.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("{name} is {value} {unit}, but must be {least} to {most} {unit}")]
+pub struct ExcitationError {
+    /// What it is.
+    pub name: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// The least that is allowed.
+    pub least: f64,
+    /// The most that is allowed.
+    pub most: f64,
+    /// The unit.
+    pub unit: &'static str,
+}
+
+/// Why an excitation stopped before its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stop {
+    /// A position was not a finite number.
+    NotANumber,
+    /// The device went further than it may.
+    Excursion {
+        /// How far it went from where it started `[m]`.
+        reached: f64,
+        /// How far it may go `[m]`.
+        allowed: f64,
+    },
+    /// The hand trembled more than it may before the excitation started.
+    Tremor {
+        /// Root mean square of the motion without force, without its mean and drift `[m]`.
+        found: f64,
+        /// The most that is allowed `[m]`.
+        allowed: f64,
+    },
+    /// The device was faster than any under these forces: a sensor that jumps, or a hand that pulls.
+    Speed {
+        /// The speed `[m/s]`.
+        found: f64,
+        /// The most that is allowed `[m/s]`.
+        allowed: f64,
+    },
+}
+
+impl fmt::Display for Stop {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mm = |metres: f64| metres * 1e3;
+        match *self {
+            Self::NotANumber => write!(f, "a position is not a finite number"),
+            Self::Excursion { reached, allowed } => write!(
+                f,
+                "the device went {:.1} mm from where it started, and {:.1} mm are allowed: hold it more \
+                 firmly, or command less force",
+                mm(reached),
+                mm(allowed)
+            ),
+            Self::Tremor { found, allowed } => write!(
+                f,
+                "the hand moves too much: {:.2} mm (root mean square) without any force, and {:.2} mm \
+                 are allowed",
+                mm(found),
+                mm(allowed)
+            ),
+            Self::Speed { found, allowed } => write!(
+                f,
+                "the device moved at {found:.2} m/s, and {allowed} m/s is allowed: the sensor jumps, or \
+                 the hand pulls"
+            ),
+        }
+    }
+}
+
+/// Where an excitation is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Phase {
+    /// It goes on.
+    Running,
+    /// It is complete; the force is 0.
+    Done,
+    /// It stopped before its end; the force is 0.
+    Stopped(Stop),
+}
+
+/// An excitation: positions in, forces out.
+#[derive(Clone, Debug)]
+pub struct Excitation {
+    params: ExcitationParams,
+    random: fastrand::Rng,
+    phase: Phase,
+    /// Samples taken.
+    count: usize,
+    /// Samples of the whole.
+    length: usize,
+    start: f64,
+    last: f64,
+    velocity: f64,
+    sign: f64,
+    /// Samples until the hold ends.
+    left: f64,
+    /// Positions of the last [`SPEED_OVER`].
+    recent: VecDeque<f64>,
+    listened: Listened,
+    /// Whether there was a sample.
+    is_begun: bool,
+    /// Whether the tremor has been judged.
+    is_heard: bool,
+}
+
+impl Excitation {
+    /// An excitation that has not begun.
+    ///
+    /// # Errors
+    /// A parameter out of its range.
+    pub fn new(params: ExcitationParams) -> Result<Self, ExcitationError> {
+        params.check()?;
+        Ok(Self {
+            params,
+            random: fastrand::Rng::with_seed(params.seed),
+            phase: Phase::Running,
+            count: 0,
+            length: samples(params.duration, params.period),
+            start: 0.0,
+            last: 0.0,
+            velocity: 0.0,
+            sign: 1.0,
+            left: 0.0,
+            recent: VecDeque::new(),
+            listened: Listened::default(),
+            is_begun: false,
+            is_heard: false,
+        })
+    }
+
+    /// Samples of the whole excitation; the answer to the last one is 0.
+    pub fn length(&self) -> usize {
+        self.length
+    }
+
+    /// Where it is.
+    pub fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    /// The samples at which there is a force.
+    pub fn excited(&self) -> std::ops::Range<usize> {
+        let period = self.params.period;
+        samples(LISTEN, period)..self.length - samples(REST, period)
+    }
+
+    /// The force on the device `[N]` from the sample of `position` `[m]` until the next one.
+    pub fn next(&mut self, position: f64) -> f64 {
+        if self.phase != Phase::Running {
+            return 0.0;
+        }
+        if let Some(stop) = self.take(position) {
+            self.phase = Phase::Stopped(stop);
+            return 0.0;
+        }
+        let index = self.count;
+        self.count += 1;
+        if self.count >= self.length {
+            self.phase = Phase::Done;
+            return 0.0;
+        }
+        let part = if index + samples(RAMP, self.params.period) < self.excited().end {
+            self.held(position - self.start)
+        } else {
+            self.braking()
+        };
+        // Not -0 while there is no force.
+        part * self.amplitude(index) + 0.0
+    }
+
+    /// Goes on over a period without a sample, in which the device keeps the last force.
+    pub fn miss(&mut self) {
+        if self.phase == Phase::Running {
+            self.count += 1;
+            self.left -= 1.0;
+            if self.count >= self.length {
+                self.phase = Phase::Done;
+            }
+        }
+    }
+
+    /// Takes a position in; why the excitation stops, if it does.
+    fn take(&mut self, position: f64) -> Option<Stop> {
+        let ExcitationParams {
+            period,
+            excursion,
+            tremor,
+            ..
+        } = self.params;
+        if !position.is_finite() {
+            return Some(Stop::NotANumber);
+        }
+        if !self.is_begun {
+            self.is_begun = true;
+            self.start = position;
+            self.last = position;
+        }
+        let reached = (position - self.start).abs();
+        if reached > excursion {
+            return Some(Stop::Excursion {
+                reached,
+                allowed: excursion,
+            });
+        }
+        self.recent.push_back(position);
+        if self.recent.len() > samples(SPEED_OVER, period).max(2) {
+            let earlier = self.recent.pop_front().unwrap_or(position);
+            let found = (position - earlier).abs() / (self.recent.len() as f64 * period);
+            if found > LARGEST_SPEED {
+                return Some(Stop::Speed {
+                    found,
+                    allowed: LARGEST_SPEED,
+                });
+            }
+        }
+        let new = period / (period + STEERING);
+        self.velocity += new * ((position - self.last) / period - self.velocity);
+        self.last = position;
+        let begins = self.excited().start;
+        if self.count < begins {
+            self.listened
+                .add(self.count as f64 * period, position - self.start);
+        } else if !self.is_heard {
+            self.is_heard = true;
+            let found = self.listened.deviation();
+            if found > tremor {
+                return Some(Stop::Tremor {
+                    found,
+                    allowed: tremor,
+                });
+            }
+        }
+        None
+    }
+
+    /// Part of the largest force, times the force.
+    fn amplitude(&self, index: usize) -> f64 {
+        let excited = self.excited();
+        if !excited.contains(&index) {
+            return 0.0;
+        }
+        let ramp = samples(RAMP, self.params.period) as f64;
+        let from_start = (index + 1 - excited.start) as f64 / ramp;
+        let to_end = (excited.end - index) as f64 / ramp;
+        self.params.largest_force * from_start.min(to_end).min(1.0)
+    }
+
+    /// The force that brings the device to rest, over the largest: a damper that delays do not make
+    /// unstable.
+    fn braking(&self) -> f64 {
+        let ExcitationParams {
+            period,
+            largest_force,
+            ..
+        } = self.params;
+        let full = largest_force / LIGHTEST * (STEERING + 3.0 * period);
+        (-self.velocity / full).clamp(-1.0, 1.0)
+    }
+
+    /// The sign of the force at a `position` from the start `[m]`.
+    fn held(&mut self, position: f64) -> f64 {
+        let ExcitationParams {
+            period,
+            largest_force,
+            excursion,
+            ..
+        } = self.params;
+        let v = self.velocity;
+        let braking = 0.5 * v * v.abs() * HEAVIEST / largest_force;
+        let rest = (position + v * (STEERING + 2.0 * period) + braking) / (STEERED * excursion);
+        if self.left <= 0.0 || rest * self.sign > 1.0 {
+            let [shortest, longest] = [0, 1].map(|end| HOLD[end] + HOLD_PERIODS[end] * period);
+            let held = shortest + (longest - shortest) * self.random.f64();
+            self.left = (held / period).round().max(1.0);
+            self.sign = if self.random.f64() < 0.5 - 0.6 * rest {
+                1.0
+            } else {
+                -1.0
+            };
+        }
+        self.left -= 1.0;
+        self.sign
+    }
+}
+
+/// The line through positions over time, and how far they are from it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Listened {
+    count: f64,
+    t: f64,
+    x: f64,
+    tt: f64,
+    tx: f64,
+    xx: f64,
+}
+
+impl Listened {
+    fn add(&mut self, t: f64, x: f64) {
+        self.count += 1.0;
+        self.t += t;
+        self.x += x;
+        self.tt += t * t;
+        self.tx += t * x;
+        self.xx += x * x;
+    }
+
+    /// Root mean square of the distance from the line.
+    fn deviation(&self) -> f64 {
+        let n = self.count;
+        let tt = self.tt - self.t * self.t / n;
+        let tx = self.tx - self.t * self.x / n;
+        let xx = self.xx - self.x * self.x / n;
+        let left = if tt > 0.0 { xx - tx * tx / tt } else { xx };
+        (left.max(0.0) / n).sqrt()
+    }
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "durations and periods are within their ranges"
+)]
+fn samples(duration: f64, period: f64) -> usize {
+    (duration / period).round() as usize
+}

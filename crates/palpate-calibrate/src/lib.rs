@@ -1,0 +1,24 @@
+#![doc = include_str!("../README.md")]
+
+mod calibration;
+mod excitation;
+mod exponential;
+mod file;
+mod filter;
+mod fit;
+mod gain;
+mod measure;
+mod model;
+mod outcome;
+mod quantity;
+mod quantum;
+mod start;
+
+pub use calibration::{Calibration, Known};
+pub use excitation::{
+    Excitation, ExcitationError, ExcitationParams, LONGEST, PERIODS, Phase, SHORTEST, Stop,
+};
+pub use file::CalibrationError;
+pub use measure::{Declined, Measured, measure};
+pub use outcome::Fitted;
+pub use quantity::{Quantity, Range};

@@ -1,0 +1,231 @@
+//! From positions and commands to what is known of the loop, or to why it cannot be known.
+
+use std::fmt;
+
+use crate::excitation::ExcitationParams;
+use crate::filter::Samples;
+use crate::fit::{self, Fit};
+use crate::model::{Kind, at};
+use crate::outcome::Fitted;
+use crate::quantum::quantum;
+use crate::start::start;
+
+/// Longest delay and lag that are looked for `[s]`, and in periods where that is more.
+const MOST_DELAY: f64 = 0.012;
+const MOST_DELAY_PERIODS: f64 = 4.0;
+/// Coulomb friction over the largest force beyond which a fit is not trusted.
+const MOST_FRICTION: f64 = 0.6;
+/// Standard deviations beyond which nothing is said: of delay and lag `[periods]` or `[s]`, whichever is
+/// more, and of ln mass.
+const MOST_DELAY_DEVIATION: f64 = 0.3;
+const MOST_DELAY_DEVIATION_SECONDS: f64 = 3e-4;
+const MOST_MASS_DEVIATION: f64 = 0.1;
+/// Motion that a fit needs `[steps of the sensor]`, root mean square.
+const LEAST_MOTION: f64 = 3.0;
+/// Logarithms of likelihood that a resonance has to win beside what three parameters cost.
+const RESONANCE_MARGIN: f64 = 12.0;
+/// Least part of the mass beyond a transmission: with less, errors of friction look like a resonance.
+const LEAST_FRACTION: f64 = 0.12;
+
+/// Why nothing is said of a loop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Declined {
+    /// There are as many positions as commands in a whole excitation, and here there are not.
+    Length {
+        /// Positions.
+        positions: usize,
+        /// Commands.
+        commands: usize,
+        /// Samples of the excitation.
+        whole: usize,
+    },
+    /// The device did not move with the commands.
+    NotMoved {
+        /// Root mean square of its motion `[m]`.
+        motion: f64,
+    },
+    /// Coulomb friction is too near to the largest force.
+    Friction {
+        /// Coulomb friction `[N]`.
+        friction: f64,
+        /// Largest force `[N]`.
+        force: f64,
+    },
+    /// The hand's own forces are too near to the largest force.
+    Hand {
+        /// What moved the device beside the commands, root mean square `[N]`.
+        moved: f64,
+        /// Largest force `[N]`.
+        force: f64,
+    },
+    /// The fit leaves too much open.
+    Uncertain {
+        /// Standard deviation of delay and lag together `[s]`.
+        delay: f64,
+        /// Standard deviation of the mass over the mass.
+        mass: f64,
+    },
+    /// No model of a device explains the motion.
+    NoFit,
+}
+
+impl fmt::Display for Declined {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Length {
+                positions,
+                commands,
+                whole,
+            } => write!(
+                f,
+                "there are {positions} positions and {commands} commands; a whole excitation has {whole} of \
+                 each"
+            ),
+            Self::NotMoved { motion } => write!(
+                f,
+                "the device did not follow the commands (it moved by {:.3} mm root mean square): check \
+                 that the motor is on, that a positive force raises the position, and that the largest \
+                 force is well above the friction",
+                motion * 1e3
+            ),
+            Self::Friction { friction, force } => write!(
+                f,
+                "Coulomb friction of about {friction:.2} N is too near to the largest force of {force} N: \
+                 use a --largest-force of {:.2} N or more",
+                friction * 2.5
+            ),
+            Self::Hand { moved, force } => write!(
+                f,
+                "the hand moves too much: its own forces of about {moved:.2} N (root mean square) are too \
+                 near to the largest force of {force} N; hold more calmly, or allow more force"
+            ),
+            Self::Uncertain { delay, mass } => write!(
+                f,
+                "the motion says too little: delay and lag are known to {:.3} ms, and the mass to {:.0} %; \
+                 allow more force or more seconds",
+                delay * 1e3,
+                mass * 100.0
+            ),
+            Self::NoFit => write!(f, "no model of a device explains the motion"),
+        }
+    }
+}
+
+impl std::error::Error for Declined {}
+
+/// A measured loop.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    /// What is known.
+    pub fitted: Fitted,
+    /// Positions as the model foresaw them, each from the samples before it `[m]`.
+    pub foreseen: Vec<f64>,
+}
+
+/// What the positions `[m]` say that followed on the commands `[N]` of an excitation.
+///
+/// # Errors
+/// Why nothing can be said.
+pub fn measure(
+    params: &ExcitationParams,
+    excited: std::ops::Range<usize>,
+    positions: &[f64],
+    commands: &[f64],
+) -> Result<Measured, Declined> {
+    if positions.len() != commands.len() || positions.len() < excited.end || excited.len() < 100 {
+        return Err(Declined::Length {
+            positions: positions.len(),
+            commands: commands.len(),
+            whole: excited.end,
+        });
+    }
+    let ExcitationParams {
+        period,
+        largest_force: force,
+        ..
+    } = *params;
+    let during = &positions[excited.clone()];
+    let motion = deviation(during);
+    let quantum = quantum(positions);
+    let sensor = sensor_noise(positions, quantum);
+    let not_moved = Declined::NotMoved { motion };
+    if motion < LEAST_MOTION * quantum.unwrap_or(sensor) {
+        return Err(not_moved);
+    }
+    let samples = Samples::new(positions, commands);
+    let most_delay = (MOST_DELAY / period).max(MOST_DELAY_PERIODS);
+    let begin = start(&samples, period, most_delay).ok_or(not_moved)?;
+    let problem = fit::problem(samples, period, excited, begin, sensor, most_delay);
+    let (rigid, flexible) = fit::fits(problem, sensor).ok_or(Declined::NoFit)?;
+    let fit = better(rigid, flexible);
+    check(&fit, period, force)?;
+    let foreseen = fit.foreseen.iter().map(|x| x + positions[0]).collect();
+    Ok(Measured {
+        fitted: Fitted::new(&fit, period, quantum),
+        foreseen,
+    })
+}
+
+/// The flexible fit where its likelihood is worth its parameters (Schwarz, 1978).
+fn better(rigid: Fit, flexible: Option<Fit>) -> Fit {
+    let price = 1.5 * (rigid.count as f64).ln() + RESONANCE_MARGIN;
+    match flexible {
+        Some(flexible)
+            if rigid.cost() - flexible.cost() > price && flexible.fraction() > LEAST_FRACTION =>
+        {
+            flexible
+        }
+        _ => rigid,
+    }
+}
+
+fn check(fit: &Fit, period: f64, force: f64) -> Result<(), Declined> {
+    let mass = (-fit.point[at::LN_MOBILITY]).exp();
+    let friction = fit.point[at::FRICTION] * mass;
+    if friction > MOST_FRICTION * force {
+        return Err(Declined::Friction { friction, force });
+    }
+    let delay = fit.deviation[at::DELAY_PLUS_LAG];
+    let of_mass = fit.deviation[at::LN_MOBILITY];
+    let most_delay = MOST_DELAY_DEVIATION.max(MOST_DELAY_DEVIATION_SECONDS / period);
+    let is_known = delay <= most_delay && of_mass <= MOST_MASS_DEVIATION;
+    if !is_known {
+        return Err(Declined::Uncertain {
+            delay: delay * period,
+            mass: of_mass,
+        });
+    }
+    Ok(())
+}
+
+fn deviation(values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (values.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / n).sqrt()
+}
+
+/// A first guess of the sensor's deviation `[m]`: that of its steps, or what second differences have.
+fn sensor_noise(positions: &[f64], quantum: Option<f64>) -> f64 {
+    if let Some(quantum) = quantum {
+        return quantum / 12.0_f64.sqrt();
+    }
+    let mut squares: Vec<f64> = positions
+        .windows(3)
+        .map(|x| (x[2] - 2.0 * x[1] + x[0]).powi(2))
+        .collect();
+    squares.sort_by(f64::total_cmp);
+    let median = squares.get(squares.len() / 2).copied().unwrap_or(0.0);
+    (0.3 * median / 0.455 / 6.0).sqrt().max(1e-9)
+}
+
+impl Fit {
+    /// Whether it has a resonance.
+    pub fn is_flexible(&self) -> bool {
+        self.kind == Kind::Flexible
+    }
+
+    /// Part of the mass beyond the transmission.
+    pub fn fraction(&self) -> f64 {
+        1.0 / (1.0 + (-self.point[at::LOGIT_FRACTION]).exp())
+    }
+}

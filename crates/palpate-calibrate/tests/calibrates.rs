@@ -1,0 +1,205 @@
+//! Calibration of virtual devices: what was put in is found, and what cannot be found is not said.
+
+mod plant;
+
+use palpate_calibrate::{
+    Calibration, Declined, Excitation, ExcitationParams, Phase, Quantity, Stop, measure,
+};
+use plant::draws::{Kind, draw};
+use plant::{Plant, PlantParams};
+
+/// Positions, forces and where the excitation ended.
+fn excited(params: &ExcitationParams, plant: &mut Plant) -> (Excitation, Vec<f64>, Vec<f64>) {
+    let mut excitation = Excitation::new(*params).unwrap();
+    let (mut positions, mut forces) = (Vec::new(), Vec::new());
+    while excitation.phase() == Phase::Running {
+        let position = plant.measured();
+        let force = excitation.next(position);
+        plant.advance(force);
+        positions.push(position);
+        forces.push(force);
+    }
+    (excitation, positions, forces)
+}
+
+fn calibrated(plant: &PlantParams, seconds: f64) -> Result<Calibration, Declined> {
+    let params = ExcitationParams {
+        duration: seconds,
+        ..ExcitationParams::new(plant.period)
+    };
+    let (excitation, positions, forces) = excited(&params, &mut Plant::new(*plant, 7));
+    assert_eq!(excitation.phase(), Phase::Done);
+    measure(&params, excitation.excited(), &positions, &forces)
+        .map(|measured| measured.fitted.calibration)
+}
+
+/// How far a value is from what was put in, in standard deviations.
+fn deviations(calibration: &Calibration, quantity: Quantity, put_in: f64) -> f64 {
+    let found = calibration.value(quantity).unwrap();
+    let deviation = calibration.standard_deviation(quantity).unwrap();
+    println!(
+        "{}: {found} +- {deviation}, put in {put_in}",
+        quantity.key()
+    );
+    (found - put_in).abs() / deviation
+}
+
+const EVERYTHING: Kind = Kind {
+    friction: true,
+    hand: true,
+    resonance: false,
+};
+
+#[test]
+fn mass_delay_and_friction_that_were_put_in_are_found() {
+    for (period, quantum, seed) in [(1e-3, 1e-5, 3), (1e-3, 1e-6, 4), (4e-3, 1e-5, 5)] {
+        let plant = draw(EVERYTHING, period, quantum, seed);
+        let found = calibrated(&plant, 6.0).unwrap();
+        let delay = plant.delay_plus_lag() * period;
+        let error = (found.value(Quantity::DelayPlusLag).unwrap() - delay).abs() / period;
+        assert!(error < 0.03, "{plant:?}: {error}");
+        assert!(deviations(&found, Quantity::DelayPlusLag, delay) < 3.5);
+        let mass = plant.moved_mass() / plant.gain;
+        let error = (found.value(Quantity::DeviceMass).unwrap() / mass - 1.0).abs();
+        assert!(error < 0.015 * (1.0 + period / 4e-3), "{plant:?}: {error}");
+        assert!(deviations(&found, Quantity::DeviceMass, mass) < 3.5);
+        let friction = found.value(Quantity::CoulombFriction).unwrap();
+        assert!(
+            (friction - plant.coulomb / plant.gain).abs() < 0.015,
+            "{friction}"
+        );
+        assert_eq!(found.value(Quantity::Resonance), None);
+        let step = found.value(Quantity::SensorQuantum).unwrap();
+        assert!((step / quantum - 1.0).abs() < 1e-3, "{step}");
+    }
+}
+
+#[test]
+fn a_resonance_is_found_where_there_is_one() {
+    let kind = Kind {
+        resonance: true,
+        ..EVERYTHING
+    };
+    for seed in [11, 12] {
+        let plant = draw(kind, 1e-3, 1e-5, seed);
+        let found = calibrated(&plant, 8.0).unwrap();
+        let put_in = plant.resonance().unwrap();
+        let resonance = found.value(Quantity::Resonance).expect("a resonance");
+        assert!(
+            (resonance / put_in - 1.0).abs() < 0.05,
+            "{resonance} {put_in}"
+        );
+        let delay = plant.delay_plus_lag() * plant.period;
+        assert!(deviations(&found, Quantity::DelayPlusLag, delay) < 3.5);
+    }
+}
+
+#[test]
+fn delays_of_several_periods_are_found() {
+    let plant = PlantParams {
+        delay: 3.3,
+        hand_stiffness: 100.0,
+        hand_damping: 2.0,
+        ..PlantParams::bare(1e-3, 0.2)
+    };
+    let found = calibrated(&plant, 4.0).unwrap();
+    assert!(deviations(&found, Quantity::DelayPlusLag, 3.3e-3) < 3.5);
+}
+
+#[test]
+fn the_force_is_bounded_begins_and_ends_softly_and_stays_in_the_box() {
+    for mass in [0.08, 0.4] {
+        let params = ExcitationParams::new(1e-3);
+        let mut plant = Plant::new(PlantParams::bare(1e-3, mass), 1);
+        let (excitation, _, forces) = excited(&params, &mut plant);
+        assert_eq!(excitation.phase(), Phase::Done);
+        assert_eq!(forces.len(), excitation.length());
+        assert!(plant.excursion < params.excursion, "{}", plant.excursion);
+        let largest = |range: std::ops::Range<usize>| {
+            forces[range]
+                .iter()
+                .fold(0.0_f64, |largest, force| largest.max(force.abs()))
+        };
+        assert!((largest(0..forces.len()) - params.largest_force).abs() < 1e-12);
+        assert_eq!(largest(0..500), 0.0);
+        let of_first_steps = largest(500..530);
+        assert!(of_first_steps > 0.0 && of_first_steps < 0.11 * params.largest_force);
+        assert_eq!(largest(forces.len() - 100..forces.len()), 0.0);
+    }
+}
+
+#[test]
+fn it_stops_without_a_force_where_something_is_wrong() {
+    type Motion = fn(usize) -> f64;
+    let cases: [(&str, Motion); 4] = [
+        ("a number", |_| f64::NAN),
+        ("excursion", |i| 1e-4 * i as f64),
+        ("tremor", |i| 0.004 * (i as f64 * 0.06).sin()),
+        ("speed", |i| {
+            if i < 700 {
+                0.0
+            } else {
+                0.0095 - 0.019 * (i % 2) as f64 * (i / 7 % 2) as f64
+            }
+        }),
+    ];
+    for (name, motion) in cases {
+        let params = ExcitationParams {
+            excursion: 0.011,
+            ..ExcitationParams::new(1e-3)
+        };
+        let mut excitation = Excitation::new(params).unwrap();
+        let mut last = f64::NAN;
+        for i in 0..2000 {
+            last = excitation.next(motion(i));
+            if excitation.phase() != Phase::Running {
+                break;
+            }
+        }
+        let Phase::Stopped(stop) = excitation.phase() else {
+            panic!("{name}: {:?}", excitation.phase());
+        };
+        let is_right = match name {
+            "a number" => matches!(stop, Stop::NotANumber),
+            "excursion" => matches!(stop, Stop::Excursion { .. }),
+            "tremor" => matches!(stop, Stop::Tremor { .. }),
+            _ => matches!(stop, Stop::Speed { .. }),
+        };
+        assert!(is_right, "{name}: {stop}");
+        assert_eq!(last, 0.0, "{name}");
+        assert_eq!(excitation.next(0.0), 0.0, "{name}");
+    }
+}
+
+#[test]
+fn friction_near_to_the_force_is_declined_with_its_reason() {
+    let stiff = PlantParams {
+        coulomb: 0.42,
+        hand_stiffness: 100.0,
+        ..PlantParams::bare(1e-3, 0.2)
+    };
+    let declined = calibrated(&stiff, 6.0).unwrap_err();
+    assert!(
+        matches!(
+            declined,
+            Declined::Friction { .. } | Declined::Uncertain { .. }
+        ),
+        "{declined}"
+    );
+    let stuck = PlantParams {
+        coulomb: 0.6,
+        ..PlantParams::bare(1e-3, 0.2)
+    };
+    let declined = calibrated(&stuck, 4.0).unwrap_err();
+    assert!(matches!(declined, Declined::NotMoved { .. }), "{declined}");
+}
+
+#[test]
+fn parameters_out_of_range_are_named() {
+    let params = ExcitationParams {
+        duration: 1.0,
+        ..ExcitationParams::new(1e-3)
+    };
+    let error = Excitation::new(params).unwrap_err().to_string();
+    assert_eq!(error, "the duration is 1 s, but must be 2 to 120 s");
+}

@@ -1,0 +1,48 @@
+//! Flags of the way from a sample to the force on the device.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueHint};
+
+use crate::values::{number, periods};
+
+/// Delay, lag and gain, each with its standard deviation, and the file that a calibration leaves.
+#[derive(Args, Debug, Default)]
+#[command(next_help_heading = "Actuator")]
+pub struct ActuationFlags {
+    /// Time from a sample to the beginning of its force, in periods; fractions are taken [default: 0,
+    /// or the scene's]
+    #[arg(long, value_name = "PERIODS", value_parser = periods, allow_hyphen_values = true)]
+    pub delay: Option<f64>,
+    /// Standard deviation of the delay, its changes from command to command included, in periods
+    /// [default: 0, or the scene's]
+    #[arg(long, value_name = "PERIODS", value_parser = number, allow_hyphen_values = true)]
+    pub delay_deviation: Option<f64>,
+    /// Time constant of the actuator, a first-order lag after the delay [s] [default: 0, or the scene's]
+    #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true)]
+    pub lag: Option<f64>,
+    /// Standard deviation of the lag [s] [default: 0, or the scene's]
+    #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true)]
+    pub lag_deviation: Option<f64>,
+    /// Delivered over commanded force [default: 1, or the scene's]
+    #[arg(long, value_name = "FACTOR", value_parser = number, allow_hyphen_values = true)]
+    pub gain: Option<f64>,
+    /// Standard deviation of the gain [default: 0, or the scene's]
+    #[arg(long, value_name = "FACTOR", value_parser = number, allow_hyphen_values = true)]
+    pub gain_deviation: Option<f64>,
+    /// Delay as the renderer is told, in periods; simulate and tune only, whose actuator has a delay of
+    /// its own [default: the true one, or the scene's]
+    #[arg(long, value_name = "PERIODS", value_parser = number, allow_hyphen_values = true)]
+    pub told_delay: Option<f64>,
+    /// Lag as the renderer is told [s]; simulate and tune only [default: the true one, or the scene's]
+    #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true)]
+    pub told_lag: Option<f64>,
+    /// Gain as the renderer is told; simulate and tune only [default: the true one, or the scene's]
+    #[arg(long, value_name = "FACTOR", value_parser = number, allow_hyphen_values = true)]
+    pub told_gain: Option<f64>,
+    /// What the renderer is told of the device, as `palpate calibrate` has found it (TOML): mass, delay,
+    /// lag and gain with their deviations, and the quantum of the sensor; a flag given beside it counts
+    /// in its place
+    #[arg(long, value_name = "FILE.toml", value_hint = ValueHint::FilePath)]
+    pub device_file: Option<PathBuf>,
+}

@@ -1,0 +1,140 @@
+//! Arguments of `calibrate`.
+
+use std::path::PathBuf;
+
+use clap::{ArgGroup, Args, ValueHint};
+use palpate_calibrate::ExcitationParams;
+
+use crate::arguments::{Overwriting, PlotFlags};
+use crate::commands::run::RealtimeArguments;
+use crate::devices::DeviceArguments;
+use crate::failure::Failure;
+use crate::values::number;
+
+/// Arguments of `calibrate`.
+#[derive(Args, Debug)]
+#[command(group(ArgGroup::new("calibrated").required(true).args(["pipe", "device"])))]
+pub struct CalibrateArguments {
+    /// Positions come in on standard input and forces go out on standard output, line by line
+    #[arg(long, conflicts_with = "device")]
+    pub pipe: bool,
+    /// Each line is a time and a position, `t_s,position_m`; without it a line is a position
+    #[arg(long, requires = "pipe")]
+    pub time: bool,
+    /// Period of the loop [s]
+    #[arg(long, value_name = "s", value_parser = number, default_value = "0.001")]
+    pub period: f64,
+    /// What the excitation may do.
+    #[command(flatten)]
+    pub excitation: ExcitationFlags,
+    /// What is known beside the motion.
+    #[command(flatten)]
+    pub told: ToldFlags,
+    /// The device, and the axis that is calibrated.
+    #[command(flatten)]
+    pub device: DeviceArguments,
+    /// Scene file (TOML) with the device and the hand of --device simulated
+    #[arg(long, value_name = "SCENE.toml", value_hint = ValueHint::FilePath, conflicts_with = "pipe")]
+    pub scene: Option<PathBuf>,
+    /// Do not wait for the time to pass, on a device without a motor
+    #[arg(long, conflicts_with = "pipe")]
+    pub fast: bool,
+    /// What the machine is asked for.
+    #[command(flatten)]
+    pub realtime: RealtimeArguments,
+    /// Where the results go.
+    #[command(flatten)]
+    pub results: CalibrateResults,
+}
+
+/// What the excitation may do.
+#[derive(Args, Debug, Clone, Copy)]
+#[command(next_help_heading = "Excitation")]
+pub struct ExcitationFlags {
+    /// Largest force on the device [N]
+    #[arg(long, value_name = "N", value_parser = number, default_value = "0.5")]
+    pub largest_force: f64,
+    /// How long it takes, 2 to 120 [s]; the first 0.5 s are without force
+    #[arg(long, value_name = "s", value_parser = number, default_value = "8")]
+    pub seconds: f64,
+    /// How far the device may go from where it starts [m]; beyond, the force is 0 and the command ends
+    #[arg(long = "box", value_name = "m", value_parser = number, default_value = "0.01")]
+    pub excursion: f64,
+    /// Largest tremor of the hand, root mean square, before the force begins [m]
+    #[arg(long, value_name = "m", value_parser = number, default_value = "0.001")]
+    pub tremor: f64,
+    /// Seed of the random force steps
+    #[arg(long, value_name = "NUMBER", default_value_t = 1)]
+    pub seed: u64,
+}
+
+/// What is known beside the motion.
+#[derive(Args, Debug, Clone, Default)]
+#[command(next_help_heading = "Known beforehand")]
+pub struct ToldFlags {
+    /// Force that the motor gives over the force that is commanded, where it was measured
+    #[arg(long, value_name = "RATIO", value_parser = number, conflicts_with_all = ["spring", "added_mass"])]
+    pub gain: Option<f64>,
+    /// Stiffness of a spring that the device is fixed to, with no hand on it [N/m]: gives the gain
+    #[arg(long, value_name = "N/m", value_parser = number, conflicts_with = "added_mass")]
+    pub spring: Option<f64>,
+    /// Mass that was fixed to the device after the calibration of --before, with no hand on it [kg]: gives
+    /// the gain
+    #[arg(long, value_name = "kg", value_parser = number, requires = "before")]
+    pub added_mass: Option<f64>,
+    /// Device file of the same device without that mass
+    #[arg(long, value_name = "DEVICE.toml", value_hint = ValueHint::FilePath, requires = "added_mass")]
+    pub before: Option<PathBuf>,
+}
+
+/// Where the results go.
+#[derive(Args, Debug)]
+pub struct CalibrateResults {
+    /// Write the device file (TOML)
+    #[arg(long, value_name = "DEVICE.toml", value_hint = ValueHint::FilePath, help_heading = "Results")]
+    pub out: Option<PathBuf>,
+    /// Print the report as JSON
+    #[arg(long, help_heading = "Results")]
+    pub json: bool,
+    /// The figure: measured against fitted.
+    #[command(flatten)]
+    pub picture: PlotFlags,
+    /// What becomes of files that are there.
+    #[command(flatten)]
+    pub overwriting: Overwriting,
+}
+
+impl CalibrateArguments {
+    /// What the excitation may do.
+    pub fn params(&self) -> ExcitationParams {
+        let flags = &self.excitation;
+        ExcitationParams {
+            period: self.period,
+            largest_force: flags.largest_force,
+            duration: flags.seconds,
+            excursion: flags.excursion,
+            tremor: flags.tremor,
+            seed: flags.seed,
+        }
+    }
+}
+
+impl ToldFlags {
+    /// Refuses values that nothing has.
+    pub fn check(&self) -> Result<(), Failure> {
+        for (flag, value) in [
+            ("--gain", self.gain),
+            ("--spring", self.spring),
+            ("--added-mass", self.added_mass),
+        ] {
+            if let Some(value) = value
+                && !(value > 0.0 && value.is_finite())
+            {
+                return Err(Failure::Arguments(format!(
+                    "{flag} is {value}, but must be a finite number above 0"
+                )));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,159 @@
+//! `palpate calibrate`: a bounded excitation of a device in its loop, and what it says of the device.
+
+mod arguments;
+mod device;
+mod motion;
+mod picture;
+mod report;
+mod stream;
+
+use std::path::Path;
+use std::time::Instant;
+
+use palpate_calibrate::{Calibration, Known, Measured, measure};
+use palpate_files::outputs::Outputs;
+
+pub use arguments::CalibrateArguments;
+use arguments::ToldFlags;
+pub use report::CalibrationReport;
+
+use crate::failure::{Failure, tell};
+use crate::results::{draw, print};
+use motion::Motion;
+use palpate_study::json;
+
+/// Excites a device, fits its motion, and writes what was found.
+pub fn run(arguments: &CalibrateArguments) -> Result<(), Failure> {
+    let params = arguments.params();
+    params
+        .check()
+        .map_err(|error| Failure::Arguments(error.to_string()))?;
+    let results = &arguments.results;
+    let mut outputs = results.overwriting.outputs();
+    if let Some(out) = &results.out {
+        outputs.plan("--out", out)?;
+    }
+    results.picture.plan(&mut outputs)?;
+    let before = match &arguments.told.before {
+        None => None,
+        Some(path) => {
+            outputs.protect(path);
+            Some(read(path)?)
+        }
+    };
+    arguments.told.check()?;
+    let motion = if arguments.pipe {
+        stream::excite(params, arguments.time, arguments.device.unit)?
+    } else {
+        device::excite(arguments, params)?
+    };
+    deliver(arguments, &outputs, &motion, before)
+}
+
+/// Reads a device file.
+fn read(path: &Path) -> Result<Calibration, Failure> {
+    let name = path.display().to_string();
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| Failure::System(format!("{name} cannot be read: {error}")))?;
+    Calibration::parse(&name, &text).map_err(|error| {
+        Failure::input_at(&error, &error.file, &error.source_text, error.span.clone())
+    })
+}
+
+/// The gain, where something beside the motion says it.
+fn gain(
+    found: &Calibration,
+    told: &ToldFlags,
+    before: Option<&Calibration>,
+) -> Result<Option<Known>, Failure> {
+    let unknown = |what: &str| {
+        Failure::Declined(format!(
+            "no calibration: the gain is not known to 20 % from {what}: it was found to change too little"
+        ))
+    };
+    if let Some(gain) = told.gain {
+        return Ok(Some(Known::given(gain, "given")));
+    }
+    if let Some(spring) = told.spring {
+        let gain = found.gain_by_spring(spring);
+        return gain.map(Some).ok_or_else(|| unknown("the spring"));
+    }
+    if let (Some(mass), Some(before)) = (told.added_mass, before) {
+        let gain = found.gain_by_added_mass(before, mass);
+        return gain.map(Some).ok_or_else(|| unknown("the added mass"));
+    }
+    Ok(None)
+}
+
+/// Fits, writes, and says what was found.
+fn deliver(
+    arguments: &CalibrateArguments,
+    outputs: &Outputs,
+    motion: &Motion,
+    before: Option<Calibration>,
+) -> Result<(), Failure> {
+    let begun = Instant::now();
+    let mut measured = measure(
+        &arguments.params(),
+        motion.excited(),
+        &motion.positions,
+        &motion.forces,
+    )
+    .map_err(|declined| Failure::Declined(format!("no calibration: {declined}")))?;
+    let seconds = begun.elapsed().as_secs_f64();
+    let calibration = &mut measured.fitted.calibration;
+    describe(calibration, arguments);
+    if let Some(gain) = gain(calibration, &arguments.told, before.as_ref())? {
+        calibration.set_gain(gain);
+    }
+    let mut report =
+        CalibrationReport::new(&measured.fitted.calibration, &motion.positions, seconds);
+    write(arguments, outputs, motion, &measured, &mut report)?;
+    let text = if arguments.results.json {
+        json(&report) + "\n"
+    } else {
+        report.to_string()
+    };
+    // Standard output of a pipe has forces only.
+    if arguments.pipe {
+        tell(text.trim_end());
+        return Ok(());
+    }
+    print(&text)
+}
+
+/// Says how it was found.
+fn describe(calibration: &mut Calibration, arguments: &CalibrateArguments) {
+    let flags = &arguments.excitation;
+    let on = if arguments.pipe { "--pipe" } else { "--device" };
+    calibration.command = Some(format!(
+        "palpate calibrate {on} --period {} --largest-force {} --seconds {} --box {} --tremor {} --seed {}",
+        arguments.period,
+        flags.largest_force,
+        flags.seconds,
+        flags.excursion,
+        flags.tremor,
+        flags.seed
+    ));
+}
+
+fn write(
+    arguments: &CalibrateArguments,
+    outputs: &Outputs,
+    motion: &Motion,
+    measured: &Measured,
+    report: &mut CalibrationReport,
+) -> Result<(), Failure> {
+    if let Some(path) = &arguments.results.out {
+        let text = measured.fitted.calibration.to_string();
+        outputs.write(path, |writer| writer.write_all(text.as_bytes()))?;
+        report.wrote(path);
+    }
+    let picture = &arguments.results.picture;
+    if let Some(path) = &picture.plot {
+        let figure = picture::figure(motion, measured, arguments.period);
+        draw(outputs, path, &figure, picture.size)?;
+        report.wrote(path);
+    }
+    Ok(())
+}

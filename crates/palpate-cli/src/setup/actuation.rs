@@ -1,0 +1,228 @@
+//! From flags and a device file to the actuation that a scene has and its renderer is told.
+
+use palpate::{Actuation, Allowed, LARGEST_DELAY, Parameter, ParameterError, Range};
+use palpate_calibrate::Quantity;
+use palpate_scene::Scene;
+use palpate_sim::replay::samples_and_fraction;
+
+use super::device_file::DeviceFile;
+use super::not_allowed_by;
+use crate::arguments::ActuationFlags;
+use crate::failure::{Failure, tell};
+
+impl ActuationFlags {
+    /// Refuses what no actuator can have.
+    pub fn check(&self) -> Result<(), Failure> {
+        let (positive, not_negative) = (Range::Positive, Range::NotNegative);
+        for (flag, parameter, range, value) in [
+            ("--lag", Parameter::Lag, not_negative, self.lag),
+            ("--gain", Parameter::Gain, positive, self.gain),
+            ("--told-lag", Parameter::Lag, not_negative, self.told_lag),
+            ("--told-gain", Parameter::Gain, positive, self.told_gain),
+            (
+                "--lag-deviation",
+                Parameter::LagDeviation,
+                not_negative,
+                self.lag_deviation,
+            ),
+            (
+                "--gain-deviation",
+                Parameter::GainDeviation,
+                not_negative,
+                self.gain_deviation,
+            ),
+        ] {
+            if let Some(value) = value
+                && !range.contains(value)
+            {
+                let allowed = Allowed::Range(range);
+                return Err(not_allowed_by(
+                    flag,
+                    ParameterError {
+                        parameter,
+                        value,
+                        allowed,
+                    },
+                ));
+            }
+        }
+        let most = LARGEST_DELAY as f64;
+        if let Some(told) = self.told_delay
+            && !(0.0..=most).contains(&told)
+        {
+            return Err(Failure::Arguments(format!(
+                "--told-delay is {told} periods, but must be from 0 to {LARGEST_DELAY}"
+            )));
+        }
+        if let Some(deviation) = self.delay_deviation
+            && !not_negative.contains(deviation)
+        {
+            return Err(Failure::Arguments(format!(
+                "--delay-deviation is {deviation} periods, but must be finite and not below 0"
+            )));
+        }
+        Ok(())
+    }
+
+    /// Refuses what is told where no actuator is simulated that could have another value.
+    pub fn refuse_told(&self, command: &str) -> Result<(), Failure> {
+        let given = [
+            ("delay", self.told_delay),
+            ("lag", self.told_lag),
+            ("gain", self.told_gain),
+        ]
+        .into_iter()
+        .find(|(_, value)| value.is_some());
+        given.map_or(Ok(()), |(name, _)| {
+            Err(Failure::Arguments(format!(
+                "--told-{name} is for simulate and tune; what {command} tells the renderer is --{name}"
+            )))
+        })
+    }
+
+    /// Whether any of them changes what is simulated.
+    pub fn change_a_scene(&self) -> bool {
+        self.device_file.is_some()
+            || [
+                self.delay,
+                self.delay_deviation,
+                self.lag,
+                self.lag_deviation,
+                self.gain,
+                self.gain_deviation,
+                self.told_delay,
+                self.told_lag,
+                self.told_gain,
+            ]
+            .iter()
+            .any(Option::is_some)
+    }
+
+    /// Puts the flags, and what `file` says beside them, in place of the scene's values.
+    pub fn change(&self, scene: &mut Scene, file: Option<&DeviceFile>) {
+        let period = scene.loop_params.period;
+        let told = &mut scene.told;
+        if let Some(file) = file {
+            let known = file.told(self);
+            told.delay = known.delay.or(told.delay);
+            told.delay_deviation = known.delay_deviation.or(told.delay_deviation);
+            told.lag = known.lag.or(told.lag);
+            told.lag_deviation = known.lag_deviation.or(told.lag_deviation);
+            told.gain = known.gain.or(told.gain);
+            told.gain_deviation = known.gain_deviation.or(told.gain_deviation);
+        }
+        // What a flag says is so, and is told.
+        if let Some(periods) = self.delay {
+            told.delay = None;
+            let (samples, fraction) = samples_and_fraction(periods);
+            if fraction == 0.0 {
+                scene.delay = samples;
+                scene.timing.delay_seconds = 0.0;
+            } else {
+                scene.delay = 0;
+                scene.timing.delay_fraction = 0.0;
+                scene.timing.delay_seconds = periods * period;
+            }
+        }
+        if let Some(lag) = self.lag {
+            told.lag = None;
+            scene.actuator.lag = lag;
+        }
+        if let Some(gain) = self.gain {
+            told.gain = None;
+            scene.actuator.gain = gain;
+        }
+        let in_seconds = |periods: f64| periods * period;
+        told.delay = self.told_delay.map(in_seconds).or(told.delay);
+        told.lag = self.told_lag.or(told.lag);
+        told.gain = self.told_gain.or(told.gain);
+        let deviation = self.delay_deviation.map(in_seconds);
+        told.delay_deviation = deviation.or(told.delay_deviation);
+        told.lag_deviation = self.lag_deviation.or(told.lag_deviation);
+        told.gain_deviation = self.gain_deviation.or(told.gain_deviation);
+        let delay = scene.delay as f64 + scene.timing.delay_seconds / period;
+        let (samples, fraction) = samples_and_fraction(delay);
+        let periods = samples as f64 + fraction;
+        if told.delay.is_none() && periods > LARGEST_DELAY as f64 {
+            tell_too_long(periods);
+        }
+    }
+
+    /// What flags and `file` say of an actuator that no scene describes, in a loop of `period` `[s]`.
+    pub fn actuation(&self, period: f64, file: Option<&DeviceFile>) -> Actuation<f64> {
+        let known = file.map(|file| file.told(self)).unwrap_or_default();
+        let in_seconds = |periods: f64| periods * period;
+        let perfect = Actuation::default();
+        let or_known =
+            |flag: Option<f64>, known: Option<f64>, perfect: f64| flag.or(known).unwrap_or(perfect);
+        let delay_deviation = self.delay_deviation.map(in_seconds);
+        Actuation {
+            delay: or_known(self.delay.map(in_seconds), known.delay, perfect.delay),
+            lag: or_known(self.lag, known.lag, perfect.lag),
+            gain: or_known(self.gain, known.gain, perfect.gain),
+            delay_deviation: or_known(delay_deviation, known.delay_deviation, 0.0),
+            lag_deviation: or_known(self.lag_deviation, known.lag_deviation, 0.0),
+            gain_deviation: or_known(self.gain_deviation, known.gain_deviation, 0.0),
+        }
+    }
+
+    /// The flag that says a quantity of a device file, if it was given.
+    pub fn beside(&self, quantity: Quantity) -> Option<&'static str> {
+        let first = |flags: &[(&'static str, Option<f64>)]| {
+            let given = flags.iter().find(|(_, value)| value.is_some());
+            given.map(|(flag, _)| *flag)
+        };
+        match quantity {
+            Quantity::Delay | Quantity::DelayPlusLag => {
+                first(&[("--told-delay", self.told_delay), ("--delay", self.delay)])
+            }
+            Quantity::Lag => first(&[("--told-lag", self.told_lag), ("--lag", self.lag)]),
+            Quantity::Gain => first(&[("--told-gain", self.told_gain), ("--gain", self.gain)]),
+            _ => None,
+        }
+    }
+}
+
+/// What a scene's actuator does and what its renderer is told, by key, where it is more than a delay of
+/// whole samples that is told as it is.
+pub fn actuator_of(scene: &Scene) -> Vec<(&'static str, f64)> {
+    let told = scene.told_actuation();
+    let mut lines = Vec::new();
+    let truth = &scene.actuator;
+    if truth.lag != 0.0 || truth.gain != 1.0 {
+        lines.extend([("lag_s", truth.lag), ("gain", truth.gain)]);
+    }
+    lines.extend(told_lines(&told, scene.delay, scene.loop_params.period));
+    lines
+}
+
+/// What a renderer is told, by key, where it is more than a delay of so many whole samples.
+pub fn told_lines(
+    told: &Actuation<f64>,
+    samples: usize,
+    period: f64,
+) -> impl Iterator<Item = (&'static str, f64)> + use<> {
+    let as_usual = *told == Actuation::after_samples(samples.min(LARGEST_DELAY), period);
+    let lines = [
+        ("told_delay_s", told.delay),
+        ("told_lag_s", told.lag),
+        ("told_gain", told.gain),
+        ("told_delay_deviation_s", told.delay_deviation),
+        ("told_lag_deviation_s", told.lag_deviation),
+        ("told_gain_deviation", told.gain_deviation),
+    ];
+    lines.into_iter().filter(move |_| !as_usual)
+}
+
+fn tell_too_long(periods: f64) {
+    let unknown = periods - LARGEST_DELAY as f64;
+    let unit = if periods.fract() == 0.0 {
+        "samples"
+    } else {
+        "periods"
+    };
+    tell(format_args!(
+        "warning: a renderer can be told of {LARGEST_DELAY} {unit} of delay at most; it does not know the \
+         other {unknown} of these {periods}"
+    ));
+}

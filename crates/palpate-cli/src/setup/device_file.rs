@@ -1,0 +1,124 @@
+//! A calibrated device file: what a renderer is told of a device.
+
+use std::path::{Path, PathBuf};
+
+use palpate::LARGEST_DELAY;
+use palpate_calibrate::{Calibration, Quantity};
+use palpate_scene::Told;
+
+use crate::arguments::{ActuationFlags, Flags};
+use crate::failure::{Failure, tell};
+
+/// A device file that was read.
+pub struct DeviceFile {
+    path: PathBuf,
+    calibration: Calibration,
+}
+
+impl DeviceFile {
+    /// Reads the file at `path` for a loop of `period` `[s]`, and says what `flags` leave to it.
+    pub fn read(path: &Path, flags: &Flags, period: f64) -> Result<Self, Failure> {
+        let name = path.display().to_string();
+        let text = std::fs::read_to_string(path)
+            .map_err(|error| Failure::System(format!("{name}: {error}")))?;
+        let calibration = Calibration::parse(&name, &text).map_err(|error| {
+            Failure::input_at(&error, &error.file, &error.source_text, error.span.clone())
+        })?;
+        let file = Self {
+            path: path.to_owned(),
+            calibration,
+        };
+        if let Some(delay) = file.told(&flags.actuation).delay
+            && delay > LARGEST_DELAY as f64 * period
+        {
+            return Err(Failure::input(format!(
+                "{name}: the delay is {delay} s, {} periods of {period} s, but a renderer can be told of \
+                 {LARGEST_DELAY} at most",
+                (delay / period * 1e6).round() / 1e6
+            )));
+        }
+        file.tell(flags, period);
+        Ok(file)
+    }
+
+    /// Mass of the device `[kg]`.
+    pub fn device_mass(&self) -> Option<f64> {
+        self.calibration.value(Quantity::DeviceMass)
+    }
+
+    /// Quantum of the position sensor `[m]`.
+    pub fn sensor_quantum(&self) -> Option<f64> {
+        self.calibration.value(Quantity::SensorQuantum)
+    }
+
+    /// What it says of delay, lag and gain; not what `flags` say beside it.
+    pub fn told(&self, flags: &ActuationFlags) -> Told {
+        let taken = |quantity: Quantity| {
+            let is_taken = flags.beside(quantity).is_none();
+            self.calibration.known.get(&quantity).filter(|_| is_taken)
+        };
+        // Where the two are known only together, the sum is the better delay.
+        let delay = taken(Quantity::Delay).or_else(|| taken(Quantity::DelayPlusLag));
+        let [lag, gain] = [Quantity::Lag, Quantity::Gain].map(taken);
+        let of_delay = delay.and_then(|delay| delay.standard_deviation);
+        let jitter = self.calibration.value(Quantity::CommandJitter);
+        let of_delay = match (of_delay, jitter.filter(|_| delay.is_some())) {
+            (Some(deviation), Some(jitter)) => Some(deviation.hypot(jitter)),
+            (deviation, jitter) => deviation.or(jitter),
+        };
+        Told {
+            delay: delay.map(|delay| delay.value),
+            delay_deviation: of_delay,
+            lag: lag.map(|lag| lag.value),
+            lag_deviation: lag.and_then(|lag| lag.standard_deviation),
+            gain: gain.map(|gain| gain.value),
+            gain_deviation: gain.and_then(|gain| gain.standard_deviation),
+        }
+    }
+
+    /// Says on standard error what is taken from the file, and what flags say in its place.
+    fn tell(&self, flags: &Flags, period: f64) {
+        let name = self.path.display();
+        let (mut taken, mut replaced) = (Vec::new(), Vec::new());
+        let has_delay = self.calibration.value(Quantity::Delay).is_some();
+        for (quantity, known) in &self.calibration.known {
+            let beside = match quantity {
+                Quantity::DeviceMass if flags.told_device_mass.is_some() => {
+                    Some("--told-device-mass")
+                }
+                Quantity::DeviceMass => flags.device_mass.map(|_| "--device-mass"),
+                Quantity::SensorQuantum => flags.encoder_quantum.map(|_| "--encoder-quantum"),
+                Quantity::DelayPlusLag if has_delay => continue,
+                Quantity::Delay | Quantity::DelayPlusLag | Quantity::Lag | Quantity::Gain => {
+                    flags.actuation.beside(*quantity)
+                }
+                _ => continue,
+            };
+            if let Some(flag) = beside {
+                replaced.push(format!("{flag} stands in place of {}", quantity.key()));
+                continue;
+            }
+            let deviation = known.standard_deviation;
+            let deviation = deviation.map_or_else(String::new, |sd| format!(" ± {sd}"));
+            taken.push(format!("{} {}{deviation}", quantity.key(), known.value));
+        }
+        let taken = if taken.is_empty() {
+            "nothing that a renderer is told".to_owned()
+        } else {
+            taken.join(", ")
+        };
+        let replaced = replaced.iter().map(|text| format!("; {text}"));
+        tell(format_args!(
+            "taken from {name}: {taken}{}",
+            replaced.collect::<String>()
+        ));
+        if let Some(found) = self.calibration.value(Quantity::Period)
+            && (found / period - 1.0).abs() > 1e-6
+        {
+            tell(format_args!(
+                "warning: {name} was found in a loop of {found} s, and this one has {period} s; a delay can \
+                 depend on the period"
+            ));
+        }
+    }
+}

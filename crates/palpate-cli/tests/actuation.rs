@@ -1,0 +1,243 @@
+//! Delay, lag and gain of a loop: by flags, and from a calibrated device file.
+
+mod common;
+
+use common::{Answer, Folder, experiment_text, number, of_method, parse, taps, trace_text};
+use serde_json::Value;
+
+const DEVICE: &str = "\
+calibration_format = 1
+period_s = 0.01
+device_mass_kg = 0.1
+delay_s = 0.005
+lag_s = 0.002
+gain = 0.9
+sensor_quantum_m = 0
+
+[standard_deviation]
+delay_s = 0.0001
+";
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("scene.toml", experiment_text("fig2"));
+    folder.write("device.toml", DEVICE);
+    folder.write("tap.csv", trace_text(&taps(0.001, 1.5)));
+    folder
+}
+
+fn error(report: &Value, method: &str) -> f64 {
+    number(of_method(report, method), "mean_force_error_percent")
+}
+
+/// What a command has said on standard error.
+fn told(answer: &Answer, words: &[&str]) {
+    assert_eq!(answer.code, 0, "{answer:?}");
+    for word in words {
+        assert!(answer.stderr.contains(word), "{word}: {answer:?}");
+    }
+}
+
+const PIPE: &str = "pipe --stiffness 400 --mass 0.1 --period 0.001 --device-mass 0.2 \
+                    --object-position 0.005 --soft-start 0 --force-limit inf";
+
+/// The forces of a press of 50 mm/s.
+fn piped(folder: &Folder, flags: &str) -> Vec<f64> {
+    let lines: String = (0..120)
+        .map(|i| format!("{}\n", 5e-5 * f64::from(i)))
+        .collect();
+    let answer = folder.palpate_reading(&lines, &format!("{PIPE} {flags}"));
+    assert_eq!(answer.code, 0, "{flags}: {answer:?}");
+    let forces = answer.stdout.lines().map(|line| line.parse().unwrap());
+    forces.collect()
+}
+
+#[test]
+fn a_pipe_commands_what_the_actuator_is_to_get() {
+    let folder = folder();
+    let plain = piped(&folder, "--method basic");
+    let weak = piped(&folder, "--method basic --gain 0.5");
+    assert!(plain.iter().any(|force| *force < -0.1), "{plain:?}");
+    for (plain, weak) in plain.iter().zip(&weak) {
+        assert!((2.0 * plain - weak).abs() <= 1e-12, "{plain} {weak}");
+    }
+    let at_once = piped(&folder, "");
+    assert_eq!(piped(&folder, "--delay 0 --lag 0 --gain 1"), at_once);
+    let all = piped(&folder, "--delay 0.5 --lag 0.0003 --gain 0.98");
+    for (flags, other) in [
+        ("none", &at_once),
+        ("delay", &piped(&folder, "--delay 0.5")),
+        ("delay and lag", &piped(&folder, "--delay 0.5 --lag 0.0003")),
+    ] {
+        assert_ne!(&all, other, "{flags}");
+    }
+    assert!(all.iter().all(|force| force.is_finite()));
+    // A force that comes late begins before the device touches.
+    let begins = |forces: &[f64]| forces.iter().position(|force| *force < -1e-6);
+    assert!(begins(&all) < begins(&at_once), "{all:?} {at_once:?}");
+}
+
+#[test]
+fn coupled_rendering_reaches_the_floor_of_an_actuator_that_it_is_told() {
+    let folder = folder();
+    let error = |flags: &str| {
+        let flags = format!("simulate scene.toml --method coupled {flags}");
+        error(&folder.json(&flags), "coupled")
+    };
+    let actuator = "--delay 0.5 --lag 0.002 --gain 0.9";
+    let told = error(actuator);
+    for untold in ["--told-delay 0", "--told-lag 0", "--told-gain 1"] {
+        let other = error(&format!("{actuator} {untold}"));
+        println!("{untold}: E {other:.2} %, told {told:.2} %");
+        assert!(told < 1.0 && other > 5.0 * told, "{untold}: {other} {told}");
+    }
+    assert_eq!(error("--delay 1.0"), error("--delay 1"));
+}
+
+#[test]
+fn a_recording_is_rendered_with_the_actuator_that_is_told() {
+    let folder = folder();
+    let render = "render tap.csv --stiffness 400 --mass 0.1 --period 0.01 --method basic";
+    let error = |flags: &str| error(&folder.json(&format!("{render} {flags}")), "basic");
+    let (none, whole) = (error(""), error("--delay 1"));
+    let half = error("--delay 0.5");
+    assert!(none < half && half < whole, "{none} {half} {whole}");
+    // The gain is made good; a lag is not by this method.
+    assert!((error("--gain 0.7") / none - 1.0).abs() < 1e-9);
+    assert!(error("--lag 0.003") > none);
+    let shown = folder.palpate(&format!("{render} --delay 0.5"));
+    assert!(shown.stdout.contains("delay 0.5 periods"), "{shown:?}");
+}
+
+#[test]
+fn a_device_file_says_what_flags_would() {
+    let folder = folder();
+    let by_flags = "--told-delay 0.5 --delay-deviation 0.01 --told-lag 0.002 --told-gain 0.9 \
+                    --told-device-mass 0.1";
+    let report = |flags: &str| {
+        let answer = folder.palpate(&format!("simulate scene.toml {flags} --json"));
+        assert_eq!(answer.code, 0, "{answer:?}");
+        parse(&answer.stdout)["methods"].take()
+    };
+    let by_file = report("--device-file device.toml");
+    assert_eq!(by_file, report(by_flags));
+    assert_ne!(by_file, report(""));
+    let answer = folder.palpate("simulate scene.toml --device-file device.toml --gain 0.8");
+    told(
+        &answer,
+        &[
+            "taken from device.toml: device_mass_kg 0.1",
+            "delay_s 0.005 ± 0.0001, lag_s 0.002",
+            "--gain stands in place of gain",
+        ],
+    );
+    // The file's mass is enough for `coupled`.
+    let pipe = "pipe --stiffness 400 --mass 0.1 --period 0.01 --device-file device.toml";
+    let answer = folder.palpate_reading("0\n0.001\n", pipe);
+    assert_eq!(answer.code, 0, "{answer:?}");
+    let other = pipe.replace("0.01", "0.001");
+    let answer = folder.palpate_reading("0\n0.001\n", &other);
+    told(
+        &answer,
+        &["found in a loop of 0.01 s, and this one has 0.001 s"],
+    );
+}
+
+#[test]
+fn a_wrong_device_file_is_told_with_its_place() {
+    let folder = folder();
+    folder.write(
+        "key.toml",
+        DEVICE.replace("delay_s = 0.005", "delay_ms = 5"),
+    );
+    folder.write("value.toml", DEVICE.replace("gain = 0.9", "gain = 0"));
+    for (file, code, said) in [
+        ("key.toml", 3, "key.toml:4:1: unknown key delay_ms"),
+        ("value.toml", 3, "value.toml:6:8: gain is 0, but must be"),
+        ("none.toml", 1, "none.toml: "),
+    ] {
+        for command in [
+            "simulate scene.toml",
+            "render tap.csv --stiffness 400 --mass 0.1 --period 0.01",
+            "pipe --stiffness 400 --mass 0.1 --period 0.01",
+        ] {
+            folder.fail(&format!("{command} --device-file {file}"), code, &[said]);
+        }
+    }
+    let fast = "pipe --stiffness 400 --mass 0.1 --period 0.0005 --device-file device.toml";
+    let said = ["device.toml: the delay is 0.005 s, 10 periods", "8 at most"];
+    folder.fail(fast, 3, &said);
+}
+
+#[test]
+fn what_only_a_simulated_actuator_can_differ_in_is_refused_elsewhere() {
+    let folder = folder();
+    for (flag, own) in [
+        ("--told-delay", "--delay"),
+        ("--told-lag", "--lag"),
+        ("--told-gain", "--gain"),
+    ] {
+        for command in ["render tap.csv", "pipe"] {
+            let command = format!("{command} --stiffness 400 --mass 0.1 --period 0.01 {flag} 0.5");
+            let said = [&format!("{flag} is for simulate and tune"), own];
+            folder.fail(&command, 2, &said.map(|text| text.as_ref()));
+        }
+    }
+    for (flags, said) in [
+        (
+            "--told-delay 8.5",
+            "--told-delay is 8.5 periods, but must be from 0 to 8",
+        ),
+        ("--told-lag -1", "--told-lag is -1 s, but must be"),
+        ("--told-gain 0", "--told-gain is 0, but must be"),
+    ] {
+        folder.fail(&format!("simulate scene.toml {flags}"), 2, &[said]);
+    }
+}
+
+#[test]
+fn a_recording_says_what_the_renderer_was_told_and_is_replayed_with_it() {
+    let folder = folder();
+    let actuator = "--delay 0.5 --delay-deviation 0.01 --lag 0.002 --gain 0.9";
+    folder.succeed(&format!(
+        "record scene.toml rec.mcap --method coupled --fast --duration 0.7 {actuator}"
+    ));
+    let info = folder.json("info rec.mcap");
+    for (key, value) in [
+        ("device_mass_kg", 0.1),
+        ("delay_s", 0.005),
+        ("delay_deviation_s", 0.0001),
+        ("lag_s", 0.002),
+        ("lag_deviation_s", 0.0),
+        ("gain", 0.9),
+        ("gain_deviation", 0.0),
+    ] {
+        assert!(
+            (number(&info["told"], key) - value).abs() < 1e-15,
+            "{key}: {info}"
+        );
+    }
+    let shown = folder.succeed("info rec.mcap");
+    let line =
+        "the renderer was told: device 0.100 kg, delay 5.00 ± 0.100 ms, lag 2.00 ms, gain 0.900\n";
+    assert!(shown.contains(line), "{shown}");
+    // The same motion, rendered by what is told: as it was recorded, and with a method that does not look at it.
+    let replayed = |flags: &str| {
+        let report = folder.json(&format!("replay rec.mcap --method basic {flags}"));
+        (error(&report, "basic"), report["actuator"].clone())
+    };
+    let (recorded, told) = replayed("");
+    assert_eq!(number(&told, "told_lag_s"), 0.002);
+    assert_eq!(replayed(actuator).0, recorded);
+    assert_ne!(replayed("--delay 0 --lag 0 --gain 1").0, recorded);
+    // A perfect loop says so, too.
+    folder.succeed("record scene.toml perfect.mcap --method coupled --fast --duration 0.1");
+    let info = folder.json("info perfect.mcap");
+    assert_eq!(
+        (
+            number(&info["told"], "delay_s"),
+            number(&info["told"], "gain")
+        ),
+        (0.0, 1.0)
+    );
+}
