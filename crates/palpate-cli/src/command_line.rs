@@ -159,8 +159,8 @@ A line `set stiffness_n_per_m=800 mass_kg=0.2 virtual_force_n=-1`, with any of t
 while the pipe runs, over 0.1 s. It gets no line on standard output; standard error says that it is \
 taken, or why not, and then nothing changes.
 
---delay says how many lines later the force really acts; it is printed at once all the same. When the \
-input ends, a summary of the energy ledger goes to standard error.")]
+--delay says how many periods after its line a force really acts, --lag and --gain what the actuator makes of \
+it; each line gets at once the command that the actuator is to get. When the input ends, a summary of the energy ledger goes to standard error.")]
     #[command(after_help = "\
 Examples:
   my-device | palpate pipe --stiffness 400 --mass 0.1 --period 0.001 --device-mass 0.2

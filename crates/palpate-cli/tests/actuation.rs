@@ -1,5 +1,7 @@
 //! Delay, lag and gain of a loop: by flags, and from a calibrated device file.
 
+#![allow(clippy::print_stdout)] // tests show what they measured
+
 mod common;
 
 use common::{Answer, Folder, experiment_text, number, of_method, parse, taps, trace_text};
@@ -131,6 +133,16 @@ fn a_device_file_says_what_flags_would() {
             "--gain stands in place of gain",
         ],
     );
+    // Delay and lag of one fit err against each other: their sum is known better than each.
+    let sum = "delay_plus_lag_s = 0.007\n\n[standard_deviation]\ndelay_plus_lag_s = 0.0001\n\
+               lag_s = 0.001\n";
+    folder.write(
+        "sum.toml",
+        DEVICE
+            .replace("\n[standard_deviation]\n", sum)
+            .replace("delay_s = 0.0001", "delay_s = 0.001"),
+    );
+    assert_eq!(report("--device-file sum.toml"), by_file);
     // The file's mass is enough for `coupled`.
     let pipe = "pipe --stiffness 400 --mass 0.1 --period 0.01 --device-file device.toml";
     let answer = folder.palpate_reading("0\n0.001\n", pipe);
@@ -141,6 +153,26 @@ fn a_device_file_says_what_flags_would() {
         &answer,
         &["found in a loop of 0.01 s, and this one has 0.001 s"],
     );
+}
+
+#[test]
+fn a_flag_stands_in_place_of_the_value_of_a_device_file() {
+    let folder = folder();
+    let render = "render tap.csv --stiffness 400 --mass 0.1 --period 0.01 --method basic --json";
+    let error = |flags: &str| {
+        let answer = folder.palpate(&format!("{render} {flags}"));
+        assert_eq!(answer.code, 0, "{answer:?}");
+        error(&parse(&answer.stdout), "basic")
+    };
+    let own = "--delay 0.25 --lag 0.001 --gain 0.8";
+    let beside = error(&format!("--device-file device.toml {own}"));
+    assert_eq!(beside, error(own));
+    assert_ne!(beside, error("--device-file device.toml"));
+    // What is not taken is not judged: by itself that delay would be too long.
+    let fast =
+        "pipe --stiffness 400 --mass 0.1 --period 0.0005 --device-file device.toml --delay 1";
+    let answer = folder.palpate_reading("0\n", fast);
+    assert_eq!(answer.code, 0, "{answer:?}");
 }
 
 #[test]
@@ -179,8 +211,8 @@ fn what_only_a_simulated_actuator_can_differ_in_is_refused_elsewhere() {
     ] {
         for command in ["render tap.csv", "pipe"] {
             let command = format!("{command} --stiffness 400 --mass 0.1 --period 0.01 {flag} 0.5");
-            let said = [&format!("{flag} is for simulate and tune"), own];
-            folder.fail(&command, 2, &said.map(|text| text.as_ref()));
+            let said = format!("{flag} is for simulate and tune");
+            folder.fail(&command, 2, &[&said, own]);
         }
     }
     for (flags, said) in [

@@ -10,6 +10,10 @@ use palpate_device::DeviceError;
 /// Something that happened in the loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a tick hands it over without allocating, so it cannot be boxed"
+)]
 pub enum Note {
     /// Safety has tripped: no force is sent. [`Trip::Oscillation`] has a note of its own.
     Tripped(Trip),

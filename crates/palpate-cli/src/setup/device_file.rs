@@ -60,7 +60,17 @@ impl DeviceFile {
         // Where the two are known only together, the sum is the better delay.
         let delay = taken(Quantity::Delay).or_else(|| taken(Quantity::DelayPlusLag));
         let [lag, gain] = [Quantity::Lag, Quantity::Gain].map(taken);
-        let of_delay = delay.and_then(|delay| delay.standard_deviation);
+        // Delay and lag of one fit err against each other. What counts is when the impulse arrives, which
+        // their sum says.
+        let of_sum = self
+            .calibration
+            .standard_deviation(Quantity::DelayPlusLag)
+            .filter(|_| delay.is_some() && lag.is_some());
+        let of_delay = of_sum.or_else(|| delay?.standard_deviation);
+        let of_lag = match of_sum {
+            Some(_) => Some(0.0),
+            None => lag.and_then(|lag| lag.standard_deviation),
+        };
         let jitter = self.calibration.value(Quantity::CommandJitter);
         let of_delay = match (of_delay, jitter.filter(|_| delay.is_some())) {
             (Some(deviation), Some(jitter)) => Some(deviation.hypot(jitter)),
@@ -70,7 +80,7 @@ impl DeviceFile {
             delay: delay.map(|delay| delay.value),
             delay_deviation: of_delay,
             lag: lag.map(|lag| lag.value),
-            lag_deviation: lag.and_then(|lag| lag.standard_deviation),
+            lag_deviation: of_lag,
             gain: gain.map(|gain| gain.value),
             gain_deviation: gain.and_then(|gain| gain.standard_deviation),
         }
@@ -88,6 +98,7 @@ impl DeviceFile {
                 }
                 Quantity::DeviceMass => flags.device_mass.map(|_| "--device-mass"),
                 Quantity::SensorQuantum => flags.encoder_quantum.map(|_| "--encoder-quantum"),
+                // Only its deviation is.
                 Quantity::DelayPlusLag if has_delay => continue,
                 Quantity::Delay | Quantity::DelayPlusLag | Quantity::Lag | Quantity::Gain => {
                     flags.actuation.beside(*quantity)
