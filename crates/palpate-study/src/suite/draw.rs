@@ -5,6 +5,7 @@ use palpate_testbed::reference::{self, POINTS_PER_PERIOD, ReferenceScene, Stop};
 
 use super::COLLISIONS;
 use super::chance::Chance;
+use super::steps::Step;
 use palpate_scene::method::MethodName;
 use palpate_scene::{
     ActuatorParams, Grip, HandForceAt, Measure, PointMassDevice, Scene, Timing, Told, Wave,
@@ -62,22 +63,29 @@ impl RandomPlant {
     /// # Errors
     /// None is known; the types say what would be one.
     pub fn draw(seed: u64, index: usize) -> Result<Self, DrawError> {
-        colliding(seed, index, "Random plant", draw)
+        colliding(seed, index, "Random plant", draw, &[])
     }
 }
 
 /// The first plant that collides as often as it should, of those that `draw` draws for number `index` of
-/// `seed`; its title begins with `kind`.
+/// `seed`, as it is and with each of the `steps`; its title begins with `kind`.
 pub(super) fn colliding(
     seed: u64,
     index: usize,
     kind: &str,
     draw: fn(&mut Chance) -> RandomPlant,
+    steps: &[Step],
 ) -> Result<RandomPlant, DrawError> {
     let mut chance = Chance::new(seed, index as u64);
     for redrawn in 0..MOST_DRAWS {
         let mut plant = draw(&mut chance);
-        if collides(&plant.scene).map_err(|error| DrawError::Bench(index, error))? {
+        let mut all = collides(&plant.scene).map_err(|error| DrawError::Bench(index, error))?;
+        for step in steps {
+            let mut scene = plant.scene.clone();
+            step.change(&mut scene);
+            all = all && collides(&scene).map_err(|error| DrawError::Bench(index, error))?;
+        }
+        if all {
             plant.index = index;
             plant.redrawn = redrawn;
             plant.scene.title = format!("{kind} {index} of seed {seed}");

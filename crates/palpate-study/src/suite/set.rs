@@ -83,9 +83,15 @@ impl Set {
     pub fn draw(self, seed: u64, index: usize) -> Result<RandomPlant, DrawError> {
         match self {
             Self::Paper => RandomPlant::draw(seed, index),
-            Self::Desk => draw::colliding(seed, index, "Desk plant", desk::desk),
-            Self::Real => draw::colliding(seed, index, "Plausible device", desk::real),
-            Self::Steps => draw::colliding(seed, index, "Perfect desk plant", desk::base),
+            Self::Desk => draw::colliding(seed, index, "Desk plant", desk::desk, &[]),
+            Self::Real => draw::colliding(seed, index, "Plausible device", desk::real, &[]),
+            Self::Steps => draw::colliding(
+                seed,
+                index,
+                "Perfect desk plant",
+                desk::base,
+                &Step::OF_DEVICES,
+            ),
         }
     }
 

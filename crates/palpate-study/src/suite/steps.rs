@@ -46,6 +46,9 @@ impl Step {
         Self::Noise,
     ];
 
+    /// Those that change the device, and with it the ideal.
+    pub const OF_DEVICES: [Self; 2] = [Self::Flexible, Self::Friction];
+
     /// What it is, with what is told.
     #[must_use]
     pub fn in_words(self) -> &'static str {
