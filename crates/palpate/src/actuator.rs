@@ -11,10 +11,10 @@ pub struct Held<S> {
     /// By how much its impulse came earlier than a constant force's: the integral of (h - s) f(s) over the
     /// interval of h, less that of the mean `[N s^2]`. 0 for a force that was held all along.
     pub lead: S,
-    /// Change of the delivered command within the interval `[N]`,
+    /// By how much the commands that begin in the interval change the force `[N]`,
     pub step: S,
-    /// and the time from it to the interval's end `[s]`.
-    pub step_age: S,
+    /// and the sum of these changes, each times what is left of the interval when it begins `[N s]`.
+    pub step_moment: S,
     /// Standard deviation of its impulse, as far as the actuation is not known exactly `[N s]`.
     pub doubt: S,
 }
@@ -26,7 +26,7 @@ impl<S: Scalar> Held<S> {
             mean: force,
             lead: S::ZERO,
             step: S::ZERO,
-            step_age: S::ZERO,
+            step_moment: S::ZERO,
             doubt: S::ZERO,
         }
     }
@@ -41,11 +41,18 @@ pub struct Command<S> {
     pub sent: S,
 }
 
+/// A command and how long its sample came before the next `[s]`.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sent<S> {
+    command: Command<S>,
+    span: S,
+}
+
 /// The commands that still act or have yet to act, and where the lag is.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct UnderWay<S> {
     /// A ring: those after the newest are older, up to it.
-    commands: [Command<S>; MOST_COMMANDS],
+    commands: [Sent<S>; MOST_COMMANDS],
     newest: u8,
     /// What the device felt at the last sample `[N]`: used where there is a lag.
     felt: Command<S>,
@@ -71,12 +78,12 @@ pub struct Piece<S> {
 /// The checked actuation of a loop.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Actuator<S> {
-    /// Whole periods of the delay.
-    samples: usize,
-    /// The rest of it `[s]`: 0, or less than a period.
-    rest: S,
-    /// Whether commands begin with samples, at once, and all is known.
-    is_plain: bool,
+    /// From a sample to the beginning of its command `[s]`.
+    delay: S,
+    /// Whether a command is held as it was sent from its sample to the next, and that is certain.
+    is_at_once: bool,
+    /// Whether the delay is a whole number of periods.
+    is_whole: bool,
     period: S,
     lag: S,
     gain: S,
@@ -87,13 +94,13 @@ pub(crate) struct Actuator<S> {
 impl<S: Scalar> Actuator<S> {
     /// Of an actuation without faults, in a loop of `period` `[s]`.
     pub fn new(actuation: &Actuation<S>, period: S) -> Self {
-        let (samples, rest) = parts(actuation.delay, period);
         let is_known =
             actuation.timing_deviation() <= S::ZERO && actuation.gain_deviation <= S::ZERO;
+        let is_certain = actuation.lag <= S::ZERO && is_known;
         Self {
-            samples,
-            rest,
-            is_plain: rest <= S::ZERO && actuation.lag <= S::ZERO && is_known,
+            delay: actuation.delay,
+            is_at_once: actuation.delay <= S::ZERO && is_certain,
+            is_whole: is_whole(actuation.delay, period),
             period,
             lag: actuation.lag,
             gain: actuation.gain,
@@ -104,12 +111,12 @@ impl<S: Scalar> Actuator<S> {
 
     /// The same with every command `by` `[s]` later, or earlier, but not before its sample.
     pub fn later(&self, by: S) -> Self {
-        let delay = S::from_f64(self.samples as f64) * self.period + self.rest;
-        let (samples, rest) = parts(delay + by, self.period);
+        let most = S::from_f64(LARGEST_DELAY as f64) * self.period;
+        let delay = (self.delay + by).max(S::ZERO).min(most);
         Self {
-            samples,
-            rest,
-            is_plain: false,
+            delay,
+            is_at_once: false,
+            is_whole: is_whole(delay, self.period),
             ..*self
         }
     }
@@ -133,75 +140,60 @@ impl<S: Scalar> Actuator<S> {
         (mean, lead, aim + off * decayed)
     }
 
-    /// What the commands `earlier` and then `later` do over an interval of `h` `[s]`.
-    fn pass(
-        &self,
-        felt: &mut Command<S>,
-        earlier: Command<S>,
-        later: Command<S>,
-        h: S,
-    ) -> Piece<S> {
-        if self.is_plain {
-            // A held force, exactly as it was sent.
-            let intended = self.gain * later.intended;
-            let mean = self.gain * later.sent;
-            return Piece {
-                duration: h,
-                intended,
-                held: Held {
-                    step: self.gain * (later.sent - earlier.sent),
-                    step_age: h,
-                    ..Held::constant(mean)
-                },
-            };
-        }
-        let first = self.rest.min(h);
-        let through = |felt: &mut S, earlier: S, later: S| {
-            if first <= S::ZERO {
-                let (mean, lead, end) = self.respond(*felt, later, h);
-                *felt = end;
-                return (mean, lead);
-            }
-            let (a, lead_a, between) = self.respond(*felt, earlier, first);
-            let second = h - first;
-            if second <= S::ZERO {
-                *felt = between;
-                return (a, lead_a);
-            }
-            let (b, lead_b, end) = self.respond(between, later, second);
-            *felt = end;
-            let mean = (a * first + b * second) / h;
-            // Each part's own, and that of the step between them.
-            let step = S::HALF * (a - b) * first * second;
-            (mean, lead_a + lead_b + step)
-        };
-        let (mean, lead) = through(&mut felt.sent, earlier.sent, later.sent);
-        let intended = if earlier.intended == earlier.sent
-            && later.intended == later.sent
-            && felt.intended == felt.sent
-        {
-            mean
-        } else {
-            through(&mut felt.intended, earlier.intended, later.intended).0
-        };
-        let step = self.gain * (later.sent - earlier.sent);
-        let timing = self.timing_deviation * step.abs();
-        let gain = self.gain_deviation * mean.abs() * h;
-        Piece {
+    /// What the commands of a schedule do over an interval of `h` `[s]`.
+    fn pass(&self, felt: &mut Command<S>, schedule: &Schedule<S>, h: S) -> Piece<S> {
+        let mut sum = Piece {
             duration: h,
-            intended,
-            held: Held {
-                mean,
-                lead,
+            intended: S::ZERO,
+            held: Held::default(),
+        };
+        let (mut moment, mut variation, mut is_as_intended) = (S::ZERO, S::ZERO, true);
+        let mut before = *felt;
+        for part in schedule.parts(h) {
+            let Part {
+                begins,
+                ends,
+                command,
                 step,
-                step_age: h - first,
-                doubt: if timing > S::ZERO || gain > S::ZERO {
-                    (timing * timing + gain * gain).sqrt()
-                } else {
-                    S::ZERO
-                },
-            },
+            } = part;
+            let length = ends - begins;
+            let (mean, lead, end) = self.respond(before.sent, command.sent, length);
+            let as_intended = command.sent == command.intended && before.sent == before.intended;
+            let (intended, intended_end) = if as_intended {
+                (mean, end)
+            } else {
+                is_as_intended = false;
+                let (mean, _, end) = self.respond(before.intended, command.intended, length);
+                (mean, end)
+            };
+            before = Command {
+                intended: intended_end,
+                sent: end,
+            };
+            let step = self.gain * step;
+            sum.held.step += step;
+            sum.held.step_moment += step * (h - begins);
+            variation += step.abs();
+            if length >= h {
+                // All of the interval.
+                (sum.intended, sum.held.mean, sum.held.lead) = (intended, mean, lead);
+                continue;
+            }
+            sum.intended += intended * length / h;
+            sum.held.mean += mean * length / h;
+            moment += mean * length * (h - S::HALF * (begins + ends)) + lead;
+            sum.held.lead = moment - S::HALF * sum.held.mean * h * h;
         }
+        *felt = before;
+        if is_as_intended {
+            sum.intended = sum.held.mean;
+        }
+        let timing = self.timing_deviation * variation;
+        let gain = self.gain_deviation * sum.held.mean.abs() * h;
+        if timing > S::ZERO || gain > S::ZERO {
+            sum.held.doubt = (timing * timing + gain * gain).sqrt();
+        }
+        sum
     }
 
     /// Impulse that the lag carries into an interval of `h` `[s]`, and what of a command's impulse
@@ -217,23 +209,56 @@ impl<S: Scalar> Actuator<S> {
     }
 }
 
-/// Whole periods of a delay, and the rest of it `[s]`.
-fn parts<S: Scalar>(delay: S, period: S) -> (usize, S) {
+/// Whether a delay is a whole number of periods.
+fn is_whole<S: Scalar>(delay: S, period: S) -> bool {
     let within = S::from_f64(WHOLE_WITHIN);
-    let most = S::from_f64(LARGEST_DELAY as f64);
-    let periods = (delay / period).max(S::ZERO).min(most);
-    let whole = (periods + within).floor();
-    let rest = periods - whole;
-    let mut samples = 0;
-    while samples < LARGEST_DELAY && S::from_f64(samples as f64) < whole {
-        samples += 1;
+    let periods = delay / period;
+    periods - (periods + within).floor() <= within
+}
+
+/// The commands that act in an interval.
+struct Schedule<S> {
+    /// When each begins, counted from the interval's beginning `[s]`, and by how much it changes the
+    /// command; the last to begin first.
+    begun: [(S, Command<S>, S); MOST_COMMANDS],
+    count: usize,
+}
+
+/// A part of an interval in which one command acts.
+struct Part<S> {
+    begins: S,
+    ends: S,
+    command: Command<S>,
+    /// By how much the command changes with it, if it begins with it `[N]`.
+    step: S,
+}
+
+impl<S: Scalar> Schedule<S> {
+    fn add(&mut self, begins: S, command: Command<S>, step: S) {
+        if let Some(place) = self.begun.get_mut(self.count) {
+            *place = (begins, command, step);
+            self.count += 1;
+        }
     }
-    let rest = if rest > within {
-        rest * period
-    } else {
-        S::ZERO
-    };
-    (samples, rest)
+
+    /// In the order of time, to the interval's end at `h` `[s]`.
+    fn parts(&self, h: S) -> impl Iterator<Item = Part<S>> {
+        let begun = self.begun.get(..self.count).unwrap_or_default();
+        let ends = move |place: usize| match place.checked_sub(1).and_then(|next| begun.get(next)) {
+            Some((begins, ..)) => *begins,
+            None => h,
+        };
+        begun
+            .iter()
+            .enumerate()
+            .rev()
+            .map(move |(place, (begins, command, step))| Part {
+                begins: *begins,
+                ends: ends(place),
+                command: *command,
+                step: *step,
+            })
+    }
 }
 
 /// What is left of a lag's deviation after `h` `[s]`, and the integral of it `[s]`.
@@ -245,7 +270,7 @@ fn decay<S: Scalar>(lag: S, h: S) -> [S; 2] {
 impl<S: Scalar> UnderWay<S> {
     pub fn nothing() -> Self {
         Self {
-            commands: [Command::default(); MOST_COMMANDS],
+            commands: [Sent::default(); MOST_COMMANDS],
             newest: 0,
             felt: Command::default(),
         }
@@ -254,16 +279,73 @@ impl<S: Scalar> UnderWay<S> {
     /// An interval of `h` `[s]` between two samples is over: what reached the device in it.
     #[inline]
     pub fn pass(&mut self, actuator: &Actuator<S>, h: S) -> Piece<S> {
-        let [earlier, later] = [actuator.samples + 1, actuator.samples].map(|age| self.aged(age));
-        actuator.pass(&mut self.felt, earlier, later, h)
+        let piece = if actuator.is_at_once {
+            self.held_at_once(actuator, h)
+        } else {
+            let mut felt = self.felt;
+            let piece = actuator.pass(&mut felt, &self.schedule(actuator, S::ZERO, h), h);
+            self.felt = felt;
+            piece
+        };
+        if let Some(newest) = self.commands.get_mut(usize::from(self.newest)) {
+            newest.span = h;
+        }
+        piece
     }
 
     /// What reaches the device in it by another actuator, which leaves no trace.
     #[inline]
     pub fn passing(&self, actuator: &Actuator<S>, h: S) -> Piece<S> {
+        if actuator.is_at_once {
+            return self.held_at_once(actuator, h);
+        }
         let mut felt = self.felt;
-        let [earlier, later] = [actuator.samples + 1, actuator.samples].map(|age| self.aged(age));
-        actuator.pass(&mut felt, earlier, later, h)
+        actuator.pass(&mut felt, &self.schedule(actuator, S::ZERO, h), h)
+    }
+
+    /// The newest command, exactly as it was sent.
+    #[inline]
+    fn held_at_once(&self, actuator: &Actuator<S>, h: S) -> Piece<S> {
+        let [later, earlier] = [0, 1].map(|age| self.aged(age).command);
+        let step = actuator.gain * (later.sent - earlier.sent);
+        Piece {
+            duration: h,
+            intended: actuator.gain * later.intended,
+            held: Held {
+                step,
+                step_moment: step * h,
+                ..Held::constant(actuator.gain * later.sent)
+            },
+        }
+    }
+
+    /// What acts in the `h` `[s]` that begin `since` `[s]` after the newest command's sample.
+    fn schedule(&self, actuator: &Actuator<S>, since: S, h: S) -> Schedule<S> {
+        let mut schedule = Schedule {
+            begun: [(S::ZERO, Command::default(), S::ZERO); MOST_COMMANDS],
+            count: 0,
+        };
+        let within = S::from_f64(WHOLE_WITHIN) * actuator.period;
+        let mut age = since;
+        for place in 0..MOST_COMMANDS {
+            let command = self.aged(place).command;
+            let begins = actuator.delay - age;
+            let step = || command.sent - self.aged(place + 1).command.sent;
+            if begins <= within {
+                let step = if begins >= S::ZERO - within {
+                    step()
+                } else {
+                    S::ZERO
+                };
+                schedule.add(S::ZERO, command, step);
+                break;
+            }
+            if begins < h - within {
+                schedule.add(begins, command, step());
+            }
+            age += self.aged(place + 1).span;
+        }
+        schedule
     }
 
     /// Sends the command of a sample.
@@ -274,20 +356,23 @@ impl<S: Scalar> UnderWay<S> {
             None => LAST_COMMAND,
         };
         if let Some(newest) = self.commands.get_mut(usize::from(self.newest)) {
-            *newest = command;
+            *newest = Sent {
+                command,
+                span: S::ZERO,
+            };
         }
     }
 
     /// The driver has sent another force than the command of the last sample `[N]`.
     pub fn correct(&mut self, sent: S) {
         if let Some(newest) = self.commands.get_mut(usize::from(self.newest)) {
-            newest.sent = sent;
+            newest.command.sent = sent;
         }
     }
 
     /// The command that is older than the newest by so many samples.
     #[inline]
-    fn aged(&self, age: usize) -> Command<S> {
+    fn aged(&self, age: usize) -> Sent<S> {
         let place = usize::from(self.newest) + age.min(MOST_COMMANDS - 1);
         let place = place.checked_sub(MOST_COMMANDS).unwrap_or(place);
         self.commands.get(place).copied().unwrap_or_default()
@@ -309,64 +394,77 @@ impl<'a, S: Scalar> Ahead<'a, S> {
         }
     }
 
-    /// Sum of the magnitudes of what is still to act `[N]`.
+    /// Sum of the magnitudes of what is still to act before the command of this sample `[N]`.
     pub fn magnitude(&self) -> S {
         let mut sum = S::ZERO;
-        for age in (0..self.actuator.samples).rev() {
-            sum += self.under_way.aged(age).sent.abs();
-        }
-        if self.actuator.rest > S::ZERO {
-            sum += self.under_way.aged(self.actuator.samples).sent.abs();
+        if !self.actuator.is_at_once && self.actuator.delay > S::ZERO {
+            for part in self
+                .schedule(self.actuator.delay)
+                .parts(self.actuator.delay)
+            {
+                sum += part.command.sent.abs();
+            }
         }
         sum
     }
 
-    /// What acts before the command of this sample begins, in order, in periods of `period` `[s]`, and
-    /// what then follows it.
+    /// What acts before the command of this sample begins, in order, and what then follows it over
+    /// `period` `[s]`.
     #[inline]
     pub fn until_own(&self, period: S, mut each: impl FnMut(Piece<S>)) -> Governed<S> {
         let actuator = self.actuator;
-        // A window begins where a command does, so that each of them acts all along.
-        let whole = Actuator {
-            rest: S::ZERO,
-            ..*actuator
-        };
         let mut felt = self.under_way.felt;
-        let mut follow = |age: usize, h: S| {
-            let now = self.under_way.aged(age);
-            let before = self.under_way.aged(age + 1);
-            each(whole.pass(&mut felt, before, now, h));
-        };
-        if actuator.rest > S::ZERO {
-            follow(actuator.samples, actuator.rest.min(period));
-        }
-        for age in (0..actuator.samples).rev() {
-            follow(age, period);
+        if actuator.delay > S::ZERO {
+            for part in self.schedule(actuator.delay).parts(actuator.delay) {
+                let h = part.ends - part.begins;
+                let mut alone = Schedule {
+                    begun: [(S::ZERO, Command::default(), S::ZERO); MOST_COMMANDS],
+                    count: 0,
+                };
+                alone.add(S::ZERO, part.command, part.step);
+                each(actuator.pass(&mut felt, &alone, h));
+            }
         }
         let (carried, share) = actuator.shares(felt.sent, period);
         Governed { carried, share }
     }
 
-    /// Whether every command begins with a sample.
+    /// Whether the command of this sample begins with a sample.
     pub fn is_whole(&self) -> bool {
-        self.actuator.rest <= S::ZERO
+        self.actuator.is_whole
     }
 
     /// What reaches the device in the next `h` `[s]`, if `own` `[N]` is what the command of this sample
     /// is to deliver.
     pub fn over_next(&self, own: S, h: S) -> Held<S> {
         let actuator = self.actuator;
-        let own = own / actuator.gain;
-        let later = match actuator.samples.checked_sub(1) {
-            Some(age) => self.under_way.aged(age),
-            None => Command {
+        let mut schedule = self.schedule(h);
+        if actuator.delay < h {
+            let own = own / actuator.gain;
+            let command = Command {
                 intended: own,
                 sent: own,
-            },
-        };
-        let earlier = self.under_way.aged(actuator.samples);
+            };
+            // It is the last to begin.
+            let mut with_own = Schedule {
+                begun: [(S::ZERO, Command::default(), S::ZERO); MOST_COMMANDS],
+                count: 0,
+            };
+            with_own.add(actuator.delay, command, S::ZERO);
+            for place in 0..schedule.count {
+                if let Some((begins, command, step)) = schedule.begun.get(place).copied() {
+                    with_own.add(begins, command, step);
+                }
+            }
+            schedule = with_own;
+        }
         let mut felt = self.under_way.felt;
-        actuator.pass(&mut felt, earlier, later, h).held
+        actuator.pass(&mut felt, &schedule, h).held
+    }
+
+    fn schedule(&self, h: S) -> Schedule<S> {
+        let since = self.under_way.aged(0).span;
+        self.under_way.schedule(self.actuator, since, h)
     }
 }
 

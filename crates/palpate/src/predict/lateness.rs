@@ -47,7 +47,7 @@ impl<S: Scalar> Lateness<S> {
             }
         }
         let pushed = device.mobility * held.step;
-        answer[0] += pushed * held.step_age;
+        answer[0] += device.mobility * held.step_moment;
         answer[1] += pushed;
         let seen = answer[0];
         let variance = self.variance.unwrap_or(told * told);

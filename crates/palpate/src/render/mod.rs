@@ -267,7 +267,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                     Some(mean) => Held {
                         mean,
                         step: S::ZERO,
-                        step_age: S::ZERO,
+                        step_moment: S::ZERO,
                         ..passed.held
                     },
                     None => passed.held,
