@@ -185,10 +185,11 @@ impl<S: Scalar> CoupledMemory<S> {
 /// error, with and without delay.
 const REPAID: f64 = 0.5;
 
-/// Most of what a wall's avatar is ahead of the device by that the next force makes up for, as a part of
-/// the contact's impulse. Without a bound, a device that moves as no mass does is given more and more;
-/// with 0.15, a wall whose delay is not known swings with every other sample.
-const REPAID_BY_WALLS: f64 = 0.06;
+/// Most of the speed by which a wall's avatar is ahead of the device that the next force makes up for: this
+/// part of kappa times the contact's impulse, and no more than that. Without a bound, a device that moves as
+/// no mass does is given more and more. With more, a soft wall whose delay is not known swings with every
+/// other sample; with less, a stiff one swings for ever.
+const REPAID_BY_WALLS: f64 = 0.3;
 
 /// What is owed to an object that is apart is forgotten when it would change its velocity by less than
 /// this part.
@@ -359,7 +360,8 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         let owed = if !motion.is_wall() {
             S::from_f64(REPAID) * owed
         } else if device.mobility > S::ZERO {
-            let most = S::from_f64(REPAID_BY_WALLS) * interval.course.impulse;
+            let kappa = motion.stiffness() * device.mobility * period * period;
+            let most = (S::from_f64(REPAID_BY_WALLS) * kappa).min(S::ONE) * interval.course.impulse;
             (S::ZERO - avatar.speed / device.mobility).within(most)
         } else {
             S::ZERO

@@ -107,7 +107,11 @@ fn an_object_that_the_held_force_moves_takes_its_impulse_whatever_limits_and_del
     ];
     for (loop_params, delay) in loops.into_iter().zip([0, 0, 2]) {
         let params = damper(DamperObject::HeldForce, Prediction::LastStep);
-        let samples = samples();
+        // A delay is a time: whole samples of it are even ones.
+        let samples: Vec<_> = samples()
+            .into_iter()
+            .map(|(position, h)| (position, if delay > 0 { PERIOD } else { h }))
+            .collect();
         let outputs = outputs(&on_object(params, loop_params), &samples);
         let (mut pushed, mut limited) = (0, 0);
         for tick in delay..samples.len() - 1 {
