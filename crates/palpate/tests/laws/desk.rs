@@ -159,7 +159,13 @@ impl Desk {
 
     /// Mean-force error E `[%]` over the windows that the commands govern.
     pub fn error(&self, ideal: &[f64], rendered: &[f64]) -> f64 {
-        let shift = (self.delay / self.period * STEPS as f64).round() as usize % STEPS;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a few hundred steps, not below 0"
+        )]
+        let steps = (self.delay / self.period * STEPS as f64).round() as usize;
+        let shift = steps % STEPS;
         let mean = |window: &[f64]| window.iter().sum::<f64>() / window.len() as f64;
         let windows = ideal[shift..].chunks_exact(STEPS);
         let (mut off, mut all) = (0.0, 0.0);
