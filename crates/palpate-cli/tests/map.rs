@@ -403,10 +403,11 @@ fn an_older_map_is_read_and_says_nothing_of_contacts_that_stay() {
         &["old.csv is by an older version", "--overwrite"],
     );
     assert_eq!(folder.read("old.csv"), joined);
-    // What both have agrees to the bit.
+    // What both have agrees to the bit, for the method that has not changed since.
     let bounces = |table: &str| -> Vec<String> {
         let lines = table.lines().skip(1);
         lines
+            .filter(|line| line.contains(",basic,"))
             .map(|line| line.split(',').take(18).collect::<Vec<_>>().join(","))
             .collect()
     };

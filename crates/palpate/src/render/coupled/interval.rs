@@ -28,6 +28,9 @@ pub(super) struct Avatar<S> {
 /// Time in which a wall in contact goes back to its place `[s]`. What is taken back while the force
 /// changes is energy, so it takes much longer than a collision.
 const WALL_RETURN: f64 = 0.2;
+/// Most of its offset that a wall gives back in one interval: of a stiff one in a slow loop more would be
+/// energy, too.
+const WALL_RETURN_MOST: f64 = 0.03;
 /// A wall's offset grows no further than this multiple of the way that the impulse of one interval takes a
 /// device in one interval: ten times what a collision leaves. It bounds what a device that moves as no mass
 /// does can take from it.
@@ -148,7 +151,7 @@ impl<S: Scalar> Coupled<S> {
         if self.object_mobility == S::ZERO {
             let gives_way = self.placement && device.mobility > S::ZERO;
             let wall_offset = if course.impulse > S::ZERO && gives_way {
-                let back = (h / S::from_f64(WALL_RETURN)).min(S::ONE);
+                let back = (h / S::from_f64(WALL_RETURN)).min(S::from_f64(WALL_RETURN_MOST));
                 let most = S::from_f64(WALL_OFFSET_MOST) * device.mobility * course.impulse * h;
                 let most = most.max(avatar.wall_offset.abs());
                 (S::ONE - back) * (avatar.wall_offset + placed).within(most)
