@@ -157,6 +157,10 @@ impl<S: Scalar> Actuator<S> {
                 step,
             } = part;
             let length = ends - begins;
+            if length <= S::ZERO {
+                // Of commands before the first sample, all of which are 0.
+                continue;
+            }
             let (mean, lead, end) = self.respond(before.sent, command.sent, length);
             let as_intended = command.sent == command.intended && before.sent == before.intended;
             let (intended, intended_end) = if as_intended {
@@ -417,6 +421,9 @@ impl<'a, S: Scalar> Ahead<'a, S> {
         if actuator.delay > S::ZERO {
             for part in self.schedule(actuator.delay).parts(actuator.delay) {
                 let h = part.ends - part.begins;
+                if h <= S::ZERO {
+                    continue;
+                }
                 let mut alone = Schedule {
                     begun: [(S::ZERO, Command::default(), S::ZERO); MOST_COMMANDS],
                     count: 0,

@@ -76,6 +76,7 @@ fn a_timing_that_is_told_brings_the_floor_back() {
         ("1.4 T", (1.4, 0.0), [0.2, 1.0, 3.0]),
         ("0.5 T and 0.3 ms", LATE, [0.5, 2.0, 3.0]),
         ("0.3 ms", (0.0, 3e-4), [0.5, 2.0, 3.0]),
+        ("1.4 T and 0.3 ms", (1.4, 3e-4), [0.5, 2.0, 4.0]),
     ] {
         let found = spread(name, delayed(late), actuation(late), coupled);
         is_within(found, most);
