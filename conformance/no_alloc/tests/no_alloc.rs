@@ -9,7 +9,7 @@ use std::cell::Cell;
 use std::hint::black_box;
 
 use palpate::{
-    AnyParams, AnyRenderer, Contact, CoupledParams, DamperObject, EntryHold, HfcrParams,
+    Actuation, AnyParams, AnyRenderer, Contact, CoupledParams, DamperObject, EntryHold, HfcrParams,
     LoopParams, Mass, ObjectState, PopcParams, PopcRefParams, Prediction, Sample, SehParams,
     VirtualDamperParams,
 };
@@ -90,9 +90,18 @@ fn a_renderer_is_made_started_and_stepped_without_allocating() {
     let (mut forces, mut faults) = (0, 0);
     let count = allocations(|| {
         for method in methods {
-            for (mass, delay) in [(0.1, 0), (0.1, 3), (f64::INFINITY, 0), (f64::INFINITY, 8)] {
+            for (mass, delay) in [
+                (0.1, 0.0),
+                (0.1, 2.6),
+                (f64::INFINITY, 0.5),
+                (f64::INFINITY, 8.0),
+            ] {
+                let actuation = Actuation {
+                    delay_deviation: 1e-4,
+                    ..Actuation::after(delay * 0.01).with_lag(0.002)
+                };
                 let loop_params = LoopParams {
-                    delay,
+                    actuation,
                     ..LoopParams::new(0.01)
                 };
                 let contact = Contact::object(400.0, mass);

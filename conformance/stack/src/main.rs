@@ -15,8 +15,8 @@ use std::process::ExitCode;
 use std::thread;
 
 use palpate::{
-    AnyParams, BasicParams, Contact, CoupledParams, Guard, GuardParams, HfcrParams, LARGEST_DELAY,
-    LoopParams, MethodParams, ObjectState, Phase, Renderer, Sample, Scalar,
+    Actuation, AnyParams, BasicParams, Contact, CoupledParams, Guard, GuardParams, HfcrParams,
+    LARGEST_DELAY, LoopParams, MethodParams, ObjectState, Phase, Renderer, Sample, Scalar,
 };
 
 /// Most stack that a tick may need [bytes].
@@ -76,10 +76,13 @@ struct Needs {
 }
 
 /// A closed loop with a light device, and what its ticks need.
-fn measured<S: Scalar, P: MethodParams<S> + Copy>(params: P, delay: usize, needs: &mut Needs) {
+fn measured<S: Scalar, P: MethodParams<S> + Copy>(params: P, delay: f64, needs: &mut Needs) {
     let of = S::from_f64;
     let loop_params = LoopParams {
-        delay,
+        actuation: Actuation {
+            delay_deviation: of(1e-4),
+            ..Actuation::after(of(delay * 0.01)).with_lag(of(1e-3))
+        },
         guard: Guard::Report(GuardParams {
             largest_speed: of(1.0),
             allowance: of(1e-3),
@@ -138,7 +141,7 @@ fn row<S: Scalar, P: MethodParams<S> + Copy>(name: &str, foresees: bool, params:
         foresees,
         ..Needs::default()
     };
-    for delay in [0, LARGEST_DELAY] {
+    for delay in [0.0, 2.6, LARGEST_DELAY as f64] {
         measured::<S, P>(params, delay, &mut needs);
     }
     let stack = |depth: usize| match depth {
