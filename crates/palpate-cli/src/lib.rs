@@ -11,6 +11,7 @@ mod excerpt;
 mod failure;
 mod hand;
 mod inside;
+mod last_line;
 mod plots;
 mod progress;
 mod recorded;

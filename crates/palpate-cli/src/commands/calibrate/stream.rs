@@ -13,13 +13,12 @@ use palpate_rt::StopFlag;
 use super::motion::Motion;
 use crate::commands::pipe::line::{Format, Line, Refusal};
 use crate::failure::Failure;
+use crate::last_line;
 
 /// Longest line that is read `[bytes]`.
 const LONGEST_LINE: u64 = 4096;
 /// How often it is looked whether the command is to end.
 const LOOK_EVERY: Duration = Duration::from_millis(10);
-/// How long a reader has to take the last line.
-const LONGEST_WAIT: Duration = Duration::from_secs(1);
 
 /// An excitation between two streams.
 struct Stream {
@@ -103,21 +102,10 @@ fn serve_until(stream: &Arc<Mutex<Stream>>, stop: &StopFlag) -> Result<(), Failu
 /// Takes the force off from beside the thread that answers, which may wait for a reader that does not
 /// read.
 fn let_go(stream: &Arc<Mutex<Stream>>) -> Result<(), Failure> {
-    let (sender, done) = channel();
     let ending = Arc::clone(stream);
-    let spawned = Builder::new().spawn(move || {
-        // A reader that has left needs no last line.
+    last_line::write_beside(move || {
         let _ = locked(&ending).end();
-        let _ = sender.send(());
-    });
-    if spawned.is_ok() && done.recv_timeout(LONGEST_WAIT).is_ok() {
-        return Ok(());
-    }
-    Err(Failure::System(format!(
-        "standard output was not read for {} s, so the last line, which takes the force off, could not be \
-         written",
-        LONGEST_WAIT.as_secs()
-    )))
+    })
 }
 
 fn unwritten(error: &io::Error) -> Failure {

@@ -23,6 +23,7 @@ pub use arguments::PipeArguments;
 
 use super::simulate::read_scene;
 use crate::failure::Failure;
+use crate::last_line;
 use crate::setup::{check_contact, wrong_rendered, wrong_setup};
 use change::{Changeable, rendering};
 use line::Format;
@@ -34,8 +35,6 @@ pub use summary::Summary;
 const LONGEST_LINE: u64 = 4096;
 /// How often it is looked whether the pipe is to end.
 const LOOK_EVERY: Duration = Duration::from_millis(10);
-/// How long a reader has to take the last line.
-const LONGEST_WAIT: Duration = Duration::from_secs(1);
 
 /// Answers every line of standard input until it ends, or a signal ends it.
 pub fn run(arguments: &PipeArguments) -> Result<(), Failure> {
@@ -260,21 +259,10 @@ fn serve_until(stream: &Arc<Mutex<Stream>>, stop: &StopFlag) -> Result<Ended, Fa
 /// Takes the force off from beside the thread that answers. That one may wait for ever for a reader
 /// that does not read.
 fn let_go(stream: &Arc<Mutex<Stream>>) -> Result<(), Failure> {
-    let (sender, done) = channel();
     let ending = Arc::clone(stream);
-    let spawned = Builder::new().spawn(move || {
-        // A reader that has left needs no last line.
+    last_line::write_beside(move || {
         let _ = locked(&ending).end();
-        let _ = sender.send(());
-    });
-    if spawned.is_ok() && done.recv_timeout(LONGEST_WAIT).is_ok() {
-        return Ok(());
-    }
-    Err(Failure::System(format!(
-        "standard output was not read for {} s, so the last line, which takes the force off, could \
-         not be written",
-        LONGEST_WAIT.as_secs()
-    )))
+    })
 }
 
 /// Answers line by line.
