@@ -3,13 +3,13 @@
 use palpate::{Contact, LoopParams, ObjectState};
 use palpate_scene::method::MethodName;
 use palpate_scene::{
-    ActuatorParams, Cogging, Grip, HandForceAt, Measure, PointMassDevice, Scene, Timing, Told,
-    Transmission, Wave,
+    ActuatorParams, Cogging, HandForceAt, Measure, PointMassDevice, Scene, Timing, Told,
+    Transmission,
 };
 
 use super::COLLISIONS;
 use super::chance::Chance;
-use super::draw::{GRAVITY, RandomPlant};
+use super::draw::{GRAVITY, RandomPlant, grip, tremor};
 use super::set::truth;
 
 /// Period of a desktop loop `[s]`.
@@ -29,20 +29,8 @@ pub(super) fn base(chance: &mut Chance) -> RandomPlant {
     let viscous_friction = mass * chance.between(0.0, 1.0);
     let user_force = mass * push;
     let is_held = chance.happens(0.7);
-    let grip = Grip {
-        mass: mass * chance.between(0.0, 1.0),
-        stiffness: chance.log_between(10.0, 300.0),
-        damping: chance.between(0.5, 5.0),
-        // Where the device starts: the spring is relaxed, and the user's force pushes on top.
-        position: 0.0,
-        swing: None,
-        intention: None,
-    };
-    let trembles = chance.happens(0.5);
-    let tremor = Wave {
-        amplitude: 0.2 * user_force,
-        frequency_hz: chance.between(4.0, 12.0),
-    };
+    let grip = grip(chance, mass);
+    let tremor = tremor(chance, user_force);
     let per_stiffness = PERIOD * PERIOD;
     RandomPlant {
         index: 0,
@@ -73,7 +61,7 @@ pub(super) fn base(chance: &mut Chance) -> RandomPlant {
             linkage: None,
             grip: is_held.then_some(grip),
             recorded_hand: None,
-            tremor: trembles.then_some(tremor),
+            tremor,
             release: None,
             delay: 0,
             timing: Timing {

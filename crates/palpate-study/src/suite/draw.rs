@@ -95,6 +95,29 @@ pub(super) fn colliding(
     Err(DrawError::NeverCollides(index))
 }
 
+/// A hand on a device of `mass` `[kg]`.
+pub(super) fn grip(chance: &mut Chance, mass: f64) -> Grip {
+    Grip {
+        mass: mass * chance.between(0.0, 1.0),
+        stiffness: chance.log_between(10.0, 300.0),
+        damping: chance.between(0.5, 5.0),
+        // Where the device starts: the spring is relaxed, and the user's force pushes on top.
+        position: 0.0,
+        swing: None,
+        intention: None,
+    }
+}
+
+/// A tremor of a user who pushes with `user_force` `[N]`, in every second case.
+pub(super) fn tremor(chance: &mut Chance, user_force: f64) -> Option<Wave> {
+    let trembles = chance.happens(0.5);
+    let tremor = Wave {
+        amplitude: 0.2 * user_force,
+        frequency_hz: chance.between(4.0, 12.0),
+    };
+    trembles.then_some(tremor)
+}
+
 /// The next draw. Every number is drawn whether it is used or not, so that one choice does not move
 /// all that follow it.
 fn draw(chance: &mut Chance) -> RandomPlant {
@@ -110,20 +133,8 @@ fn draw(chance: &mut Chance) -> RandomPlant {
     let encoder_quantum = chance.one_of([0.0, 1e-6, 1e-5]);
     let told_device_mass = mass * chance.log_between(0.5, 2.0);
     let is_held = !chance.happens(0.4);
-    let grip = Grip {
-        mass: mass * chance.between(0.0, 1.0),
-        stiffness: chance.log_between(10.0, 300.0),
-        damping: chance.between(0.5, 5.0),
-        // Where the device starts: the spring is relaxed, and the user's force pushes on top.
-        position: 0.0,
-        swing: None,
-        intention: None,
-    };
-    let trembles = chance.happens(0.5);
-    let tremor = Wave {
-        amplitude: 0.2 * user_force,
-        frequency_hz: chance.between(4.0, 12.0),
-    };
+    let grip = grip(chance, mass);
+    let tremor = tremor(chance, user_force);
 
     let stiffness = kappa * mass / (period * period);
     let object_mass = stiffness * period * period / object_kappa;
@@ -157,7 +168,7 @@ fn draw(chance: &mut Chance) -> RandomPlant {
             linkage: None,
             grip: is_held.then_some(grip),
             recorded_hand: None,
-            tremor: trembles.then_some(tremor),
+            tremor,
             release: None,
             delay: 0,
             timing: Timing::default(),

@@ -159,10 +159,10 @@ impl<S: Scalar> Method<S> for AnyMethod<S> {
     }
 
     #[inline]
-    fn later(&self, memory: &AnyMemory<S>) -> S {
+    fn lateness(&self, memory: &AnyMemory<S>) -> S {
         match self {
             Self::Basic(_) => S::ZERO,
-            $(Self::$Variant(method) => method.later(&part!(memory $($own)? $($shared)?)),)*
+            $(Self::$Variant(method) => method.lateness(&part!(memory $($own)? $($shared)?)),)*
         }
     }
 

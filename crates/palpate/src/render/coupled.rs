@@ -412,7 +412,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
     }
 
     #[inline]
-    fn later(&self, memory: &CoupledMemory<S>) -> S {
+    fn lateness(&self, memory: &CoupledMemory<S>) -> S {
         memory.lateness.mean
     }
 

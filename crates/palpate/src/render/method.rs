@@ -85,7 +85,7 @@ pub trait Method<S: Scalar>: Copy + Debug {
 
     /// By how much later than it was told the commands begin, by what the method has learned `[s]`.
     #[inline]
-    fn later(&self, _memory: &Self::Memory) -> S {
+    fn lateness(&self, _memory: &Self::Memory) -> S {
         S::ZERO
     }
 

@@ -424,7 +424,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
     /// The actuator as the method has learned it, if that is another than was told.
     #[inline]
     fn learned_actuator(&self, memory: &M::Memory) -> Option<Actuator<S>> {
-        let later = self.method.later(memory);
+        let later = self.method.lateness(memory);
         (later != S::ZERO).then(|| self.actuator.later(later))
     }
 
