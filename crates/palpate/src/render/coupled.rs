@@ -185,10 +185,11 @@ impl<S: Scalar> CoupledMemory<S> {
 /// error, with and without delay.
 const REPAID: f64 = 0.5;
 
-/// Most of the speed by which a wall's avatar is ahead of the device that the next force makes up for: this
-/// part of kappa times the contact's impulse, and no more than that. Without a bound, a device that moves as
-/// no mass does is given more and more. With more, a soft wall whose delay is not known swings with every
-/// other sample; with less, a stiff one swings for ever.
+/// A wall's avatar may be faster than the device. The next force makes up for that difference, by an impulse
+/// of at most kappa times this factor times the contact's impulse, and never more than the contact's impulse.
+/// An adversary who moves the device gets more energy out of a wall without this bound. With a larger factor,
+/// a soft wall with an untold delay alternates between two forces; with a smaller one, a stiff wall keeps
+/// swinging.
 const REPAID_BY_WALLS: f64 = 0.3;
 
 /// What is owed to an object that is apart is forgotten when it would change its velocity by less than

@@ -70,19 +70,14 @@ pub fn figure(motion: &Motion, measured: &Measured, period: f64) -> Figure {
             ),
             row(
                 "measured - fitted [um]",
-                vec![curve(
-                    "measured - fitted",
-                    Kind::Line,
-                    Role::Compared(1),
-                    left,
-                )],
+                vec![curve("measured - fitted", Kind::Line, Role::Recorded, left)],
             ),
             row(
                 "command [N]",
                 vec![curve(
                     "command",
                     Kind::Step,
-                    Role::Compared(1),
+                    Role::Compared(0),
                     motion.forces[shown.clone()].to_vec(),
                 )],
             ),
@@ -97,7 +92,7 @@ fn finding(calibration: &Calibration) -> String {
         let value = calibration.value(quantity)? * unit;
         let deviation = calibration.standard_deviation(quantity)? * unit;
         Some(format!(
-            "{name} {} +- {} {symbol}",
+            "{name} {} ± {} {symbol}",
             digits(value),
             digits(deviation)
         ))

@@ -31,9 +31,9 @@ const WALL_RETURN: f64 = 0.2;
 /// Most of its offset that a wall gives back in one interval: of a stiff one in a slow loop more would be
 /// energy, too.
 const WALL_RETURN_MOST: f64 = 0.03;
-/// A wall's offset grows no further than this multiple of the way that the impulse of one interval takes a
-/// device in one interval: ten times what a collision leaves. It bounds what a device that moves as no mass
-/// does can take from it.
+/// Bound of a wall's offset: this factor times the distance that the contact's impulse moves the device in one
+/// interval. A collision leaves an offset of about a tenth of the bound. The bound limits the energy that an
+/// adversary who moves the device can get out of the wall.
 const WALL_OFFSET_MOST: f64 = 16.0;
 
 /// How one interval goes: what moves device and object against each other, and where it ends.
