@@ -32,8 +32,7 @@ const WALL_RETURN: f64 = 0.2;
 /// energy, too.
 const WALL_RETURN_MOST: f64 = 0.03;
 /// Bound of a wall's offset: this factor times the distance that the contact's impulse moves the device in one
-/// interval. A collision leaves an offset of about a tenth of the bound. The bound limits the energy that an
-/// adversary who moves the device can get out of the wall.
+/// interval. It limits the energy that an adversary who moves the device can get out of the wall.
 const WALL_OFFSET_MOST: f64 = 16.0;
 
 /// How one interval goes: what moves device and object against each other, and where it ends.
