@@ -55,6 +55,7 @@ fn the_committed_schemas_are_those_of_the_reports() {
         ("info", schema::<recording::report::RecordingReport>()),
         ("map-report", schema::<map::report::MapReport>()),
         ("pipe", schema::<pipe::Summary>()),
+        ("pipe-world", schema::<pipe::WorldSummary>()),
         ("report", schema::<report::Report>()),
         ("run", schema::<run::Report>()),
         ("suite", schema::<suite::report::SuiteReport>()),

@@ -236,6 +236,17 @@ impl WorldRenderer {
     }
 
     /// Sends the forces of a sample.
+    /// Tells what was sent to the devices in place of the forces of the last tick, where something behind the
+    /// renderer has changed them: limits, a soft start, a stop. `forces`: one for each tool `[N]`; others than
+    /// finite ones count as 0. Call it after each [`step`](Self::step) whose forces were changed.
+    pub fn report_sent(&self, state: &mut WorldState, forces: &[crate::Vector]) {
+        for ((kept, tool), sent) in state.forces.iter_mut().zip(&mut state.tools).zip(forces) {
+            *kept = sent.map(|part| if part.is_finite() { part } else { 0.0 });
+            tool.force = *kept;
+        }
+        self.send(state);
+    }
+
     fn send(&self, state: &mut WorldState) {
         self.method.sent(state);
     }
