@@ -12,9 +12,11 @@
 
 mod contact;
 mod dormand_prince;
+mod held_axis;
 mod ideal;
 mod modes;
 mod motion;
+mod plant;
 mod scene;
 mod self_check;
 mod surface;
@@ -25,6 +27,7 @@ pub use ideal::{
     BodyState, ContactState, DeviceProfile, DeviceState, Encounter, TOLERANCE, WorldBooks,
     WorldIdeal, WorldState,
 };
+pub use plant::{PlantParams, WorldPlant};
 pub use scene::{
     ContactLaw, InvalidScene, Member, Motion, Pair, Shape, Vector, WorldBody, WorldDevice,
     WorldHand, WorldScene,
