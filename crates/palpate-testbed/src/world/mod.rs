@@ -14,6 +14,7 @@ mod contact;
 mod dormand_prince;
 mod held_axis;
 mod ideal;
+mod judgement;
 mod modes;
 mod motion;
 mod plant;
@@ -26,6 +27,9 @@ pub use contact::WorldError;
 pub use ideal::{
     BodyState, ContactState, DeviceProfile, DeviceState, Encounter, TOLERANCE, WorldBooks,
     WorldIdeal, WorldState,
+};
+pub use judgement::{
+    DeviceJudgement, JudgementError, RenderedTouch, TouchJudgement, WindowRule, WorldJudgement,
 };
 pub use plant::{PlantParams, WorldPlant};
 pub use scene::{
