@@ -13,6 +13,10 @@ pub enum Place {
     Body(usize),
     /// The contact of this number, from 0.
     Contact(usize),
+    /// The loop in which a world is rendered.
+    Loop,
+    /// The method by which it is rendered.
+    Method,
 }
 
 /// A fault of a world: where it is, of what, and what is allowed.
