@@ -1,14 +1,16 @@
 //! From a world's scene to its renderer.
 
 use palpate::Actuation;
-use palpate_world::{BasicParams, Place, WorldError, WorldLoop, WorldMethod, WorldRenderer};
+use palpate_world::{
+    BasicParams, CoupledParams, Place, WorldError, WorldLoop, WorldMethod, WorldRenderer,
+};
 
 use super::WorldScene;
 use crate::method::nearest;
 
 impl WorldScene {
     /// Names of the methods that render worlds.
-    pub const METHODS: [&str; 2] = ["basic", "virtual-damper"];
+    pub const METHODS: [&str; 3] = ["basic", "virtual-damper", "coupled"];
 
     /// The loop as a renderer is told it.
     #[must_use]
@@ -39,6 +41,12 @@ impl WorldScene {
                 .into()),
                 None => Err(fault("virtual-damper needs damping_n_s_per_m")),
             },
+            "coupled" => {
+                let quanta = self.devices.iter().flat_map(|device| device.quantum);
+                let quantum = quanta.fold(0.0, f64::max);
+                let params = CoupledParams::new(self.render.device_mass.clone());
+                Ok(params.with_encoder_quantum(quantum).into())
+            }
             _ => {
                 let all = Self::METHODS.join(", ");
                 let near = nearest(name, &Self::METHODS);

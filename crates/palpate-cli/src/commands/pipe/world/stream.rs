@@ -108,7 +108,9 @@ impl Stream {
             shortened |= verdict.bounded.force;
             *force = verdict.wrench.force;
         }
-        self.renderer.report_sent(&mut self.state, &forces);
+        for (tool, force) in forces.iter().enumerate() {
+            self.renderer.report_sent(&mut self.state, tool, *force);
+        }
         // As for one contact: a time that was refused is kept, or all lines after a clock that was set would
         // be refused.
         self.memory.last_time = time.or(self.memory.last_time);

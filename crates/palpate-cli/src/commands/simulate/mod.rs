@@ -1,5 +1,7 @@
 //! `palpate simulate`: a scene in closed loop.
 
+mod world;
+
 use std::path::Path;
 use std::string::FromUtf8Error;
 
@@ -22,8 +24,11 @@ use palpate_study::report::{Report, Subject};
 
 /// Simulates a scene by the methods that were named, or by its own.
 pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
+    let file = match read_any(&arguments.scene)? {
+        AnyScene::Contact(file) => *file,
+        AnyScene::World(file) => return world::run(arguments, &arguments.scene, &file),
+    };
     let flags = &arguments.flags;
-    let file = read_scene(&arguments.scene)?;
     let methods = flags.methods(file.scene.method);
     flags.check_settings(&methods)?;
     let mut scene = file.scene.clone();
