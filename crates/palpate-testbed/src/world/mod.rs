@@ -10,6 +10,7 @@
 //! A contact acts at one point, midway between the two surfaces on the line along n. All is in world axes and
 //! SI units; a force on a tool is what its device gives to the hand.
 
+pub mod benchmarks;
 mod contact;
 mod dormand_prince;
 mod held_axis;

@@ -1,0 +1,4 @@
+//! The benchmark scenes and the random scenes of worlds.
+#![allow(clippy::print_stdout)] // what was measured
+
+mod benchmarks;
