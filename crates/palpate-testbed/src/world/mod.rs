@@ -19,6 +19,7 @@ mod judgement;
 mod modes;
 mod motion;
 mod plant;
+pub mod random_worlds;
 mod scene;
 mod self_check;
 mod surface;

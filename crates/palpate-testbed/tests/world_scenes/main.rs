@@ -2,3 +2,4 @@
 #![allow(clippy::print_stdout)] // what was measured
 
 mod benchmarks;
+mod sampled_spring;
