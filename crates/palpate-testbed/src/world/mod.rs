@@ -18,6 +18,7 @@ mod ideal;
 mod judgement;
 mod modes;
 mod motion;
+mod overlap;
 mod plant;
 pub mod random_worlds;
 mod scene;
@@ -33,6 +34,7 @@ pub use ideal::{
 pub use judgement::{
     DeviceJudgement, JudgementError, RenderedTouch, TouchJudgement, WindowRule, WorldJudgement,
 };
+pub use overlap::Overlap;
 pub use plant::{PlantParams, WorldPlant};
 pub use scene::{
     ContactLaw, InvalidScene, Member, Motion, Pair, Shape, Vector, WorldBody, WorldDevice,

@@ -149,9 +149,9 @@ fn stepped(steps: u32) -> Vec<f64> {
         }
         impulse = add(impulse, step, pushes[0]);
         for (sphere, (push, torque)) in spheres.iter_mut().zip(pushes.iter().zip(torques)) {
-            for axis in 0..3 {
-                let total = push[axis] + sphere.force[axis];
-                sphere.velocity[axis] += step * total / sphere.mass[axis];
+            let total = add(*push, 1.0, sphere.force);
+            for ((v, total), mass) in sphere.velocity.iter_mut().zip(total).zip(sphere.mass) {
+                *v += step * total / mass;
             }
             sphere.turning = add(sphere.turning, step / sphere.inertia, torque);
             sphere.place = add(sphere.place, 0.5 * step, sphere.velocity);
