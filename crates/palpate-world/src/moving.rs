@@ -27,6 +27,8 @@ pub(crate) struct Touch {
     pub slid: Vector3,
     /// Power that material damping takes `[W]`.
     damping_power: f64,
+    /// Power of the material's damping on what only seems to move, a tool that is held between samples `[W]`.
+    apparent_power: f64,
     pub past: Past,
 }
 
@@ -57,6 +59,7 @@ impl Touch {
             relative: none,
             slid: none,
             damping_power: 0.0,
+            apparent_power: 0.0,
             past: Past::default(),
         }
     }
@@ -70,8 +73,9 @@ impl Touch {
     fn book(&mut self, relative: &Vector3, mean: &Vector3, half: f64) {
         let impulse = self.force * half;
         self.past.impulse += impulse;
-        self.past.work += 0.5 * impulse.dot(&(self.relative + relative));
-        self.past.work_on_tool += impulse.dot(mean);
+        let apparent = half * self.apparent_power;
+        self.past.work += 0.5 * impulse.dot(&(self.relative + relative)) + apparent;
+        self.past.work_on_tool += impulse.dot(mean) + apparent;
         self.past.dissipated += half * self.damping_power;
     }
 }
@@ -279,5 +283,6 @@ impl Touch {
         let rate = -self.normal.dot(&(relative + apparent));
         let by_damping = self.normal_force - point.law.stiffness * self.penetration;
         self.damping_power = (by_damping * rate).max(0.0);
+        self.apparent_power = by_damping * self.normal.dot(&apparent);
     }
 }

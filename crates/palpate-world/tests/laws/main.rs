@@ -1,6 +1,7 @@
 //! Physical laws that a rendered world keeps.
 #![allow(missing_docs)]
 
+mod books;
 mod common;
 mod conservation;
 mod floor;
