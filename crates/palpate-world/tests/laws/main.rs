@@ -1,8 +1,11 @@
 //! Physical laws that a rendered world keeps.
 #![allow(missing_docs)]
 
+mod adversary;
 mod books;
+mod closed_form;
 mod common;
 mod conservation;
 mod floor;
 mod ideal;
+mod resting;
