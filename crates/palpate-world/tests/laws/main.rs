@@ -7,5 +7,6 @@ mod closed_form;
 mod common;
 mod conservation;
 mod floor;
+mod grasp;
 mod ideal;
 mod resting;
