@@ -18,7 +18,8 @@ pub struct ContactBook {
     pub work_on_avatar: f64,
     /// Work of the contact's mean force on the device itself.
     pub held: f64,
-    /// What the stored energy changed by because a sample put the avatar to another place than it was expected at.
+    /// What the stored energy changed by because a sample put the avatar to another place than it was expected at, or
+    /// a limit did.
     pub observed: f64,
     /// What finite sub-steps have made (positive) or lost.
     pub step_error: f64,

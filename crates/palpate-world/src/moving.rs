@@ -104,8 +104,7 @@ impl Moving {
         for touch in &self.touches {
             sum += touch.bristle.sum() + touch.force.sum() + touch.past.work;
         }
-        // The difference of a number with itself is 0, but for what is not finite.
-        sum - sum == 0.0
+        sum.is_finite()
     }
 
     /// An interval begins: nothing has passed.

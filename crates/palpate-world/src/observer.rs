@@ -159,7 +159,7 @@ impl Default for Prior {
             mobility: 0.5,
             damping_rate: 15.0,
             spring_rate: 1000.0,
-            jerk: 200.0,
+            jerk: 100.0,
         }
     }
 }

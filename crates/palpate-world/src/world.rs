@@ -153,7 +153,8 @@ impl<'a> Faults<'a> {
 
     fn unit(&mut self, field: &'static str, values: &[f64]) {
         let length = values.iter().map(|value| value * value).sum::<f64>().sqrt();
-        if !((length - 1.0).abs() < LENGTH_TOLERANCE) {
+        let is_unit = (length - 1.0).abs() < LENGTH_TOLERANCE;
+        if !is_unit {
             self.fault(field, format!("{field} has length {length}, and needs 1"));
         }
     }

@@ -77,7 +77,8 @@ impl CoupledParams {
             );
         }
         for mass in self.device_mass.iter().flatten() {
-            if !(*mass > 0.0) {
+            let is_mass = *mass > 0.0;
+            if !is_mass {
                 fault(
                     "device_mass",
                     format!("device_mass is {mass}, and has to be above 0, or infinite"),
@@ -89,7 +90,8 @@ impl CoupledParams {
             ("velocity_return", self.velocity_return),
         ];
         for (field, value) in positive {
-            if !(value > 0.0) {
+            let is_positive = value > 0.0;
+            if !is_positive {
                 fault(field, format!("{field} is {value}, and has to be above 0"));
             }
         }

@@ -2,7 +2,7 @@
 
 use palpate_world::{
     BasicParams, Body, Books, ContactLaw, CoupledParams, Free, Motion, Prior, Sample, Shape, Tool,
-    Vector, World, WorldLoop, WorldMethod, WorldRenderer, WorldState,
+    Vector, VirtualCouplingParams, World, WorldLoop, WorldMethod, WorldRenderer, WorldState,
 };
 
 use crate::common::{ball, plane};
@@ -113,11 +113,20 @@ fn turnover(books: &Books) -> f64 {
     contacts.sum::<f64>() + bodies.sum::<f64>()
 }
 
-fn methods() -> [(&'static str, WorldMethod); 3] {
+fn methods() -> [(&'static str, WorldMethod); 4] {
     let told = CoupledParams::new(vec![MASS.map(|mass| 1.5 * mass); 2]);
     let known = CoupledParams::new(vec![MASS; 2]).with_prior(Prior::of_a_known_mass());
     [
         ("basic", BasicParams::default().into()),
+        (
+            "virtual coupling",
+            VirtualCouplingParams {
+                stiffness: vec![2000.0; 2],
+                damping: vec![2.0; 2],
+                mass: vec![0.1; 2],
+            }
+            .into(),
+        ),
         ("coupled, told 1.5 times the mass", told.into()),
         ("coupled, exact", known.into()),
     ]

@@ -2,8 +2,8 @@
 
 use palpate::Actuation;
 use palpate_world::{
-    BasicParams, Body, ContactLaw, CoupledParams, Free, Prior, SubSteps, Vector, World, WorldLoop,
-    WorldMethod, WorldRenderer,
+    BasicParams, Body, ContactLaw, CoupledParams, Free, Prior, SubSteps, Vector,
+    VirtualCouplingParams, World, WorldLoop, WorldMethod, WorldRenderer,
 };
 
 use crate::common::{ball, plane, world};
@@ -215,9 +215,15 @@ fn as_it_comes_and_told_another_mass_it_is_near_that_mean() {
         let [right, heavy, light] =
             [1.0, 1.5, 0.67].map(|factor| errors(law, in_loop, same, told(factor)));
         let basic = errors(law, in_loop, same, BasicParams::default());
+        let coupling = VirtualCouplingParams {
+            stiffness: vec![3000.0],
+            damping: vec![1.0],
+            mass: vec![0.05],
+        };
+        let coupling = errors(law, in_loop, same, coupling);
         println!(
-            "{in_loop:?}: E {right:.3?} %, told 1.5 times the mass {heavy:.3?}, two thirds {light:.3?}; sampled \
-             spring {basic:.0?}"
+            "{in_loop:?}: E {right:.3?} %, told 1.5 times the mass {heavy:.3?}, two thirds {light:.3?}; sampled spring \
+             {basic:.0?}, virtual coupling {coupling:.0?}"
         );
         for column in [right, heavy, light] {
             for (error, basic) in column.into_iter().zip(basic) {
