@@ -1,6 +1,7 @@
 //! Physical laws that a rendered world keeps.
 #![allow(missing_docs)]
 #![allow(clippy::print_stdout)] // a law prints what it has measured
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // numbers of samples
 
 mod adversary;
 mod books;
