@@ -72,7 +72,8 @@ impl World {
             }
         }
         for (number, contact) in self.contacts.iter().enumerate() {
-            let subject = format!("contact {number}");
+            let [one, other] = contact.between.each_ref().map(Party::as_str);
+            let subject = format!("contact between {one:?} and {other:?}");
             let mut of = Faults::new(&mut faults, Place::Contact(number), &subject);
             for party in &contact.between {
                 if let Party::Named(name) = party
