@@ -314,3 +314,113 @@ impl AxisObserver {
         (sum + self.covariance.sum()).is_finite()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn some_motion() -> AxisMotion {
+        AxisMotion {
+            offset: 1e-6,
+            velocity: 0.13,
+            external: -7.0,
+            mobility: 8.0,
+            damping_rate: 17.0,
+            spring_rate: 900.0,
+        }
+    }
+
+    /// Against many small steps of the same equations.
+    #[test]
+    fn the_motion_is_that_of_a_hand_with_spring_and_damper() {
+        let (motion, force, h) = (some_motion(), 1.5, 0.004);
+        let change = motion.under(force, h);
+        let (mut x, mut u, mut a) = (0.0, motion.velocity, motion.external);
+        let steps = 100_000;
+        let step = h / f64::from(steps);
+        for _ in 0..steps {
+            let before = (u, a + motion.mobility * force);
+            let middle = (
+                u + 0.5 * step * before.1,
+                before.1
+                    - 0.5 * step * (motion.damping_rate * before.1 + motion.spring_rate * before.0),
+            );
+            x += step * middle.0;
+            u += step * middle.1;
+            a -= step * (motion.damping_rate * middle.1 + motion.spring_rate * middle.0);
+        }
+        assert!((change.travel - x).abs() < 1e-12, "{} {x}", change.travel);
+        assert!((change.gained - (u - motion.velocity)).abs() < 1e-9);
+        assert!((change.external - (a - motion.external)).abs() < 1e-4);
+    }
+
+    #[test]
+    fn the_transition_is_the_derivative_of_the_motion() {
+        let (motion, force, h) = (some_motion(), -2.0, 0.004);
+        let rows = motion.transition(force, h);
+        let end = |motion: &AxisMotion| {
+            let change = motion.under(force, h);
+            [
+                motion.offset + change.travel,
+                motion.velocity + change.gained,
+                motion.external + change.external,
+            ]
+        };
+        let steps = [1e-6, 1e-4, 1e-3, 1e-4, 1e-3, 1e-2];
+        for (state, step) in steps.into_iter().enumerate() {
+            let moved = |by: f64| {
+                let mut moved = motion;
+                let place = [
+                    &mut moved.offset,
+                    &mut moved.velocity,
+                    &mut moved.external,
+                    &mut moved.mobility,
+                    &mut moved.damping_rate,
+                    &mut moved.spring_rate,
+                ];
+                *place.into_iter().nth(state).unwrap() += by;
+                end(&moved)
+            };
+            let [more, less] = [moved(step), moved(-step)];
+            for row in 0..3 {
+                let slope = (more[row] - less[row]) / (2.0 * step);
+                let told = rows[row][state];
+                assert!(
+                    (slope - told).abs() < 1e-6 * told.abs().max(1e-3),
+                    "{row} {state}: {slope} {told}"
+                );
+            }
+        }
+    }
+
+    /// A hand with spring and damper and a device of another mass than told, shaken by known forces: the observer
+    /// learns all three.
+    #[test]
+    fn mass_damping_and_stiffness_are_learned_from_forces() {
+        let mut real = AxisMotion {
+            offset: 0.0,
+            velocity: 0.0,
+            external: 0.0,
+            mobility: 6.0,
+            damping_rate: 12.0,
+            spring_rate: 800.0,
+        };
+        let from = AxisPrior::new(0.25, 1e-6, Prior::default());
+        let (mut observer, h) = (AxisObserver::new(&from), 0.001);
+        let (mut place, mut measured) = (0.0, 0.0);
+        for sample in 0..4000_u32 {
+            let force = if sample / 37 % 2 == 0 { 1.0 } else { -1.0 };
+            let change = real.under(force, h);
+            place += change.travel;
+            real.velocity += change.gained;
+            real.external += change.external;
+            let now = (place / 1e-6_f64).round() * 1e-6;
+            observer.see(&from, now - measured, force, h);
+            measured = now;
+        }
+        let found = observer.motion;
+        assert!((found.mobility / 6.0 - 1.0).abs() < 0.02, "{found:?}");
+        assert!((found.damping_rate / 12.0 - 1.0).abs() < 0.2, "{found:?}");
+        assert!((found.spring_rate / 800.0 - 1.0).abs() < 0.2, "{found:?}");
+    }
+}

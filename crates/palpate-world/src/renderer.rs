@@ -152,7 +152,8 @@ impl WorldRenderer {
         }
     }
 
-    /// One tick: takes a sample of all devices, gives the forces to hold until the next. Total: it never panics,
+    /// One tick: takes a sample of all devices, gives the forces to hold until the next. `state` is one that this
+    /// renderer has started. Total: it never panics,
     /// allocates, blocks or loops without bound, and its forces are finite for any input.
     ///
     /// A sample that cannot be used gives forces of 0 and its fault. The bodies then wait, with their momentum, where
