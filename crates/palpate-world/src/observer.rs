@@ -8,7 +8,7 @@
 //! ```
 //!
 //! theta = 1/m, lambda (damping over mass) and kappa (stiffness over mass) are parts of the state, which an interval
-//! of contact tells. f is constant over the interval, so its end follows in closed form; a series in h of six terms is
+//! of contact tells. f counts by its mean over the interval, and by how much of it comes early, so the interval's end follows in closed form; a series in h of six terms is
 //! within rounding of it where lambda h and kappa h^2 are small.
 
 use nalgebra::{SMatrix, SVector};
@@ -44,6 +44,17 @@ pub(crate) struct Change {
     pub gained: f64,
     /// Change of a `[m/s^2]`.
     pub external: f64,
+}
+
+/// A force on a device along an axis, over an interval.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AxisForce {
+    /// Its mean `[N]`.
+    pub mean: f64,
+    /// By how much its impulse comes earlier than a constant force's `[N s^2]`.
+    pub lead: f64,
+    /// Standard deviation of its impulse `[N s]`.
+    pub doubt: f64,
 }
 
 /// Derivatives of a velocity by time, from the velocity itself on.
@@ -88,14 +99,17 @@ impl AxisMotion {
         self.series([self.velocity, pushed], |_| 0.0)
     }
 
-    /// What an interval of `h` `[s]` does to it under a constant `force` `[N]` on it.
-    pub fn under(&self, force: f64, h: f64) -> Change {
-        over(&self.own_series(force), h)
+    /// What an interval of `h` `[s]` does to it under a `force` on it.
+    pub fn under(&self, force: &AxisForce, h: f64) -> Change {
+        let mut change = over(&self.own_series(force.mean), h);
+        change.travel += self.mobility * force.lead;
+        change
     }
 
     /// How place, velocity and acceleration at the end come from the state at the start.
-    fn transition(&self, force: f64, h: f64) -> [Row; 3] {
-        let own = self.own_series(force);
+    fn transition(&self, force: &AxisForce, h: f64) -> [Row; 3] {
+        let AxisForce { mean, lead, .. } = *force;
+        let own = self.own_series(mean);
         let none = |_| 0.0;
         let by_velocity = over(&self.series([1.0, 0.0], none), h);
         let by_external = over(&self.series([0.0, 1.0], none), h);
@@ -110,7 +124,7 @@ impl AxisMotion {
                 1.0,
                 u.travel,
                 a.travel,
-                force * a.travel,
+                mean * a.travel + lead,
                 l.travel,
                 k.travel,
             ),
@@ -118,7 +132,7 @@ impl AxisMotion {
                 0.0,
                 1.0 + u.gained,
                 a.gained,
-                force * a.gained,
+                mean * a.gained,
                 l.gained,
                 k.gained,
             ),
@@ -126,7 +140,7 @@ impl AxisMotion {
                 0.0,
                 u.external,
                 1.0 + a.external,
-                force * a.external,
+                mean * a.external,
                 l.external,
                 k.external,
             ),
@@ -243,7 +257,7 @@ impl AxisObserver {
     /// Takes the sample at the end of an interval of `h` `[s]` over which the device has moved by `moved` `[m]` under
     /// a held `force` `[N]`. Returns the device at the interval's beginning as the sample makes it look now: smoothed by
     /// one step, but for theta, lambda and kappa, which are the same at both ends.
-    pub fn see(&mut self, from: &AxisPrior, moved: f64, force: f64, h: f64) -> AxisMotion {
+    pub fn see(&mut self, from: &AxisPrior, moved: f64, force: &AxisForce, h: f64) -> AxisMotion {
         let before = self.motion;
         let change = before.under(force, h);
         let transition = before.transition(force, h);
@@ -258,7 +272,9 @@ impl AxisObserver {
             covariance.set_row(number, &(row.transpose() * cross));
         }
         covariance += jerk * jerk.transpose() * (from.prior.jerk * from.prior.jerk);
-        let variance = covariance[(0, 0)] + from.measurement_variance;
+        // What is not known of the force: a kick that is not there, or is there twice.
+        let kicked = before.mobility * force.doubt * h;
+        let variance = covariance[(0, 0)] + from.measurement_variance + kicked * kicked;
         let innovation = moved - (before.offset + change.travel);
         let seen: Row = covariance.column(0).into();
         let gain = seen / variance;
@@ -319,6 +335,14 @@ impl AxisObserver {
 mod tests {
     use super::*;
 
+    fn constant(mean: f64) -> AxisForce {
+        AxisForce {
+            mean,
+            lead: 0.0,
+            doubt: 0.0,
+        }
+    }
+
     fn some_motion() -> AxisMotion {
         AxisMotion {
             offset: 1e-6,
@@ -334,7 +358,7 @@ mod tests {
     #[test]
     fn the_motion_is_that_of_a_hand_with_spring_and_damper() {
         let (motion, force, h) = (some_motion(), 1.5, 0.004);
-        let change = motion.under(force, h);
+        let change = motion.under(&constant(force), h);
         let (mut x, mut u, mut a) = (0.0, motion.velocity, motion.external);
         let steps = 100_000;
         let step = h / f64::from(steps);
@@ -357,9 +381,9 @@ mod tests {
     #[test]
     fn the_transition_is_the_derivative_of_the_motion() {
         let (motion, force, h) = (some_motion(), -2.0, 0.004);
-        let rows = motion.transition(force, h);
+        let rows = motion.transition(&constant(force), h);
         let end = |motion: &AxisMotion| {
-            let change = motion.under(force, h);
+            let change = motion.under(&constant(force), h);
             [
                 motion.offset + change.travel,
                 motion.velocity + change.gained,
@@ -410,12 +434,12 @@ mod tests {
         let (mut place, mut measured) = (0.0, 0.0);
         for sample in 0..4000_u32 {
             let force = if sample / 37 % 2 == 0 { 1.0 } else { -1.0 };
-            let change = real.under(force, h);
+            let change = real.under(&constant(force), h);
             place += change.travel;
             real.velocity += change.gained;
             real.external += change.external;
             let now = (place / 1e-6_f64).round() * 1e-6;
-            observer.see(&from, now - measured, force, h);
+            observer.see(&from, now - measured, &constant(force), h);
             measured = now;
         }
         let found = observer.motion;

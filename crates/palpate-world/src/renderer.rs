@@ -160,7 +160,12 @@ impl WorldRenderer {
     /// they were at the last sample that was used.
     pub fn step<'s>(&self, state: &'s mut WorldState, sample: &Sample<'_>) -> Output<'s> {
         let WorldState { progress, memory } = state;
-        let (limited, effort, fault) = match self.try_step(progress, memory, sample) {
+        let elapsed = progress.tracking.believe(sample, &self.in_loop);
+        progress
+            .commands
+            .pass(*elapsed.as_ref().unwrap_or(&self.in_loop.period));
+        let answer = elapsed.and_then(|elapsed| self.try_step(progress, memory, sample, elapsed));
+        let (limited, effort, fault) = match answer {
             Ok((limited, effort)) => (limited, effort, None),
             Err(fault) => {
                 progress.tracking.in_progress = false;
@@ -186,8 +191,8 @@ impl WorldRenderer {
         state: &mut Progress,
         memory: &mut Memory,
         sample: &Sample<'_>,
+        elapsed: f64,
     ) -> Result<(Limited, Effort), WorldFault> {
-        let elapsed = state.tracking.believe(sample, &self.in_loop)?;
         let overflow = WorldFault {
             fault: Fault::Overflow,
             tool: None,

@@ -172,7 +172,7 @@ impl VirtualCoupling {
                     book.held += held;
                 }
             }
-            book.port_work += state.commands.held(tool).sent.dot(&way);
+            book.port_work += state.commands.passed(tool).sent.dot(&way);
             book.unforeseen = book.port_work - book.held;
         }
         effort
@@ -200,7 +200,7 @@ impl VirtualCoupling {
                 spring_rate: Vector3::repeat(stiffness / mass),
                 ..Drive::constant(pull / mass)
             };
-            *intended = -pull;
+            *intended = state.commands.for_force(&-pull);
         }
         Effort::default()
     }

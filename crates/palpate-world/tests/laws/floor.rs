@@ -2,12 +2,12 @@
 
 use palpate::Actuation;
 use palpate_world::{
-    BasicParams, Body, ContactLaw, CoupledParams, Free, Prior, SubSteps, Vector,
+    BasicParams, Body, ContactLaw, CoupledParams, Free, Prior, Sample, SubSteps, Vector,
     VirtualCouplingParams, World, WorldLoop, WorldMethod, WorldRenderer,
 };
 
 use crate::common::{ball, plane, world};
-use crate::ideal::{Ball, Ideal, Law, Plane, Trial};
+use crate::ideal::{Actuators, Ball, Ideal, Law, Plane, Trial, dot};
 
 const DEVICE: Vector = [0.1, 0.16, 0.25];
 
@@ -229,6 +229,91 @@ fn as_it_comes_and_told_another_mass_it_is_near_that_mean() {
             for (error, basic) in column.into_iter().zip(basic) {
                 assert!(error < 1.5 && basic > 5.0 * error, "{error} {basic}");
             }
+        }
+    }
+}
+
+/// E in percent over the windows in which the commands act, from `lead` after each sample, with a real actuator of which
+/// the renderer is told `told`.
+fn over_windows(case: &Case, period: f64, real: Actuation<f64>, told: Actuation<f64>) -> f64 {
+    let in_loop = fine(WorldLoop::new(period)).with_actuation(told);
+    let world = as_world(&case.ideal, case.law);
+    let renderer = WorldRenderer::new(&world, in_loop, exact()).unwrap();
+    let mut state = renderer.start();
+    let mut ideal = case.ideal.clone();
+    let tool = ideal.balls[0];
+    let mut device = Ideal::new(vec![tool], Vec::new(), ideal.law);
+    let mut actuators = Actuators {
+        delay: real.delay,
+        lag: real.lag,
+        gain: real.gain,
+        sent: Vec::new(),
+        felt: vec![[0.0; 3]],
+        own: vec![tool.force],
+    };
+    // The ideal is as far as the first command's beginning when the loop starts.
+    let early = real.delay % period;
+    let (mut delivered, mut errors, mut all) = ([0.0; 3], 0.0, 0.0);
+    if early > 0.0 {
+        ideal.interval(early);
+    }
+    for sample in 0..case.milliseconds.min(150) as usize {
+        let now = sample as f64 * period;
+        let position = device.balls[0].position;
+        let output = renderer.step(&mut state, &Sample::at(&[position]));
+        assert_eq!(output.fault, None);
+        actuators.sent.push((now, output.forces.to_vec()));
+        if actuators.sent.len() > 4 {
+            actuators.sent.remove(0);
+        }
+        // To the end of the window that began in the last interval, and on to the next sample.
+        if early > 0.0 {
+            let late = actuators.hold(&mut device, now, now + early)[0];
+            delivered = [0, 1, 2].map(|axis| delivered[axis] + late[axis]);
+        }
+        if sample > 0 || early == 0.0 {
+            if early > 0.0 {
+                let (means, squares) = ideal.interval(period);
+                let off = [0, 1, 2].map(|axis| delivered[axis] / period - means[0][axis]);
+                errors += dot(off, off) * period;
+                all += squares;
+            }
+        }
+        delivered = actuators.hold(&mut device, now + early, now + period)[0];
+        if early == 0.0 {
+            let (means, squares) = ideal.interval(period);
+            let off = [0, 1, 2].map(|axis| delivered[axis] / period - means[0][axis]);
+            errors += dot(off, off) * period;
+            all += squares;
+        }
+    }
+    100.0 * (errors / all).sqrt()
+}
+
+#[test]
+fn with_an_actuator_known_exactly_each_delivered_mean_is_that_of_the_ideal_force() {
+    let period = 0.001;
+    let law = ContactLaw::spring(4000.0)
+        .with_damping(1.0)
+        .with_friction(0.3);
+    let actuators = [
+        Actuation::after(0.0).with_gain(0.9),
+        Actuation::after(0.0004),
+        Actuation::after(0.0013),
+        Actuation::after(0.0005).with_lag(0.0003).with_gain(1.1),
+        Actuation::after(0.0).with_lag(0.0003),
+    ];
+    for real in actuators {
+        let nothing = Actuation::default();
+        let [known, unknown] = [real, nothing]
+            .map(|told| cases(law).map(|case| over_windows(&case, period, real, told)));
+        println!(
+            "delay {} s, lag {} s, gain {}: E {known:.4?} %, told nothing {unknown:.1?} %",
+            real.delay, real.lag, real.gain
+        );
+        for (known, unknown) in known.into_iter().zip(unknown) {
+            assert!(known < 0.05, "{known}");
+            assert!(unknown > 10.0 * known, "{unknown}");
         }
     }
 }

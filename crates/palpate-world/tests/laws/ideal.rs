@@ -329,6 +329,64 @@ pub fn hold(tools: &mut Ideal, forces: &[Vector], h: f64) {
     }
 }
 
+/// Actuators of one axis each: commands begin after a delay and go through a lag, with a gain.
+pub struct Actuators {
+    pub delay: f64,
+    pub lag: f64,
+    pub gain: f64,
+    /// Commands, each with the instant of its sample.
+    pub sent: Vec<(f64, Vec<Vector>)>,
+    pub felt: Vec<Vector>,
+    /// Constant force of each hand `[N]`.
+    pub own: Vec<Vector>,
+}
+
+impl Actuators {
+    /// Moves the devices from `from` to `to` `[s]`; returns the impulse on each.
+    pub fn hold(&mut self, devices: &mut Ideal, from: f64, to: f64) -> Vec<Vector> {
+        const PARTS: usize = 50;
+        let h = (to - from) / PARTS as f64;
+        let mut impulses = vec![[0.0; 3]; devices.balls.len()];
+        for part in 0..PARTS {
+            let middle = from + (part as f64 + 0.5) * h;
+            let acts = self
+                .sent
+                .iter()
+                .rev()
+                .find(|(sample, _)| sample + self.delay <= middle);
+            let aim = acts.map_or_else(
+                || vec![[0.0; 3]; impulses.len()],
+                |(_, forces)| forces.clone(),
+            );
+            let kept = if self.lag > 0.0 {
+                (-h / self.lag).exp()
+            } else {
+                0.0
+            };
+            let mut means = Vec::new();
+            for (felt, aim) in self.felt.iter_mut().zip(aim) {
+                let aim = aim.map(|force| self.gain * force);
+                let before = *felt;
+                *felt = add(aim, add(before, aim, -1.0), kept);
+                let carried = if self.lag > 0.0 {
+                    self.lag * (1.0 - kept) / h
+                } else {
+                    0.0
+                };
+                means.push(add(aim, add(before, aim, -1.0), carried));
+            }
+            for (impulse, mean) in impulses.iter_mut().zip(&means) {
+                *impulse = add(*impulse, *mean, h);
+            }
+            for ((ball, mean), own) in devices.balls.iter_mut().zip(&means).zip(&self.own) {
+                ball.force = add(*own, *mean, 1.0);
+            }
+            devices.step(h);
+        }
+        impulses
+    }
+}
+
 /// What a renderer does in a world against its ideal.
 #[derive(Clone, Debug)]
 pub struct Trial {
