@@ -142,7 +142,7 @@ impl Moving {
     /// that are expected at its end, which keeps it of second order.
     pub fn sub_step(&mut self, points: &[Point], h: f64) {
         let half = 0.5 * h;
-        for part in &mut self.parts {
+        for part in self.moving_parts() {
             part.first_push(half);
         }
         for (touch, point) in self.touches.iter_mut().zip(points) {
@@ -158,11 +158,11 @@ impl Moving {
             );
             touch.slid += (relative - touch.normal * touch.normal.dot(&relative)) * half;
         }
-        for part in &mut self.parts {
+        for part in self.moving_parts() {
             part.drift(h);
         }
         self.meet(points, half);
-        for part in &mut self.parts {
+        for part in self.moving_parts() {
             part.second_push(half);
         }
         for (touch, point) in self.touches.iter_mut().zip(points) {
@@ -179,6 +179,10 @@ impl Moving {
             );
             touch.relative = relative;
         }
+    }
+
+    fn moving_parts(&mut self) -> impl Iterator<Item = &mut Part> {
+        self.parts.iter_mut().filter(|part| !part.is_fixed)
     }
 
     /// The contacts of where everything is now, half a sub-step after it began to move as it does, and their loads.

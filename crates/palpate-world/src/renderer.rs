@@ -274,7 +274,7 @@ fn part_of(body: &Body) -> Part {
         spin: Vector3::zeros(),
     };
     let Motion::Free(free) = &body.motion else {
-        return Part::new(rigid, Mobility::none(), Drive::constant(Vector3::zeros()));
+        return Part::fixed(rigid);
     };
     // A half-space has none, and is refused as a body that moves.
     let moments = free.inertia.or_else(|| body.shape.moments(free.mass));

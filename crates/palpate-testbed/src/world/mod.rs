@@ -10,6 +10,7 @@
 //! A contact acts at one point, midway between the two surfaces on the line along n. All is in world axes and
 //! SI units; a force on a tool is what its device gives to the hand.
 
+pub mod benchmarks;
 mod contact;
 mod dormand_prince;
 mod held_axis;
@@ -17,7 +18,9 @@ mod ideal;
 mod judgement;
 mod modes;
 mod motion;
+mod overlap;
 mod plant;
+pub mod random_worlds;
 mod scene;
 mod self_check;
 mod surface;
@@ -31,6 +34,7 @@ pub use ideal::{
 pub use judgement::{
     DeviceJudgement, JudgementError, RenderedTouch, TouchJudgement, WindowRule, WorldJudgement,
 };
+pub use overlap::Overlap;
 pub use plant::{PlantParams, WorldPlant};
 pub use scene::{
     ContactLaw, InvalidScene, Member, Motion, Pair, Shape, Vector, WorldBody, WorldDevice,

@@ -172,6 +172,11 @@ impl System {
         })
     }
 
+    /// Where every member is at t = 0.
+    pub fn start_places(&self) -> Vec<Placed> {
+        self.start.clone()
+    }
+
     /// The state at t = 0, all integrals 0.
     pub fn start(&self) -> Vec<f64> {
         self.start_state.clone()
