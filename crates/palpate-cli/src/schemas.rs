@@ -57,13 +57,13 @@ fn the_committed_schemas_are_those_of_the_reports() {
         ("info", schema::<recording::report::RecordingReport>()),
         ("map-report", schema::<map::report::MapReport>()),
         ("pipe", schema::<pipe::Summary>()),
-        ("pipe-world", schema::<pipe::WorldSummary>()),
         ("report", schema::<report::Report>()),
         ("run", schema::<run::Report>()),
         ("suite", schema::<suite::report::SuiteReport>()),
         ("sweep", schema::<sweep::report::SweepReport>()),
         ("tune", schema::<tune::report::TuneReport>()),
         ("world", schema::<world::WorldReport>()),
+        ("world-pipe", schema::<pipe::WorldSummary>()),
     ];
     let writes = std::env::var_os("PALPATE_WRITE_SCHEMAS").is_some();
     for (name, schema) in &schemas {
