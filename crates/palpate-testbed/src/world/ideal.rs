@@ -11,6 +11,8 @@ use super::dormand_prince::Step;
 use super::motion::{Condition, Instant, Mode, System, hand_force, quaternion};
 use super::scene::{Member, Vector, WorldScene};
 use super::vector::Vec3;
+use crate::InvalidParameter;
+use crate::error::positive;
 use crate::grid::Grid;
 
 /// Local error of a step, relative to 1 mm, 0.1 m/s and what they make of rotations.
@@ -164,8 +166,8 @@ impl WorldIdeal {
     ///
     /// # Errors
     ///
-    /// A parameter of the scene outside its range, a pair of shapes that cannot touch, or more than 200 000 steps
-    /// in an interval.
+    /// A parameter of the scene outside its range, a pair of shapes that cannot touch, a window that does not begin
+    /// at 0, or more than 200 000 steps in an interval.
     pub fn new(scene: &WorldScene, grid: Grid) -> Result<Self, WorldError> {
         Self::with_tolerance(scene, grid, TOLERANCE)
     }
@@ -174,13 +176,20 @@ impl WorldIdeal {
     ///
     /// # Errors
     ///
-    /// Those of [`new`](Self::new).
+    /// Those of [`new`](Self::new), or `tolerance` is not finite and above 0.
     pub fn with_tolerance(
         scene: &WorldScene,
         grid: Grid,
         tolerance: f64,
     ) -> Result<Self, WorldError> {
         let system = System::new(scene)?;
+        positive("tolerance".to_owned(), tolerance, "finite and above 0")?;
+        InvalidParameter::unless(
+            grid.start() == 0.0,
+            "grid.start".to_owned(),
+            grid.start(),
+            "0 s, where the scene begins",
+        )?;
         let mut run = Run::new(&system, tolerance);
         let mut devices = vec![DeviceProfile::default(); scene.devices.len()];
         let mut states = vec![run.world_state()];

@@ -9,6 +9,33 @@
 //!
 //! A contact acts at one point, midway between the two surfaces on the line along n. All is in world axes and
 //! SI units; a force on a tool is what its device gives to the hand.
+//!
+//! # From scene to judgement
+//!
+//! ```
+//! use palpate_testbed::grid::Grid;
+//! use palpate_testbed::world::benchmarks::paddle;
+//! use palpate_testbed::world::{CheckedIdeal, PlantParams, WorldJudgement, WorldPlant};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let benchmark = paddle();
+//! let grid = Grid::even(0.0, benchmark.period, benchmark.intervals());
+//! let ideal = CheckedIdeal::new(&benchmark.scene, grid)?.ideal;
+//!
+//! // A loop that renders nothing at all.
+//! let mut plant = WorldPlant::new(&benchmark.scene, PlantParams::perfect(benchmark.period))?;
+//! for _ in 0..benchmark.intervals() {
+//!     let _measured = plant.measure();
+//!     plant.hold(&[[0.0; 3]]);
+//! }
+//! let held = [plant.delivered(0)];
+//! let judgement = WorldJudgement::of(&benchmark.scene, &ideal, &held)?;
+//! let sum = judgement.sum.ok_or("no touch")?;
+//! assert_eq!(format!("{:.1} %", sum.force_rendering_error), "100.0 %");
+//! assert_eq!(format!("{:.1} %", sum.hold_floor), "6.5 %");
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod benchmarks;
 mod contact;
