@@ -43,26 +43,29 @@ mod dormand_prince;
 mod held_axis;
 mod ideal;
 mod judgement;
+mod layout;
 mod modes;
 mod motion;
 mod overlap;
 mod plant;
 pub mod random_worlds;
+mod record;
+mod run;
 mod scene;
 mod self_check;
 mod surface;
 mod vector;
 
 pub use contact::WorldError;
-pub use ideal::{
-    BodyState, ContactState, DeviceProfile, DeviceState, Encounter, TOLERANCE, WorldBooks,
-    WorldIdeal, WorldState,
-};
+pub use ideal::{TOLERANCE, WorldIdeal};
 pub use judgement::{
     DeviceJudgement, JudgementError, RenderedTouch, TouchJudgement, WindowRule, WorldJudgement,
 };
 pub use overlap::Overlap;
 pub use plant::{PlantParams, WorldPlant};
+pub use record::{
+    BodyState, ContactState, DeviceProfile, DeviceState, Encounter, WorldBooks, WorldState,
+};
 pub use scene::{
     ContactLaw, InvalidScene, Member, Motion, Pair, Shape, Vector, WorldBody, WorldDevice,
     WorldHand, WorldScene,
