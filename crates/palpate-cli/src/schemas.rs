@@ -10,7 +10,9 @@ use schemars::transform::{Transform, transform_subschemas};
 use schemars::{JsonSchema, Schema};
 
 use crate::commands::{bench, calibrate, demo, devices, doctor, pipe, run};
-use palpate_study::{advise, claims, compare, heights, map, recording, report, suite, sweep, tune};
+use palpate_study::{
+    advise, claims, compare, heights, map, recording, report, suite, sweep, tune, world,
+};
 
 /// A number that is not finite, such as the error of a loop that ran away, is `null` in JSON.
 #[derive(Clone)]
@@ -55,11 +57,13 @@ fn the_committed_schemas_are_those_of_the_reports() {
         ("info", schema::<recording::report::RecordingReport>()),
         ("map-report", schema::<map::report::MapReport>()),
         ("pipe", schema::<pipe::Summary>()),
+        ("pipe-world", schema::<pipe::WorldSummary>()),
         ("report", schema::<report::Report>()),
         ("run", schema::<run::Report>()),
         ("suite", schema::<suite::report::SuiteReport>()),
         ("sweep", schema::<sweep::report::SweepReport>()),
         ("tune", schema::<tune::report::TuneReport>()),
+        ("world", schema::<world::WorldReport>()),
     ];
     let writes = std::env::var_os("PALPATE_WRITE_SCHEMAS").is_some();
     for (name, schema) in &schemas {
