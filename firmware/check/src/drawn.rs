@@ -2,28 +2,50 @@
 
 use std::error::Error;
 
-use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series, Size, svg};
+use palpate_figure::{Grid, Kind, Limits, Panel, Role, Row, Series, Sheet, Size, svg};
 
 use crate::qemu::M4F;
 use crate::ran::{Entry, Ran, Scene, ran};
 
-fn series(ran: &Ran, name: &str, role: Role, value: impl Fn(&Entry) -> f64) -> Series {
-    Series {
-        name: name.into(),
-        kind: Kind::Line,
-        role,
-        x: ran.entries.iter().map(|entry| entry.time).collect(),
-        y: ran.entries.iter().map(value).collect(),
+/// What is shown of each run [s].
+const UNTIL: f64 = 0.6;
+
+/// What is shown of an entry.
+type Value = fn(&Entry) -> f64;
+
+fn panel(ran: &Ran, value: Value) -> Panel {
+    let shown = || ran.between(0.0, UNTIL);
+    Panel {
+        series: vec![Series {
+            name: String::new(),
+            kind: Kind::Line,
+            role: Role::Recorded,
+            x: shown().map(|entry| entry.time).collect(),
+            y: shown().map(value).collect(),
+        }],
     }
 }
 
-fn row(label: &str, panels: Vec<Vec<Series>>) -> Row {
-    Row {
-        y_label: label.into(),
-        limits: Limits::Data,
-        panels: panels.into_iter().map(|series| Panel { series }).collect(),
-        ..Row::default()
+fn grid(runs: [(&Ran, String); 2], rows: [(&str, Value); 2]) -> Grid {
+    Grid {
+        rows: rows
+            .into_iter()
+            .map(|(label, value)| Row {
+                y_label: label.into(),
+                limits: Limits::Data,
+                panels: runs.iter().map(|(ran, _)| panel(ran, value)).collect(),
+                ..Row::default()
+            })
+            .collect(),
+        columns: runs.map(|(_, name)| name).into(),
+        ..Grid::default()
     }
+}
+
+/// Most work of the motor on the free rim: energy that rendering has created [mJ].
+fn created(ran: &Ran) -> f64 {
+    let free = ran.between(0.0, UNTIL).filter(|entry| entry.position < 0.0);
+    free.map(|entry| 1e3 * entry.motor_work).fold(0.0, f64::max)
 }
 
 /// The figure as SVG, from runs on the Cortex-M4F.
@@ -33,33 +55,32 @@ fn row(label: &str, panels: Vec<Vec<Series>>) -> Row {
 pub fn figure() -> Result<String, Box<dyn Error>> {
     let (coupled, basic) = (ran(M4F, Scene::Wall)?, ran(M4F, Scene::WallByBasic)?);
     let (stall, glitch) = (ran(M4F, Scene::Stall)?, ran(M4F, Scene::Glitch)?);
-    let runs = [
-        (&basic, "plain spring", 0),
-        (&coupled, "coupled", 1),
-        (&stall, "coupled, loop stalls", 1),
-        (&glitch, "coupled, sensor jumps", 1),
-    ];
-    let each = |value: &dyn Fn(&Entry) -> f64| {
-        runs.iter()
-            .map(|(ran, _, role)| vec![series(ran, "", Role::Compared(*role), value)])
-            .collect()
-    };
-    let figure = Figure {
-        title: "A knob's wall at 4 kHz on a Cortex-M4F, and its force when something goes wrong"
-            .into(),
-        subtitle: "A rim of 50 g, a wall of 5000 N/m, f32; run by QEMU, motor and hand emulated"
+    let at = |ran: &Ran| ran.event.ok_or("nothing has happened in a run");
+    let force: (&str, Value) = ("motor force [N]", |entry| entry.motor);
+    let sheet = Sheet {
+        title: format!(
+            "A wall at 4 kHz on a Cortex-M4F: the plain spring creates {:.0} mJ in {UNTIL} s, coupled rendering {:.2} mJ",
+            created(&basic),
+            created(&coupled)
+        ),
+        subtitle: "A rim of 50 g and a wall of 5000 N/m at 0, in f32, run by QEMU with emulated motor and \
+                   hand. Above a constant force, below a hand that goes in and out"
             .into(),
         x_label: "time [s]".into(),
-        columns: runs
-            .iter()
-            .map(|(_, name, _)| (*name).to_string())
-            .collect(),
-        rows: vec![
-            row("rim [mm]", each(&|entry| 1e3 * entry.position)),
-            row("motor force [N]", each(&|entry| entry.motor)),
-            row("motor work [mJ]", each(&|entry| 1e3 * entry.motor_work)),
+        lines: vec![
+            vec![grid(
+                [(&basic, "plain spring".into()), (&coupled, "coupled".into())],
+                [force, ("motor work [mJ]", |entry| 1e3 * entry.motor_work)],
+            )],
+            vec![grid(
+                [
+                    (&stall, format!("coupled; the loop stalls at {:.3} s", at(&stall)?)),
+                    (&glitch, format!("coupled; the sensor jumps at {:.3} s", at(&glitch)?)),
+                ],
+                [force, ("rim [mm]", |entry| 1e3 * entry.position)],
+            )],
         ],
-        ..Figure::default()
+        ..Sheet::default()
     };
-    Ok(svg(&figure, Size::NATURAL)?)
+    Ok(svg(&sheet, Size::NATURAL)?)
 }
