@@ -18,6 +18,17 @@ pub enum Party {
     Named(String),
 }
 
+impl Party {
+    /// Its name, or `*` for all.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        match self {
+            Self::Any => "*",
+            Self::Named(name) => name,
+        }
+    }
+}
+
 /// How two surfaces push each other, as a function of how they overlap.
 ///
 /// With penetration p `[m]` and its rate p', the normal force is max(0, K p + B p') while p > 0. Friction is an

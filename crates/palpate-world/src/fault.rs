@@ -13,6 +13,10 @@ pub enum Place {
     Body(usize),
     /// The contact of this number, from 0.
     Contact(usize),
+    /// The loop in which a world is rendered.
+    Loop,
+    /// The method by which it is rendered.
+    Method,
 }
 
 /// A fault of a world: where it is, of what, and what is allowed.
@@ -30,7 +34,8 @@ pub struct WorldError {
 }
 
 impl WorldError {
-    pub(crate) fn new(
+    /// A fault of a part, with a message that says what is allowed.
+    pub fn new(
         place: Place,
         field: &'static str,
         subject: impl Into<String>,

@@ -72,7 +72,8 @@ impl World {
             }
         }
         for (number, contact) in self.contacts.iter().enumerate() {
-            let subject = format!("contact {number}");
+            let [one, other] = contact.between.each_ref().map(Party::as_str);
+            let subject = format!("contact between {one:?} and {other:?}");
             let mut of = Faults::new(&mut faults, Place::Contact(number), &subject);
             for party in &contact.between {
                 if let Party::Named(name) = party
@@ -153,7 +154,8 @@ impl<'a> Faults<'a> {
 
     fn unit(&mut self, field: &'static str, values: &[f64]) {
         let length = values.iter().map(|value| value * value).sum::<f64>().sqrt();
-        if !((length - 1.0).abs() < LENGTH_TOLERANCE) {
+        let is_one = (length - 1.0).abs() < LENGTH_TOLERANCE;
+        if !is_one {
             self.fault(field, format!("{field} has length {length}, and needs 1"));
         }
     }

@@ -71,17 +71,17 @@ fn every_fault_of_a_world_is_said_with_its_place() {
         (
             Place::Contact(0),
             "between",
-            "contact 0: \"bal\" is neither a tool nor a body of this world",
+            "contact between \"bal\" and \"*\": \"bal\" is neither a tool nor a body of this world",
         ),
         (
             Place::Contact(0),
             "stiffness",
-            "contact 0: stiffness is -5, and has to be above 0",
+            "contact between \"bal\" and \"*\": stiffness is -5, and has to be above 0",
         ),
         (
             Place::Contact(0),
             "friction_stiffness",
-            "contact 0: friction_stiffness is -5, and has to be above 0",
+            "contact between \"bal\" and \"*\": friction_stiffness is -5, and has to be above 0",
         ),
     ];
     assert_eq!(
