@@ -27,7 +27,7 @@ pub struct Fidelity {
     pub force_rendering_error: f64,
     /// The least FRE that forces held over these intervals can have \[%\].
     pub hold_floor: f64,
-    /// Mean-force error E \[%\], the part a renderer answers for.
+    /// Mean-force error E \[%\], the part of the error that a renderer can avoid.
     pub mean_force_error: f64,
     /// FRE over floor, 1 at best; `None` if the floor is 0.
     pub error_over_floor: Option<f64>,

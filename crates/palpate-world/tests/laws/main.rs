@@ -1,0 +1,5 @@
+//! Physical laws that a rendered world keeps.
+#![allow(missing_docs)]
+
+mod common;
+mod conservation;
