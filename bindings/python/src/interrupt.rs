@@ -1,5 +1,6 @@
 //! Long work beside Python: other threads of Python run meanwhile, and Ctrl-C ends the wait.
 
+use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -17,9 +18,11 @@ const LOOK_EVERY: Duration = Duration::from_millis(20);
 pub struct Stop(Arc<AtomicBool>);
 
 impl Stop {
-    /// Whether the work is to end as soon as it can.
-    pub fn is_raised(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+    /// Ends the work where nobody waits for it any more: unwinds its thread, without a message.
+    pub fn leave_if_raised(&self) {
+        if self.0.load(Ordering::Relaxed) {
+            resume_unwind(Box::new("nobody waits for this work any more"));
+        }
     }
 }
 

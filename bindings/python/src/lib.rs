@@ -7,11 +7,14 @@ mod columns;
 mod interrupt;
 mod methods;
 mod names;
+mod own_method;
+mod recording;
 mod render;
 mod renderer;
 mod scene;
 mod setup;
 mod simulate;
+mod studies;
 
 use pyo3::prelude::*;
 
@@ -23,6 +26,8 @@ mod _palpate {
     #[pymodule_export]
     use super::methods::methods;
     #[pymodule_export]
+    use super::recording::{read_recording, recorded_columns};
+    #[pymodule_export]
     use super::render::render;
     #[pymodule_export]
     use super::renderer::Renderer;
@@ -30,6 +35,8 @@ mod _palpate {
     use super::scene::{PyScene, from_toml, read_scene, to_toml};
     #[pymodule_export]
     use super::simulate::{compare, simulate};
+    #[pymodule_export]
+    use super::studies::{heights, run_suite, tune};
 
     /// Version of the package.
     #[pymodule_export]

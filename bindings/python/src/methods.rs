@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyList, PyString};
 
 use crate::names::{refused, unused};
+use crate::own_method::OwnMethod;
 
 /// Every method, in the order of tables and figures: its name, what it is, and its settings, each with
 /// its name, key, unit, words (of which one is to be given), help and default.
@@ -46,18 +47,56 @@ fn allowed(setting: &Setting) -> String {
 
 /// The methods of an argument `method`: a name, several, or `all`.
 pub fn chosen(method: &Bound<'_, PyAny>) -> PyResult<Vec<MethodName>> {
+    let several = chosen_or_own(method)?.into_iter();
+    let built_in = several.map(|method| match method {
+        Chosen::BuiltIn(method) => Ok(method),
+        Chosen::Own(own) => Err(PyTypeError::new_err(format!(
+            "method {} is a function, and only simulate takes one",
+            own.name
+        ))),
+    });
+    built_in.collect()
+}
+
+/// A method that was chosen.
+pub enum Chosen {
+    /// By its name.
+    BuiltIn(MethodName),
+    /// A function of Python.
+    Own(OwnMethod),
+}
+
+impl Chosen {
+    /// Its name.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::BuiltIn(method) => method.name(),
+            Self::Own(own) => own.name,
+        }
+    }
+}
+
+/// The same, functions of Python among them.
+pub fn chosen_or_own(method: &Bound<'_, PyAny>) -> PyResult<Vec<Chosen>> {
     if let Ok(name) = method.cast::<PyString>() {
         return match name.to_str()? {
-            "all" => Ok(MethodName::ALL.to_vec()),
-            name => Ok(vec![named(name)?]),
+            "all" => Ok(MethodName::ALL.map(Chosen::BuiltIn).into()),
+            name => Ok(vec![Chosen::BuiltIn(named(name)?)]),
         };
     }
-    let mut methods = Vec::new();
-    for name in method.try_iter()? {
-        let name: String = name?.extract()?;
-        let method = named(&name)?;
-        if methods.contains(&method) {
-            return Err(refused(format!("{method} is named twice")));
+    if method.is_callable() {
+        return Ok(vec![Chosen::Own(OwnMethod::of(method)?)]);
+    }
+    let mut methods: Vec<Chosen> = Vec::new();
+    for item in method.try_iter()? {
+        let item = item?;
+        let method = if item.is_callable() {
+            Chosen::Own(OwnMethod::of(&item)?)
+        } else {
+            Chosen::BuiltIn(named(&item.extract::<String>()?)?)
+        };
+        if methods.iter().any(|other| other.name() == method.name()) {
+            return Err(refused(format!("{} is named twice", method.name())));
         }
         methods.push(method);
     }

@@ -89,10 +89,7 @@ pub fn render<'py>(
         drop((times, positions));
         let mut runs = Vec::with_capacity(methods.len());
         for method in methods {
-            // Nobody waits for the others any more.
-            if stop.is_raised() {
-                break;
-            }
+            stop.leave_if_raised();
             runs.push(replay.run(method, &settings)?);
         }
         let subject = Subject {

@@ -9,12 +9,27 @@ use pyo3::prelude::*;
 
 use crate::columns::of_ideal;
 use crate::interrupt::interruptible;
-use crate::methods::chosen;
+use crate::methods::{Chosen, chosen, chosen_or_own};
+use crate::own_method::OwnError;
 use crate::render::{Rendered, RenderedInPython};
 use crate::scene::PyScene;
 
-/// A method that cannot be run on a scene.
-type Wrong = (MethodName, LoopError);
+/// Why a method has not run on a scene.
+enum Wrong {
+    /// The scene cannot be run, or not by this method.
+    Scene(MethodName, LoopError),
+    /// What a function of Python raised.
+    Raised(PyErr),
+}
+
+impl Wrong {
+    fn on(self, scene: &PyScene) -> PyErr {
+        match self {
+            Self::Scene(method, error) => scene.wrong(method, &error),
+            Self::Raised(error) => error,
+        }
+    }
+}
 
 /// Simulates a scene by each method; by its own where none is named.
 #[pyfunction]
@@ -24,25 +39,30 @@ pub fn simulate<'py>(
     method: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<RenderedInPython<'py>> {
     let own = scene.get().scene();
-    let methods = method.map_or_else(|| Ok(vec![own.method]), chosen)?;
+    let methods = method.map_or_else(|| Ok(vec![Chosen::BuiltIn(own.method)]), chosen_or_own)?;
     let simulated = own.clone();
     let rendered = interruptible(py, move |stop| {
         let scene = &simulated;
-        let bench = Bench::new(scene).map_err(|error| (scene.method, error))?;
+        let bench = Bench::new(scene).map_err(|error| Wrong::Scene(scene.method, error))?;
         let mut runs = Vec::with_capacity(methods.len());
         for method in methods {
-            // Nobody waits for the others any more.
-            if stop.is_raised() {
-                break;
-            }
-            runs.push(bench.run(method).map_err(|error| (method, error))?);
+            stop.leave_if_raised();
+            runs.push(match method {
+                Chosen::BuiltIn(method) => bench
+                    .run(method)
+                    .map_err(|error| Wrong::Scene(method, error))?,
+                Chosen::Own(own) => own.run(&bench, stop).map_err(|error| match error {
+                    OwnError::Loop(error) => Wrong::Scene(scene.method, error),
+                    OwnError::Raised(error) => Wrong::Raised(error),
+                })?,
+            });
         }
         let mut report = Report::new(&Subject::of(scene), bench.reference(), &runs);
         report.actuated(actuator_of(scene));
         let ideal = of_ideal(bench.reference());
         Ok::<_, Wrong>(Rendered::of(&report, ideal, runs))
     })?;
-    let rendered = rendered.map_err(|(method, error)| scene.get().wrong(method, &error))?;
+    let rendered = rendered.map_err(|error| error.on(scene.get()))?;
     rendered.into_python(py)
 }
 
@@ -61,10 +81,11 @@ pub fn compare(
     let compared = interruptible(py, move |stop| {
         let mut rows = Vec::with_capacity(compared.len());
         for (place, (name, scene)) in compared.into_iter().enumerate() {
-            let wrong = |method, error| (place, (method, error));
+            let wrong = |method, error| (place, Wrong::Scene(method, error));
             let bench = Bench::new(&scene).map_err(|error| wrong(scene.method, error))?;
             let mut outcomes = Vec::with_capacity(methods.len());
-            for &method in methods.iter().take_while(|_| !stop.is_raised()) {
+            for &method in &methods {
+                stop.leave_if_raised();
                 outcomes.push(match bench.run(method) {
                     Ok(run) => (method, Ok(run)),
                     Err(LoopError::Setup(error)) => (method, Err(cannot(&error))),
@@ -81,9 +102,7 @@ pub fn compare(
         let comparison = Comparison::of(rows);
         Ok((palpate_study::json(&comparison), comparison.to_string()))
     })?;
-    compared.map_err(|(place, (method, error)): (usize, Wrong)| {
-        scenes[place].get().wrong(method, &error)
-    })
+    compared.map_err(|(place, error): (usize, Wrong)| error.on(scenes[place].get()))
 }
 
 fn cannot(error: &SetupError) -> String {

@@ -20,14 +20,14 @@ class Program:
     def __init__(self, path: Path) -> None:
         self.path = path
 
-    def __call__(self, *arguments: object, given: str | None = None) -> str:
+    def __call__(self, *arguments: object, given: str | None = None, code: int = 0) -> str:
         command = [str(self.path), *map(str, arguments)]
         done = subprocess.run(command, cwd=ROOT, input=given, capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr
+        assert done.returncode == code, done.stderr
         return done.stdout
 
-    def json(self, *arguments: object) -> Any:
-        return json.loads(self(*arguments, "--json"))
+    def json(self, *arguments: object, code: int = 0) -> Any:
+        return json.loads(self(*arguments, "--json", code=code))
 
 
 @pytest.fixture(scope="session")

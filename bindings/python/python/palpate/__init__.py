@@ -15,31 +15,42 @@ the end of the name.
 
 from ._methods import METHODS, Method, Setting
 from ._palpate import __version__
+from ._recording import FLAGS, RECORDED, Event, Recording, read_recording
 from ._render import render
 from ._renderer import Renderer
 from ._report import FAULTS, IDEAL, LIMITS, PHASES, TICK, Fields, Report, Runs
 from ._scene import Scene, compare, simulate
-from ._values import Leak, Ledger, Output
+from ._studies import heights, suite, tune
+from ._values import Leak, Ledger, Output, Situation
 
 __all__ = [
     "FAULTS",
+    "FLAGS",
     "IDEAL",
     "LIMITS",
     "METHODS",
     "PHASES",
+    "RECORDED",
     "TICK",
+    "Event",
     "Fields",
     "Leak",
     "Ledger",
     "Method",
     "Output",
+    "Recording",
     "Renderer",
     "Report",
     "Runs",
     "Scene",
     "Setting",
+    "Situation",
     "__version__",
     "compare",
+    "heights",
+    "read_recording",
     "render",
     "simulate",
+    "suite",
+    "tune",
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 from typing import Any, Mapping, Sequence
 
@@ -9,9 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _palpate
-
-Ticks = NDArray[np.void]
-"""A structured array: one record for each tick or point, its fields named with their units."""
 
 _NUMBERS, _CODES, (_PHASES, _LIMITS, _FAULTS) = _palpate.columns()
 
@@ -79,6 +77,9 @@ class Report(Fields):
     def __repr__(self) -> str:
         return self._text
 
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(self._text)}</pre>"
+
     def __reduce__(self) -> Any:
         return (type(self), (dict(self), self._text))
 
@@ -92,19 +93,19 @@ class Runs(Report):
 
     __slots__ = ("ideal", "ticks")
 
-    ticks: dict[str, Ticks]
+    ticks: dict[str, NDArray[np.void]]
     """The ticks of each method, by its name: arrays with the fields of `palpate.TICK`. Leaks and works are
     accumulated over the intervals before the sample; `force_on_device_n` is what was to be commanded, and
     `held_force_on_object_n` what acts from the sample on."""
-    ideal: Ticks
+    ideal: NDArray[np.void]
     """The ideal on a fine grid: an array with the fields of `palpate.IDEAL`."""
 
     def __init__(
         self,
         fields: Mapping[str, Any] = {},
         text: str = "",
-        ticks: Mapping[str, Ticks] = {},
-        ideal: Ticks | None = None,
+        ticks: Mapping[str, NDArray[np.void]] = {},
+        ideal: NDArray[np.void] | None = None,
     ) -> None:
         super().__init__(fields, text)
         self.ticks = dict(ticks)
@@ -127,6 +128,30 @@ class Runs(Report):
                 return method  # type: ignore[no-any-return]
         names = ", ".join(method["method"] for method in self["methods"])
         raise KeyError(f"no run is by {name}; there are {names}")
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draws the held force of each method over time, with the ideal behind, by matplotlib.
+
+        Args:
+            ax: Axes to draw in. `None`: new ones.
+
+        Returns:
+            The axes.
+
+        Raises:
+            ImportError: matplotlib is not there.
+        """
+        if ax is None:
+            from matplotlib import pyplot
+
+            ax = pyplot.subplots()[1]
+        force = "force_on_object_n"
+        ax.plot(self.ideal["t_s"], self.ideal[force], color="0.7", linewidth=4, label="ideal")
+        for method, ticks in self.ticks.items():
+            ax.step(ticks["t_s"], ticks[f"held_{force}"], where="post", label=method)
+        ax.set(title=self["title"], xlabel="time [s]", ylabel="force on the object [N]")
+        ax.legend()
+        return ax
 
     def __reduce__(self) -> Any:
         return (type(self), (dict(self), str(self), self.ticks, self.ideal))

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Iterable, Mapping, Sequence, Union
+from typing import Any, Callable, Iterable, Mapping, Sequence, Union
 
 from . import _palpate
 from ._report import Report, Runs
+from ._values import Situation
 
 Tables = Mapping[str, Any]
 """A table of a scene file: its keys, each with its value."""
@@ -133,18 +134,26 @@ SceneLike = Union[Scene, str, "os.PathLike[str]"]
 """A scene, or the path of a scene file."""
 
 
-def simulate(scene: SceneLike, method: str | Sequence[str] | None = None) -> Runs:
+MethodLike = Union[str, Callable[[Situation], float]]
+"""Name of a method, or a method of one's own: the force on the object [N] at a sample in contact."""
+
+
+def simulate(scene: SceneLike, method: MethodLike | Sequence[MethodLike] | None = None) -> Runs:
     """Simulates a scene in closed loop, as `palpate simulate` does, and judges each method.
 
     Args:
         scene: A scene, or the path of a scene file.
         method: Name of a method, of `palpate.METHODS`, several names, or `"all"`. `None`: the scene's own.
+            A function is a method of your own, under the function's name: at each sample in contact it
+            takes a `palpate.Situation` and gives the force on the object [N] to hold until the next. The
+            object moves as the paper's: free or in contact throughout an interval, as its sample is.
 
     Returns:
         The report, and the ticks of each method as structured arrays.
 
     Raises:
         ValueError: A scene that cannot be run, or not by this method.
+        Exception: What a method of your own raises.
         OSError: A file that cannot be read.
     """
     return Runs._of_runs(_palpate.simulate(_scene(scene), method))
@@ -165,8 +174,12 @@ def compare(scenes: SceneLike | Iterable[SceneLike], method: str | Sequence[str]
         ValueError: A scene that cannot be run.
         OSError: A file that cannot be read.
     """
+    return Report._of(_palpate.compare(_scenes(scenes), method))
+
+
+def _scenes(scenes: SceneLike | Iterable[SceneLike]) -> list[_palpate.Scene]:
     several = [scenes] if isinstance(scenes, (Scene, str, os.PathLike)) else scenes
-    return Report._of(_palpate.compare([_scene(scene) for scene in several], method))
+    return [_scene(scene) for scene in several]
 
 
 def _scene(scene: SceneLike) -> Scene:

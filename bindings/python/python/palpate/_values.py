@@ -59,3 +59,25 @@ class Ledger(NamedTuple):
     """Leak of the plain spring force over the same motion."""
     held_leak: Leak
     """Leak of the force that was held."""
+
+
+class Situation(NamedTuple):
+    """What a method of one's own is told at a sample, with the device in contact. The object is on the side
+    of greater positions here, whatever the scene says; the bench mirrors what comes out."""
+
+    penetration: float
+    """Penetration of the device into the object [m], above 0."""
+    device_velocity: float
+    """Velocity of the device [m/s]: the backward difference of its samples."""
+    object_velocity: float
+    """Velocity of the object [m/s]."""
+    virtual_force: float
+    """Virtual force on the object [N]."""
+    previous_penetration: float
+    """Penetration at the sample before [m]; negative out of contact."""
+    elapsed: float
+    """Time since the sample before [s]."""
+    port_work: float
+    """Energy that has gone into the object through the port [J]."""
+    held_leak: float
+    """Energy that the held force has created so far [J]."""
