@@ -186,3 +186,18 @@ fn numbers_that_no_world_has_are_refused() {
         assert!(said[0].contains(message), "{wrong}: {said:?}");
     }
 }
+
+#[test]
+fn every_committed_world_is_read() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../experiments/worlds");
+    let mut files = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let source = std::fs::read_to_string(&path).unwrap();
+        let name = path.display().to_string();
+        let scene = WorldFile::parse(&name, &source).unwrap().scene;
+        assert!(!scene.title.is_empty(), "{name}");
+        files += 1;
+    }
+    assert!(files > 0);
+}

@@ -54,7 +54,8 @@ pub struct BodyBook {
 /// Energy at the port of a device, over all intervals that have ended `[J]`. Positive: to the hand.
 ///
 /// ```text
-/// port_work = sum of held + unforeseen
+/// port_work            = held + unforeseen
+/// held - work on avatar = offset - velocity_offset + unpaid      the contacts' leaks, where a force moves the device
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DeviceBook {
@@ -65,14 +66,13 @@ pub struct DeviceBook {
     /// What the port's work differs by: the force that was held less the mean of the contacts as it was then known
     /// to be, and the device's path by its samples less that by the observer.
     pub unforeseen: f64,
-    /// Work of hand and device themselves on the avatar less that on the device: F_u times the change of the offset
-    /// where F_u is constant. With the change of [`Self::velocity_offset`] it is the sum of the contacts' leaks.
+    /// Work of the hand on the avatar less that on the device: F_u times the offset where F_u is constant.
     pub offset: f64,
-    /// Kinetic energy of the avatar less that of the device, now.
+    /// By how much more kinetic energy the avatar has gained than the device.
     pub velocity_offset: f64,
-    /// The same, as far as limits, the walk back and new samples have changed it.
-    pub velocity_offset_given_up: f64,
-    /// Work of hand and device on the offset as it was walked back to zero.
+    /// Work that the contacts' mean force does on the device and the force that was asked for does not.
+    pub unpaid: f64,
+    /// Work of the hand on the offset as it went back to zero, while nothing touched the tool.
     pub walked_back: f64,
 }
 

@@ -34,7 +34,8 @@ pub struct WorldError {
 }
 
 impl WorldError {
-    pub(crate) fn new(
+    /// A fault of a part, with a message that says what is allowed.
+    pub fn new(
         place: Place,
         field: &'static str,
         subject: impl Into<String>,

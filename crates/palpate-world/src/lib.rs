@@ -7,6 +7,7 @@
 
 mod body;
 mod books;
+mod commands;
 mod contact;
 mod fault;
 mod inertia;
@@ -14,6 +15,7 @@ mod interval;
 mod law;
 mod method;
 mod moving;
+mod observer;
 mod pairs;
 mod params;
 mod part;
@@ -33,7 +35,8 @@ pub use contact::{Contact, ContactLaw, Party};
 pub use fault::{Place, WorldError};
 pub use interval::{Effort, SubSteps};
 pub use law::Mode;
-pub use method::{BasicParams, WorldMethod};
+pub use method::{BasicParams, CoupledParams, WorldMethod};
+pub use observer::Prior;
 pub use pairs::{MOST_POINTS, Side};
 pub use params::WorldLoop;
 pub use renderer::WorldRenderer;

@@ -4,15 +4,17 @@ use nalgebra::{Quaternion, UnitQuaternion};
 use palpate::Fault;
 
 use crate::books::{BodyBook, Books, ContactBook, DeviceBook};
-use crate::method::{Checked, WorldMethod};
+use crate::commands::Commands;
+use crate::method::{Checked, Memory, WorldMethod};
 use crate::moving::{Moving, Touch};
 use crate::pairs::{Point, Side, points};
 use crate::part::{Drive, Part};
 use crate::rigid::{Mobility, Rigid, Vector3};
-use crate::state::{BodyState, ContactState, ToolState, WorldState};
+use crate::state::{BodyState, ContactState, Progress, ToolState, WorldState};
 use crate::tracking::Tracking;
 use crate::{
-    Body, Effort, Limited, Motion, Output, Place, Sample, World, WorldError, WorldFault, WorldLoop,
+    Body, Effort, Limited, Motion, Output, Place, Sample, Vector, World, WorldError, WorldFault,
+    WorldLoop,
 };
 
 /// A world, rendered by one method in one loop. Immutable: a tick cannot change a parameter, and one renderer serves
@@ -114,11 +116,11 @@ impl WorldRenderer {
             bristle: [0.0; 3],
         });
         let bodies = &self.parts[self.tools..];
-        let mut state = WorldState {
+        let mut progress = Progress {
             ahead: now.clone(),
             room: now.clone(),
             tracking: Tracking::new(self.tools),
-            memory: self.method.memory(self),
+            commands: Commands::new(self.tools, &self.in_loop.actuation, self.in_loop.period),
             intended: vec![Vector3::zeros(); self.tools],
             forces: vec![[0.0; 3]; self.tools],
             tools: vec![ToolState::default(); self.tools],
@@ -137,8 +139,17 @@ impl WorldRenderer {
             },
             now,
         };
-        self.publish(&mut state);
-        state
+        let memory = self.method.memory(self);
+        self.publish(&mut progress, &memory);
+        WorldState { progress, memory }
+    }
+
+    /// Says what was really sent to a tool for the last output `[N]`, where it is not the output's: a motor clips it,
+    /// or a driver has limited it. It acts when the output's would have. A force that is not finite is left as it is.
+    pub fn report_sent(&self, state: &mut WorldState, tool: usize, force: Vector) {
+        if force.iter().all(|x| x.is_finite()) {
+            state.progress.commands.correct(tool, force.into());
+        }
     }
 
     /// One tick: takes a sample of all devices, gives the forces to hold until the next. Total: it never panics,
@@ -147,22 +158,22 @@ impl WorldRenderer {
     /// A sample that cannot be used gives forces of 0 and its fault. The bodies then wait, with their momentum, where
     /// they were at the last sample that was used.
     pub fn step<'s>(&self, state: &'s mut WorldState, sample: &Sample<'_>) -> Output<'s> {
-        let (limited, effort, fault) = match self.try_step(state, sample) {
+        let WorldState { progress, memory } = state;
+        let (limited, effort, fault) = match self.try_step(progress, memory, sample) {
             Ok((limited, effort)) => (limited, effort, None),
             Err(fault) => {
-                state.tracking.in_progress = false;
-                for (intended, force) in state.intended.iter_mut().zip(&mut state.forces) {
+                progress.tracking.in_progress = false;
+                for (intended, force) in progress.intended.iter_mut().zip(&mut progress.forces) {
                     *intended = Vector3::zeros();
                     *force = [0.0; 3];
                 }
-                self.method.lose(state);
-                self.send(state);
                 (Limited::default(), Effort::default(), Some(fault))
             }
         };
-        self.publish(state);
+        progress.commands.send(&progress.intended, &progress.forces);
+        self.publish(progress, memory);
         Output {
-            forces: &state.forces,
+            forces: &progress.forces,
             limited,
             effort,
             fault,
@@ -171,7 +182,8 @@ impl WorldRenderer {
 
     fn try_step(
         &self,
-        state: &mut WorldState,
+        state: &mut Progress,
+        memory: &mut Memory,
         sample: &Sample<'_>,
     ) -> Result<(Limited, Effort), WorldFault> {
         let elapsed = state.tracking.believe(sample, &self.in_loop)?;
@@ -182,20 +194,20 @@ impl WorldRenderer {
         let mut limited = Limited::default();
         let positions = sample.positions;
         let mut effort = if state.tracking.in_progress {
-            let effort = self
-                .method
-                .conclude(self, state, positions, elapsed, &mut limited);
+            let effort =
+                self.method
+                    .conclude(self, state, memory, positions, elapsed, &mut limited);
             if !state.now.is_finite() {
                 self.put_back(state);
                 return Err(overflow);
             }
             effort
         } else {
-            self.method.begin(self, state, positions);
+            self.method.begin(self, state, memory, positions);
             Effort::default()
         };
         state.tracking.trust();
-        effort = effort.and(self.method.plan(self, state));
+        effort = effort.and(self.method.plan(self, state, memory));
         if !state.intended.iter().flatten().all(|x| x.is_finite()) {
             self.put_back(state);
             return Err(overflow);
@@ -212,14 +224,13 @@ impl WorldRenderer {
             }
             *force = sent.into();
         }
-        self.send(state);
         Ok((limited, effort))
     }
 }
 
 impl WorldRenderer {
     /// The bodies are where the world has them at the start: their motion was no number any more.
-    fn put_back(&self, state: &mut WorldState) {
+    fn put_back(&self, state: &mut Progress) {
         state.now.parts.copy_from_slice(&self.parts);
         for touch in &mut state.now.touches {
             *touch = Touch::apart();
@@ -235,25 +246,12 @@ impl WorldRenderer {
         }
     }
 
-    /// Sends the forces of a sample.
-    fn send(&self, state: &mut WorldState) {
-        self.method.sent(state);
-    }
-
     /// Writes what can be read from a state.
-    fn publish(&self, state: &mut WorldState) {
+    fn publish(&self, state: &mut Progress, memory: &Memory) {
         for (part, body) in state.now.parts[self.tools..].iter().zip(&mut state.bodies) {
             *body = body_state(part);
         }
-        for (touch, contact) in state.now.touches.iter().zip(&mut state.contacts) {
-            contact.mode = touch.mode;
-            contact.point = touch.place.into();
-            contact.normal = touch.normal.into();
-            contact.penetration = touch.penetration;
-            contact.force = touch.force.into();
-            contact.bristle = touch.bristle.into();
-        }
-        self.method.publish(state);
+        memory.publish(state);
         for (tool, force) in state.tools.iter_mut().zip(&state.forces) {
             tool.force = *force;
         }

@@ -1,6 +1,7 @@
 //! What a world remembers from sample to sample, and what can be read from it.
 
 use crate::books::Books;
+use crate::commands::Commands;
 use crate::law::Mode;
 use crate::method::Memory;
 use crate::moving::Moving;
@@ -13,46 +14,65 @@ use crate::{Quaternion, Vector};
 /// [`WorldRenderer::step`](crate::WorldRenderer::step).
 #[derive(Clone, Debug)]
 pub struct WorldState {
-    /// The world at the last sample that was used, its contacts looked at.
-    pub(crate) now: Moving,
-    /// Room for what is predicted,
-    pub(crate) ahead: Moving,
-    /// and for what a sub-step begins with.
-    pub(crate) room: Moving,
-    pub(crate) tracking: Tracking,
+    pub(crate) progress: Progress,
     pub(crate) memory: Memory,
+}
+
+/// What every method works on.
+#[derive(Clone, Debug)]
+pub(crate) struct Progress {
+    /// The world at the last sample that was used, its contacts looked at.
+    pub now: Moving,
+    /// Room for what is predicted,
+    pub ahead: Moving,
+    /// and for what a sub-step begins with.
+    pub room: Moving,
+    pub tracking: Tracking,
+    pub commands: Commands,
     /// Force that the method asks for on each tool `[N]`.
-    pub(crate) intended: Vec<Vector3>,
-    pub(crate) forces: Vec<Vector>,
-    pub(crate) tools: Vec<ToolState>,
-    pub(crate) bodies: Vec<BodyState>,
-    pub(crate) contacts: Vec<ContactState>,
-    pub(crate) books: Books,
+    pub intended: Vec<Vector3>,
+    pub forces: Vec<Vector>,
+    pub tools: Vec<ToolState>,
+    pub bodies: Vec<BodyState>,
+    pub contacts: Vec<ContactState>,
+    pub books: Books,
+}
+
+/// Writes the contacts of a world in motion.
+pub(crate) fn show_contacts(contacts: &mut [ContactState], moving: &Moving) {
+    for (touch, contact) in moving.touches.iter().zip(contacts) {
+        contact.mode = touch.mode;
+        contact.point = touch.place.into();
+        contact.normal = touch.normal.into();
+        contact.penetration = touch.penetration;
+        contact.force = touch.force.into();
+        contact.bristle = touch.bristle.into();
+    }
 }
 
 impl WorldState {
     /// Each tool at the last sample, in the world's order.
     #[must_use]
     pub fn tools(&self) -> &[ToolState] {
-        &self.tools
+        &self.progress.tools
     }
 
     /// Each body at the last sample, fixed ones too, in the world's order.
     #[must_use]
     pub fn bodies(&self) -> &[BodyState] {
-        &self.bodies
+        &self.progress.bodies
     }
 
     /// Each point at which tools and bodies can touch, at the last sample, whether they do or not.
     #[must_use]
     pub fn contacts(&self) -> &[ContactState] {
-        &self.contacts
+        &self.progress.contacts
     }
 
     /// The books of energy, as of the last sample.
     #[must_use]
     pub fn books(&self) -> &Books {
-        &self.books
+        &self.progress.books
     }
 }
 

@@ -235,7 +235,12 @@ impl Reading {
             );
             self.fault(raw.format.span(), message);
         }
+        self.places
+            .take(Place::Loop, "period", raw.r#loop.period_s.clone());
         let period = self.number("period_s", raw.r#loop.period_s, Least::Above0);
+        if let Some(delay) = raw.told.delay_s.as_ref().or(raw.r#loop.delay_s.as_ref()) {
+            self.places.take(Place::Loop, "actuation", delay.clone());
+        }
         let delay = raw
             .r#loop
             .delay_s
@@ -293,14 +298,21 @@ impl Reading {
         devices: &[WorldDevice],
         delay: f64,
     ) -> WorldRender {
+        if let Some(mass) = &raw.device_mass_kg {
+            self.places.take(Place::Method, "device_mass", mass.clone());
+        }
+        if let Some(damping) = &raw.damping_n_s_per_m {
+            self.places.take(Place::Method, "damping", damping.clone());
+        }
         let told_mass = raw
             .device_mass_kg
             .map(|mass| self.per_axis("device_mass_kg", mass, Least::Above0));
         let true_mass = devices.iter().map(|device| device.mass);
         WorldRender {
-            method: raw
-                .method
-                .map_or_else(|| "coupled".into(), Spanned::into_inner),
+            method: raw.method.map_or_else(
+                || "coupled".into(),
+                |method| self.places.take(Place::Method, "method", method),
+            ),
             device_mass: true_mass.map(|mass| told_mass.unwrap_or(mass)).collect(),
             damping: raw
                 .damping_n_s_per_m

@@ -3,6 +3,7 @@
 mod file;
 mod per_axis;
 mod place;
+mod rendering;
 mod shape;
 
 pub use file::WorldFile;

@@ -1,10 +1,10 @@
 //! The usual way: the spring force at the sample.
 
-use super::{Memory, one_per_tool};
+use super::one_per_tool;
 use crate::interval::advance;
 use crate::part::Drive;
 use crate::rigid::Vector3;
-use crate::state::WorldState;
+use crate::state::{Progress, show_contacts};
 use crate::{Effort, Place, Vector, WorldError, WorldRenderer};
 
 /// Parameters of basic rendering.
@@ -49,29 +49,8 @@ pub(crate) struct Basic {
     damping: Vec<f64>,
 }
 
-/// What basic rendering remembers.
-#[derive(Clone, Debug)]
-pub(crate) struct BasicMemory {
-    /// Force sent for the last sample `[N]`.
-    held: Vec<Vector3>,
-}
-
-impl BasicMemory {
-    pub fn new(tools: usize) -> Self {
-        Self {
-            held: vec![Vector3::zeros(); tools],
-        }
-    }
-
-    pub fn sent(&mut self, forces: &[Vector]) {
-        for (held, force) in self.held.iter_mut().zip(forces) {
-            *held = Vector3::from(*force);
-        }
-    }
-}
-
 impl Basic {
-    pub fn begin(renderer: &WorldRenderer, state: &mut WorldState, positions: &[Vector]) {
+    pub fn begin(renderer: &WorldRenderer, state: &mut Progress, positions: &[Vector]) {
         for (part, position) in state
             .now
             .parts
@@ -90,12 +69,11 @@ impl Basic {
 
     pub fn conclude(
         renderer: &WorldRenderer,
-        state: &mut WorldState,
+        state: &mut Progress,
         positions: &[Vector],
         elapsed: f64,
     ) -> Effort {
         let points = &renderer.points;
-        let Memory::Basic(memory) = &state.memory;
         for (point, (touch, book)) in points
             .iter()
             .zip(state.now.touches.iter().zip(&mut state.books.contacts))
@@ -114,9 +92,10 @@ impl Basic {
         state.books.pass(&state.now, points, renderer.tools);
 
         // The tools are where their devices are now, and what that does to the contacts is their work.
-        for (tool, held) in memory.held.iter().enumerate() {
+        for (tool, position) in positions.iter().enumerate().take(renderer.tools) {
+            let held = state.commands.held(tool).sent;
             let part = &mut state.now.parts[tool];
-            let way = Vector3::from(positions[tool]) - part.rigid.position;
+            let way = Vector3::from(*position) - part.rigid.position;
             part.rigid.position += way;
             part.drive.apparent_velocity = way / elapsed;
             for (point, touch) in points.iter().zip(&mut state.now.touches) {
@@ -144,7 +123,8 @@ impl Basic {
         effort
     }
 
-    pub fn plan(&self, renderer: &WorldRenderer, state: &mut WorldState) -> Effort {
+    pub fn plan(&self, renderer: &WorldRenderer, state: &mut Progress) -> Effort {
+        show_contacts(&mut state.contacts, &state.now);
         for (tool, intended) in state.intended.iter_mut().enumerate() {
             let mut force = Vector3::zeros();
             let mut touches = false;
@@ -161,5 +141,15 @@ impl Basic {
             *intended = force;
         }
         Effort::default()
+    }
+
+    /// Writes what is known of the tools.
+    pub fn publish(state: &mut Progress) {
+        for (tool, part) in state.tools.iter_mut().zip(&state.now.parts) {
+            tool.position = part.rigid.position.into();
+            tool.avatar_position = tool.position;
+            tool.velocity = part.drive.apparent_velocity.into();
+            tool.avatar_velocity = tool.velocity;
+        }
     }
 }

@@ -4,12 +4,15 @@
 //! folder.
 
 mod basic;
+mod coupled;
 
 pub use basic::BasicParams;
+pub use coupled::CoupledParams;
 
-use crate::state::WorldState;
+use crate::state::Progress;
 use crate::{Effort, Limited, Place, Vector, WorldError, WorldRenderer};
-use basic::{Basic, BasicMemory};
+use basic::Basic;
+use coupled::{Coupled, CoupledMemory};
 
 /// A method, with its parameters.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +20,8 @@ use basic::{Basic, BasicMemory};
 pub enum WorldMethod {
     /// The spring force at the sample, for comparison.
     Basic(BasicParams),
+    /// Devices and world predicted together, mean force held.
+    Coupled(CoupledParams),
 }
 
 impl WorldMethod {
@@ -25,12 +30,14 @@ impl WorldMethod {
     pub fn name(&self) -> &'static str {
         match self {
             Self::Basic(_) => "basic",
+            Self::Coupled(_) => "coupled",
         }
     }
 
     pub(crate) fn check(self, tools: usize) -> Result<Checked, Vec<WorldError>> {
         match self {
             Self::Basic(params) => params.check(tools).map(Checked::Basic),
+            Self::Coupled(params) => params.check(tools).map(Checked::Coupled),
         }
     }
 }
@@ -41,29 +48,49 @@ impl From<BasicParams> for WorldMethod {
     }
 }
 
+impl From<CoupledParams> for WorldMethod {
+    fn from(params: CoupledParams) -> Self {
+        Self::Coupled(params)
+    }
+}
+
 /// A method with checked parameters.
 #[derive(Clone, Debug)]
 pub(crate) enum Checked {
     Basic(Basic),
+    Coupled(Coupled),
 }
 
-/// What a method remembers.
+/// What a method remembers. It belongs to the renderer that made it.
 #[derive(Clone, Debug)]
 pub(crate) enum Memory {
-    Basic(BasicMemory),
+    Basic,
+    Coupled(CoupledMemory),
 }
 
 impl Checked {
     pub fn memory(&self, renderer: &WorldRenderer) -> Memory {
         match self {
-            Self::Basic(_) => Memory::Basic(BasicMemory::new(renderer.tools)),
+            Self::Basic(_) => Memory::Basic,
+            Self::Coupled(coupled) => {
+                Memory::Coupled(CoupledMemory::new(coupled, renderer.in_loop().period))
+            }
         }
     }
 
     /// A first sample, or the first that can be used again: the devices are at `positions` `[m]`, at rest.
-    pub fn begin(&self, renderer: &WorldRenderer, state: &mut WorldState, positions: &[Vector]) {
-        match self {
-            Self::Basic(_) => Basic::begin(renderer, state, positions),
+    pub fn begin(
+        &self,
+        renderer: &WorldRenderer,
+        state: &mut Progress,
+        memory: &mut Memory,
+        positions: &[Vector],
+    ) {
+        match (self, memory) {
+            (Self::Coupled(coupled), Memory::Coupled(memory)) => {
+                coupled.begin(renderer, state, memory, positions);
+            }
+            _ => Basic::begin(renderer, state, positions),
         }
     }
 
@@ -71,44 +98,44 @@ impl Checked {
     pub fn conclude(
         &self,
         renderer: &WorldRenderer,
-        state: &mut WorldState,
+        state: &mut Progress,
+        memory: &mut Memory,
         positions: &[Vector],
         elapsed: f64,
         limited: &mut Limited,
     ) -> Effort {
-        let _ = limited;
-        match self {
-            Self::Basic(_) => Basic::conclude(renderer, state, positions, elapsed),
+        match (self, memory) {
+            (Self::Coupled(coupled), Memory::Coupled(memory)) => {
+                coupled.conclude(renderer, state, memory, positions, elapsed, limited)
+            }
+            _ => Basic::conclude(renderer, state, positions, elapsed),
         }
     }
 
     /// Says which force follows on each tool.
-    pub fn plan(&self, renderer: &WorldRenderer, state: &mut WorldState) -> Effort {
-        match self {
-            Self::Basic(basic) => basic.plan(renderer, state),
+    pub fn plan(
+        &self,
+        renderer: &WorldRenderer,
+        state: &mut Progress,
+        memory: &mut Memory,
+    ) -> Effort {
+        match (self, memory) {
+            (Self::Coupled(coupled), Memory::Coupled(memory)) => {
+                coupled.plan(renderer, state, memory)
+            }
+            (Self::Basic(basic), _) => basic.plan(renderer, state),
+            // The state of another renderer.
+            _ => Effort::default(),
         }
     }
+}
 
-    /// The forces of a sample are sent.
-    pub fn sent(&self, state: &mut WorldState) {
-        let Memory::Basic(memory) = &mut state.memory;
-        memory.sent(&state.forces);
-    }
-
-    /// A sample could not be used: the devices are lost.
-    pub fn lose(&self, state: &mut WorldState) {
-        let _ = state;
-    }
-
-    /// Writes what it knows of the tools.
-    pub fn publish(&self, state: &mut WorldState) {
-        for (tool, part) in state.tools.iter_mut().zip(&state.now.parts) {
-            let position: Vector = part.rigid.position.into();
-            let velocity: Vector = part.drive.apparent_velocity.into();
-            tool.position = position;
-            tool.avatar_position = position;
-            tool.velocity = velocity;
-            tool.avatar_velocity = velocity;
+impl Memory {
+    /// Writes what a method knows of the tools.
+    pub fn publish(&self, state: &mut Progress) {
+        match self {
+            Self::Basic => Basic::publish(state),
+            Self::Coupled(memory) => memory.publish(state),
         }
     }
 }

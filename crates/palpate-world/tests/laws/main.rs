@@ -3,3 +3,5 @@
 
 mod common;
 mod conservation;
+mod floor;
+mod ideal;

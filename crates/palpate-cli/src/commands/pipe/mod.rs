@@ -8,6 +8,7 @@ mod messages;
 mod serving;
 mod stream;
 mod summary;
+mod world;
 
 use std::io;
 use std::sync::{Arc, Mutex};
@@ -15,11 +16,12 @@ use std::sync::{Arc, Mutex};
 use palpate::LARGEST_DELAY;
 use palpate_rt::StopFlag;
 use palpate_rt::safety::{OscillationParams, Safety, SafetyParams};
+use palpate_scene::SceneFile;
 use palpate_scene::method::MethodName;
 
 pub use arguments::PipeArguments;
 
-use super::simulate::read_scene;
+use super::simulate::{AnyScene, read_any};
 use crate::failure::Failure;
 use crate::setup::{check_contact, wrong_rendered, wrong_setup};
 use change::{Changeable, rendering};
@@ -28,12 +30,21 @@ use messages::Messages;
 use serving::{locked, serve_until};
 use stream::{Memory, Stream};
 pub use summary::Summary;
+#[cfg(test)]
+pub use world::WorldSummary;
 
 /// Answers every line of standard input until it ends, or a signal ends it.
 pub fn run(arguments: &PipeArguments) -> Result<(), Failure> {
+    let path = arguments.scene.as_ref().or(arguments.file.as_ref());
+    let scene = path.map(|path| read_any(path)).transpose()?;
+    let scene = match (path, scene) {
+        (Some(path), Some(AnyScene::World(file))) => return world::run(arguments, path, &file),
+        (_, Some(AnyScene::Contact(file))) => Some(*file),
+        (_, None) | (None, Some(_)) => None,
+    };
     let stop =
         StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
-    let stream = Arc::new(Mutex::new(set_up(arguments)?));
+    let stream = Arc::new(Mutex::new(set_up(arguments, scene)?));
     let ended = serve_until(&stream, &stop)?;
     let (summary, messages) = locked(&stream).finish();
     if let Some(messages) = messages {
@@ -48,9 +59,8 @@ pub fn run(arguments: &PipeArguments) -> Result<(), Failure> {
 }
 
 /// The stream as the arguments say it; nothing has been read or written yet.
-fn set_up(arguments: &PipeArguments) -> Result<Stream, Failure> {
+fn set_up(arguments: &PipeArguments, scene: Option<SceneFile>) -> Result<Stream, Failure> {
     let flags = &arguments.flags;
-    let scene = arguments.scene.as_deref().map(read_scene).transpose()?;
     let methods = flags.methods(
         scene
             .as_ref()
@@ -123,11 +133,12 @@ fn set_up(arguments: &PipeArguments) -> Result<Stream, Failure> {
         summary: Summary::new(force_limit, soft_start),
         memory: Memory::default(),
     };
-    tell_limits(
-        &mut stream,
+    if let Some(limits) = limits_in_words(
         force_limit.filter(|_| !is_limit_given),
         Some(soft_start).filter(|_| arguments.stream.soft_start.is_none()),
-    );
+    ) {
+        stream.tell(limits);
+    }
     Ok(stream)
 }
 
@@ -156,23 +167,23 @@ fn limits(force_limit: Option<f64>, soft_start: f64, defaults: SafetyParams) -> 
     }
 }
 
-/// Says what limits a force without having been asked for.
-fn tell_limits(stream: &mut Stream, force: Option<f64>, soft_start: Option<f64>) {
+/// What limits a force without having been asked for, if anything does.
+fn limits_in_words(force: Option<f64>, soft_start: Option<f64>) -> Option<String> {
     let comes_in = |seconds| {
         format!("where a start or a recovery finds contact, the force comes in over {seconds} s")
     };
     match (force, soft_start) {
-        (Some(force), Some(seconds)) => stream.tell(format_args!(
+        (Some(force), Some(seconds)) => Some(format!(
             "forces are limited to {force} N; {}; --force-limit inf and --soft-start 0 switch that off",
             comes_in(seconds)
         )),
-        (Some(force), None) => stream.tell(format_args!(
+        (Some(force), None) => Some(format!(
             "forces are limited to {force} N; --force-limit inf switches that off"
         )),
-        (None, Some(seconds)) => stream.tell(format_args!(
+        (None, Some(seconds)) => Some(format!(
             "{}; --soft-start 0 switches that off",
             comes_in(seconds)
         )),
-        (None, None) => {}
+        (None, None) => None,
     }
 }
