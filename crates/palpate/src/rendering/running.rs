@@ -237,3 +237,76 @@ fn touching<S: Scalar>(rendering: &Rendering<S>, position: S) -> ObjectState<S> 
         ..object
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::{Contact, LoopParams};
+    use crate::render::{AnyParams, VirtualDamperParams};
+
+    const LIMIT: f64 = 5.0;
+
+    fn damped(damping: f64) -> Rendering<f64> {
+        Rendering {
+            contact: Contact::wall(1000.0),
+            loop_params: LoopParams::new(0.001).with_force_limit(LIMIT),
+            params: AnyParams::VirtualDamper(VirtualDamperParams::new(damping)),
+            virtual_force: 0.0,
+            object: ObjectState::at_rest(0.0),
+        }
+    }
+
+    fn basic() -> Rendering<f64> {
+        Rendering {
+            params: AnyParams::Basic,
+            ..damped(0.0)
+        }
+    }
+
+    /// A damper at its limit, then the plain spring, which is far below it.
+    fn fading() -> Running<f64> {
+        let mut running = Running::new(damped(100.0)).unwrap();
+        running.step(Sample::at(0.001));
+        running.step(Sample::at(0.0015));
+        running.change(basic()).unwrap();
+        let output = running.step(Sample::at(0.002));
+        assert_eq!(output.force_on_device, -LIMIT);
+        running
+    }
+
+    #[test]
+    fn what_fades_is_kept_within_the_force_limit_and_told() {
+        let mut running = fading();
+        let before = running.ledger().port_work;
+        let output = running.step(Sample::at(0.004));
+        // 4 N of the spring and almost 3 N that fade.
+        assert!(output.limited.force);
+        assert_eq!(output.force_on_device, -LIMIT);
+        let told = running.ledger().port_work;
+        running.step(Sample::at(0.003));
+        let work = running.ledger().port_work - told;
+        assert!((work - LIMIT * -0.001).abs() < 1e-12, "{before} {work}");
+    }
+
+    #[test]
+    fn a_refused_sample_gets_nothing_of_what_fades() {
+        let mut running = fading();
+        running.change(damped(50.0)).unwrap();
+        let output = running.step(Sample::at(f64::NAN));
+        assert!(output.fault.is_some());
+        assert_eq!(output.force_on_device, 0.0);
+    }
+
+    #[test]
+    fn the_virtual_force_of_a_sample_adds_to_that_of_the_rendering() {
+        let light = Rendering {
+            contact: Contact::object(1000.0, 0.1),
+            virtual_force: -0.5,
+            ..basic()
+        };
+        let mut running = Running::new(light).unwrap();
+        running.step(Sample::at(-1.0).with_virtual_force(-0.25));
+        let output = running.step(Sample::at(-1.0));
+        assert!((output.object_velocity - -0.75 / 0.1 * 0.001).abs() < 1e-15);
+    }
+}
