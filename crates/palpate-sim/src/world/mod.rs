@@ -82,7 +82,7 @@ impl WorldBench {
     pub fn new(scene: &WorldScene) -> Result<Self, WorldBenchError> {
         let judged = as_judged(scene);
         let periods = scene.duration / scene.timing.period;
-        if !(periods <= MOST_PERIODS) {
+        if periods.is_nan() || periods > MOST_PERIODS {
             return Err(WorldBenchError::TooLong(periods));
         }
         #[expect(
