@@ -7,7 +7,8 @@ one. This package has the renderers and studies of the Rust library palpate; the
     import palpate
 
     r = palpate.Renderer(stiffness=400.0, mass=0.1, period=1e-3, device_mass=0.25)
-    f = r.step(0.012)  # position of the device [m] in, force on the device [N] out
+    r.step(-0.001)  # position of the device [m] in, force on the device [N] out
+    f = r.step(0.002)
 
 All values are SI, along one axis. Where a name stands for a number in an array or a report, its unit is at
 the end of the name.
