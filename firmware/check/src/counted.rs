@@ -17,7 +17,7 @@ pub struct Counted {
     pub largest: u32,
     /// The 99th percentile of them.
     pub percentile_99: u32,
-    /// Deepest stack of a tick [bytes].
+    /// Deepest stack of a tick `[bytes]`.
     pub stack: u32,
 }
 

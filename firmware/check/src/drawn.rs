@@ -7,7 +7,7 @@ use palpate_figure::{Grid, Kind, Limits, Panel, Role, Row, Series, Sheet, Size, 
 use crate::qemu::M4F;
 use crate::ran::{Entry, Ran, Scene, ran};
 
-/// What is shown of each run [s].
+/// What is shown of each run `[s]`.
 const UNTIL: f64 = 0.6;
 
 /// What is shown of an entry.
@@ -42,7 +42,7 @@ fn grid(runs: [(&Ran, String); 2], rows: [(&str, Value); 2]) -> Grid {
     }
 }
 
-/// Most work of the motor on the free rim: energy that rendering has created [mJ].
+/// Most work of the motor on the free rim: energy that rendering has created `[mJ]`.
 fn created(ran: &Ran) -> f64 {
     let free = ran.between(0.0, UNTIL).filter(|entry| entry.position < 0.0);
     free.map(|entry| 1e3 * entry.motor_work).fold(0.0, f64::max)

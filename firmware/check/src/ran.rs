@@ -32,17 +32,17 @@ pub mod status {
 /// The world once in every period of the loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
-    /// Time since the world began [s].
+    /// Time since the world began `[s]`.
     pub time: f64,
-    /// Position of the rim [m]; the wall is at 0.
+    /// Position of the rim `[m]`; the wall is at 0.
     pub position: f64,
-    /// Velocity of the rim [m/s].
+    /// Velocity of the rim `[m/s]`.
     pub velocity: f64,
-    /// Force of the motor on the rim [N].
+    /// Force of the motor on the rim `[N]`.
     pub motor: f64,
-    /// Work of the hand on the rim [J].
+    /// Work of the hand on the rim `[J]`.
     pub hand_work: f64,
-    /// Work of the motor on the rim [J].
+    /// Work of the motor on the rim `[J]`.
     pub motor_work: f64,
     /// What the loop says of itself: see [`status`].
     pub status: u32,
@@ -55,9 +55,9 @@ pub struct Entry {
 pub struct Ran {
     /// In the order of time.
     pub entries: Vec<Entry>,
-    /// When the scene's event came [s].
+    /// When the scene's event came `[s]`.
     pub event: Option<f64>,
-    /// Longest tick [s], what interrupted it included.
+    /// Longest tick `[s]`, what interrupted it included.
     pub longest: f64,
     /// Ticks that were longer than a period.
     pub overruns: u32,
@@ -117,7 +117,7 @@ pub fn ran(core: Core, scene: Scene) -> Result<Ran, Box<dyn Error>> {
 }
 
 impl Ran {
-    /// Speeds at which the rim leaves the wall [m/s].
+    /// Speeds at which the rim leaves the wall `[m/s]`.
     pub fn rebounds(&self) -> Vec<f64> {
         self.entries
             .windows(2)
@@ -126,14 +126,14 @@ impl Ran {
             .collect()
     }
 
-    /// Entries from `from` to `to` [s].
+    /// Entries from `from` to `to` `[s]`.
     pub fn between(&self, from: f64, to: f64) -> impl Iterator<Item = &Entry> {
         self.entries
             .iter()
             .filter(move |entry| (from..to).contains(&entry.time))
     }
 
-    /// When, after `from` [s], the motor's force is 0 for the first time.
+    /// When, after `from` `[s]`, the motor's force is 0 for the first time.
     pub fn off_after(&self, from: f64) -> Option<f64> {
         self.between(from, f64::INFINITY)
             .find(|entry| entry.motor == 0.0)

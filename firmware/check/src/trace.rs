@@ -9,9 +9,9 @@ use palpate::{Contact, HfcrParams, LoopParams, ObjectState, Renderer, Sample};
 /// Ticks of the trace.
 const TICK_COUNT: usize = 800;
 const PERIOD: f64 = 0.001;
-/// Mass of the device [kg].
+/// Mass of the device `[kg]`.
 const DEVICE_MASS: f64 = 0.1;
-/// Force of the hand on it, and its opposite on the block [N].
+/// Force of the hand on it, and its opposite on the block `[N]`.
 const HAND: f64 = 3.0;
 
 /// Text of the trace. Cells are rounded to a nanometre, as a fine encoder would.

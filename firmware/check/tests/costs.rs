@@ -1,4 +1,5 @@
 //! What a tick may cost.
+#![allow(clippy::print_stdout)] // tests show what they measured
 
 use palpate_firmware_check::counted::{code_size, counted};
 use palpate_firmware_check::qemu::{CORES, M4F, M7};

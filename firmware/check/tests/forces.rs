@@ -1,5 +1,6 @@
 //! A microcontroller gives the forces of the desktop to the last bit: every tick of the committed trace, by
 //! both methods, on a block and on a wall.
+#![allow(clippy::print_stdout)] // tests show what they measured
 
 use palpate_firmware_check::qemu::{CORES, Time};
 use palpate_firmware_trace::{FAULTS, Seen, replay_all};

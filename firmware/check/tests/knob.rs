@@ -1,4 +1,5 @@
 //! The knob on its board, against its emulated motor and hand, on a Cortex-M4F.
+#![allow(clippy::print_stdout)] // tests show what they measured
 
 use palpate_firmware_check::qemu::{M4F, M7};
 use palpate_firmware_check::ran::{Entry, Ran, Scene, ran, status};
@@ -53,6 +54,10 @@ fn the_wall_is_felt_at_4_khz_and_energy_does_not_grow() {
     let basic = energy_growth(&run(Scene::WallByBasic));
     println!("energy of the plain spring: {basic:.1} of the first");
     assert!(basic > 5.0, "{basic}");
+    // HFCR plans for a force that acts at once; here it acts a period later.
+    let hfcr = energy_growth(&run(Scene::WallByHfcr));
+    println!("energy of HFCR: {hfcr:.1} of the first");
+    assert!(hfcr > 2.0, "{hfcr}");
 }
 
 #[test]
