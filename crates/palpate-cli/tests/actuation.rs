@@ -302,7 +302,7 @@ fn a_contact_beyond_the_resonance_of_a_device_file_is_warned_of_once_and_not_adv
         assert_eq!(answer.stderr.contains("6317 N/m"), is_beyond, "{answer:?}");
     }
     let advised = |flags: &str| {
-        let asked = "--stiffness 7000 --viscous-friction 2 --method coupled --json";
+        let asked = "--stiffness 7000 --viscous-friction 2 --method coupled";
         folder.json(&format!("advise --period 0.001 {flags} {asked}"))
     };
     let rigid = "--device-mass 0.2 --delay 0.5 --lag 0.0002";
