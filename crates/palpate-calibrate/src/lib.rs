@@ -7,6 +7,7 @@ mod exponential;
 mod file;
 mod filter;
 mod fit;
+mod flexible;
 mod gain;
 mod measure;
 mod model;

@@ -21,6 +21,7 @@ use palpate_testbed::InvalidParameter;
 use crate::arguments::{Flags, TimingFlags, flag_of_setting};
 use crate::failure::Failure;
 use device_file::DeviceFile;
+pub use device_file::read_calibration;
 use palpate_study::report::{Subject, parameters_of, timing_of};
 
 /// The flag that gives a parameter of a scene, if one does.
@@ -269,6 +270,9 @@ impl Flags {
         let period = needed(self.period, "--period", "s")?;
         let file = self.device_file(period)?;
         let file = file.as_ref();
+        if let Some(file) = file {
+            file.warn_of_resonance(&contact, period);
+        }
         let quantum = || file?.sensor_quantum();
         Ok(ReplaySetup {
             contact,
@@ -322,6 +326,9 @@ impl Flags {
         scene.virtual_force = self.force.unwrap_or(scene.virtual_force);
         let file = self.device_file(scene.loop_params.period)?;
         let file = file.as_ref();
+        if let Some(file) = file {
+            file.warn_of_resonance(&scene.contact, scene.loop_params.period);
+        }
         self.actuation.change(scene, file);
         if self.device_mass.is_none() {
             let found = file.and_then(DeviceFile::device_mass);

@@ -223,17 +223,6 @@ pub fn periods(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A delay of whole samples that the bench can hold.
-pub fn samples(text: &str) -> Result<usize, String> {
-    const MOST: usize = DelayedHold::LONGEST_DELAY;
-    match text.parse() {
-        Ok(samples) if samples <= MOST => Ok(samples),
-        _ => Err(format!(
-            "a whole number of samples is needed, from 0 to {MOST}"
-        )),
-    }
-}
-
 /// A side of the device.
 pub fn side(text: &str) -> Result<Side, String> {
     match text {

@@ -273,3 +273,66 @@ fn a_recording_says_what_the_renderer_was_told_and_is_replayed_with_it() {
         (0.0, 1.0)
     );
 }
+
+const FLEXIBLE: &str = "\
+calibration_format = 1
+period_s = 0.001
+device_mass_kg = 0.2
+delay_s = 0.0005
+lag_s = 0.0002
+resonance_hz = 100.0
+flexible_mass_fraction = 0.5
+";
+
+/// A resonance of 100 Hz allows 40 Hz: 6.3 kN/m with the 0.1 kg of the motor's side and a wall.
+#[test]
+fn a_contact_beyond_the_resonance_of_a_device_file_is_warned_of_once_and_not_advised() {
+    let folder = folder();
+    folder.write("flexible.toml", FLEXIBLE);
+    for (stiffness, is_beyond) in [(6000, false), (7000, true)] {
+        let answer = folder.palpate_reading(
+            "0\n",
+            &format!(
+                "pipe --stiffness {stiffness} --mass inf --period 0.001 --device-file flexible.toml"
+            ),
+        );
+        assert_eq!(answer.code, 0, "{answer:?}");
+        let warned = answer.stderr.matches("a resonance of 100 Hz").count();
+        assert_eq!(warned, usize::from(is_beyond), "{answer:?}");
+        assert_eq!(answer.stderr.contains("6317 N/m"), is_beyond, "{answer:?}");
+    }
+    let advised = |flags: &str| {
+        let asked = "--stiffness 7000 --viscous-friction 2 --method coupled";
+        folder.json(&format!("advise --period 0.001 {flags} {asked}"))
+    };
+    let rigid = "--device-mass 0.2 --delay 0.5 --lag 0.0002";
+    assert_eq!(advised(rigid)["verdict"]["answer"], "yes");
+    let flexible = advised("--device-file flexible.toml");
+    assert_eq!(flexible["verdict"]["answer"], "too-flexible");
+    let device = &flexible["device"];
+    assert_eq!(number(device, "delay_fraction"), 0.5);
+    assert_eq!(number(device, "lag_s"), 0.0002);
+    assert_eq!(number(device, "mass_kg"), 0.2);
+    assert!((number(device, "stiffest_by_resonance_n_per_m") - 6316.5).abs() < 0.1);
+    folder.fail("advise --period 0.001", 2, &["--device-mass"]);
+}
+
+#[test]
+fn a_map_takes_fractions_of_delay_and_a_lag() {
+    let folder = folder();
+    let map = |flags: &str| folder.succeed(&format!("map --cells 2 --method coupled {flags}"));
+    assert!(map("--delay 0.5 --out half.csv").contains("0.5"));
+    let text = |file: &str| std::fs::read_to_string(folder.path(file)).unwrap();
+    assert!(text("half.csv").contains("\"\"delay_samples\"\":\"\"0.5\"\""));
+    map("--delay 1.0 --out one.csv");
+    map("--delay 1 --lag 0 --out whole.csv");
+    assert_eq!(text("one.csv"), text("whole.csv"));
+    map("--delay 1 --lag 0.3 --out lag.csv");
+    assert!(text("lag.csv").contains("\"\"lag_periods\"\":\"\"0.3\"\""));
+    folder.fail(
+        "map --lag 101 --out x.csv",
+        2,
+        &["--lag is 101 periods", "0 to 100"],
+    );
+    folder.fail("map --delay 1025 --out x.csv", 2, &["a number of periods"]);
+}

@@ -209,6 +209,14 @@ fn what_was_sent_acts_after_the_delay_of_the_recorded_loop() {
     let ((as_was, near), (faster, far)) = (force(""), force("--delay 0"));
     assert_eq!(as_was, faster);
     assert!(far > 10.0 * near, "{far} and {near}");
+    // A fraction is in time: nearly two periods are nearly as it was, and half of the rest half as far.
+    let (nearly, between) = (force("--delay 1.999").1, force("--delay 1").1);
+    let half = force("--delay 1.5").1;
+    assert!(nearly < between / 10.0, "{nearly} and {between}");
+    assert!(
+        (0.3..0.7).contains(&(half / between)),
+        "{half} and {between}"
+    );
 }
 
 #[test]

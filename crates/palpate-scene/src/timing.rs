@@ -33,8 +33,8 @@ pub struct Timing {
     pub collapse: Option<RateCollapse>,
     /// Seed of the random numbers.
     pub seed: u64,
-    /// Samples are taken when those of the recorded hand were, in place of all of the above. No scene
-    /// file has it.
+    /// Samples are taken when those of the recorded hand were, in place of all of the above but
+    /// `delay_seconds`. No scene file has it.
     pub as_recorded: bool,
 }
 
@@ -186,7 +186,8 @@ impl Scene {
         match &self.recorded_hand {
             Some(hand) if self.timing.as_recorded => {
                 let period = self.loop_params.period;
-                Timeline::at_instants(hand.times(), self.delay, period, periods)
+                let delay = (self.delay, self.timing.delay_seconds);
+                Timeline::at_instants(hand.times(), delay, period, periods)
             }
             _ => Timeline::new(self.schedule(), periods),
         }
@@ -204,6 +205,7 @@ impl Scene {
         let only_as_recorded = Timing {
             as_recorded: true,
             seed: self.timing.seed,
+            delay_seconds: self.timing.delay_seconds,
             ..Timing::default()
         };
         if self.timing.as_recorded && self.recorded_hand.is_none() {

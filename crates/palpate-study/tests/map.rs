@@ -53,7 +53,7 @@ fn on_the_bench<T>(bounce: &Bounce, phase: usize, then: impl FnOnce(&Bench) -> T
 
 #[test]
 fn the_lean_loop_gives_the_numbers_of_the_bench_to_the_bit() {
-    for delay in [0, 2] {
+    for delay in [0.0, 2.0] {
         let params = MapParams { delay, ..params(5) };
         for index in [0, 9, 14, 16, 20, 29] {
             let bounce = params.cell(index).bounce.on(Plant::Undamped);
@@ -450,4 +450,55 @@ fn a_cell_has_the_contacts_that_stay_of_its_scene() {
             assert_eq!(result.stay.resting.is_none(), bounce.is_wall());
         }
     }
+}
+
+/// A delay a little below or above a whole number of periods, with a little lag, is nearly that number.
+#[test]
+fn a_fraction_of_delay_and_a_lag_come_on_without_a_jump() {
+    let bounce = params(5).cell(9).bounce.on(Plant::Undamped);
+    let methods = [MethodName::HfcrModSt, MethodName::Coupled];
+    let settings = methods.map(|method| (method, Settings::default()));
+    let judged = |delay: f64, lag: f64| {
+        let bounce = Bounce {
+            delay,
+            lag: lag * bounce.period,
+            ..bounce
+        };
+        bounce.judge(Plant::Undamped, &settings).unwrap().0
+    };
+    let mut halves = Vec::new();
+    for (whole, near, lag) in [(0.0, 1e-5, 0.0), (1.0, 1.0 - 1e-5, 0.0), (1.0, 1.0, 1e-5)] {
+        for (whole, near) in judged(whole, 0.0).iter().zip(judged(near, lag)) {
+            let (expected, found) = (whole.error.median, near.error.median);
+            println!("{}: {expected} {found}", whole.method);
+            assert!(
+                (found - expected).abs() < 1e-3 + 0.01 * expected,
+                "{near:?}"
+            );
+        }
+        halves.push(judged(whole, 0.0)[0].error.median);
+    }
+    // And half a period is neither.
+    let half = judged(0.5, 0.2)[0].error.median;
+    println!("hfcr-mod-st at half a period and a lag: {half}");
+    assert!((half - halves[0]).abs() > 0.1 * halves[0]);
+    assert!((half - halves[1]).abs() > 0.1 * halves[1]);
+}
+
+/// A renderer that is told of half a period and of a lag renders what none can that is not told.
+#[test]
+fn coupled_rendering_holds_at_half_a_period_of_delay_and_a_lag() {
+    let bounce = Bounce {
+        delay: 0.5,
+        lag: 0.2 * params(5).period,
+        ..params(5).cell(14).bounce.on(Plant::Undamped)
+    };
+    let methods = [MethodName::Coupled, MethodName::Basic];
+    let settings = methods.map(|method| (method, Settings::default()));
+    let (entries, _) = bounce.judge(Plant::Undamped, &settings).unwrap();
+    for entry in &entries {
+        println!("{}: {:?} {:?}", entry.method, entry.growth, entry.error);
+    }
+    assert!(entries[0].growth.worst < 1.05, "{:?}", entries[0]);
+    assert!(entries[1].growth.median > 1.05, "{:?}", entries[1]);
 }

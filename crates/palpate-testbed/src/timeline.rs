@@ -82,18 +82,24 @@ impl Timeline {
 
     /// The timeline of a loop that sampled at `instants` \[s\], of which the first is 0 and each comes
     /// after the one before it, over so many of its nominal periods \[s\]. A command reaches the motor
-    /// with the sample that is `delay` samples after its own.
+    /// `seconds` after the sample that is `delay` samples after its own.
     ///
     /// # Errors
     ///
     /// A window without a period, instants in another order.
     pub fn at_instants(
         instants: &[f64],
-        delay: usize,
+        (delay, seconds): (usize, f64),
         period: f64,
         periods: usize,
     ) -> Result<Self, InvalidParameter> {
         positive("period", period, "finite and above 0 s")?;
+        InvalidParameter::unless(
+            seconds.is_finite() && seconds >= 0.0,
+            "delay",
+            seconds,
+            "finite and at least 0 s",
+        )?;
         InvalidParameter::unless(periods > 0, "periods", 0.0, "at least 1")?;
         let first = instants.first().copied().unwrap_or(f64::NAN);
         InvalidParameter::unless(first == 0.0, "instants", first, "0 s for the first")?;
@@ -112,7 +118,7 @@ impl Timeline {
         let arrivals: Vec<f64> = (0..samples.len())
             .map(|sample| {
                 let arrives = samples.get(sample.saturating_add(delay));
-                arrives.map_or(f64::INFINITY, |arrives| arrives.time)
+                arrives.map_or(f64::INFINITY, |arrives| arrives.time + seconds)
             })
             .collect();
         Self::built(samples, &arrivals, period, periods)
@@ -306,7 +312,7 @@ mod tests {
             let mut instants: Vec<f64> = scheduled.samples().iter().map(|s| s.time).collect();
             // What comes after the window does not count.
             instants.extend([0.403, 0.41]);
-            let given = Timeline::at_instants(&instants, delay, 0.01, 40).unwrap();
+            let given = Timeline::at_instants(&instants, (delay, 0.0), 0.01, 40).unwrap();
             let of = |timeline: &Timeline| -> Vec<(f64, f64)> {
                 let samples = timeline.samples().iter();
                 samples
@@ -333,11 +339,11 @@ mod tests {
     #[test]
     fn instants_that_cannot_be_are_refused_by_name() {
         for instants in [&[][..], &[0.1, 0.2], &[0.0, 0.2, 0.2], &[0.0, f64::NAN]] {
-            let error = Timeline::at_instants(instants, 0, 0.1, 2).unwrap_err();
+            let error = Timeline::at_instants(instants, (0, 0.0), 0.1, 2).unwrap_err();
             assert_eq!(error.name, "instants", "{instants:?}");
         }
-        assert!(Timeline::at_instants(&[0.0, 0.1], 0, 0.1, 0).is_err());
-        assert!(Timeline::at_instants(&[0.0, 0.1], 0, 0.0, 1).is_err());
+        assert!(Timeline::at_instants(&[0.0, 0.1], (0, 0.0), 0.1, 0).is_err());
+        assert!(Timeline::at_instants(&[0.0, 0.1], (0, 0.0), 0.0, 1).is_err());
     }
 
     #[test]

@@ -50,14 +50,6 @@ pub fn close_loop(
     progress: &Progress,
     failure: &dyn Fn(MethodName, LoopError) -> Failure,
 ) -> Result<ReplayRuns, Failure> {
-    if recorded.at_its_instants && setup.delay().1 > 0.0 {
-        let (samples, fraction) = setup.delay();
-        return Err(Failure::Arguments(format!(
-            "the delay is {} periods, but a hand that is replayed at its recorded instants takes whole \
-             samples (--delay 0 to 1024); --replay motion takes fractions",
-            samples as f64 + fraction
-        )));
-    }
     let model = HandModel {
         encoder_quantum: setup.encoder_quantum,
         bandwidth: flags.hand_bandwidth,

@@ -2,12 +2,23 @@
 
 use std::path::{Path, PathBuf};
 
-use palpate::LARGEST_DELAY;
+use palpate::{Contact, LARGEST_DELAY, Mass};
 use palpate_calibrate::{Calibration, Quantity};
 use palpate_scene::Told;
+use palpate_study::text::digits;
 
 use crate::arguments::{ActuationFlags, Flags};
 use crate::failure::{Failure, tell};
+
+/// Reads a device file.
+pub fn read_calibration(path: &Path) -> Result<Calibration, Failure> {
+    let name = path.display().to_string();
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| Failure::System(format!("{name}: {error}")))?;
+    Calibration::parse(&name, &text).map_err(|error| {
+        Failure::input_at(&error, &error.file, &error.source_text, error.span.clone())
+    })
+}
 
 /// A device file that was read.
 pub struct DeviceFile {
@@ -19,14 +30,9 @@ impl DeviceFile {
     /// Reads the file at `path` for a loop of `period` `[s]`, and says what `flags` leave to it.
     pub fn read(path: &Path, flags: &Flags, period: f64) -> Result<Self, Failure> {
         let name = path.display().to_string();
-        let text = std::fs::read_to_string(path)
-            .map_err(|error| Failure::System(format!("{name}: {error}")))?;
-        let calibration = Calibration::parse(&name, &text).map_err(|error| {
-            Failure::input_at(&error, &error.file, &error.source_text, error.span.clone())
-        })?;
         let file = Self {
             path: path.to_owned(),
-            calibration,
+            calibration: read_calibration(path)?,
         };
         if let Some(delay) = file.told(&flags.actuation).delay
             && delay > LARGEST_DELAY as f64 * period
@@ -39,6 +45,29 @@ impl DeviceFile {
         }
         file.tell(flags, period);
         Ok(file)
+    }
+
+    /// Warns of a contact that is stiffer than the device's first resonance allows.
+    pub fn warn_of_resonance(&self, contact: &Contact<f64>, period: f64) {
+        let object_mass = match contact.object_mass {
+            Mass::Finite(mass) => mass,
+            Mass::Infinite => f64::INFINITY,
+        };
+        let Some(stiffest) = self.calibration.stiffest_contact(object_mass, period) else {
+            return;
+        };
+        if contact.stiffness <= stiffest {
+            return;
+        }
+        let hertz = self.calibration.value(Quantity::Resonance);
+        tell(format_args!(
+            "warning: {} has a resonance of {} Hz, which allows {} N/m with this object at a period of {period} s; \
+             at {} N/m the force can be far from the contact's, or the loop can gain energy",
+            self.path.display(),
+            hertz.unwrap_or_default(),
+            digits(stiffest),
+            contact.stiffness
+        ));
     }
 
     /// Mass of the device `[kg]`.

@@ -12,15 +12,18 @@
 //! default ω of 100 rad/s a hand that moves at 0.3 m/s, in steps of 5 mm, shakes the device by some
 //! 0.02 mm at 60 Hz, and lags by 2/ω = 20 ms.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use palpate_scene::Scene;
 use palpate_testbed::InvalidParameter;
-use palpate_testbed::device::Device as _;
+use palpate_testbed::actuator::{Actuator, ActuatorParams};
+use palpate_testbed::device::Device as Moved;
 use palpate_testbed::hand::Hand;
 use palpate_testbed::held_mass::HeldMass;
+use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::measure::Sampler;
 
 use palpate_device::clock::Clock;
@@ -52,7 +55,14 @@ pub struct PointerParams {
     pub largest_force: Option<f64>,
     /// Periods after which a command acts: what is written is held after as many further writes.
     pub delay: usize,
+    /// Time from a write to the beginning of its force, in place of `delay` `[s]`.
+    pub delay_seconds: f64,
+    /// Gain and lag of the motor.
+    pub actuator: ActuatorParams,
 }
+
+/// Most forces that begin later: those of the longest delay that a scene can state.
+const MOST_LATER: usize = DelayedHold::LONGEST_DELAY + 1;
 
 impl Default for PointerParams {
     /// A light desktop device in a relaxed hand.
@@ -69,13 +79,15 @@ impl Default for PointerParams {
             position: 0.0,
             largest_force: None,
             delay: 0,
+            delay_seconds: 0.0,
+            actuator: ActuatorParams::default(),
         }
     }
 }
 
 impl PointerParams {
-    /// The device of `scene` in a pointer's hand: its mass, sensor, motor, delay of whole samples and
-    /// place at the start. Its friction is that of the scene, and at least that of
+    /// The device of `scene` in a pointer's hand: its mass, sensor, motor, delay, lag, gain and place at
+    /// the start; a fraction of a period and the jitter of commands are left out. Its friction is that of the scene, and at least that of
     /// [`default`](Self::default), by which a device comes to rest that nobody holds.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
@@ -88,6 +100,8 @@ impl PointerParams {
             dry_friction: scene.device.coulomb_friction.max(default.dry_friction),
             largest_force: scene.device.largest_force,
             delay: scene.delay,
+            delay_seconds: scene.timing.delay_seconds,
+            actuator: scene.actuator,
             ..default
         }
     }
@@ -146,6 +160,10 @@ impl PointerParams {
         if let Some(force) = self.largest_force {
             named("largest_force", force, force > 0.0, "finite and above 0 N")?;
         }
+        let is_time = Duration::try_from_secs_f64(self.delay_seconds).is_ok();
+        let allowed = "finite and at least 0 s";
+        named("delay_seconds", self.delay_seconds, is_time, allowed)?;
+        Actuator::new(self.actuator)?;
         named("position", self.position, true, "finite [m]")
     }
 
@@ -235,6 +253,11 @@ pub struct PointerDevice<C> {
     held: f64,
     /// Commands that do not act yet, the oldest first `[N]`.
     on_their_way: Vec<f64>,
+    /// Time from a write to the beginning of its force, where that is not counted in writes.
+    late: Duration,
+    /// Forces that begin later, with the instant of each, oldest first.
+    later: VecDeque<(Duration, f64)>,
+    motor: Actuator,
     /// Force on the device that was sent last `[N]`.
     sent: f64,
     cut: Cut,
@@ -275,6 +298,9 @@ impl<C: Clock> PointerDevice<C> {
                 Sampler::Ideal
             },
             on_their_way: vec![0.0; params.delay],
+            late: Duration::try_from_secs_f64(params.delay_seconds).unwrap_or_default(),
+            later: VecDeque::with_capacity(MOST_LATER),
+            motor: Actuator::new(params.actuator)?,
             params,
             hand: hand.clone(),
             motion: Motion::Free(alone.clone()),
@@ -309,25 +335,45 @@ impl<C: Clock> PointerDevice<C> {
         let now = self.clock.now();
         let mut from = *self.moved_until.get_or_insert(now);
         if let Some(cut) = self.cut.between(from, now) {
-            self.advance(cut - from);
+            self.hold(from, cut);
             self.held = 0.0;
             self.on_their_way.fill(0.0);
+            self.later.clear();
             from = cut;
         }
-        self.advance(now.saturating_sub(from));
+        self.hold(from, now);
         self.moved_until = Some(now);
         self.look_at_hand();
         now
     }
 
+    /// Moves under what is held, and under what begins on the way.
+    fn hold(&mut self, mut from: Duration, until: Duration) {
+        while let Some(&(begins, force)) = self.later.front()
+            && begins <= until
+        {
+            self.advance(begins.saturating_sub(from));
+            from = from.max(begins);
+            self.held = force;
+            self.later.pop_front();
+        }
+        self.advance(until.saturating_sub(from));
+    }
+
     fn advance(&mut self, duration: Duration) {
         let duration = duration.as_secs_f64().min(LONGEST);
+        // The testbed has the force on the object, which is the other one.
         match &mut self.motion {
             Motion::Held { target, state } => {
-                state.advance(&self.params, *target, self.held, duration);
+                let mut led = Led {
+                    params: &self.params,
+                    target: *target,
+                    state,
+                };
+                self.motor.drive(&mut led, -self.held, duration);
             }
             Motion::Free(device) => {
-                device.advance(-self.held, duration);
+                self.motor.drive(device, -self.held, duration);
             }
         }
     }
@@ -355,6 +401,34 @@ impl<C: Clock> PointerDevice<C> {
             }
             (Motion::Free(_), None) => {}
         }
+    }
+}
+
+/// A held device that moves under its motor.
+struct Led<'a> {
+    params: &'a PointerParams,
+    target: f64,
+    state: &'a mut Held,
+}
+
+impl Moved for Led<'_> {
+    fn position(&self) -> f64 {
+        self.state.position
+    }
+
+    fn velocity(&self) -> f64 {
+        self.state.velocity
+    }
+
+    /// The work is not counted: nobody asks for it.
+    fn advance(&mut self, force_on_object: f64, duration: f64) -> f64 {
+        self.state
+            .advance(self.params, self.target, -force_on_object, duration);
+        0.0
+    }
+
+    fn stored_energy(&self) -> f64 {
+        0.0
     }
 }
 
@@ -413,13 +487,20 @@ impl<C: Clock> Device for PointerDevice<C> {
     }
 
     fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
-        self.move_on();
+        let now = self.move_on();
         self.cut.is_over();
         let [mut force, ..] = wrench.force;
         if let Some(limit) = self.params.largest_force {
             force = force.clamp(-limit, limit);
         }
         self.sent = force;
+        if self.late > Duration::ZERO {
+            if self.later.len() == MOST_LATER {
+                self.later.pop_front();
+            }
+            self.later.push_back((now + self.late, force));
+            return Ok([self.held, 0.0, 0.0].into());
+        }
         if let Some(oldest) = self.on_their_way.first().copied() {
             self.on_their_way.rotate_left(1);
             if let Some(newest) = self.on_their_way.last_mut() {

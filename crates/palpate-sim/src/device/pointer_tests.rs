@@ -38,6 +38,55 @@ fn a_command_acts_after_its_delay_and_within_the_motor_s_limit() {
     assert_eq!(refused.unwrap_err().name, "largest_force");
 }
 
+/// A delay in seconds of so many periods is the delay of as many writes, and the fraction of one and a lag
+/// delay the device by as much as they are.
+#[test]
+fn a_delay_in_seconds_and_a_lag_delay_the_device_by_as_much() {
+    let moved = |params: PointerParams| {
+        let (mut device, clock) = device(params, &PointerHand::at(0.0));
+        let mut positions = Vec::new();
+        for tick in 0..40 {
+            device.read().unwrap();
+            positions.push(device.position());
+            let force = if tick < 3 { 0.0 } else { 2.0 };
+            device.write([force, 0.0, 0.0].into()).unwrap();
+            clock.advance(MS);
+        }
+        (device.velocity(), positions)
+    };
+    let params = PointerParams::default();
+    let writes = moved(PointerParams { delay: 2, ..params });
+    let seconds = moved(PointerParams {
+        delay_seconds: 2e-3,
+        ..params
+    });
+    for (a, b) in writes.1.iter().zip(&seconds.1) {
+        assert!((a - b).abs() < 1e-15, "{a} {b}");
+    }
+    let late = |delay_seconds, lag| {
+        let actuator = ActuatorParams { gain: 0.5, lag };
+        let params = PointerParams {
+            delay_seconds,
+            actuator,
+            ..params
+        };
+        moved(params).1[39]
+    };
+    // Once a lag has settled, it is a delay, but for what the hand has done meanwhile.
+    let (together, as_delay) = (late(0.7e-3, 0.5e-3), late(1.2e-3, 0.0));
+    assert!(
+        (together / as_delay - 1.0).abs() < 1e-3,
+        "{together} {as_delay}"
+    );
+    assert!((late(0.7e-3, 0.0) / as_delay - 1.0).abs() > 5e-3);
+    let never = PointerParams {
+        delay_seconds: f64::NAN,
+        ..params
+    };
+    let refused = PointerDevice::new(never, &PointerHand::free(), SteppedClock::new());
+    assert_eq!(refused.unwrap_err().name, "delay_seconds");
+}
+
 /// m x″ = −k x − (b + b_h) x′ + f from rest: the textbook's step response.
 #[test]
 fn a_held_force_moves_it_as_the_closed_form_says() {

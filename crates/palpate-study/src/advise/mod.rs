@@ -5,6 +5,7 @@ mod text;
 use crate::map::{Bounce, BounceError, Class, Entry, Limit, Plant, Stay, bounds, default_settings};
 use crate::tune::tunable;
 use palpate_scene::method::{MethodName, SettingKey, Settings};
+use palpate_sim::replay::samples_and_fraction;
 use serde::Serialize;
 
 /// Name and version of the JSON report.
@@ -52,8 +53,17 @@ pub struct DeviceReport {
     pub coulomb_friction_n: f64,
     /// Quantum of the position sensor `[m]`.
     pub encoder_quantum_m: f64,
-    /// Delay of the loop `[samples]`.
+    /// Delay of the loop in whole samples.
     pub delay_samples: usize,
+    /// Part of a period by which the delay is longer; left out where it is 0.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub delay_fraction: f64,
+    /// Time constant of the actuator's lag `[s]`; left out where it is 0.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub lag_s: f64,
+    /// Stiffest contact that the first resonance allows `[N/m]`; left out where no resonance is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stiffest_by_resonance_n_per_m: Option<f64>,
     /// M of the object whose limits are looked for; none for a wall.
     pub object_mass_kg: Option<f64>,
     /// Gap from which the object falls `[m]`.
@@ -114,6 +124,11 @@ pub enum Verdict {
         method: &'static str,
         /// Its damping or cap `[N s/m]`; none where the method chooses or has none.
         damping_n_s_per_m: Option<f64>,
+    },
+    /// Beyond what the device's first resonance allows, which no trial here has.
+    TooFlexible {
+        /// Stiffest contact that it allows `[N/m]`.
+        stiffest_n_per_m: f64,
     },
     /// No method is stable.
     No {
@@ -183,7 +198,7 @@ pub struct Reach {
 pub struct Bounds {
     /// Colgate and Schenkel: K < 2 b/T without virtual damping `[N/m]`.
     pub colgate_schenkel_n_per_m: f64,
-    /// Gil et al., with a delay `[N/m]`.
+    /// Gil et al., with a delay; a lag counts as so much delay `[N/m]`.
     pub gil_n_per_m: f64,
     /// Abbott and Okamura, with Coulomb friction and an encoder `[N/m]`.
     pub abbott_okamura_n_per_m: f64,
@@ -193,10 +208,29 @@ pub struct Bounds {
     pub undamped_wall_damping_n_s_per_m: f64,
 }
 
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
 impl Advice {
     /// Adds a file that was written.
     pub fn wrote(&mut self, path: &std::path::Path) {
         self.files.push(path.display().to_string());
+    }
+
+    /// Says that the device's first resonance allows contacts up to `stiffest` `[N/m]`. The trials are of a
+    /// rigid device: a contact beyond that gets no yes.
+    pub fn bounded_by_a_resonance(&mut self, stiffest: f64) {
+        self.device.stiffest_by_resonance_n_per_m = Some(stiffest);
+        let is_beyond = |contact: &ContactReport| contact.stiffness_n_per_m > stiffest;
+        if self.contact.as_ref().is_some_and(is_beyond)
+            && !matches!(self.verdict, Verdict::No { .. })
+        {
+            self.verdict = Verdict::TooFlexible {
+                stiffest_n_per_m: stiffest,
+            };
+        }
     }
 
     /// Finds out what `methods` can do on the device of `bounce`, and at its own stiffness if that
@@ -209,6 +243,7 @@ impl Advice {
     ) -> Result<Self, BounceError> {
         let device = &bounce.device;
         let (m, t) = (device.mass, bounce.period);
+        let (samples, fraction) = samples_and_fraction(bounce.delay);
         let mut advice = Self {
             format: FORMAT,
             device: DeviceReport {
@@ -217,7 +252,10 @@ impl Advice {
                 viscous_friction_n_s_per_m: device.viscous_friction,
                 coulomb_friction_n: device.coulomb_friction,
                 encoder_quantum_m: device.encoder_quantum,
-                delay_samples: bounce.delay,
+                delay_samples: samples,
+                delay_fraction: fraction,
+                lag_s: bounce.lag,
+                stiffest_by_resonance_n_per_m: None,
                 object_mass_kg: Some(bounce.object_mass).filter(|mass| mass.is_finite()),
                 gap_m: bounce.gap,
                 start_heights: crate::map::PHASES,
@@ -433,7 +471,8 @@ impl Bounds {
         let damping = device.viscous_friction * t / m;
         Self {
             colgate_schenkel_n_per_m: per_kappa * bounds::colgate_schenkel(damping, 0.0),
-            gil_n_per_m: per_kappa * bounds::gil(damping, 0.0, bounce.delay as f64),
+            gil_n_per_m: per_kappa
+                * bounds::gil(damping, 0.0, bounce.delay + bounce.lag / bounce.period),
             abbott_okamura_n_per_m: bounds::abbott_okamura(
                 device.viscous_friction,
                 device.coulomb_friction,

@@ -100,6 +100,11 @@ impl Advice {
                  force is up to {error} % off the ideal's. A higher rate or a softer contact would help.",
                 with_damping(method, damping_n_s_per_m)
             ),
+            Verdict::TooFlexible { stiffest_n_per_m } => format!(
+                "No: {what} is beyond the device's first resonance, which allows {} N/m at this period. \
+                 The trials below are of a rigid device. Use a softer contact, or a stiffer transmission.",
+                digits(stiffest_n_per_m)
+            ),
             Verdict::No { method, growth } => {
                 let how = match growth {
                     Some(growth) => format!(
@@ -182,10 +187,20 @@ impl Advice {
             quantum if quantum > 0.0 => format!(", encoder of {quantum} m"),
             _ => String::new(),
         };
-        let delay = match device.delay_samples {
-            0 => String::new(),
-            samples => format!(", delay of {}", counted(samples as f64, "sample")),
+        let mut delay = match (device.delay_samples, device.delay_fraction) {
+            (0, 0.0) => String::new(),
+            (samples, 0.0) => format!(", delay of {}", counted(samples as f64, "sample")),
+            (samples, fraction) => format!(", delay of {} periods", samples as f64 + fraction),
         };
+        if device.lag_s > 0.0 {
+            delay.push_str(&format!(", lag of {} s", device.lag_s));
+        }
+        if let Some(stiffest) = device.stiffest_by_resonance_n_per_m {
+            delay.push_str(&format!(
+                ", a resonance that allows {} N/m",
+                digits(stiffest)
+            ));
+        }
         format!(
             "Device of {} kg at {} s{friction}{quantum}{delay}; {} bounces on it from {} m ± 5 % in {} \
              start heights, held by a hand that gives force but no damping. Resting is an object that \

@@ -10,6 +10,7 @@ use palpate_scene::{
     ActuatorParams, HandForceAt, Measure, PointMassDevice, Scene, SetupError, Timing, Told,
 };
 use palpate_sim::closed_loop::LoopError;
+use palpate_sim::replay::samples_and_fraction;
 
 /// A device as it is, and what the renderer is told of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,8 +44,10 @@ pub struct Bounce {
     pub period: f64,
     /// Period that the renderer is told, over the true one.
     pub told_period: f64,
-    /// Whole samples between measuring and actuating.
-    pub delay: usize,
+    /// Time from a sample to the beginning of its force `[periods]`, of any fraction.
+    pub delay: f64,
+    /// Time constant of the force after that, a first-order lag `[s]`.
+    pub lag: f64,
 }
 
 /// Constant forces that drive device and object together.
@@ -155,6 +158,8 @@ impl Bounce {
     /// This bounce as a scene, from a start height that differs by a share of the gap, judged over
     /// so many whole periods. What the renderer is told wrong is no part of it.
     pub fn scene(&self, height: f64, periods: usize) -> Scene {
+        let (samples, fraction) = samples_and_fraction(self.delay);
+        let is_whole = fraction == 0.0;
         Scene {
             title: String::new(),
             contact: Contact::object(self.stiffness, self.object_mass),
@@ -181,9 +186,19 @@ impl Bounce {
             tremor: None,
             release: None,
             told_device_mass: None,
-            delay: self.delay,
-            timing: Timing::default(),
-            actuator: ActuatorParams::default(),
+            delay: if is_whole { samples } else { 0 },
+            timing: Timing {
+                delay_seconds: if is_whole {
+                    0.0
+                } else {
+                    self.delay * self.period
+                },
+                ..Timing::default()
+            },
+            actuator: ActuatorParams {
+                lag: self.lag,
+                ..ActuatorParams::default()
+            },
             told: Told::default(),
             measure: Measure::Duration(periods as f64 * self.period),
             method: MethodName::Hfcr,

@@ -21,8 +21,10 @@ pub struct MapParams {
     pub forces: Forces,
     /// Distance of device and object at the start `[m]`.
     pub gap: f64,
-    /// Whole samples between measuring and actuating.
-    pub delay: usize,
+    /// Time from a sample to the beginning of its force `[periods]`, of any fraction.
+    pub delay: f64,
+    /// Time constant of the force after that, a first-order lag `[periods]`.
+    pub lag: f64,
     /// Period that the renderer is told, over the true one.
     pub told_period: f64,
 }
@@ -71,7 +73,8 @@ impl Default for MapParams {
             // The 1 N of its hand and the weight of its 0.1 kg: 1/0.25 + 9.81 m/s².
             forces: Forces::Balanced(13.81),
             gap: 0.05,
-            delay: 0,
+            delay: 0.0,
+            lag: 0.0,
             told_period: 1.0,
         }
     }
@@ -134,6 +137,7 @@ impl MapParams {
                 period: self.period,
                 told_period: self.told_period,
                 delay: self.delay,
+                lag: self.lag * self.period,
             },
         }
     }

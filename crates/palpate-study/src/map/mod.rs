@@ -22,6 +22,7 @@ pub mod receipt;
 pub mod report;
 mod stay;
 mod trial;
+mod way;
 
 pub use bounce::default_settings;
 pub use bounce::{Bounce, BounceDevice, BounceError, Forces, Plant};

@@ -110,7 +110,8 @@ mod tests {
             gap: params.gap,
             period: 0.02,
             told_period: 1.0,
-            delay: 0,
+            delay: 0.0,
+            lag: 0.0,
         };
         let methods = [MethodName::Hfcr, MethodName::Coupled];
         let reach = bounce.reach(&methods, 20.0, || {}).unwrap();

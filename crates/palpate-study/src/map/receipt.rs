@@ -53,6 +53,10 @@ pub fn of(params: &MapParams, (number, of): (usize, usize)) -> Vec<(String, Stri
         ("told_mass_factor", device.told_mass.to_string()),
         ("told_period_factor", params.told_period.to_string()),
     ];
+    // Without a lag the receipt is as it was before there was one.
+    if params.lag != 0.0 {
+        receipt.push(("lag_periods", params.lag.to_string()));
+    }
     receipt.extend(forces);
     receipt.extend(Stay::criterion());
     receipt

@@ -1,11 +1,11 @@
 //! Contact that stays: whether an object that lies on a held device, or is pressed, comes to rest.
 
 use palpate::{AnyRenderer, ObjectState};
-use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::measure::Sampler;
 use palpate_testbed::sprung_mass::SprungMass;
 
 use super::bounce::{Bounce, BounceError};
+use super::way::Way;
 use palpate_scene::Grip;
 use palpate_scene::method::{MethodName, Settings};
 use palpate_sim::closed_loop::LoopError;
@@ -160,6 +160,7 @@ impl Bounce {
     ) -> Result<f64, BounceError> {
         let quantum = self.device.encoder_quantum;
         let place = ObjectState::at_rest(-(1.0 + BEGINS_OFF) * force / self.stiffness);
+        let mut way = Way::of(self)?;
         let mut in_progress = SampledLoop {
             sampler: if quantum > 0.0 {
                 Sampler::quantum(quantum)?
@@ -167,10 +168,10 @@ impl Bounce {
                 Sampler::Ideal
             },
             virtual_force: if self.is_wall() { 0.0 } else { -force },
+            actuator: way.actuator(),
             ..SampledLoop::new(renderer, place, device)
                 .map_err(|error| LoopError::Setup(error.into()))?
         };
-        let mut hold = DelayedHold::new(self.delay)?;
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -181,8 +182,7 @@ impl Bounce {
         let mut swing = SwingMeter::new(force);
         for i in 0..samples {
             let output = in_progress.sample(self.period, None).output;
-            let held = in_progress.given_force(hold.exchange(output.force_on_object));
-            in_progress.report_held(held);
+            let held = way.drive(&mut in_progress, output.force_on_object, self.period);
             *ticks += 1;
             swing.hold(held, i as f64 >= first);
             if output.fault.is_some() {
@@ -191,7 +191,6 @@ impl Bounce {
             if swing.has_diverged() {
                 break;
             }
-            in_progress.advance(held, self.period);
         }
         Ok(swing.swing())
     }

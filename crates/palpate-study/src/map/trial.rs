@@ -2,7 +2,6 @@
 
 use palpate::{AnyRenderer, ObjectState};
 use palpate_testbed::device::PointMass;
-use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::ideal::{Ideal, PointMassScene};
 use palpate_testbed::measure::Sampler;
 use palpate_testbed::metrics::{Fidelity, FidelityMeter};
@@ -13,6 +12,7 @@ use palpate_testbed::viscous_mass::ViscousMass;
 
 use super::bounce::{Bounce, BounceError};
 use super::growth::{BounceEnergy, GrowthMeter};
+use super::way::Way;
 use super::{ERROR_COLLISIONS, GROWTH_COLLISIONS, PHASE_RANGE, PHASES};
 use palpate_sim::run::MOST_PERIODS;
 use palpate_sim::sampled_loop::{LoopDevice, SampledLoop, device_of};
@@ -83,7 +83,7 @@ pub(super) struct Course {
     /// The samples of the last cycle: those after the last collision that counts, up to the end of
     /// the next.
     last_cycle: std::ops::RangeInclusive<usize>,
-    hold: DelayedHold,
+    way: Way,
     sampler: Sampler,
 }
 
@@ -145,7 +145,7 @@ impl Course {
             object: ObjectState::at_rest(position),
             profile,
             last_cycle: first..=next.max(first),
-            hold: DelayedHold::new(bounce.delay)?,
+            way: Way::of(bounce)?,
             sampler: if device.encoder_quantum > 0.0 {
                 Sampler::quantum(device.encoder_quantum)?
             } else {
@@ -183,10 +183,11 @@ impl Course {
         let mut in_progress = SampledLoop {
             sampler: self.sampler,
             virtual_force: bounce.virtual_force(),
+            actuator: self.way.actuator(),
             ..SampledLoop::new(renderer, self.object, device)
                 .map_err(|error| palpate_sim::closed_loop::LoopError::Setup(error.into()))?
         };
-        let mut hold = self.hold.clone();
+        let mut way = self.way.clone();
         let mut error = FidelityMeter::new(&self.profile);
         let at_start = self.energy.of(-self.object.position, 0.0, 0.0);
         let mut growth = GrowthMeter::new(at_start);
@@ -194,8 +195,6 @@ impl Course {
         for i in 0..=(*self.last_cycle.end()).max(self.profile.intervals()) {
             // The renderer counts on the period that it has been told, be it wrong.
             let output = in_progress.sample(bounce.period, None).output;
-            let held = in_progress.given_force(hold.exchange(output.force_on_object));
-            in_progress.report_held(held);
             ticks += 1;
             let device = &in_progress.device;
             let energy = self.energy.of(
@@ -207,11 +206,10 @@ impl Course {
             if output.fault.is_some() {
                 growth.give_up();
             }
-            error.hold(held);
+            error.hold(way.drive(&mut in_progress, output.force_on_object, bounce.period));
             if growth.has_diverged() && error.is_complete() {
                 break;
             }
-            in_progress.advance(held, bounce.period);
         }
         Ok(Outcome {
             growth: growth.growth(GROWTH_COLLISIONS),

@@ -1,25 +1,27 @@
 //! Arguments of `advise`.
 
-use clap::Args;
+use std::path::PathBuf;
+
+use clap::{Args, ValueHint};
 
 use crate::arguments::{Overwriting, PlotFlags};
-use crate::values::{Methods, methods, number, samples};
+use crate::values::{Methods, methods, number, periods};
 
 /// Arguments of `advise`.
 #[derive(Args, Debug)]
 pub struct AdviseArguments {
-    /// Effective mass of the device [kg]
+    /// Effective mass of the device [kg] [default: that of --device-file]
     #[arg(long, value_name = "kg", value_parser = number, allow_hyphen_values = true,
-          help_heading = "Device")]
-    pub device_mass: f64,
+          required_unless_present = "device_file", help_heading = "Device")]
+    pub device_mass: Option<f64>,
     /// Period T of the loop [s]
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true,
           help_heading = "Device")]
     pub period: f64,
-    /// Quantum of the device's position sensor [m]
-    #[arg(long, value_name = "m", value_parser = number, default_value_t = 0.0,
-          allow_hyphen_values = true, help_heading = "Device")]
-    pub encoder_quantum: f64,
+    /// Quantum of the device's position sensor [m] [default: that of --device-file, or 0]
+    #[arg(long, value_name = "m", value_parser = number, allow_hyphen_values = true,
+          help_heading = "Device")]
+    pub encoder_quantum: Option<f64>,
     /// Viscous friction b of the device [N s/m]
     #[arg(long, value_name = "N s/m", value_parser = number, default_value_t = 0.0,
           allow_hyphen_values = true, help_heading = "Device")]
@@ -28,10 +30,19 @@ pub struct AdviseArguments {
     #[arg(long, value_name = "N", value_parser = number, default_value_t = 0.0,
           allow_hyphen_values = true, help_heading = "Device")]
     pub coulomb_friction: f64,
-    /// Samples between measuring and actuating
-    #[arg(long, value_name = "SAMPLES", value_parser = samples, default_value = "0",
+    /// Time from a sample to the beginning of its force, in periods; fractions are taken [default: that of
+    /// --device-file, or 0]
+    #[arg(long, value_name = "PERIODS", value_parser = periods, help_heading = "Device")]
+    pub delay: Option<f64>,
+    /// Time constant of the actuator, a first-order lag after the delay; the renderer is told of both [s]
+    /// [default: that of --device-file, or 0]
+    #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true,
           help_heading = "Device")]
-    pub delay: usize,
+    pub lag: Option<f64>,
+    /// A device file of `palpate calibrate` (TOML): mass, delay, lag and quantum, and the resonance, beyond
+    /// which no contact gets a yes
+    #[arg(long, value_name = "FILE.toml", value_hint = ValueHint::FilePath, help_heading = "Device")]
+    pub device_file: Option<PathBuf>,
     /// Contact stiffness K you would like [N/m]
     #[arg(long, value_name = "N/m", value_parser = number, allow_hyphen_values = true,
           help_heading = "Contact")]

@@ -5,6 +5,7 @@ mod picture;
 
 pub use arguments::AdviseArguments;
 
+use palpate_calibrate::{Calibration, Quantity};
 use palpate_scene::SetupError;
 use palpate_study::advise::{Advice, FAITHFUL_PERCENT};
 use palpate_study::map::{Bounce, BounceDevice, BounceError, MapParams};
@@ -12,11 +13,13 @@ use palpate_study::map::{Bounce, BounceDevice, BounceError, MapParams};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::results::{draw, print_report};
-use crate::setup::{wrong_flag, wrong_on_bench};
+use crate::setup::{read_calibration, wrong_flag, wrong_on_bench};
 
 /// Looks, and answers.
 pub fn run(arguments: &AdviseArguments) -> Result<(), Failure> {
-    let bounce = bounce(arguments)?;
+    let file = arguments.device_file.as_deref();
+    let file = file.map(read_calibration).transpose()?;
+    let bounce = bounce(arguments, file.as_ref())?;
     let methods = &arguments.method.0;
     let mut outputs = arguments.overwriting.outputs();
     arguments.picture.plan(&mut outputs)?;
@@ -27,6 +30,10 @@ pub fn run(arguments: &AdviseArguments) -> Result<(), Failure> {
     })
     .map_err(|error| refused(&error))?;
     drop(progress);
+    let stiffest = file.and_then(|file| file.stiffest_contact(bounce.object_mass, bounce.period));
+    if let Some(stiffest) = stiffest {
+        advice.bounded_by_a_resonance(stiffest);
+    }
     if let Some(path) = &arguments.picture.plot {
         let shown = picture::shown(methods);
         let progress = Progress::new(shown.len());
@@ -41,8 +48,10 @@ pub fn run(arguments: &AdviseArguments) -> Result<(), Failure> {
     print_report(&advice, arguments.json)
 }
 
-/// The scene that is asked about; a softest stiffness stands in where none is.
-fn bounce(arguments: &AdviseArguments) -> Result<Bounce, Failure> {
+/// The scene that is asked about, on the device of flags and `file`; a softest stiffness stands in where
+/// none is.
+fn bounce(arguments: &AdviseArguments, file: Option<&Calibration>) -> Result<Bounce, Failure> {
+    let known = |quantity| file.and_then(|file| file.value(quantity));
     let positive = |flag: &str, value: f64, unit: &str| {
         if value.is_finite() && value > 0.0 {
             Ok(value)
@@ -62,7 +71,11 @@ fn bounce(arguments: &AdviseArguments) -> Result<Bounce, Failure> {
         }
     };
     let defaults = MapParams::default();
-    let mass = positive("--device-mass", arguments.device_mass, "kg")?;
+    let mass = arguments.device_mass.or(known(Quantity::DeviceMass));
+    let mass = mass.ok_or_else(|| {
+        Failure::Arguments("the device file has no device_mass_kg: --device-mass is needed".into())
+    })?;
+    let mass = positive("--device-mass", mass, "kg")?;
     let period = positive("--period", arguments.period, "s")?;
     let object_mass = match arguments.mass {
         None => f64::INFINITY,
@@ -73,6 +86,13 @@ fn bounce(arguments: &AdviseArguments) -> Result<Bounce, Failure> {
         Some(stiffness) => positive("--stiffness", stiffness, "N/m")?,
         None => palpate_study::map::SEARCHED.0 * mass / (period * period),
     };
+    let quantum = known(Quantity::SensorQuantum);
+    let quantum = arguments.encoder_quantum.or(quantum).unwrap_or(0.0);
+    // Where the two are known only together, the sum is the better delay.
+    let of_file = known(Quantity::Delay).or(known(Quantity::DelayPlusLag));
+    let of_file = of_file.map(|seconds| seconds / period);
+    let delay = arguments.delay.or(of_file).unwrap_or(0.0);
+    let lag = arguments.lag.or(known(Quantity::Lag)).unwrap_or(0.0);
     Ok(Bounce {
         device: BounceDevice {
             mass,
@@ -82,7 +102,7 @@ fn bounce(arguments: &AdviseArguments) -> Result<Bounce, Failure> {
                 "N s/m",
             )?,
             coulomb_friction: not_negative("--coulomb-friction", arguments.coulomb_friction, "N")?,
-            encoder_quantum: not_negative("--encoder-quantum", arguments.encoder_quantum, "m")?,
+            encoder_quantum: not_negative("--encoder-quantum", quantum, "m")?,
             told_mass: 1.0,
         },
         stiffness,
@@ -91,7 +111,8 @@ fn bounce(arguments: &AdviseArguments) -> Result<Bounce, Failure> {
         gap: defaults.gap,
         period,
         told_period: 1.0,
-        delay: arguments.delay,
+        delay,
+        lag: not_negative("--lag", lag, "s")?,
     })
 }
 

@@ -121,6 +121,7 @@ fn finding(advice: &Advice) -> String {
         Verdict::StableOnly { method, .. } => {
             format!("{wish}: stable by {method}, but its force is far from the ideal")
         }
+        Verdict::TooFlexible { .. } => format!("{wish}: no, beyond the device's resonance"),
         Verdict::No { method, .. } => format!("{wish}: no, not even by {method}"),
         Verdict::NotAsked => {
             let limits = advice.methods.iter().filter_map(|of| {

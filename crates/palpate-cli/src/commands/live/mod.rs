@@ -164,7 +164,7 @@ fn read(arguments: &LiveArguments) -> Result<(Scene, PathBuf, Vec<MethodName>), 
     for method in &methods {
         scene.rendering(*method).map_err(Failure::input)?;
     }
-    tell_what_a_loop_has_not(&scene, arguments.device.device);
+    tell_what_a_loop_has_not(&scene);
     if arguments.device.device == DeviceName::Pointer
         && (scene.grip.is_some() || scene.linkage.is_some() || scene.tremor.is_some())
     {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand, ValueEnum, ValueHint};
 
 use crate::arguments::{Overwriting, SizeFlag};
-use crate::values::{Methods, methods, number, samples};
+use crate::values::{Methods, methods, number, periods};
 
 /// Arguments of `map`.
 #[derive(Args, Debug)]
@@ -71,9 +71,14 @@ pub struct SceneArguments {
     #[arg(long, value_name = "m", value_parser = number, default_value_t = 0.0,
           allow_hyphen_values = true)]
     pub encoder_quantum: f64,
-    /// Samples between measuring and actuating
-    #[arg(long, value_name = "SAMPLES", value_parser = samples, default_value = "0")]
-    pub delay: usize,
+    /// Time from a sample to the beginning of its force, in periods; fractions are taken
+    #[arg(long, value_name = "PERIODS", value_parser = periods, default_value = "0")]
+    pub delay: f64,
+    /// Time constant of the actuator, a first-order lag after the delay, 0 to 100 periods; the renderer is
+    /// told of both
+    #[arg(long, value_name = "PERIODS", value_parser = number, default_value = "0",
+          allow_hyphen_values = true)]
+    pub lag: f64,
     /// Device mass that the renderer is told, over the true one
     #[arg(long, value_name = "FACTOR", value_parser = number, default_value_t = 1.0,
           allow_hyphen_values = true)]

@@ -69,6 +69,15 @@ fn deliver(
     print_report(&report, results.json)
 }
 
+fn lag(periods: f64) -> Result<f64, Failure> {
+    if (0.0..=100.0).contains(&periods) {
+        return Ok(periods);
+    }
+    Err(Failure::Arguments(format!(
+        "--lag is {periods} periods; allowed: 0 to 100"
+    )))
+}
+
 fn params(scene: &SceneArguments) -> Result<MapParams, Failure> {
     let defaults = MapParams::default();
     let not_below = |flag: &str, value: f64, least: f64, unit: &str| {
@@ -105,6 +114,7 @@ fn params(scene: &SceneArguments) -> Result<MapParams, Failure> {
             .collect(),
         device,
         delay: scene.delay,
+        lag: lag(scene.lag)?,
         told_period: factor("--told-period", scene.told_period)?,
         forces: match scene.forces {
             ForcesName::Balanced => defaults.forces,

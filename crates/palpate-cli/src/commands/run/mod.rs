@@ -68,7 +68,7 @@ fn session(
     let mut scene = file.scene.clone();
     flags.change(&mut scene, &methods)?;
     scene.method = method;
-    tell_what_a_loop_has_not(&scene, arguments.device.device);
+    tell_what_a_loop_has_not(&scene);
     let session = Session {
         scene: &scene,
         path,
@@ -88,7 +88,7 @@ fn session(
 }
 
 /// Says what of a scene's loop a loop in real time has not.
-pub fn tell_what_a_loop_has_not(scene: &Scene, device: DeviceName) {
+pub fn tell_what_a_loop_has_not(scene: &Scene) {
     let simulated_only = Timing {
         delay_seconds: 0.0,
         ..scene.timing.clone()
@@ -96,13 +96,6 @@ pub fn tell_what_a_loop_has_not(scene: &Scene, device: DeviceName) {
     if simulated_only != Timing::default() {
         tell(
             "warning: the scene's jitter, drops and fractions of a delay are for the simulator; this loop has its own",
-        );
-    }
-    let told = scene.told_actuation();
-    if device == DeviceName::Pointer && !told.is_of_whole_samples(scene.loop_params.period) {
-        tell(
-            "warning: the device `pointer` has a delay of whole samples only, no lag and a gain of 1; what the \
-             renderer is told beyond that is wrong of it. --device simulated has them",
         );
     }
 }
