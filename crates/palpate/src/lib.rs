@@ -79,7 +79,7 @@ pub use parameter::{
 };
 pub use predict::{LONGEST_WINDOW, Prediction, PredictionMemory, PredictionName};
 pub use render::*;
-pub use rendering::Rendering;
+pub use rendering::{CHANGE_DURATION, Change, ChangeError, Rendering, Running};
 pub use sample::{Fault, Limited, Output, Phase, Sample};
 pub use scalar::Scalar;
 
