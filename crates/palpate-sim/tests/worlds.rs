@@ -49,18 +49,11 @@ fn error(run: &WorldRun) -> f64 {
 
 #[test]
 fn with_the_masses_known_coupled_rendering_is_at_the_hold_floor_of_a_groove() {
-    with(GROOVE, |bench| {
-        let coupled = bench.run("coupled").unwrap();
-        let basic = bench.run("basic").unwrap();
-        println!(
-            "E: coupled {} %, basic {} %",
-            error(&coupled),
-            error(&basic)
-        );
-        assert!(error(&coupled) < 0.1, "{}", error(&coupled));
-        assert!(error(&basic) > 20.0, "{}", error(&basic));
-        assert_eq!((coupled.refused, coupled.limited), (0, 0));
-    });
+    let ([coupled, basic], _) = runs(GROOVE, ["coupled", "basic"]);
+    println!("E: coupled {} %, basic {} %", error(&coupled), error(&basic));
+    assert!(error(&coupled) < 0.1, "{}", error(&coupled));
+    assert!(error(&basic) > 20.0, "{}", error(&basic));
+    assert_eq!((coupled.refused, coupled.limited), (0, 0));
 }
 
 #[test]
