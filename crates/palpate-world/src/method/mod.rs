@@ -5,10 +5,11 @@
 
 mod basic;
 mod coupled;
+mod coupled_params;
 mod virtual_coupling;
 
 pub use basic::BasicParams;
-pub use coupled::CoupledParams;
+pub use coupled_params::CoupledParams;
 pub use virtual_coupling::VirtualCouplingParams;
 
 use crate::state::Progress;

@@ -253,10 +253,16 @@ fn over_windows(case: &Case, period: f64, real: Actuation<f64>, told: Actuation<
     };
     // The ideal is as far as the first command's beginning when the loop starts.
     let early = real.delay % period;
-    let (mut delivered, mut errors, mut all) = ([0.0; 3], 0.0, 0.0);
     if early > 0.0 {
         ideal.interval(early);
     }
+    let (mut delivered, mut errors, mut all) = ([0.0; 3], 0.0, 0.0);
+    let mut compare = |impulse: Vector| {
+        let (means, squares) = ideal.interval(period);
+        let off = [0, 1, 2].map(|axis| impulse[axis] / period - means[0][axis]);
+        errors += dot(off, off) * period;
+        all += squares;
+    };
     for sample in 0..case.milliseconds.min(150) as usize {
         let now = sample as f64 * period;
         let position = device.balls[0].position;
@@ -270,21 +276,13 @@ fn over_windows(case: &Case, period: f64, real: Actuation<f64>, told: Actuation<
         if early > 0.0 {
             let late = actuators.hold(&mut device, now, now + early)[0];
             delivered = [0, 1, 2].map(|axis| delivered[axis] + late[axis]);
-        }
-        if sample > 0 || early == 0.0 {
-            if early > 0.0 {
-                let (means, squares) = ideal.interval(period);
-                let off = [0, 1, 2].map(|axis| delivered[axis] / period - means[0][axis]);
-                errors += dot(off, off) * period;
-                all += squares;
+            if sample > 0 {
+                compare(delivered);
             }
         }
         delivered = actuators.hold(&mut device, now + early, now + period)[0];
         if early == 0.0 {
-            let (means, squares) = ideal.interval(period);
-            let off = [0, 1, 2].map(|axis| delivered[axis] / period - means[0][axis]);
-            errors += dot(off, off) * period;
-            all += squares;
+            compare(delivered);
         }
     }
     100.0 * (errors / all).sqrt()
