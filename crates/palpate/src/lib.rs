@@ -67,7 +67,7 @@ mod scalar;
 mod transition;
 
 pub use actuation::{Actuation, LARGEST_DELAY};
-pub use actuator::{Ahead, Command, Governed, Held, Piece};
+pub use actuator::{Actuator, Ahead, Command, Governed, Held, Piece, UnderWay};
 pub use along_axis::AlongAxis;
 pub use contact::{Contact, LoopParams, Mass, Side};
 pub use difficulty::Difficulty;

@@ -1,7 +1,9 @@
 //! What methods made of a world: the report of `simulate` for scenes with several bodies.
 
+pub mod suite;
 mod text;
 
+use palpate_scene::world::WorldScene;
 use palpate_sim::world::{WorldBench, WorldRun};
 use palpate_testbed::metrics::Fidelity;
 use palpate_testbed::world::DeviceJudgement;
@@ -30,8 +32,9 @@ pub struct WorldReport {
     /// From when on the ideal's motion depends on the steps by which it is computed: the window ends there. None: for
     /// the whole window it does not.
     pub chaotic_from_s: Option<f64>,
-    /// Mean-force error of the ideal, computed again with coarser steps, against itself.
-    pub ideal_error_percent: f64,
+    /// Mean-force error of the ideal, computed again with coarser steps, against itself; none if it was
+    /// computed once.
+    pub ideal_error_percent: Option<f64>,
     /// Number of contacts that begin in the ideal's window.
     pub contacts: usize,
     /// Largest penetration of the ideal's contacts.
@@ -108,11 +111,11 @@ impl From<Fidelity> for FidelityReport {
 }
 
 impl WorldReport {
-    /// The report of these runs on a bench.
+    /// The report of these runs on the bench of a scene.
     #[must_use]
-    pub fn new(bench: &WorldBench<'_>, runs: &[WorldRun]) -> Self {
-        let (scene, checked) = (bench.scene(), bench.ideal());
-        let ideal = &checked.ideal;
+    pub fn new(scene: &WorldScene, bench: &WorldBench, runs: &[WorldRun]) -> Self {
+        let ideal = bench.ideal();
+        let check = bench.self_check();
         let grid = &ideal.grid;
         let peaks = ideal.devices.iter().map(|device| {
             let peaks = device.peaks.iter().copied();
@@ -127,8 +130,8 @@ impl WorldReport {
             delay_s: scene.timing.delay,
             window_s: grid.edge(grid.intervals()),
             samples: runs.first().map_or(0, |run| run.positions.len()),
-            chaotic_from_s: checked.chaotic_from,
-            ideal_error_percent: checked.error,
+            chaotic_from_s: check.and_then(|check| check.chaotic_from),
+            ideal_error_percent: check.map(|check| check.error),
             contacts: ideal.encounters.len(),
             deepest_m: ideal.deepest(),
             methods: runs.iter().map(|run| of_run(run, &of_devices)).collect(),

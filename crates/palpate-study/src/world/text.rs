@@ -46,15 +46,16 @@ impl WorldReport {
                 digits(from)
             )
         });
+        let agrees = self.ideal_error_percent.map_or_else(String::new, |error| {
+            format!(", and agrees with itself to {} %", digits(error))
+        });
         format!(
-            "period {} s{delay}; {} over {} s; the ideal has {}, penetration up to {} m, and agrees with itself to \
-             {} %{shortened}",
+            "period {} s{delay}; {} over {} s; the ideal has {} and penetration up to {} m{agrees}{shortened}",
             digits(self.period_s),
             counted(self.samples, "sample"),
             digits(self.window_s),
             counted(self.contacts, "contact"),
             digits(self.deepest_m),
-            digits(self.ideal_error_percent),
         )
     }
 

@@ -107,3 +107,14 @@ fn parameters_outside_their_range_are_named() {
         assert!(message.starts_with(expected), "{message}");
     }
 }
+
+#[test]
+fn a_window_begins_where_its_scene_does() {
+    let late = WorldIdeal::new(&scene(), Grid::even(0.5, 0.001, 2)).unwrap_err();
+    assert_eq!(
+        late.to_string(),
+        "grid.start = 0.5 is not allowed; allowed: 0 s, where the scene begins"
+    );
+    let grid = Grid::even(0.0, 0.001, 2);
+    assert!(WorldIdeal::with_tolerance(&scene(), grid, 0.0).is_err());
+}
