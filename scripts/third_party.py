@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes THIRD-PARTY.md: whose work goes into the program, and under which licence. Writes the same for the
-C library.
+Python package and the C library.
 
     scripts/third_party.py           writes the files
     scripts/third_party.py --check   exit code 1 if a file is not up to date
@@ -75,6 +75,7 @@ class Given(NamedTuple):
 
 GIVEN = [
     Given("program", "The program", ROOT, "palpate-cli", True),
+    Given("package", "The Python package", ROOT / "bindings/python", "palpate-python", False),
     Given("library", "The C library", ROOT / "bindings/c", "palpate-c", False),
 ]
 

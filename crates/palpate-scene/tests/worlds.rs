@@ -58,7 +58,8 @@ fn a_world_is_read_with_its_devices_bodies_and_contacts() {
     );
     let scene = WorldFile::parse("ball.toml", BALL).unwrap().scene;
     assert_eq!(scene.timing.period, 0.001);
-    assert_eq!(scene.timing.delay, 0.0005);
+    assert_eq!(scene.timing.actuator.delay, 0.0005);
+    assert_eq!(scene.timing.actuator.gain, 1.0);
     let [device] = scene.devices[..] else {
         panic!("one device")
     };
@@ -68,7 +69,7 @@ fn a_world_is_read_with_its_devices_bodies_and_contacts() {
     assert_eq!(device.hand.rest, device.position);
     assert_eq!(scene.render.device_mass, [[0.375; 3]]);
     // Without [told], a renderer is told what is true.
-    assert_eq!(scene.render.delay, 0.0005);
+    assert_eq!(scene.render.actuator, scene.timing.actuator);
     let [ball, floor] = &scene.world.bodies[..] else {
         panic!("two bodies")
     };

@@ -4,7 +4,8 @@
 mod judged;
 mod rendered;
 
-use palpate_scene::world::WorldScene;
+use palpate_scene::ActuatorParams;
+use palpate_scene::world::{WorldActuator, WorldScene};
 use palpate_testbed::world::{
     CheckedIdeal, JudgementError, PlantParams, WorldError as IdealError, WorldIdeal,
     WorldJudgement, WorldPlant,
@@ -81,7 +82,7 @@ impl WorldBench {
     pub fn new(scene: &WorldScene) -> Result<Self, WorldBenchError> {
         let judged = as_judged(scene);
         let periods = scene.duration / scene.timing.period;
-        if !(periods <= MOST_PERIODS) {
+        if periods.is_nan() || periods > MOST_PERIODS {
             return Err(WorldBenchError::TooLong(periods));
         }
         #[expect(
@@ -90,9 +91,11 @@ impl WorldBench {
             reason = "at most a million, and at least 1"
         )]
         let periods = (periods * (1.0 - 1e-12)).ceil().max(1.0) as usize;
+        let WorldActuator { delay, lag, gain } = scene.timing.actuator;
         let params = PlantParams {
-            delay: scene.timing.delay,
-            ..PlantParams::perfect(scene.timing.period)
+            period: scene.timing.period,
+            delay,
+            actuator: ActuatorParams { lag, gain },
         };
         let plant = WorldPlant::new(&judged, params)?;
         let grid = plant.grid(periods).map_err(|invalid| {

@@ -25,6 +25,10 @@ pub struct WorldReport {
     pub period_s: f64,
     /// Time from a sample to the beginning of its force.
     pub delay_s: f64,
+    /// Time constant of the actuators.
+    pub lag_s: f64,
+    /// Delivered over commanded force.
+    pub gain: f64,
     /// Length of the window that was judged.
     pub window_s: f64,
     /// Number of samples in it.
@@ -127,7 +131,9 @@ impl WorldReport {
             format: FORMAT,
             title: scene.title.clone(),
             period_s: scene.timing.period,
-            delay_s: scene.timing.delay,
+            delay_s: scene.timing.actuator.delay,
+            lag_s: scene.timing.actuator.lag,
+            gain: scene.timing.actuator.gain,
             window_s: grid.edge(grid.intervals()),
             samples: runs.first().map_or(0, |run| run.positions.len()),
             chaotic_from_s: check.and_then(|check| check.chaotic_from),

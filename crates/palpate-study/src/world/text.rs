@@ -40,6 +40,11 @@ impl WorldReport {
         } else {
             String::new()
         };
+        let lag = if self.lag_s > 0.0 {
+            format!(", lag {} s", digits(self.lag_s))
+        } else {
+            String::new()
+        };
         let shortened = self.chaotic_from_s.map_or_else(String::new, |from| {
             format!(
                 "; the window ends at {} s, where the ideal's motion begins to depend on its steps",
@@ -50,7 +55,7 @@ impl WorldReport {
             format!(", and agrees with itself to {} %", digits(error))
         });
         format!(
-            "period {} s{delay}; {} over {} s; the ideal has {} and penetration up to {} m{agrees}{shortened}",
+            "period {} s{delay}{lag}; {} over {} s; the ideal has {} and penetration up to {} m{agrees}{shortened}",
             digits(self.period_s),
             counted(self.samples, "sample"),
             digits(self.window_s),
