@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use numpy::PyArray1;
 use palpate_record::recording::{
-    COLUMNS, Entry, Event, Flags, Kind, Phase, Recording, RecordingError, Value,
+    Entry, Event, Flags, Kind, Phase, Recording, RecordingError, Row, Value, columns,
 };
 use palpate_study::recording::report::RecordingReport;
 use pyo3::exceptions::PyOSError;
@@ -14,12 +14,13 @@ use crate::columns::{Words, array};
 use crate::interrupt::interruptible;
 use crate::names::refused;
 
-/// The columns of a tick of a recording: the name of each, and whether it is a number or else a count; and
+/// The columns of a row of a recording, a tick and a contact: the name of each, and whether it is a number or else a count; and
 /// what the codes mean: phases, and flags by their bits.
 #[pyfunction]
 pub fn recorded_columns() -> (Vec<(&'static str, bool)>, [Vec<&'static str>; 2]) {
-    let columns = COLUMNS.iter();
-    let columns = columns.map(|column| (column.name, column.kind == Kind::Number));
+    let columns = columns()
+        .iter()
+        .map(|column| (column.name, column.kind == Kind::Number));
     let phases = Phase::ALL.into_iter().map(Phase::name).collect();
     let flags = Flags::NAMED.into_iter().map(|(_, name)| name).collect();
     (columns.collect(), [phases, flags])
@@ -33,7 +34,7 @@ type InPython<'py> = (
     Vec<(String, String)>,
 );
 
-/// Reads a recording: the report on it as JSON and as text, its ticks, its events, and the texts of its
+/// Reads a recording: the report on it as JSON and as text, its rows, one for each contact of a tick, its events, and the texts of its
 /// receipt.
 #[pyfunction]
 pub fn read_recording(py: Python<'_>, path: PathBuf) -> PyResult<InPython<'_>> {
@@ -44,8 +45,10 @@ pub fn read_recording(py: Python<'_>, path: PathBuf) -> PyResult<InPython<'_>> {
         let mut events = Vec::new();
         for entry in recording.entries()? {
             match entry? {
-                Entry::Tick(tick) => {
-                    words.extend(COLUMNS.iter().map(|column| word(column.value(&tick))))
+                Entry::Tick(tick, contacts) => {
+                    for row in Row::of(tick, &contacts) {
+                        words.extend(columns().iter().map(|column| word(column.value(&row))));
+                    }
                 }
                 Entry::Event(event) => events.push(event),
             }

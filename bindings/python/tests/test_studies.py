@@ -67,7 +67,9 @@ def test_a_recording_is_read_as_by_the_program(program: Any, root: Path, tmp_pat
         rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
     assert len(rows) == len(ours.ticks) == ours["ticks"] > 0
     compared = 0
-    for name in palpate.RECORDED.names or ():
+    # The table of a recording of format 1 has its columns; what came later has no value in it.
+    assert np.isnan(ours.ticks["commanded_force_1_n"]).all() and "commanded_force_1_n" not in rows[0]
+    for name in (name for name in palpate.RECORDED.names or () if name in rows[0]):
         cells = [row[name] for row in rows]
         match name:
             case "phase":
@@ -83,7 +85,7 @@ def test_a_recording_is_read_as_by_the_program(program: Any, root: Path, tmp_pat
                 numbers = [float(cell) if cell else np.nan for cell in cells]
                 np.testing.assert_array_equal(ours.ticks[name].astype(float), numbers, name)
         compared += 1
-    assert compared == len(palpate.RECORDED)
+    assert compared == 25
     assert ours.texts and ours.events[0].kind in ours["events"]
     again = pickle.loads(pickle.dumps(ours))
     assert again == ours and again.events == ours.events and again.texts == ours.texts

@@ -15,7 +15,7 @@ from ._report import Fields, Report
 _COLUMNS, (_PHASES, _FLAGS) = _palpate.recorded_columns()
 
 RECORDED: np.dtype[np.void] = np.dtype([(name, "f8" if number else "u8") for name, number in _COLUMNS])
-"""The fields of a tick of a recording: numbers, and counts and codes as whole numbers."""
+"""The fields of a tick of a recording and of its contact: numbers, and counts and codes as whole numbers."""
 FLAGS: tuple[str, ...] = tuple(_FLAGS)
 """What the field `flags` of a tick of a recording means: `FLAGS[bit]` holds where the bit is set."""
 
@@ -39,7 +39,10 @@ class Recording(Report):
     __slots__ = ("events", "texts", "ticks")
 
     ticks: NDArray[np.void]
-    """The ticks that are there, in their order: an array with the fields of `palpate.RECORDED`."""
+    """The ticks that are there, in their order: an array with the fields of `palpate.RECORDED`.
+
+    A tick has an element for each of its contacts, and one without a value of a contact where it has none.
+    """
     events: list[Event]
     """What happened beside the ticks."""
     texts: dict[str, str]
