@@ -22,7 +22,7 @@ use crate::profile::{Collision, ForceProfile, Snapshot};
 pub struct ViscousIdeal {
     /// The contact force.
     pub profile: ForceProfile,
-    /// States at the start, at the end of each period, and so at the end of the window.
+    /// States at the start, at the end of each interval, and so at the end of the window.
     pub record: Vec<Snapshot>,
 }
 
@@ -43,8 +43,19 @@ impl ViscousIdeal {
         period: f64,
         intervals: usize,
     ) -> Result<Self, InvalidParameter> {
-        Ideal::new(*scene)?;
         positive("period", period, "finite and above 0 s")?;
+        Self::on(scene, friction, Grid::even(0.0, period, intervals))
+    }
+
+    /// As [`new`](Self::new), over the intervals of `grid`, which begins at 0.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new), and a grid that begins at another time.
+    pub fn on(scene: &PointMassScene, friction: f64, grid: Grid) -> Result<Self, InvalidParameter> {
+        Ideal::new(*scene)?;
+        InvalidParameter::unless(grid.start() == 0.0, "edges", grid.start(), "from 0 s on")?;
+        let (period, intervals) = (grid.period(), grid.intervals());
         InvalidParameter::unless(
             friction >= 0.0 && (friction / scene.device_mass).is_finite(),
             "friction",
@@ -63,19 +74,14 @@ impl ViscousIdeal {
         let mut record = Vec::with_capacity(intervals + 1);
         record.push(motion.snapshot(0.0));
         for interval in 0..intervals {
-            let start = interval as f64 * period;
-            let (impulse, squared_force) = motion.over(start, period);
+            let (impulse, squared_force) =
+                motion.over(grid.edge(interval), grid.duration(interval));
             impulses.push(impulse);
             squared_forces.push(squared_force);
-            record.push(motion.snapshot((interval + 1) as f64 * period));
+            record.push(motion.snapshot(grid.edge(interval + 1)));
         }
         Ok(Self {
-            profile: ForceProfile::from_parts(
-                Grid::even(0.0, period, intervals),
-                impulses,
-                squared_forces,
-                motion.collisions,
-            ),
+            profile: ForceProfile::from_parts(grid, impulses, squared_forces, motion.collisions),
             record,
         })
     }

@@ -45,6 +45,10 @@ pub struct Bounce {
     pub told_period: f64,
     /// Whole samples between measuring and actuating.
     pub delay: usize,
+    /// Part of a period, below 1, by which each force begins later than that.
+    pub delay_fraction: f64,
+    /// Gain and lag of the motor.
+    pub actuator: ActuatorParams,
 }
 
 /// Constant forces that drive device and object together.
@@ -181,9 +185,21 @@ impl Bounce {
             tremor: None,
             release: None,
             told_device_mass: None,
-            delay: self.delay,
-            timing: Timing::default(),
-            actuator: ActuatorParams::default(),
+            // A scene has the one or the other.
+            delay: if self.delay_fraction > 0.0 {
+                0
+            } else {
+                self.delay
+            },
+            timing: Timing {
+                delay_seconds: if self.delay_fraction > 0.0 {
+                    (self.delay as f64 + self.delay_fraction) * self.period
+                } else {
+                    0.0
+                },
+                ..Timing::default()
+            },
+            actuator: self.actuator,
             told: Told::default(),
             measure: Measure::Duration(periods as f64 * self.period),
             method: MethodName::Hfcr,

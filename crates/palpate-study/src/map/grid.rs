@@ -1,6 +1,7 @@
 //! The cells of a map: which scene follows from which index.
 
 use super::bounce::{Bounce, BounceDevice, Forces, Plant};
+use palpate_scene::ActuatorParams;
 use palpate_scene::method::MethodName;
 
 /// Both axes reach from the smaller to the larger of these.
@@ -134,6 +135,8 @@ impl MapParams {
                 period: self.period,
                 told_period: self.told_period,
                 delay: self.delay,
+                delay_fraction: 0.0,
+                actuator: ActuatorParams::default(),
             },
         }
     }

@@ -14,6 +14,7 @@ mod bounce;
 pub mod bounds;
 mod cell;
 mod compute;
+mod delivery;
 mod grid;
 mod growth;
 mod limits;

@@ -111,6 +111,8 @@ mod tests {
             period: 0.02,
             told_period: 1.0,
             delay: 0,
+            delay_fraction: 0.0,
+            actuator: palpate_scene::ActuatorParams::default(),
         };
         let methods = [MethodName::Hfcr, MethodName::Coupled];
         let reach = bounce.reach(&methods, 20.0, || {}).unwrap();

@@ -1,11 +1,12 @@
 //! Contact that stays: whether an object that lies on a held device, or is pressed, comes to rest.
 
 use palpate::{AnyRenderer, ObjectState};
-use palpate_testbed::hold::DelayedHold;
+use palpate_testbed::actuator::Actuator;
 use palpate_testbed::measure::Sampler;
 use palpate_testbed::sprung_mass::SprungMass;
 
 use super::bounce::{Bounce, BounceError};
+use super::delivery::Delivery;
 use palpate_scene::Grip;
 use palpate_scene::method::{MethodName, Settings};
 use palpate_sim::closed_loop::LoopError;
@@ -167,10 +168,11 @@ impl Bounce {
                 Sampler::Ideal
             },
             virtual_force: if self.is_wall() { 0.0 } else { -force },
+            actuator: Actuator::new(self.actuator)?,
             ..SampledLoop::new(renderer, place, device)
                 .map_err(|error| LoopError::Setup(error.into()))?
         };
-        let mut hold = DelayedHold::new(self.delay)?;
+        let mut delivery = Delivery::new(self)?;
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -181,9 +183,9 @@ impl Bounce {
         let mut swing = SwingMeter::new(force);
         for i in 0..samples {
             let output = in_progress.sample(self.period, None).output;
-            let held = in_progress.given_force(hold.exchange(output.force_on_object));
-            in_progress.report_held(held);
             *ticks += 1;
+            let command = output.force_on_object;
+            let held = delivery.advance(&mut in_progress, command, self.period);
             swing.hold(held, i as f64 >= first);
             if output.fault.is_some() {
                 swing.give_up();
@@ -191,7 +193,6 @@ impl Bounce {
             if swing.has_diverged() {
                 break;
             }
-            in_progress.advance(held, self.period);
         }
         Ok(swing.swing())
     }

@@ -1,8 +1,9 @@
 //! One bounce by one method, judged while it runs: nothing is recorded, nothing allocated per tick.
 
 use palpate::{AnyRenderer, ObjectState};
+use palpate_testbed::actuator::Actuator;
 use palpate_testbed::device::PointMass;
-use palpate_testbed::hold::DelayedHold;
+use palpate_testbed::grid::Grid;
 use palpate_testbed::ideal::{Ideal, PointMassScene};
 use palpate_testbed::measure::Sampler;
 use palpate_testbed::metrics::{Fidelity, FidelityMeter};
@@ -12,6 +13,7 @@ use palpate_testbed::viscous_ideal::ViscousIdeal;
 use palpate_testbed::viscous_mass::ViscousMass;
 
 use super::bounce::{Bounce, BounceError};
+use super::delivery::Delivery;
 use super::growth::{BounceEnergy, GrowthMeter};
 use super::{ERROR_COLLISIONS, GROWTH_COLLISIONS, PHASE_RANGE, PHASES};
 use palpate_sim::run::MOST_PERIODS;
@@ -50,7 +52,7 @@ const FEWEST_STEPS: f64 = 5.0;
 fn integrated(
     bounce: &Bounce,
     object_position: f64,
-    periods: usize,
+    grid: &Grid,
 ) -> Result<ForceProfile, BounceError> {
     #[expect(
         clippy::cast_possible_truncation,
@@ -70,8 +72,11 @@ fn integrated(
         steps_per_period: twenties * reference::POINTS_PER_PERIOD,
     };
     let device = device_of(&bounce.scene(0.0, 1), 1.0)?;
-    let ideal = reference::integrate(&device, &object, Stop::AfterPeriods(periods))?;
-    Ok(ideal.profile)
+    if grid.is_even() {
+        let whole = Stop::AfterPeriods(grid.intervals());
+        return Ok(reference::integrate(&device, &object, whole)?.profile);
+    }
+    Ok(reference::integrate_on(&device, &object, grid)?.1)
 }
 
 /// What all methods share in one phase of a bounce: its ideal and its windows.
@@ -83,7 +88,7 @@ pub(super) struct Course {
     /// The samples of the last cycle: those after the last collision that counts, up to the end of
     /// the next.
     last_cycle: std::ops::RangeInclusive<usize>,
-    hold: DelayedHold,
+    delivery: Delivery,
     sampler: Sampler,
 }
 
@@ -125,12 +130,13 @@ impl Course {
         let window = lossless
             .window(ERROR_COLLISIONS, period)
             .ok_or(BounceError::NoBounce)?;
+        let grid = Delivery::grid(bounce, window)?;
         let profile = match judged {
-            Judged::Force if device.coulomb_friction > 0.0 => integrated(bounce, position, window)?,
+            Judged::Force if device.coulomb_friction > 0.0 => integrated(bounce, position, &grid)?,
             Judged::Force if device.viscous_friction > 0.0 => {
-                ViscousIdeal::new(&scene, device.viscous_friction, period, window)?.profile
+                ViscousIdeal::on(&scene, device.viscous_friction, grid)?.profile
             }
-            _ => lossless.profile(period, window)?,
+            _ => lossless.profile_on(grid)?,
         };
         Ok(Self {
             energy: BounceEnergy {
@@ -145,13 +151,20 @@ impl Course {
             object: ObjectState::at_rest(position),
             profile,
             last_cycle: first..=next.max(first),
-            hold: DelayedHold::new(bounce.delay)?,
+            delivery: Delivery::new(bounce)?,
             sampler: if device.encoder_quantum > 0.0 {
                 Sampler::quantum(device.encoder_quantum)?
             } else {
                 Sampler::Ideal
             },
         })
+    }
+
+    /// Whole periods in the window of the error.
+    #[cfg(test)]
+    pub(super) fn periods(&self) -> usize {
+        let uneven = usize::from(!self.profile.grid().is_even());
+        self.profile.intervals() - uneven
     }
 
     /// Runs the bounce with `renderer`.
@@ -183,10 +196,11 @@ impl Course {
         let mut in_progress = SampledLoop {
             sampler: self.sampler,
             virtual_force: bounce.virtual_force(),
+            actuator: Actuator::new(bounce.actuator)?,
             ..SampledLoop::new(renderer, self.object, device)
                 .map_err(|error| palpate_sim::closed_loop::LoopError::Setup(error.into()))?
         };
-        let mut hold = self.hold.clone();
+        let mut delivery = self.delivery.clone();
         let mut error = FidelityMeter::new(&self.profile);
         let at_start = self.energy.of(-self.object.position, 0.0, 0.0);
         let mut growth = GrowthMeter::new(at_start);
@@ -194,8 +208,6 @@ impl Course {
         for i in 0..=(*self.last_cycle.end()).max(self.profile.intervals()) {
             // The renderer counts on the period that it has been told, be it wrong.
             let output = in_progress.sample(bounce.period, None).output;
-            let held = in_progress.given_force(hold.exchange(output.force_on_object));
-            in_progress.report_held(held);
             ticks += 1;
             let device = &in_progress.device;
             let energy = self.energy.of(
@@ -207,11 +219,11 @@ impl Course {
             if output.fault.is_some() {
                 growth.give_up();
             }
-            error.hold(held);
+            let command = output.force_on_object;
+            error.hold(delivery.advance(&mut in_progress, command, bounce.period));
             if growth.has_diverged() && error.is_complete() {
                 break;
             }
-            in_progress.advance(held, bounce.period);
         }
         Ok(Outcome {
             growth: growth.growth(GROWTH_COLLISIONS),

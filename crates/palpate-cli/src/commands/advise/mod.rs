@@ -5,7 +5,7 @@ mod picture;
 
 pub use arguments::AdviseArguments;
 
-use palpate_scene::SetupError;
+use palpate_scene::{ActuatorParams, SetupError};
 use palpate_study::advise::{Advice, FAITHFUL_PERCENT};
 use palpate_study::map::{Bounce, BounceDevice, BounceError, MapParams};
 
@@ -92,6 +92,8 @@ fn bounce(arguments: &AdviseArguments) -> Result<Bounce, Failure> {
         period,
         told_period: 1.0,
         delay: arguments.delay,
+        delay_fraction: 0.0,
+        actuator: ActuatorParams::default(),
     })
 }
 
