@@ -10,7 +10,9 @@ use schemars::transform::{Transform, transform_subschemas};
 use schemars::{JsonSchema, Schema};
 
 use crate::commands::{bench, calibrate, demo, devices, doctor, pipe, run};
-use palpate_study::{advise, claims, compare, heights, map, recording, report, suite, sweep, tune};
+use palpate_study::{
+    advise, card, claims, compare, heights, map, recording, report, suite, sweep, tune,
+};
 
 /// A number that is not finite, such as the error of a loop that ran away, is `null` in JSON.
 #[derive(Clone)]
@@ -43,6 +45,7 @@ fn the_committed_schemas_are_those_of_the_reports() {
         ("advise", schema::<advise::Advice>()),
         ("bench-loop", schema::<Vec<bench::Report>>()),
         ("calibrate", schema::<calibrate::CalibrationReport>()),
+        ("card", schema::<card::Card>()),
         ("claims", schema::<claims::report::ClaimsReport>()),
         ("compare", schema::<compare::Comparison>()),
         ("demo", schema::<demo::DemoReport>()),

@@ -1,0 +1,41 @@
+//! What a card takes from the ticks of a recording.
+
+use palpate_record::recording::{Entry, Flags, Recording, RecordingError, Tick};
+
+/// The ticks of a recording, read once.
+#[derive(Debug, Default)]
+pub(super) struct Ticks {
+    pub all: Vec<Tick>,
+    pub missed_deadlines: u64,
+    /// Ticks without a position of the device.
+    pub unseen: u64,
+    /// Ticks whose force the safety changed on its way.
+    pub limited: u64,
+    /// Ticks with the motors off.
+    pub motors_off: u64,
+}
+
+impl Ticks {
+    /// All that are there.
+    pub fn read(recording: &Recording) -> Result<Self, RecordingError> {
+        let mut ticks = Self::default();
+        for entry in recording.entries()? {
+            if let Entry::Tick(tick) = entry? {
+                let count = |flag| u64::from(tick.flags.has(flag));
+                ticks.missed_deadlines += count(Flags::MISSED_DEADLINE);
+                ticks.limited += count(Flags::SAFETY_LIMITED);
+                ticks.motors_off += count(Flags::SAFETY_TRIPPED);
+                ticks.unseen += u64::from(!is_seen(&tick));
+                ticks.all.push(tick);
+            }
+        }
+        Ok(ticks)
+    }
+}
+
+/// Whether the position of a tick is one that the renderer took.
+pub(super) fn is_seen(tick: &Tick) -> bool {
+    tick.device_position.is_finite()
+        && !tick.flags.has(Flags::DEVICE_FAULT)
+        && !tick.flags.has(Flags::FAULT)
+}
