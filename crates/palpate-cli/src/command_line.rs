@@ -111,7 +111,7 @@ Examples:
 Compare methods on many scenes, in one table.
 
 Every method runs on every scene in closed loop, with the settings that the scene has for it or its \
-defaults. E is the part of the force error that a method answers for, FRE/floor the whole of it over \
+defaults. E is the part of the force error that a method can avoid, FRE/floor the whole of it over \
 the least that any force held in that loop can have, peak/ideal the strongest force over that of the \
 ideal. A method that cannot be set up on a scene says why.")]
     #[command(after_help = "\

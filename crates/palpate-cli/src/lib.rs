@@ -22,6 +22,7 @@ mod run_file;
 mod schemas;
 mod setup;
 mod values;
+mod worlds;
 
 use std::process::ExitCode;
 

@@ -11,7 +11,7 @@ use schemars::{JsonSchema, Schema};
 
 use crate::commands::{bench, calibrate, demo, devices, doctor, pipe, run};
 use palpate_study::{
-    advise, card, claims, compare, heights, map, recording, report, suite, sweep, tune,
+    advise, card, claims, compare, heights, map, recording, report, suite, sweep, tune, world,
 };
 
 /// A number that is not finite, such as the error of a loop that ran away, is `null` in JSON.
@@ -63,6 +63,8 @@ fn the_committed_schemas_are_those_of_the_reports() {
         ("suite", schema::<suite::report::SuiteReport>()),
         ("sweep", schema::<sweep::report::SweepReport>()),
         ("tune", schema::<tune::report::TuneReport>()),
+        ("world", schema::<world::WorldReport>()),
+        ("world-pipe", schema::<pipe::WorldSummary>()),
     ];
     let writes = std::env::var_os("PALPATE_WRITE_SCHEMAS").is_some();
     for (name, schema) in &schemas {

@@ -17,6 +17,13 @@ use crate::failure::Failure;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Methods(pub Vec<MethodName>);
 
+impl Methods {
+    /// Whether these are all.
+    pub fn are_all(&self) -> bool {
+        self.0 == MethodName::ALL
+    }
+}
+
 /// The values of a quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Numbers(pub Vec<f64>);

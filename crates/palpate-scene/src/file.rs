@@ -24,6 +24,7 @@ use super::timing::{RawLoop, Timing};
 use super::told::RawTold;
 use super::{Measure, PointMassDevice, Scene, SetupError};
 use crate::method::{GivenSettings, MethodName, Setting, Settings, SettingsError, method_named};
+use crate::world::WorldFile;
 
 /// The version of scene files this crate reads.
 const FORMAT: i64 = 1;
@@ -305,6 +306,12 @@ impl Reading<'_> {
                 scene_format.get_ref()
             );
             self.fault((scene_format.span(), message));
+            return None;
+        }
+        if WorldFile::is_one(self.source) {
+            let message = "format is 2, a world of several bodies; here a scene of one contact is needed, \
+                           with scene_format = 1";
+            self.fault((0..0, message.into()));
             return None;
         }
         let left = recover::read::<RawScene>(self.source);

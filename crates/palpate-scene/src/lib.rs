@@ -20,6 +20,7 @@ mod parameter;
 mod recover;
 mod timing;
 mod told;
+pub mod world;
 mod write;
 
 pub use beside::beside;

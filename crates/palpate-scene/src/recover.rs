@@ -4,7 +4,8 @@ use std::collections::HashSet;
 use std::ops::Range;
 
 use serde::de::DeserializeOwned;
-use toml::de::{DeTable, DeValue, Deserializer};
+use toml::Spanned;
+use toml::de::{DeArray, DeTable, DeValue, Deserializer};
 
 use super::fault::in_plain_words;
 
@@ -76,9 +77,12 @@ pub(super) fn read<T: DeserializeOwned>(source: &str) -> Recovered<T> {
 /// with those of the tables that it stood in.
 fn take_out(table: &mut DeTable<'_>, is_it: &dyn Fn(Range<usize>) -> bool) -> Option<String> {
     for (key, value) in table.iter_mut() {
-        if let DeValue::Table(inner) = value.get_mut()
-            && let Some(found) = take_out(inner, is_it)
-        {
+        let found = match value.get_mut() {
+            DeValue::Table(inner) => take_out(inner, is_it),
+            DeValue::Array(items) => take_out_of_tables(items, is_it),
+            _ => None,
+        };
+        if let Some(found) = found {
             return Some(format!("{}.{found}", key.get_ref()));
         }
     }
@@ -90,10 +94,29 @@ fn take_out(table: &mut DeTable<'_>, is_it: &dyn Fn(Range<usize>) -> bool) -> Op
     Some(key.into_inner().into_owned())
 }
 
+/// The same in an array of tables, each with its number from 0 for a key; none in an array of values.
+fn take_out_of_tables(
+    items: &mut DeArray<'_>,
+    is_it: &dyn Fn(Range<usize>) -> bool,
+) -> Option<String> {
+    for (index, item) in items.iter_mut().enumerate() {
+        if let DeValue::Table(inner) = item.get_mut()
+            && let Some(found) = take_out(inner, is_it)
+        {
+            return Some(format!("{index}.{found}"));
+        }
+    }
+    let is_one = |item: &Spanned<DeValue<'_>>| item.get_ref().is_table() && is_it(item.span());
+    let index = items.iter().position(is_one)?;
+    let others = items.clone().into_iter().enumerate();
+    *items = others
+        .filter_map(|(other, item)| (other != index).then_some(item))
+        .collect();
+    Some(index.to_string())
+}
+
 #[cfg(test)]
 mod tests {
-    use toml::Spanned;
-
     use super::*;
 
     #[derive(Debug, PartialEq, serde::Deserialize)]

@@ -17,6 +17,7 @@ pub mod replay;
 pub mod run;
 pub mod sampled_loop;
 mod virtual_device;
+pub mod world;
 
 pub use own_device::OwnDevice;
 pub use virtual_device::VirtualDevice;

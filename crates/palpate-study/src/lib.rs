@@ -24,6 +24,7 @@ pub mod suite;
 pub mod sweep;
 pub mod text;
 pub mod tune;
+pub mod world;
 
 pub use json::json;
 

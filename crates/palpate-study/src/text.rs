@@ -10,7 +10,8 @@ use comfy_table::{Cell, CellAlignment, Row, Table, TableComponent};
 pub const WIDTH: usize = 80;
 
 /// What the column of the mean-force error is.
-pub const E: &str = "E: error of the mean force of each period, what a method answers for.";
+pub const E: &str =
+    "E: error of the mean force of each period, the part of FRE that a method can avoid.";
 /// What the column of the force rendering error is.
 pub const FRE: &str = "FRE: error of the held force, the hold floor included.";
 /// What the column of the leak's absolute value is.

@@ -60,6 +60,19 @@ impl Grid {
         })
     }
 
+    /// The first so many of its intervals, at least one; all of them if there are fewer.
+    #[must_use]
+    pub fn shortened(&self, intervals: usize) -> Self {
+        let cuts = match &self.cuts {
+            Cuts::Even(all) => Cuts::Even(intervals.clamp(1, (*all).max(1))),
+            Cuts::At(edges) => Cuts::At(edges[..edges.len().min(intervals.max(1) + 1)].to_vec()),
+        };
+        Self {
+            cuts,
+            ..self.clone()
+        }
+    }
+
     /// Start of the window \[s\].
     #[must_use]
     pub fn start(&self) -> f64 {
@@ -136,6 +149,18 @@ mod tests {
         assert_eq!(grid.edge(3), 0.5 + 3.0 * 0.1);
         assert!(grid.durations().all(|duration| duration == 0.1));
         assert_eq!(grid.durations().count(), 1000);
+    }
+
+    #[test]
+    fn a_shortened_grid_is_the_first_part_of_it() {
+        let even = Grid::even(0.5, 0.1, 10).shortened(3);
+        assert_eq!((even.intervals(), even.end()), (3, 0.5 + 3.0 * 0.1));
+        let cut = Grid::cut_at(vec![0.0, 1.0, 4.0], 2.0).unwrap();
+        assert_eq!(
+            (cut.shortened(1).intervals(), cut.shortened(1).end()),
+            (1, 1.0)
+        );
+        assert_eq!(cut.shortened(7), cut);
     }
 
     #[test]

@@ -86,6 +86,7 @@ pub mod sprung_mass;
 pub mod timeline;
 pub mod viscous_ideal;
 pub mod viscous_mass;
+pub mod world;
 
 pub use error::InvalidParameter;
 

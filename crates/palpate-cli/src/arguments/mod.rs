@@ -3,6 +3,7 @@
 mod actuation;
 mod files;
 mod flags;
+mod given;
 mod offline;
 mod replay;
 mod setting_flags;
@@ -10,6 +11,7 @@ mod setting_flags;
 pub use actuation::ActuationFlags;
 pub use files::{Overwriting, PartFlags, PlotFlags, SizeFlag, TimeFlags};
 pub use flags::{Flags, TimingFlags};
+pub use given::Given;
 pub use offline::{
     ClaimsArguments, CompareArguments, Compared, CompletionArguments, CurveArguments,
     DemoArguments, FigureArguments, FigureName, HeightsArguments, Least, RenderArguments, Results,

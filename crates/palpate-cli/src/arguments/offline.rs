@@ -9,7 +9,7 @@ use palpate_study::suite::Set;
 use palpate_study::sweep::Quantity;
 
 use super::{
-    Flags, Overwriting, PartFlags, PlotFlags, ReplayFlags, SizeFlag, TimeFlags, TimingFlags,
+    Flags, Given, Overwriting, PartFlags, PlotFlags, ReplayFlags, SizeFlag, TimeFlags, TimingFlags,
 };
 use crate::values::{
     Methods, Numbers, force_place, length_unit, methods, number, numbers, plant_set, quantity,
@@ -42,6 +42,9 @@ pub struct RenderArguments {
 /// Arguments of `simulate`.
 #[derive(Args, Debug)]
 pub struct SimulateArguments {
+    /// What stands on the command line; first, since the fields are read in their order and taken out.
+    #[command(flatten)]
+    pub given: Given,
     /// Scene file (TOML); experiments/ has the paper's
     #[arg(value_name = "SCENE.toml", value_hint = ValueHint::FilePath)]
     pub scene: PathBuf,

@@ -27,7 +27,7 @@ pub fn html(card: &Card) -> Result<String, Failure> {
          <h1>{name}</h1>\n<p>Made on {made} by palpate {version}. {obtained}</p>\n</header>\n<main>\n",
         version = escaped(&card.palpate_version),
         made = escaped(&card.made),
-        obtained = escaped(&card.obtained.join(" ")),
+        obtained = sections::prose(&card.obtained.join(" ")),
     );
     let mut section = |title: &str, body: &str| {
         let _ = write!(text, "<section>\n<h2>{title}</h2>\n{body}</section>\n");

@@ -103,7 +103,7 @@ pub fn checks(card: &Card) -> String {
 }
 
 /// Text in which commands stand between backticks.
-fn prose(text: &str) -> String {
+pub fn prose(text: &str) -> String {
     let safe = escaped(text);
     let mut parts = safe.split('`');
     let mut prose = parts.next().unwrap_or_default().to_owned();
@@ -373,7 +373,7 @@ pub fn contact(of: &ContactCard, figures: &mut Figures) -> Result<String, Failur
     let mut text = format!(
         "<div class=\"two\">\n<div>\n<p>{}, from {} s on, for {} s.</p>\n",
         escaped(&capital(&of.source)),
-        digits(of.begins_s),
+        format_args!("{:.3}", of.begins_s),
         digits(of.lasts_s)
     );
     text.push_str(

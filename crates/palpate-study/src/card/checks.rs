@@ -1,5 +1,6 @@
 //! What was checked of a device and its loop, with a remedy for what is not as it should be.
 
+use palpate_calibrate::Quantity;
 use serde::Serialize;
 
 use super::ticks::Ticks;
@@ -180,9 +181,10 @@ fn delay(card: &Card, sources: &Sources<'_>) -> Check {
     let told_delay = told
         .as_ref()
         .and_then(|told| Some(told.get("delay_s")? + told.get("lag_s").copied().unwrap_or(0.0)));
-    let found = sources
-        .device_file
-        .and_then(|(_, calibration)| calibration.delay_plus_lag());
+    let found = sources.device_file.and_then(|(_, calibration)| {
+        let together = calibration.delay_plus_lag();
+        together.or_else(|| calibration.value(Quantity::Delay))
+    });
     let ms = |seconds: f64| digits(1e3 * seconds);
     match (told_delay, found) {
         (Some(told), Some(found)) => check(
@@ -265,7 +267,7 @@ fn resonance(card: &Card) -> Check {
     let Some(resonance) = device.value("resonance_hz") else {
         return not_checked(
             NAME,
-            "the calibration found none below a third of the loop rate",
+            "the device file has none; a calibration finds those below a third of the loop rate",
         );
     };
     let (Some(reach), Some(mass)) = (&card.reach, device.value("device_mass_kg")) else {

@@ -47,7 +47,7 @@ pub struct ReachCard {
     /// What of these nothing says, so that it was taken as none, or as 1 for the gain.
     pub assumed: Vec<&'static str>,
     /// kappa and Kc that were tried, from the first to the last.
-    pub searched: (f64, f64),
+    pub searched: [f64; 2],
     /// From one step of the search to the next: the resolution of the limits over the object's mass.
     pub step: f64,
     /// The same for the stiffest wall and the lightest object, whose last step is halved.
@@ -217,7 +217,7 @@ impl ReachCard {
             viscous_friction_n_s_per_m: viscous,
             sensor_quantum_m: quantum,
             assumed,
-            searched: SEARCHED,
+            searched: [SEARCHED.0, SEARCHED.1],
             step,
             finest_step: step.powf(0.5_f64.powi(HALVINGS.cast_signed())),
             start_heights: PHASES,

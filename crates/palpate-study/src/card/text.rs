@@ -93,6 +93,11 @@ impl Card {
                 ("device's answer", &of.round_trip_s),
             ] {
                 if let Some(durations) = durations {
+                    let name = if self.timing.len() > 1 {
+                        format!("{name}, {}", of.recording)
+                    } else {
+                        name.to_owned()
+                    };
                     let mut row = vec![
                         Cell::new(name),
                         Cell::new(durations.count).set_alignment(CellAlignment::Right),
@@ -138,8 +143,8 @@ impl super::ReachCard {
             self.contacts,
             self.start_heights,
             digits(self.computed_in_s),
-            self.searched.0,
-            self.searched.1,
+            self.searched[0],
+            self.searched[1],
             self.step,
             self.finest_step,
             self.good_below_percent,

@@ -7,7 +7,7 @@ use comfy_table::CellAlignment;
 use serde::Serialize;
 
 use super::{COLLISIONS, Column, Condition, Judged, Set, Summary, summary};
-use crate::text::{counted, lines, number, percent, plain_table, short};
+use crate::text::{E, FRE, counted, legend, lines, number, percent, plain_table, short, wrapped};
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate suite 1";
@@ -182,8 +182,7 @@ impl SuiteReport {
 
 impl fmt::Display for SuiteReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(
-            f,
+        let drawn = format!(
             "{}{}, seed {}, {} each; {} were drawn again for want of collisions",
             counted(self.plants, "random plant"),
             self.set
@@ -191,7 +190,8 @@ impl fmt::Display for SuiteReport {
             self.seed,
             counted(self.collisions, "collision"),
             self.redrawn
-        )?;
+        );
+        writeln!(f, "{}", wrapped(&drawn))?;
         for (place, condition) in self.in_words.iter().enumerate() {
             writeln!(f, "\n{condition}\n")?;
             let header = [
@@ -239,7 +239,7 @@ impl fmt::Display for SuiteReport {
             }
             writeln!(f, "{}", lines(&table))?;
         }
-        writeln!(f)?;
+        writeln!(f, "\n{}\n", legend(&[E, FRE]))?;
         for file in &self.files {
             writeln!(f, "wrote {file}")?;
         }

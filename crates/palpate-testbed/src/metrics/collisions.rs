@@ -45,7 +45,7 @@ pub struct RenderedCollision {
 }
 
 /// The collisions of the force `held` over each interval of `grid` \[N\], as ranges of intervals.
-pub(super) fn separated(held: &[f64], grid: &Grid) -> Vec<Range<usize>> {
+pub(crate) fn separated(held: &[f64], grid: &Grid) -> Vec<Range<usize>> {
     let mut runs: Vec<Range<usize>> = Vec::new();
     let mut interval = 0;
     while interval < held.len() {
@@ -222,7 +222,7 @@ fn impulse(held: &[f64], intervals: Range<usize>, grid: &Grid) -> f64 {
     period * in_periods.sum::<f64>()
 }
 
-pub(super) fn relative_error(rendered: f64, ideal: f64) -> Option<f64> {
+pub(crate) fn relative_error(rendered: f64, ideal: f64) -> Option<f64> {
     let error = (rendered - ideal) / ideal;
     error.is_finite().then_some(error)
 }

@@ -20,6 +20,7 @@ use crate::profile::ForceProfile;
 /// orthogonal projection, hence FRE² = floor² + E²: the floor belongs to the loop, E to the
 /// renderer. Each is computed by its own formula.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Fidelity {
     /// Force rendering error FRE \[%\]. A force of zero all the time scores 100.
     ///
@@ -27,7 +28,7 @@ pub struct Fidelity {
     pub force_rendering_error: f64,
     /// The least FRE that forces held over these intervals can have \[%\].
     pub hold_floor: f64,
-    /// Mean-force error E \[%\], the part a renderer answers for.
+    /// Mean-force error E \[%\], the part of the error that a renderer can avoid.
     pub mean_force_error: f64,
     /// FRE over floor, 1 at best; `None` if the floor is 0.
     pub error_over_floor: Option<f64>,
@@ -44,43 +45,26 @@ impl Fidelity {
     }
 }
 
-/// The [`Fidelity`] of forces that come one after the other, without a record of them.
-#[derive(Debug, Clone)]
-pub struct FidelityMeter<'a> {
-    profile: &'a ForceProfile,
-    interval: usize,
+/// The sums from which a [`Fidelity`] follows.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct ErrorSums {
     ideal: f64,
     total: f64,
     floor: f64,
     mean: f64,
 }
 
-impl<'a> FidelityMeter<'a> {
-    /// A meter at the start of the window of `profile`.
-    #[must_use]
-    pub fn new(profile: &'a ForceProfile) -> Self {
-        Self {
-            profile,
-            interval: 0,
-            ideal: 0.0,
-            total: 0.0,
-            floor: 0.0,
-            mean: 0.0,
-        }
-    }
-
-    /// The force \[N\] held over the next interval; those after the window are not looked at.
+impl ErrorSums {
+    /// Adds an interval of a length `duration` \[s\] in which a `force` \[N\] was held, J and Q of the ideal.
     #[inline]
-    pub fn hold(&mut self, force: f64) {
-        let (impulses, squares) = (self.profile.impulses(), self.profile.squared_forces());
-        let (Some(impulse), Some(squared)) =
-            (impulses.get(self.interval), squares.get(self.interval))
-        else {
-            return;
-        };
-        let period = self.profile.period();
-        let duration = self.profile.grid().duration(self.interval);
-        self.interval += 1;
+    pub(crate) fn add(
+        &mut self,
+        force: f64,
+        impulse: f64,
+        squared: f64,
+        duration: f64,
+        period: f64,
+    ) {
         self.ideal += squared;
         // (f h − 2 J) first: a huge force then overflows to +∞ and not to a NaN.
         self.total += force * (force * duration - 2.0 * impulse) + squared;
@@ -89,16 +73,8 @@ impl<'a> FidelityMeter<'a> {
         self.mean += duration / period * (force - impulse / duration).powi(2);
     }
 
-    /// Whether every interval of the window has had its force.
-    #[must_use]
-    pub fn is_complete(&self) -> bool {
-        self.interval == self.profile.intervals()
-    }
-
-    /// The errors of the forces so far, over the intervals they were held; `None` if the ideal
-    /// force is 0 in all of them.
-    #[must_use]
-    pub fn fidelity(&self) -> Option<Fidelity> {
+    /// The errors; `None` if the ideal force is 0 throughout.
+    pub(crate) fn fidelity(&self, period: f64) -> Option<Fidelity> {
         let ideal = self.ideal;
         if ideal <= 0.0 {
             return None;
@@ -115,8 +91,56 @@ impl<'a> FidelityMeter<'a> {
         Some(Fidelity {
             force_rendering_error,
             hold_floor,
-            mean_force_error: percent(self.profile.period() * self.mean),
+            mean_force_error: percent(period * self.mean),
             error_over_floor: (hold_floor > 0.0).then(|| force_rendering_error / hold_floor),
         })
+    }
+}
+
+/// The [`Fidelity`] of forces that come one after the other, without a record of them.
+#[derive(Debug, Clone)]
+pub struct FidelityMeter<'a> {
+    profile: &'a ForceProfile,
+    interval: usize,
+    sums: ErrorSums,
+}
+
+impl<'a> FidelityMeter<'a> {
+    /// A meter at the start of the window of `profile`.
+    #[must_use]
+    pub fn new(profile: &'a ForceProfile) -> Self {
+        Self {
+            profile,
+            interval: 0,
+            sums: ErrorSums::default(),
+        }
+    }
+
+    /// The force \[N\] held over the next interval; those after the window are not looked at.
+    #[inline]
+    pub fn hold(&mut self, force: f64) {
+        let (impulses, squares) = (self.profile.impulses(), self.profile.squared_forces());
+        let (Some(impulse), Some(squared)) =
+            (impulses.get(self.interval), squares.get(self.interval))
+        else {
+            return;
+        };
+        let duration = self.profile.grid().duration(self.interval);
+        self.interval += 1;
+        self.sums
+            .add(force, *impulse, *squared, duration, self.profile.period());
+    }
+
+    /// Whether every interval of the window has had its force.
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        self.interval == self.profile.intervals()
+    }
+
+    /// The errors of the forces so far, over the intervals they were held; `None` if the ideal
+    /// force is 0 in all of them.
+    #[must_use]
+    pub fn fidelity(&self) -> Option<Fidelity> {
+        self.sums.fidelity(self.profile.period())
     }
 }

@@ -7,9 +7,9 @@
 //! Errors of the force are in percent, after the literature; errors of single collisions and of
 //! energy are plain ratios.
 
-mod collisions;
+pub(crate) mod collisions;
 mod energy;
-mod fidelity;
+pub(crate) mod fidelity;
 mod rebound;
 
 pub use collisions::{CollisionJudgement, RenderedCollision};
@@ -32,7 +32,7 @@ pub struct WindowMismatch {
 }
 
 impl WindowMismatch {
-    fn unless_equal(given: usize, expected: usize) -> Result<(), Self> {
+    pub(crate) fn unless_equal(given: usize, expected: usize) -> Result<(), Self> {
         if given == expected {
             Ok(())
         } else {

@@ -6,12 +6,18 @@ use clap::{Args, ValueHint};
 use palpate_record::unit::LengthUnit;
 
 use super::columns::{Columns, columns, help};
-use crate::arguments::Flags;
+use crate::arguments::{Flags, Given};
 use crate::values::{length_unit, number};
 
 /// Arguments of `pipe`.
 #[derive(Args, Debug)]
 pub struct PipeArguments {
+    /// What stands on the command line; first, since the fields are read in their order and taken out.
+    #[command(flatten)]
+    pub given: Given,
+    /// Scene file (TOML): a world of several bodies, or what --scene takes
+    #[arg(value_name = "FILE.toml", value_hint = ValueHint::FilePath, conflicts_with = "scene")]
+    pub file: Option<PathBuf>,
     /// Scene file (TOML) for contact, loop, method and device mass; flags change its values
     #[arg(long, value_name = "SCENE.toml", value_hint = ValueHint::FilePath)]
     pub scene: Option<PathBuf>,

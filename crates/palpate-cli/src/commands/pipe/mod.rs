@@ -5,42 +5,46 @@ mod change;
 mod columns;
 pub mod line;
 mod messages;
+mod serving;
 mod stream;
 mod summary;
+mod world;
 
-use std::io::{self, BufRead, Read};
-use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::thread::Builder;
-use std::time::Duration;
+use std::io;
+use std::sync::{Arc, Mutex};
 
 use palpate::LARGEST_DELAY;
 use palpate_rt::StopFlag;
 use palpate_rt::safety::{OscillationParams, Safety, SafetyParams};
+use palpate_scene::SceneFile;
 use palpate_scene::method::MethodName;
 
 pub use arguments::PipeArguments;
 
-use super::simulate::read_scene;
+use super::simulate::{AnyScene, read_any};
 use crate::failure::Failure;
-use crate::last_line;
 use crate::setup::{check_contact, wrong_rendered, wrong_setup};
 use change::{Changeable, rendering};
 use line::Format;
 use messages::Messages;
-use stream::{Memory, Stopped, Stream};
+use serving::{locked, serve_until};
+use stream::{Memory, Stream};
 pub use summary::Summary;
-
-/// Longest line that is read as a sample `[bytes]`; the rest of a longer one is skipped.
-const LONGEST_LINE: u64 = 4096;
-/// How often it is looked whether the pipe is to end.
-const LOOK_EVERY: Duration = Duration::from_millis(10);
+#[cfg(test)]
+pub use world::WorldSummary;
 
 /// Answers every line of standard input until it ends, or a signal ends it.
 pub fn run(arguments: &PipeArguments) -> Result<(), Failure> {
+    let path = arguments.scene.as_ref().or(arguments.file.as_ref());
+    let scene = path.map(|path| read_any(path)).transpose()?;
+    let scene = match (path, scene) {
+        (Some(path), Some(AnyScene::World(file))) => return world::run(arguments, path, &file),
+        (_, Some(AnyScene::Contact(file))) => Some(*file),
+        (_, None) | (None, Some(_)) => None,
+    };
     let stop =
         StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
-    let stream = Arc::new(Mutex::new(set_up(arguments)?));
+    let stream = Arc::new(Mutex::new(set_up(arguments, scene)?));
     let ended = serve_until(&stream, &stop)?;
     let (summary, messages) = locked(&stream).finish();
     if let Some(messages) = messages {
@@ -51,45 +55,12 @@ pub fn run(arguments: &PipeArguments) -> Result<(), Failure> {
             messages.finish(summary);
         }
     }
-    match ended {
-        Ended::Done => Ok(()),
-        Ended::Stopped(Stopped::Refused(why)) => Err(Failure::input(why)),
-        Ended::Stopped(Stopped::Unwritten(error)) => unless_broken(error),
-        Ended::Unread(error) => Err(Failure::System(format!(
-            "standard input cannot be read: {error}"
-        ))),
-        Ended::Signalled => Err(Failure::Interrupted(
-            "stopped by a signal; the last line takes the force off".into(),
-        )),
-    }
-}
-
-/// How the pipe ended.
-enum Ended {
-    /// The input did.
-    Done,
-    /// A line or the output stopped it.
-    Stopped(Stopped),
-    /// The input cannot be read any more.
-    Unread(io::Error),
-    /// Somebody ended it by a signal.
-    Signalled,
-}
-
-/// A reader that has left is no error.
-fn unless_broken(error: io::Error) -> Result<(), Failure> {
-    if error.kind() == io::ErrorKind::BrokenPipe {
-        return Ok(());
-    }
-    Err(Failure::System(format!(
-        "standard output cannot be written: {error}"
-    )))
+    ended.into()
 }
 
 /// The stream as the arguments say it; nothing has been read or written yet.
-fn set_up(arguments: &PipeArguments) -> Result<Stream, Failure> {
+fn set_up(arguments: &PipeArguments, scene: Option<SceneFile>) -> Result<Stream, Failure> {
     let flags = &arguments.flags;
-    let scene = arguments.scene.as_deref().map(read_scene).transpose()?;
     let methods = flags.methods(
         scene
             .as_ref()
@@ -162,11 +133,12 @@ fn set_up(arguments: &PipeArguments) -> Result<Stream, Failure> {
         summary: Summary::new(force_limit, soft_start),
         memory: Memory::default(),
     };
-    tell_limits(
-        &mut stream,
+    if let Some(limits) = limits_in_words(
         force_limit.filter(|_| !is_limit_given),
         Some(soft_start).filter(|_| arguments.stream.soft_start.is_none()),
-    );
+    ) {
+        stream.tell(limits);
+    }
     Ok(stream)
 }
 
@@ -195,128 +167,23 @@ fn limits(force_limit: Option<f64>, soft_start: f64, defaults: SafetyParams) -> 
     }
 }
 
-/// Says what limits a force without having been asked for.
-fn tell_limits(stream: &mut Stream, force: Option<f64>, soft_start: Option<f64>) {
+/// What limits a force without having been asked for, if anything does.
+fn limits_in_words(force: Option<f64>, soft_start: Option<f64>) -> Option<String> {
     let comes_in = |seconds| {
         format!("where a start or a recovery finds contact, the force comes in over {seconds} s")
     };
     match (force, soft_start) {
-        (Some(force), Some(seconds)) => stream.tell(format_args!(
+        (Some(force), Some(seconds)) => Some(format!(
             "forces are limited to {force} N; {}; --force-limit inf and --soft-start 0 switch that off",
             comes_in(seconds)
         )),
-        (Some(force), None) => stream.tell(format_args!(
+        (Some(force), None) => Some(format!(
             "forces are limited to {force} N; --force-limit inf switches that off"
         )),
-        (None, Some(seconds)) => stream.tell(format_args!(
+        (None, Some(seconds)) => Some(format!(
             "{}; --soft-start 0 switches that off",
             comes_in(seconds)
         )),
-        (None, None) => {}
-    }
-}
-
-/// The stream, for this thread. What a thread that panicked has left can still be ended.
-fn locked(stream: &Mutex<Stream>) -> MutexGuard<'_, Stream> {
-    stream.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Answers lines in a thread of its own until the input ends or `stop` is raised: a thread that waits
-/// for a line cannot look at signals.
-fn serve_until(stream: &Arc<Mutex<Stream>>, stop: &StopFlag) -> Result<Ended, Failure> {
-    let (sender, served) = channel();
-    let server = Arc::clone(stream);
-    Builder::new()
-        .name("palpate pipe".to_owned())
-        .spawn(move || {
-            let ended = serve(&server, &mut io::stdin().lock());
-            let written = locked(&server).end();
-            let _ = sender.send(match (ended, written) {
-                (Ended::Done, Err(error)) => Ended::Stopped(Stopped::Unwritten(error)),
-                (ended, _) => ended,
-            });
-        })
-        .map_err(|error| Failure::System(format!("no thread for the pipe: {error}")))?;
-    loop {
-        match served.recv_timeout(LOOK_EVERY) {
-            Ok(ended) => return Ok(ended),
-            Err(RecvTimeoutError::Timeout) if !stop.is_raised() => {}
-            Err(RecvTimeoutError::Timeout) => {
-                return let_go(stream).map(|()| Ended::Signalled);
-            }
-            Err(RecvTimeoutError::Disconnected) => {
-                let_go(stream)?;
-                return Err(Failure::System(
-                    "a line could not be answered for a fault of the program; the last line takes the \
-                     force off"
-                        .into(),
-                ));
-            }
-        }
-    }
-}
-
-/// Takes the force off from beside the thread that answers. That one may wait for ever for a reader
-/// that does not read.
-fn let_go(stream: &Arc<Mutex<Stream>>) -> Result<(), Failure> {
-    let ending = Arc::clone(stream);
-    last_line::write_beside(move || {
-        let _ = locked(&ending).end();
-    })
-}
-
-/// Answers line by line.
-fn serve(stream: &Mutex<Stream>, input: &mut impl BufRead) -> Ended {
-    if let Err(error) = locked(stream).write_header() {
-        return Ended::Stopped(Stopped::Unwritten(error));
-    }
-    let mut line = Vec::new();
-    for number in 1_u64.. {
-        line.clear();
-        let read = input
-            .take(LONGEST_LINE)
-            .read_until(b'\n', &mut line)
-            .and_then(|length| {
-                let too_long = length as u64 == LONGEST_LINE && !line.ends_with(b"\n");
-                if too_long {
-                    skip_line(input)?;
-                }
-                Ok((length, too_long))
-            });
-        let too_long = match read {
-            Ok((0, _)) => break,
-            Ok((_, too_long)) => too_long,
-            Err(error) => return Ended::Unread(error),
-        };
-        let text = String::from_utf8_lossy(&line);
-        let text = if too_long {
-            Err(format!("the line is longer than {LONGEST_LINE} bytes"))
-        } else {
-            Ok(text.trim())
-        };
-        let mut stream = locked(stream);
-        if stream.is_ended() {
-            break;
-        }
-        if let Err(stopped) = stream.take(number, text) {
-            return Ended::Stopped(stopped);
-        }
-    }
-    Ended::Done
-}
-
-/// Reads up to the end of the line without keeping it.
-fn skip_line(input: &mut impl BufRead) -> io::Result<()> {
-    loop {
-        let buffer = input.fill_buf()?;
-        if buffer.is_empty() {
-            return Ok(());
-        }
-        let end = buffer.iter().position(|&byte| byte == b'\n');
-        let read = end.map_or(buffer.len(), |at| at + 1);
-        input.consume(read);
-        if end.is_some() {
-            return Ok(());
-        }
+        (None, None) => None,
     }
 }

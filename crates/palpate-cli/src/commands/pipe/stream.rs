@@ -13,21 +13,13 @@ use super::change::Changeable;
 use super::columns::{Columns, Row};
 use super::line::{Format, Line, Refusal};
 use super::messages::Messages;
+use super::serving::{Answering, Stopped};
 use super::summary::Summary;
 use crate::inside;
 
 /// Refused lines that are told one by one; of more, each doubling is: a dead sensor at 1 kHz would
 /// bury whatever else standard error has to say.
 const TOLD_EACH: u64 = 8;
-
-/// Why no further line is answered.
-#[derive(Debug)]
-pub enum Stopped {
-    /// The lines are not what was asked for, or no hand makes the motion.
-    Refused(String),
-    /// The answer could not be written.
-    Unwritten(io::Error),
-}
 
 /// A renderer between two streams, and what it needs between two lines.
 pub struct Stream {
@@ -68,59 +60,11 @@ pub struct Memory {
 }
 
 impl Stream {
-    /// Whether nothing is answered any more.
-    pub fn is_ended(&self) -> bool {
-        self.memory.is_ended
-    }
-
     /// Says something on standard error.
     pub fn tell(&mut self, message: impl std::fmt::Display) {
         if let Some(messages) = &mut self.messages {
             messages.tell(message);
         }
-    }
-
-    /// Prints the names of the columns, if they are asked for.
-    pub fn write_header(&mut self) -> io::Result<()> {
-        if !self.is_header_asked {
-            return Ok(());
-        }
-        self.output.write_all(self.columns.header().as_bytes())?;
-        self.output.flush()
-    }
-
-    /// Answers the line with this number, if it is to be answered; `Err` as its text says why it
-    /// could not be read.
-    pub fn take(&mut self, number: u64, text: Result<&str, String>) -> Result<(), Stopped> {
-        let mut text = text;
-        if number == 1
-            && let Ok(first) = &mut text
-        {
-            // What spreadsheets write before the first line.
-            *first = first.trim_start_matches('\u{feff}');
-            let header = self.format.with_header(first);
-            if let Some(format) = header.map_err(|why| stopped(number, &why))? {
-                self.format = format;
-                return Ok(());
-            }
-        }
-        let line = match text {
-            Ok(text) => self.format.parse(text),
-            Err(why) => Err(Refusal::Line(why)),
-        };
-        let (sample, unread) = match line {
-            Ok(Line::Sample { time, position }) => (Some((time, position)), None),
-            Ok(Line::Set(change)) => {
-                self.change(number, change);
-                return Ok(());
-            }
-            Err(Refusal::Line(why)) => (None, Some(why)),
-            Err(Refusal::Stream(why)) => return Err(stopped(number, &why)),
-        };
-        let row = self.render(number, sample, unread)?;
-        self.columns.write(&row, &mut self.memory.text);
-        self.memory.last = Some(row);
-        self.write_text()
     }
 
     fn change(&mut self, number: u64, change: Result<super::change::Change, String>) {
@@ -223,7 +167,7 @@ impl Stream {
         let motion = &mut self.memory.motion;
         motion.add(self.memory.followed, position);
         match motion.excess() {
-            Some(excess) => Err(stopped(number, &inside::not_a_hand(&excess))),
+            Some(excess) => Err(Stopped::at_line(number, &inside::not_a_hand(&excess))),
             None => Ok(()),
         }
     }
@@ -256,20 +200,6 @@ impl Stream {
         }
     }
 
-    /// Takes the force off with a last line, if a line was answered: whoever reads holds the force of
-    /// the line that came last.
-    pub fn end(&mut self) -> io::Result<()> {
-        if std::mem::replace(&mut self.memory.is_ended, true) {
-            return Ok(());
-        }
-        let Some(last) = self.memory.last.take() else {
-            return Ok(());
-        };
-        self.columns.write(&last.end(), &mut self.memory.text);
-        self.output.write_all(self.memory.text.as_bytes())?;
-        self.output.flush()
-    }
-
     /// What was done, and the messages, which are not to be used any more.
     pub fn finish(&mut self) -> (Summary, Option<Messages>) {
         let summary = self.summary.with_books(self.rendered.ledger());
@@ -284,6 +214,60 @@ impl Stream {
     }
 }
 
-fn stopped(number: u64, why: &str) -> Stopped {
-    Stopped::Refused(format!("standard input, line {number}: {why}"))
+impl Answering for Stream {
+    fn is_ended(&self) -> bool {
+        self.memory.is_ended
+    }
+
+    fn write_header(&mut self) -> io::Result<()> {
+        if !self.is_header_asked {
+            return Ok(());
+        }
+        self.output.write_all(self.columns.header().as_bytes())?;
+        self.output.flush()
+    }
+
+    fn take(&mut self, number: u64, text: Result<&str, String>) -> Result<(), Stopped> {
+        let mut text = text;
+        if number == 1
+            && let Ok(first) = &mut text
+        {
+            // What spreadsheets write before the first line.
+            *first = first.trim_start_matches('\u{feff}');
+            let header = self.format.with_header(first);
+            if let Some(format) = header.map_err(|why| Stopped::at_line(number, &why))? {
+                self.format = format;
+                return Ok(());
+            }
+        }
+        let line = match text {
+            Ok(text) => self.format.parse(text),
+            Err(why) => Err(Refusal::Line(why)),
+        };
+        let (sample, unread) = match line {
+            Ok(Line::Sample { time, position }) => (Some((time, position)), None),
+            Ok(Line::Set(change)) => {
+                self.change(number, change);
+                return Ok(());
+            }
+            Err(Refusal::Line(why)) => (None, Some(why)),
+            Err(Refusal::Stream(why)) => return Err(Stopped::at_line(number, &why)),
+        };
+        let row = self.render(number, sample, unread)?;
+        self.columns.write(&row, &mut self.memory.text);
+        self.memory.last = Some(row);
+        self.write_text()
+    }
+
+    fn end(&mut self) -> io::Result<()> {
+        if std::mem::replace(&mut self.memory.is_ended, true) {
+            return Ok(());
+        }
+        let Some(last) = self.memory.last.take() else {
+            return Ok(());
+        };
+        self.columns.write(&last.end(), &mut self.memory.text);
+        self.output.write_all(self.memory.text.as_bytes())?;
+        self.output.flush()
+    }
 }

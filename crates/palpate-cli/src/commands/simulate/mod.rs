@@ -1,9 +1,12 @@
 //! `palpate simulate`: a scene in closed loop.
 
+mod world;
+
 use std::path::Path;
 use std::string::FromUtf8Error;
 
 use palpate_scene::method::MethodName;
+use palpate_scene::world::WorldFile;
 use palpate_scene::{
     HandForceAt, Measure, Scene, SceneError, SceneFile, SceneParameter, SetupError, beside,
 };
@@ -21,8 +24,11 @@ use palpate_study::report::{Report, Subject};
 
 /// Simulates a scene by the methods that were named, or by its own.
 pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
+    let file = match read_any(&arguments.scene)? {
+        AnyScene::Contact(file) => *file,
+        AnyScene::World(file) => return world::run(arguments, &arguments.scene, &file),
+    };
     let flags = &arguments.flags;
-    let file = read_scene(&arguments.scene)?;
     let methods = flags.methods(file.scene.method);
     flags.check_settings(&methods)?;
     let mut scene = file.scene.clone();
@@ -167,13 +173,38 @@ pub fn simulate<'a>(
     Ok((bench, runs))
 }
 
+/// A scene file of any format.
+pub(super) enum AnyScene {
+    /// One contact along one axis.
+    Contact(Box<SceneFile>),
+    /// Several bodies in space.
+    World(Box<WorldFile>),
+}
+
+pub(super) fn read_any(path: &Path) -> Result<AnyScene, Failure> {
+    let name = path.display().to_string();
+    let text = read_text(path)?;
+    if WorldFile::is_one(&text) {
+        let file = WorldFile::parse(&name, &text).map_err(Failure::inputs)?;
+        return Ok(AnyScene::World(Box::new(file)));
+    }
+    let file = SceneFile::parse_with(&name, &text, &mut beside(path)).map_err(Failure::inputs)?;
+    tell_if_not_a_hand(&name, &file.scene);
+    Ok(AnyScene::Contact(Box::new(file)))
+}
+
 pub(super) fn read_scene(path: &Path) -> Result<SceneFile, Failure> {
     let name = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|error| Failure::System(format!("{name}: {error}")))?;
-    let text = String::from_utf8(bytes).map_err(|error| not_utf8(&name, &error))?;
+    let text = read_text(path)?;
     let file = SceneFile::parse_with(&name, &text, &mut beside(path)).map_err(Failure::inputs)?;
     tell_if_not_a_hand(&name, &file.scene);
     Ok(file)
+}
+
+fn read_text(path: &Path) -> Result<String, Failure> {
+    let name = path.display().to_string();
+    let bytes = std::fs::read(path).map_err(|error| Failure::System(format!("{name}: {error}")))?;
+    String::from_utf8(bytes).map_err(|error| not_utf8(&name, &error))
 }
 
 /// Warns of an intention that no hand has.

@@ -1,0 +1,108 @@
+//! `palpate pipe` with a world: the positions of all devices in, a force on each of them out.
+
+mod line;
+mod stream;
+mod summary;
+
+use std::io;
+use std::path::Path;
+use std::sync::{Arc, Mutex};
+
+use palpate_rt::StopFlag;
+use palpate_rt::safety::{Safety, SafetyParams};
+use palpate_scene::world::WorldFile;
+
+use super::messages::Messages;
+use super::serving::{locked, serve_until};
+use super::{PipeArguments, limits, limits_in_words, soft_start};
+use crate::failure::Failure;
+use crate::worlds::{self, Names, wrong_world};
+use line::Format;
+use stream::{Memory, Stream};
+pub use summary::WorldSummary;
+
+/// What a pipe of a world takes beside its file; everything else is said in the file.
+const FLAGS: [&str; 9] = [
+    "file",
+    "scene",
+    "time",
+    "unit",
+    "header",
+    "soft_start",
+    "force_limit",
+    "method",
+    "json",
+];
+
+/// Answers every line of standard input until it ends, or a signal ends it.
+pub fn run(arguments: &PipeArguments, path: &Path, file: &WorldFile) -> Result<(), Failure> {
+    worlds::only(&arguments.given, &FLAGS, path)?;
+    let stop =
+        StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
+    let stream = Arc::new(Mutex::new(set_up(arguments, file)?));
+    let ended = serve_until(&stream, &stop)?;
+    let (summary, messages) = locked(&stream).finish();
+    if let Some(messages) = messages {
+        if arguments.json {
+            let summary = serde_json::to_string(&summary);
+            messages.finish(summary.expect("a summary has string keys only"));
+        } else {
+            messages.finish(summary);
+        }
+    }
+    ended.into()
+}
+
+/// The stream as arguments and file say it; nothing has been read or written yet.
+fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<Stream, Failure> {
+    let flags = &arguments.flags;
+    let mut scene = file.scene.clone();
+    let method = worlds::one_method(flags, &file.scene)?;
+    let defaults = SafetyParams::default();
+    let given = flags.force_limit.or(scene.render.force_limit);
+    let force_limit = given.unwrap_or(defaults.largest_force);
+    let force_limit = Some(force_limit).filter(|limit| limit.is_finite());
+    scene.render.force_limit = force_limit;
+    let soft_start = soft_start(arguments, &defaults)?;
+    let renderer = scene
+        .renderer(method)
+        .map_err(|faults| wrong_world(flags, file, &faults))?;
+    let period = scene.timing.period;
+    let safety = || {
+        Safety::new(limits(force_limit, soft_start, defaults), period)
+            .map_err(|error| Failure::Arguments(error.to_string()))
+    };
+    let devices = scene.world.tools.iter().map(|tool| tool.name.clone());
+    let format = Format {
+        time: arguments.stream.time,
+        unit: arguments.stream.unit.unwrap_or_default(),
+        is_unit_given: arguments.stream.unit.is_some(),
+        devices: devices.collect(),
+    };
+    let safety = format
+        .devices
+        .iter()
+        .map(|_| safety())
+        .collect::<Result<_, _>>()?;
+    let mut messages = Messages::start()
+        .map_err(|error| Failure::System(format!("no thread for messages: {error}")))?;
+    if let Some(limits) = limits_in_words(
+        force_limit.filter(|_| given.is_none()),
+        Some(soft_start).filter(|_| arguments.stream.soft_start.is_none()),
+    ) {
+        messages.tell(limits);
+    }
+    Ok(Stream {
+        state: renderer.start(),
+        names: Names::of(&scene.world),
+        renderer,
+        safety,
+        period,
+        format,
+        is_header_asked: arguments.stream.header,
+        output: Box::new(io::stdout()),
+        messages: Some(messages),
+        summary: WorldSummary::new(force_limit, soft_start),
+        memory: Memory::default(),
+    })
+}

@@ -1,0 +1,267 @@
+//! From a line to its answer in a world: renderer, limits and messages, in the order of the lines.
+
+use std::fmt::Write as _;
+use std::io::{self, Write};
+
+use palpate::Fault;
+use palpate_device::Wrench;
+use palpate_record::unit::HandMotion;
+use palpate_rt::safety::{self, Safety};
+use palpate_world::{Sample, Vector, WorldRenderer, WorldState};
+
+use super::super::line::Refusal;
+use super::super::messages::Messages;
+use super::super::serving::{Answering, Stopped};
+use super::line::{self, Format};
+use super::summary::WorldSummary;
+use crate::inside;
+use crate::worlds::Names;
+
+/// Refused lines that are told one by one; of more, each doubling is.
+const TOLD_EACH: u64 = 8;
+
+/// The renderer of a world between two streams, and what it needs between two lines.
+pub struct Stream {
+    pub renderer: WorldRenderer,
+    pub state: WorldState,
+    pub names: Names,
+    /// For each device.
+    pub safety: Vec<Safety>,
+    /// Nominal time from line to line `[s]`.
+    pub period: f64,
+    pub format: Format,
+    pub is_header_asked: bool,
+    pub output: Box<dyn Write + Send>,
+    /// None once the end has been told.
+    pub messages: Option<Messages>,
+    pub summary: WorldSummary,
+    pub memory: Memory,
+}
+
+/// What is known from the lines before.
+#[derive(Default)]
+pub struct Memory {
+    /// Time of the last line that had one `[s]`.
+    last_time: Option<f64>,
+    /// Sum of the times between samples that were used `[s]`.
+    followed: f64,
+    /// How far each device went along each axis.
+    motion: Vec<[HandMotion; 3]>,
+    /// Whether a line has been answered.
+    is_begun: bool,
+    /// Whether a force has been limited.
+    is_limited: bool,
+    /// Whether the last line of the output has been written.
+    is_ended: bool,
+    /// The line of the output that is being made.
+    text: String,
+}
+
+impl Stream {
+    fn tell(&mut self, message: impl std::fmt::Display) {
+        if let Some(messages) = &mut self.messages {
+            messages.tell(message);
+        }
+    }
+
+    /// The forces for a sample, or for a line without one.
+    fn render(
+        &mut self,
+        number: u64,
+        sample: Option<line::Sample>,
+        unread: Option<String>,
+    ) -> Result<(), Stopped> {
+        // The renderer is told that a sample came and is lost.
+        let (time, positions) = sample.map_or_else(
+            || (None, vec![[f64::NAN; 3]; self.format.devices.len()]),
+            |sample| (sample.time, sample.positions),
+        );
+        let elapsed = match (time, self.memory.last_time) {
+            (Some(now), Some(last)) => Some(now - last),
+            _ => None,
+        };
+        let sample = Sample {
+            positions: &positions,
+            elapsed,
+        };
+        let output = self.renderer.step(&mut self.state, &sample);
+        let (fault, limited) = (output.fault, output.limited);
+        let is_limited = limited.force;
+        let mut forces = output.forces.to_vec();
+        if fault.is_none() {
+            self.follow(number, &positions, elapsed.unwrap_or(self.period))?;
+        }
+        let mut softened = false;
+        let mut shortened = is_limited;
+        for ((safety, force), position) in self.safety.iter_mut().zip(&mut forces).zip(&positions) {
+            let verdict = safety.judge(&safety::Rendered {
+                elapsed,
+                // A position that the renderer has refused is not looked at.
+                position: if fault.is_none() { *position } else { [0.0; 3] },
+                coordinate: 0.0,
+                wrench: Wrench::of_force(*force),
+                created_energy: 0.0,
+                refused: fault.is_some(),
+                stalled: false,
+            });
+            softened |= verdict.bounded.soft_start;
+            shortened |= verdict.bounded.force;
+            *force = verdict.wrench.force;
+        }
+        for (tool, force) in forces.iter().enumerate() {
+            self.renderer.report_sent(&mut self.state, tool, *force);
+        }
+        // As for one contact: a time that was refused is kept, or all lines after a clock that was set would
+        // be refused.
+        self.memory.last_time = time.or(self.memory.last_time);
+        if let Some(why) = unread.or_else(|| fault.map(|fault| self.in_words(&fault))) {
+            self.tell_refused(number, &why);
+        }
+        self.summary.samples += 1;
+        self.summary.limited += u64::from(shortened);
+        self.summary.softened += u64::from(softened);
+        if shortened && !self.memory.is_limited {
+            self.memory.is_limited = true;
+            let limit = self.safety[0].params().largest_force;
+            self.tell(format_args!(
+                "line {number}: a contact asks for more than the limit of {limit} N; further limited \
+                 forces are counted, and the summary has their number"
+            ));
+        }
+        if fault.is_none() && !self.memory.is_begun {
+            self.memory.is_begun = true;
+            self.tell_if_inside(number);
+        }
+        self.answer(&forces);
+        Ok(())
+    }
+
+    /// Refuses a motion that no hand makes, unless a flag said the unit.
+    fn follow(&mut self, number: u64, positions: &[Vector], elapsed: f64) -> Result<(), Stopped> {
+        let memory = &mut self.memory;
+        memory.followed += elapsed;
+        if self.format.is_unit_given {
+            return Ok(());
+        }
+        memory.motion.resize_with(positions.len(), Default::default);
+        for (motions, position) in memory.motion.iter_mut().zip(positions) {
+            for (motion, coordinate) in motions.iter_mut().zip(position) {
+                motion.add(memory.followed, *coordinate);
+                if let Some(excess) = motion.excess() {
+                    return Err(Stopped::at_line(number, &inside::not_a_hand(&excess)));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn in_words(&self, fault: &palpate_world::WorldFault) -> String {
+        match fault.tool {
+            Some(tool) => format!("{}: {}", self.format.devices[tool], fault.fault),
+            None => match fault.fault {
+                Fault::Overflow => {
+                    "the world has left every scale; a body may fall for ever".into()
+                }
+                fault => fault.to_string(),
+            },
+        }
+    }
+
+    /// Says that a tool begins inside a body.
+    fn tell_if_inside(&mut self, number: u64) {
+        let inside: Vec<String> = self
+            .state
+            .contacts()
+            .iter()
+            .filter(|contact| contact.penetration > 0.0)
+            .map(|contact| self.names.overlap(contact))
+            .collect();
+        for overlap in inside {
+            self.tell(format_args!("line {number}: {overlap} at the start"));
+        }
+    }
+
+    fn tell_refused(&mut self, number: u64, why: &str) {
+        self.summary.refused += 1;
+        let refused = self.summary.refused;
+        if refused <= TOLD_EACH {
+            self.tell(format_args!("line {number}: {why}; all forces are 0"));
+        } else if refused.is_power_of_two() {
+            let next = refused.saturating_mul(2);
+            self.tell(format_args!(
+                "line {number}: {why}; all forces are 0 (refused so far: {refused}; the next to be told is \
+                 number {next})"
+            ));
+        }
+    }
+
+    /// Puts the forces into the line of the output.
+    fn answer(&mut self, forces: &[Vector]) {
+        let text = &mut self.memory.text;
+        text.clear();
+        for (place, force) in forces.iter().flatten().enumerate() {
+            let separator = if place > 0 { "," } else { "" };
+            // Never a minus zero. A string takes every character.
+            let _ = write!(text, "{separator}{}", force + 0.0);
+        }
+        text.push('\n');
+    }
+
+    fn write_text(&mut self) -> io::Result<()> {
+        self.output.write_all(self.memory.text.as_bytes())?;
+        self.output.flush()
+    }
+
+    /// What was done, and the messages, which are not to be used any more.
+    pub fn finish(&mut self) -> (WorldSummary, Option<Messages>) {
+        let summary = self.summary.with_books(self.state.books());
+        (summary, self.messages.take())
+    }
+}
+
+impl Answering for Stream {
+    fn write_header(&mut self) -> io::Result<()> {
+        if !self.is_header_asked {
+            return Ok(());
+        }
+        let header = self.format.forces().join(",");
+        writeln!(self.output, "{header}")?;
+        self.output.flush()
+    }
+
+    fn take(&mut self, number: u64, text: Result<&str, String>) -> Result<(), Stopped> {
+        let mut text = text;
+        if number == 1
+            && let Ok(first) = &mut text
+        {
+            // What spreadsheets write before the first line.
+            *first = first.trim_start_matches('\u{feff}');
+            if self.format.is_header(first) {
+                return Ok(());
+            }
+        }
+        let sample = match text {
+            Ok(text) => self.format.parse(text),
+            Err(why) => Err(Refusal::Line(why)),
+        };
+        match sample {
+            Ok(sample) => self.render(number, Some(sample), None)?,
+            Err(Refusal::Line(why)) => self.render(number, None, Some(why))?,
+            Err(Refusal::Stream(why)) => return Err(Stopped::at_line(number, &why)),
+        }
+        self.write_text().map_err(Stopped::Unwritten)
+    }
+
+    fn is_ended(&self) -> bool {
+        self.memory.is_ended
+    }
+
+    fn end(&mut self) -> io::Result<()> {
+        if std::mem::replace(&mut self.memory.is_ended, true) || self.summary.samples == 0 {
+            return Ok(());
+        }
+        let none = vec![[0.0; 3]; self.format.devices.len()];
+        self.answer(&none);
+        self.write_text()
+    }
+}

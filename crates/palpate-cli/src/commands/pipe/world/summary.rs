@@ -1,0 +1,77 @@
+//! What a pipe of a world did, for its end.
+
+use std::fmt;
+
+use palpate_study::text::{counted, digits};
+use palpate_world::Books;
+use serde::Serialize;
+
+/// Name and version of the JSON report.
+const FORMAT: &str = "palpate world pipe 1";
+
+/// What a pipe of a world did, for its end.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct WorldSummary {
+    #[cfg_attr(test, schemars(extend("const" = FORMAT)))]
+    format: &'static str,
+    /// Lines that were answered.
+    pub samples: u64,
+    /// Lines whose answer is 0 because they were no sample.
+    pub refused: u64,
+    /// Lines with a force that a limit changed.
+    pub limited: u64,
+    /// Lines with a force that was still coming in.
+    pub softened: u64,
+    /// Largest force on each device; none: no limit.
+    force_limit_n: Option<f64>,
+    soft_start_s: f64,
+    /// Energy that friction and damping of all contacts took.
+    dissipated_j: f64,
+    /// Work of the held forces on the hands.
+    port_work_j: f64,
+    /// Energy that holding forces gave to the hands beyond the contacts' own work.
+    leak_held_j: f64,
+}
+
+impl WorldSummary {
+    /// Nothing has been done yet.
+    pub fn new(force_limit_n: Option<f64>, soft_start_s: f64) -> Self {
+        Self {
+            format: FORMAT,
+            samples: 0,
+            refused: 0,
+            limited: 0,
+            softened: 0,
+            force_limit_n,
+            soft_start_s,
+            dissipated_j: 0.0,
+            port_work_j: 0.0,
+            leak_held_j: 0.0,
+        }
+    }
+
+    /// The same with the books.
+    pub fn with_books(&self, books: &Books) -> Self {
+        Self {
+            dissipated_j: books.contacts.iter().map(|book| book.dissipated).sum(),
+            port_work_j: books.devices.iter().map(|book| book.port_work).sum(),
+            leak_held_j: books.contacts.iter().map(|book| book.leak()).sum(),
+            ..self.clone()
+        }
+    }
+}
+
+impl fmt::Display for WorldSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{}, {} refused, {} limited; leak {} mJ, friction and damping took {} mJ",
+            counted(self.samples, "sample"),
+            self.refused,
+            counted(self.limited, "line"),
+            digits(1e3 * self.leak_held_j),
+            digits(1e3 * self.dissipated_j),
+        )
+    }
+}

@@ -1,0 +1,44 @@
+//! `palpate simulate` with a world: methods in closed loop, judged by the world's ideal.
+
+use std::path::Path;
+
+use palpate_scene::world::WorldFile;
+use palpate_sim::world::{WorldBench, WorldBenchError};
+use palpate_study::world::WorldReport;
+
+use crate::arguments::SimulateArguments;
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::results::print_report;
+use crate::worlds::{self, wrong_world};
+
+/// What a simulation of a world takes beside its file; everything else is said in the file.
+const FLAGS: [&str; 3] = ["scene", "method", "json"];
+
+/// Simulates a world by the methods that were named, or by its own.
+pub fn run(arguments: &SimulateArguments, path: &Path, file: &WorldFile) -> Result<(), Failure> {
+    worlds::only(&arguments.given, &FLAGS, path)?;
+    let flags = &arguments.flags;
+    let scene = &file.scene;
+    let methods = worlds::methods(flags, scene);
+    // What is wrong with a method is said before the ideal is computed.
+    for method in &methods {
+        let renderer = scene.renderer(method);
+        renderer.map_err(|faults| wrong_world(flags, file, &faults))?;
+    }
+    let failure = |error| match error {
+        WorldBenchError::Rendering(faults) => wrong_world(flags, file, &faults),
+        error => Failure::input(format!("{}: {error}", path.display())),
+    };
+    let progress = Progress::new(methods.len());
+    progress.begin("ideal");
+    let bench = WorldBench::new(scene).map_err(failure)?;
+    let mut runs = Vec::with_capacity(methods.len());
+    for method in methods {
+        progress.begin(method);
+        runs.push(bench.run(method).map_err(failure)?);
+        progress.advance();
+    }
+    drop(progress);
+    print_report(&WorldReport::new(&bench, &runs), arguments.results.json)
+}

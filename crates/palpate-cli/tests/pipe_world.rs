@@ -1,0 +1,186 @@
+//! `palpate pipe` with a world: the positions of all devices in, a force on each of them out.
+
+mod common;
+
+use common::Folder;
+use palpate_scene::world::WorldFile;
+use palpate_world::{Sample, Vector};
+
+const BALL: &str = r#"
+format = 2
+[loop]
+period_s = 0.001
+[[device]]
+name = "thumb"
+mass_kg = 0.25
+position_m = [0.0, 0.0, 0.08]
+tool = { sphere = { radius_m = 0.01 } }
+[[device]]
+name = "finger"
+mass_kg = 0.25
+position_m = [0.1, 0.0, 0.08]
+tool = { sphere = { radius_m = 0.01 } }
+[[body]]
+name = "ball"
+mass_kg = 0.1
+position_m = [0.0, 0.0, 0.03]
+force_n = [0.0, 0.0, -0.981]
+shape = { sphere = { radius_m = 0.03 } }
+[[body]]
+name = "floor"
+fixed = true
+shape = { half_space = { normal = [0.0, 0.0, 1.0] } }
+[[contact]]
+between = ["*", "*"]
+stiffness_n_per_m = 4000.0
+[render]
+method = "basic"
+"#;
+
+/// A thumb that presses the ball from beside its top, and a finger that reaches the floor.
+fn motion() -> Vec<[Vector; 2]> {
+    let positions = (0..200).map(|tick| {
+        let down = 1e-5 * f64::from(tick);
+        [[0.002, 0.001, 0.0705 - down], [0.1, 0.0, 0.0115 - down]]
+    });
+    positions.collect()
+}
+
+fn lines(motion: &[[Vector; 2]]) -> String {
+    let line = |[a, b]: &[Vector; 2]| {
+        let numbers = [a, b].map(|p| p.map(|x| x.to_string()).join(","));
+        numbers.join(",") + "\n"
+    };
+    motion.iter().map(line).collect()
+}
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("ball.toml", BALL);
+    folder
+}
+
+#[test]
+fn a_line_of_all_positions_is_answered_by_the_forces_of_the_library() {
+    let motion = motion();
+    let answer = folder().palpate_reading(
+        lines(&motion),
+        "pipe ball.toml --force-limit inf --soft-start 0 --header",
+    );
+    assert_eq!(answer.code, 0, "{answer:?}");
+    let scene = WorldFile::parse("ball.toml", BALL).unwrap().scene;
+    let renderer = scene.renderer("basic").unwrap();
+    let mut state = renderer.start();
+    let mut expected =
+        vec!["thumb.fx_n,thumb.fy_n,thumb.fz_n,finger.fx_n,finger.fy_n,finger.fz_n".to_owned()];
+    let mut pressed = [false; 2];
+    for positions in &motion {
+        let forces = renderer.step(&mut state, &Sample::at(positions)).forces;
+        pressed = [0, 1].map(|tool| pressed[tool] || forces[tool][2] > 0.1);
+        let text: Vec<String> = forces
+            .iter()
+            .flatten()
+            .map(|force| (force + 0.0).to_string())
+            .collect();
+        expected.push(text.join(","));
+    }
+    assert_eq!(pressed, [true; 2], "both tools touch something");
+    // The last line takes the forces off.
+    expected.push("0,0,0,0,0,0".into());
+    assert_eq!(answer.stdout.lines().collect::<Vec<_>>(), expected);
+}
+
+#[test]
+fn a_force_is_limited_and_comes_in_softly_without_being_asked() {
+    let inside = "0,0,0.05,1,0,0.08\n".repeat(300);
+    let answer = folder().palpate_reading(&inside, "pipe ball.toml");
+    assert_eq!(answer.code, 0, "{answer:?}");
+    assert!(
+        answer.stderr.contains("forces are limited to 20 N"),
+        "{answer:?}"
+    );
+    assert!(
+        answer
+            .stderr
+            .contains("\"thumb\" and \"ball\" overlap by 0.0200 m at the start"),
+        "{answer:?}"
+    );
+    let norms: Vec<f64> = answer
+        .stdout
+        .lines()
+        .map(|line| {
+            let force: Vec<f64> = line.split(',').map(|x| x.parse().unwrap()).collect();
+            force[..3].iter().map(|x| x * x).sum::<f64>().sqrt()
+        })
+        .collect();
+    assert_eq!(norms[0], 0.0);
+    assert!(norms.iter().all(|&norm| norm <= 20.0 + 1e-9), "{norms:?}");
+    assert!(norms[..100].iter().all(|&norm| norm <= 10.0), "{norms:?}");
+    assert!(norms.iter().any(|&norm| norm > 1.0), "{norms:?}");
+}
+
+#[test]
+fn a_line_that_cannot_be_read_takes_the_forces_off_and_the_next_one_is_answered() {
+    let input = "0,0,0.069,1,0,0.08\nwhat\n0,0,0.069,1,0,0.08\nnan,0,0,0,0,0\n";
+    let answer = folder().palpate_reading(input, "pipe ball.toml --soft-start 0");
+    assert_eq!(answer.code, 0, "{answer:?}");
+    let lines: Vec<_> = answer.stdout.lines().collect();
+    assert_eq!(lines.len(), 5, "{answer:?}");
+    // The tool overlaps the ball by 1 mm.
+    assert!(lines[0].starts_with("0,0,3.9999"), "{answer:?}");
+    assert_eq!(lines[1], "0,0,0,0,0,0");
+    assert!(lines[2].starts_with("0,0,"), "{answer:?}");
+    assert_ne!(lines[2], "0,0,0,0,0,0");
+    assert_eq!(lines[3], "0,0,0,0,0,0");
+    let said = &answer.stderr;
+    assert!(said.contains("line 2: \"what\" is not a number"), "{said}");
+    assert!(said.contains("line 4: thumb: "), "{said}");
+    assert!(said.contains("4 samples, 2 refused"), "{said}");
+}
+
+#[test]
+fn lines_of_other_columns_and_motions_no_hand_makes_end_the_pipe() {
+    let in_millimetres: String = (0..200)
+        .map(|tick| format!("0,0,{},100,0,80\n", 80.0 - 0.05 * f64::from(tick)))
+        .collect();
+    for (input, why) in [
+        (
+            "0,0,0.08\n",
+            "has 3 columns, and a line is `thumb.x_m,thumb.y_m",
+        ),
+        (&in_millimetres, "--unit mm takes it so"),
+    ] {
+        let answer = folder().palpate_reading(input, "pipe ball.toml");
+        assert_eq!(answer.code, 3, "{answer:?}");
+        assert!(answer.stderr.contains(why), "{answer:?}");
+    }
+}
+
+#[test]
+fn flags_of_one_contact_and_methods_of_one_contact_are_refused() {
+    let folder = folder();
+    for (flags, why) in [
+        ("--stiffness 5", "--stiffness: ball.toml is a world"),
+        ("--delay 1", "--delay: ball.toml is a world"),
+        (
+            "--method hfcr",
+            "--method: there is no method \"hfcr\" for worlds. Known here: basic",
+        ),
+        (
+            "--columns force,penetration",
+            "--columns: ball.toml is a world",
+        ),
+    ] {
+        let answer = folder.palpate_reading("", &format!("pipe ball.toml {flags}"));
+        assert_eq!(answer.code, 2, "{answer:?}");
+        assert!(answer.stderr.contains(why), "{answer:?}");
+    }
+    let wrong = BALL.replace("method = \"basic\"", "method = \"bassic\"");
+    folder.write("wrong.toml", &wrong);
+    let answer = folder.palpate_reading("", "pipe wrong.toml");
+    assert_eq!(answer.code, 3, "{answer:?}");
+    assert!(
+        answer.stderr.contains("wrong.toml:29:10") && answer.stderr.contains("did you mean basic?"),
+        "{answer:?}"
+    );
+}

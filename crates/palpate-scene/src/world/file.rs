@@ -1,0 +1,484 @@
+//! Scene files of format 2.
+
+use std::collections::HashSet;
+use std::ops::Range;
+
+use palpate_world::{
+    Body, Contact, ContactLaw, Free, Motion, NOT_TURNED, Party, Place, Quaternion, Tool, Vector,
+    World,
+};
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::per_axis::PerAxis;
+use super::place::WorldPlaces;
+use super::shape::{RawShape, unit};
+use super::{Tremor, WorldDevice, WorldHand, WorldRender, WorldScene, WorldTiming};
+use crate::fault::{SceneError, SceneErrors};
+use crate::recover;
+
+/// The version of scene files that say a world.
+pub(crate) const WORLD_FORMAT: i64 = 2;
+/// How long a world is looked at where no file says it `[s]`.
+const DURATION: f64 = 0.5;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawFile {
+    #[serde(alias = "scene_format")]
+    format: Spanned<i64>,
+    #[serde(default)]
+    title: String,
+    r#loop: RawLoop,
+    #[serde(default)]
+    device: Vec<Spanned<RawDevice>>,
+    #[serde(default)]
+    body: Vec<Spanned<RawBody>>,
+    #[serde(default)]
+    contact: Vec<Spanned<RawContact>>,
+    #[serde(default)]
+    render: RawRender,
+    #[serde(default)]
+    told: RawTold,
+    #[serde(default)]
+    measure: RawMeasure,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawLoop {
+    period_s: Spanned<f64>,
+    delay_s: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawDevice {
+    name: Spanned<String>,
+    mass_kg: Spanned<PerAxis>,
+    position_m: Option<Spanned<Vector>>,
+    velocity_m_per_s: Option<Spanned<Vector>>,
+    quantum_m: Option<Spanned<PerAxis>>,
+    hand_force_n: Option<Spanned<Vector>>,
+    hand_stiffness_n_per_m: Option<Spanned<f64>>,
+    hand_damping_n_s_per_m: Option<Spanned<f64>>,
+    hand_rest_m: Option<Spanned<Vector>>,
+    tremor_n: Option<Spanned<f64>>,
+    tremor_hz: Option<Spanned<f64>>,
+    tool: Spanned<RawShape>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawBody {
+    name: Spanned<String>,
+    #[serde(default)]
+    fixed: bool,
+    mass_kg: Option<Spanned<f64>>,
+    inertia_kg_m2: Option<Spanned<Vector>>,
+    position_m: Option<Spanned<Vector>>,
+    orientation: Option<Spanned<Quaternion>>,
+    velocity_m_per_s: Option<Spanned<Vector>>,
+    angular_velocity_rad_per_s: Option<Spanned<Vector>>,
+    force_n: Option<Spanned<Vector>>,
+    shape: Spanned<RawShape>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawContact {
+    between: Spanned<[String; 2]>,
+    stiffness_n_per_m: Spanned<f64>,
+    damping_n_s_per_m: Option<Spanned<f64>>,
+    friction: Option<Spanned<f64>>,
+    friction_stiffness_n_per_m: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct RawRender {
+    method: Option<Spanned<String>>,
+    device_mass_kg: Option<Spanned<PerAxis>>,
+    damping_n_s_per_m: Option<Spanned<f64>>,
+    force_limit_n: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct RawTold {
+    delay_s: Option<Spanned<f64>>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct RawMeasure {
+    duration_s: Option<Spanned<f64>>,
+}
+
+/// A world read from a file, which still knows where its parts stand.
+#[derive(Clone, Debug)]
+pub struct WorldFile {
+    /// The world and its loop.
+    pub scene: WorldScene,
+    name: String,
+    source: String,
+    places: WorldPlaces,
+}
+
+impl WorldFile {
+    /// Whether the text of a file says that it is of format 2; `false` too where it is no TOML.
+    #[must_use]
+    pub fn is_one(source: &str) -> bool {
+        #[derive(Deserialize)]
+        struct Version {
+            #[serde(alias = "scene_format")]
+            format: i64,
+        }
+        toml::from_str(source).is_ok_and(|Version { format }| format == WORLD_FORMAT)
+    }
+
+    /// Reads a world from the text of a file called `name`.
+    ///
+    /// # Errors
+    /// Every fault, each with its line and column and with what is allowed.
+    pub fn parse(name: &str, source: &str) -> Result<Self, SceneErrors> {
+        let left = recover::read::<RawFile>(source);
+        let mut reading = Reading {
+            places: WorldPlaces::default(),
+            faults: left.faults,
+            damaged: left.damaged,
+        };
+        let scene = left.read.map(|raw| reading.scene(raw));
+        let at = |(span, message)| SceneError::at(name, source, span, message);
+        match (
+            SceneErrors::of(reading.faults.into_iter().map(at).collect()),
+            scene,
+        ) {
+            (None, Some(scene)) => Ok(Self {
+                scene,
+                name: name.into(),
+                source: source.into(),
+                places: reading.places,
+            }),
+            (Some(errors), _) => Err(errors),
+            (None, None) => unreachable!("what cannot be read has a fault"),
+        }
+    }
+
+    /// A fault at a field of a part of the world.
+    #[must_use]
+    pub fn at(&self, place: Place, field: &'static str, message: String) -> SceneError {
+        let span = self.places.of(place, field);
+        SceneError::at(&self.name, &self.source, span, message)
+    }
+}
+
+/// What has been read so far: where it stands, and what is wrong with it.
+struct Reading {
+    places: WorldPlaces,
+    faults: Vec<(Range<usize>, String)>,
+    /// Tables that keys at fault were taken out of.
+    damaged: HashSet<String>,
+}
+
+/// The least value that a number may have.
+#[derive(Clone, Copy)]
+enum Least {
+    Above0,
+    AtLeast0,
+    Any,
+}
+
+impl Reading {
+    fn fault(&mut self, span: Range<usize>, message: impl Into<String>) {
+        self.faults.push((span, message.into()));
+    }
+
+    /// The numbers under a key, which are checked.
+    fn numbers(&mut self, key: &str, span: Range<usize>, values: &[f64], least: Least) {
+        for &value in values {
+            let (right, allowed) = match least {
+                Least::Above0 => (value > 0.0, "above 0"),
+                Least::AtLeast0 => (value >= 0.0, "at least 0"),
+                Least::Any => (true, "a finite number"),
+            };
+            if !(right && value.is_finite()) {
+                self.fault(span, format!("{key} is {value}, and has to be {allowed}"));
+                return;
+            }
+        }
+    }
+
+    fn number(&mut self, key: &str, value: Spanned<f64>, least: Least) -> f64 {
+        self.numbers(key, value.span(), &[*value.get_ref()], least);
+        value.into_inner()
+    }
+
+    fn per_axis(&mut self, key: &str, value: Spanned<PerAxis>, least: Least) -> Vector {
+        let PerAxis(vector) = *value.get_ref();
+        self.numbers(key, value.span(), &vector, least);
+        vector
+    }
+
+    fn vector(&mut self, key: &str, value: Option<Spanned<Vector>>, default: Vector) -> Vector {
+        value.map_or(default, |value| {
+            self.numbers(key, value.span(), value.get_ref(), Least::Any);
+            value.into_inner()
+        })
+    }
+
+    fn scene(&mut self, raw: RawFile) -> WorldScene {
+        if *raw.format.get_ref() != WORLD_FORMAT {
+            let given = raw.format.get_ref();
+            let message = format!(
+                "format is {given}; a world with [[device]] and [[body]] has {WORLD_FORMAT}"
+            );
+            self.fault(raw.format.span(), message);
+        }
+        self.places
+            .take(Place::Loop, "period", raw.r#loop.period_s.clone());
+        let period = self.number("period_s", raw.r#loop.period_s, Least::Above0);
+        if let Some(delay) = raw.told.delay_s.as_ref().or(raw.r#loop.delay_s.as_ref()) {
+            self.places.take(Place::Loop, "actuation", delay.clone());
+        }
+        let delay = raw
+            .r#loop
+            .delay_s
+            .map_or(0.0, |delay| self.number("delay_s", delay, Least::AtLeast0));
+        let mut tools = Vec::new();
+        let mut devices = Vec::new();
+        for (index, device) in raw.device.into_iter().enumerate() {
+            let (tool, device) = self.device(index, device);
+            tools.push(tool);
+            devices.push(device);
+        }
+        let bodies = raw.body.into_iter().enumerate();
+        let bodies = bodies.map(|(index, body)| self.body(index, body));
+        let bodies = bodies.collect();
+        let contacts = raw.contact.into_iter().enumerate();
+        let contacts = contacts.map(|(index, contact)| self.contact(index, contact));
+        let contacts = contacts.collect();
+        let world = World {
+            tools,
+            bodies,
+            contacts,
+        };
+        // Where a part is missing because its keys are at fault, what refers to that part is not at fault.
+        let whole = ["device", "body", "contact"].map(|part| self.damaged.contains(part));
+        let errors = if whole.contains(&true) {
+            None
+        } else {
+            world.check().err()
+        };
+        for error in errors.into_iter().flatten() {
+            let span = self.places.of(error.place, error.field);
+            // A number that was wrong by itself has been said with its key.
+            if !self.faults.iter().any(|(other, _)| *other == span) {
+                self.fault(span, error.to_string());
+            }
+        }
+        let render = self.render(raw.render, raw.told, &devices, delay);
+        let duration = raw.measure.duration_s;
+        WorldScene {
+            title: raw.title,
+            world,
+            devices,
+            timing: WorldTiming { period, delay },
+            render,
+            duration: duration.map_or(DURATION, |duration| {
+                self.number("duration_s", duration, Least::Above0)
+            }),
+        }
+    }
+
+    fn render(
+        &mut self,
+        raw: RawRender,
+        told: RawTold,
+        devices: &[WorldDevice],
+        delay: f64,
+    ) -> WorldRender {
+        if let Some(mass) = &raw.device_mass_kg {
+            self.places.take(Place::Method, "device_mass", mass.clone());
+        }
+        if let Some(damping) = &raw.damping_n_s_per_m {
+            self.places.take(Place::Method, "damping", damping.clone());
+        }
+        let told_mass = raw
+            .device_mass_kg
+            .map(|mass| self.per_axis("device_mass_kg", mass, Least::Above0));
+        let true_mass = devices.iter().map(|device| device.mass);
+        WorldRender {
+            method: raw.method.map_or_else(
+                || "coupled".into(),
+                |method| self.places.take(Place::Method, "method", method),
+            ),
+            device_mass: true_mass.map(|mass| told_mass.unwrap_or(mass)).collect(),
+            damping: raw
+                .damping_n_s_per_m
+                .map(|damping| self.number("damping_n_s_per_m", damping, Least::AtLeast0)),
+            force_limit: raw
+                .force_limit_n
+                .map(|limit| self.number("force_limit_n", limit, Least::Above0)),
+            delay: told.delay_s.map_or(delay, |delay| {
+                self.number("delay_s", delay, Least::AtLeast0)
+            }),
+        }
+    }
+
+    fn shape(&mut self, place: Place, raw: Spanned<RawShape>) -> palpate_world::Shape {
+        self.places.take(place, "shape", raw.clone());
+        for (key, length) in raw.get_ref().lengths() {
+            // A tool may be a point.
+            let least = match (place, raw.get_ref()) {
+                (Place::Tool(_), RawShape::Sphere { .. }) => Least::AtLeast0,
+                _ => Least::Above0,
+            };
+            self.numbers(key, raw.span(), &[length], least);
+        }
+        for field in ["radius", "half_extents", "half_length", "normal", "offset"] {
+            self.places.take(place, field, raw.clone());
+        }
+        raw.into_inner().shape()
+    }
+
+    fn device(&mut self, index: usize, raw: Spanned<RawDevice>) -> (Tool, WorldDevice) {
+        let place = Place::Tool(index);
+        self.places.part(place, raw.span());
+        let raw = raw.into_inner();
+        let tool = Tool {
+            name: self.places.take(place, "name", raw.name),
+            shape: self.shape(place, raw.tool),
+        };
+        let position = self.vector("position_m", raw.position_m, [0.0; 3]);
+        let tremor = match (raw.tremor_n, raw.tremor_hz) {
+            (Some(amplitude), Some(frequency)) => Tremor {
+                amplitude: self.number("tremor_n", amplitude, Least::AtLeast0),
+                frequency_hz: self.number("tremor_hz", frequency, Least::Above0),
+            },
+            (None, None) => Tremor::default(),
+            (Some(key), None) | (None, Some(key)) => {
+                self.fault(key.span(), "a tremor needs both tremor_n and tremor_hz");
+                Tremor::default()
+            }
+        };
+        let mut at_least_0 = |key: &str, value: Option<Spanned<f64>>| {
+            value.map_or(0.0, |value| self.number(key, value, Least::AtLeast0))
+        };
+        let stiffness = at_least_0("hand_stiffness_n_per_m", raw.hand_stiffness_n_per_m);
+        let damping = at_least_0("hand_damping_n_s_per_m", raw.hand_damping_n_s_per_m);
+        let hand = WorldHand {
+            force: self.vector("hand_force_n", raw.hand_force_n, [0.0; 3]),
+            stiffness,
+            damping,
+            rest: self.vector("hand_rest_m", raw.hand_rest_m, position),
+            tremor,
+        };
+        let device = WorldDevice {
+            mass: self.per_axis("mass_kg", raw.mass_kg, Least::Above0),
+            position,
+            velocity: self.vector("velocity_m_per_s", raw.velocity_m_per_s, [0.0; 3]),
+            quantum: raw.quantum_m.map_or([0.0; 3], |quantum| {
+                self.per_axis("quantum_m", quantum, Least::AtLeast0)
+            }),
+            hand,
+        };
+        (tool, device)
+    }
+
+    fn body(&mut self, index: usize, raw: Spanned<RawBody>) -> Body {
+        let place = Place::Body(index);
+        let span = raw.span();
+        self.places.part(place, span.clone());
+        let raw = raw.into_inner();
+        let moves = [
+            (
+                "inertia_kg_m2",
+                raw.inertia_kg_m2.as_ref().map(Spanned::span),
+            ),
+            (
+                "velocity_m_per_s",
+                raw.velocity_m_per_s.as_ref().map(Spanned::span),
+            ),
+            (
+                "angular_velocity_rad_per_s",
+                raw.angular_velocity_rad_per_s.as_ref().map(Spanned::span),
+            ),
+            ("force_n", raw.force_n.as_ref().map(Spanned::span)),
+        ];
+        let motion = match (raw.fixed, raw.mass_kg) {
+            (false, Some(mass)) => {
+                let free = Free {
+                    mass: self.places.take(place, "mass", mass),
+                    inertia: raw
+                        .inertia_kg_m2
+                        .map(|inertia| self.places.take(place, "inertia", inertia)),
+                    velocity: self.vector("velocity_m_per_s", raw.velocity_m_per_s, [0.0; 3]),
+                    angular_velocity: self.vector(
+                        "angular_velocity_rad_per_s",
+                        raw.angular_velocity_rad_per_s,
+                        [0.0; 3],
+                    ),
+                    force: self.vector("force_n", raw.force_n, [0.0; 3]),
+                };
+                Motion::Free(free)
+            }
+            (true, None) => {
+                for (key, span) in moves {
+                    if let Some(span) = span {
+                        self.fault(span, format!("a fixed body has no {key}"));
+                    }
+                }
+                Motion::Fixed
+            }
+            (true, Some(mass)) => {
+                self.fault(mass.span(), "a fixed body has no mass_kg");
+                Motion::Fixed
+            }
+            (false, None) => {
+                // A key that was at fault may have been meant to be one of these.
+                if !self.damaged.contains(&format!("body.{index}")) {
+                    let message = "a body needs either mass_kg or fixed = true";
+                    self.fault(span, message);
+                }
+                Motion::Fixed
+            }
+        };
+        let orientation = raw.orientation.map_or(NOT_TURNED, |orientation| {
+            let orientation = self.places.take(place, "orientation", orientation);
+            unit(orientation)
+        });
+        Body {
+            name: self.places.take(place, "name", raw.name),
+            shape: self.shape(place, raw.shape),
+            position: self.vector("position_m", raw.position_m, [0.0; 3]),
+            orientation,
+            motion,
+        }
+    }
+
+    fn contact(&mut self, index: usize, raw: Spanned<RawContact>) -> Contact {
+        let place = Place::Contact(index);
+        self.places.part(place, raw.span());
+        let raw = raw.into_inner();
+        let between = self.places.take(place, "between", raw.between);
+        let stiffness = self.places.take(place, "stiffness", raw.stiffness_n_per_m);
+        // What is wrong with the stiffness is said once.
+        let usual = if stiffness > 0.0 { stiffness } else { 1.0 };
+        let mut or = |field, value: Option<Spanned<f64>>, default: f64| {
+            value.map_or(default, |value| self.places.take(place, field, value))
+        };
+        Contact {
+            between: between.map(|name| match name.as_str() {
+                "*" => Party::Any,
+                _ => Party::Named(name),
+            }),
+            law: ContactLaw {
+                stiffness,
+                damping: or("damping", raw.damping_n_s_per_m, 0.0),
+                friction: or("friction", raw.friction, 0.0),
+                friction_stiffness: or("friction_stiffness", raw.friction_stiffness_n_per_m, usual),
+            },
+        }
+    }
+}

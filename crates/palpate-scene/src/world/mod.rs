@@ -1,0 +1,93 @@
+//! Worlds: several devices, bodies and contacts in space, as a user writes them in a scene file of format 2.
+
+mod file;
+mod per_axis;
+mod place;
+mod rendering;
+mod shape;
+
+pub use file::WorldFile;
+
+use palpate_world::{Vector, World};
+
+/// A closed loop of devices and a world, to simulate or to render.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WorldScene {
+    /// A line for tables and figures.
+    pub title: String,
+    /// What there is: tools, bodies and contacts. A tool for each device.
+    pub world: World,
+    /// The devices, in the order of their tools.
+    pub devices: Vec<WorldDevice>,
+    /// The loop.
+    pub timing: WorldTiming,
+    /// What the renderer is asked and told.
+    pub render: WorldRender,
+    /// How long to look `[s]`.
+    pub duration: f64,
+}
+
+/// A device and the hand that holds it. Its axes are those of the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorldDevice {
+    /// Effective mass along each axis, each above 0 `[kg]`.
+    pub mass: Vector,
+    /// Position at the start `[m]`.
+    pub position: Vector,
+    /// Velocity at the start `[m/s]`.
+    pub velocity: Vector,
+    /// Quantum of the position sensor along each axis, 0 for an ideal one `[m]`.
+    pub quantum: Vector,
+    /// The hand.
+    pub hand: WorldHand,
+}
+
+/// A hand that pushes, and that may pull its device to a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorldHand {
+    /// Constant force on the device `[N]`.
+    pub force: Vector,
+    /// Stiffness of the hand's spring, at least 0 `[N/m]`.
+    pub stiffness: f64,
+    /// Damping of the hand, at least 0 `[N s/m]`.
+    pub damping: f64,
+    /// Where the spring pulls to `[m]`.
+    pub rest: Vector,
+    /// Tremor of the hand.
+    pub tremor: Tremor,
+}
+
+/// A sine force along each axis, of the same amplitude and frequency; along y and z it is a third and two
+/// thirds of a turn behind x.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tremor {
+    /// Amplitude along each axis `[N]`.
+    pub amplitude: f64,
+    /// Frequency `[Hz]`.
+    pub frequency_hz: f64,
+}
+
+/// How the loop samples and how its commands act.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorldTiming {
+    /// Time between two samples, above 0 `[s]`.
+    pub period: f64,
+    /// Time from a sample to the moment at which the command that answers it begins to act `[s]`.
+    pub delay: f64,
+}
+
+/// What the renderer is asked and told.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WorldRender {
+    /// Name of the method to run when none is named.
+    pub method: String,
+    /// Mass of each device along each axis as the renderer is told `[kg]`; the true ones where no file says
+    /// another.
+    pub device_mass: Vec<Vector>,
+    /// Damping of the methods that damp `[N s/m]`.
+    pub damping: Option<f64>,
+    /// Largest force on each device, as a length `[N]`.
+    pub force_limit: Option<f64>,
+    /// Delay as the renderer is told `[s]`; the true one where no file says another.
+    pub delay: f64,
+}

@@ -1,0 +1,188 @@
+//! Scene files of format 2: what they say, and how their faults are said.
+#![allow(missing_docs)]
+
+use palpate_scene::world::WorldFile;
+use palpate_world::{Motion, Party, Shape};
+
+const BALL: &str = r#"
+format = 2
+title = "a ball on the floor"
+[loop]
+period_s = 0.001
+delay_s = 0.0005
+[[device]]
+name = "tool"
+mass_kg = [0.25, 0.3, 0.35]
+position_m = [0.0, 0.0, 0.08]
+hand_force_n = [0.0, 0.0, -1.0]
+quantum_m = 2e-6
+tool = { sphere = { radius_m = 0.01 } }
+[[body]]
+name = "ball"
+mass_kg = 0.1
+position_m = [0.0, 0.0, 0.03]
+velocity_m_per_s = [0.0, 0.0, 0.0]
+force_n = [0.0, 0.0, -0.981]
+shape = { sphere = { radius_m = 0.03 } }
+[[body]]
+name = "floor"
+fixed = true
+shape = { half_space = { normal = [0.0, 0.0, 2.0], offset_m = 0.0 } }
+[[contact]]
+between = ["tool", "*"]
+stiffness_n_per_m = 4000.0
+friction = 0.3
+damping_n_s_per_m = 0.5
+[[contact]]
+between = ["ball", "floor"]
+stiffness_n_per_m = 8000
+friction_stiffness_n_per_m = 2000.0
+[render]
+method = "coupled"
+device_mass_kg = 0.375
+"#;
+
+fn said(source: &str) -> Vec<String> {
+    let errors = WorldFile::parse("ball.toml", source).unwrap_err();
+    errors.iter().map(ToString::to_string).collect()
+}
+
+#[test]
+fn a_world_is_read_with_its_devices_bodies_and_contacts() {
+    assert!(WorldFile::is_one(BALL));
+    let as_one_contact = palpate_scene::SceneFile::parse("ball.toml", BALL).unwrap_err();
+    assert!(
+        as_one_contact
+            .to_string()
+            .contains("format is 2, a world of several bodies")
+    );
+    let scene = WorldFile::parse("ball.toml", BALL).unwrap().scene;
+    assert_eq!(scene.timing.period, 0.001);
+    assert_eq!(scene.timing.delay, 0.0005);
+    let [device] = scene.devices[..] else {
+        panic!("one device")
+    };
+    assert_eq!(device.mass, [0.25, 0.3, 0.35]);
+    assert_eq!(device.quantum, [2e-6; 3]);
+    // Without a place of its own the hand's spring rests where the device begins.
+    assert_eq!(device.hand.rest, device.position);
+    assert_eq!(scene.render.device_mass, [[0.375; 3]]);
+    // Without [told], a renderer is told what is true.
+    assert_eq!(scene.render.delay, 0.0005);
+    let [ball, floor] = &scene.world.bodies[..] else {
+        panic!("two bodies")
+    };
+    assert!(matches!(&ball.motion, Motion::Free(free) if free.force == [0.0, 0.0, -0.981]));
+    assert_eq!(floor.motion, Motion::Fixed);
+    // A normal of any length is a direction.
+    let up = [0.0, 0.0, 1.0];
+    assert_eq!(
+        floor.shape,
+        Shape::HalfSpace {
+            normal: up,
+            offset: 0.0
+        }
+    );
+    let law = scene.world.law("tool", "floor").unwrap();
+    assert_eq!((law.friction, law.damping), (0.3, 0.5));
+    // Without one of its own, friction is as stiff as the contact.
+    assert_eq!(law.friction_stiffness, 4000.0);
+    assert_eq!(scene.world.contacts[0].between[1], Party::Any);
+}
+
+#[test]
+fn every_fault_is_said_at_its_place() {
+    let wrong = BALL
+        .replace("stiffness_n_per_m = 4000.0", "stiffness_n_per_m = -4000.0")
+        .replace("period_s = 0.001", "period_s = 0")
+        .replace("[\"ball\", \"floor\"]", "[\"ball\", \"flor\"]")
+        .replace("mass_kg = 0.1", "mas_kg = 0.1");
+    assert_eq!(
+        said(&wrong),
+        [
+            "ball.toml:5:12: period_s is 0, and has to be above 0",
+            "ball.toml:16:1: unknown key mas_kg, did you mean mass_kg? Known here: name, fixed, mass_kg, \
+             inertia_kg_m2, position_m, orientation, velocity_m_per_s, angular_velocity_rad_per_s, force_n, \
+             shape",
+            "ball.toml:27:21: contact between \"tool\" and \"*\": stiffness is -4000, and has to be above 0",
+            "ball.toml:31:11: contact between \"ball\" and \"flor\": \"flor\" is neither a tool nor a body of \
+             this world",
+        ]
+    );
+}
+
+#[test]
+fn a_mass_for_all_axes_or_for_each_and_nothing_else() {
+    // Only the value at fault is said, not what lacks that value then.
+    let message = "expected a number for all axes, or three numbers [x, y, z]";
+    let two = BALL.replace("[0.25, 0.3, 0.35]", "[0.25, 0.3]");
+    assert_eq!(
+        said(&two),
+        [format!("ball.toml:9:11: invalid length 2, {message}")]
+    );
+    let word = BALL.replace("[0.25, 0.3, 0.35]", "\"heavy\"");
+    assert_eq!(
+        said(&word),
+        [format!(
+            "ball.toml:9:11: invalid type: string \"heavy\", {message}"
+        )]
+    );
+    let neither = BALL.replace("mass_kg = 0.1\n", "");
+    assert_eq!(
+        said(&neither),
+        ["ball.toml:14:1: a body needs either mass_kg or fixed = true"]
+    );
+}
+
+#[test]
+fn a_fixed_body_has_no_mass_and_no_velocity() {
+    let heavy = BALL.replace("fixed = true", "fixed = true\nmass_kg = 3.0");
+    assert_eq!(
+        said(&heavy),
+        ["ball.toml:24:11: a fixed body has no mass_kg"]
+    );
+    let moving = BALL.replace("fixed = true", "fixed = true\nforce_n = [0.0, 0.0, 1.0]");
+    assert_eq!(
+        said(&moving),
+        ["ball.toml:24:11: a fixed body has no force_n"]
+    );
+}
+
+#[test]
+fn numbers_that_no_world_has_are_refused() {
+    for (right, wrong, message) in [
+        (
+            "radius_m = 0.03",
+            "radius_m = 0.0",
+            "radius_m is 0, and has to be above 0",
+        ),
+        (
+            "normal = [0.0, 0.0, 2.0]",
+            "normal = [0.0, 0.0, 0.0]",
+            "normal has length 0, and needs 1",
+        ),
+        (
+            "friction = 0.3",
+            "friction = nan",
+            "friction is NaN, and has to be at least 0",
+        ),
+        (
+            "[0.0, 0.0, 0.08]",
+            "[0.0, 0.0, inf]",
+            "position_m is inf, and has to be a finite number",
+        ),
+        (
+            "name = \"ball\"",
+            "name = \"tool\"",
+            "the name is taken by another tool or body",
+        ),
+        (
+            "format = 2",
+            "format = 3",
+            "format is 3; a world with [[device]] and [[body]] has 2",
+        ),
+    ] {
+        let said = said(&BALL.replacen(right, wrong, 1));
+        assert!(said[0].contains(message), "{wrong}: {said:?}");
+    }
+}

@@ -1,0 +1,100 @@
+//! Worlds in closed loop, judged by their ideal.
+#![allow(missing_docs)]
+
+use palpate_scene::world::WorldFile;
+use palpate_sim::world::{WorldBench, WorldRun};
+
+/// A tool that a constant force presses into a groove of two planes: nothing about the device is unknown but what
+/// its observer has to find.
+const GROOVE: &str = r#"
+format = 2
+[loop]
+period_s = 0.001
+[[device]]
+name = "tool"
+mass_kg = [0.1, 0.16, 0.25]
+position_m = [0.004, 0.0, 0.03]
+hand_force_n = [0.1, 0.2, -1.5]
+tool = { sphere = { radius_m = 0.01 } }
+[[body]]
+name = "left"
+fixed = true
+shape = { half_space = { normal = [0.6, 0.0, 0.8] } }
+[[body]]
+name = "right"
+fixed = true
+shape = { half_space = { normal = [-0.6, 0.0, 0.8] } }
+[[contact]]
+between = ["*", "*"]
+stiffness_n_per_m = 4000.0
+damping_n_s_per_m = 1.0
+[measure]
+duration_s = 0.3
+"#;
+
+fn with<T>(source: &str, look: impl FnOnce(&WorldBench<'_>) -> T) -> T {
+    let file = WorldFile::parse("scene.toml", source).unwrap();
+    look(&WorldBench::new(&file.scene).unwrap())
+}
+
+fn error(run: &WorldRun) -> f64 {
+    run.judgement.sum.unwrap().mean_force_error
+}
+
+#[test]
+fn with_the_masses_known_coupled_rendering_is_at_the_hold_floor_of_a_groove() {
+    with(GROOVE, |bench| {
+        let coupled = bench.run("coupled").unwrap();
+        let basic = bench.run("basic").unwrap();
+        println!(
+            "E: coupled {} %, basic {} %",
+            error(&coupled),
+            error(&basic)
+        );
+        assert!(error(&coupled) < 0.1, "{}", error(&coupled));
+        assert!(error(&basic) > 20.0, "{}", error(&basic));
+        assert_eq!((coupled.refused, coupled.limited), (0, 0));
+    });
+}
+
+#[test]
+fn a_wrong_mass_costs_little_and_a_known_delay_too() {
+    let told = GROOVE.replace(
+        "[measure]",
+        "[render]\ndevice_mass_kg = [0.15, 0.24, 0.375]\n[measure]",
+    );
+    let wrong = with(&told, |bench| error(&bench.run("coupled").unwrap()));
+    let late = GROOVE.replace("period_s = 0.001", "period_s = 0.001\ndelay_s = 0.001");
+    let late = with(&late, |bench| error(&bench.run("coupled").unwrap()));
+    println!("E: told 1.5 times the mass {wrong} %, a sample of delay {late} %");
+    assert!(wrong < 3.0 && late < 3.0, "{wrong} {late}");
+}
+
+#[test]
+fn the_judge_and_the_renderer_see_the_same_world() {
+    // A tool that no force of a renderer can move (its mass is huge) falls at constant speed onto a plane: the force
+    // at each sample is that of the ideal at that time, for every method.
+    let source = GROOVE
+        .replace("[0.1, 0.16, 0.25]", "1e9")
+        .replace(
+            "hand_force_n = [0.1, 0.2, -1.5]",
+            "velocity_m_per_s = [0.0, 0.0, -0.1]",
+        )
+        .replace("[0.004, 0.0, 0.03]", "[0.0, 0.0, 0.0145]");
+    with(&source, |bench| {
+        let run = bench.run("coupled").unwrap();
+        let ideal = &bench.ideal().ideal;
+        let mean = ideal.devices[0].mean_forces(&ideal.grid);
+        assert_eq!(run.delivered[0].len(), 300);
+        let largest = mean
+            .iter()
+            .flatten()
+            .fold(0.0, |most: f64, x| most.max(x.abs()));
+        assert!(largest > 50.0, "{largest}");
+        for (held, mean) in run.delivered[0].iter().zip(&mean).skip(60) {
+            for (held, mean) in held.iter().zip(mean) {
+                assert!((held - mean).abs() < 1e-3 * largest, "{held} {mean}");
+            }
+        }
+    });
+}

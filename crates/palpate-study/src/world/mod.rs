@@ -1,0 +1,168 @@
+//! What methods made of a world: the report of `simulate` for scenes with several bodies.
+
+mod text;
+
+use palpate_sim::world::{WorldBench, WorldRun};
+use palpate_testbed::metrics::Fidelity;
+use palpate_testbed::world::DeviceJudgement;
+use serde::Serialize;
+
+/// Name and version of the JSON report.
+const FORMAT: &str = "palpate world 1";
+
+/// What methods made of a world.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct WorldReport {
+    /// Name and version of this JSON.
+    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    pub format: &'static str,
+    /// Title of the scene.
+    pub title: String,
+    /// Time from sample to sample.
+    pub period_s: f64,
+    /// Time from a sample to the beginning of its force.
+    pub delay_s: f64,
+    /// Length of the window that was judged.
+    pub window_s: f64,
+    /// Number of samples in it.
+    pub samples: usize,
+    /// From when on the ideal's motion depends on the steps by which it is computed: the window ends there. None: for
+    /// the whole window it does not.
+    pub chaotic_from_s: Option<f64>,
+    /// Mean-force error of the ideal, computed again with coarser steps, against itself.
+    pub ideal_error_percent: f64,
+    /// Number of contacts that begin in the ideal's window.
+    pub contacts: usize,
+    /// Largest penetration of the ideal's contacts.
+    pub deepest_m: f64,
+    /// One entry for each method.
+    pub methods: Vec<WorldMethodReport>,
+}
+
+/// What a method made of a world.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct WorldMethodReport {
+    /// Name of the method.
+    pub method: String,
+    /// Errors over all devices and axes; none if the ideal touches no tool.
+    pub sum: Option<FidelityReport>,
+    /// One entry for each device.
+    pub devices: Vec<WorldDeviceReport>,
+    /// Energy that holding forces gave to the hands beyond the contacts' own work.
+    pub leak_j: f64,
+    /// Energy that friction and damping took.
+    pub dissipated_j: f64,
+    /// Samples that the renderer refused.
+    pub refused_samples: usize,
+    /// Samples at which a limit changed a force.
+    pub limited_samples: usize,
+    /// Samples at which contacts changed their mode more often than the renderer follows at its finest.
+    pub coarse_samples: usize,
+}
+
+/// How the force on one device was rendered.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct WorldDeviceReport {
+    /// Name of the device.
+    pub name: String,
+    /// Errors over its axes; none if the ideal does not touch its tool.
+    pub sum: Option<FidelityReport>,
+    /// Errors along x, y and z; none where the ideal has no force.
+    pub axes: [Option<FidelityReport>; 3],
+    /// Largest length of the held force.
+    pub peak_force_n: f64,
+    /// The same over the largest length of the ideal's force; none if the ideal has none.
+    pub peak_over_ideal_peak: Option<f64>,
+    /// Touches of the ideal that are long enough to be told apart.
+    pub touches: usize,
+    /// Largest error of a touch's impulse; none if no touch was rendered.
+    pub largest_impulse_error_percent: Option<f64>,
+}
+
+/// Errors of held forces, in percent of the ideal's root mean square. An infinite one is `null`.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct FidelityReport {
+    /// E, the part that a renderer can avoid.
+    pub mean_force_error_percent: f64,
+    /// FRE.
+    pub force_rendering_error_percent: f64,
+    /// The least FRE that held forces can have here.
+    pub hold_floor_percent: f64,
+    /// FRE over the floor.
+    pub error_over_floor: Option<f64>,
+}
+
+impl From<Fidelity> for FidelityReport {
+    fn from(fidelity: Fidelity) -> Self {
+        Self {
+            mean_force_error_percent: fidelity.mean_force_error,
+            force_rendering_error_percent: fidelity.force_rendering_error,
+            hold_floor_percent: fidelity.hold_floor,
+            error_over_floor: fidelity.error_over_floor,
+        }
+    }
+}
+
+impl WorldReport {
+    /// The report of these runs on a bench.
+    #[must_use]
+    pub fn new(bench: &WorldBench<'_>, runs: &[WorldRun]) -> Self {
+        let (scene, checked) = (bench.scene(), bench.ideal());
+        let ideal = &checked.ideal;
+        let grid = &ideal.grid;
+        let peaks = ideal.devices.iter().map(|device| {
+            let peaks = device.peaks.iter().copied();
+            peaks.fold(0.0, f64::max)
+        });
+        let names = scene.world.tools.iter().map(|tool| tool.name.as_str());
+        let of_devices: Vec<(&str, f64)> = names.zip(peaks).collect();
+        Self {
+            format: FORMAT,
+            title: scene.title.clone(),
+            period_s: scene.timing.period,
+            delay_s: scene.timing.delay,
+            window_s: grid.edge(grid.intervals()),
+            samples: runs.first().map_or(0, |run| run.positions.len()),
+            chaotic_from_s: checked.chaotic_from,
+            ideal_error_percent: checked.error,
+            contacts: ideal.encounters.len(),
+            deepest_m: ideal.deepest(),
+            methods: runs.iter().map(|run| of_run(run, &of_devices)).collect(),
+        }
+    }
+}
+
+fn of_run(run: &WorldRun, of_devices: &[(&str, f64)]) -> WorldMethodReport {
+    let devices = run.judgement.devices.iter().zip(of_devices);
+    let contacts = &run.books.contacts;
+    WorldMethodReport {
+        method: run.method.clone(),
+        sum: run.judgement.sum.map(Into::into),
+        devices: devices
+            .map(|(judged, (name, ideal_peak))| of_device(judged, name, *ideal_peak))
+            .collect(),
+        leak_j: contacts.iter().map(|book| book.leak()).sum(),
+        dissipated_j: contacts.iter().map(|book| book.dissipated).sum(),
+        refused_samples: run.refused,
+        limited_samples: run.limited,
+        coarse_samples: run.coarse,
+    }
+}
+
+fn of_device(judged: &DeviceJudgement, name: &str, ideal_peak: f64) -> WorldDeviceReport {
+    let rendered = judged.touches.iter().filter_map(|it| it.rendered.as_ref());
+    let errors = rendered.filter_map(|touch| touch.impulse_error);
+    WorldDeviceReport {
+        name: name.to_owned(),
+        sum: judged.sum.map(Into::into),
+        axes: judged.axes.map(|axis| axis.map(Into::into)),
+        peak_force_n: judged.peak_force,
+        peak_over_ideal_peak: (ideal_peak > 0.0).then(|| judged.peak_force / ideal_peak),
+        touches: judged.touches.len(),
+        largest_impulse_error_percent: errors.map(|error| 100.0 * error).reduce(f64::max),
+    }
+}

@@ -1,0 +1,138 @@
+//! The report of a world as text for a terminal.
+
+use std::fmt;
+
+use comfy_table::{Cell, CellAlignment, Table};
+
+use super::{FidelityReport, WorldReport};
+use crate::text::{
+    E, FRE, counted, digits, legend, number, percent, plain_table, short, whole, wrapped,
+};
+
+/// What the column of the leak is.
+const LEAK: &str =
+    "Leak: energy that the held forces gave to the hands beyond the contacts' own work.";
+
+impl fmt::Display for WorldReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if !self.title.is_empty() {
+            writeln!(f, "{}", wrapped(&self.title))?;
+        }
+        writeln!(f, "{}\n", wrapped(&self.conditions()))?;
+        writeln!(f, "{}\n", whole(&self.method_table()))?;
+        if self.methods.iter().any(|method| method.sum.is_some()) {
+            writeln!(f, "{}", whole(&self.axis_table()))?;
+            writeln!(f, "\n{}", legend(&[E, FRE, LEAK]))?;
+        } else {
+            writeln!(f, "The ideal touches no tool in this window.")?;
+        }
+        for line in self.remarks() {
+            writeln!(f, "{}", wrapped(&line))?;
+        }
+        Ok(())
+    }
+}
+
+impl WorldReport {
+    fn conditions(&self) -> String {
+        let delay = if self.delay_s > 0.0 {
+            format!(", delay {} s", digits(self.delay_s))
+        } else {
+            String::new()
+        };
+        let shortened = self.chaotic_from_s.map_or_else(String::new, |from| {
+            format!(
+                "; the window ends at {} s, where the ideal's motion begins to depend on its steps",
+                digits(from)
+            )
+        });
+        format!(
+            "period {} s{delay}; {} over {} s; the ideal has {}, penetration up to {} m, and agrees with itself to \
+             {} %{shortened}",
+            digits(self.period_s),
+            counted(self.samples, "sample"),
+            digits(self.window_s),
+            counted(self.contacts, "contact"),
+            digits(self.deepest_m),
+            digits(self.ideal_error_percent),
+        )
+    }
+
+    fn method_table(&self) -> Table {
+        let header = ["method", "E %", "FRE %", "FRE/floor", "leak mJ", "limited"];
+        let limited = self.methods.iter().any(|method| method.limited_samples > 0);
+        let header = &header[..header.len() - usize::from(!limited)];
+        let mut table = plain_table(CellAlignment::Left, header);
+        for method in &self.methods {
+            let mut row = vec![Cell::new(&method.method)];
+            row.extend(errors(method.sum.as_ref()));
+            row.push(number(Some(1e3 * method.leak_j), |leak| short(leak, 3)));
+            if limited {
+                let count = method.limited_samples as f64;
+                row.push(number(Some(count), |count| count.to_string()));
+            }
+            table.add_row(row);
+        }
+        table
+    }
+
+    /// For each method and device the error along each axis.
+    fn axis_table(&self) -> Table {
+        let header = [
+            "method",
+            "device",
+            "E % along x",
+            "y",
+            "z",
+            "peak/ideal",
+            "largest impulse error %",
+        ];
+        let mut table = plain_table(CellAlignment::Left, &header);
+        for method in &self.methods {
+            for device in &method.devices {
+                let mut row = vec![Cell::new(&method.method), Cell::new(&device.name)];
+                row.extend(device.axes.iter().map(|axis| {
+                    let error = axis.map(|axis| axis.mean_force_error_percent);
+                    number(error, percent)
+                }));
+                row.push(number(device.peak_over_ideal_peak, |ratio| short(ratio, 2)));
+                row.push(number(device.largest_impulse_error_percent, percent));
+                table.add_row(row);
+            }
+        }
+        table
+    }
+
+    /// What the numbers above do not say.
+    fn remarks(&self) -> Vec<String> {
+        let mut remarks = Vec::new();
+        for method in &self.methods {
+            if method.refused_samples > 0 {
+                remarks.push(format!(
+                    "{}: {} refused; the forces were 0 there.",
+                    method.method,
+                    counted(method.refused_samples, "sample")
+                ));
+            }
+            if method.coarse_samples > 0 {
+                remarks.push(format!(
+                    "{}: at {} contacts changed their mode more often than the renderer follows at its finest.",
+                    method.method,
+                    counted(method.coarse_samples, "sample")
+                ));
+            }
+        }
+        remarks
+    }
+}
+
+fn errors(fidelity: Option<&FidelityReport>) -> [Cell; 3] {
+    let value = |of: fn(&FidelityReport) -> f64| fidelity.map(of);
+    [
+        number(value(|it| it.mean_force_error_percent), percent),
+        number(value(|it| it.force_rendering_error_percent), percent),
+        number(fidelity.and_then(|it| it.error_over_floor), |ratio| {
+            short(ratio, 2)
+        }),
+    ]
+}

@@ -1,0 +1,317 @@
+//! The contacts of a scene: which points can touch which surfaces, and how they lie.
+
+use thiserror::Error;
+
+use super::scene::{ContactLaw, InvalidScene, Member, Pair, Shape, WorldScene};
+use super::surface::{Feature, feature, holds, nearest};
+use super::vector::{Rotation, Vec3};
+
+/// What is wrong with a scene, or with the attempt to solve it.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum WorldError {
+    /// A parameter outside its range.
+    #[error(transparent)]
+    Parameter(#[from] InvalidScene),
+    /// A pair of shapes for which there is no contact yet.
+    #[error(
+        "pairs[{number}]: {reason}; a sphere can touch a sphere, half-space, box, capsule or cylinder, and a \
+         box a half-space"
+    )]
+    Pair {
+        /// Number of the pair, from 0.
+        number: usize,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// Contacts that change their state more often than is taken for a motion.
+    #[error("more than {limit} steps and events within an interval, at {time} s")]
+    TooManySteps {
+        /// The limit.
+        limit: usize,
+        /// Where it was met \[s\].
+        time: f64,
+    },
+    /// A motion that is another one with each length of step, see [`CheckedIdeal`](super::CheckedIdeal).
+    #[error(
+        "the motion depends on the steps it is computed by from {time} s on; there is nothing to judge by"
+    )]
+    Chaotic {
+        /// From when on \[s\].
+        time: f64,
+    },
+}
+
+/// One contact: a point or sphere of the first member on the surface of the second.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Contact {
+    /// Number of its pair in the scene.
+    pub pair: usize,
+    /// The member that has the point or sphere, by its place among all members.
+    pub first: usize,
+    /// The member that has the surface.
+    pub second: usize,
+    /// Where the point or the sphere's centre is, in the axes of the first.
+    on_first: Vec3,
+    /// Radius of the sphere, 0 for a point \[m\].
+    radius: f64,
+    surface: Shape,
+    pub law: ContactLaw,
+}
+
+/// How a member of a contact lies and moves.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Placed {
+    pub position: Vec3,
+    pub rotation: Rotation,
+    pub velocity: Vec3,
+    /// Angular velocity in world axes \[rad/s\].
+    pub turning: Vec3,
+}
+
+impl Placed {
+    /// Velocity of the material point that is at a place.
+    pub fn velocity_at(&self, place: Vec3) -> Vec3 {
+        self.velocity + self.turning.cross(place - self.position)
+    }
+}
+
+/// The linear and the angular acceleration of a member.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Acceleration {
+    pub linear: Vec3,
+    pub angular: Vec3,
+}
+
+/// Penetration, normal and rates of one contact.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Touch {
+    /// p, negative where there is a gap \[m\].
+    pub penetration: f64,
+    /// p′ \[m/s\]
+    pub rate: f64,
+    /// n, from the second to the first.
+    pub normal: Vec3,
+    /// n′ \[1/s\]
+    pub normal_rate: Vec3,
+    /// Midway between the two surfaces.
+    pub point: Vec3,
+    /// Velocity of that place, no material point's.
+    point_velocity: Vec3,
+    /// Velocity of the first's material point at it, less that of the second's.
+    sliding: Vec3,
+}
+
+impl Touch {
+    /// Of a contact that has not been looked at.
+    pub fn none() -> Self {
+        Self {
+            penetration: 0.0,
+            rate: 0.0,
+            normal: Vec3::ZERO,
+            normal_rate: Vec3::ZERO,
+            point: Vec3::ZERO,
+            point_velocity: Vec3::ZERO,
+            sliding: Vec3::ZERO,
+        }
+    }
+
+    /// Tangential relative velocity of the material points.
+    pub fn tangential(&self) -> Vec3 {
+        self.sliding.across(self.normal)
+    }
+
+    /// What a tangent vector z changes by as it is carried with the normal: (n × n′) × z.
+    pub fn carried(&self, z: Vec3) -> Vec3 {
+        self.normal_rate * self.normal.dot(z) - self.normal * self.normal_rate.dot(z)
+    }
+
+    /// p″ \[m/s²\], from the accelerations of the two.
+    pub fn second_rate(
+        &self,
+        [first, second]: [&Placed; 2],
+        [first_rate, second_rate]: [&Acceleration; 2],
+    ) -> f64 {
+        let of = |placed: &Placed, rate: &Acceleration| {
+            rate.linear
+                + rate.angular.cross(self.point - placed.position)
+                + placed.turning.cross(self.point_velocity - placed.velocity)
+        };
+        let relative = of(first, first_rate) - of(second, second_rate);
+        -self.normal_rate.dot(self.sliding) - self.normal.dot(relative)
+    }
+}
+
+impl Contact {
+    /// How the two lie, by the formula of `feature`.
+    pub fn touch(&self, feature: Feature, placed: &[Placed]) -> Touch {
+        let (first, second) = (&placed[self.first], &placed[self.second]);
+        let centre = first.position + first.rotation.out(self.on_first);
+        let velocity = first.velocity_at(centre);
+        let relative = velocity - second.velocity_at(centre);
+        let (distance, normal, normal_rate) = match self.surface {
+            Shape::HalfSpace { normal, offset } => {
+                let normal = Vec3(normal);
+                (normal.dot(centre) - offset, normal, Vec3::ZERO)
+            }
+            shape => {
+                let local = second.rotation.back(centre - second.position);
+                let near = nearest(&shape, feature, local);
+                let normal = second.rotation.out(near.normal);
+                let turned = near.normal_rate(second.rotation.back(relative));
+                let rate = second.turning.cross(normal) + second.rotation.out(turned);
+                (near.distance, normal, rate)
+            }
+        };
+        let penetration = self.radius - distance;
+        // n · (ω × (place − centre)) is 0 for every place on the normal through the centre.
+        let rate = -normal.dot(relative);
+        let below = self.radius - 0.5 * penetration;
+        let point = centre - normal * below;
+        Touch {
+            penetration,
+            rate,
+            normal,
+            normal_rate,
+            point,
+            point_velocity: velocity - normal_rate * below + normal * (0.5 * rate),
+            sliding: first.velocity_at(point) - second.velocity_at(point),
+        }
+    }
+
+    fn centre_in_second(&self, placed: &[Placed]) -> Vec3 {
+        let (first, second) = (&placed[self.first], &placed[self.second]);
+        let centre = first.position + first.rotation.out(self.on_first);
+        second.rotation.back(centre - second.position)
+    }
+
+    /// The feature of the surface that is nearest.
+    pub fn feature(&self, placed: &[Placed]) -> Feature {
+        feature(&self.surface, self.centre_in_second(placed))
+    }
+
+    /// Whether `current` is that, but for `slack` \[m\].
+    pub fn holds(&self, current: Feature, placed: &[Placed], slack: f64) -> bool {
+        current == Feature::Whole
+            || holds(&self.surface, current, self.centre_in_second(placed), slack)
+    }
+
+    /// The contacts of every pair of a checked scene.
+    pub fn of_scene(scene: &WorldScene) -> Result<Vec<Self>, WorldError> {
+        let mut contacts = Vec::new();
+        for (number, pair) in scene.pairs.iter().enumerate() {
+            let found = of_pair(scene, number, pair)
+                .map_err(|reason| WorldError::Pair { number, reason })?;
+            contacts.extend(found);
+        }
+        Ok(contacts)
+    }
+}
+
+/// One side of a pair.
+struct Side {
+    member: usize,
+    shape: Shape,
+    is_device: bool,
+    moves: bool,
+    name: String,
+}
+
+impl Side {
+    fn of(scene: &WorldScene, member: Member) -> Self {
+        match member {
+            Member::Device(number) => {
+                let device = &scene.devices[number];
+                Self {
+                    member: number,
+                    shape: Shape::Sphere {
+                        radius: device.tool_radius,
+                    },
+                    is_device: true,
+                    moves: true,
+                    name: format!("the tool of {:?}", device.name),
+                }
+            }
+            Member::Body(number) => {
+                let body = &scene.bodies[number];
+                Self {
+                    member: scene.devices.len() + number,
+                    shape: body.shape,
+                    is_device: false,
+                    moves: body.motion.is_some(),
+                    name: format!("the {} {:?}", kind(&body.shape), body.name),
+                }
+            }
+        }
+    }
+}
+
+fn kind(shape: &Shape) -> &'static str {
+    match shape {
+        Shape::Sphere { .. } => "sphere",
+        Shape::HalfSpace { .. } => "half-space",
+        Shape::Box { .. } => "box",
+        Shape::Capsule { .. } => "capsule",
+        Shape::Cylinder { .. } => "cylinder",
+    }
+}
+
+fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact>, String> {
+    let [one, other] = pair.between.map(|member| Side::of(scene, member));
+    if one.member == other.member {
+        return Err(format!("{} cannot touch itself", one.name));
+    }
+    if one.is_device && other.is_device {
+        return Err(format!(
+            "{} and {} are both tools, which do not touch each other",
+            one.name, other.name
+        ));
+    }
+    if !one.moves && !other.moves {
+        return Ok(Vec::new()); // nothing changes between two fixed bodies
+    }
+    // The tool goes first, then a free sphere, so that the sphere is the first of the two.
+    let rank = |side: &Side| match side.shape {
+        Shape::Sphere { .. } => 2 + u8::from(side.is_device),
+        Shape::Box { .. } => 1,
+        _ => 0,
+    };
+    let (first, second) = if rank(&one) >= rank(&other) {
+        (one, other)
+    } else {
+        (other, one)
+    };
+    let contact = |on_first: Vec3, radius: f64, law: ContactLaw| Contact {
+        pair: number,
+        first: first.member,
+        second: second.member,
+        on_first,
+        radius,
+        surface: second.shape,
+        law,
+    };
+    match (first.shape, second.shape) {
+        (Shape::Sphere { radius }, _) => Ok(vec![contact(Vec3::ZERO, radius, pair.law)]),
+        (Shape::Box { half_extents }, Shape::HalfSpace { .. }) => {
+            // A face that lies flat has the whole law.
+            let law = ContactLaw {
+                stiffness: pair.law.stiffness / 4.0,
+                damping: pair.law.damping / 4.0,
+                friction_stiffness: pair.law.friction_stiffness / 4.0,
+                ..pair.law
+            };
+            let corner = |index: usize| {
+                Vec3(std::array::from_fn(|axis| {
+                    let sign = if index >> axis & 1 == 0 { -1.0 } else { 1.0 };
+                    sign * half_extents[axis]
+                }))
+            };
+            Ok((0..8)
+                .map(|index| contact(corner(index), 0.0, law))
+                .collect())
+        }
+        _ => Err(format!(
+            "there is no contact between {} and {}",
+            first.name, second.name
+        )),
+    }
+}

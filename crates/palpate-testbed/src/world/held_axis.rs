@@ -1,0 +1,104 @@
+//! One axis of a device in its hand, under a force that is held: exact for any duration.
+
+use super::scene::{InvalidScene, WorldDevice};
+use crate::InvalidParameter;
+use crate::device::Device;
+use crate::hand::Sinusoid;
+use crate::sprung_mass::SprungMass;
+
+/// m x″ = F − k (x − x_rest) − b x′ + Σ tremor − f, for a force f on the object.
+///
+/// The tremors alone would swing the mass by a sum of sines, which is known in closed form; what is left moves
+/// as a [`SprungMass`].
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct HeldAxis {
+    rest: f64,
+    left: SprungMass,
+    swings: Vec<Sinusoid>,
+    time: f64,
+    mass: f64,
+    stiffness: f64,
+    force: f64,
+}
+
+/// A tremor whose swing without damping would be larger than its force over this share of k + m ω² is refused.
+const NEAREST_RESONANCE: f64 = 1e-6;
+
+impl HeldAxis {
+    /// Axis `axis` of a checked device, whose name in messages is `name`.
+    pub fn new(device: &WorldDevice, axis: usize, name: &str) -> Result<Self, InvalidScene> {
+        let hand = &device.hand;
+        let mass = device.mass[axis];
+        let mut swings = Vec::new();
+        for tremor in &hand.tremor[axis] {
+            let rate = std::f64::consts::TAU * tremor.frequency_hz;
+            let inertia = mass * rate * rate;
+            let (real, imaginary) = (hand.stiffness - inertia, hand.damping * rate);
+            let resistance = real.hypot(imaginary);
+            InvalidParameter::unless(
+                resistance > NEAREST_RESONANCE * (hand.stiffness + inertia),
+                format!("{name}.hand.tremor"),
+                tremor.frequency_hz,
+                "a frequency [Hz] that is not the resonance of an undamped hand",
+            )?;
+            swings.push(Sinusoid {
+                amplitude: tremor.amplitude / resistance,
+                phase: tremor.phase - imaginary.atan2(real),
+                ..*tremor
+            });
+        }
+        let swing: f64 = swings.iter().map(|swing| swing.value(0.0)).sum();
+        let slope: f64 = swings.iter().map(|swing| swing.slope(0.0)).sum();
+        let of_device = |invalid: InvalidParameter| InvalidParameter {
+            name: format!("{name}.{}", invalid.name),
+            value: invalid.value,
+            allowed: invalid.allowed,
+        };
+        let left = SprungMass::new(mass, hand.stiffness, hand.damping, hand.force[axis])
+            .and_then(|left| {
+                left.starting_at(
+                    device.position[axis] - hand.rest[axis] - swing,
+                    device.velocity[axis] - slope,
+                )
+            })
+            .map_err(of_device)?;
+        Ok(Self {
+            rest: hand.rest[axis],
+            left,
+            swings,
+            time: 0.0,
+            mass,
+            stiffness: hand.stiffness,
+            force: hand.force[axis],
+        })
+    }
+
+    fn swing(&self) -> f64 {
+        self.swings.iter().map(|swing| swing.value(self.time)).sum()
+    }
+}
+
+impl Device for HeldAxis {
+    fn position(&self) -> f64 {
+        self.rest + self.left.position() + self.swing()
+    }
+
+    fn velocity(&self) -> f64 {
+        let slope: f64 = self.swings.iter().map(|swing| swing.slope(self.time)).sum();
+        self.left.velocity() + slope
+    }
+
+    fn advance(&mut self, force_on_object: f64, duration: f64) -> f64 {
+        let before = self.swing();
+        let work = self.left.advance(force_on_object, duration);
+        self.time += duration;
+        work + force_on_object * (self.swing() - before)
+    }
+
+    /// m x′²/2 + k (x − x_rest)²/2 − F x \[J\]; damping and tremor change it, too.
+    fn stored_energy(&self) -> f64 {
+        let stretched = self.position() - self.rest;
+        0.5 * self.mass * self.velocity().powi(2) + 0.5 * self.stiffness * stretched * stretched
+            - self.force * self.position()
+    }
+}

@@ -1,0 +1,334 @@
+//! What a rendering of a world is judged by: the forces held on each tool against those of the ideal.
+
+use thiserror::Error;
+
+use super::contact::WorldError;
+use super::ideal::{DeviceProfile, WorldIdeal};
+use super::scene::{Member, Vector, WorldScene};
+use super::vector::Vec3;
+use crate::grid::Grid;
+use crate::metrics::collisions::{relative_error, separated};
+use crate::metrics::fidelity::ErrorSums;
+use crate::metrics::{Fidelity, WindowMismatch};
+
+/// How well held forces render a world.
+///
+/// Each [`Fidelity`] is of one component or of several: errors in sum are weighted by the mobility 1/m of the
+/// device's axis, ∫ e·W e over ∫ f·W f, so that axes of unequal masses count by the motion they make. Means over
+/// intervals are the same projection for each weight: FRE² = floor² + E² holds for every one of them.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct WorldJudgement {
+    /// All devices and axes together; `None` if no tool is touched.
+    pub sum: Option<Fidelity>,
+    /// Each device.
+    pub devices: Vec<DeviceJudgement>,
+}
+
+/// How well the forces on one tool are rendered.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct DeviceJudgement {
+    /// All axes together; `None` if the tool is not touched.
+    pub sum: Option<Fidelity>,
+    /// Along each axis of the world; `None` where the ideal force is 0.
+    pub axes: [Option<Fidelity>; 3],
+    /// Each ideal touch that the held forces can show apart, in order.
+    pub touches: Vec<TouchJudgement>,
+    /// Number of rendered touches.
+    pub rendered_touches: usize,
+    /// Largest held force \[N\].
+    pub peak_force: f64,
+}
+
+/// An ideal touch of a tool, and the rendered one of the same number.
+///
+/// A touch is a run of intervals with a force; two are apart if the force between them falls to 0 or to a
+/// twentieth of the smaller of their peaks. The same rule is applied to the held forces and to the interval means
+/// of the ideal force.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct TouchJudgement {
+    /// Begin of its first interval \[s\].
+    pub start: f64,
+    /// End of its last interval \[s\].
+    pub end: f64,
+    /// ∫ f dt of the ideal on the tool \[N s\].
+    pub ideal_impulse: Vector,
+    /// Largest |f| of the ideal \[N\].
+    pub ideal_peak: f64,
+    /// The same of the held forces; `None` if there were fewer touches.
+    pub rendered: Option<RenderedTouch>,
+}
+
+/// A touch of held forces.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct RenderedTouch {
+    /// Begin of its first interval \[s\].
+    pub start: f64,
+    /// ∫ f dt on the tool \[N s\].
+    pub impulse: Vector,
+    /// Largest |f| \[N\].
+    pub peak: f64,
+    /// |rendered − ideal| of the impulse over |ideal|; `None` if that is not a finite number.
+    pub impulse_error: Option<f64>,
+    /// (rendered − ideal)/ideal of the peak; `None` if that is not a finite number.
+    pub peak_error: Option<f64>,
+}
+
+/// Forces that do not fit the ideal they are judged by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+pub enum JudgementError {
+    /// Not one record of forces for each device.
+    #[error("there are forces of {given} devices, and the ideal has {expected}")]
+    Devices {
+        /// Records given.
+        given: usize,
+        /// Devices of the ideal.
+        expected: usize,
+    },
+    /// Not one force for each interval.
+    #[error("device {device}: {mismatch}")]
+    Intervals {
+        /// Number of the device, from 0.
+        device: usize,
+        /// The lengths.
+        mismatch: WindowMismatch,
+    },
+}
+
+impl WorldJudgement {
+    /// Judges the force `held` on each tool over each interval of the ideal's grid \[N\]: `held[device][interval]`.
+    ///
+    /// # Errors
+    ///
+    /// There is not one record for each device of `ideal`, or not one force for each interval.
+    ///
+    /// # Panics
+    ///
+    /// `ideal` is not of `scene` and has more devices.
+    pub fn of(
+        scene: &WorldScene,
+        ideal: &WorldIdeal,
+        held: &[Vec<Vector>],
+    ) -> Result<Self, JudgementError> {
+        if held.len() != ideal.devices.len() {
+            return Err(JudgementError::Devices {
+                given: held.len(),
+                expected: ideal.devices.len(),
+            });
+        }
+        let mut sum = ErrorSums::default();
+        let mut devices = Vec::with_capacity(held.len());
+        for (number, (profile, held)) in ideal.devices.iter().zip(held).enumerate() {
+            WindowMismatch::unless_equal(held.len(), profile.impulses.len()).map_err(
+                |mismatch| JudgementError::Intervals {
+                    device: number,
+                    mismatch,
+                },
+            )?;
+            let mass = scene.devices[number].mass;
+            devices.push(DeviceJudgement::of(
+                &ideal.grid,
+                mass,
+                profile,
+                held,
+                &mut sum,
+            ));
+        }
+        Ok(Self {
+            sum: sum.fidelity(ideal.grid.period()),
+            devices,
+        })
+    }
+}
+
+impl DeviceJudgement {
+    fn of(
+        grid: &Grid,
+        mass: Vector,
+        profile: &DeviceProfile,
+        held: &[Vector],
+        sum_of_all: &mut ErrorSums,
+    ) -> Self {
+        let period = grid.period();
+        let mut axes = [ErrorSums::default(); 3];
+        let mut sum = ErrorSums::default();
+        for (interval, force) in held.iter().enumerate() {
+            let duration = grid.duration(interval);
+            for axis in 0..3 {
+                let impulse = profile.impulses[interval][axis];
+                let squared = profile.squares[interval][axis];
+                axes[axis].add(force[axis], impulse, squared, duration, period);
+                // Forces times the root of the weight: their squares have the weight.
+                let root = mass[axis].recip().sqrt();
+                for sum in [&mut sum, sum_of_all] {
+                    sum.add(
+                        root * force[axis],
+                        root * impulse,
+                        squared / mass[axis],
+                        duration,
+                        period,
+                    );
+                }
+            }
+        }
+        let (touches, rendered_touches) = touches(grid, profile, held);
+        Self {
+            sum: sum.fidelity(period),
+            axes: axes.map(|sums| sums.fidelity(period)),
+            touches,
+            rendered_touches,
+            peak_force: held
+                .iter()
+                .map(|force| Vec3(*force).norm())
+                .fold(0.0, larger),
+        }
+    }
+}
+
+/// The larger of two; infinite if one is no number.
+fn larger(a: f64, b: f64) -> f64 {
+    if b.is_finite() {
+        a.max(b)
+    } else {
+        f64::INFINITY
+    }
+}
+
+fn touches(grid: &Grid, profile: &DeviceProfile, held: &[Vector]) -> (Vec<TouchJudgement>, usize) {
+    let sizes = |forces: &[Vector]| -> Vec<f64> {
+        forces.iter().map(|force| Vec3(*force).norm()).collect()
+    };
+    let means = profile.mean_forces(grid);
+    let rendered_sizes = sizes(held);
+    let ideal_runs = separated(&sizes(&means), grid);
+    let rendered_runs = separated(&rendered_sizes, grid);
+    let impulse_of = |forces: &[Vector], run: &std::ops::Range<usize>| {
+        run.clone().fold(Vec3::ZERO, |sum, interval| {
+            sum + Vec3(forces[interval]) * grid.duration(interval)
+        })
+    };
+    let touches = ideal_runs
+        .iter()
+        .enumerate()
+        .map(|(number, run)| {
+            let ideal_impulse = impulse_of(&means, run);
+            let ideal_peak = profile.peaks[run.clone()]
+                .iter()
+                .copied()
+                .fold(0.0, f64::max);
+            let rendered = rendered_runs.get(number).map(|run| {
+                let impulse = impulse_of(held, run);
+                let peak = rendered_sizes[run.clone()]
+                    .iter()
+                    .copied()
+                    .fold(0.0, larger);
+                let apart = (impulse - ideal_impulse).norm() / ideal_impulse.norm();
+                RenderedTouch {
+                    start: grid.edge(run.start),
+                    impulse: impulse.0,
+                    peak,
+                    impulse_error: apart.is_finite().then_some(apart),
+                    peak_error: relative_error(peak, ideal_peak),
+                }
+            });
+            TouchJudgement {
+                start: grid.edge(run.start),
+                end: grid.edge(run.end),
+                ideal_impulse: ideal_impulse.0,
+                ideal_peak,
+                rendered,
+            }
+        })
+        .collect();
+    (touches, rendered_runs.len())
+}
+
+impl DeviceProfile {
+    /// The best that can be held: the mean force on the tool over each interval \[N\].
+    #[must_use]
+    pub fn mean_forces(&self, grid: &Grid) -> Vec<Vector> {
+        self.impulses
+            .iter()
+            .zip(grid.durations())
+            .map(|(impulse, duration)| impulse.map(|j| j / duration))
+            .collect()
+    }
+}
+
+/// Over what window a world is judged.
+///
+/// Undamped contacts ring for ever, and after a while an error of force is one of phase. So a window ends with a
+/// touch, or after a time, whichever comes first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WindowRule {
+    /// The window ends half a period after this touch of a tool ends, counted from 1 over all tools; `None` for
+    /// no such end.
+    pub touches: Option<usize>,
+    /// Longest window \[s\].
+    pub longest: f64,
+}
+
+impl WindowRule {
+    /// The window in whole periods \[s\], at least one.
+    ///
+    /// # Errors
+    ///
+    /// The scene has no ideal, see [`WorldIdeal::new`].
+    pub fn intervals(&self, scene: &WorldScene, period: f64) -> Result<usize, WorldError> {
+        let longest = whole(self.longest / period);
+        let Some(number) = self.touches else {
+            return Ok(longest);
+        };
+        let ideal = WorldIdeal::new(scene, Grid::even(0.0, period, longest))?;
+        let mut ends: Vec<f64> = (0..scene.devices.len())
+            .flat_map(|device| ideal.touches_of(device))
+            .filter_map(|(_, end)| end)
+            .collect();
+        ends.sort_by(f64::total_cmp);
+        Ok(number
+            .checked_sub(1)
+            .and_then(|index| ends.get(index))
+            .map_or(longest, |end| {
+                whole(((end + 0.5 * period) / period).ceil()).min(longest)
+            }))
+    }
+}
+
+/// A number of periods, at least one; a rounding above the last one is none.
+fn whole(periods: f64) -> usize {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to the range of u32"
+    )]
+    let whole = (periods * (1.0 + 1e-12)).clamp(1.0, f64::from(u32::MAX)) as usize;
+    whole
+}
+
+impl WorldIdeal {
+    /// When anything begins and ends to touch the tool of a device \[s\]; the end is `None` if that is beyond the
+    /// window.
+    #[must_use]
+    pub fn touches_of(&self, device: usize) -> Vec<(f64, Option<f64>)> {
+        let mut touches: Vec<(f64, Option<f64>)> = Vec::new();
+        for encounter in &self.encounters {
+            if !encounter.between.contains(&Member::Device(device)) {
+                continue;
+            }
+            match touches.last_mut() {
+                // Encounters are in the order of their begins, so one that overlaps goes on with the last.
+                Some((_, last)) if last.is_none_or(|last| encounter.start <= last) => {
+                    *last = match (*last, encounter.end) {
+                        (Some(a), Some(b)) => Some(a.max(b)),
+                        _ => None,
+                    };
+                }
+                _ => touches.push((encounter.start, encounter.end)),
+            }
+        }
+        touches
+    }
+}

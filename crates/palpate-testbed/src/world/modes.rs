@@ -1,0 +1,145 @@
+//! When a contact leaves its mode, and for which one.
+//!
+//! A mode holds a little beyond its end, so that a state at an event, known to round-off, is in one mode or
+//! in the other and not in each of the two by turns.
+
+use super::motion::{Condition, Instant, Mode, System, slip_direction};
+use super::vector::{Vec3, turned};
+
+/// How far beyond its end a condition on lengths holds \[m\].
+const SLACK: f64 = 1e-14;
+/// How far beyond its end a condition on friction holds, relative.
+const FRICTION_SLACK: f64 = 1e-9;
+/// And in speed \[m/s\].
+const SPEED_SLACK: f64 = 1e-13;
+/// Rounds in which the contacts settle after an event: one contact's new mode can end another one's.
+const ROUNDS: usize = 16;
+
+impl System {
+    /// Whether contact `number` is still in its condition, at an instant evaluated for it.
+    pub(super) fn holds(&self, number: usize, condition: &Condition, now: &Instant) -> bool {
+        let contact = &self.contacts[number];
+        let touch = &now.touches[number];
+        if !contact.holds(condition.feature, &now.placed, SLACK) {
+            return false;
+        }
+        let p = touch.penetration;
+        if condition.mode == Mode::Free {
+            return p <= SLACK;
+        }
+        let push = self.raw_normal_force(number, touch);
+        let slack = contact.law.stiffness * SLACK;
+        if p <= -SLACK {
+            return false;
+        }
+        if condition.mode == Mode::Clipped {
+            return push <= slack;
+        }
+        if push <= -slack {
+            return false;
+        }
+        match condition.mode {
+            Mode::Stick => {
+                let largest = self.largest_deflection(number, touch);
+                now.bristles[number].norm() <= largest * (1.0 + FRICTION_SLACK) + SLACK
+            }
+            Mode::Slip => {
+                let speed = touch.tangential().norm() + touch.rate.abs();
+                now.slips[number] >= -FRICTION_SLACK * speed - SPEED_SLACK
+            }
+            Mode::Free | Mode::Clipped | Mode::Smooth => true,
+        }
+    }
+
+    /// Whether all contacts are in their conditions.
+    pub(super) fn all_hold(&self, conditions: &[Condition], now: &Instant) -> bool {
+        conditions
+            .iter()
+            .enumerate()
+            .all(|(number, condition)| self.holds(number, condition, now))
+    }
+
+    /// The conditions at the start: bristles are relaxed.
+    pub(super) fn first_conditions(&self, state: &mut [f64], now: &mut Instant) -> Vec<Condition> {
+        self.place(state, &mut now.placed);
+        let mut conditions: Vec<Condition> = self
+            .contacts
+            .iter()
+            .map(|contact| Condition {
+                mode: Mode::Free,
+                feature: contact.feature(&now.placed),
+            })
+            .collect();
+        self.settle(0.0, state, &mut conditions, now);
+        conditions
+    }
+
+    /// Gives every contact the condition of its state, and its bristle what that asks for.
+    pub(super) fn settle(
+        &self,
+        time: f64,
+        state: &mut [f64],
+        conditions: &mut [Condition],
+        now: &mut Instant,
+    ) {
+        for _ in 0..ROUNDS {
+            self.evaluate(time, state, conditions, now);
+            let mut settled = true;
+            for (number, condition) in conditions.iter_mut().enumerate() {
+                if !self.holds(number, condition, now) {
+                    self.change(number, state, condition, now);
+                    settled = false;
+                }
+            }
+            if settled {
+                return;
+            }
+        }
+    }
+
+    /// The condition of a contact that has left its own.
+    fn change(&self, number: usize, state: &mut [f64], condition: &mut Condition, now: &Instant) {
+        let contact = &self.contacts[number];
+        let old_normal = now.touches[number].normal;
+        condition.feature = contact.feature(&now.placed);
+        let touch = contact.touch(condition.feature, &now.placed);
+        let law = &contact.law;
+        let push = self.raw_normal_force(number, &touch);
+        let largest = self.largest_deflection(number, &touch);
+        let before = now.bristles[number];
+        let bristle = turned(before, old_normal, touch.normal);
+        let deflection = bristle.norm();
+        let (mode, bristle) = if touch.penetration <= 0.0 {
+            (Mode::Free, Vec3::ZERO)
+        } else if push <= 0.0 {
+            (Mode::Clipped, Vec3::ZERO)
+        } else if law.friction == 0.0 {
+            (Mode::Smooth, Vec3::ZERO)
+        } else {
+            match condition.mode {
+                Mode::Stick if deflection > largest => {
+                    (Mode::Slip, slip_direction(bristle, &touch) * largest)
+                }
+                Mode::Slip if now.slips[number] >= 0.0 => {
+                    (Mode::Slip, slip_direction(bristle, &touch) * largest)
+                }
+                Mode::Stick | Mode::Slip => (Mode::Stick, bristle),
+                Mode::Free | Mode::Clipped | Mode::Smooth => {
+                    // Without damping, the largest deflection grows from 0 by a rate of its own.
+                    let rate = law.friction * law.stiffness * touch.rate / law.friction_stiffness;
+                    if law.damping == 0.0 && touch.tangential().norm() > rate {
+                        let direction = slip_direction(Vec3::ZERO, &touch);
+                        (Mode::Slip, direction * largest)
+                    } else {
+                        (Mode::Stick, Vec3::ZERO)
+                    }
+                }
+            }
+        };
+        condition.mode = mode;
+        // What the bristle loses at once, it dissipates.
+        let lost = 0.5 * law.friction_stiffness * (before.dot(before) - bristle.dot(bristle));
+        state[self.layout.contact_sums(number) + 4] += lost.max(0.0);
+        bristle.write(&mut state[self.layout.bristle(number)..]);
+    }
+}

@@ -1,0 +1,512 @@
+//! The equations of motion of a scene, for contacts of given modes.
+//!
+//! The state is one row of numbers. First comes what moves: position and velocity of each device; position,
+//! velocity, quaternion and angular momentum of each free body; the bristle of each contact. After it come
+//! integrals over what moves, see [`Layout`].
+
+use super::contact::{Acceleration, Contact, Placed, Touch, WorldError};
+use super::scene::{Member, Motion, WorldDevice, WorldScene};
+use super::surface::Feature;
+use super::vector::{Rotation, Vec3, quaternion_rate};
+
+/// What a contact does. Within a mode, the equations are smooth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Mode {
+    /// The surfaces are apart.
+    Free,
+    /// They overlap, and K p + B p′ < 0: no force.
+    Clipped,
+    /// Pushing, without friction.
+    Smooth,
+    /// Pushing; the bristle follows the motion.
+    Stick,
+    /// Pushing; the bristle has its largest deflection μ N/k_t.
+    Slip,
+}
+
+/// Mode and feature of a contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Condition {
+    pub mode: Mode,
+    pub feature: Feature,
+}
+
+/// Where in the state what is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Layout {
+    devices: usize,
+    free_bodies: usize,
+    contacts: usize,
+}
+
+/// Numbers of a device, a free body and a contact in the first part of the state.
+const DEVICE: usize = 6;
+const BODY: usize = 13;
+const BRISTLE: usize = 3;
+/// Of a device: ∫ f dt and ∫ f² dt along each axis, and the hand's work.
+const DEVICE_SUMS: usize = 7;
+/// Of a contact: ∫ N dt, ∫ of the force on its first member dt, and what it has dissipated.
+const CONTACT_SUMS: usize = 5;
+
+impl Layout {
+    pub fn device(&self, device: usize) -> usize {
+        DEVICE * device
+    }
+
+    pub fn body(&self, free_body: usize) -> usize {
+        DEVICE * self.devices + BODY * free_body
+    }
+
+    pub fn bristle(&self, contact: usize) -> usize {
+        self.body(self.free_bodies) + BRISTLE * contact
+    }
+
+    /// How many numbers move; the rest are integrals over them.
+    pub fn moving(&self) -> usize {
+        self.bristle(self.contacts)
+    }
+
+    pub fn device_sums(&self, device: usize) -> usize {
+        self.moving() + DEVICE_SUMS * device
+    }
+
+    pub fn contact_sums(&self, contact: usize) -> usize {
+        self.device_sums(self.devices) + CONTACT_SUMS * contact
+    }
+
+    pub fn size(&self) -> usize {
+        self.contact_sums(self.contacts)
+    }
+}
+
+/// A free body's constants.
+#[derive(Debug, Clone)]
+struct Rigid {
+    motion: Motion,
+    /// Its number among the free bodies.
+    free: usize,
+}
+
+/// A scene made ready to be moved.
+#[derive(Debug, Clone)]
+pub(super) struct System {
+    pub devices: Vec<WorldDevice>,
+    bodies: Vec<Option<Rigid>>,
+    pub contacts: Vec<Contact>,
+    pub layout: Layout,
+    orientations: Vec<[f64; 4]>,
+    start: Vec<Placed>,
+    start_state: Vec<f64>,
+}
+
+/// Everything that follows from a state at one instant; kept to be filled again.
+#[derive(Debug, Clone)]
+pub(super) struct Instant {
+    pub placed: Vec<Placed>,
+    pub touches: Vec<Touch>,
+    /// N of each contact \[N\].
+    pub normal_forces: Vec<f64>,
+    /// Deflection of each bristle that acts \[m\].
+    pub bristles: Vec<Vec3>,
+    /// Slip of each bristle, e · v_t − (μ N/k_t)′; 0 unless it slips \[m/s\].
+    pub slips: Vec<f64>,
+    accelerations: Vec<Acceleration>,
+    forces: Vec<Vec3>,
+    torques: Vec<Vec3>,
+}
+
+impl System {
+    /// Checks `scene` and lists its contacts.
+    pub fn new(scene: &WorldScene) -> Result<Self, WorldError> {
+        scene.check()?;
+        let contacts = Contact::of_scene(scene)?;
+        let mut free = 0;
+        let bodies: Vec<Option<Rigid>> = scene
+            .bodies
+            .iter()
+            .map(|body| {
+                body.motion.map(|motion| {
+                    free += 1;
+                    Rigid {
+                        motion,
+                        free: free - 1,
+                    }
+                })
+            })
+            .collect();
+        let layout = Layout {
+            devices: scene.devices.len(),
+            free_bodies: free,
+            contacts: contacts.len(),
+        };
+        let mut start_state = vec![0.0; layout.size()];
+        let mut start = Vec::new();
+        for (number, device) in scene.devices.iter().enumerate() {
+            let place = layout.device(number);
+            start_state[place..place + 3].copy_from_slice(&device.position);
+            start_state[place + 3..place + 6].copy_from_slice(&device.velocity);
+            start.push(placed(device.position, [1.0, 0.0, 0.0, 0.0]));
+        }
+        for (body, rigid) in scene.bodies.iter().zip(&bodies) {
+            let placed = placed(body.position, body.orientation);
+            start.push(placed);
+            let Some(Rigid { motion, free }) = rigid else {
+                continue;
+            };
+            let place = layout.body(*free);
+            start_state[place..place + 3].copy_from_slice(&body.position);
+            start_state[place + 3..place + 6].copy_from_slice(&motion.velocity);
+            start_state[place + 6..place + 10].copy_from_slice(&body.orientation);
+            let turning = Vec3(motion.angular_velocity);
+            angular_momentum(&placed.rotation, motion, turning)
+                .write(&mut start_state[place + 10..]);
+        }
+        Ok(Self {
+            devices: scene.devices.clone(),
+            bodies,
+            contacts,
+            layout,
+            orientations: scene.bodies.iter().map(|body| body.orientation).collect(),
+            start,
+            start_state,
+        })
+    }
+
+    /// The state at t = 0, all integrals 0.
+    pub fn start(&self) -> Vec<f64> {
+        self.start_state.clone()
+    }
+
+    pub fn instant(&self) -> Instant {
+        let members = self.start.len();
+        let contacts = self.contacts.len();
+        let touch = Touch::none();
+        Instant {
+            placed: self.start.clone(),
+            touches: vec![touch; contacts],
+            normal_forces: vec![0.0; contacts],
+            bristles: vec![Vec3::ZERO; contacts],
+            slips: vec![0.0; contacts],
+            accelerations: vec![Acceleration::default(); members],
+            forces: vec![Vec3::ZERO; members],
+            torques: vec![Vec3::ZERO; members],
+        }
+    }
+
+    /// Size of each number that moves against which its error counts.
+    pub fn scales(&self) -> Vec<f64> {
+        let mut scales = vec![LENGTH; self.layout.moving()];
+        for device in 0..self.devices.len() {
+            let place = self.layout.device(device) + 3;
+            scales[place..place + 3].fill(SPEED);
+        }
+        for Rigid { motion, free } in self.bodies.iter().flatten() {
+            let place = self.layout.body(*free);
+            let largest = motion.inertia.iter().fold(0.0_f64, |a, b| a.max(*b));
+            let reach = (largest / motion.mass).sqrt();
+            scales[place + 3..place + 6].fill(SPEED);
+            scales[place + 6..place + 10].fill(LENGTH / reach);
+            scales[place + 10..place + 13].fill(motion.mass * reach * SPEED);
+        }
+        scales
+    }
+
+    /// Where every member is and how it moves.
+    pub fn place(&self, state: &[f64], placed: &mut [Placed]) {
+        let devices = self.devices.len();
+        for (device, placed) in placed[..devices].iter_mut().enumerate() {
+            let place = self.layout.device(device);
+            placed.position = Vec3::of(&state[place..]);
+            placed.velocity = Vec3::of(&state[place + 3..]);
+        }
+        for (rigid, placed) in self.bodies.iter().zip(&mut placed[devices..]) {
+            let Some(Rigid { motion, free }) = rigid else {
+                continue;
+            };
+            let place = self.layout.body(*free);
+            placed.position = Vec3::of(&state[place..]);
+            placed.velocity = Vec3::of(&state[place + 3..]);
+            placed.rotation = Rotation::of_quaternion(quaternion(&state[place + 6..]));
+            let momentum = Vec3::of(&state[place + 10..]);
+            placed.turning = angular_velocity(&placed.rotation, motion, momentum);
+        }
+    }
+
+    /// Everything that follows from a state, for contacts in these `conditions`.
+    pub fn evaluate(&self, time: f64, state: &[f64], conditions: &[Condition], now: &mut Instant) {
+        self.place(state, &mut now.placed);
+        now.forces.fill(Vec3::ZERO);
+        now.torques.fill(Vec3::ZERO);
+        for (number, (contact, condition)) in self.contacts.iter().zip(conditions).enumerate() {
+            let touch = contact.touch(condition.feature, &now.placed);
+            let (normal_force, bristle) = self.push(number, condition.mode, &touch, state);
+            now.touches[number] = touch;
+            now.normal_forces[number] = normal_force;
+            now.bristles[number] = bristle;
+            let force = touch.normal * normal_force - bristle * contact.law.friction_stiffness;
+            for (member, force) in [(contact.first, force), (contact.second, -force)] {
+                now.forces[member] += force;
+                let arm = touch.point - now.placed[member].position;
+                now.torques[member] += arm.cross(force);
+            }
+        }
+        self.accelerate(time, now);
+        for (number, (contact, condition)) in self.contacts.iter().zip(conditions).enumerate() {
+            now.slips[number] = if condition.mode == Mode::Slip {
+                let touch = &now.touches[number];
+                let direction =
+                    slip_direction(Vec3::of(&state[self.layout.bristle(number)..]), touch);
+                direction.dot(touch.tangential())
+                    - self.largest_deflection_rate(contact, touch, now)
+            } else {
+                0.0
+            };
+        }
+    }
+
+    /// N \[N\] and the deflection of the bristle \[m\].
+    fn push(&self, number: usize, mode: Mode, touch: &Touch, state: &[f64]) -> (f64, Vec3) {
+        let law = &self.contacts[number].law;
+        if matches!(mode, Mode::Free | Mode::Clipped) {
+            return (0.0, Vec3::ZERO);
+        }
+        let normal_force = self.raw_normal_force(number, touch).max(0.0);
+        let bristle = Vec3::of(&state[self.layout.bristle(number)..]);
+        let bristle = match mode {
+            Mode::Stick => bristle,
+            Mode::Slip => {
+                let largest = law.friction * normal_force / law.friction_stiffness;
+                slip_direction(bristle, touch) * largest
+            }
+            Mode::Free | Mode::Clipped | Mode::Smooth => Vec3::ZERO,
+        };
+        (normal_force, bristle)
+    }
+
+    /// K p + B p′ \[N\], of any sign.
+    pub fn raw_normal_force(&self, number: usize, touch: &Touch) -> f64 {
+        let law = &self.contacts[number].law;
+        law.stiffness * touch.penetration + law.damping * touch.rate
+    }
+
+    /// (μ N/k_t)′ \[m/s\]
+    fn largest_deflection_rate(&self, contact: &Contact, touch: &Touch, now: &Instant) -> f64 {
+        let law = &contact.law;
+        let mut rate = law.stiffness * touch.rate;
+        if law.damping > 0.0 {
+            let members = [contact.first, contact.second];
+            let second_rate = touch.second_rate(
+                members.map(|member| &now.placed[member]),
+                members.map(|member| &now.accelerations[member]),
+            );
+            rate += law.damping * second_rate;
+        }
+        law.friction / law.friction_stiffness * rate
+    }
+
+    fn accelerate(&self, time: f64, now: &mut Instant) {
+        let devices = self.devices.len();
+        for (number, device) in self.devices.iter().enumerate() {
+            let placed = &now.placed[number];
+            let push = now.forces[number] + hand_force(device, time, placed);
+            let linear = std::array::from_fn(|axis| push.0[axis] / device.mass[axis]);
+            now.accelerations[number].linear = Vec3(linear);
+        }
+        for (number, rigid) in self.bodies.iter().enumerate() {
+            let Some(Rigid { motion, .. }) = rigid else {
+                continue;
+            };
+            let member = devices + number;
+            let placed = &now.placed[member];
+            let momentum = angular_momentum(&placed.rotation, motion, placed.turning);
+            let torque = now.torques[member] - placed.turning.cross(momentum);
+            now.accelerations[member] = Acceleration {
+                linear: (now.forces[member] + Vec3(motion.force)) * (1.0 / motion.mass),
+                angular: angular_velocity(&placed.rotation, motion, torque),
+            };
+        }
+    }
+
+    /// The right-hand side.
+    pub fn rates(
+        &self,
+        time: f64,
+        state: &[f64],
+        conditions: &[Condition],
+        now: &mut Instant,
+        rates: &mut [f64],
+    ) {
+        self.evaluate(time, state, conditions, now);
+        let layout = &self.layout;
+        for (number, device) in self.devices.iter().enumerate() {
+            let place = layout.device(number);
+            let (placed, force) = (&now.placed[number], now.forces[number]);
+            placed.velocity.write(&mut rates[place..]);
+            now.accelerations[number]
+                .linear
+                .write(&mut rates[place + 3..]);
+            let sums = layout.device_sums(number);
+            force.write(&mut rates[sums..]);
+            Vec3(force.0.map(|f| f * f)).write(&mut rates[sums + 3..]);
+            rates[sums + 6] = hand_force(device, time, placed).dot(placed.velocity);
+        }
+        for (number, rigid) in self.bodies.iter().enumerate() {
+            let Some(Rigid { free, .. }) = rigid else {
+                continue;
+            };
+            let member = self.devices.len() + number;
+            let (place, placed) = (layout.body(*free), &now.placed[member]);
+            placed.velocity.write(&mut rates[place..]);
+            now.accelerations[member]
+                .linear
+                .write(&mut rates[place + 3..]);
+            let turning = quaternion_rate(quaternion(&state[place + 6..]), placed.turning);
+            rates[place + 6..place + 10].copy_from_slice(&turning);
+            now.torques[member].write(&mut rates[place + 10..]);
+        }
+        for (number, (contact, condition)) in self.contacts.iter().zip(conditions).enumerate() {
+            let touch = &now.touches[number];
+            let law = &contact.law;
+            let normal_force = now.normal_forces[number];
+            let place = layout.bristle(number);
+            let bristle = Vec3::of(&state[place..]);
+            let bristle_rate = match condition.mode {
+                Mode::Stick => touch.tangential() + touch.carried(bristle),
+                Mode::Slip => {
+                    let back = slip_direction(bristle, touch) * now.slips[number];
+                    touch.tangential() + touch.carried(bristle) - back
+                }
+                Mode::Free | Mode::Clipped | Mode::Smooth => Vec3::ZERO,
+            };
+            bristle_rate.write(&mut rates[place..]);
+            let sums = layout.contact_sums(number);
+            rates[sums] = normal_force;
+            let force = touch.normal * normal_force - now.bristles[number] * law.friction_stiffness;
+            force.write(&mut rates[sums + 1..]);
+            rates[sums + 4] = match condition.mode {
+                Mode::Free => 0.0,
+                _ => {
+                    let in_normal = (normal_force - law.stiffness * touch.penetration) * touch.rate;
+                    in_normal + law.friction * normal_force * now.slips[number]
+                }
+            };
+        }
+    }
+
+    /// μ N/k_t \[m\], for a pushing contact.
+    pub fn largest_deflection(&self, number: usize, touch: &Touch) -> f64 {
+        let law = &self.contacts[number].law;
+        law.friction * self.raw_normal_force(number, touch).max(0.0) / law.friction_stiffness
+    }
+
+    /// The member with that place among all members.
+    pub fn member(&self, place: usize) -> Member {
+        match place.checked_sub(self.devices.len()) {
+            None => Member::Device(place),
+            Some(body) => Member::Body(body),
+        }
+    }
+
+    /// The quaternions of all bodies at the start.
+    pub fn orientations(&self) -> impl Iterator<Item = [f64; 4]> {
+        self.orientations.iter().copied()
+    }
+
+    /// Numbers of the free bodies among all bodies, each with its place in the state and its motion.
+    pub fn free_bodies(&self) -> impl Iterator<Item = (usize, usize, &Motion)> {
+        self.bodies
+            .iter()
+            .enumerate()
+            .filter_map(|(number, rigid)| {
+                let rigid = rigid.as_ref()?;
+                Some((number, self.layout.body(rigid.free), &rigid.motion))
+            })
+    }
+}
+
+/// A length \[m\] and a speed \[m/s\] of haptic contact, against which errors count.
+const LENGTH: f64 = 1e-3;
+const SPEED: f64 = 0.1;
+
+/// Where the bristle of a sliding contact points; one without length points along the motion.
+pub(super) fn slip_direction(bristle: Vec3, touch: &Touch) -> Vec3 {
+    bristle
+        .across(touch.normal)
+        .direction()
+        .or_else(|| touch.tangential().direction())
+        .unwrap_or(Vec3::ZERO)
+}
+
+fn placed(position: [f64; 3], orientation: [f64; 4]) -> Placed {
+    Placed {
+        position: Vec3(position),
+        rotation: Rotation::of_quaternion(orientation),
+        velocity: Vec3::ZERO,
+        turning: Vec3::ZERO,
+    }
+}
+
+pub(super) fn quaternion(state: &[f64]) -> [f64; 4] {
+    [state[0], state[1], state[2], state[3]]
+}
+
+fn angular_momentum(rotation: &Rotation, motion: &Motion, turning: Vec3) -> Vec3 {
+    let local = rotation.back(turning);
+    rotation.out(Vec3(std::array::from_fn(|i| {
+        local.0[i] * motion.inertia[i]
+    })))
+}
+
+/// R I⁻¹ Rᵀ v: the angular velocity of an angular momentum.
+fn angular_velocity(rotation: &Rotation, motion: &Motion, v: Vec3) -> Vec3 {
+    let local = rotation.back(v);
+    rotation.out(Vec3(std::array::from_fn(|i| {
+        local.0[i] / motion.inertia[i]
+    })))
+}
+
+/// Force of the hand on its device \[N\].
+pub(super) fn hand_force(device: &WorldDevice, time: f64, placed: &Placed) -> Vec3 {
+    let hand = &device.hand;
+    Vec3(std::array::from_fn(|axis| {
+        let tremor: f64 = hand.tremor[axis].iter().map(|sine| sine.value(time)).sum();
+        hand.force[axis] + tremor
+            - hand.stiffness * (placed.position.0[axis] - hand.rest[axis])
+            - hand.damping * placed.velocity.0[axis]
+    }))
+}
+
+impl Instant {
+    /// Kinetic energy of devices and free bodies \[J\].
+    pub fn kinetic_energy(&self, system: &System) -> f64 {
+        let devices = system
+            .devices
+            .iter()
+            .zip(&self.placed)
+            .map(|(device, placed)| {
+                (0..3)
+                    .map(|axis| 0.5 * device.mass[axis] * placed.velocity.0[axis].powi(2))
+                    .sum::<f64>()
+            });
+        let bodies = system.free_bodies().map(|(number, _, motion)| {
+            let placed = &self.placed[system.devices.len() + number];
+            let momentum = angular_momentum(&placed.rotation, motion, placed.turning);
+            0.5 * motion.mass * placed.velocity.dot(placed.velocity)
+                + 0.5 * momentum.dot(placed.turning)
+        });
+        devices.sum::<f64>() + bodies.sum::<f64>()
+    }
+
+    /// Sum of the contact forces on the tool of a device \[N\].
+    pub fn contact_force(&self, device: usize) -> Vec3 {
+        self.forces[device]
+    }
+
+    /// What a contact stores, K p²/2 + k_t |z|²/2 \[J\].
+    pub fn stored_energy(&self, system: &System, number: usize) -> f64 {
+        let law = &system.contacts[number].law;
+        let p = self.touches[number].penetration.max(0.0);
+        let z = self.bristles[number];
+        0.5 * law.stiffness * p * p + 0.5 * law.friction_stiffness * z.dot(z)
+    }
+}

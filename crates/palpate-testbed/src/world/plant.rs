@@ -1,0 +1,424 @@
+//! What stands on the other side of a sampled loop: the devices in their hands, between measuring and actuating.
+
+use std::collections::VecDeque;
+
+use super::contact::WorldError;
+use super::held_axis::HeldAxis;
+use super::scene::{Vector, WorldScene};
+use crate::InvalidParameter;
+use crate::actuator::{Actuator, ActuatorParams};
+use crate::device::Device;
+use crate::error::positive;
+use crate::grid::Grid;
+use crate::hold::DelayedHold;
+use crate::measure::Sampler;
+
+/// A delay within this share of a period of a whole number of periods is that number.
+const WHOLE: f64 = 1e-9;
+
+/// Timing of a loop, and its actuators.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlantParams {
+    /// Period T, finite and above 0 \[s\].
+    pub period: f64,
+    /// From a sample to the begin of the force computed from it, 0 to 1024 periods, whole or not \[s\].
+    pub delay: f64,
+    /// Gain and lag of every axis.
+    pub actuator: ActuatorParams,
+}
+
+impl PlantParams {
+    /// A loop of that period \[s\] that gives what is commanded at once.
+    #[must_use]
+    pub fn perfect(period: f64) -> Self {
+        Self {
+            period,
+            delay: 0.0,
+            actuator: ActuatorParams::default(),
+        }
+    }
+}
+
+/// The devices of a scene in a sampled loop.
+///
+/// At each sample, [`measure`](Self::measure) what the sensors say, compute a force on each tool, and
+/// [`hold`](Self::hold) it. Each axis moves exactly under the force that its actuator delivers.
+///
+/// ```
+/// use palpate_testbed::world::{PlantParams, WorldDevice, WorldHand, WorldPlant, WorldScene};
+///
+/// # fn main() -> Result<(), palpate_testbed::world::WorldError> {
+/// let device = WorldDevice {
+///     name: "tool".into(),
+///     mass: [0.25; 3],
+///     position: [0.0; 3],
+///     velocity: [0.0; 3],
+///     tool_radius: 0.01,
+///     hand: WorldHand::default(),
+///     quantum: [2e-6; 3],
+/// };
+/// let scene = WorldScene { devices: vec![device], ..WorldScene::default() };
+/// let mut plant = WorldPlant::new(&scene, PlantParams::perfect(0.001))?;
+/// for _ in 0..100 {
+///     let height = plant.measure()[0][2];
+///     plant.hold(&[[0.0, 0.0, 1.0 - 50.0 * height]]);
+/// }
+/// assert!(plant.velocities()[0][2] > 0.0);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone)]
+pub struct WorldPlant {
+    params: PlantParams,
+    /// Whole periods and the rest of the delay \[s\].
+    delay: (usize, f64),
+    devices: Vec<PlantDevice>,
+    /// Commands that do not act yet, and the one that does.
+    under_way: VecDeque<Vec<Vector>>,
+    acting: Vec<Vector>,
+    samples: usize,
+    durations: Vec<f64>,
+}
+
+#[derive(Debug, Clone)]
+struct PlantDevice {
+    axes: [HeldAxis; 3],
+    actuators: [Actuator; 3],
+    samplers: [Sampler; 3],
+    impulses: Vec<Vector>,
+}
+
+impl WorldPlant {
+    /// The devices of `scene` at t = 0, no force on their tools.
+    ///
+    /// # Errors
+    ///
+    /// A parameter of the scene or of the loop outside its range.
+    pub fn new(scene: &WorldScene, params: PlantParams) -> Result<Self, WorldError> {
+        scene.check()?;
+        let of_loop = |invalid: InvalidParameter| {
+            WorldError::Parameter(InvalidParameter {
+                name: format!("loop.{}", invalid.name),
+                value: invalid.value,
+                allowed: invalid.allowed,
+            })
+        };
+        positive("period", params.period, "finite and above 0 s").map_err(of_loop)?;
+        let actuator = Actuator::new(params.actuator).map_err(of_loop)?;
+        let delay = whole_and_rest(&params).map_err(of_loop)?;
+        let mut devices = Vec::new();
+        for (number, device) in scene.devices.iter().enumerate() {
+            let name = format!("devices[{number}]");
+            let axis = |axis| HeldAxis::new(device, axis, &name);
+            devices.push(PlantDevice {
+                axes: [axis(0)?, axis(1)?, axis(2)?],
+                actuators: [actuator; 3],
+                samplers: device.quantum.map(Sampler::Quantum),
+                impulses: Vec::new(),
+            });
+        }
+        let none = vec![[0.0; 3]; devices.len()];
+        Ok(Self {
+            params,
+            delay,
+            under_way: (0..delay.0).map(|_| none.clone()).collect(),
+            acting: none,
+            devices,
+            samples: 0,
+            durations: Vec::new(),
+        })
+    }
+
+    /// Period, delay and actuators.
+    #[must_use]
+    pub fn params(&self) -> PlantParams {
+        self.params
+    }
+
+    /// Time of this sample \[s\].
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.samples as f64 * self.params.period
+    }
+
+    /// What the sensors say now: positions, rounded to the quantum of each axis \[m\].
+    #[must_use]
+    pub fn measure(&self) -> Vec<Vector> {
+        self.each(|device, axis| device.samplers[axis].sample(device.axes[axis].position()))
+    }
+
+    /// Where the tools' centres are now \[m\].
+    #[must_use]
+    pub fn positions(&self) -> Vec<Vector> {
+        self.each(|device, axis| device.axes[axis].position())
+    }
+
+    /// How fast they move now \[m/s\].
+    #[must_use]
+    pub fn velocities(&self) -> Vec<Vector> {
+        self.each(|device, axis| device.axes[axis].velocity())
+    }
+
+    fn each(&self, value: impl Fn(&PlantDevice, usize) -> f64) -> Vec<Vector> {
+        self.devices
+            .iter()
+            .map(|device| std::array::from_fn(|axis| value(device, axis)))
+            .collect()
+    }
+
+    /// Takes the force on each tool \[N\] computed from this sample, one for each device, and moves on to the next
+    /// sample. What is missing counts as 0 N, what is too much is not looked at.
+    pub fn hold(&mut self, forces: &[Vector]) {
+        let mut commands = forces.to_vec();
+        commands.resize(self.devices.len(), [0.0; 3]);
+        self.under_way.push_back(commands);
+        let rest = self.delay.1;
+        if rest > 0.0 {
+            if self.samples == 0 {
+                self.begin_interval();
+            }
+            self.advance(rest);
+        }
+        self.acting = self.under_way.pop_front().unwrap_or_default();
+        self.begin_interval();
+        self.advance(self.params.period - rest);
+        self.samples += 1;
+    }
+
+    fn begin_interval(&mut self) {
+        self.durations.push(0.0);
+        for device in &mut self.devices {
+            device.impulses.push([0.0; 3]);
+        }
+    }
+
+    fn advance(&mut self, duration: f64) {
+        for (device, force) in self.devices.iter_mut().zip(&self.acting) {
+            let Some(impulse) = device.impulses.last_mut() else {
+                continue;
+            };
+            for axis in 0..3 {
+                // A force on the tool is the opposite of the force on the object.
+                let delivered =
+                    device.actuators[axis].drive(&mut device.axes[axis], -force[axis], duration);
+                impulse[axis] -= delivered.mean_force * duration;
+            }
+        }
+        if let Some(last) = self.durations.last_mut() {
+            *last += duration;
+        }
+    }
+
+    /// How a window of so many periods is cut: where a new command begins to act.
+    ///
+    /// # Errors
+    ///
+    /// There is a rest of delay and no period.
+    pub fn grid(&self, periods: usize) -> Result<Grid, InvalidParameter> {
+        let (period, rest) = (self.params.period, self.delay.1);
+        if rest == 0.0 {
+            return Ok(Grid::even(0.0, period, periods));
+        }
+        let mut edges = vec![0.0];
+        edges.extend((0..periods).map(|sample| sample as f64 * period + rest));
+        edges.push(periods as f64 * period);
+        Grid::cut_at(edges, period)
+    }
+
+    /// Mean force on the tool of a device \[N\] over each interval of [`grid`](Self::grid) up to now.
+    ///
+    /// # Panics
+    ///
+    /// There is no device of that number.
+    #[must_use]
+    pub fn delivered(&self, device: usize) -> Vec<Vector> {
+        self.devices[device]
+            .impulses
+            .iter()
+            .zip(&self.durations)
+            .map(|(impulse, duration)| impulse.map(|j| j / duration))
+            .collect()
+    }
+}
+
+/// The delay in whole periods and the rest \[s\].
+fn whole_and_rest(params: &PlantParams) -> Result<(usize, f64), InvalidParameter> {
+    let periods = params.delay / params.period;
+    InvalidParameter::unless(
+        (0.0..=DelayedHold::LONGEST_DELAY as f64).contains(&periods),
+        "delay",
+        params.delay,
+        "0 to 1024 periods [s]",
+    )?;
+    let near = periods.round();
+    let whole = if (periods - near).abs() < WHOLE {
+        near
+    } else {
+        periods.floor()
+    };
+    let rest = if whole == near && (periods - near).abs() < WHOLE {
+        0.0
+    } else {
+        params.delay - whole * params.period
+    };
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "between 0 and 1024"
+    )]
+    Ok((whole as usize, rest))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hand::Sinusoid;
+    use crate::world::{WorldDevice, WorldHand, WorldIdeal};
+
+    fn scene() -> WorldScene {
+        let sine = |amplitude, frequency_hz, phase| Sinusoid {
+            amplitude,
+            frequency_hz,
+            phase,
+        };
+        WorldScene {
+            devices: vec![WorldDevice {
+                name: "tool".into(),
+                mass: [0.1, 0.16, 0.25],
+                position: [0.01, -0.02, 0.05],
+                velocity: [0.1, 0.0, -0.3],
+                tool_radius: 0.005,
+                hand: WorldHand {
+                    force: [0.4, 0.0, -1.0],
+                    stiffness: 60.0,
+                    damping: 1.5,
+                    rest: [0.0, 0.01, 0.04],
+                    tremor: [
+                        vec![sine(0.1, 9.0, 0.3), sine(0.04, 15.3, -1.0)],
+                        vec![],
+                        vec![sine(0.08, 11.0, 2.0)],
+                    ],
+                },
+                quantum: [0.0, 1e-5, 2e-6],
+            }],
+            ..WorldScene::default()
+        }
+    }
+
+    #[test]
+    fn without_a_force_it_moves_as_the_ideal_does() {
+        let scene = scene();
+        let ideal = WorldIdeal::new(&scene, Grid::even(0.0, 0.01, 50)).unwrap();
+        let mut plant = WorldPlant::new(&scene, PlantParams::perfect(0.01)).unwrap();
+        for state in &ideal.states {
+            for axis in 0..3 {
+                let [x, u] = [plant.positions()[0][axis], plant.velocities()[0][axis]];
+                assert!((x - state.devices[0].position[axis]).abs() < 1e-11);
+                assert!((u - state.devices[0].velocity[axis]).abs() < 1e-9);
+            }
+            plant.hold(&[[0.0; 3]]);
+        }
+    }
+
+    #[test]
+    fn a_held_force_is_a_constant_one_on_the_tool() {
+        let mut pushed = scene();
+        pushed.devices[0].hand.force = [1.4, 0.5, -3.0];
+        let ideal = WorldIdeal::new(&pushed, Grid::even(0.0, 0.01, 20)).unwrap();
+        let mut plant = WorldPlant::new(&scene(), PlantParams::perfect(0.01)).unwrap();
+        for _ in 0..20 {
+            plant.hold(&[[1.0, 0.5, -2.0]]);
+        }
+        let last = &ideal.states[20].devices[0];
+        for axis in 0..3 {
+            assert!((plant.positions()[0][axis] - last.position[axis]).abs() < 1e-11);
+        }
+        for mean in plant.delivered(0) {
+            for (mean, held) in mean.iter().zip([1.0, 0.5, -2.0]) {
+                assert!((mean - held).abs() < 1e-13);
+            }
+        }
+    }
+
+    #[test]
+    fn sensors_round_each_axis_to_its_own_quantum() {
+        let mut scene = scene();
+        scene.devices[0].position = [0.012_345_678_9; 3];
+        let plant = WorldPlant::new(&scene, PlantParams::perfect(0.01)).unwrap();
+        let [x, y, z] = plant.measure()[0];
+        assert_eq!(x, plant.positions()[0][0]);
+        assert!((y - 0.01235).abs() < 1e-12 && (z - 0.012_346).abs() < 1e-12);
+    }
+
+    #[test]
+    fn commands_act_after_the_delay_on_the_grid_that_it_cuts() {
+        let commands = [3.0, -1.0, 2.0, 5.0];
+        for (delay, means) in [
+            (0.0, vec![3.0, -1.0, 2.0, 5.0]),
+            (0.02, vec![0.0, 0.0, 3.0, -1.0]),
+            (0.004, vec![0.0, 3.0, -1.0, 2.0, 5.0]),
+            (0.013, vec![0.0, 0.0, 3.0, -1.0, 2.0]),
+        ] {
+            let params = PlantParams {
+                delay,
+                ..PlantParams::perfect(0.01)
+            };
+            let mut plant = WorldPlant::new(&scene(), params).unwrap();
+            for command in commands {
+                plant.hold(&[[command, 0.0, 0.0]]);
+            }
+            let grid = plant.grid(4).unwrap();
+            let delivered = plant.delivered(0);
+            assert_eq!(delivered.len(), grid.intervals(), "{delay} s");
+            assert!((grid.end() - plant.time()).abs() < 1e-15);
+            for (given, mean) in delivered.iter().zip(&means) {
+                assert!((given[0] - mean).abs() < 1e-12, "{delay} s: {delivered:?}");
+            }
+        }
+        let params = PlantParams {
+            delay: 0.004,
+            ..PlantParams::perfect(0.01)
+        };
+        let plant = WorldPlant::new(&scene(), params).unwrap();
+        assert!((plant.grid(4).unwrap().edge(2) - 0.014).abs() < 1e-15);
+    }
+
+    #[test]
+    fn an_actuator_with_gain_and_lag_gives_less_and_later() {
+        let params = PlantParams {
+            actuator: ActuatorParams {
+                gain: 0.8,
+                lag: 0.003,
+            },
+            ..PlantParams::perfect(0.01)
+        };
+        let mut plant = WorldPlant::new(&scene(), params).unwrap();
+        plant.hold(&[[1.0, 0.0, 0.0]]);
+        let settling: f64 = 0.003 * (1.0 - (-10.0_f64 / 3.0).exp());
+        let expected = 0.8 * (1.0 - settling / 0.01);
+        assert!((plant.delivered(0)[0][0] - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        let refused = |params| WorldPlant::new(&scene(), params).unwrap_err().to_string();
+        let message = refused(PlantParams {
+            delay: -0.1,
+            ..PlantParams::perfect(0.01)
+        });
+        assert_eq!(
+            message,
+            "loop.delay = -0.1 is not allowed; allowed: 0 to 1024 periods [s]"
+        );
+        assert!(refused(PlantParams::perfect(0.0)).contains("loop.period = 0"));
+        let mut scene = scene();
+        let hand = &mut scene.devices[0].hand;
+        (hand.damping, hand.stiffness) = (0.0, 0.1 * (std::f64::consts::TAU * 9.0).powi(2));
+        let message = WorldPlant::new(&scene, PlantParams::perfect(0.01)).unwrap_err();
+        assert!(
+            message
+                .to_string()
+                .starts_with("devices[0].hand.tremor = 9")
+        );
+    }
+}

@@ -1,0 +1,370 @@
+//! What is judged in: devices with their hands and tools, bodies, and the laws of their contacts.
+
+use crate::InvalidParameter;
+use crate::error::{finite, positive};
+use crate::hand::Sinusoid;
+
+/// Three numbers along the axes of the world's frame, for instance a position \[m\] or a force \[N\].
+pub type Vector = [f64; 3];
+
+/// A device in three axes, the hand that holds it, and the tool that it moves.
+///
+/// Along each axis m x″ = f + F − k (x − x_rest) − b x′ + Σ tremor, with the contact force f on the
+/// tool.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WorldDevice {
+    /// Name, for messages.
+    pub name: String,
+    /// Moved mass m along each axis, finite and above 0 \[kg\].
+    pub mass: Vector,
+    /// Position of the tool's centre at t = 0 \[m\].
+    pub position: Vector,
+    /// Velocity at t = 0 \[m/s\].
+    pub velocity: Vector,
+    /// Radius of the tool, a sphere; 0 for a point \[m\].
+    pub tool_radius: f64,
+    /// The hand.
+    pub hand: WorldHand,
+    /// Quantum of the position sensor along each axis, 0 for a perfect one \[m\].
+    pub quantum: Vector,
+}
+
+/// A hand in three axes: a force, a spring and a damper.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct WorldHand {
+    /// Constant force F \[N\].
+    pub force: Vector,
+    /// Stiffness k, at least 0 \[N/m\].
+    pub stiffness: f64,
+    /// Damping b, at least 0 \[N s/m\].
+    pub damping: f64,
+    /// Where the spring is relaxed \[m\].
+    pub rest: Vector,
+    /// Tremor forces along each axis, their amplitudes in \[N\]; they add up.
+    pub tremor: [Vec<Sinusoid>; 3],
+}
+
+/// A rigid body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WorldBody {
+    /// Name, for messages.
+    pub name: String,
+    /// Shape in the body's own axes, about its centre of mass.
+    pub shape: Shape,
+    /// Centre of mass at t = 0 \[m\].
+    pub position: Vector,
+    /// Unit quaternion \[w, x, y, z\] from the body's axes to the world's at t = 0.
+    pub orientation: [f64; 4],
+    /// How it moves; `None` if it is fixed.
+    pub motion: Option<Motion>,
+}
+
+/// Mass, start and force of a body that moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Motion {
+    /// Mass, finite and above 0 \[kg\].
+    pub mass: f64,
+    /// Moments of inertia about the centre of mass along the body's axes, finite and above 0 \[kg m²\].
+    pub inertia: Vector,
+    /// Velocity of the centre of mass at t = 0 \[m/s\].
+    pub velocity: Vector,
+    /// Angular velocity at t = 0, in world axes \[rad/s\].
+    pub angular_velocity: Vector,
+    /// Constant force at the centre of mass \[N\].
+    pub force: Vector,
+}
+
+impl Motion {
+    /// A body of that mass \[kg\] at rest, whose `shape` it fills evenly. No force but those of contacts pulls
+    /// at it.
+    #[must_use]
+    pub fn of(shape: &Shape, mass: f64) -> Self {
+        Self {
+            mass,
+            inertia: shape.inertia(mass),
+            velocity: [0.0; 3],
+            angular_velocity: [0.0; 3],
+            force: [0.0; 3],
+        }
+    }
+
+    /// The same body under a constant force \[N\].
+    #[must_use]
+    pub fn pulled_by(self, force: Vector) -> Self {
+        Self { force, ..self }
+    }
+}
+
+/// The shape of a body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shape {
+    /// All points within a radius, above 0 \[m\].
+    Sphere {
+        /// Radius \[m\].
+        radius: f64,
+    },
+    /// All points x with normal · x ≤ offset in world axes; for a fixed body, whose pose is of no account.
+    HalfSpace {
+        /// Unit vector out of the solid.
+        normal: Vector,
+        /// Where the surface is along the normal \[m\].
+        offset: f64,
+    },
+    /// A block along the body's axes.
+    Box {
+        /// Half of its length along each axis, above 0 \[m\].
+        half_extents: Vector,
+    },
+    /// All points within a radius of a segment along the body's z axis.
+    Capsule {
+        /// Radius, above 0 \[m\].
+        radius: f64,
+        /// Half of the segment's length, above 0 \[m\].
+        half_length: f64,
+    },
+    /// A cylinder along the body's z axis.
+    Cylinder {
+        /// Radius, above 0 \[m\].
+        radius: f64,
+        /// Half of its length, above 0 \[m\].
+        half_length: f64,
+    },
+}
+
+impl Shape {
+    /// Moments of inertia \[kg m²\] about the centre along the body's axes, if `mass` \[kg\] fills it evenly;
+    /// infinite for a half-space, which has to be fixed.
+    #[must_use]
+    pub fn inertia(&self, mass: f64) -> Vector {
+        match *self {
+            Self::Sphere { radius } => [0.4 * mass * radius * radius; 3],
+            Self::HalfSpace { .. } => [f64::INFINITY; 3],
+            Self::Box {
+                half_extents: [a, b, c],
+            } => [b * b + c * c, a * a + c * c, a * a + b * b].map(|sum| mass * sum / 3.0),
+            Self::Cylinder {
+                radius,
+                half_length,
+            } => {
+                let across = mass * (radius * radius / 4.0 + half_length * half_length / 3.0);
+                [across, across, 0.5 * mass * radius * radius]
+            }
+            Self::Capsule {
+                radius: r,
+                half_length: h,
+            } => {
+                // Volumes over π r²: the cylinder 2 h, both ends together 4 r/3.
+                let cylinder = mass * 2.0 * h / (2.0 * h + 4.0 * r / 3.0);
+                let ends = mass - cylinder;
+                let across = cylinder * (r * r / 4.0 + h * h / 3.0)
+                    + ends * (0.4 * r * r + h * h + 0.75 * h * r);
+                [across, across, 0.5 * cylinder * r * r + 0.4 * ends * r * r]
+            }
+        }
+    }
+}
+
+/// The law of a contact with penetration p and its rate p′: N = max(0, K p + B p′) while p > 0; friction is a
+/// bristle of stiffness k_t whose deflection is cut to μ N/k_t.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactLaw {
+    /// K, above 0 \[N/m\].
+    pub stiffness: f64,
+    /// B, at least 0 \[N s/m\].
+    pub damping: f64,
+    /// μ, at least 0.
+    pub friction: f64,
+    /// k_t, above 0 \[N/m\].
+    pub friction_stiffness: f64,
+}
+
+impl ContactLaw {
+    /// A spring of that stiffness \[N/m\] without damping and friction.
+    #[must_use]
+    pub fn spring(stiffness: f64) -> Self {
+        Self {
+            stiffness,
+            damping: 0.0,
+            friction: 0.0,
+            friction_stiffness: stiffness,
+        }
+    }
+
+    /// The same law with damping \[N s/m\].
+    #[must_use]
+    pub fn damped(self, damping: f64) -> Self {
+        Self { damping, ..self }
+    }
+
+    /// The same law with friction of a coefficient and a bristle's stiffness \[N/m\].
+    #[must_use]
+    pub fn rough(self, friction: f64, friction_stiffness: f64) -> Self {
+        Self {
+            friction,
+            friction_stiffness,
+            ..self
+        }
+    }
+}
+
+/// One side of a contact, by its number from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Member {
+    /// The tool of a device.
+    Device(usize),
+    /// A body.
+    Body(usize),
+}
+
+/// Two that touch, and their law. The order of the two is of no account.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pair {
+    /// The two.
+    pub between: [Member; 2],
+    /// The law.
+    pub law: ContactLaw,
+}
+
+/// Devices, bodies and the pairs that touch; a pair that is not listed does not.
+///
+/// All of it is in world axes and SI units. Forces on a tool are what its device gives to the hand.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct WorldScene {
+    /// The devices.
+    pub devices: Vec<WorldDevice>,
+    /// The bodies.
+    pub bodies: Vec<WorldBody>,
+    /// The pairs.
+    pub pairs: Vec<Pair>,
+}
+
+/// A parameter of a scene outside its range; its name says of which device, body or pair, for instance
+/// `bodies[1].motion.mass`.
+pub type InvalidScene = InvalidParameter<String>;
+
+impl WorldScene {
+    /// Checks every number; which pairs can touch is checked with the pairs.
+    ///
+    /// # Errors
+    ///
+    /// The first parameter outside its range.
+    pub(super) fn check(&self) -> Result<(), InvalidScene> {
+        for (number, device) in self.devices.iter().enumerate() {
+            device.check(&format!("devices[{number}]"))?;
+        }
+        for (number, body) in self.bodies.iter().enumerate() {
+            body.check(&format!("bodies[{number}]"))?;
+        }
+        for (number, pair) in self.pairs.iter().enumerate() {
+            pair.check(&format!("pairs[{number}]"), self)?;
+        }
+        Ok(())
+    }
+}
+
+const NOT_NEGATIVE: &str = "finite and at least 0";
+const ABOVE_ZERO: &str = "finite and above 0";
+/// How far the length of a unit vector may be from 1.
+const LENGTH_TOLERANCE: f64 = 1e-6;
+
+fn all_finite(name: &str, values: &[f64]) -> Result<(), InvalidScene> {
+    values
+        .iter()
+        .try_for_each(|value| finite(name.to_owned(), *value, "finite").map(|_| ()))
+}
+
+fn above_zero(name: &str, values: &[f64]) -> Result<(), InvalidScene> {
+    values
+        .iter()
+        .try_for_each(|value| positive(name.to_owned(), *value, ABOVE_ZERO).map(|_| ()))
+}
+
+fn not_negative(name: &str, values: &[f64]) -> Result<(), InvalidScene> {
+    values.iter().try_for_each(|&value| {
+        let holds = value.is_finite() && value >= 0.0;
+        InvalidParameter::unless(holds, name.to_owned(), value, NOT_NEGATIVE).map(|_| ())
+    })
+}
+
+fn unit_length(name: &str, values: &[f64]) -> Result<(), InvalidScene> {
+    let length = values.iter().map(|value| value * value).sum::<f64>().sqrt();
+    let holds = (length - 1.0).abs() < LENGTH_TOLERANCE;
+    InvalidParameter::unless(holds, name.to_owned(), length, "a vector of length 1").map(|_| ())
+}
+
+impl WorldDevice {
+    fn check(&self, name: &str) -> Result<(), InvalidScene> {
+        above_zero(&format!("{name}.mass"), &self.mass)?;
+        all_finite(&format!("{name}.position"), &self.position)?;
+        all_finite(&format!("{name}.velocity"), &self.velocity)?;
+        not_negative(&format!("{name}.tool_radius"), &[self.tool_radius])?;
+        not_negative(&format!("{name}.quantum"), &self.quantum)?;
+        let hand = &self.hand;
+        all_finite(&format!("{name}.hand.force"), &hand.force)?;
+        not_negative(&format!("{name}.hand.stiffness"), &[hand.stiffness])?;
+        not_negative(&format!("{name}.hand.damping"), &[hand.damping])?;
+        all_finite(&format!("{name}.hand.rest"), &hand.rest)?;
+        for sine in hand.tremor.iter().flatten() {
+            let name = format!("{name}.hand.tremor");
+            all_finite(&name, &[sine.amplitude, sine.phase])?;
+            above_zero(&name, &[sine.frequency_hz])?;
+        }
+        Ok(())
+    }
+}
+
+impl WorldBody {
+    fn check(&self, name: &str) -> Result<(), InvalidScene> {
+        let shape = format!("{name}.shape");
+        match self.shape {
+            Shape::Sphere { radius } => above_zero(&shape, &[radius])?,
+            Shape::HalfSpace { normal, offset } => {
+                unit_length(&shape, &normal)?;
+                all_finite(&shape, &[offset])?;
+            }
+            Shape::Box { half_extents } => above_zero(&shape, &half_extents)?,
+            Shape::Capsule {
+                radius,
+                half_length,
+            }
+            | Shape::Cylinder {
+                radius,
+                half_length,
+            } => above_zero(&shape, &[radius, half_length])?,
+        }
+        all_finite(&format!("{name}.position"), &self.position)?;
+        unit_length(&format!("{name}.orientation"), &self.orientation)?;
+        let Some(motion) = &self.motion else {
+            return Ok(());
+        };
+        above_zero(&format!("{name}.motion.mass"), &[motion.mass])?;
+        above_zero(&format!("{name}.motion.inertia"), &motion.inertia)?;
+        all_finite(&format!("{name}.motion.velocity"), &motion.velocity)?;
+        let turning = format!("{name}.motion.angular_velocity");
+        all_finite(&turning, &motion.angular_velocity)?;
+        all_finite(&format!("{name}.motion.force"), &motion.force)
+    }
+}
+
+impl Pair {
+    fn check(&self, name: &str, scene: &WorldScene) -> Result<(), InvalidScene> {
+        for member in self.between {
+            let (number, count) = match member {
+                Member::Device(number) => (number, scene.devices.len()),
+                Member::Body(number) => (number, scene.bodies.len()),
+            };
+            InvalidParameter::unless(
+                number < count,
+                format!("{name}.between"),
+                number as f64,
+                "the number of a device or body of the scene, from 0",
+            )?;
+        }
+        let law = &self.law;
+        above_zero(&format!("{name}.law.stiffness"), &[law.stiffness])?;
+        not_negative(&format!("{name}.law.damping"), &[law.damping])?;
+        not_negative(&format!("{name}.law.friction"), &[law.friction])?;
+        let bristle = format!("{name}.law.friction_stiffness");
+        above_zero(&bristle, &[law.friction_stiffness])
+    }
+}

@@ -1,0 +1,86 @@
+//! The ideal against itself: whether a scene has a motion that can be computed.
+//!
+//! Where contacts follow each other, a small difference grows with each. After enough of them the ideal says
+//! more about the round-off of its computation than about the scene, and nothing can be judged by it.
+
+use super::contact::WorldError;
+use super::ideal::{TOLERANCE, WorldIdeal};
+use super::scene::WorldScene;
+use crate::grid::Grid;
+
+/// Largest E of the ideal against itself \[%\].
+pub const LARGEST_ERROR: f64 = 0.01;
+
+/// The local error of the other solution, over [`TOLERANCE`]: steps about four times as long.
+const COARSER: f64 = 1000.0;
+
+/// An ideal that has been computed twice, with steps of about one and four lengths.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CheckedIdeal {
+    /// The finer one, over the part of the window for which both agree.
+    pub ideal: WorldIdeal,
+    /// Mean-force error E of the coarser one against it, over that part \[%\]; below [`LARGEST_ERROR`]. All
+    /// devices and axes together, in the norm of the devices' mobility.
+    pub error: f64,
+    /// Time from which on they do not agree \[s\]; `None` if they do so for the whole window.
+    pub chaotic_from: Option<f64>,
+}
+
+impl CheckedIdeal {
+    /// Solves `scene` over the window of `grid`, and again with longer steps. Where the two part, the scene is
+    /// chaotic and the window is shortened.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`WorldIdeal::new`], or the two part in the first interval.
+    pub fn new(scene: &WorldScene, grid: Grid) -> Result<Self, WorldError> {
+        let ideal = WorldIdeal::new(scene, grid.clone())?;
+        let other = WorldIdeal::with_tolerance(scene, grid, COARSER * TOLERANCE)?;
+        let errors = errors(scene, &ideal, &other);
+        let agree = errors
+            .iter()
+            .position(|error| *error >= LARGEST_ERROR)
+            .unwrap_or(errors.len());
+        if agree == errors.len() {
+            return Ok(Self {
+                error: errors.last().copied().unwrap_or(0.0),
+                ideal,
+                chaotic_from: None,
+            });
+        }
+        let time = ideal.grid.edge(agree);
+        if agree == 0 {
+            return Err(WorldError::Chaotic { time });
+        }
+        let ideal = WorldIdeal::new(scene, ideal.grid.shortened(agree))?;
+        Ok(Self {
+            ideal,
+            error: errors[agree - 1],
+            chaotic_from: Some(time),
+        })
+    }
+}
+
+/// E \[%\] of one solution against the other over the first interval, the first two, and so on.
+fn errors(scene: &WorldScene, ideal: &WorldIdeal, other: &WorldIdeal) -> Vec<f64> {
+    let (mut of_ideal, mut apart) = (0.0, 0.0);
+    (0..ideal.grid.intervals())
+        .map(|interval| {
+            let duration = ideal.grid.duration(interval);
+            for (number, device) in scene.devices.iter().enumerate() {
+                let [one, two] = [ideal, other].map(|ideal| &ideal.devices[number]);
+                for axis in 0..3 {
+                    let mobility = 1.0 / device.mass[axis];
+                    let difference = one.impulses[interval][axis] - two.impulses[interval][axis];
+                    apart += mobility * difference * difference / duration;
+                    of_ideal += mobility * one.squares[interval][axis];
+                }
+            }
+            if apart == 0.0 {
+                0.0
+            } else {
+                100.0 * (apart / of_ideal).sqrt()
+            }
+        })
+        .collect()
+}

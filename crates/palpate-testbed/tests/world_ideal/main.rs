@@ -1,0 +1,65 @@
+//! The ideal of worlds against closed forms, laws of conservation and the one-dimensional ideals.
+#![allow(clippy::print_stdout)] // what was measured
+
+mod chaos;
+mod closed_forms;
+mod conservation;
+mod friction;
+mod one_dimension;
+
+use palpate_testbed::grid::Grid;
+use palpate_testbed::world::{
+    ContactLaw, Member, Motion, Pair, Shape, Vector, WorldBody, WorldDevice, WorldHand, WorldIdeal,
+    WorldScene,
+};
+
+const NOT_TURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
+
+/// A device with a point as its tool, without a hand, at rest.
+fn device(mass: f64, position: Vector) -> WorldDevice {
+    WorldDevice {
+        name: "tool".into(),
+        mass: [mass; 3],
+        position,
+        velocity: [0.0; 3],
+        tool_radius: 0.0,
+        hand: WorldHand::default(),
+        quantum: [0.0; 3],
+    }
+}
+
+fn half_space(normal: Vector, offset: f64) -> WorldBody {
+    WorldBody {
+        name: "plane".into(),
+        shape: Shape::HalfSpace { normal, offset },
+        position: [0.0; 3],
+        orientation: NOT_TURNED,
+        motion: None,
+    }
+}
+
+/// A free body at rest.
+fn body(shape: Shape, mass: f64, position: Vector) -> WorldBody {
+    WorldBody {
+        name: "body".into(),
+        shape,
+        position,
+        orientation: NOT_TURNED,
+        motion: Some(Motion::of(&shape, mass)),
+    }
+}
+
+fn motion(body: &mut WorldBody) -> &mut Motion {
+    body.motion.as_mut().unwrap()
+}
+
+fn pair(one: Member, other: Member, law: ContactLaw) -> Pair {
+    Pair {
+        between: [one, other],
+        law,
+    }
+}
+
+fn solve(scene: &WorldScene, period: f64, intervals: usize) -> WorldIdeal {
+    WorldIdeal::new(scene, Grid::even(0.0, period, intervals)).unwrap()
+}

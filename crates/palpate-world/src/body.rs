@@ -1,0 +1,118 @@
+//! What there is in a world: the tools of the devices, and bodies.
+
+use crate::{NOT_TURNED, Quaternion, Shape, Vector};
+
+/// What a device moves through the world. Where it is, the device measures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tool {
+    /// Its name, by which contacts call it.
+    pub name: String,
+    /// Its shape, in its own axes.
+    pub shape: Shape,
+}
+
+impl Tool {
+    /// A tool of that name and shape.
+    #[must_use]
+    pub fn new(name: impl Into<String>, shape: Shape) -> Self {
+        Self {
+            name: name.into(),
+            shape,
+        }
+    }
+}
+
+/// A body of the world.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// Its name, by which contacts call it.
+    pub name: String,
+    /// Its shape, in its own axes, about its centre of mass.
+    pub shape: Shape,
+    /// Where its centre of mass is at the start `[m]`.
+    pub position: Vector,
+    /// How it is turned at the start.
+    pub orientation: Quaternion,
+    /// Whether it moves, and how at the start.
+    pub motion: Motion,
+}
+
+impl Body {
+    /// A body at the origin that is not turned.
+    #[must_use]
+    pub fn new(name: impl Into<String>, shape: Shape, motion: Motion) -> Self {
+        Self {
+            name: name.into(),
+            shape,
+            position: [0.0; 3],
+            orientation: NOT_TURNED,
+            motion,
+        }
+    }
+
+    /// The same body with its centre of mass at `position` `[m]`.
+    #[must_use]
+    pub fn at(self, position: Vector) -> Self {
+        Self { position, ..self }
+    }
+
+    /// The same body, turned.
+    #[must_use]
+    pub fn turned(self, orientation: Quaternion) -> Self {
+        Self {
+            orientation,
+            ..self
+        }
+    }
+}
+
+/// Whether a body moves.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Motion {
+    /// It stays where it is.
+    Fixed,
+    /// It moves as forces tell it.
+    Free(Free),
+}
+
+/// A body that moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Free {
+    /// Mass, above 0 `[kg]`.
+    pub mass: f64,
+    /// Moments of inertia about the centre of mass along the body's own axes, each above 0 `[kg m^2]`.
+    /// `None`: of the shape, filled evenly.
+    pub inertia: Option<Vector>,
+    /// Velocity of the centre of mass at the start `[m/s]`.
+    pub velocity: Vector,
+    /// Angular velocity at the start, along the world's axes `[rad/s]`.
+    pub angular_velocity: Vector,
+    /// A constant force at the centre of mass, its weight for instance `[N]`.
+    pub force: Vector,
+}
+
+impl Free {
+    /// A body of that mass `[kg]` at rest, which no force but those of contacts pulls at.
+    #[must_use]
+    pub fn of_mass(mass: f64) -> Self {
+        Self {
+            mass,
+            inertia: None,
+            velocity: [0.0; 3],
+            angular_velocity: [0.0; 3],
+            force: [0.0; 3],
+        }
+    }
+
+    /// The same body with a constant force at its centre of mass `[N]`.
+    #[must_use]
+    pub fn pulled_by(self, force: Vector) -> Self {
+        Self { force, ..self }
+    }
+
+    /// The same body with that velocity at the start `[m/s]`.
+    #[must_use]
+    pub fn moving(self, velocity: Vector) -> Self {
+        Self { velocity, ..self }
+    }
+}

@@ -1,0 +1,88 @@
+//! The books of a world's energy.
+
+/// Energy at the contact of a pair, over all intervals that have ended `[J]`.
+///
+/// ```text
+/// stored = stored at the start + observed - work - dissipated + step_error
+/// leak   = held - work_on_avatar
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactBook {
+    /// K p^2/2 + k_t |z|^2/2 at the last sample.
+    pub stored: f64,
+    /// What damping and friction took: never falls.
+    pub dissipated: f64,
+    /// Work of the contact on both of its sides.
+    pub work: f64,
+    /// W_c: work of the contact on the tool's avatar, if one of its sides is a tool.
+    pub work_on_avatar: f64,
+    /// Work of the contact's mean force on the device itself.
+    pub held: f64,
+    /// What the stored energy changed by because a sample put the avatar to another place than it was expected at.
+    pub observed: f64,
+    /// What finite sub-steps have made (positive) or lost.
+    pub step_error: f64,
+}
+
+impl ContactBook {
+    /// Energy that holding the mean of the force has given to the hand beyond the contact's own work `[J]`.
+    #[must_use]
+    pub fn leak(&self) -> f64 {
+        self.held - self.work_on_avatar
+    }
+}
+
+/// Energy of a body, over all intervals that have ended `[J]`.
+///
+/// ```text
+/// kinetic + potential = the same at the start + work + outside + step_error
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BodyBook {
+    /// Kinetic energy at the last sample.
+    pub kinetic: f64,
+    /// Less the work of its constant force since the start.
+    pub potential: f64,
+    /// Work of the contacts on it.
+    pub work: f64,
+    /// What changed it from outside: waiting for a sample that can be used.
+    pub outside: f64,
+    /// What finite sub-steps have made (positive) or lost.
+    pub step_error: f64,
+}
+
+/// Energy at the port of a device, over all intervals that have ended `[J]`. Positive: to the hand.
+///
+/// ```text
+/// port_work            = held + unforeseen
+/// held - work on avatar = offset - velocity_offset + unpaid      the contacts' leaks, where a force moves the device
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DeviceBook {
+    /// Work of the force that was held on the device as it was measured.
+    pub port_work: f64,
+    /// Sum of the contacts' [`ContactBook::held`].
+    pub held: f64,
+    /// What the port's work differs by: the force that was held less the mean of the contacts as it was then known
+    /// to be, and the device's path by its samples less that by the observer.
+    pub unforeseen: f64,
+    /// Work of the hand on the avatar less that on the device: F_u times the offset where F_u is constant.
+    pub offset: f64,
+    /// By how much more kinetic energy the avatar has gained than the device.
+    pub velocity_offset: f64,
+    /// Work that the contacts' mean force does on the device and the force that was asked for does not.
+    pub unpaid: f64,
+    /// Work of the hand on the offset as it went back to zero, while nothing touched the tool.
+    pub walked_back: f64,
+}
+
+/// The books of a world.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Books {
+    /// Of each pair with a law that can touch, in the order of [`WorldState::contacts`](crate::WorldState::contacts).
+    pub contacts: Vec<ContactBook>,
+    /// Of each body, in the world's order; zero for fixed ones.
+    pub bodies: Vec<BodyBook>,
+    /// Of each device, in the order of the tools.
+    pub devices: Vec<DeviceBook>,
+}

@@ -1,0 +1,168 @@
+//! One interval of a world: bounded work, and finer where a contact changes its mode.
+
+use crate::moving::Moving;
+use crate::pairs::Point;
+use crate::rigid::Vector3;
+
+/// How finely an interval is integrated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SubSteps {
+    /// Least number in an interval.
+    pub least: u32,
+    /// Most, before any is refined.
+    pub most: u32,
+    /// Phase of the fastest contact that one may have, where the number allows it `[rad]`.
+    pub phase: f64,
+    /// How many finer ones replace one in which a contact begins, ends, sticks or slides.
+    pub finer: u32,
+    /// How many of an interval may be replaced.
+    pub refined: u32,
+}
+
+impl Default for SubSteps {
+    /// 16 to 64, 0.03 rad; up to 4 of them 32 times finer: 188 at most.
+    fn default() -> Self {
+        Self {
+            least: 16,
+            most: 64,
+            phase: 0.03,
+            finer: 32,
+            refined: 4,
+        }
+    }
+}
+
+/// What the integration of intervals has cost, and what it left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Sub-steps taken, with those that were replaced.
+    pub sub_steps: u32,
+    /// Sub-steps that were replaced by finer ones.
+    pub refined: u32,
+    /// Sub-steps in which a contact changed its mode and that were not refined, because
+    /// [`SubSteps::refined`] others were.
+    pub unrefined: u32,
+    /// Whether the fastest contact asked for more than [`SubSteps::most`].
+    pub too_fast: bool,
+}
+
+impl Effort {
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self {
+            sub_steps: self.sub_steps + other.sub_steps,
+            refined: self.refined + other.refined,
+            unrefined: self.unrefined + other.unrefined,
+            too_fast: self.too_fast || other.too_fast,
+        }
+    }
+}
+
+/// Integrates `moving` over `h` `[s]`, from contacts that were looked at. `before` is overwritten.
+pub(crate) fn advance(
+    moving: &mut Moving,
+    before: &mut Moving,
+    points: &[Point],
+    sub_steps: &SubSteps,
+    h: f64,
+) -> Effort {
+    let mut effort = Effort::default();
+    let asked = fastest(moving, points, h) * h / sub_steps.phase;
+    let count = if asked <= f64::from(sub_steps.least) {
+        sub_steps.least
+    } else if asked < f64::from(sub_steps.most) {
+        whole(asked.ceil())
+    } else {
+        effort.too_fast = asked > f64::from(sub_steps.most);
+        sub_steps.most
+    };
+    let step = h / f64::from(count);
+    for _ in 0..count {
+        before.copy_from(moving);
+        moving.sub_step(points, step);
+        effort.sub_steps += 1;
+        if !moving.changed_from(before) {
+            continue;
+        }
+        if effort.refined == sub_steps.refined {
+            effort.unrefined += 1;
+            continue;
+        }
+        effort.refined += 1;
+        moving.copy_from(before);
+        let finer = step / f64::from(sub_steps.finer);
+        for _ in 0..sub_steps.finer {
+            moving.sub_step(points, finer);
+        }
+        effort.sub_steps += sub_steps.finer;
+    }
+    effort
+}
+
+/// A count that is known to be one.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "it lies between two numbers of that type"
+)]
+fn whole(count: f64) -> u32 {
+    count as u32
+}
+
+/// Material damping of this rate `[1/s]` counts as a frequency of 1 rad/s.
+const DAMPING_PER_FREQUENCY: f64 = 2.0;
+
+/// A bound of the largest angular frequency among the contacts that touch, or may within `h` `[s]` `[rad/s]`: over a
+/// contact's two sides, the sum of the stiffness times mobility of all contacts there.
+fn fastest(moving: &Moving, points: &[Point], h: f64) -> f64 {
+    let mut most_square: f64 = 0.0;
+    let mut most_damping: f64 = 0.0;
+    let is_near = |number: usize, point: &Point| {
+        if !moving.touches[number].is_apart() {
+            return true;
+        }
+        let (first, second) = (&moving.parts[point.first], &moving.parts[point.second]);
+        let centre = point.centre_of(&first.rigid);
+        let distance = point.solid.nearest(&second.rigid, &centre).distance;
+        let relative: Vector3 = first.rigid.velocity - second.rigid.velocity;
+        let pushed = (first.drive.acceleration - second.drive.acceleration).norm();
+        let turns = first.twist.turning.norm() * point.centre.norm();
+        distance - point.radius < (relative.norm() + turns + pushed * h) * 2.0 * h
+    };
+    let mut near = 0_u64;
+    for (number, point) in points.iter().enumerate() {
+        if is_near(number, point) {
+            near |= 1 << number;
+        }
+    }
+    // MOST_POINTS is the number of bits.
+    let nearby = || (0..points.len()).filter(|number| near >> number & 1 == 1);
+    for number in nearby() {
+        let point = &points[number];
+        let (mut square, mut damping) = (0.0, 0.0);
+        for side in [point.first, point.second] {
+            let mobility = moving.parts[side].mobility.linear.max();
+            for other in nearby().map(|other| &points[other]) {
+                let lever = if other.first == side {
+                    0
+                } else if other.second == side {
+                    1
+                } else {
+                    continue;
+                };
+                let law = &other.law;
+                let along = mobility + other.along[lever];
+                let across = mobility + other.across[lever];
+                let tangential = if law.friction > 0.0 {
+                    law.friction_stiffness * across
+                } else {
+                    0.0
+                };
+                square += (law.stiffness * along).max(tangential);
+                damping += law.damping * along;
+            }
+        }
+        most_square = most_square.max(square);
+        most_damping = most_damping.max(damping);
+    }
+    most_square.sqrt().max(most_damping / DAMPING_PER_FREQUENCY)
+}

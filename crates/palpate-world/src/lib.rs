@@ -1,0 +1,54 @@
+#![doc = include_str!("../README.md")]
+//!
+//! # Frames and signs
+//!
+//! Everything is in one frame, the world's, in SI units. A half-space is solid on the side that its normal points
+//! away from. A contact pushes two bodies apart; the force on a tool is what its device gives to the hand.
+
+mod body;
+mod books;
+mod commands;
+mod contact;
+mod fault;
+mod inertia;
+mod interval;
+mod law;
+mod method;
+mod moving;
+mod observer;
+mod pairs;
+mod params;
+mod part;
+mod passed;
+mod renderer;
+mod rigid;
+mod sample;
+mod shape;
+mod solid;
+mod state;
+mod tracking;
+mod world;
+
+pub use body::{Body, Free, Motion, Tool};
+pub use books::{BodyBook, Books, ContactBook, DeviceBook};
+pub use contact::{Contact, ContactLaw, Party};
+pub use fault::{Place, WorldError};
+pub use interval::{Effort, SubSteps};
+pub use law::Mode;
+pub use method::{BasicParams, CoupledParams, WorldMethod};
+pub use observer::Prior;
+pub use pairs::{MOST_POINTS, Side};
+pub use params::WorldLoop;
+pub use renderer::WorldRenderer;
+pub use sample::{Limited, Output, Sample, WorldFault};
+pub use shape::Shape;
+pub use state::{BodyState, ContactState, ToolState, WorldState};
+pub use world::World;
+
+/// Three numbers along the axes of the world's frame, for instance a position `[m]` or a force `[N]`.
+pub type Vector = [f64; 3];
+/// A unit quaternion `[w, x, y, z]` `[1]` that turns a body's own axes into those of the world.
+pub type Quaternion = [f64; 4];
+
+/// The quaternion of a body that is not turned.
+pub const NOT_TURNED: Quaternion = [1.0, 0.0, 0.0, 0.0];

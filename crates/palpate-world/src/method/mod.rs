@@ -1,0 +1,158 @@
+//! The methods by which a world can be rendered.
+//!
+//! A method brings the world to a sample, says which forces follow, and keeps its books. A method is a file of this
+//! folder.
+
+mod basic;
+mod coupled;
+
+pub use basic::BasicParams;
+pub use coupled::CoupledParams;
+
+use crate::state::Progress;
+use crate::{Effort, Limited, Place, Vector, WorldError, WorldRenderer};
+use basic::Basic;
+use coupled::{Coupled, CoupledMemory};
+
+/// A method, with its parameters.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum WorldMethod {
+    /// The spring force at the sample, for comparison.
+    Basic(BasicParams),
+    /// Devices and world predicted together, mean force held.
+    Coupled(CoupledParams),
+}
+
+impl WorldMethod {
+    /// Short name, as scene files spell it.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Basic(_) => "basic",
+            Self::Coupled(_) => "coupled",
+        }
+    }
+
+    pub(crate) fn check(self, tools: usize) -> Result<Checked, Vec<WorldError>> {
+        match self {
+            Self::Basic(params) => params.check(tools).map(Checked::Basic),
+            Self::Coupled(params) => params.check(tools).map(Checked::Coupled),
+        }
+    }
+}
+
+impl From<BasicParams> for WorldMethod {
+    fn from(params: BasicParams) -> Self {
+        Self::Basic(params)
+    }
+}
+
+impl From<CoupledParams> for WorldMethod {
+    fn from(params: CoupledParams) -> Self {
+        Self::Coupled(params)
+    }
+}
+
+/// A method with checked parameters.
+#[derive(Clone, Debug)]
+pub(crate) enum Checked {
+    Basic(Basic),
+    Coupled(Coupled),
+}
+
+/// What a method remembers. It belongs to the renderer that made it.
+#[derive(Clone, Debug)]
+pub(crate) enum Memory {
+    Basic,
+    Coupled(CoupledMemory),
+}
+
+impl Checked {
+    pub fn memory(&self, renderer: &WorldRenderer) -> Memory {
+        match self {
+            Self::Basic(_) => Memory::Basic,
+            Self::Coupled(coupled) => {
+                Memory::Coupled(CoupledMemory::new(coupled, renderer.in_loop().period))
+            }
+        }
+    }
+
+    /// A first sample, or the first that can be used again: the devices are at `positions` `[m]`, at rest.
+    pub fn begin(
+        &self,
+        renderer: &WorldRenderer,
+        state: &mut Progress,
+        memory: &mut Memory,
+        positions: &[Vector],
+    ) {
+        match (self, memory) {
+            (Self::Coupled(coupled), Memory::Coupled(memory)) => {
+                coupled.begin(renderer, state, memory, positions);
+            }
+            _ => Basic::begin(renderer, state, positions),
+        }
+    }
+
+    /// Brings the world through an interval of `elapsed` `[s]` that ends with the devices at `positions` `[m]`.
+    pub fn conclude(
+        &self,
+        renderer: &WorldRenderer,
+        state: &mut Progress,
+        memory: &mut Memory,
+        positions: &[Vector],
+        elapsed: f64,
+        limited: &mut Limited,
+    ) -> Effort {
+        match (self, memory) {
+            (Self::Coupled(coupled), Memory::Coupled(memory)) => {
+                coupled.conclude(renderer, state, memory, positions, elapsed, limited)
+            }
+            _ => Basic::conclude(renderer, state, positions, elapsed),
+        }
+    }
+
+    /// Says which force follows on each tool.
+    pub fn plan(
+        &self,
+        renderer: &WorldRenderer,
+        state: &mut Progress,
+        memory: &mut Memory,
+    ) -> Effort {
+        match (self, memory) {
+            (Self::Coupled(coupled), Memory::Coupled(memory)) => {
+                coupled.plan(renderer, state, memory)
+            }
+            (Self::Basic(basic), _) => basic.plan(renderer, state),
+            // The state of another renderer.
+            _ => Effort::default(),
+        }
+    }
+}
+
+impl Memory {
+    /// Writes what a method knows of the tools.
+    pub fn publish(&self, state: &mut Progress) {
+        match self {
+            Self::Basic => Basic::publish(state),
+            Self::Coupled(memory) => memory.publish(state),
+        }
+    }
+}
+
+/// One number for each tool, or none.
+pub(crate) fn one_per_tool(
+    field: &'static str,
+    given: usize,
+    tools: usize,
+) -> Result<(), WorldError> {
+    if given == 0 || given == tools {
+        return Ok(());
+    }
+    Err(WorldError::new(
+        Place::Method,
+        field,
+        "the method",
+        format!("{field} has {given} entries for {tools} tools; give one for each, or none"),
+    ))
+}

@@ -1,0 +1,283 @@
+//! A world in motion: where everything is, what the contacts do, and what has passed since an interval began.
+
+use crate::law::{Mode, carried};
+use crate::pairs::Point;
+use crate::part::{Part, Twist};
+use crate::rigid::Vector3;
+
+/// What a point of contact does, and has done since the interval began.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Touch {
+    pub mode: Mode,
+    /// Where the force acts `[m]`.
+    pub place: Vector3,
+    /// Unit vector from the second to the first.
+    pub normal: Vector3,
+    /// Above 0 where they touch, else 0 `[m]`.
+    pub penetration: f64,
+    /// Deflection of the bristle `[m]`.
+    pub bristle: Vector3,
+    /// Normal force `[N]`.
+    pub normal_force: f64,
+    /// Force on the first `[N]`.
+    pub force: Vector3,
+    /// Velocity of the first against the second there `[m/s]`.
+    relative: Vector3,
+    /// Tangential displacement that the bristle has yet to follow `[m]`.
+    pub slid: Vector3,
+    /// Power that material damping takes `[W]`.
+    damping_power: f64,
+    pub past: Past,
+}
+
+/// What has passed at a point of contact since the interval began.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Past {
+    /// Impulse on the first `[N s]`.
+    pub impulse: Vector3,
+    /// Work on the first and the second together `[J]`.
+    pub work: f64,
+    /// Work on the first, if that does not turn, as a tool `[J]`.
+    pub work_on_tool: f64,
+    /// Energy that damping and friction took, not below 0 `[J]`.
+    pub dissipated: f64,
+}
+
+impl Touch {
+    pub fn apart() -> Self {
+        let none = Vector3::zeros();
+        Self {
+            mode: Mode::Free,
+            place: none,
+            normal: Vector3::x(),
+            penetration: 0.0,
+            bristle: none,
+            normal_force: 0.0,
+            force: none,
+            relative: none,
+            slid: none,
+            damping_power: 0.0,
+            past: Past::default(),
+        }
+    }
+
+    pub fn is_apart(&self) -> bool {
+        self.mode == Mode::Free
+    }
+
+    /// Half a sub-step under the force, while the relative velocity goes from what it was to `relative`, and that of
+    /// the first is `mean` in the mean.
+    fn book(&mut self, relative: &Vector3, mean: &Vector3, half: f64) {
+        let impulse = self.force * half;
+        self.past.impulse += impulse;
+        self.past.work += 0.5 * impulse.dot(&(self.relative + relative));
+        self.past.work_on_tool += impulse.dot(mean);
+        self.past.dissipated += half * self.damping_power;
+    }
+}
+
+/// A world in motion.
+#[derive(Clone, Debug)]
+pub(crate) struct Moving {
+    /// Tools, then bodies.
+    pub parts: Vec<Part>,
+    pub touches: Vec<Touch>,
+}
+
+impl Moving {
+    /// Takes over the state of another motion of the same world, without allocating.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.parts.copy_from_slice(&other.parts);
+        self.touches.copy_from_slice(&other.touches);
+    }
+
+    pub fn is_finite(&self) -> bool {
+        let mut sum = 0.0;
+        for Part { rigid, .. } in &self.parts {
+            sum += rigid.position.sum() + rigid.velocity.sum() + rigid.spin.sum();
+            sum += rigid.orientation.coords.sum();
+        }
+        for touch in &self.touches {
+            sum += touch.bristle.sum() + touch.force.sum() + touch.past.work;
+        }
+        // The difference of a number with itself is 0, but for what is not finite.
+        sum - sum == 0.0
+    }
+
+    /// An interval begins: nothing has passed.
+    pub fn begin(&mut self) {
+        for touch in &mut self.touches {
+            touch.past = Past::default();
+        }
+        for part in &mut self.parts {
+            part.begin();
+        }
+    }
+
+    /// Whether a contact's mode is another than in `other`.
+    pub fn changed_from(&self, other: &Self) -> bool {
+        let mut modes = self.touches.iter().zip(&other.touches);
+        modes.any(|(one, other)| one.mode != other.mode)
+    }
+
+    /// Energy stored in the contact at a point `[J]`.
+    pub fn stored(&self, number: usize, point: &Point) -> f64 {
+        let touch = &self.touches[number];
+        point.law.stored(touch.penetration, &touch.bristle)
+    }
+
+    /// Looks at the contacts anew, after tools or bodies were put to other places.
+    pub fn look(&mut self, points: &[Point]) {
+        for part in &mut self.parts {
+            part.settle();
+        }
+        self.meet(points, 0.0);
+        self.measure(points);
+    }
+
+    /// One sub-step of `h` `[s]`, by the velocity form of Verlet's method. Damping and friction see the velocities
+    /// that are expected at its end, which keeps it of second order.
+    pub fn sub_step(&mut self, points: &[Point], h: f64) {
+        let half = 0.5 * h;
+        for part in &mut self.parts {
+            part.first_push(half);
+        }
+        for (touch, point) in self.touches.iter_mut().zip(points) {
+            if touch.is_apart() {
+                continue;
+            }
+            let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
+            let relative = relative(first, &first.twist, second, &second.twist, &touch.place);
+            touch.book(
+                &relative,
+                &(first.rigid.velocity - first.gained * 0.5),
+                half,
+            );
+            touch.slid += (relative - touch.normal * touch.normal.dot(&relative)) * half;
+        }
+        for part in &mut self.parts {
+            part.drift(h);
+        }
+        self.meet(points, half);
+        for part in &mut self.parts {
+            part.second_push(half);
+        }
+        for (touch, point) in self.touches.iter_mut().zip(points) {
+            if touch.is_apart() {
+                continue;
+            }
+            let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
+            let relative = relative(first, &first.twist, second, &second.twist, &touch.place);
+            touch.watch_damping(point, &relative, first, second);
+            touch.book(
+                &relative,
+                &(first.rigid.velocity - first.gained * 0.5),
+                half,
+            );
+            touch.relative = relative;
+        }
+    }
+
+    /// The contacts of where everything is now, half a sub-step after it began to move as it does, and their loads.
+    fn meet(&mut self, points: &[Point], half: f64) {
+        for part in &mut self.parts {
+            part.force = Vector3::zeros();
+            part.torque = Vector3::zeros();
+        }
+        for (touch, point) in self.touches.iter_mut().zip(points) {
+            let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
+            let centre = point.centre_of(&first.rigid);
+            let nearest = point.solid.nearest(&second.rigid, &centre);
+            let penetration = point.radius - nearest.distance;
+            if penetration > 0.0 {
+                let place = centre - nearest.normal * (point.radius - 0.5 * penetration);
+                let relative = relative(first, &first.twist, second, &second.twist, &place);
+                let ahead = self::relative(first, &first.ahead, second, &second.ahead, &place);
+                let rate = -nearest.normal.dot(&ahead);
+                touch.press(point, penetration, rate, nearest.normal);
+                touch.rub(point, nearest.normal, relative * half);
+                touch.normal = nearest.normal;
+                touch.place = place;
+                touch.relative = relative;
+                touch.force = nearest.normal * touch.normal_force
+                    - touch.bristle * point.law.friction_stiffness;
+                let (force, place) = (touch.force, touch.place);
+                self.parts[point.first].load(&force, &place);
+                self.parts[point.second].load(&-force, &place);
+            } else if !touch.is_apart() {
+                touch.part(point);
+            }
+        }
+    }
+
+    /// What the contacts' damping takes from where everything is now.
+    fn measure(&mut self, points: &[Point]) {
+        for (touch, point) in self.touches.iter_mut().zip(points) {
+            if !touch.is_apart() {
+                let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
+                let relative = touch.relative;
+                touch.watch_damping(point, &relative, first, second);
+            }
+        }
+    }
+}
+
+/// Velocity of the first's material at `place` against the second's `[m/s]`.
+fn relative(
+    first: &Part,
+    of_first: &Twist,
+    second: &Part,
+    of_second: &Twist,
+    place: &Vector3,
+) -> Vector3 {
+    first.velocity_at(of_first, place) - second.velocity_at(of_second, place)
+}
+
+impl Touch {
+    /// Takes a penetration above 0 `[m]` and its rate `[m/s]`.
+    fn press(&mut self, point: &Point, penetration: f64, rate: f64, normal: Vector3) {
+        if self.is_apart() {
+            self.normal = normal;
+        }
+        self.penetration = penetration;
+        self.normal_force = point.law.normal_force(penetration, rate);
+    }
+
+    /// Carries the bristle with the contact's plane, lets it follow what has slid before and over `way` `[m]`, and
+    /// cuts it to what the normal force holds.
+    fn rub(&mut self, point: &Point, normal: Vector3, way: Vector3) {
+        let law = &point.law;
+        if law.friction <= 0.0 {
+            self.mode = law.cut(Vector3::zeros(), self.normal_force).mode;
+            self.slid = Vector3::zeros();
+            return;
+        }
+        let before = carried(self.bristle, &self.normal, &normal);
+        let slid = carried(self.slid, &self.normal, &normal);
+        let follows = before + slid + way - normal * normal.dot(&way);
+        let cut = law.cut(follows, self.normal_force);
+        let torn = (before + cut.bristle).dot(&(follows - cut.bristle));
+        self.past.dissipated += (0.5 * law.friction_stiffness * torn).max(0.0);
+        self.bristle = cut.bristle;
+        self.mode = cut.mode;
+        self.slid = Vector3::zeros();
+    }
+
+    /// The surfaces are apart: what the bristle stored is lost.
+    fn part(&mut self, point: &Point) {
+        let lost = point.law.stored(0.0, &self.bristle);
+        self.past.dissipated += lost;
+        *self = Self {
+            past: self.past,
+            ..Self::apart()
+        };
+    }
+
+    /// Power of the material's damping at a relative velocity: (N - K p) p'.
+    fn watch_damping(&mut self, point: &Point, relative: &Vector3, first: &Part, second: &Part) {
+        let apparent = first.drive.apparent_velocity - second.drive.apparent_velocity;
+        let rate = -self.normal.dot(&(relative + apparent));
+        let by_damping = self.normal_force - point.law.stiffness * self.penetration;
+        self.damping_power = (by_damping * rate).max(0.0);
+    }
+}

@@ -1,0 +1,316 @@
+//! The observer of a device along one axis: a Kalman filter of the device's motion under the forces it has felt.
+//!
+//! Over an interval the device is pushed by the force f that is held and by an acceleration a of everything else: the
+//! hand, gravity, friction. The hand is a spring and a damper as well, whose force follows the device's motion:
+//!
+//! ```text
+//! x' = u    u' = a + theta f    a' = -lambda u' - kappa u + w    w white: the jerk of the hand
+//! ```
+//!
+//! theta = 1/m, lambda (damping over mass) and kappa (stiffness over mass) are parts of the state, which an interval
+//! of contact tells. f is constant over the interval, so its end follows in closed form; a series in h of six terms is
+//! within rounding of it where lambda h and kappa h^2 are small.
+
+use nalgebra::{SMatrix, SVector};
+
+/// What is estimated: x, u, a, theta, lambda, kappa.
+const STATES: usize = 6;
+type Row = SVector<f64, STATES>;
+type Covariance = SMatrix<f64, STATES, STATES>;
+
+/// A device along one axis at a sample.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AxisMotion {
+    /// Position, counted from the measured one `[m]`.
+    pub offset: f64,
+    /// u `[m/s]`.
+    pub velocity: f64,
+    /// a: acceleration by everything but the contacts `[m/s^2]`.
+    pub external: f64,
+    /// theta `[1/kg]`.
+    pub mobility: f64,
+    /// lambda `[1/s]`.
+    pub damping_rate: f64,
+    /// kappa `[1/s^2]`.
+    pub spring_rate: f64,
+}
+
+/// What an interval does to a device.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Change {
+    /// Displacement `[m]`.
+    pub travel: f64,
+    /// Change of u `[m/s]`.
+    pub gained: f64,
+    /// Change of a `[m/s^2]`.
+    pub external: f64,
+}
+
+/// Derivatives of a velocity by time, from the velocity itself on.
+type Series = [f64; STATES];
+
+/// By the derivatives of a velocity at the start: what an interval of `h` does to place, velocity and acceleration.
+fn over(series: &Series, h: f64) -> Change {
+    let mut change = Change {
+        travel: 0.0,
+        gained: 0.0,
+        external: 0.0,
+    };
+    // h^k / k!
+    let (mut before, mut power) = (0.0, 1.0);
+    for (k, derivative) in (1_u32..).zip(series) {
+        let next = power * h / f64::from(k);
+        change.travel += derivative * next;
+        if k > 1 {
+            change.gained += derivative * power;
+        }
+        if k > 2 {
+            change.external += derivative * before;
+        }
+        (before, power) = (power, next);
+    }
+    change
+}
+
+impl AxisMotion {
+    /// Derivatives of the velocity that begins with these two, with what enters each further one.
+    fn series(&self, first: [f64; 2], enters: impl Fn(usize) -> f64) -> Series {
+        let mut series = [first[0], first[1], 0.0, 0.0, 0.0, 0.0];
+        for k in 2..STATES {
+            series[k] =
+                enters(k) - self.damping_rate * series[k - 1] - self.spring_rate * series[k - 2];
+        }
+        series
+    }
+
+    fn own_series(&self, force: f64) -> Series {
+        let pushed = self.external + self.mobility * force;
+        self.series([self.velocity, pushed], |_| 0.0)
+    }
+
+    /// What an interval of `h` `[s]` does to it under a constant `force` `[N]` on it.
+    pub fn under(&self, force: f64, h: f64) -> Change {
+        over(&self.own_series(force), h)
+    }
+
+    /// How place, velocity and acceleration at the end come from the state at the start.
+    fn transition(&self, force: f64, h: f64) -> [Row; 3] {
+        let own = self.own_series(force);
+        let none = |_| 0.0;
+        let by_velocity = over(&self.series([1.0, 0.0], none), h);
+        let by_external = over(&self.series([0.0, 1.0], none), h);
+        let by_damping = over(&self.series([0.0; 2], |k| -own[k - 1]), h);
+        let by_spring = over(&self.series([0.0; 2], |k| -own[k - 2]), h);
+        let row = |own: f64, u: f64, a: f64, theta: f64, l: f64, k: f64| {
+            Row::from([own, u, a, theta, l, k])
+        };
+        let (u, a, l, k) = (by_velocity, by_external, by_damping, by_spring);
+        [
+            row(
+                1.0,
+                u.travel,
+                a.travel,
+                force * a.travel,
+                l.travel,
+                k.travel,
+            ),
+            row(
+                0.0,
+                1.0 + u.gained,
+                a.gained,
+                force * a.gained,
+                l.gained,
+                k.gained,
+            ),
+            row(
+                0.0,
+                u.external,
+                1.0 + a.external,
+                force * a.external,
+                l.external,
+                k.external,
+            ),
+        ]
+    }
+}
+
+/// What is known of a device and its hand before the first sample, each as a standard deviation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prior {
+    /// Of the velocity `[m/s]`.
+    pub velocity: f64,
+    /// Of the acceleration by the hand `[m/s^2]`.
+    pub acceleration: f64,
+    /// Of 1/m, as a part of what was told.
+    pub mobility: f64,
+    /// Of the hand's damping over the mass `[1/s]`.
+    pub damping_rate: f64,
+    /// Of the hand's stiffness over the mass `[1/s^2]`.
+    pub spring_rate: f64,
+    /// Of the hand's jerk, from sample to sample `[m/s^3]`.
+    pub jerk: f64,
+}
+
+impl Default for Prior {
+    fn default() -> Self {
+        Self {
+            velocity: 0.1,
+            acceleration: 20.0,
+            mobility: 0.5,
+            damping_rate: 15.0,
+            spring_rate: 1000.0,
+            jerk: 200.0,
+        }
+    }
+}
+
+impl Prior {
+    /// Of a device whose mass is known exactly, on which a force acts that does not depend on its motion.
+    #[must_use]
+    pub fn of_a_known_mass() -> Self {
+        Self {
+            mobility: 0.0,
+            damping_rate: 0.0,
+            spring_rate: 0.0,
+            ..Self::default()
+        }
+    }
+}
+
+/// Quantum of a sensor that is not known to have one `[m]`.
+const FINEST_QUANTUM: f64 = 1e-9;
+/// The device is taken for no lighter than this part of what was told,
+const LIGHTEST: f64 = 0.05;
+/// and for no heavier than this multiple of it.
+const HEAVIEST: f64 = 20.0;
+/// Largest hand damping and stiffness over mass that are believed, times the period and its square: beyond them the
+/// series ends too early.
+const MOST_RATE: f64 = 0.5;
+
+/// The observer of a device along one axis.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AxisObserver {
+    pub motion: AxisMotion,
+    covariance: Covariance,
+}
+
+/// What an observer starts from.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AxisPrior {
+    /// 1/m as told `[1/kg]`; 0 for what no force moves.
+    pub mobility: f64,
+    /// Variance of a measured position `[m^2]`.
+    pub measurement_variance: f64,
+    pub prior: Prior,
+}
+
+impl AxisPrior {
+    pub fn new(mass: f64, quantum: f64, prior: Prior) -> Self {
+        let quantum = quantum.max(FINEST_QUANTUM);
+        Self {
+            mobility: 1.0 / mass,
+            // A position is anywhere within its quantum.
+            measurement_variance: quantum * quantum / 12.0,
+            prior,
+        }
+    }
+}
+
+impl AxisObserver {
+    pub fn new(from: &AxisPrior) -> Self {
+        let prior = &from.prior;
+        let variances = [
+            from.measurement_variance,
+            prior.velocity * prior.velocity,
+            prior.acceleration * prior.acceleration,
+            (prior.mobility * from.mobility).powi(2),
+            prior.damping_rate * prior.damping_rate,
+            prior.spring_rate * prior.spring_rate,
+        ];
+        Self {
+            motion: AxisMotion {
+                offset: 0.0,
+                velocity: 0.0,
+                external: 0.0,
+                mobility: from.mobility,
+                damping_rate: 0.0,
+                spring_rate: 0.0,
+            },
+            covariance: Covariance::from_diagonal(&Row::from(variances)),
+        }
+    }
+
+    /// Takes the sample at the end of an interval of `h` `[s]` over which the device has moved by `moved` `[m]` under
+    /// a held `force` `[N]`. Returns the device at the interval's beginning as the sample makes it look now: smoothed by
+    /// one step, but for theta, lambda and kappa, which are the same at both ends.
+    pub fn see(&mut self, from: &AxisPrior, moved: f64, force: f64, h: f64) -> AxisMotion {
+        let before = self.motion;
+        let change = before.under(force, h);
+        let transition = before.transition(force, h);
+        let jerk = Row::from([h * h * h / 6.0, h * h / 2.0, h, 0.0, 0.0, 0.0]);
+        // Covariance of the state at the start with that at the end.
+        let mut cross = self.covariance;
+        for (column, row) in transition.iter().enumerate() {
+            cross.set_column(column, &(self.covariance * row));
+        }
+        let mut covariance = cross;
+        for (number, row) in transition.iter().enumerate() {
+            covariance.set_row(number, &(row.transpose() * cross));
+        }
+        covariance += jerk * jerk.transpose() * (from.prior.jerk * from.prior.jerk);
+        let variance = covariance[(0, 0)] + from.measurement_variance;
+        let innovation = moved - (before.offset + change.travel);
+        let seen: Row = covariance.column(0).into();
+        let gain = seen / variance;
+        let update = gain * innovation;
+        let smoothing: Row = cross.column(0) * (innovation / variance);
+        covariance -= gain * seen.transpose();
+
+        let told = from.mobility;
+        let mobility = (before.mobility + update[3]).clamp(told / HEAVIEST, told / LIGHTEST);
+        let damping_rate = (before.damping_rate + update[4]).clamp(0.0, MOST_RATE / h);
+        let spring_rate = (before.spring_rate + update[5]).clamp(0.0, MOST_RATE / (h * h));
+        let mut covariance = (covariance + covariance.transpose()) * 0.5;
+        for state in 0..STATES {
+            // By rounding only.
+            covariance[(state, state)] = covariance[(state, state)].max(0.0);
+        }
+        let adapted = Self {
+            motion: AxisMotion {
+                offset: innovation * (gain[0] - 1.0),
+                velocity: before.velocity + change.gained + update[1],
+                external: before.external + change.external + update[2],
+                mobility,
+                damping_rate,
+                spring_rate,
+            },
+            covariance,
+        };
+        if !adapted.is_sound() {
+            *self = Self::new(from);
+            return self.motion;
+        }
+        *self = adapted;
+        AxisMotion {
+            offset: before.offset + smoothing[0],
+            velocity: before.velocity + smoothing[1],
+            external: before.external + smoothing[2],
+            mobility,
+            damping_rate,
+            spring_rate,
+        }
+    }
+
+    fn is_sound(&self) -> bool {
+        let AxisMotion {
+            offset,
+            velocity,
+            external,
+            mobility,
+            damping_rate,
+            spring_rate,
+        } = self.motion;
+        let sum = offset + velocity + external + mobility + damping_rate + spring_rate;
+        (sum + self.covariance.sum()).is_finite()
+    }
+}

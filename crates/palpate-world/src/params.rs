@@ -1,0 +1,132 @@
+//! The loop in which a world is rendered.
+
+use palpate::Actuation;
+
+use crate::{Place, SubSteps, WorldError};
+
+/// The loop in which a world is rendered: the same for every tool.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WorldLoop {
+    /// Nominal time from sample to sample T `[s]`, above 0.
+    pub period: f64,
+    /// Longest time between two samples that is bridged `[s]`, at least one period. `None`: 20 periods.
+    pub largest_gap: Option<f64>,
+    /// Fastest motion of a device that is believed `[m/s]`, above 0. `None`: any.
+    pub speed_limit: Option<f64>,
+    /// Largest force on each tool, by its norm `[N]`, above 0: one number for each tool, or none at all.
+    pub force_limits: Vec<f64>,
+    /// What is known of the way from a sample to the force on each device.
+    pub actuation: Actuation<f64>,
+    /// How finely an interval is integrated.
+    pub sub_steps: SubSteps,
+}
+
+impl WorldLoop {
+    /// A loop of nominal `period` `[s]` that believes device speeds up to 100 m/s and limits no force.
+    #[must_use]
+    pub fn new(period: f64) -> Self {
+        Self {
+            period,
+            largest_gap: None,
+            speed_limit: Some(100.0),
+            force_limits: Vec::new(),
+            actuation: Actuation::default(),
+            sub_steps: SubSteps::default(),
+        }
+    }
+
+    /// The same loop with a largest force for each tool `[N]`.
+    #[must_use]
+    pub fn with_force_limits(self, force_limits: Vec<f64>) -> Self {
+        Self {
+            force_limits,
+            ..self
+        }
+    }
+
+    /// The same loop with what is known of its actuators.
+    #[must_use]
+    pub fn with_actuation(self, actuation: Actuation<f64>) -> Self {
+        Self { actuation, ..self }
+    }
+
+    pub(crate) fn bridged_gap(&self) -> f64 {
+        self.largest_gap.unwrap_or(20.0 * self.period)
+    }
+
+    /// Everything that is wrong with the loop of a world of so many tools.
+    pub(crate) fn faults(&self, tools: usize) -> Vec<WorldError> {
+        let mut faults = Vec::new();
+        let mut fault = |field, message: String| {
+            faults.push(WorldError::new(Place::Loop, field, "the loop", message));
+        };
+        let mut above_zero = |field: &'static str, value: f64| {
+            if !(value > 0.0 && value.is_finite()) {
+                fault(field, format!("{field} is {value}, and has to be above 0"));
+            }
+        };
+        above_zero("period", self.period);
+        if let Some(limit) = self.speed_limit {
+            above_zero("speed_limit", limit);
+        }
+        for &limit in &self.force_limits {
+            above_zero("force_limits", limit);
+        }
+        above_zero("phase", self.sub_steps.phase);
+        if !self.force_limits.is_empty() && self.force_limits.len() != tools {
+            fault(
+                "force_limits",
+                format!(
+                    "there are {} force limits and {tools} tools; give one for each, or none",
+                    self.force_limits.len()
+                ),
+            );
+        }
+        if let Some(gap) = self.largest_gap
+            && !(gap >= self.period && gap.is_finite())
+        {
+            fault(
+                "largest_gap",
+                format!("largest_gap is {gap} s, and has to be at least one period"),
+            );
+        }
+        let SubSteps {
+            least, most, finer, ..
+        } = self.sub_steps;
+        if !(1 <= least && least <= most && most <= MOST_SUB_STEPS) {
+            fault(
+                "sub_steps",
+                format!(
+                    "sub_steps are {least} to {most}; they have to be at least 1 and at most {MOST_SUB_STEPS}, in \
+                     this order"
+                ),
+            );
+        }
+        if !(1..=MOST_SUB_STEPS).contains(&finer) {
+            fault(
+                "sub_steps",
+                format!("finer is {finer}, and has to be 1 to {MOST_SUB_STEPS}"),
+            );
+        }
+        let timed = palpate::LoopParams {
+            actuation: self.actuation,
+            ..palpate::LoopParams::new(self.period)
+        };
+        if self.period > 0.0 {
+            for error in timed.faults() {
+                fault("actuation", error.to_string());
+            }
+        }
+        if !self.actuation.is_of_whole_samples(self.period) {
+            fault(
+                "actuation",
+                "it has a fraction of a period, a lag or a gain; worlds take a delay of whole samples so far"
+                    .into(),
+            );
+        }
+        faults
+    }
+}
+
+/// Most sub-steps that may be asked for.
+const MOST_SUB_STEPS: u32 = 1 << 16;

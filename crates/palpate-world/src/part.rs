@@ -1,0 +1,198 @@
+//! A tool or body in motion.
+
+use crate::rigid::{Mobility, Rigid, Vector3};
+
+/// What pushes a tool or body from outside of the contacts, over an interval.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Drive {
+    /// Acceleration at the interval's start `[m/s^2]`.
+    pub acceleration: Vector3,
+    /// By how much it falls with the velocity gained since `[1/s]`,
+    pub damping_rate: Vector3,
+    /// and with the way made since `[1/s^2]`.
+    pub spring_rate: Vector3,
+    /// Position at the start `[m]`,
+    pub position: Vector3,
+    /// and velocity `[m/s]`.
+    pub velocity: Vector3,
+    /// Velocity that only the damping of contacts sees, of a tool that is held between samples `[m/s]`.
+    pub apparent_velocity: Vector3,
+}
+
+impl Drive {
+    pub fn constant(acceleration: Vector3) -> Self {
+        let none = Vector3::zeros();
+        Self {
+            acceleration,
+            damping_rate: none,
+            spring_rate: none,
+            position: none,
+            velocity: none,
+            apparent_velocity: none,
+        }
+    }
+
+    /// Acceleration at a place but for what the velocity itself takes from it `[m/s^2]`.
+    fn at(&self, position: &Vector3) -> Vector3 {
+        self.acceleration + self.damping_rate.component_mul(&self.velocity)
+            - self.spring_rate.component_mul(&(position - self.position))
+    }
+}
+
+/// Velocity of the centre of mass `[m/s]` and angular velocity `[rad/s]`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Twist {
+    pub velocity: Vector3,
+    pub turning: Vector3,
+}
+
+impl Twist {
+    pub fn none() -> Self {
+        Self {
+            velocity: Vector3::zeros(),
+            turning: Vector3::zeros(),
+        }
+    }
+}
+
+/// A tool or body in motion.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Part {
+    pub rigid: Rigid,
+    pub mobility: Mobility,
+    pub drive: Drive,
+    /// How it moves now.
+    pub twist: Twist,
+    /// How it is expected to move at the end of a sub-step: what the damping of contacts sees.
+    pub ahead: Twist,
+    /// Sum of the contacts' forces on it `[N]`.
+    pub force: Vector3,
+    /// Sum of the contacts' torques about its centre of mass `[N m]`.
+    pub torque: Vector3,
+    /// Change of its velocity over the last half of a sub-step `[m/s]`.
+    pub gained: Vector3,
+    /// Work of its drive since the interval began `[J]`.
+    pub driven: f64,
+    /// Energy of rotation that the sub-steps have made out of nothing since the interval began `[J]`.
+    pub turning_error: f64,
+}
+
+impl Part {
+    pub fn new(rigid: Rigid, mobility: Mobility, drive: Drive) -> Self {
+        let none = Vector3::zeros();
+        Self {
+            rigid,
+            mobility,
+            drive,
+            twist: Twist::none(),
+            ahead: Twist::none(),
+            force: none,
+            torque: none,
+            gained: none,
+            driven: 0.0,
+            turning_error: 0.0,
+        }
+    }
+
+    fn turning(&self, spin: &Vector3) -> Vector3 {
+        if self.mobility.does_not_turn() {
+            Vector3::zeros()
+        } else {
+            self.mobility.turning(&self.rigid.orientation, spin)
+        }
+    }
+
+    fn update_twist(&mut self) {
+        self.twist = Twist {
+            velocity: self.rigid.velocity,
+            turning: self.turning(&self.rigid.spin),
+        };
+    }
+
+    /// An interval begins.
+    pub fn begin(&mut self) {
+        self.drive.position = self.rigid.position;
+        self.drive.velocity = self.rigid.velocity;
+        self.driven = 0.0;
+        self.turning_error = 0.0;
+    }
+
+    /// Work that the drive's acceleration at the interval's start does on it over its way since, as a constant force
+    /// `[J]`.
+    pub fn work_of_constant_force(&self) -> f64 {
+        let way = self.rigid.position - self.drive.position;
+        (0..3)
+            .filter(|&axis| self.mobility.linear[axis] > 0.0)
+            .map(|axis| self.drive.acceleration[axis] * way[axis] / self.mobility.linear[axis])
+            .sum()
+    }
+
+    /// Its contacts are to be looked at as it is.
+    pub fn settle(&mut self) {
+        self.update_twist();
+        self.ahead = self.twist;
+        self.ahead.velocity += self.drive.apparent_velocity;
+    }
+
+    /// The first half of a sub-step's push.
+    pub fn first_push(&mut self, half: f64) {
+        let before = self.rigid.velocity;
+        let slowed = self.drive.damping_rate.component_mul(&before);
+        let by_drive = (self.drive.at(&self.rigid.position) - slowed) * half;
+        self.push(before, by_drive, half);
+    }
+
+    /// The second half: with the damping of the drive at its end, so that both halves together are of second order.
+    pub fn second_push(&mut self, half: f64) {
+        let before = self.rigid.velocity;
+        let by_contacts = self.mobility.linear.component_mul(&self.force) * half;
+        let sum = before + by_contacts + self.drive.at(&self.rigid.position) * half;
+        let after = sum.zip_map(&self.drive.damping_rate, |v, rate| v / (1.0 + half * rate));
+        self.push(before, after - before - by_contacts, half);
+    }
+
+    fn push(&mut self, before: Vector3, by_drive: Vector3, half: f64) {
+        self.gained = by_drive + self.mobility.linear.component_mul(&self.force) * half;
+        self.rigid.velocity += self.gained;
+        self.rigid.spin += self.torque * half;
+        let mean = before + self.gained * 0.5;
+        for axis in 0..3 {
+            let mobility = self.mobility.linear[axis];
+            if mobility > 0.0 {
+                self.driven += by_drive[axis] * mean[axis] / mobility;
+            }
+        }
+        self.update_twist();
+    }
+
+    /// Moves on for `h` `[s]` without a push, and looks ahead to the end of the coming one.
+    pub fn drift(&mut self, h: f64) {
+        let rigid = &mut self.rigid;
+        rigid.position += rigid.velocity * h;
+        let before = self.twist.turning;
+        let torque = self.torque;
+        if !self.mobility.does_not_turn() {
+            rigid.orientation = self.mobility.turned(&rigid.orientation, &rigid.spin, h);
+            self.update_twist();
+            let change = self.twist.turning - before;
+            self.turning_error += 0.5 * self.rigid.spin.dot(&change);
+        }
+        self.ahead = Twist {
+            velocity: self.twist.velocity + self.gained + self.drive.apparent_velocity,
+            turning: self.turning(&(self.rigid.spin + torque * (0.5 * h))),
+        };
+    }
+
+    /// Velocity of its material at `place` as it moves by `twist` `[m/s]`.
+    pub fn velocity_at(&self, twist: &Twist, place: &Vector3) -> Vector3 {
+        twist.velocity + twist.turning.cross(&(place - self.rigid.position))
+    }
+
+    /// Adds the force of a contact at `place`.
+    pub fn load(&mut self, force: &Vector3, place: &Vector3) {
+        self.force += force;
+        if !self.mobility.does_not_turn() {
+            self.torque += (place - self.rigid.position).cross(force);
+        }
+    }
+}

@@ -1,0 +1,41 @@
+//! Books what has passed in an interval.
+
+use crate::books::Books;
+use crate::moving::Moving;
+use crate::pairs::Point;
+
+impl Books {
+    /// Avatars were put to other places than they were expected at, and the contacts looked at anew: since `before`,
+    /// the energies stored at the points changed from outside.
+    pub(crate) fn observe(&mut self, moving: &Moving, points: &[Point]) {
+        for (number, (book, point)) in self.contacts.iter_mut().zip(points).enumerate() {
+            let stored = moving.stored(number, point);
+            book.observed += stored - book.stored;
+            book.stored = stored;
+        }
+    }
+
+    /// Bodies and contacts have moved on by an interval, as `moving` says.
+    pub(crate) fn pass(&mut self, moving: &Moving, points: &[Point], tools: usize) {
+        for (number, (book, point)) in self.contacts.iter_mut().zip(points).enumerate() {
+            let past = &moving.touches[number].past;
+            let stored = moving.stored(number, point);
+            book.step_error += stored - book.stored + past.dissipated + past.work;
+            book.dissipated += past.dissipated;
+            book.work += past.work;
+            if point.first < tools {
+                book.work_on_avatar += past.work_on_tool;
+            }
+            book.stored = stored;
+        }
+        for (book, part) in self.bodies.iter_mut().zip(&moving.parts[tools..]) {
+            let kinetic = part.mobility.kinetic_energy(&part.rigid);
+            // Of its constant force, as the sub-steps have it and by where they have brought it.
+            let gained = part.work_of_constant_force();
+            book.step_error += part.turning_error + part.driven - gained;
+            book.work += kinetic - book.kinetic - part.turning_error - part.driven;
+            book.kinetic = kinetic;
+            book.potential -= gained;
+        }
+    }
+}

@@ -1,0 +1,298 @@
+//! One tick of a world, the same for every method.
+
+use nalgebra::{Quaternion, UnitQuaternion};
+use palpate::Fault;
+
+use crate::books::{BodyBook, Books, ContactBook, DeviceBook};
+use crate::commands::Commands;
+use crate::method::{Checked, Memory, WorldMethod};
+use crate::moving::{Moving, Touch};
+use crate::pairs::{Point, Side, points};
+use crate::part::{Drive, Part};
+use crate::rigid::{Mobility, Rigid, Vector3};
+use crate::state::{BodyState, ContactState, Progress, ToolState, WorldState};
+use crate::tracking::Tracking;
+use crate::{
+    Body, Effort, Limited, Motion, Output, Place, Sample, Vector, World, WorldError, WorldFault,
+    WorldLoop,
+};
+
+/// A world, rendered by one method in one loop. Immutable: a tick cannot change a parameter, and one renderer serves
+/// any number of [`WorldState`]s.
+#[derive(Clone, Debug)]
+pub struct WorldRenderer {
+    pub(crate) in_loop: WorldLoop,
+    pub(crate) points: Vec<Point>,
+    pub(crate) tools: usize,
+    /// Tools, then bodies, as they are at the start.
+    parts: Vec<Part>,
+    method: Checked,
+}
+
+impl WorldRenderer {
+    /// Checks world, loop and method once, and computes what depends on them only.
+    ///
+    /// # Errors
+    ///
+    /// Everything that is wrong with the world, or else with its pairs, the loop and the method: at least one fault.
+    pub fn new(
+        world: &World,
+        in_loop: WorldLoop,
+        method: impl Into<WorldMethod>,
+    ) -> Result<Self, Vec<WorldError>> {
+        world.check()?;
+        let tools = world.tools.len();
+        let mut faults = Vec::new();
+        let mut parts: Vec<_> = world
+            .tools
+            .iter()
+            .map(|_| {
+                let nowhere = Rigid {
+                    position: Vector3::zeros(),
+                    orientation: UnitQuaternion::identity(),
+                    velocity: Vector3::zeros(),
+                    spin: Vector3::zeros(),
+                };
+                Part::new(nowhere, Mobility::none(), Drive::constant(Vector3::zeros()))
+            })
+            .collect();
+        for (number, tool) in world.tools.iter().enumerate() {
+            if !matches!(tool.shape, crate::Shape::Sphere { .. }) {
+                faults.push(WorldError::new(
+                    Place::Tool(number),
+                    "shape",
+                    format!("tool {:?}", tool.name),
+                    "a tool has to be a sphere so far, of radius 0 or more",
+                ));
+            }
+        }
+        parts.extend(world.bodies.iter().map(part_of));
+        let mobilities: Vec<_> = parts.iter().map(|part| part.mobility).collect();
+        faults.extend(in_loop.faults(tools));
+        let points = points(world, &mobilities);
+        let method = method.into().check(tools);
+        let (points, method) = match (points, method) {
+            (Ok(points), Ok(method)) if faults.is_empty() => (points, method),
+            (points, method) => {
+                faults.extend(points.err().into_iter().flatten());
+                faults.extend(method.err().into_iter().flatten());
+                return Err(faults);
+            }
+        };
+        Ok(Self {
+            in_loop,
+            points,
+            tools,
+            parts,
+            method,
+        })
+    }
+
+    /// The loop it is rendered in.
+    #[must_use]
+    pub fn in_loop(&self) -> &WorldLoop {
+        &self.in_loop
+    }
+
+    /// A new state: bodies are as the world says, nothing has been sampled yet, the books are empty. The first sample
+    /// finds the devices at rest.
+    #[must_use]
+    pub fn start(&self) -> WorldState {
+        let now = Moving {
+            parts: self.parts.clone(),
+            touches: vec![Touch::apart(); self.points.len()],
+        };
+        let side = |number: usize| match number.checked_sub(self.tools) {
+            None => Side::Tool(number),
+            Some(body) => Side::Body(body),
+        };
+        let contacts = self.points.iter().map(|point| ContactState {
+            between: [side(point.first), side(point.second)],
+            mode: crate::Mode::Free,
+            point: [0.0; 3],
+            normal: [0.0; 3],
+            penetration: 0.0,
+            force: [0.0; 3],
+            bristle: [0.0; 3],
+        });
+        let bodies = &self.parts[self.tools..];
+        let mut progress = Progress {
+            ahead: now.clone(),
+            room: now.clone(),
+            tracking: Tracking::new(self.tools),
+            commands: Commands::new(self.tools, &self.in_loop.actuation, self.in_loop.period),
+            intended: vec![Vector3::zeros(); self.tools],
+            forces: vec![[0.0; 3]; self.tools],
+            tools: vec![ToolState::default(); self.tools],
+            bodies: bodies.iter().map(body_state).collect(),
+            contacts: contacts.collect(),
+            books: Books {
+                contacts: vec![ContactBook::default(); self.points.len()],
+                bodies: bodies
+                    .iter()
+                    .map(|part| BodyBook {
+                        kinetic: part.mobility.kinetic_energy(&part.rigid),
+                        ..BodyBook::default()
+                    })
+                    .collect(),
+                devices: vec![DeviceBook::default(); self.tools],
+            },
+            now,
+        };
+        let memory = self.method.memory(self);
+        self.publish(&mut progress, &memory);
+        WorldState { progress, memory }
+    }
+
+    /// Says what was really sent to a tool for the last output `[N]`, where it is not the output's: a motor clips it,
+    /// or a driver has limited it. It acts when the output's would have. A force that is not finite is left as it is.
+    pub fn report_sent(&self, state: &mut WorldState, tool: usize, force: Vector) {
+        if force.iter().all(|x| x.is_finite()) {
+            state.progress.commands.correct(tool, force.into());
+        }
+    }
+
+    /// One tick: takes a sample of all devices, gives the forces to hold until the next. Total: it never panics,
+    /// allocates, blocks or loops without bound, and its forces are finite for any input.
+    ///
+    /// A sample that cannot be used gives forces of 0 and its fault. The bodies then wait, with their momentum, where
+    /// they were at the last sample that was used.
+    pub fn step<'s>(&self, state: &'s mut WorldState, sample: &Sample<'_>) -> Output<'s> {
+        let WorldState { progress, memory } = state;
+        let (limited, effort, fault) = match self.try_step(progress, memory, sample) {
+            Ok((limited, effort)) => (limited, effort, None),
+            Err(fault) => {
+                progress.tracking.in_progress = false;
+                for (intended, force) in progress.intended.iter_mut().zip(&mut progress.forces) {
+                    *intended = Vector3::zeros();
+                    *force = [0.0; 3];
+                }
+                (Limited::default(), Effort::default(), Some(fault))
+            }
+        };
+        progress.commands.send(&progress.intended, &progress.forces);
+        self.publish(progress, memory);
+        Output {
+            forces: &progress.forces,
+            limited,
+            effort,
+            fault,
+        }
+    }
+
+    fn try_step(
+        &self,
+        state: &mut Progress,
+        memory: &mut Memory,
+        sample: &Sample<'_>,
+    ) -> Result<(Limited, Effort), WorldFault> {
+        let elapsed = state.tracking.believe(sample, &self.in_loop)?;
+        let overflow = WorldFault {
+            fault: Fault::Overflow,
+            tool: None,
+        };
+        let mut limited = Limited::default();
+        let positions = sample.positions;
+        let mut effort = if state.tracking.in_progress {
+            let effort =
+                self.method
+                    .conclude(self, state, memory, positions, elapsed, &mut limited);
+            if !state.now.is_finite() {
+                self.put_back(state);
+                return Err(overflow);
+            }
+            effort
+        } else {
+            self.method.begin(self, state, memory, positions);
+            Effort::default()
+        };
+        state.tracking.trust();
+        effort = effort.and(self.method.plan(self, state, memory));
+        if !state.intended.iter().flatten().all(|x| x.is_finite()) {
+            self.put_back(state);
+            return Err(overflow);
+        }
+        for (tool, (intended, force)) in state.intended.iter().zip(&mut state.forces).enumerate() {
+            let most = self.in_loop.force_limits.get(tool);
+            let norm = intended.norm();
+            let mut sent = *intended;
+            if let Some(&most) = most
+                && norm > most
+            {
+                sent *= most / norm;
+                limited.force = true;
+            }
+            *force = sent.into();
+        }
+        Ok((limited, effort))
+    }
+}
+
+impl WorldRenderer {
+    /// The bodies are where the world has them at the start: their motion was no number any more.
+    fn put_back(&self, state: &mut Progress) {
+        state.now.parts.copy_from_slice(&self.parts);
+        for touch in &mut state.now.touches {
+            *touch = Touch::apart();
+        }
+        for (part, book) in self.parts[self.tools..].iter().zip(&mut state.books.bodies) {
+            let kinetic = part.mobility.kinetic_energy(&part.rigid);
+            book.outside += kinetic - book.kinetic;
+            book.kinetic = kinetic;
+        }
+        for book in &mut state.books.contacts {
+            book.observed -= book.stored;
+            book.stored = 0.0;
+        }
+    }
+
+    /// Writes what can be read from a state.
+    fn publish(&self, state: &mut Progress, memory: &Memory) {
+        for (part, body) in state.now.parts[self.tools..].iter().zip(&mut state.bodies) {
+            *body = body_state(part);
+        }
+        memory.publish(state);
+        for (tool, force) in state.tools.iter_mut().zip(&state.forces) {
+            tool.force = *force;
+        }
+    }
+}
+
+fn part_of(body: &Body) -> Part {
+    let [w, x, y, z] = body.orientation;
+    let orientation = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
+    let mut rigid = Rigid {
+        position: body.position.into(),
+        orientation,
+        velocity: Vector3::zeros(),
+        spin: Vector3::zeros(),
+    };
+    let Motion::Free(free) = &body.motion else {
+        return Part::new(rigid, Mobility::none(), Drive::constant(Vector3::zeros()));
+    };
+    // A half-space has none, and is refused as a body that moves.
+    let moments = free.inertia.or_else(|| body.shape.moments(free.mass));
+    let moments = moments.unwrap_or([f64::INFINITY; 3]);
+    let mobility = Mobility::of_body(free.mass, moments);
+    let own = orientation.inverse_transform_vector(&free.angular_velocity.into());
+    rigid.velocity = free.velocity.into();
+    rigid.spin = orientation * own.component_mul(&Vector3::from(moments));
+    let force: Vector3 = free.force.into();
+    Part::new(rigid, mobility, Drive::constant(force / free.mass))
+}
+
+fn body_state(part: &Part) -> BodyState {
+    let Rigid {
+        position,
+        orientation,
+        velocity,
+        spin,
+    } = &part.rigid;
+    let q = orientation.quaternion();
+    BodyState {
+        position: (*position).into(),
+        orientation: [q.w, q.i, q.j, q.k],
+        velocity: (*velocity).into(),
+        angular_velocity: part.mobility.turning(orientation, spin).into(),
+    }
+}

@@ -1,0 +1,73 @@
+//! What goes into a tick of a world and what comes out of it.
+
+use palpate::Fault;
+
+use crate::{Effort, Vector};
+
+/// One sample of all devices.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample<'a> {
+    /// Measured position of each tool, in the order of the world's tools `[m]`.
+    pub positions: &'a [Vector],
+    /// Time since the previous sample, if it was measured `[s]`; `None`: one nominal period.
+    pub elapsed: Option<f64>,
+}
+
+impl<'a> Sample<'a> {
+    /// A sample with the tools at `positions` `[m]`, one nominal period after the previous one.
+    #[must_use]
+    pub fn at(positions: &'a [Vector]) -> Self {
+        Self {
+            positions,
+            elapsed: None,
+        }
+    }
+
+    /// The same sample, taken a measured time after the previous one `[s]`.
+    #[must_use]
+    pub fn after(self, elapsed: f64) -> Self {
+        Self {
+            elapsed: Some(elapsed),
+            ..self
+        }
+    }
+}
+
+/// Which limits acted in a tick, on any tool.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Limited {
+    /// A force exceeded [`WorldLoop::force_limits`](crate::WorldLoop::force_limits).
+    pub force: bool,
+    /// An offset of an avatar exceeded [`CoupledParams::offset_limit`](crate::CoupledParams::offset_limit).
+    pub offset: bool,
+}
+
+impl Limited {
+    /// Whether any limit acted.
+    #[must_use]
+    pub fn any(self) -> bool {
+        self.force || self.offset
+    }
+}
+
+/// Why a sample was refused: all forces are then 0, and the bodies wait.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WorldFault {
+    /// What is wrong.
+    pub fault: Fault,
+    /// The tool whose position it is, where it is one's.
+    pub tool: Option<usize>,
+}
+
+/// The answer to one sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Output<'a> {
+    /// Force on each tool `[N]`: what its device is to give to the hand, and to hold until the next sample.
+    pub forces: &'a [Vector],
+    /// Limits that acted.
+    pub limited: Limited,
+    /// What the tick has cost, and what did not fit in it.
+    pub effort: Effort,
+    /// Why the sample was refused, if it was.
+    pub fault: Option<WorldFault>,
+}

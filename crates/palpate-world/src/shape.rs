@@ -1,0 +1,39 @@
+//! Shapes of tools and bodies.
+
+use crate::Vector;
+
+/// A shape, in the own axes of the tool or body that has it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// All points within a radius above 0 of the centre. A tool may have radius 0: a point.
+    Sphere {
+        /// Radius `[m]`.
+        radius: f64,
+    },
+    /// All points x with n . x <= offset: the normal points out of the solid. For fixed bodies only.
+    HalfSpace {
+        /// Unit vector out of the solid.
+        normal: Vector,
+        /// Where the surface is along the normal `[m]`.
+        offset: f64,
+    },
+    /// A block along the body's own axes.
+    Box {
+        /// Half of its length along each axis, above 0 `[m]`.
+        half_extents: Vector,
+    },
+    /// All points within a radius of a segment along the body's own z axis.
+    Capsule {
+        /// Radius, above 0 `[m]`.
+        radius: f64,
+        /// Half of the segment's length, above 0 `[m]`.
+        half_length: f64,
+    },
+    /// A cylinder along the body's own z axis.
+    Cylinder {
+        /// Radius, above 0 `[m]`.
+        radius: f64,
+        /// Half of its length, above 0 `[m]`.
+        half_length: f64,
+    },
+}

@@ -1,0 +1,130 @@
+//! What a world remembers from sample to sample, and what can be read from it.
+
+use crate::books::Books;
+use crate::commands::Commands;
+use crate::law::Mode;
+use crate::method::Memory;
+use crate::moving::Moving;
+use crate::pairs::Side;
+use crate::rigid::Vector3;
+use crate::tracking::Tracking;
+use crate::{Quaternion, Vector};
+
+/// A world at a sample: made by [`WorldRenderer::start`](crate::WorldRenderer::start), changed by
+/// [`WorldRenderer::step`](crate::WorldRenderer::step).
+#[derive(Clone, Debug)]
+pub struct WorldState {
+    pub(crate) progress: Progress,
+    pub(crate) memory: Memory,
+}
+
+/// What every method works on.
+#[derive(Clone, Debug)]
+pub(crate) struct Progress {
+    /// The world at the last sample that was used, its contacts looked at.
+    pub now: Moving,
+    /// Room for what is predicted,
+    pub ahead: Moving,
+    /// and for what a sub-step begins with.
+    pub room: Moving,
+    pub tracking: Tracking,
+    pub commands: Commands,
+    /// Force that the method asks for on each tool `[N]`.
+    pub intended: Vec<Vector3>,
+    pub forces: Vec<Vector>,
+    pub tools: Vec<ToolState>,
+    pub bodies: Vec<BodyState>,
+    pub contacts: Vec<ContactState>,
+    pub books: Books,
+}
+
+/// Writes the contacts of a world in motion.
+pub(crate) fn show_contacts(contacts: &mut [ContactState], moving: &Moving) {
+    for (touch, contact) in moving.touches.iter().zip(contacts) {
+        contact.mode = touch.mode;
+        contact.point = touch.place.into();
+        contact.normal = touch.normal.into();
+        contact.penetration = touch.penetration;
+        contact.force = touch.force.into();
+        contact.bristle = touch.bristle.into();
+    }
+}
+
+impl WorldState {
+    /// Each tool at the last sample, in the world's order.
+    #[must_use]
+    pub fn tools(&self) -> &[ToolState] {
+        &self.progress.tools
+    }
+
+    /// Each body at the last sample, fixed ones too, in the world's order.
+    #[must_use]
+    pub fn bodies(&self) -> &[BodyState] {
+        &self.progress.bodies
+    }
+
+    /// Each point at which tools and bodies can touch, at the last sample, whether they do or not.
+    #[must_use]
+    pub fn contacts(&self) -> &[ContactState] {
+        &self.progress.contacts
+    }
+
+    /// The books of energy, as of the last sample.
+    #[must_use]
+    pub fn books(&self) -> &Books {
+        &self.progress.books
+    }
+}
+
+/// A tool at a sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ToolState {
+    /// Where its device is, by what the method knows `[m]`.
+    pub position: Vector,
+    /// Its device's velocity `[m/s]`.
+    pub velocity: Vector,
+    /// What the world meets in the device's place: position `[m]`,
+    pub avatar_position: Vector,
+    /// and velocity `[m/s]`.
+    pub avatar_velocity: Vector,
+    /// Position of the avatar less that of the device `[m]`.
+    pub offset: Vector,
+    /// Velocity of the avatar less that of the device `[m/s]`.
+    pub velocity_offset: Vector,
+    /// Force that is sent for this sample `[N]`: what the device is to give to the hand.
+    pub force: Vector,
+    /// Mass of the device with the hand, as far as the method has learned it, along each axis `[kg]`.
+    pub mass: Option<Vector>,
+}
+
+/// A body at a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyState {
+    /// Position of the centre of mass `[m]`.
+    pub position: Vector,
+    /// How the body is turned.
+    pub orientation: Quaternion,
+    /// Velocity of the centre of mass `[m/s]`.
+    pub velocity: Vector,
+    /// Angular velocity along the world's axes `[rad/s]`.
+    pub angular_velocity: Vector,
+}
+
+/// A point of contact at a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactState {
+    /// The two sides: the force is that on the first.
+    pub between: [Side; 2],
+    /// Whether they touch, and how.
+    pub mode: Mode,
+    /// Where the force acts `[m]`.
+    pub point: Vector,
+    /// Unit vector from the second to the first.
+    pub normal: Vector,
+    /// How far they overlap, 0 where they do not `[m]`.
+    pub penetration: f64,
+    /// Force of the contact on the first `[N]`.
+    pub force: Vector,
+    /// Deflection of the bristle `[m]`.
+    pub bristle: Vector,
+}

@@ -1,0 +1,207 @@
+//! A world as a whole, and its checks.
+
+use std::collections::HashSet;
+
+use crate::{
+    Body, Contact, ContactLaw, Free, Motion, Party, Place, Shape, Tool, Vector, WorldError,
+};
+
+/// What there is: tools, bodies, and the laws of their contacts.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct World {
+    /// A tool for each device, in the order of the devices.
+    pub tools: Vec<Tool>,
+    /// The bodies.
+    pub bodies: Vec<Body>,
+    /// The laws of contacts. For a pair, a law between two names goes before one between a name and
+    /// [`Party::Any`], which goes before one between any two; of equals, the last one holds. A pair without a law
+    /// does not touch.
+    pub contacts: Vec<Contact>,
+}
+
+/// How far the length of a unit vector may be from 1.
+const LENGTH_TOLERANCE: f64 = 1e-6;
+
+impl World {
+    /// The law between the tools or bodies of these names, if they touch.
+    #[must_use]
+    pub fn law(&self, one: &str, other: &str) -> Option<&ContactLaw> {
+        let rank = |contact: &Contact| {
+            let [a, b] = &contact.between;
+            let fits = |party: &Party, name: &str| match party {
+                Party::Any => Some(0),
+                Party::Named(named) => (named == name).then_some(1),
+            };
+            let both = |a, b| Some(fits(a, one)? + fits(b, other)?);
+            both(a, b).or_else(|| both(b, a))
+        };
+        self.contacts
+            .iter()
+            .filter_map(|contact| Some((rank(contact)?, &contact.law)))
+            .max_by_key(|&(rank, _)| rank)
+            .map(|(_, law)| law)
+    }
+
+    /// Everything that is wrong with the world.
+    ///
+    /// # Errors
+    ///
+    /// Each fault, in the order tools, bodies, contacts: at least one.
+    pub fn check(&self) -> Result<(), Vec<WorldError>> {
+        let mut faults = Vec::new();
+        if self.tools.is_empty() {
+            let message = "there is no tool; a world needs one for each device";
+            faults.push(WorldError::new(Place::World, "tools", "the world", message));
+        }
+        let mut names = HashSet::new();
+        for (number, tool) in self.tools.iter().enumerate() {
+            let subject = format!("tool {:?}", tool.name);
+            let mut of = Faults::new(&mut faults, Place::Tool(number), &subject);
+            of.name(&tool.name, &mut names);
+            of.shape(&tool.shape, true, false);
+        }
+        for (number, body) in self.bodies.iter().enumerate() {
+            let subject = format!("body {:?}", body.name);
+            let mut of = Faults::new(&mut faults, Place::Body(number), &subject);
+            of.name(&body.name, &mut names);
+            of.shape(&body.shape, false, body.motion == Motion::Fixed);
+            of.finite("position", &body.position);
+            of.unit("orientation", &body.orientation);
+            if let Motion::Free(free) = &body.motion {
+                of.free(free);
+            }
+        }
+        for (number, contact) in self.contacts.iter().enumerate() {
+            let [one, other] = contact.between.each_ref().map(Party::as_str);
+            let subject = format!("contact between {one:?} and {other:?}");
+            let mut of = Faults::new(&mut faults, Place::Contact(number), &subject);
+            for party in &contact.between {
+                if let Party::Named(name) = party
+                    && !names.contains(name.as_str())
+                {
+                    of.fault(
+                        "between",
+                        format!("{name:?} is neither a tool nor a body of this world"),
+                    );
+                }
+            }
+            let law = &contact.law;
+            of.above_zero("stiffness", law.stiffness);
+            of.at_least_zero("damping", law.damping);
+            of.at_least_zero("friction", law.friction);
+            of.above_zero("friction_stiffness", law.friction_stiffness);
+        }
+        if faults.is_empty() {
+            Ok(())
+        } else {
+            Err(faults)
+        }
+    }
+}
+
+/// The faults of one part of a world.
+struct Faults<'a> {
+    all: &'a mut Vec<WorldError>,
+    place: Place,
+    subject: &'a str,
+}
+
+impl<'a> Faults<'a> {
+    fn new(all: &'a mut Vec<WorldError>, place: Place, subject: &'a str) -> Self {
+        Self {
+            all,
+            place,
+            subject,
+        }
+    }
+
+    fn fault(&mut self, field: &'static str, message: String) {
+        let error = WorldError::new(self.place, field, self.subject, message);
+        self.all.push(error);
+    }
+
+    fn name<'n>(&mut self, name: &'n str, taken: &mut HashSet<&'n str>) {
+        if name.is_empty() || name == "*" {
+            self.fault("name", format!("{name:?} is no name"));
+        } else if !taken.insert(name) {
+            self.fault("name", "the name is taken by another tool or body".into());
+        }
+    }
+
+    fn above_zero(&mut self, field: &'static str, value: f64) {
+        if !(value > 0.0 && value.is_finite()) {
+            self.fault(field, format!("{field} is {value}, and has to be above 0"));
+        }
+    }
+
+    fn at_least_zero(&mut self, field: &'static str, value: f64) {
+        if !(value >= 0.0 && value.is_finite()) {
+            self.fault(
+                field,
+                format!("{field} is {value}, and has to be at least 0"),
+            );
+        }
+    }
+
+    fn finite(&mut self, field: &'static str, values: &[f64]) {
+        if let Some(value) = values.iter().find(|value| !value.is_finite()) {
+            self.fault(
+                field,
+                format!("{field} has {value}, and needs finite numbers"),
+            );
+        }
+    }
+
+    fn unit(&mut self, field: &'static str, values: &[f64]) {
+        let length = values.iter().map(|value| value * value).sum::<f64>().sqrt();
+        let is_one = (length - 1.0).abs() < LENGTH_TOLERANCE;
+        if !is_one {
+            self.fault(field, format!("{field} has length {length}, and needs 1"));
+        }
+    }
+
+    fn shape(&mut self, shape: &Shape, may_be_a_point: bool, fixed: bool) {
+        match *shape {
+            Shape::Sphere { radius } if may_be_a_point => self.at_least_zero("radius", radius),
+            Shape::Sphere { radius } => self.above_zero("radius", radius),
+            Shape::HalfSpace { normal, offset } => {
+                if !fixed {
+                    self.fault("shape", "a half-space has to be a fixed body".into());
+                }
+                self.unit("normal", &normal);
+                self.finite("offset", &[offset]);
+            }
+            Shape::Box { half_extents } => {
+                for half in half_extents {
+                    self.above_zero("half_extents", half);
+                }
+            }
+            Shape::Capsule {
+                radius,
+                half_length,
+            }
+            | Shape::Cylinder {
+                radius,
+                half_length,
+            } => {
+                self.above_zero("radius", radius);
+                self.above_zero("half_length", half_length);
+            }
+        }
+    }
+
+    fn free(&mut self, free: &Free) {
+        self.above_zero("mass", free.mass);
+        for moment in free.inertia.iter().flatten() {
+            self.above_zero("inertia", *moment);
+        }
+        let vectors: [(&'static str, &Vector); 3] = [
+            ("velocity", &free.velocity),
+            ("angular_velocity", &free.angular_velocity),
+            ("force", &free.force),
+        ];
+        for (field, vector) in vectors {
+            self.finite(field, vector);
+        }
+    }
+}

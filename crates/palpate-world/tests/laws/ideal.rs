@@ -1,0 +1,387 @@
+//! A second, plain integration of worlds of spheres and half-spaces in continuous time, and of devices under held
+//! forces: fourth-order Runge-Kutta steps, so short that contacts may begin between them. It shares no code with the
+//! renderer.
+
+use palpate_world::{Sample, Vector, WorldRenderer};
+
+pub const STEPS: usize = 400;
+
+/// A sphere: a tool, with a mass for each axis and a hand, or a body.
+#[derive(Clone, Copy, Debug)]
+pub struct Ball {
+    pub position: Vector,
+    pub velocity: Vector,
+    pub mass: Vector,
+    pub radius: f64,
+    /// Constant force `[N]`.
+    pub force: Vector,
+    /// Spring `[N/m]` and damper `[N s/m]` of the hand, with its place of rest.
+    pub hand: (f64, f64, Vector),
+    pub turning: Vector,
+    pub is_tool: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub struct Plane {
+    pub normal: Vector,
+    pub offset: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub struct Law {
+    pub stiffness: f64,
+    pub damping: f64,
+    pub friction: f64,
+}
+
+#[derive(Clone, Debug)]
+pub struct Ideal {
+    pub balls: Vec<Ball>,
+    pub planes: Vec<Plane>,
+    pub law: Law,
+    /// Bristle of each pair: of balls with planes, then with later balls.
+    pub bristles: Vec<Vector>,
+}
+
+fn add(a: Vector, b: Vector, by: f64) -> Vector {
+    [a[0] + by * b[0], a[1] + by * b[1], a[2] + by * b[2]]
+}
+
+pub fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: Vector, b: Vector) -> Vector {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+/// Derivatives of a ball: velocity, acceleration, angular acceleration; and the contact force on it.
+#[derive(Clone, Copy, Default)]
+struct Rate {
+    velocity: Vector,
+    acceleration: Vector,
+    spin: Vector,
+    contact: Vector,
+}
+
+impl Ideal {
+    pub fn new(balls: Vec<Ball>, planes: Vec<Plane>, law: Law) -> Self {
+        let pairs = balls.len() * (planes.len() + balls.len());
+        Self {
+            balls,
+            planes,
+            law,
+            bristles: vec![[0.0; 3]; pairs],
+        }
+    }
+
+    fn rates(&self, moved: bool) -> (Vec<Rate>, Vec<Vector>) {
+        let mut loads = vec![([0.0; 3], [0.0; 3]); self.balls.len()];
+        let mut slides = Vec::new();
+        let mut pair = 0;
+        for (i, ball) in self.balls.iter().enumerate() {
+            for plane in &self.planes {
+                let depth = ball.radius - (dot(ball.position, plane.normal) - plane.offset);
+                let place = add(ball.position, plane.normal, 0.5 * depth - ball.radius);
+                slides.push(self.push(
+                    &mut loads,
+                    i,
+                    None,
+                    depth,
+                    plane.normal,
+                    place,
+                    pair,
+                    moved,
+                ));
+                pair += 1;
+            }
+            for (j, other) in self.balls.iter().enumerate() {
+                if j > i && !(ball.is_tool && other.is_tool) {
+                    let off = add(ball.position, other.position, -1.0);
+                    let length = dot(off, off).sqrt();
+                    let normal = off.map(|x| x / length);
+                    let depth = ball.radius + other.radius - length;
+                    let place = add(ball.position, normal, 0.5 * depth - ball.radius);
+                    slides.push(self.push(
+                        &mut loads,
+                        i,
+                        Some(j),
+                        depth,
+                        normal,
+                        place,
+                        pair,
+                        moved,
+                    ));
+                } else {
+                    slides.push([0.0; 3]);
+                }
+                pair += 1;
+            }
+        }
+        let rates = self
+            .balls
+            .iter()
+            .zip(&loads)
+            .map(|(ball, (force, torque))| {
+                let (k, b, rest) = ball.hand;
+                let own = |axis: usize| {
+                    ball.force[axis]
+                        - k * (ball.position[axis] - rest[axis])
+                        - b * ball.velocity[axis]
+                };
+                let moment = 0.4 * ball.mass[0] * ball.radius * ball.radius;
+                Rate {
+                    velocity: ball.velocity,
+                    acceleration: [0, 1, 2].map(|axis| (own(axis) + force[axis]) / ball.mass[axis]),
+                    spin: if ball.is_tool {
+                        [0.0; 3]
+                    } else {
+                        torque.map(|t| t / moment)
+                    },
+                    contact: *force,
+                }
+            });
+        (rates.collect(), slides)
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn push(
+        &self,
+        loads: &mut [(Vector, Vector)],
+        i: usize,
+        j: Option<usize>,
+        depth: f64,
+        normal: Vector,
+        place: Vector,
+        pair: usize,
+        _moved: bool,
+    ) -> Vector {
+        if depth <= 0.0 {
+            return [f64::NAN; 3];
+        }
+        let velocity = |ball: &Ball| {
+            let turning = if ball.is_tool { [0.0; 3] } else { ball.turning };
+            add(
+                ball.velocity,
+                cross(turning, add(place, ball.position, -1.0)),
+                1.0,
+            )
+        };
+        let mut relative = velocity(&self.balls[i]);
+        if let Some(j) = j {
+            relative = add(relative, velocity(&self.balls[j]), -1.0);
+        }
+        let Law {
+            stiffness,
+            damping,
+            friction,
+        } = self.law;
+        let rate = -dot(relative, normal);
+        let pressed = (stiffness * depth + damping * rate).max(0.0);
+        let mut bristle = self.bristles[pair];
+        bristle = add(bristle, normal, -dot(bristle, normal));
+        let length = dot(bristle, bristle).sqrt();
+        let most = friction * pressed / stiffness;
+        if length > most {
+            bristle = bristle.map(|x| x * most / length);
+        }
+        let force = add(normal.map(|n| n * pressed), bristle, -stiffness);
+        let mut load = |number: usize, sign: f64| {
+            let arm = add(place, self.balls[number].position, -1.0);
+            loads[number].0 = add(loads[number].0, force, sign);
+            loads[number].1 = add(loads[number].1, cross(arm, force), sign);
+        };
+        load(i, 1.0);
+        if let Some(j) = j {
+            load(j, -1.0);
+        }
+        add(relative, normal, rate)
+    }
+
+    fn moved(&self, rates: &[Rate], slides: &[Vector], h: f64) -> Self {
+        let mut next = self.clone();
+        for (ball, rate) in next.balls.iter_mut().zip(rates) {
+            ball.position = add(ball.position, rate.velocity, h);
+            ball.velocity = add(ball.velocity, rate.acceleration, h);
+            ball.turning = add(ball.turning, rate.spin, h);
+        }
+        if self.law.friction > 0.0 {
+            for (bristle, slide) in next.bristles.iter_mut().zip(slides) {
+                *bristle = if slide[0].is_nan() {
+                    [0.0; 3]
+                } else {
+                    add(*bristle, *slide, h)
+                };
+            }
+        }
+        next
+    }
+
+    /// One step of `h` `[s]`; the mean force of the contacts on each ball.
+    fn step(&mut self, h: f64) -> Vec<Vector> {
+        let (a, sa) = self.rates(true);
+        let (b, sb) = self.moved(&a, &sa, 0.5 * h).rates(true);
+        let (c, sc) = self.moved(&b, &sb, 0.5 * h).rates(true);
+        let (d, sd) = self.moved(&c, &sc, h).rates(true);
+        let mix = |a: Vector, b: Vector, c: Vector, d: Vector| {
+            [0, 1, 2].map(|k| (a[k] + 2.0 * b[k] + 2.0 * c[k] + d[k]) / 6.0)
+        };
+        let mean: Vec<_> = (0..a.len())
+            .map(|i| Rate {
+                velocity: mix(a[i].velocity, b[i].velocity, c[i].velocity, d[i].velocity),
+                acceleration: mix(
+                    a[i].acceleration,
+                    b[i].acceleration,
+                    c[i].acceleration,
+                    d[i].acceleration,
+                ),
+                spin: mix(a[i].spin, b[i].spin, c[i].spin, d[i].spin),
+                contact: mix(a[i].contact, b[i].contact, c[i].contact, d[i].contact),
+            })
+            .collect();
+        let slides: Vec<_> = (0..sa.len())
+            .map(|i| mix(sa[i], sb[i], sc[i], sd[i]))
+            .collect();
+        *self = self.moved(&mean, &slides, h);
+        if self.law.friction > 0.0 {
+            self.cut();
+        }
+        mean.iter().map(|rate| rate.contact).collect()
+    }
+
+    /// Keeps the bristles within what the normal forces hold.
+    fn cut(&mut self) {
+        let mut pair = 0;
+        for i in 0..self.balls.len() {
+            for number in 0..self.planes.len() + self.balls.len() {
+                let ball = self.balls[i];
+                let (depth, normal, rate) = if let Some(plane) = self.planes.get(number) {
+                    let depth = ball.radius - (dot(ball.position, plane.normal) - plane.offset);
+                    (depth, plane.normal, -dot(ball.velocity, plane.normal))
+                } else {
+                    let other = self.balls[number - self.planes.len()];
+                    let off = add(ball.position, other.position, -1.0);
+                    let length = dot(off, off).sqrt();
+                    let normal = off.map(|x| x / length.max(1e-12));
+                    let relative = add(ball.velocity, other.velocity, -1.0);
+                    (
+                        ball.radius + other.radius - length,
+                        normal,
+                        -dot(relative, normal),
+                    )
+                };
+                let Law {
+                    stiffness,
+                    damping,
+                    friction,
+                } = self.law;
+                let pressed = (stiffness * depth + damping * rate).max(0.0);
+                let most = if depth > 0.0 {
+                    friction * pressed / stiffness
+                } else {
+                    0.0
+                };
+                let bristle = &mut self.bristles[pair];
+                *bristle = add(*bristle, normal, -dot(*bristle, normal));
+                let length = dot(*bristle, *bristle).sqrt();
+                if length > most {
+                    *bristle = bristle.map(|x| x * most / length);
+                }
+                pair += 1;
+            }
+        }
+    }
+
+    /// The mean contact force on each ball over an interval, and the integral of the squares of those on tools.
+    pub fn interval(&mut self, h: f64) -> (Vec<Vector>, f64) {
+        let mut sum = vec![[0.0; 3]; self.balls.len()];
+        let mut squares = 0.0;
+        let step = h / STEPS as f64;
+        for _ in 0..STEPS {
+            for ((sum, force), ball) in sum.iter_mut().zip(self.step(step)).zip(&self.balls) {
+                *sum = add(*sum, force, 1.0 / STEPS as f64);
+                if ball.is_tool {
+                    squares += dot(force, force) * step;
+                }
+            }
+        }
+        (sum, squares)
+    }
+}
+
+/// Devices alone under held forces.
+pub fn hold(tools: &mut Ideal, forces: &[Vector], h: f64) {
+    let own: Vec<_> = tools.balls.iter().map(|ball| ball.force).collect();
+    for (ball, force) in tools.balls.iter_mut().zip(forces) {
+        ball.force = add(ball.force, *force, 1.0);
+    }
+    for _ in 0..20 {
+        tools.step(h / 20.0);
+    }
+    for (ball, own) in tools.balls.iter_mut().zip(own) {
+        ball.force = own;
+    }
+}
+
+/// What a renderer does in a world against its ideal.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    pub ideal: Ideal,
+    pub period: f64,
+    pub quantum: f64,
+    /// Samples from a force to its beginning.
+    pub delay: usize,
+    pub samples: usize,
+}
+
+impl Trial {
+    /// E in percent: the mean-force error over all tools.
+    pub fn error(&self, renderer: &WorldRenderer) -> f64 {
+        let mut ideal = self.ideal.clone();
+        let mut devices = Ideal::new(
+            ideal
+                .balls
+                .iter()
+                .filter(|ball| ball.is_tool)
+                .copied()
+                .collect(),
+            Vec::new(),
+            ideal.law,
+        );
+        let mut state = renderer.start();
+        let tools = devices.balls.len();
+        let mut queue = vec![vec![[0.0; 3]; tools]; self.delay];
+        let (mut errors, mut all) = (0.0, 0.0);
+        for _ in 0..self.samples {
+            let positions: Vec<Vector> = devices
+                .balls
+                .iter()
+                .map(|ball| {
+                    ball.position.map(|x| {
+                        if self.quantum > 0.0 {
+                            (x / self.quantum).round() * self.quantum
+                        } else {
+                            x
+                        }
+                    })
+                })
+                .collect();
+            let output = renderer.step(&mut state, &Sample::at(&positions));
+            assert_eq!(output.fault, None);
+            queue.push(output.forces.to_vec());
+            let forces = queue.remove(0);
+            let (means, squares) = ideal.interval(self.period);
+            for (force, mean) in forces.iter().zip(&means) {
+                let off = add(*force, *mean, -1.0);
+                errors += dot(off, off) * self.period;
+            }
+            all += squares;
+            hold(&mut devices, &forces, self.period);
+        }
+        100.0 * (errors / all).sqrt()
+    }
+}
