@@ -177,7 +177,7 @@ fn delay(card: &Card, sources: &Sources<'_>) -> Check {
     let told = sources
         .recordings
         .first()
-        .map(|recording| crate::recording::report::told(recording));
+        .map(crate::recording::report::told);
     let told_delay = told
         .as_ref()
         .and_then(|told| Some(told.get("delay_s")? + told.get("lag_s").copied().unwrap_or(0.0)));
