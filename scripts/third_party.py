@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Writes THIRD-PARTY.md: whose work goes into the program, and under which licence.
+"""Writes THIRD-PARTY.md: whose work goes into the program, and under which licence. Writes the same for the
+Python package and the C library.
 
-    scripts/third_party.py           writes the file
-    scripts/third_party.py --check   exit code 1 if the file is not up to date
+    scripts/third_party.py           writes the files
+    scripts/third_party.py --check   exit code 1 if a file is not up to date
 
 It covers every crate that any build of the program contains, on any platform and with any feature
 (`cargo metadata --locked`), and what is vendored on the page of `palpate live`. Crates that are only
@@ -14,9 +15,9 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parent.parent
-OUT = ROOT / "THIRD-PARTY.md"
 VENDORED = ROOT / "crates/palpate-scope/page/vendor"
 
 # Which licence this file follows where a crate leaves the choice: the first of these it offers.
@@ -39,9 +40,9 @@ HEAD = """# Third parties
 
 <!-- Written by scripts/third_party.py; `scripts/third_party.py --check` says whether it is up to date. -->
 
-The program `palpate` contains the work of others. Whoever gives the program away gives this file with it, and
+{what} `palpate` contains the work of others. Whoever gives the {noun} away gives this file with it, and
 [LICENSE-APACHE](LICENSE-APACHE), which is the text of the Apache licence that many of the crates below have. The Rust
-standard library is part of the program too (MIT OR Apache-2.0, <https://github.com/rust-lang/rust>).
+standard library is part of the {noun} too (MIT OR Apache-2.0, <https://github.com/rust-lang/rust>).
 
 The tables name every crate that a build may contain; a build for one platform, with the default features, contains fewer.
 """
@@ -52,25 +53,45 @@ MPL = """
 {crates}
 
 These crates are used as they were published; no file of theirs was changed. Their
-[licence](https://mozilla.org/MPL/2.0/) asks whoever gives away a program that contains them to say where their source
+[licence](https://mozilla.org/MPL/2.0/) asks whoever gives away a {noun} that contains them to say where their source
 is: it is at the addresses above, for exactly these versions. It covers the files of these crates and nothing else of
-the program. Whoever changes one of their files and gives the program away has to publish the changed file under the
+the {noun}. Whoever changes one of their files and gives the {noun} away has to publish the changed file under the
 same licence.
 """
 
 
-def metadata():
+class Given(NamedTuple):
+    """Something that is given away."""
+
+    noun: str
+    what: str
+    """How the first sentence names it."""
+    folder: Path
+    """Where its manifest and its list stand."""
+    package: str
+    has_page: bool
+    """Whether the page of `palpate live` is in it."""
+
+
+GIVEN = [
+    Given("program", "The program", ROOT, "palpate-cli", True),
+    Given("package", "The Python package", ROOT / "bindings/python", "palpate-python", False),
+    Given("library", "The C library", ROOT / "bindings/c", "palpate-c", False),
+]
+
+
+def metadata(folder):
     """The packages of a build, with all features and for all platforms."""
     command = ["cargo", "metadata", "--locked", "--all-features", "--format-version", "1"]
-    done = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, check=True, text=True)
+    done = subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, check=True, text=True)
     return json.loads(done.stdout)
 
 
-def in_the_program(metadata):
-    """The crates of others that are linked into `palpate`."""
+def linked(metadata, root):
+    """The crates of others that are linked into the package `root`."""
     packages = {package["id"]: package for package in metadata["packages"]}
     nodes = {node["id"]: node for node in metadata["resolve"]["nodes"]}
-    waiting = [p["id"] for p in packages.values() if p["name"] == "palpate-cli" and p["source"] is None]
+    waiting = [p["id"] for p in packages.values() if p["name"] == root and p["source"] is None]
     seen = set()
     while waiting:
         which = waiting.pop()
@@ -167,12 +188,12 @@ def table(packages):
     return "\n".join(rows)
 
 
-def mpl_part(packages):
+def mpl_part(noun, packages):
     crates = [
         f"- {said(p)}: <https://static.crates.io/crates/{p['name']}/{p['name']}-{p['version']}.crate>"
         for p in packages
     ]
-    return MPL.format(crates="\n".join(crates))
+    return MPL.format(noun=noun, crates="\n".join(crates))
 
 
 def texts_part(licence, packages):
@@ -220,17 +241,17 @@ def notices_part(packages):
     return "\n## Notices\n\n" + "\n".join(parts) if parts else ""
 
 
-def document():
-    packages = in_the_program(metadata())
+def document(given):
+    packages = linked(metadata(given.folder), given.package)
     by_licence = {}
     for package in packages:
         if not package["license"]:
             raise SystemExit(f"{said(package)} names no licence")
         for licence in followed(package["license"]):
             by_licence.setdefault(licence, []).append(package)
-    text = HEAD + "\n## Crates\n\n" + table(packages) + "\n\nWhere a crate leaves the choice, this file follows Apache-2.0.\n"
-    text += mpl_part(by_licence.get("MPL-2.0", [])) if "MPL-2.0" in by_licence else ""
-    text += vendored_part()
+    text = HEAD.format(what=given.what, noun=given.noun) + "\n## Crates\n\n" + table(packages) + "\n\nWhere a crate leaves the choice, this file follows Apache-2.0.\n"
+    text += mpl_part(given.noun, by_licence.get("MPL-2.0", [])) if "MPL-2.0" in by_licence else ""
+    text += vendored_part() if given.has_page else ""
     text += notices_part(by_licence.get("Apache-2.0", []))
     for licence in sorted(set(by_licence) - ELSEWHERE):
         text += texts_part(licence, by_licence[licence])
@@ -240,11 +261,13 @@ def document():
 def main():
     if sys.argv[1:] not in ([], ["--check"]):
         raise SystemExit(__doc__)
-    text = document()
-    if not sys.argv[1:]:
-        OUT.write_text(text, encoding="utf-8")
-    elif not OUT.exists() or OUT.read_text(encoding="utf-8") != text:
-        raise SystemExit("THIRD-PARTY.md is not up to date: run scripts/third_party.py and commit what it writes")
+    for given in GIVEN:
+        out, text = given.folder / "THIRD-PARTY.md", document(given)
+        if not sys.argv[1:]:
+            out.write_text(text, encoding="utf-8")
+        elif not out.exists() or out.read_text(encoding="utf-8") != text:
+            where = out.relative_to(ROOT)
+            raise SystemExit(f"{where} is not up to date: run scripts/third_party.py and commit what it writes")
 
 
 if __name__ == "__main__":

@@ -132,3 +132,63 @@ fn a_renderer_is_made_started_and_stepped_without_allocating() {
     assert!(forces > 1000 && faults > 1000, "{forces}, {faults}");
     assert_eq!(count, 0);
 }
+
+/// A world is made and started with room for everything; its ticks then allocate nothing.
+#[test]
+fn a_world_is_stepped_without_allocating() {
+    use palpate_world::{
+        BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Motion, Party, Sample, Shape,
+        Tool, World, WorldLoop, WorldMethod, WorldRenderer,
+    };
+    let half_space = Shape::HalfSpace {
+        normal: [0.0, 0.0, 1.0],
+        offset: 0.0,
+    };
+    let ball = Free::of_mass(0.1).pulled_by([0.0, 0.0, -1.0]);
+    let world = World {
+        tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.01 })],
+        bodies: vec![
+            Body::new("floor", half_space, Motion::Fixed),
+            Body::new("ball", Shape::Sphere { radius: 0.02 }, Motion::Free(ball))
+                .at([0.0, 0.0, 0.02]),
+        ],
+        contacts: vec![Contact {
+            between: [Party::Any, Party::Any],
+            law: ContactLaw::spring(2000.0)
+                .with_damping(1.0)
+                .with_friction(0.5),
+        }],
+    };
+    let methods: [WorldMethod; 2] = [
+        BasicParams::default().into(),
+        CoupledParams::new(vec![[0.1, 0.2, f64::INFINITY]]).into(),
+    ];
+    for method in methods {
+        let renderer = WorldRenderer::new(&world, WorldLoop::new(0.001), method).unwrap();
+        let mut state = renderer.start();
+        let (mut forces, mut faults) = (0, 0);
+        let count = allocations(|| {
+            for tick in 0..2000 {
+                let t = f64::from(tick) * 0.001;
+                let mut positions = [[0.002 * t, 0.0, 0.052 + 0.006 * (11.0 * t).sin()]];
+                let mut elapsed = None;
+                match tick % 50 {
+                    10 => elapsed = Some(0.0013),
+                    20 => positions[0][1] = f64::NAN,
+                    30 => elapsed = Some(-1.0),
+                    40 => positions[0][0] = 1e300,
+                    _ => {}
+                }
+                let sample = Sample {
+                    positions: &positions,
+                    elapsed,
+                };
+                let output = renderer.step(&mut state, &sample);
+                forces += usize::from(output.forces[0] != [0.0; 3]);
+                faults += usize::from(output.fault.is_some());
+            }
+        });
+        assert!(forces > 100 && faults > 100, "{forces}, {faults}");
+        assert_eq!(count, 0);
+    }
+}

@@ -108,7 +108,7 @@ fn every_method(watch: &mut Watch) {
             let mut control = simulated(&scene, method, SafetyParams::default());
             for _ in 0..400 {
                 let mut force = 0.0;
-                watch(&mut || force = control.tick().force_on_object);
+                watch(&mut || force = control.tick().contact.force_on_object);
                 forces += usize::from(force != 0.0);
             }
         }
@@ -171,7 +171,7 @@ fn faults(watch: &mut Watch) {
         let notes: Vec<Note> = listener
             .filter_map(|told| match told {
                 Told::Note(noted) => Some(noted.note),
-                Told::Tick(_) => None,
+                Told::Tick(..) => None,
             })
             .collect();
         assert!(notes.contains(&Note::Tripped(trip)), "{fault:?}: {notes:?}");
@@ -192,7 +192,7 @@ fn limits(watch: &mut Watch) {
     let mut control = control.tapped(tap);
     ticks(&mut control, 400, watch);
     let limited = listener.filter(|told| match told {
-        Told::Tick(tick) => tick.flags.has(Flags::SAFETY_LIMITED),
+        Told::Tick(tick, _) => tick.flags.has(Flags::SAFETY_LIMITED),
         Told::Note(_) => false,
     });
     assert_eq!(limited.count(), 400);
@@ -259,7 +259,7 @@ fn changes_in_a_hurry(watch: &mut Watch) {
         for _ in 0..1_000_000 {
             let mut tick = None;
             watch(&mut || tick = Some(control.tick()));
-            taken = tick.unwrap().generation;
+            taken = tick.unwrap().tick.generation;
             if taken > 100 && control.statistics().ticks > 2000 {
                 break;
             }

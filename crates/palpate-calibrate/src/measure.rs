@@ -29,6 +29,9 @@ const HIGHEST_RESONANCE: f64 = 0.33;
 /// Least part of the mass beyond a transmission: with less, errors of friction look like a resonance.
 const LEAST_FRACTION: f64 = 0.12;
 
+/// Part of the mean square of the second differences that is the sensor's at least, in a first guess.
+const LEAST_OF_MEAN: f64 = 0.1;
+
 /// Why nothing is said of a loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Declined {
@@ -208,6 +211,9 @@ fn deviation(values: &[f64]) -> f64 {
 }
 
 /// A first guess of the sensor's deviation `[m]`: that of its steps, or what second differences have.
+///
+/// A linkage with an encoder on each joint has steps of no one size, and while no joint makes a step, a
+/// second difference is 0. So their median alone may say nothing.
 fn sensor_noise(positions: &[f64], quantum: Option<f64>) -> f64 {
     if let Some(quantum) = quantum {
         return quantum / 12.0_f64.sqrt();
@@ -218,7 +224,9 @@ fn sensor_noise(positions: &[f64], quantum: Option<f64>) -> f64 {
         .collect();
     squares.sort_by(f64::total_cmp);
     let median = squares.get(squares.len() / 2).copied().unwrap_or(0.0);
-    (0.3 * median / 0.455 / 6.0).sqrt().max(1e-9)
+    let mean = squares.iter().sum::<f64>() / squares.len().max(1) as f64;
+    let square = (0.3 * median / 0.455).max(LEAST_OF_MEAN * mean);
+    (square / 6.0).sqrt().max(1e-9)
 }
 
 impl Fit {
@@ -236,5 +244,24 @@ impl Fit {
     /// Part of the mass beyond the transmission.
     pub fn fraction(&self) -> f64 {
         1.0 / (1.0 + (-self.point[at::LOGIT_FRACTION]).exp())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_guess_of_a_sensor_with_steps_of_several_sizes_is_near_to_them() {
+        let steps = [8.3e-5, 5.7e-5];
+        let position = |i: usize| {
+            let x = 0.003 * (i as f64 * 0.02).sin() + 0.0004 * (i as f64 * 0.005).sin();
+            let joint = |step: f64| (0.5 * x / step).floor() * step;
+            joint(steps[0]) + joint(steps[1])
+        };
+        let positions: Vec<f64> = (0..4000).map(position).collect();
+        assert_eq!(quantum(&positions), None);
+        let guess = sensor_noise(&positions, None);
+        assert!((3e-6..3e-5).contains(&guess), "{guess}");
     }
 }

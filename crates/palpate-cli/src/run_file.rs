@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use palpate_record::recording::{Column, Tick, Value};
+use palpate_record::recording::{Column, ContactTick, Row, Tick, Value};
 use palpate_record::run::{RunWriteError, RunWriter};
 use palpate_rt::answered;
 use palpate_sim::run::Run;
@@ -51,12 +51,17 @@ pub fn write(
     for run in runs {
         for tick in &run.ticks {
             let (output, ledger) = (&tick.output, &tick.ledger);
-            let listed = Tick {
-                time: tick.time,
-                device_position: tick.device_position,
-                ..answered(output, ledger)
+            let listed = Row {
+                tick: Tick {
+                    time: tick.time,
+                    ..Tick::UNKNOWN
+                },
+                contact: ContactTick {
+                    device_position: tick.device_position,
+                    ..answered(output, ledger)
+                },
             };
-            let limits: Vec<_> = listed.flags.limits().collect();
+            let limits: Vec<_> = listed.contact.flags.limits().collect();
             let limits = limits.join(" ");
             let cells = columns
                 .iter()

@@ -64,6 +64,7 @@ fn the_committed_schemas_are_those_of_the_reports() {
         ("sweep", schema::<sweep::report::SweepReport>()),
         ("tune", schema::<tune::report::TuneReport>()),
         ("world", schema::<world::WorldReport>()),
+        ("world-suite", schema::<world::suite::WorldSuiteReport>()),
         ("world-pipe", schema::<pipe::WorldSummary>()),
     ];
     let writes = std::env::var_os("PALPATE_WRITE_SCHEMAS").is_some();

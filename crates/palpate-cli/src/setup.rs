@@ -20,7 +20,6 @@ use palpate_testbed::InvalidParameter;
 
 use crate::arguments::{Flags, TimingFlags, flag_of_setting};
 use crate::failure::Failure;
-pub use actuation::{actuator_of, told_lines};
 use device_file::DeviceFile;
 use palpate_study::report::{Subject, parameters_of, timing_of};
 

@@ -95,12 +95,29 @@ pub fn quantity(text: &str) -> Result<Quantity, String> {
 }
 
 /// A family of random plants.
-pub fn plant_set(text: &str) -> Result<Set, String> {
-    Set::ALL
-        .into_iter()
-        .find(|set| set.name() == text)
-        .ok_or_else(|| format!("the sets are {}", Set::ALL.map(Set::name).join(", ")))
+pub fn plant_set(text: &str) -> Result<PlantSet, String> {
+    if text == WORLDS {
+        return Ok(PlantSet::Worlds);
+    }
+    let mut sets = Set::ALL.into_iter();
+    let set = sets.find(|set| set.name() == text);
+    set.map(PlantSet::Contact).ok_or_else(|| {
+        let names = Set::ALL.map(Set::name).join(", ");
+        format!("the sets are {names}, {WORLDS}")
+    })
 }
+
+/// A family of random scenes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlantSet {
+    /// One contact along one axis.
+    Contact(Set),
+    /// Several bodies in space.
+    Worlds,
+}
+
+/// Name of the set of worlds.
+const WORLDS: &str = "worlds";
 
 /// A unit of positions.
 pub fn length_unit(text: &str) -> Result<LengthUnit, String> {

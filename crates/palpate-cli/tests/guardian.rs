@@ -284,7 +284,7 @@ fn a_program_whose_loop_does_something_bad() {
     let mut pressed = 0;
     while pressed < 50 {
         let tick = control.tick();
-        pressed = if tick.force_on_device == 0.0 {
+        pressed = if tick.contact.force_on_device == 0.0 {
             0
         } else {
             pressed + 1

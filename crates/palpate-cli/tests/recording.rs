@@ -6,7 +6,7 @@ mod recordings;
 use common::{Folder, number, of_method, parse};
 use palpate_record::recording::{LoopCount, Receipt, RecordingWriter};
 use palpate_scene::method::MethodName;
-use recordings::{loop_of, record, tick, write};
+use recordings::{append, loop_of, record, row, write};
 
 #[test]
 fn info_says_what_is_in_a_recording() {
@@ -112,7 +112,7 @@ fn a_tail_that_is_lost_is_said_and_has_an_exit_code() {
     let write = |name: &str, count: Option<LoopCount>| {
         let mut writer = RecordingWriter::create(&folder.path(name), &receipt).unwrap();
         for at in 0..30 {
-            writer.append(&tick(&run, at)).unwrap();
+            append(&mut writer, &row(&run, at));
         }
         if let Some(count) = count {
             writer.count(&count).unwrap();
@@ -177,7 +177,7 @@ fn a_recording_that_was_cut_off_is_read_as_far_as_it_goes() {
     let receipt = Receipt::new("0.1.0").with("scene", &text);
     let mut writer = RecordingWriter::create(&folder.path("tap.mcap"), &receipt).unwrap();
     for at in 0..30 {
-        writer.append(&tick(&run, at)).unwrap();
+        append(&mut writer, &row(&run, at));
     }
     drop(writer);
     folder.fail(
@@ -344,11 +344,11 @@ fn ticks_without_a_position_are_passed_over_and_counted() {
     let receipt = Receipt::new("0.1.0").with("scene", &text);
     let mut writer = RecordingWriter::create(&folder.path("tap.mcap"), &receipt).unwrap();
     for at in 0..run.ticks.len() {
-        let mut tick = tick(&run, at);
+        let mut row = row(&run, at);
         if at % 10 == 3 {
-            tick.device_position = f64::NAN;
+            row.contact.device_position = f64::NAN;
         }
-        writer.append(&tick).unwrap();
+        append(&mut writer, &row);
     }
     writer.finish().unwrap();
     let without = (0..run.ticks.len()).filter(|at| at % 10 == 3).count();

@@ -4,10 +4,10 @@ mod common;
 mod recordings;
 
 use common::{Folder, number, of_method};
-use palpate_record::recording::{Flags, Receipt, RecordingWriter, Tick};
+use palpate_record::recording::{Flags, Receipt, RecordingWriter, Row};
 use palpate_scene::method::MethodName;
 use palpate_sim::run::Run;
-use recordings::{loop_in, record, tick, write};
+use recordings::{append, loop_in, record, row, write};
 
 /// A scene and its mirror image, on the device's other side.
 fn both_sides() -> [String; 2] {
@@ -27,14 +27,14 @@ fn both_sides() -> [String; 2] {
     [text, mirrored]
 }
 
-/// Records a run after `change` has had its way with every tick.
-fn write_changed(folder: &Folder, text: &str, run: &Run, change: impl Fn(usize, &mut Tick)) {
+/// Records a run after `change` has had its way with every row.
+fn write_changed(folder: &Folder, text: &str, run: &Run, change: impl Fn(usize, &mut Row)) {
     let receipt = Receipt::new("0.1.0").with("scene", text);
     let mut writer = RecordingWriter::create(&folder.path("tap.mcap"), &receipt).unwrap();
     for at in 0..run.ticks.len() {
-        let mut tick = tick(run, at);
-        change(at, &mut tick);
-        writer.append(&tick).unwrap();
+        let mut row = row(run, at);
+        change(at, &mut row);
+        append(&mut writer, &row);
     }
     writer.finish().unwrap();
 }
@@ -149,12 +149,12 @@ fn a_device_that_did_not_answer_was_not_where_it_was_before() {
     let run = loop_in(text, MethodName::Hfcr);
     let is_missing = |at: usize| at % 10 == 3;
     // A loop puts down its last sample again.
-    write_changed(&folder, text, &run, |at, tick| {
+    write_changed(&folder, text, &run, |at, row| {
         if is_missing(at) {
             let before = &run.ticks[at - 1];
-            tick.time = before.time;
-            tick.device_position = before.device_position;
-            tick.flags = tick.flags.with(Flags::DEVICE_FAULT, true);
+            row.tick.time = before.time;
+            row.contact.device_position = before.device_position;
+            row.tick.flags = row.tick.flags.with(Flags::DEVICE_FAULT, true);
         }
     });
     let missing = (0..run.ticks.len()).filter(|at| is_missing(*at)).count();
@@ -166,12 +166,12 @@ fn a_device_that_did_not_answer_was_not_where_it_was_before() {
     assert_eq!(report["samples"], run.ticks.len());
     // One that says when it was is bridged to the motion that was, by the force that was sent there;
     // so is a glitch that the renderer refused.
-    write_again(&folder, text, &run, |at, tick| {
+    write_again(&folder, text, &run, |at, row| {
         if at % 20 == 3 {
-            tick.device_position = f64::NAN;
+            row.contact.device_position = f64::NAN;
         } else if is_missing(at) {
-            tick.device_position = 1.0;
-            tick.flags = tick.flags.with(Flags::FAULT, true);
+            row.contact.device_position = 1.0;
+            row.tick.flags = row.tick.flags.with(Flags::FAULT, true);
         }
     });
     let report = folder.json("replay tap.mcap --replay hand --out r.csv");
@@ -181,7 +181,7 @@ fn a_device_that_did_not_answer_was_not_where_it_was_before() {
     assert!(pushed < 1e-3 * run.force.peak_force, "{pushed} N");
 }
 
-fn write_again(folder: &Folder, text: &str, run: &Run, change: impl Fn(usize, &mut Tick)) {
+fn write_again(folder: &Folder, text: &str, run: &Run, change: impl Fn(usize, &mut Row)) {
     std::fs::remove_file(folder.path("tap.mcap")).unwrap();
     write_changed(folder, text, run, change);
 }
@@ -258,17 +258,17 @@ fn what_shows_no_hand_is_refused() {
     );
     let answer = folder.palpate("replay tap.mcap --replay hand --largest-gap 1");
     assert_eq!(answer.code, 4, "{answer:?}");
-    write_again(&folder, text, &run, |_, tick| {
-        tick.force_on_device = f64::NAN
+    write_again(&folder, text, &run, |_, row| {
+        row.contact.force_on_device = f64::NAN
     });
     folder.fail(
         "replay tap.mcap --replay hand",
         3,
         &["tap.mcap: no tick says which force was sent"],
     );
-    write_again(&folder, text, &run, |at, tick| {
+    write_again(&folder, text, &run, |at, row| {
         if at > 6 {
-            tick.device_position = f64::NAN;
+            row.contact.device_position = f64::NAN;
         }
     });
     folder.fail(

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use common::running::{Running, program};
 use common::{Folder, experiment_text, number, parse};
-use palpate_record::recording::{Entry, Recording, Tick};
+use palpate_record::recording::{Entry, Recording, Row};
 use serde_json::Value;
 
 fn folder_with_scenes() -> Folder {
@@ -22,15 +22,12 @@ fn folder_with_scenes() -> Folder {
     folder
 }
 
-fn ticks(folder: &Folder, name: &str) -> Vec<Tick> {
+fn rows(folder: &Folder, name: &str) -> Vec<Row> {
     Recording::open(&folder.path(name))
         .unwrap()
-        .entries()
+        .rows()
         .unwrap()
-        .filter_map(|entry| match entry.unwrap() {
-            Entry::Tick(tick) => Some(tick),
-            Entry::Event(_) => None,
-        })
+        .map(Result::unwrap)
         .collect()
 }
 
@@ -63,14 +60,14 @@ fn a_fast_run_is_a_simulation() {
         let simulated: Vec<f64> = lines
             .map(|line| line.split(',').nth(column).unwrap().parse().unwrap())
             .collect();
-        let ticks = ticks(&folder, &format!("{method}.mcap"));
-        assert_eq!(ticks.len(), 100);
+        let rows = rows(&folder, &format!("{method}.mcap"));
+        assert_eq!(rows.len(), 100);
         assert!(simulated.iter().any(|force| *force > 1.0));
-        for (tick, force) in ticks.iter().zip(&simulated) {
+        for (row, force) in rows.iter().zip(&simulated) {
             assert!(
-                (tick.force_on_object - force).abs() < 1e-6,
+                (row.contact.force_on_object - force).abs() < 1e-6,
                 "{} s",
-                tick.time
+                row.tick.time
             );
         }
     }
@@ -85,7 +82,7 @@ fn every_fast_run_is_the_same() {
         ));
     }
     // By their text: the first has no period, and NaN is not NaN.
-    let text = |name| format!("{:?}", ticks(&folder, name));
+    let text = |name| format!("{:?}", rows(&folder, name));
     assert!(text("a.mcap") == text("b.mcap"));
 }
 
@@ -145,26 +142,31 @@ fn a_recorded_motion_is_a_device() {
     folder.succeed(
         "record wall.toml push.mcap --fast --device replay --motion push.csv --method basic",
     );
-    let ticks = ticks(&folder, "push.mcap");
-    let at = |time: f64| ticks.iter().find(|tick| tick.time >= time - 1e-9).unwrap();
+    let ticks = rows(&folder, "push.mcap");
+    let at = |time: f64| {
+        ticks
+            .iter()
+            .find(|tick| tick.tick.time >= time - 1e-9)
+            .unwrap()
+    };
     // At 0.15 s it is 5 mm in a wall of 1000 N/m.
     assert!(
-        (at(0.15).force_on_device + 5.0).abs() < 1e-6,
+        (at(0.15).contact.force_on_device + 5.0).abs() < 1e-6,
         "{:?}",
         at(0.15)
     );
     // Behind its end the device is gone, and so is the force.
-    assert_eq!(ticks.last().unwrap().force_on_device, 0.0);
+    assert_eq!(ticks.last().unwrap().contact.force_on_device, 0.0);
     let info = folder.succeed("info push.mcap");
     assert!(info.contains("trip-device-lost"), "{info}");
     // So is one that a loop has recorded: the same motion gives the same forces.
     folder.succeed(
         "record wall.toml again.mcap --fast --device replay --motion push.mcap --method basic",
     );
-    let again = crate::ticks(&folder, "again.mcap");
+    let again = crate::rows(&folder, "again.mcap");
     assert!(again.len() >= 200);
     for (before, after) in ticks.iter().zip(&again).take(200) {
-        let off = before.force_on_device - after.force_on_device;
+        let off = before.contact.force_on_device - after.contact.force_on_device;
         assert!(off.abs() < 1e-9, "{before:?}, {after:?}");
     }
     // One that is cut is replayed as far as it goes, and that is said.
@@ -378,8 +380,8 @@ fn a_run_whose_motors_were_off_says_so_and_has_an_exit_code() {
     let created = number(&report, "leak_held_j");
     assert!((0.05..0.5).contains(&created), "{created} J");
     assert!(number(&report, "outside_work_j") != 0.0);
-    let last = *ticks(&folder, "off.mcap").last().unwrap();
-    assert_eq!(last.held_leak, created);
+    let last = *rows(&folder, "off.mcap").last().unwrap();
+    assert_eq!(last.contact.held_leak, created);
     // The recording itself is complete, by the same numbers.
     assert_eq!(report["recording"]["complete"], true);
     let info = folder.json("info off.mcap");
@@ -405,7 +407,7 @@ fn a_run_whose_motors_were_off_says_so_and_has_an_exit_code() {
     );
     assert!(
         text.stdout
-            .contains("again.mcap: complete, 2500 ticks, 0 lost, 0.")
+            .contains("again.mcap: complete, 2500 ticks, 0 lost, 1.")
     );
 }
 

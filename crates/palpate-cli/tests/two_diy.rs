@@ -183,7 +183,7 @@ fn a_run_that_is_terminated_leaves_no_torque() {
         has_recorded(
             &folder,
             "run.mcap.part",
-            |entry| matches!(entry, Entry::Tick(tick) if tick.force_on_device.abs() > 0.5),
+            |entry| matches!(entry, Entry::Tick(_, contacts) if contacts[0].force_on_device.abs() > 0.5),
         )
     });
     run.signal("TERM");
@@ -478,4 +478,35 @@ fn what_does_not_belong_to_the_2diy_or_to_another_device_is_named() {
     let devices = parse(&folder.succeed("devices --json"));
     assert_eq!(devices["built_in"][0]["device"], "simulated");
     assert!(devices["serial_ports"].is_array());
+}
+
+/// Driver, port, guardian and emulator in real time. A machine that is too busy for that makes the command
+/// decline, and say so; what it finds otherwise stands in the tests in simulated time.
+#[test]
+fn a_calibration_goes_the_whole_way_or_says_what_was_missing() {
+    let folder = folder();
+    let emulated = Emulated::start(&folder, " --hold 0.019,0.1169 --gain 0.9 --lag 0.0002");
+    let answer = folder.palpate(
+        "calibrate --device haply-2diy --port haply --wait 0 --seconds 3 --out device.toml --json",
+    );
+    let said = emulated.end();
+    // Whatever came of it, no torque is left.
+    assert!(said.contains("in the end 0 and 0"), "{said}");
+    assert!(answer.stderr.contains("bring the device"), "{answer:?}");
+    let is_there = folder.path("device.toml").exists();
+    if answer.code == 6 {
+        assert!(answer.stderr.contains("samples are missing"), "{answer:?}");
+        assert!(!is_there);
+        return;
+    }
+    assert_eq!(answer.code, 0, "{answer:?}");
+    assert!(is_there);
+    let found = parse(&answer.stdout)["found"]["device_mass_kg"]["value"].clone();
+    let along_y = said.rsplit(" kg along y").nth(1).unwrap();
+    let put_in: f64 = along_y.rsplit(' ').next().unwrap().parse().unwrap();
+    let found = found.as_f64().unwrap();
+    assert!(
+        (found / (put_in / 0.9) - 1.0).abs() < 0.1,
+        "{found} {put_in}"
+    );
 }

@@ -4,7 +4,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use palpate_record::recording::{COLUMNS, Column, Flags, Kind, Phase};
+use palpate_record::recording::{Column, ContactTick, Flags, Kind, Phase, Tick, columns};
 
 /// Compares what stands between `<!-- name -->` and `<!-- end -->` with `made`, or writes it there.
 fn compare(document: &str, name: &str, made: &str) {
@@ -28,15 +28,16 @@ fn compare(document: &str, name: &str, made: &str) {
     );
 }
 
-fn meaning(column: &Column) -> String {
+fn meaning(column: &Column, flags: Flags) -> String {
     let numbered = |values: Vec<(u32, &str)>| {
         let named = values.iter().map(|(n, name)| format!("{n} `{name}`"));
         named.collect::<Vec<_>>().join(", ")
     };
     match column.kind {
         Kind::Flags => {
-            let bits = Flags::NAMED.map(|(flag, name)| (flag.0.trailing_zeros(), name));
-            format!("{}: {}", column.meaning, numbered(bits.to_vec()))
+            let named = Flags::NAMED.iter().filter(|(flag, _)| flags.has(*flag));
+            let bits = named.map(|(flag, name)| (flag.0.trailing_zeros(), *name));
+            format!("{}: {}", column.meaning, numbered(bits.collect()))
         }
         Kind::Phase => {
             let phases = (0..).zip(Phase::ALL.map(Phase::name)).collect();
@@ -53,26 +54,40 @@ fn unit(column: &Column) -> &str {
     }
 }
 
-#[test]
-fn the_table_of_a_tick_is_up_to_date() {
+/// The fields of a message, each at a multiple of its size; `flags` are those that it can have.
+fn table(columns: &[Column], flags: Flags) -> String {
     let mut table =
         String::from("| byte | field | type | unit | meaning |\n|---:|---|---|---|---|\n");
     let mut end = 0_usize;
-    for column in COLUMNS {
+    for column in columns {
         let at = end.next_multiple_of(column.kind.size());
         end = at + column.kind.size();
         let (name, kind) = (column.name, column.kind.message_type());
-        let (unit, meaning) = (unit(column), meaning(column));
+        let (unit, meaning) = (unit(column), meaning(column, flags));
         let _ = writeln!(table, "| {at} | `{name}` | {kind} | {unit} | {meaning} |");
     }
     let _ = writeln!(table, "\nA message has {end} bytes after the first four.");
-    compare("formats.md", "columns of a tick", &table);
+    table
+}
+
+#[test]
+fn the_tables_of_ticks_and_contacts_are_up_to_date() {
+    compare(
+        "formats.md",
+        "columns of a tick",
+        &table(Tick::COLUMNS, Flags::ALL),
+    );
+    compare(
+        "formats.md",
+        "columns of a contact",
+        &table(ContactTick::COLUMNS, Flags::OF_CONTACT),
+    );
 }
 
 #[test]
 fn the_table_of_the_live_page_is_up_to_date() {
     let mut table = String::from("| column | unit |\n|---|---|\n");
-    for column in COLUMNS.iter().filter(|column| column.is_live) {
+    for column in columns().iter().filter(|column| column.is_live()) {
         let _ = writeln!(table, "| `{}` | {} |", column.name, unit(column));
     }
     compare("scope.md", "columns that the page is sent", &table);

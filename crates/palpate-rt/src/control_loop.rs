@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use palpate::{AlongAxis, Output};
-use palpate_record::recording::{Flags, Tick};
+use palpate_record::recording::{ContactTick, Flags, Row, Tick};
 
 use crate::deadlines::Deadlines;
 use crate::delivered::Delivered;
@@ -19,7 +19,7 @@ use crate::setup::SetupError;
 use crate::statistics::LoopStatistics;
 use crate::stop::StopFlag;
 use crate::tap::Tap;
-use crate::wire::{answered, booked};
+use crate::wire::{answered, booked, posed};
 use palpate_device::clock::Clock;
 use palpate_device::{Device, DeviceError, DeviceErrorKind, Pose, Vector, Wrench};
 
@@ -240,7 +240,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
     }
 
     /// One period: sleeps until its deadline, then samples, renders and commands.
-    pub fn tick(&mut self) -> Tick {
+    pub fn tick(&mut self) -> Row {
         let deadline = self.deadline();
         self.clock.sleep_until(deadline);
         let woke = self.clock.now();
@@ -328,7 +328,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         }
         // Not before: the interval that this sample ended was the former method's.
         self.follow_method();
-        let sent = self.command(verdict.wrench);
+        let delivered = self.command(verdict.wrench);
 
         let ended = self.clock.now();
         let missed = self.deadlines.as_mut().map_or(0, |d| d.ended(woke, ended));
@@ -348,13 +348,21 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             .with(Flags::SAFETY_TRIPPED, self.is_off)
             .with(Flags::MISSED_DEADLINE, missed > 0)
             .with(Flags::DEVICE_FAULT, !is_fresh);
+        let contact = ContactTick {
+            force_on_device: self.along_axis(delivered),
+            ..self.account()
+        };
         let tick = Tick {
             lateness: woke.as_secs_f64() - deadline.as_secs_f64(),
             period: elapsed.unwrap_or(f64::NAN),
-            force_on_device: sent,
+            commanded_force: verdict.wrench.force,
+            commanded_torque: verdict.wrench.torque,
+            delivered_force: delivered.force,
+            delivered_torque: delivered.torque,
             tick_duration: (ended - answered).as_secs_f64(),
             device_round_trip: (answered - woke).as_secs_f64(),
-            ..self.account(woke, flags)
+            flags: flags.with(contact.flags, true),
+            ..self.seen(woke)
         };
         self.statistics.ticks += 1;
         self.statistics.missed_deadlines += missed;
@@ -364,11 +372,11 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         self.statistics.tick.add(ended - answered);
         self.statistics.round_trip.add(answered - woke);
         if let Some(tap) = &mut self.tap {
-            tap.tick(&tick);
+            tap.tick(&tick, &[contact]);
             tap.ran(self.motors_off.time());
         }
         self.sequence += 1;
-        tick
+        Row { tick, contact }
     }
 
     /// Takes note of another method that renders from this sample on.
@@ -469,11 +477,16 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         !told.actuation.is_of_whole_samples(told.period)
     }
 
-    /// Commands a wrench; the force along the contact's axis that is held from now on `[N]`.
-    fn command(&mut self, wrench: Wrench) -> f64 {
+    /// The part of a wrench's force along the contact's axis `[N]`.
+    fn along_axis(&self, wrench: Wrench) -> f64 {
+        dot(wrench.force, self.axis.vector(1.0))
+    }
+
+    /// Commands a wrench; the one that is held from now on.
+    fn command(&mut self, wrench: Wrench) -> Wrench {
         let written = self.device.write(wrench);
-        let held = match written {
-            Ok(held) => dot(held.force, self.axis.vector(1.0)),
+        let delivered = match written {
+            Ok(held) => held,
             Err(error) => {
                 self.note(Note::Device(error));
                 let trip = if error.kind == DeviceErrorKind::Disconnected {
@@ -486,48 +499,51 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
                 self.notes_of(&verdict);
                 // It may take none where it does not take some.
                 let _ = self.device.write(Wrench::NONE);
-                0.0
+                Wrench::NONE
             }
         };
+        let held = self.along_axis(delivered);
         self.held.change(held, self.clock.now());
         if self.is_told_how_forces_act() {
             let sent = match (written, self.device.last_sent()) {
-                (Ok(_), Some(sent)) => dot(sent.force, self.axis.vector(1.0)),
+                (Ok(_), Some(sent)) => self.along_axis(sent),
                 _ => held,
             };
             self.rendered.report_sent(-sent);
         }
-        held
+        delivered
     }
 
-    /// What is to be said of the last sample.
-    fn account(&self, woke: Duration, flags: Flags) -> Tick {
+    /// What is to be said of the contact at the last sample, and of the books.
+    fn account(&self) -> ContactTick {
         let ledger = self.rendered.ledger();
         let said = match &self.last {
             Some((_, output)) => answered(output, ledger),
             // Nothing was rendered yet.
-            None => booked(Tick::default(), ledger),
+            None => booked(ContactTick::default(), ledger),
         };
-        let mut tick = Tick {
+        let position = self.last.as_ref().map(|(reading, _)| reading.position);
+        ContactTick {
             sequence: self.sequence,
-            time: (woke - self.started).as_secs_f64(),
-            device_axes: [f64::NAN; 3],
-            device_position: f64::NAN,
+            device_position: position.map_or(f64::NAN, |at| self.axis.coordinate(at)),
             outside_work: said.outside_work + self.delivered.withheld,
             held_leak: self.delivered.leak,
-            generation: self.rendered.generation(),
-            flags: flags.with(said.flags, true),
             ..said
-        };
-        if let Some((reading, _)) = &self.last {
-            let axes = self.device.capabilities().axes;
-            for (given, read) in tick.device_axes.iter_mut().zip(reading.position).take(axes) {
-                *given = read;
-            }
-            tick.time = (reading.time.saturating_sub(self.started)).as_secs_f64();
-            tick.device_position = self.axis.coordinate(reading.position);
         }
-        tick
+    }
+
+    /// What is to be said of the device at the last sample.
+    fn seen(&self, woke: Duration) -> Tick {
+        let reading = self.last.as_ref().map(|(reading, _)| reading);
+        let time = reading.map_or(woke, |reading| reading.time);
+        Tick {
+            sequence: self.sequence,
+            time: time.saturating_sub(self.started).as_secs_f64(),
+            generation: self.rendered.generation(),
+            ..reading.map_or(Tick::UNKNOWN, |reading| {
+                posed(reading, self.device.capabilities().axes)
+            })
+        }
     }
 
     fn notes_of(&mut self, verdict: &Verdict) {

@@ -28,8 +28,8 @@
 //! let rendering = scene.rendering(MethodName::Coupled)?;
 //! let mut control = ControlLoop::new(device, clock, rendering, SafetyParams::default())?;
 //! for _ in 0..100 {
-//!     let tick = control.tick();
-//!     assert!(tick.force_on_device.is_finite()); // [N]
+//!     let row = control.tick();
+//!     assert!(row.contact.force_on_device.is_finite()); // [N]
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use palpate_files::atomic::WriteError;
 use palpate_record::recording::{
-    Event, LoopCount, LoopTime, Receipt, RecordingWriter, Summary, Tick,
+    ContactTick, Event, LoopCount, LoopTime, Receipt, RecordingWriter, Row, Summary, Tick,
 };
 
 use crate::note::Ending;
@@ -18,7 +18,7 @@ use crate::tap::{Counted, Listener, Tap, Told, tap};
 const FLUSH_EVERY: Duration = Duration::from_millis(250);
 /// How long the writer rests when it has written everything.
 const REST: Duration = Duration::from_millis(2);
-/// Things that may wait for the disk: 16 s at 4 kHz.
+/// Ticks of one contact that may wait for the disk: 16 s at 4 kHz.
 const ROOM: usize = 1 << 16;
 /// Events that are kept in memory; a recording has all of them.
 const EVENTS_KEPT: usize = 1000;
@@ -54,8 +54,8 @@ pub struct Account {
     pub peak_force: f64,
     /// Deepest penetration `[m]`.
     pub deepest: f64,
-    /// The last tick.
-    pub last: Option<Tick>,
+    /// The last tick, with its first contact.
+    pub last: Option<Row>,
 }
 
 impl Account {
@@ -78,12 +78,14 @@ impl Account {
         self.motors_off = counted.motors_off;
     }
 
-    /// Takes down a tick.
-    pub fn tick(&mut self, tick: &Tick) {
+    /// Takes down a tick and its contacts.
+    pub fn tick(&mut self, tick: &Tick, contacts: &[ContactTick]) {
         self.ticks += 1;
-        self.peak_force = self.peak_force.max(tick.force_on_device.abs());
-        self.deepest = self.deepest.max(tick.penetration);
-        self.last = Some(*tick);
+        for contact in contacts {
+            self.peak_force = self.peak_force.max(contact.force_on_device.abs());
+            self.deepest = self.deepest.max(contact.penetration);
+        }
+        self.last = Row::of(*tick, contacts).next();
     }
 
     /// Takes down something that happened.
@@ -221,9 +223,9 @@ fn write_down(listener: &mut Listener, writing: &mut Writing, account: &mut Acco
         for told in listener.by_ref().take(ROOM / 16) {
             rested = false;
             match told {
-                Told::Tick(tick) => {
-                    account.tick(&tick);
-                    writing.write(|writer| writer.append(&tick));
+                Told::Tick(tick, contacts) => {
+                    account.tick(&tick, &contacts);
+                    writing.write(|writer| writer.append(&tick, &contacts));
                 }
                 Told::Note(noted) => {
                     let event = noted.event();

@@ -1,20 +1,32 @@
 //! From the loop's thread to whoever writes down what it does, without ever waiting.
 
+use std::iter;
 use std::sync::Arc;
 
-use palpate_record::recording::{Flags, LoopTime, Tick};
+use palpate_record::recording::{ContactTick, Flags, LoopTime, Tick};
 
 use crate::note::{Ending, Noted};
 use crate::tally::{Counts, Tally};
 
 /// What a loop tells.
-// A tick is most of what comes: a box for it would be an allocation in the loop.
+// A tick is most of what comes.
+#[allow(clippy::large_enum_variant)]
+#[derive(Clone, Debug)]
+pub enum Told {
+    /// A tick, with all its contacts.
+    Tick(Tick, Vec<ContactTick>),
+    /// Something that happened at one.
+    Note(Noted),
+}
+
+/// What finds room on the way, or does not. A tick is followed by its contacts: they find room together,
+/// or none of them does.
+// A box would be an allocation in the loop.
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Copy, Debug)]
-pub enum Told {
-    /// A tick.
+enum Passed {
     Tick(Tick),
-    /// Something that happened at one.
+    Contact(ContactTick),
     Note(Noted),
 }
 
@@ -55,7 +67,7 @@ impl From<Counts> for Counted {
 /// The loop's end: it drops what finds no room, and counts it.
 #[derive(Debug)]
 pub struct Tap {
-    out: rtrb::Producer<Told>,
+    out: rtrb::Producer<Passed>,
     tally: Arc<Tally>,
     waits: bool,
 }
@@ -64,14 +76,16 @@ pub struct Tap {
 /// followed by more.
 #[derive(Debug)]
 pub struct Listener {
-    incoming: rtrb::Consumer<Told>,
+    incoming: rtrb::Consumer<Passed>,
     tally: Arc<Tally>,
 }
 
-/// A tap with room for `capacity` things that have not been listened to.
+/// A tap with room for `capacity` ticks of one contact that have not been listened to. A note, and each
+/// further contact, takes half of the room of such a tick; a tick with more contacts than fit into all of
+/// the room is always lost.
 #[must_use]
 pub fn tap(capacity: usize) -> (Tap, Listener) {
-    let (out, incoming) = rtrb::RingBuffer::new(capacity);
+    let (out, incoming) = rtrb::RingBuffer::new(2 * capacity);
     let tally = Arc::new(Tally::new());
     let tap = Tap {
         out,
@@ -82,13 +96,19 @@ pub fn tap(capacity: usize) -> (Tap, Listener) {
 }
 
 impl Tap {
-    /// Tells a tick. Its number says how many have been made.
-    pub fn tick(&mut self, tick: &Tick) {
+    /// Tells a tick and its contacts. Its number says how many ticks have been made; where there is no room
+    /// for it and all its contacts, the whole tick is lost.
+    pub fn tick(&mut self, tick: &Tick, contacts: &[ContactTick]) {
         self.tally.made(tick.sequence.saturating_add(1));
         if tick.flags.has(Flags::SAFETY_TRIPPED) {
             self.tally.was_off();
         }
-        self.push(Told::Tick(*tick));
+        let passed = Passed::Tick(Tick {
+            contacts: u32::try_from(contacts.len()).unwrap_or(u32::MAX),
+            ..*tick
+        });
+        let contacts = contacts.iter().copied().map(Passed::Contact);
+        self.push(1 + contacts.len(), iter::once(passed).chain(contacts));
     }
 
     /// Tells how long the loop ran so far, and for how much of that no force was delivered.
@@ -99,7 +119,7 @@ impl Tap {
     /// Tells something that happened.
     pub fn note(&mut self, noted: &Noted) {
         self.tally.noted();
-        self.push(Told::Note(*noted));
+        self.push(1, iter::once(Passed::Note(*noted)));
     }
 
     /// Says how many ticks and notes there were, how many ticks ended with the motors off, and for how
@@ -127,7 +147,7 @@ impl Tap {
         self.tally.ended(ending.number());
     }
 
-    /// How many things found no room.
+    /// How many ticks and notes found no room.
     #[must_use]
     pub fn lost(&self) -> u64 {
         self.tally.counts().lost
@@ -145,12 +165,17 @@ impl Tap {
         clippy::disallowed_methods,
         reason = "yields only where the clock stands still meanwhile"
     )]
-    fn push(&mut self, told: Told) {
-        while self.waits && self.out.is_full() && !self.tally.is_deaf() {
+    fn push(&mut self, count: usize, passed: impl Iterator<Item = Passed>) {
+        let can_fit = count <= self.out.buffer().capacity();
+        while self.waits && can_fit && self.out.slots() < count && !self.tally.is_deaf() {
             std::thread::yield_now();
         }
-        if self.out.push(told).is_err() {
-            self.tally.dropped();
+        match self.out.write_chunk_uninit(count) {
+            // The listener sees all of them at once.
+            Ok(room) => {
+                room.fill_from_iter(passed);
+            }
+            Err(_) => self.tally.dropped(),
         }
     }
 }
@@ -162,7 +187,7 @@ impl Drop for Tap {
 }
 
 impl Listener {
-    /// How many things found no room. A recording shows by its numbers which ticks they were.
+    /// How many ticks and notes found no room. A recording shows by its numbers which ticks they were.
     #[must_use]
     pub fn lost(&self) -> u64 {
         self.tally.counts().lost
@@ -186,12 +211,81 @@ impl Iterator for Listener {
     type Item = Told;
 
     fn next(&mut self) -> Option<Told> {
-        self.incoming.pop().ok()
+        loop {
+            match self.incoming.pop().ok()? {
+                Passed::Note(noted) => return Some(Told::Note(noted)),
+                Passed::Tick(tick) => {
+                    let contacts = (0..tick.contacts).map_while(|_| match self.incoming.pop() {
+                        Ok(Passed::Contact(contact)) => Some(contact),
+                        _ => None,
+                    });
+                    return Some(Told::Tick(tick, contacts.collect()));
+                }
+                // It stands behind its tick, which has taken it.
+                Passed::Contact(_) => {}
+            }
+        }
     }
 }
 
 impl Drop for Listener {
     fn drop(&mut self) {
         self.tally.turn_deaf();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tick(sequence: u64) -> Tick {
+        Tick {
+            sequence,
+            ..Tick::default()
+        }
+    }
+
+    fn contacts(number: u32) -> Vec<ContactTick> {
+        let contact = |penetration| ContactTick {
+            penetration,
+            ..ContactTick::default()
+        };
+        (0..number).map(|at| contact(f64::from(at))).collect()
+    }
+
+    /// Number of the tick, and the penetrations of its contacts.
+    fn told(listener: &mut Listener) -> Vec<(u64, Vec<f64>)> {
+        listener
+            .map(|told| match told {
+                Told::Tick(tick, contacts) => {
+                    assert_eq!(tick.contacts as usize, contacts.len());
+                    let depths = contacts.iter().map(|contact| contact.penetration);
+                    (tick.sequence, depths.collect())
+                }
+                Told::Note(noted) => panic!("{noted:?}"),
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_tick_finds_room_with_all_its_contacts_or_not_at_all() {
+        // Room for a tick with three contacts, a tick with one, and one thing more.
+        let (mut tap, mut listener) = tap(4);
+        tap.tick(&tick(0), &contacts(3));
+        tap.tick(&tick(1), &contacts(1));
+        tap.tick(&tick(2), &contacts(2));
+        assert_eq!((tap.lost(), tap.counted().ticks), (1, 3));
+        tap.tick(&tick(3), &contacts(0));
+        tap.tick(&tick(4), &contacts(1));
+        assert_eq!(tap.lost(), 2);
+        let expected = [(0, vec![0.0, 1.0, 2.0]), (1, vec![0.0]), (3, vec![])];
+        assert_eq!(told(&mut listener), expected);
+        // There is room again, and now the ring begins anew within a tick.
+        tap.tick(&tick(5), &contacts(3));
+        assert_eq!(told(&mut listener), [(5, vec![0.0, 1.0, 2.0])]);
+        // More contacts than there is room for are lost, whoever listens.
+        let mut tap = tap.waiting();
+        tap.tick(&tick(6), &contacts(8));
+        assert_eq!((tap.lost(), told(&mut listener)), (3, vec![]));
     }
 }

@@ -1,15 +1,15 @@
 //! The core's words in those of recordings: neither crate knows the other.
 
 use palpate::{Ledger, Output};
-use palpate_record::recording::{Flags, Phase, Tick};
+use palpate_device::Pose;
+use palpate_record::recording::{ContactTick, Flags, Phase, Tick};
 
-/// What the core says of a sample, in a tick: its answer, and the books up to the sample. Which tick it
-/// is, when it was, where the device was and what was really sent are for the caller to say, and
-/// unknown here.
+/// What the core says of a sample, in a contact: its answer, and the books up to the sample. Which tick
+/// it is, where the device was and what was really sent are for the caller to say, and unknown here.
 #[must_use]
-pub fn answered(output: &Output<f64>, ledger: &Ledger<f64>) -> Tick {
+pub fn answered(output: &Output<f64>, ledger: &Ledger<f64>) -> ContactTick {
     let limited = output.limited;
-    Tick {
+    ContactTick {
         object_position: output.object_position,
         object_velocity: output.object_velocity,
         penetration: output.penetration,
@@ -23,21 +23,33 @@ pub fn answered(output: &Output<f64>, ledger: &Ledger<f64>) -> Tick {
             .with(Flags::LIMITED_FORCE, limited.force)
             .with(Flags::LIMITED_SLEW, limited.slew)
             .with(Flags::LIMITED_GUARD, limited.guard),
-        ..booked(Tick::UNKNOWN, ledger)
+        ..booked(ContactTick::UNKNOWN, ledger)
     }
 }
 
-/// A tick, with what the books say.
-pub(crate) fn booked(tick: Tick, ledger: &Ledger<f64>) -> Tick {
-    Tick {
+/// A contact, with what the books say.
+pub(crate) fn booked(contact: ContactTick, ledger: &Ledger<f64>) -> ContactTick {
+    ContactTick {
         stored_energy: ledger.stored,
         port_work: ledger.port_work,
         virtual_force_work: ledger.virtual_force_work,
         outside_work: ledger.outside_work,
         original_leak: ledger.original_leak.accumulated,
         held_leak: ledger.held_leak.accumulated,
-        ..tick
+        ..contact
     }
+}
+
+/// What a pose says of a device with so many axes, in a tick.
+pub(crate) fn posed(pose: &Pose, axes: usize) -> Tick {
+    let mut tick = Tick::UNKNOWN;
+    for (given, read) in tick.device_axes.iter_mut().zip(pose.position).take(axes) {
+        *given = read;
+    }
+    if let Some(orientation) = pose.orientation {
+        tick.device_orientation = orientation;
+    }
+    tick
 }
 
 fn phase(phase: palpate::Phase) -> Phase {
@@ -84,7 +96,7 @@ mod tests {
             original_leak: leak(11.0),
             held_leak: leak(12.0),
         };
-        let expected = Tick {
+        let expected = ContactTick {
             force_on_device: 1.0,
             force_on_object: 2.0,
             object_position: 3.0,
@@ -99,11 +111,24 @@ mod tests {
             held_leak: 12.0,
             phase: Phase::Enters,
             flags: Flags::CONTACT.with(Flags::LIMITED_SLEW, true),
-            ..Tick::UNKNOWN
+            ..ContactTick::UNKNOWN
         };
         // NaN is no other NaN, but is written alike.
         let said = answered(&output, &ledger);
         assert_eq!(format!("{said:?}"), format!("{expected:?}"));
+    }
+
+    #[test]
+    fn a_pose_has_the_axes_of_its_device() {
+        let time = std::time::Duration::ZERO;
+        let tick = posed(&Pose::at([1.0, 2.0, 0.0], time), 2);
+        assert!(tick.device_axes[..2] == [1.0, 2.0] && tick.device_axes[2].is_nan());
+        assert!(tick.device_orientation.iter().all(|part| part.is_nan()));
+        let turned = Pose {
+            orientation: Some([0.6, 0.8, 0.0, 0.0]),
+            ..Pose::at([0.0; 3], time)
+        };
+        assert_eq!(posed(&turned, 3).device_orientation, [0.6, 0.8, 0.0, 0.0]);
     }
 
     #[test]

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 use palpate::{AnyParams, Contact, LoopParams, ObjectState};
 use palpate_device::clock::{Clock, MonotonicClock};
 use palpate_device::{Capabilities, Device, DeviceError, Pose, Wrench, ZeroWriter};
-use palpate_record::recording::{Entry, Receipt, Recording, Tick};
+use palpate_record::recording::{ContactTick, Entry, Receipt, Recording, Tick};
 use palpate_rt::realtime::{Answer, Request};
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, Ending, LoopThread, Recorder, Rendering, StopFlag};
@@ -252,7 +252,7 @@ fn what_a_loop_does_is_recorded_tick_by_tick() {
     assert_eq!((account.ticks_made, account.ticks), (made, made));
     assert_eq!((account.lost_ticks(), account.lost_events()), (0, 0));
     assert_eq!(account.motors_off, end.statistics.motors_off);
-    assert_eq!(account.last.unwrap().sequence, made - 1);
+    assert_eq!(account.last.unwrap().tick.sequence, made - 1);
     let recording = Recording::open(&path).unwrap();
     assert!(recording.is_complete(), "{:?}", recording.missing);
     let counted = recording.counted.as_ref().unwrap();
@@ -261,7 +261,7 @@ fn what_a_loop_does_is_recorded_tick_by_tick() {
     let mut ticks = 0;
     let mut before = f64::NEG_INFINITY;
     for entry in recording.entries().unwrap() {
-        if let Entry::Tick(tick) = entry.unwrap() {
+        if let Entry::Tick(tick, _) = entry.unwrap() {
             assert!(tick.time > before);
             before = tick.time;
             ticks += 1;
@@ -271,9 +271,15 @@ fn what_a_loop_does_is_recorded_tick_by_tick() {
 }
 
 /// The disk does not keep up, and the ring is full when the loop ends: the last ticks and the event of
-/// the end are lost, and the file says how many.
+/// the end are lost, and the file says how many. What is there has all its contacts.
 #[test]
 fn a_tail_that_finds_no_room_is_counted_in_the_file() {
+    for contacts in [1, 3] {
+        tail_without_room(contacts);
+    }
+}
+
+fn tail_without_room(contacts: usize) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("late.mcap");
     let (mut tap, recorder) = Recorder::begin(&path, &Receipt::new("test")).unwrap();
@@ -281,11 +287,12 @@ fn a_tail_that_finds_no_room_is_counted_in_the_file() {
     // Until the last of them has found no room.
     loop {
         let lost = tap.lost();
-        tap.tick(&Tick {
+        let tick = Tick {
             sequence: made,
             time: made as f64 * 1e-6,
             ..Tick::default()
-        });
+        };
+        tap.tick(&tick, &vec![ContactTick::default(); contacts]);
         made += 1;
         if tap.lost() > lost && made > 200_000 {
             break;
@@ -305,6 +312,11 @@ fn a_tail_that_finds_no_room_is_counted_in_the_file() {
         (held, Some(made))
     );
     assert_eq!(recording.lost(), made - held);
+    for entry in recording.entries().unwrap() {
+        if let Entry::Tick(tick, of_tick) = entry.unwrap() {
+            assert_eq!(of_tick.len(), contacts, "{}", tick.sequence);
+        }
+    }
     let last = recording.last.unwrap().sequence;
     let tail = recording.missing.last().unwrap();
     assert_eq!((tail.after, tail.count), (Some(last), made - 1 - last));

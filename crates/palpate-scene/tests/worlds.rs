@@ -58,7 +58,8 @@ fn a_world_is_read_with_its_devices_bodies_and_contacts() {
     );
     let scene = WorldFile::parse("ball.toml", BALL).unwrap().scene;
     assert_eq!(scene.timing.period, 0.001);
-    assert_eq!(scene.timing.delay, 0.0005);
+    assert_eq!(scene.timing.actuator.delay, 0.0005);
+    assert_eq!(scene.timing.actuator.gain, 1.0);
     let [device] = scene.devices[..] else {
         panic!("one device")
     };
@@ -68,7 +69,7 @@ fn a_world_is_read_with_its_devices_bodies_and_contacts() {
     assert_eq!(device.hand.rest, device.position);
     assert_eq!(scene.render.device_mass, [[0.375; 3]]);
     // Without [told], a renderer is told what is true.
-    assert_eq!(scene.render.delay, 0.0005);
+    assert_eq!(scene.render.actuator, scene.timing.actuator);
     let [ball, floor] = &scene.world.bodies[..] else {
         panic!("two bodies")
     };
@@ -185,4 +186,19 @@ fn numbers_that_no_world_has_are_refused() {
         let said = said(&BALL.replacen(right, wrong, 1));
         assert!(said[0].contains(message), "{wrong}: {said:?}");
     }
+}
+
+#[test]
+fn every_committed_world_is_read() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../experiments/worlds");
+    let mut files = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let source = std::fs::read_to_string(&path).unwrap();
+        let name = path.display().to_string();
+        let scene = WorldFile::parse(&name, &source).unwrap().scene;
+        assert!(!scene.title.is_empty(), "{name}");
+        files += 1;
+    }
+    assert!(files > 0);
 }

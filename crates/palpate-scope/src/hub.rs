@@ -175,14 +175,14 @@ impl Client {
 
 #[cfg(test)]
 mod tests {
-    use palpate_record::recording::Tick;
+    use palpate_record::recording::Row;
 
     use super::*;
     use crate::rows::Rows;
 
     fn frame() -> Frame {
         let mut rows = Rows::new(0.001);
-        rows.add(&Tick::default());
+        rows.add(&Row::default());
         rows.take_frame(0, 0).unwrap()
     }
 

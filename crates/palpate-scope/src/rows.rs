@@ -1,28 +1,21 @@
 //! From ticks to what a page can draw: few enough rows, and every peak in them.
 
-use palpate_record::recording::{COLUMNS, Column, Flags, Kind, Tick};
+use palpate_record::recording::{self, Column, ContactTick, Flags, Kind, Row, Tick};
 
 /// How many columns a frame has.
-const WIDTH: usize = live_before(COLUMNS.len());
-/// Where the flags stand.
-const FLAGS: usize = {
-    let mut at = 0;
-    while !matches!(COLUMNS[at].kind, Kind::Flags) {
-        at += 1;
-    }
-    live_before(at)
-};
+const WIDTH: usize = live(Tick::COLUMNS) + live(ContactTick::COLUMNS);
 
-/// The columns of a frame, in their order: those of a tick that the live page is sent.
+/// The columns of a frame, in their order: those of a row that the live page is sent.
 pub fn columns() -> impl Iterator<Item = &'static Column> {
-    COLUMNS.iter().filter(|column| column.is_live)
+    let all = recording::columns().iter().copied();
+    all.filter(|column| column.is_live())
 }
 
-/// How many of the first columns of a tick the live page is sent.
-const fn live_before(end: usize) -> usize {
+/// How many of these columns the live page is sent.
+const fn live(columns: &[Column]) -> usize {
     let (mut at, mut count) = (0, 0);
-    while at < end {
-        if COLUMNS[at].is_live {
+    while at < columns.len() {
+        if columns[at].is_live() {
             count += 1;
         }
         at += 1;
@@ -106,9 +99,10 @@ impl Rows {
         }
     }
 
-    /// Adds a tick.
-    pub fn add(&mut self, tick: &Tick) {
-        let values = row(tick);
+    /// Adds a tick with one of its contacts.
+    pub fn add(&mut self, row: &Row) {
+        let values = values(row);
+        let tick = &row.tick;
         if self.period >= SHORTEST * (1.0 - ROUNDING) {
             self.times.push(tick.time);
             self.rows.push(values);
@@ -137,7 +131,12 @@ impl Rows {
         let flags = number(group.flags);
         let mut earlier = group.extremes.map(|extremes| extremes.earlier);
         let mut later = group.extremes.map(|extremes| extremes.later);
-        (earlier[FLAGS], later[FLAGS]) = (flags, flags);
+        let both = earlier.iter_mut().zip(&mut later);
+        for ((earlier, later), column) in both.zip(columns()) {
+            if column.kind == Kind::Flags {
+                (*earlier, *later) = (flags, flags);
+            }
+        }
         self.times.extend([group.first, group.last]);
         self.rows.extend([earlier, later]);
     }
@@ -191,12 +190,12 @@ impl Frame {
     }
 }
 
-fn row(tick: &Tick) -> [f32; WIDTH] {
-    let mut row = [0.0; WIDTH];
-    for (value, column) in row.iter_mut().zip(columns()) {
-        *value = single(column.value(tick).number());
+fn values(row: &Row) -> [f32; WIDTH] {
+    let mut values = [0.0; WIDTH];
+    for (value, column) in values.iter_mut().zip(columns()) {
+        *value = single(column.value(row).number());
     }
-    row
+    values
 }
 
 /// Enough for a screen.
@@ -246,10 +245,15 @@ mod tests {
     fn up_to_a_kilohertz_each_row_is_a_tick() {
         let mut rows = Rows::new(0.001);
         for number in 0..20 {
-            rows.add(&Tick {
-                penetration: -1e-3 * number as f64,
-                flags: Flags::CONTACT,
-                ..tick(number, 0.001)
+            rows.add(&Row {
+                tick: Tick {
+                    flags: Flags::CONTACT,
+                    ..tick(number, 0.001)
+                },
+                contact: ContactTick {
+                    penetration: -1e-3 * number as f64,
+                    ..ContactTick::default()
+                },
             });
         }
         let frame = rows.take_frame(1, 3).unwrap();
@@ -271,10 +275,15 @@ mod tests {
             for height in [5.0, -5.0] {
                 let mut rows = Rows::new(period);
                 for number in 0..64 {
-                    rows.add(&Tick {
-                        force_on_device: if number == peak { height } else { 0.25 },
-                        flags: Flags::default().with(Flags::FAULT, number == peak),
-                        ..tick(number, period)
+                    rows.add(&Row {
+                        tick: Tick {
+                            flags: Flags::default().with(Flags::FAULT, number == peak),
+                            ..tick(number, period)
+                        },
+                        contact: ContactTick {
+                            force_on_device: if number == peak { height } else { 0.25 },
+                            ..ContactTick::default()
+                        },
                     });
                 }
                 let frame = rows.take_frame(0, 0).unwrap();

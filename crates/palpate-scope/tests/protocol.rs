@@ -328,7 +328,7 @@ fn a_recording_begins_and_ends_while_the_loop_runs() {
         let mut changes = Vec::new();
         for (number, entry) in recording.entries().unwrap().enumerate() {
             match entry.unwrap() {
-                Entry::Tick(tick) => {
+                Entry::Tick(tick, _) => {
                     if generations.is_empty() {
                         assert_eq!((tick.sequence, number), (0, 0));
                     }
@@ -397,7 +397,7 @@ fn the_page_sees_every_peak_of_a_fast_loop() {
         .entries()
         .unwrap()
         .filter_map(|entry| match entry.unwrap() {
-            Entry::Tick(tick) => Some((tick.time, tick.force_on_device)),
+            Entry::Tick(tick, contacts) => Some((tick.time, contacts[0].force_on_device)),
             Entry::Event(_) => None,
         })
         .collect();
@@ -513,7 +513,7 @@ fn a_session_that_was_to_last_does_not_wait_for_every_deadline_that_is_missed() 
     let end = stage.session.take().unwrap().join();
     let lane = &end.lanes[0];
     assert_eq!(lane.end.ending, palpate_rt::Ending::Complete);
-    let last = lane.account.last.unwrap().sequence;
+    let last = lane.account.last.unwrap().tick.sequence;
     assert!((5..100).contains(&last), "tick {last}");
 }
 

@@ -32,9 +32,15 @@ damping_n_s_per_m = 1.0
 duration_s = 0.3
 "#;
 
-fn with<T>(source: &str, look: impl FnOnce(&WorldBench<'_>) -> T) -> T {
-    let file = WorldFile::parse("scene.toml", source).unwrap();
-    look(&WorldBench::new(&file.scene).unwrap())
+/// The runs of a scene by these methods, and its bench.
+fn runs<const N: usize>(source: &str, methods: [&str; N]) -> ([WorldRun; N], WorldBench) {
+    let scene = WorldFile::parse("scene.toml", source).unwrap().scene;
+    let bench = WorldBench::new(&scene).unwrap();
+    let run = |method| {
+        let renderer = scene.renderer(method).unwrap();
+        bench.run(method, &renderer).unwrap()
+    };
+    (methods.map(run), bench)
 }
 
 fn error(run: &WorldRun) -> f64 {
@@ -63,9 +69,10 @@ fn a_wrong_mass_costs_little_and_a_known_delay_too() {
         "[measure]",
         "[render]\ndevice_mass_kg = [0.15, 0.24, 0.375]\n[measure]",
     );
-    let wrong = with(&told, |bench| error(&bench.run("coupled").unwrap()));
+    let ([wrong], _) = runs(&told, ["coupled"]);
     let late = GROOVE.replace("period_s = 0.001", "period_s = 0.001\ndelay_s = 0.001");
-    let late = with(&late, |bench| error(&bench.run("coupled").unwrap()));
+    let ([late], _) = runs(&late, ["coupled"]);
+    let (wrong, late) = (error(&wrong), error(&late));
     println!("E: told 1.5 times the mass {wrong} %, a sample of delay {late} %");
     assert!(wrong < 3.0 && late < 3.0, "{wrong} {late}");
 }
@@ -81,20 +88,18 @@ fn the_judge_and_the_renderer_see_the_same_world() {
             "velocity_m_per_s = [0.0, 0.0, -0.1]",
         )
         .replace("[0.004, 0.0, 0.03]", "[0.0, 0.0, 0.0145]");
-    with(&source, |bench| {
-        let run = bench.run("coupled").unwrap();
-        let ideal = &bench.ideal().ideal;
-        let mean = ideal.devices[0].mean_forces(&ideal.grid);
-        assert_eq!(run.delivered[0].len(), 300);
-        let largest = mean
-            .iter()
-            .flatten()
-            .fold(0.0, |most: f64, x| most.max(x.abs()));
-        assert!(largest > 50.0, "{largest}");
-        for (held, mean) in run.delivered[0].iter().zip(&mean).skip(60) {
-            for (held, mean) in held.iter().zip(mean) {
-                assert!((held - mean).abs() < 1e-3 * largest, "{held} {mean}");
-            }
+    let ([run], bench) = runs(&source, ["coupled"]);
+    let ideal = bench.ideal();
+    let mean = ideal.devices[0].mean_forces(&ideal.grid);
+    assert_eq!(run.delivered[0].len(), 300);
+    let largest = mean
+        .iter()
+        .flatten()
+        .fold(0.0, |most: f64, x| most.max(x.abs()));
+    assert!(largest > 50.0, "{largest}");
+    for (held, mean) in run.delivered[0].iter().zip(&mean).skip(60) {
+        for (held, mean) in held.iter().zip(mean) {
+            assert!((held - mean).abs() < 1e-3 * largest, "{held} {mean}");
         }
-    });
+    }
 }

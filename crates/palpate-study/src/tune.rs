@@ -5,7 +5,7 @@
 
 use palpate::Unit;
 use palpate_scene::Scene;
-use palpate_scene::method::{MethodName, Setting, Settings};
+use palpate_scene::method::{MethodName, Setting, SettingKey, Settings};
 pub mod report;
 
 use palpate_sim::closed_loop::{Bench, LoopError};
@@ -78,6 +78,26 @@ pub enum TuneError {
 pub fn tunable(method: MethodName) -> Option<&'static Setting> {
     let mut settings = method.info().settings.iter();
     settings.find(|setting| setting.unit() == Some(Unit::NewtonSecondPerMetre))
+}
+
+/// The greatest value that is tried where nobody says another `[N s/m]`, of a method's setting on a scene:
+/// beyond where it is known to be too much.
+pub fn usual_most(scene: &Scene, method: MethodName, setting: SettingKey) -> f64 {
+    let impedance = scene.contact.stiffness * scene.loop_params.period;
+    match (setting, method) {
+        (SettingKey::DAMPING_CAP, _) => 8.0 * impedance,
+        (_, MethodName::Hfcr) => impedance,
+        _ => 4.0 * impedance,
+    }
+}
+
+/// The least value that is tried where nobody says another `[N s/m]`, of so many up to `most`: 0, or one
+/// step of a cap, which cannot be 0.
+pub fn usual_least(setting: SettingKey, most: f64, values: u32) -> f64 {
+    match setting {
+        SettingKey::DAMPING_CAP => most / f64::from(values),
+        _ => 0.0,
+    }
 }
 
 /// Judges `method` on `scene` at each of `values` `[N s/m]`; `done` hears of each start height that

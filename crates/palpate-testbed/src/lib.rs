@@ -27,6 +27,8 @@
 //! A scene whose object lies on the other side is mirrored by the caller, who negates positions,
 //! velocities and forces on the way in and out.
 //!
+//! [`world`] has several devices, bodies and contacts in space, with signs of its own.
+//!
 //! # From scene to judgement
 //!
 //! ```

@@ -4,8 +4,8 @@
 use palpate_testbed::grid::Grid;
 use palpate_testbed::metrics::{Fidelity, WindowMismatch};
 use palpate_testbed::world::{
-    ContactLaw, JudgementError, Member, Motion, Pair, Shape, Vector, WindowRule, WorldBody,
-    WorldDevice, WorldHand, WorldIdeal, WorldJudgement, WorldScene,
+    ContactLaw, JudgementError, Member, Motion, Pair, PlantParams, Shape, Vector, WindowRule,
+    WorldBody, WorldDevice, WorldHand, WorldIdeal, WorldJudgement, WorldPlant, WorldScene,
 };
 
 const PERIOD: f64 = 0.004;
@@ -98,6 +98,35 @@ fn the_interval_means_are_at_the_floor_and_have_no_error() {
             assert!(rendered.peak_error.unwrap() <= 1e-6);
         }
     }
+}
+
+/// Under forces of the hand that do not depend on the motion, a device has the ideal's momentum at each sample if the
+/// means of the ideal force are held; only its place differs. It is what a renderer without error does.
+#[test]
+fn held_means_give_a_device_the_momentum_of_the_ideal() {
+    let mut scene = scene();
+    for device in &mut scene.devices {
+        (device.hand.stiffness, device.hand.damping) = (0.0, 0.0);
+    }
+    let ideal = WorldIdeal::new(&scene, Grid::even(0.0, PERIOD, 60)).unwrap();
+    let held = means(&ideal);
+    let mut plant = WorldPlant::new(&scene, PlantParams::perfect(PERIOD)).unwrap();
+    let mut off = 0.0_f64;
+    for (sample, state) in ideal.states.iter().enumerate() {
+        for (number, device) in state.devices.iter().enumerate() {
+            for axis in 0..3 {
+                let velocity = plant.velocities()[number][axis];
+                assert!((velocity - device.velocity[axis]).abs() < 1e-11);
+                let place = plant.positions()[number][axis];
+                off = off.max((place - device.position[axis]).abs());
+            }
+        }
+        if sample < 60 {
+            plant.hold(&[held[0][sample], held[1][sample]]);
+        }
+    }
+    println!("places differ by up to {:.1} um", 1e6 * off);
+    assert!(off > 1e-6);
 }
 
 #[test]

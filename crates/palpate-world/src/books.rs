@@ -18,7 +18,8 @@ pub struct ContactBook {
     pub work_on_avatar: f64,
     /// Work of the contact's mean force on the device itself.
     pub held: f64,
-    /// What the stored energy changed by because a sample put the avatar to another place than it was expected at.
+    /// What the stored energy changed by because a sample put the avatar to another place than it was expected at, or
+    /// a limit did.
     pub observed: f64,
     /// What finite sub-steps have made (positive) or lost.
     pub step_error: f64,
@@ -66,7 +67,8 @@ pub struct DeviceBook {
     /// What the port's work differs by: the force that was held less the mean of the contacts as it was then known
     /// to be, and the device's path by its samples less that by the observer.
     pub unforeseen: f64,
-    /// Work of the hand on the avatar less that on the device: F_u times the offset where F_u is constant.
+    /// Work of the hand on the avatar less that on the device: F_u times the offset where F_u is constant
+    /// and the force is held.
     pub offset: f64,
     /// By how much more kinetic energy the avatar has gained than the device.
     pub velocity_offset: f64,

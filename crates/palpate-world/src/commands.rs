@@ -1,85 +1,172 @@
 //! The forces on their way to the devices.
 
-use palpate::{Actuation, LARGEST_DELAY};
+use palpate::{
+    Actuation, Actuator, Ahead, Command, Governed, Held, LARGEST_DELAY, Piece, UnderWay,
+};
 
 use crate::Vector;
 use crate::rigid::Vector3;
 
-/// A force for a tool.
+/// Most pieces in which what is under way can act before a new command does.
+const MOST_PIECES: usize = LARGEST_DELAY + 2;
+
+/// What acts on a tool over a stretch of time, each vector along the world's axes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Command {
-    /// What the method asked for `[N]`.
+pub(crate) struct Acting {
+    /// Mean of what the method asked for, as the actuator delivers it `[N]`.
     pub intended: Vector3,
-    /// What was sent: what limits and drivers left of it `[N]`.
+    /// Mean of what was sent, delivered `[N]`.
     pub sent: Vector3,
+    /// By how much its impulse comes earlier than a constant force's: see [`Held::lead`] `[N s^2]`.
+    pub lead: Vector3,
+    /// Standard deviation of the impulse, as far as the actuation is not known exactly `[N s]`.
+    pub doubt: Vector3,
 }
 
-impl Command {
-    fn none() -> Self {
+impl Acting {
+    fn of(axes: &[Piece<f64>; 3]) -> Self {
+        let of = |quantity: fn(&Piece<f64>) -> f64| Vector3::from(axes.each_ref().map(quantity));
         Self {
-            intended: Vector3::zeros(),
-            sent: Vector3::zeros(),
+            intended: of(|piece| piece.intended),
+            sent: of(|piece| piece.held.mean),
+            lead: of(|piece| piece.held.lead),
+            doubt: of(|piece| piece.held.doubt),
         }
     }
 }
 
-/// Most commands of a tool that are remembered: those on their way, and the one that has just acted.
-const MOST: usize = LARGEST_DELAY + 2;
-
-/// The last commands of each tool.
+/// The forces on their way to each tool, along each axis.
 #[derive(Clone, Debug)]
 pub(crate) struct Commands {
-    rings: Vec<[Command; MOST]>,
-    newest: usize,
-    /// Whole samples from a command to its beginning.
-    delay: usize,
+    actuator: Actuator<f64>,
+    tools: Vec<ToTool>,
 }
 
+/// The forces on their way to a tool.
+#[derive(Clone, Copy, Debug)]
+struct ToTool {
+    under_way: [UnderWay<f64>; 3],
+    /// What acted from the last sample but one to the last.
+    passed: [Piece<f64>; 3],
+    /// What is going to act before the next command does, in its order.
+    coming: [[Piece<f64>; 3]; MOST_PIECES],
+    governed: [Option<Governed<f64>>; 3],
+}
+
+const NOTHING: Piece<f64> = Piece {
+    duration: 0.0,
+    intended: 0.0,
+    held: Held {
+        mean: 0.0,
+        lead: 0.0,
+        step: 0.0,
+        step_moment: 0.0,
+        doubt: 0.0,
+    },
+};
+
 impl Commands {
-    /// `actuation`: checked, of whole samples.
+    /// `actuation`: checked.
     pub fn new(tools: usize, actuation: &Actuation<f64>, period: f64) -> Self {
-        let is_of = |&delay: &usize| actuation.delay < (delay as f64 + 0.5) * period;
+        let to_tool = ToTool {
+            under_way: [UnderWay::nothing(); 3],
+            passed: [NOTHING; 3],
+            coming: [[NOTHING; 3]; MOST_PIECES],
+            governed: [None; 3],
+        };
         Self {
-            rings: vec![[Command::none(); MOST]; tools],
-            newest: 0,
-            delay: (0..LARGEST_DELAY).find(is_of).unwrap_or(LARGEST_DELAY),
+            actuator: Actuator::new(actuation, period),
+            tools: vec![to_tool; tools],
         }
     }
 
-    /// Samples from a command to its beginning.
-    pub fn delay(&self) -> usize {
-        self.delay
+    /// An interval of `h` `[s]` between two samples is over.
+    pub fn pass(&mut self, h: f64) {
+        for tool in &mut self.tools {
+            for (passed, under_way) in tool.passed.iter_mut().zip(&mut tool.under_way) {
+                *passed = under_way.pass(&self.actuator, h);
+            }
+        }
+    }
+
+    /// What acted on a tool over the interval that has ended.
+    pub fn passed(&self, tool: usize) -> Acting {
+        Acting::of(&self.tools[tool].passed)
+    }
+
+    /// Looks at what acts before the command of this sample does, over whose `period` `[s]` it is going to act. Returns
+    /// how many pieces there are.
+    pub fn look_ahead(&mut self, period: f64) -> usize {
+        let mut most = 0;
+        for tool in &mut self.tools {
+            for (axis, under_way) in tool.under_way.iter().enumerate() {
+                let mut count = 0;
+                let governed = Ahead::new(&self.actuator, under_way).until_own(period, |piece| {
+                    if let Some(coming) = tool.coming.get_mut(count) {
+                        coming[axis] = piece;
+                        count += 1;
+                    }
+                });
+                tool.governed[axis] = Some(governed);
+                // The same for every axis: they have one actuator.
+                most = count;
+            }
+        }
+        most
+    }
+
+    /// Duration of a piece that was looked at `[s]`.
+    pub fn duration(&self, piece: usize) -> f64 {
+        let first = self.tools.first().and_then(|tool| tool.coming.get(piece));
+        first.map_or(0.0, |axes| axes[0].duration)
+    }
+
+    /// What acts on a tool in a piece that was looked at.
+    pub fn coming(&self, tool: usize, piece: usize) -> Acting {
+        Acting::of(&self.tools[tool].coming[piece])
+    }
+
+    /// The command of this sample whose impulse over the `period` `[s]` in which it acts is that of `mean` `[N]`.
+    pub fn command(&self, tool: usize, mean: &Vector3, period: f64) -> Vector3 {
+        let mut command = *mean;
+        for (force, governed) in command.iter_mut().zip(&self.tools[tool].governed) {
+            if let Some(governed) = governed {
+                *force = governed.with_mean(*force, period);
+            }
+        }
+        command / self.actuator.gain()
+    }
+
+    /// The command of this sample that is delivered as `force` `[N]` once it acts.
+    pub fn for_force(&self, force: &Vector3) -> Vector3 {
+        force / self.actuator.gain()
+    }
+
+    /// Whether a force is still to act on a tool before the command of this sample does.
+    pub fn is_expected(&self, tool: usize) -> bool {
+        let under_way = self.tools[tool].under_way.iter();
+        under_way
+            .map(|axis| Ahead::new(&self.actuator, axis).magnitude())
+            .any(|force| force > 0.0)
     }
 
     pub fn send(&mut self, intended: &[Vector3], sent: &[Vector]) {
-        self.newest = (self.newest + 1) % MOST;
-        for (ring, (intended, sent)) in self.rings.iter_mut().zip(intended.iter().zip(sent)) {
-            ring[self.newest] = Command {
-                intended: *intended,
-                sent: Vector3::from(*sent),
-            };
+        for (tool, (intended, sent)) in self.tools.iter_mut().zip(intended.iter().zip(sent)) {
+            for (axis, under_way) in tool.under_way.iter_mut().enumerate() {
+                under_way.send(Command {
+                    intended: intended[axis],
+                    sent: sent[axis],
+                });
+            }
         }
     }
 
     /// A driver has sent another force than the last `[N]`.
     pub fn correct(&mut self, tool: usize, sent: Vector3) {
-        if let Some(ring) = self.rings.get_mut(tool) {
-            ring[self.newest].sent = sent;
+        if let Some(tool) = self.tools.get_mut(tool) {
+            for (axis, under_way) in tool.under_way.iter_mut().enumerate() {
+                under_way.correct(sent[axis]);
+            }
         }
-    }
-
-    /// What acted on a tool from the last sample until now.
-    pub fn held(&self, tool: usize) -> Command {
-        self.ago(tool, self.delay)
-    }
-
-    /// What is going to act on a tool over the interval that is `later` intervals from now, less than the delay: before
-    /// the command of this sample is sent.
-    pub fn coming(&self, tool: usize, later: usize) -> Command {
-        self.ago(tool, self.delay.saturating_sub(later + 1))
-    }
-
-    fn ago(&self, tool: usize, samples: usize) -> Command {
-        self.rings[tool][(self.newest + MOST - samples) % MOST]
     }
 }

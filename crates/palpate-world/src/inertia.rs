@@ -39,3 +39,70 @@ impl Shape {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn holds(shape: &Shape, [x, y, z]: Vector) -> bool {
+        match *shape {
+            Shape::Sphere { radius } => x * x + y * y + z * z <= radius * radius,
+            Shape::HalfSpace { .. } => false,
+            Shape::Box {
+                half_extents: [a, b, c],
+            } => x.abs() <= a && y.abs() <= b && z.abs() <= c,
+            Shape::Capsule {
+                radius,
+                half_length,
+            } => {
+                let off = (z.abs() - half_length).max(0.0);
+                x * x + y * y + off * off <= radius * radius
+            }
+            Shape::Cylinder {
+                radius,
+                half_length,
+            } => z.abs() <= half_length && x * x + y * y <= radius * radius,
+        }
+    }
+
+    #[test]
+    fn moments_are_those_of_many_small_cells() {
+        let shapes = [
+            Shape::Sphere { radius: 0.8 },
+            Shape::Box {
+                half_extents: [0.9, 0.5, 0.3],
+            },
+            Shape::Capsule {
+                radius: 0.4,
+                half_length: 0.5,
+            },
+            Shape::Cylinder {
+                radius: 0.4,
+                half_length: 0.7,
+            },
+        ];
+        const CELLS: u32 = 120;
+        for shape in shapes {
+            let at = |cell: u32| (2.0 * f64::from(cell) + 1.0) / f64::from(CELLS) - 1.0;
+            let (mut count, mut sums) = (0.0, [0.0; 3]);
+            for (i, j, k) in (0..CELLS)
+                .flat_map(|i| (0..CELLS).flat_map(move |j| (0..CELLS).map(move |k| (i, j, k))))
+            {
+                let [x, y, z] = [at(i), at(j), at(k)];
+                if holds(&shape, [x, y, z]) {
+                    count += 1.0;
+                    let squares = [y * y + z * z, z * z + x * x, x * x + y * y];
+                    sums = [0, 1, 2].map(|axis| sums[axis] + squares[axis]);
+                }
+            }
+            let moments = shape.moments(3.0).unwrap();
+            for (moment, sum) in moments.into_iter().zip(sums) {
+                let counted = 3.0 * sum / count;
+                assert!(
+                    (moment / counted - 1.0).abs() < 0.01,
+                    "{shape:?}: {moment} {counted}"
+                );
+            }
+        }
+    }
+}

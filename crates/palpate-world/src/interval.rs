@@ -2,6 +2,7 @@
 
 use crate::moving::Moving;
 use crate::pairs::Point;
+use crate::part::Part;
 use crate::rigid::Vector3;
 
 /// How finely an interval is integrated.
@@ -112,7 +113,7 @@ fn whole(count: f64) -> u32 {
 const DAMPING_PER_FREQUENCY: f64 = 2.0;
 
 /// A bound of the largest angular frequency among the contacts that touch, or may within `h` `[s]` `[rad/s]`: over a
-/// contact's two sides, the sum of the stiffness times mobility of all contacts there.
+/// contact's two sides, the sum of the stiffness times mobility of all contacts there, and the stiffest spring of a drive.
 fn fastest(moving: &Moving, points: &[Point], h: f64) -> f64 {
     let mut most_square: f64 = 0.0;
     let mut most_damping: f64 = 0.0;
@@ -164,5 +165,9 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> f64 {
         most_square = most_square.max(square);
         most_damping = most_damping.max(damping);
     }
-    most_square.sqrt().max(most_damping / DAMPING_PER_FREQUENCY)
+    let of_drives = |part: &Part| part.drive.spring_rate.max();
+    let most_drive = moving.parts.iter().map(of_drives).fold(0.0, f64::max);
+    (most_square + most_drive)
+        .sqrt()
+        .max(most_damping / DAMPING_PER_FREQUENCY)
 }

@@ -98,3 +98,53 @@ pub(crate) fn carried(vector: Vector3, from: &Vector3, to: &Vector3) -> Vector3 
     };
     turned - to * to.dot(&turned)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rigid::Rotation;
+
+    /// Carried around a cone in small steps, and not about the normal itself: a loop leaves the bristle turned by the
+    /// cone's angle, as a wheel that rolls does.
+    #[test]
+    fn a_bristle_turns_with_the_normal_and_keeps_its_length() {
+        let half_angle: f64 = 0.4;
+        let normal = |turn: f64| {
+            Vector3::new(
+                half_angle.sin() * turn.cos(),
+                half_angle.sin() * turn.sin(),
+                half_angle.cos(),
+            )
+        };
+        let start = Rotation::from_axis_angle(&Vector3::y_axis(), half_angle) * Vector3::x();
+        let mut bristle = start;
+        let steps = 20_000;
+        for step in 0..steps {
+            let turn = |step: u32| std::f64::consts::TAU * f64::from(step) / f64::from(steps);
+            bristle = carried(bristle, &normal(turn(step)), &normal(turn(step + 1)));
+        }
+        let solid_angle = std::f64::consts::TAU * (1.0 - half_angle.cos());
+        let turned = bristle.dot(&start).clamp(-1.0, 1.0).acos();
+        assert!((bristle.norm() - 1.0).abs() < 1e-9, "{}", bristle.norm());
+        assert!(
+            (turned - solid_angle).abs() < 1e-4,
+            "{turned} {solid_angle}"
+        );
+    }
+
+    #[test]
+    fn a_cut_bristle_holds_what_the_normal_force_does() {
+        let law = PointLaw {
+            stiffness: 1000.0,
+            damping: 1.0,
+            friction: 0.5,
+            friction_stiffness: 800.0,
+        };
+        let cut = law.cut(Vector3::new(0.0, 0.003, 0.004), 2.0);
+        assert_eq!(cut.mode, Mode::Slides);
+        assert!((cut.bristle.norm() * 800.0 - 1.0).abs() < 1e-12);
+        let held = law.cut(Vector3::new(0.0, 0.0003, 0.0004), 2.0);
+        assert_eq!((held.mode, held.bristle.norm()), (Mode::Sticks, 0.0005));
+        assert_eq!(law.normal_force(0.001, -2.0), 0.0);
+    }
+}

@@ -35,7 +35,7 @@ pub use contact::{Contact, ContactLaw, Party};
 pub use fault::{Place, WorldError};
 pub use interval::{Effort, SubSteps};
 pub use law::Mode;
-pub use method::{BasicParams, CoupledParams, WorldMethod};
+pub use method::{BasicParams, CoupledParams, VirtualCouplingParams, WorldMethod};
 pub use observer::Prior;
 pub use pairs::{MOST_POINTS, Side};
 pub use params::WorldLoop;

@@ -27,6 +27,8 @@ pub(crate) struct Touch {
     pub slid: Vector3,
     /// Power that material damping takes `[W]`.
     damping_power: f64,
+    /// Power of the material's damping on what only seems to move, a tool that is held between samples `[W]`.
+    apparent_power: f64,
     pub past: Past,
 }
 
@@ -57,6 +59,7 @@ impl Touch {
             relative: none,
             slid: none,
             damping_power: 0.0,
+            apparent_power: 0.0,
             past: Past::default(),
         }
     }
@@ -70,8 +73,9 @@ impl Touch {
     fn book(&mut self, relative: &Vector3, mean: &Vector3, half: f64) {
         let impulse = self.force * half;
         self.past.impulse += impulse;
-        self.past.work += 0.5 * impulse.dot(&(self.relative + relative));
-        self.past.work_on_tool += impulse.dot(mean);
+        let apparent = half * self.apparent_power;
+        self.past.work += 0.5 * impulse.dot(&(self.relative + relative)) + apparent;
+        self.past.work_on_tool += impulse.dot(mean) + apparent;
         self.past.dissipated += half * self.damping_power;
     }
 }
@@ -100,8 +104,7 @@ impl Moving {
         for touch in &self.touches {
             sum += touch.bristle.sum() + touch.force.sum() + touch.past.work;
         }
-        // The difference of a number with itself is 0, but for what is not finite.
-        sum - sum == 0.0
+        sum.is_finite()
     }
 
     /// An interval begins: nothing has passed.
@@ -139,7 +142,7 @@ impl Moving {
     /// that are expected at its end, which keeps it of second order.
     pub fn sub_step(&mut self, points: &[Point], h: f64) {
         let half = 0.5 * h;
-        for part in &mut self.parts {
+        for part in self.moving_parts() {
             part.first_push(half);
         }
         for (touch, point) in self.touches.iter_mut().zip(points) {
@@ -155,11 +158,11 @@ impl Moving {
             );
             touch.slid += (relative - touch.normal * touch.normal.dot(&relative)) * half;
         }
-        for part in &mut self.parts {
+        for part in self.moving_parts() {
             part.drift(h);
         }
         self.meet(points, half);
-        for part in &mut self.parts {
+        for part in self.moving_parts() {
             part.second_push(half);
         }
         for (touch, point) in self.touches.iter_mut().zip(points) {
@@ -176,6 +179,10 @@ impl Moving {
             );
             touch.relative = relative;
         }
+    }
+
+    fn moving_parts(&mut self) -> impl Iterator<Item = &mut Part> {
+        self.parts.iter_mut().filter(|part| !part.is_fixed)
     }
 
     /// The contacts of where everything is now, half a sub-step after it began to move as it does, and their loads.
@@ -279,5 +286,6 @@ impl Touch {
         let rate = -self.normal.dot(&(relative + apparent));
         let by_damping = self.normal_force - point.law.stiffness * self.penetration;
         self.damping_power = (by_damping * rate).max(0.0);
+        self.apparent_power = by_damping * self.normal.dot(&apparent);
     }
 }

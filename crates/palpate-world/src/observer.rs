@@ -8,7 +8,7 @@
 //! ```
 //!
 //! theta = 1/m, lambda (damping over mass) and kappa (stiffness over mass) are parts of the state, which an interval
-//! of contact tells. f is constant over the interval, so its end follows in closed form; a series in h of six terms is
+//! of contact tells. f counts by its mean over the interval, and by how much of it comes early, so the interval's end follows in closed form; a series in h of six terms is
 //! within rounding of it where lambda h and kappa h^2 are small.
 
 use nalgebra::{SMatrix, SVector};
@@ -44,6 +44,17 @@ pub(crate) struct Change {
     pub gained: f64,
     /// Change of a `[m/s^2]`.
     pub external: f64,
+}
+
+/// A force on a device along an axis, over an interval.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AxisForce {
+    /// Its mean `[N]`.
+    pub mean: f64,
+    /// By how much its impulse comes earlier than a constant force's `[N s^2]`.
+    pub lead: f64,
+    /// Standard deviation of its impulse `[N s]`.
+    pub doubt: f64,
 }
 
 /// Derivatives of a velocity by time, from the velocity itself on.
@@ -88,14 +99,17 @@ impl AxisMotion {
         self.series([self.velocity, pushed], |_| 0.0)
     }
 
-    /// What an interval of `h` `[s]` does to it under a constant `force` `[N]` on it.
-    pub fn under(&self, force: f64, h: f64) -> Change {
-        over(&self.own_series(force), h)
+    /// What an interval of `h` `[s]` does to it under a `force` on it.
+    pub fn under(&self, force: &AxisForce, h: f64) -> Change {
+        let mut change = over(&self.own_series(force.mean), h);
+        change.travel += self.mobility * force.lead;
+        change
     }
 
     /// How place, velocity and acceleration at the end come from the state at the start.
-    fn transition(&self, force: f64, h: f64) -> [Row; 3] {
-        let own = self.own_series(force);
+    fn transition(&self, force: &AxisForce, h: f64) -> [Row; 3] {
+        let AxisForce { mean, lead, .. } = *force;
+        let own = self.own_series(mean);
         let none = |_| 0.0;
         let by_velocity = over(&self.series([1.0, 0.0], none), h);
         let by_external = over(&self.series([0.0, 1.0], none), h);
@@ -110,7 +124,7 @@ impl AxisMotion {
                 1.0,
                 u.travel,
                 a.travel,
-                force * a.travel,
+                mean * a.travel + lead,
                 l.travel,
                 k.travel,
             ),
@@ -118,7 +132,7 @@ impl AxisMotion {
                 0.0,
                 1.0 + u.gained,
                 a.gained,
-                force * a.gained,
+                mean * a.gained,
                 l.gained,
                 k.gained,
             ),
@@ -126,7 +140,7 @@ impl AxisMotion {
                 0.0,
                 u.external,
                 1.0 + a.external,
-                force * a.external,
+                mean * a.external,
                 l.external,
                 k.external,
             ),
@@ -159,7 +173,7 @@ impl Default for Prior {
             mobility: 0.5,
             damping_rate: 15.0,
             spring_rate: 1000.0,
-            jerk: 200.0,
+            jerk: 100.0,
         }
     }
 }
@@ -243,7 +257,7 @@ impl AxisObserver {
     /// Takes the sample at the end of an interval of `h` `[s]` over which the device has moved by `moved` `[m]` under
     /// a held `force` `[N]`. Returns the device at the interval's beginning as the sample makes it look now: smoothed by
     /// one step, but for theta, lambda and kappa, which are the same at both ends.
-    pub fn see(&mut self, from: &AxisPrior, moved: f64, force: f64, h: f64) -> AxisMotion {
+    pub fn see(&mut self, from: &AxisPrior, moved: f64, force: &AxisForce, h: f64) -> AxisMotion {
         let before = self.motion;
         let change = before.under(force, h);
         let transition = before.transition(force, h);
@@ -258,7 +272,9 @@ impl AxisObserver {
             covariance.set_row(number, &(row.transpose() * cross));
         }
         covariance += jerk * jerk.transpose() * (from.prior.jerk * from.prior.jerk);
-        let variance = covariance[(0, 0)] + from.measurement_variance;
+        // What is not known of the force: a kick that is not there, or is there twice.
+        let kicked = before.mobility * force.doubt * h;
+        let variance = covariance[(0, 0)] + from.measurement_variance + kicked * kicked;
         let innovation = moved - (before.offset + change.travel);
         let seen: Row = covariance.column(0).into();
         let gain = seen / variance;
@@ -312,5 +328,123 @@ impl AxisObserver {
         } = self.motion;
         let sum = offset + velocity + external + mobility + damping_rate + spring_rate;
         (sum + self.covariance.sum()).is_finite()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn constant(mean: f64) -> AxisForce {
+        AxisForce {
+            mean,
+            lead: 0.0,
+            doubt: 0.0,
+        }
+    }
+
+    fn some_motion() -> AxisMotion {
+        AxisMotion {
+            offset: 1e-6,
+            velocity: 0.13,
+            external: -7.0,
+            mobility: 8.0,
+            damping_rate: 17.0,
+            spring_rate: 900.0,
+        }
+    }
+
+    /// Against many small steps of the same equations.
+    #[test]
+    fn the_motion_is_that_of_a_hand_with_spring_and_damper() {
+        let (motion, force, h) = (some_motion(), 1.5, 0.004);
+        let change = motion.under(&constant(force), h);
+        let (mut x, mut u, mut a) = (0.0, motion.velocity, motion.external);
+        let steps = 100_000;
+        let step = h / f64::from(steps);
+        for _ in 0..steps {
+            let before = (u, a + motion.mobility * force);
+            let middle = (
+                u + 0.5 * step * before.1,
+                before.1
+                    - 0.5 * step * (motion.damping_rate * before.1 + motion.spring_rate * before.0),
+            );
+            x += step * middle.0;
+            u += step * middle.1;
+            a -= step * (motion.damping_rate * middle.1 + motion.spring_rate * middle.0);
+        }
+        assert!((change.travel - x).abs() < 1e-12, "{} {x}", change.travel);
+        assert!((change.gained - (u - motion.velocity)).abs() < 1e-9);
+        assert!((change.external - (a - motion.external)).abs() < 1e-4);
+    }
+
+    #[test]
+    fn the_transition_is_the_derivative_of_the_motion() {
+        let (motion, force, h) = (some_motion(), -2.0, 0.004);
+        let rows = motion.transition(&constant(force), h);
+        let end = |motion: &AxisMotion| {
+            let change = motion.under(&constant(force), h);
+            [
+                motion.offset + change.travel,
+                motion.velocity + change.gained,
+                motion.external + change.external,
+            ]
+        };
+        let steps = [1e-6, 1e-4, 1e-3, 1e-4, 1e-3, 1e-2];
+        for (state, step) in steps.into_iter().enumerate() {
+            let moved = |by: f64| {
+                let mut moved = motion;
+                let place = [
+                    &mut moved.offset,
+                    &mut moved.velocity,
+                    &mut moved.external,
+                    &mut moved.mobility,
+                    &mut moved.damping_rate,
+                    &mut moved.spring_rate,
+                ];
+                *place.into_iter().nth(state).unwrap() += by;
+                end(&moved)
+            };
+            let [more, less] = [moved(step), moved(-step)];
+            for row in 0..3 {
+                let slope = (more[row] - less[row]) / (2.0 * step);
+                let told = rows[row][state];
+                assert!(
+                    (slope - told).abs() < 1e-6 * told.abs().max(1e-3),
+                    "{row} {state}: {slope} {told}"
+                );
+            }
+        }
+    }
+
+    /// A hand with spring and damper and a device of another mass than told, shaken by known forces: the observer
+    /// learns all three.
+    #[test]
+    fn mass_damping_and_stiffness_are_learned_from_forces() {
+        let mut real = AxisMotion {
+            offset: 0.0,
+            velocity: 0.0,
+            external: 0.0,
+            mobility: 6.0,
+            damping_rate: 12.0,
+            spring_rate: 800.0,
+        };
+        let from = AxisPrior::new(0.25, 1e-6, Prior::default());
+        let (mut observer, h) = (AxisObserver::new(&from), 0.001);
+        let (mut place, mut measured) = (0.0, 0.0);
+        for sample in 0..4000_u32 {
+            let force = if sample / 37 % 2 == 0 { 1.0 } else { -1.0 };
+            let change = real.under(&constant(force), h);
+            place += change.travel;
+            real.velocity += change.gained;
+            real.external += change.external;
+            let now = (place / 1e-6_f64).round() * 1e-6;
+            observer.see(&from, now - measured, &constant(force), h);
+            measured = now;
+        }
+        let found = observer.motion;
+        assert!((found.mobility / 6.0 - 1.0).abs() < 0.02, "{found:?}");
+        assert!((found.damping_rate / 12.0 - 1.0).abs() < 0.2, "{found:?}");
+        assert!((found.spring_rate / 800.0 - 1.0).abs() < 0.2, "{found:?}");
     }
 }

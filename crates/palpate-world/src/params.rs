@@ -117,13 +117,6 @@ impl WorldLoop {
                 fault("actuation", error.to_string());
             }
         }
-        if !self.actuation.is_of_whole_samples(self.period) {
-            fault(
-                "actuation",
-                "it has a fraction of a period, a lag or a gain; worlds take a delay of whole samples so far"
-                    .into(),
-            );
-        }
         faults
     }
 }

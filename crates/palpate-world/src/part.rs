@@ -58,6 +58,8 @@ impl Twist {
 /// A tool or body in motion.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Part {
+    /// Whether it is a fixed body: nothing of it ever changes.
+    pub is_fixed: bool,
     pub rigid: Rigid,
     pub mobility: Mobility,
     pub drive: Drive,
@@ -81,6 +83,7 @@ impl Part {
     pub fn new(rigid: Rigid, mobility: Mobility, drive: Drive) -> Self {
         let none = Vector3::zeros();
         Self {
+            is_fixed: false,
             rigid,
             mobility,
             drive,
@@ -91,6 +94,15 @@ impl Part {
             gained: none,
             driven: 0.0,
             turning_error: 0.0,
+        }
+    }
+
+    /// A fixed body.
+    pub fn fixed(rigid: Rigid) -> Self {
+        let at_rest = Drive::constant(Vector3::zeros());
+        Self {
+            is_fixed: true,
+            ..Self::new(rigid, Mobility::none(), at_rest)
         }
     }
 

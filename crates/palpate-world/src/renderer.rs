@@ -152,14 +152,20 @@ impl WorldRenderer {
         }
     }
 
-    /// One tick: takes a sample of all devices, gives the forces to hold until the next. Total: it never panics,
+    /// One tick: takes a sample of all devices, gives the forces to hold until the next. `state` is one that this
+    /// renderer has started. Total: it never panics,
     /// allocates, blocks or loops without bound, and its forces are finite for any input.
     ///
     /// A sample that cannot be used gives forces of 0 and its fault. The bodies then wait, with their momentum, where
     /// they were at the last sample that was used.
     pub fn step<'s>(&self, state: &'s mut WorldState, sample: &Sample<'_>) -> Output<'s> {
         let WorldState { progress, memory } = state;
-        let (limited, effort, fault) = match self.try_step(progress, memory, sample) {
+        let elapsed = progress.tracking.believe(sample, &self.in_loop);
+        progress
+            .commands
+            .pass(*elapsed.as_ref().unwrap_or(&self.in_loop.period));
+        let answer = elapsed.and_then(|elapsed| self.try_step(progress, memory, sample, elapsed));
+        let (limited, effort, fault) = match answer {
             Ok((limited, effort)) => (limited, effort, None),
             Err(fault) => {
                 progress.tracking.in_progress = false;
@@ -185,8 +191,8 @@ impl WorldRenderer {
         state: &mut Progress,
         memory: &mut Memory,
         sample: &Sample<'_>,
+        elapsed: f64,
     ) -> Result<(Limited, Effort), WorldFault> {
-        let elapsed = state.tracking.believe(sample, &self.in_loop)?;
         let overflow = WorldFault {
             fault: Fault::Overflow,
             tool: None,
@@ -268,7 +274,7 @@ fn part_of(body: &Body) -> Part {
         spin: Vector3::zeros(),
     };
     let Motion::Free(free) = &body.motion else {
-        return Part::new(rigid, Mobility::none(), Drive::constant(Vector3::zeros()));
+        return Part::fixed(rigid);
     };
     // A half-space has none, and is refused as a body that moves.
     let moments = free.inertia.or_else(|| body.shape.moments(free.mass));

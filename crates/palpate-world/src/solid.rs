@@ -178,3 +178,107 @@ fn from_cylinder(own: Vector3, radius: f64, half_length: f64) -> Nearest {
     };
     Nearest { distance, normal }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rigid::Rotation;
+
+    fn solids() -> [(Solid, f64); 4] {
+        [
+            (Solid::Ball { radius: 0.7 }, 0.7),
+            (
+                Solid::Block {
+                    half: Vector3::new(0.5, 0.3, 0.8),
+                },
+                0.3,
+            ),
+            (
+                Solid::Capsule {
+                    radius: 0.4,
+                    half_length: 0.5,
+                },
+                0.4,
+            ),
+            (
+                Solid::Cylinder {
+                    radius: 0.4,
+                    half_length: 0.6,
+                },
+                0.4,
+            ),
+        ]
+    }
+
+    fn placed() -> Rigid {
+        Rigid {
+            position: Vector3::new(0.2, -0.4, 0.1),
+            orientation: Rotation::from_scaled_axis(Vector3::new(0.4, -1.1, 0.7)),
+            velocity: Vector3::zeros(),
+            spin: Vector3::zeros(),
+        }
+    }
+
+    /// Points all around, near and far, inside and outside.
+    fn around() -> impl Iterator<Item = Vector3> {
+        (0..2000).map(|number| {
+            let part = |prime: f64| 3.0 * ((f64::from(number) * prime).fract() - 0.5);
+            Vector3::new(part(0.754_877), part(0.569_840), part(0.430_160))
+        })
+    }
+
+    /// The distance changes by the length of a way along the normal, and by less along any other way.
+    #[test]
+    fn the_normal_is_the_gradient_of_the_distance() {
+        for (solid, _) in solids() {
+            let placed = placed();
+            let h = 1e-6;
+            for point in around() {
+                let nearest = solid.nearest(&placed, &point);
+                assert!((nearest.normal.norm() - 1.0).abs() < 1e-12);
+                let gradient = Vector3::from_fn(|axis, _| {
+                    let step = Vector3::ith(axis, h);
+                    let [far, near] =
+                        [point + step, point - step].map(|x| solid.nearest(&placed, &x).distance);
+                    (far - near) / (2.0 * h)
+                });
+                let off = (gradient - nearest.normal).norm();
+                // Where two places of the surface are as near, there is no gradient.
+                let inside = nearest.distance < 0.0;
+                assert!(
+                    off < 1e-5 || inside && (gradient.norm() - 1.0).abs() > 1e-3,
+                    "{solid:?} {point:?} {off}"
+                );
+            }
+        }
+    }
+
+    /// From any point, the way along the normal by the distance ends on the surface.
+    #[test]
+    fn the_nearest_point_lies_on_the_surface() {
+        for (solid, depth) in solids() {
+            let placed = placed();
+            let (mut inside, mut deepest) = (0, 0.0_f64);
+            for point in around() {
+                let nearest = solid.nearest(&placed, &point);
+                let surface = point - nearest.normal * nearest.distance;
+                let on_it = solid.nearest(&placed, &surface).distance;
+                assert!(on_it.abs() < 1e-9, "{solid:?} {point:?} {on_it}");
+                inside += usize::from(nearest.distance < 0.0);
+                deepest = deepest.max(-nearest.distance);
+            }
+            assert!(inside > 20, "{solid:?} {inside}");
+            assert!(deepest <= depth + 1e-12, "{solid:?} {deepest}");
+        }
+    }
+
+    #[test]
+    fn a_point_without_a_nearest_one_has_a_normal_all_the_same() {
+        for (solid, depth) in solids() {
+            let placed = placed();
+            let nearest = solid.nearest(&placed, &placed.position);
+            assert!((nearest.normal.norm() - 1.0).abs() < 1e-12);
+            assert!((nearest.distance + depth).abs() < 1e-12);
+        }
+    }
+}

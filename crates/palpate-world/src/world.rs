@@ -154,8 +154,8 @@ impl<'a> Faults<'a> {
 
     fn unit(&mut self, field: &'static str, values: &[f64]) {
         let length = values.iter().map(|value| value * value).sum::<f64>().sqrt();
-        let is_one = (length - 1.0).abs() < LENGTH_TOLERANCE;
-        if !is_one {
+        let is_unit = (length - 1.0).abs() < LENGTH_TOLERANCE;
+        if !is_unit {
             self.fault(field, format!("{field} has length {length}, and needs 1"));
         }
     }

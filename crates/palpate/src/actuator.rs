@@ -50,7 +50,7 @@ struct Sent<S> {
 
 /// The commands that still act or have yet to act, and where the lag is.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct UnderWay<S> {
+pub struct UnderWay<S> {
     /// A ring: those after the newest are older, up to it.
     commands: [Sent<S>; MOST_COMMANDS],
     newest: u8,
@@ -77,7 +77,7 @@ pub struct Piece<S> {
 
 /// The checked actuation of a loop.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Actuator<S> {
+pub struct Actuator<S> {
     /// From a sample to the beginning of its command `[s]`.
     delay: S,
     /// Whether a command is held as it was sent from its sample to the next, and that is certain.
@@ -272,6 +272,7 @@ fn decay<S: Scalar>(lag: S, h: S) -> [S; 2] {
 }
 
 impl<S: Scalar> UnderWay<S> {
+    /// Before the first sample: no force.
     pub fn nothing() -> Self {
         Self {
             commands: [Sent::default(); MOST_COMMANDS],
@@ -391,7 +392,8 @@ pub struct Ahead<'a, S> {
 }
 
 impl<'a, S: Scalar> Ahead<'a, S> {
-    pub(crate) fn new(actuator: &'a Actuator<S>, under_way: &'a UnderWay<S>) -> Self {
+    /// Of a loop's actuator and what is under way in it.
+    pub fn new(actuator: &'a Actuator<S>, under_way: &'a UnderWay<S>) -> Self {
         Self {
             actuator,
             under_way,

@@ -50,20 +50,17 @@ pub struct Ledger<S> {
     pub held_leak: Leak<S>,
 }
 
-/// One interval, closed by the sample at its end.
+/// One interval, closed by the sample at its end. Works are positive into the object.
 pub(crate) struct Closing<S> {
     /// Stored energy at the interval's end `[J]`.
     pub stored: S,
-    /// Displacement of the device `[m]`.
-    pub device_moved: S,
-    /// Displacement of the object `[m]`.
-    pub object_moved: S,
-    /// f_V over the interval `[N]`.
-    pub virtual_force: S,
-    /// Spring force at the interval's start, K p_i or 0 `[N]`.
-    pub original_force: S,
-    /// Force that was held on the object `[N]`.
-    pub held_force: S,
+    /// Work of the force that was held, through the port `[J]`.
+    pub port_work: S,
+    /// Work of the virtual force `[J]`.
+    pub virtual_force_work: S,
+    /// Work that the spring force of the interval's start, K p_i or 0, would have done through the port
+    /// `[J]`.
+    pub original_work: S,
 }
 
 impl<S: Scalar> Ledger<S> {
@@ -83,15 +80,13 @@ impl<S: Scalar> Ledger<S> {
     /// Books one interval; false, and nothing booked, if an entry would overflow.
     #[must_use]
     pub(crate) fn close(&mut self, interval: &Closing<S>) -> bool {
-        let virtual_work = interval.virtual_force * interval.object_moved;
-        let port_work = interval.held_force * interval.device_moved;
-        let unpaid = interval.stored - self.stored - virtual_work;
-        let original = unpaid - interval.original_force * interval.device_moved;
-        let held = unpaid - port_work;
+        let unpaid = interval.stored - self.stored - interval.virtual_force_work;
+        let original = unpaid - interval.original_work;
+        let held = unpaid - interval.port_work;
         let mut closed = *self;
         closed.stored = interval.stored;
-        closed.port_work += port_work;
-        closed.virtual_force_work += virtual_work;
+        closed.port_work += interval.port_work;
+        closed.virtual_force_work += interval.virtual_force_work;
         closed.original_leak.book(original);
         closed.held_leak.book(held);
         // Finite only if every entry is: no leak exceeds the sum of their absolute values.

@@ -67,7 +67,7 @@ mod scalar;
 mod transition;
 
 pub use actuation::{Actuation, LARGEST_DELAY};
-pub use actuator::{Ahead, Command, Governed, Held, Piece};
+pub use actuator::{Actuator, Ahead, Command, Governed, Held, Piece, UnderWay};
 pub use along_axis::AlongAxis;
 pub use contact::{Contact, LoopParams, Mass, Side};
 pub use difficulty::Difficulty;
@@ -79,7 +79,7 @@ pub use parameter::{
 };
 pub use predict::{LONGEST_WINDOW, Prediction, PredictionMemory, PredictionName};
 pub use render::*;
-pub use rendering::Rendering;
+pub use rendering::{CHANGE_DURATION, Change, ChangeError, Rendering, Running};
 pub use sample::{Fault, Limited, Output, Phase, Sample};
 pub use scalar::Scalar;
 

@@ -70,6 +70,8 @@ pub trait Scalar:
     fn hypot(self, other: Self) -> Self;
     /// Largest integer not above the number.
     fn floor(self) -> Self;
+    /// The number to the power `exponent`.
+    fn powf(self, exponent: Self) -> Self;
 
     /// The smaller of two numbers.
     #[inline]
@@ -90,7 +92,7 @@ pub trait Scalar:
 
 macro_rules! scalar {
     ($t:ident, $abs:path, $sqrt:path, $sincos:path, $exp:path, $expm1:path, $asin:path,
-     $atan2:path, $hypot:path, $floor:path) => {
+     $atan2:path, $hypot:path, $floor:path, $pow:path) => {
         impl Scalar for $t {
             const ZERO: Self = 0.0;
             const ONE: Self = 1.0;
@@ -149,6 +151,10 @@ macro_rules! scalar {
             fn floor(self) -> Self {
                 $floor(self)
             }
+            #[inline]
+            fn powf(self, exponent: Self) -> Self {
+                $pow(self, exponent)
+            }
         }
     };
 }
@@ -163,7 +169,8 @@ scalar!(
     libm::asin,
     libm::atan2,
     libm::hypot,
-    libm::floor
+    libm::floor,
+    libm::pow
 );
 scalar!(
     f32,
@@ -175,5 +182,6 @@ scalar!(
     libm::asinf,
     libm::atan2f,
     libm::hypotf,
-    libm::floorf
+    libm::floorf,
+    libm::powf
 );

@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use clap::{Args, ValueHint};
 use palpate_record::unit::LengthUnit;
 use palpate_scene::HandForceAt;
-use palpate_study::suite::Set;
 use palpate_study::sweep::Quantity;
 
 use super::{
     Flags, Given, Overwriting, PartFlags, PlotFlags, ReplayFlags, SizeFlag, TimeFlags, TimingFlags,
 };
 use crate::values::{
-    Methods, Numbers, force_place, length_unit, methods, number, numbers, plant_set, quantity,
+    Methods, Numbers, PlantSet, force_place, length_unit, methods, number, numbers, plant_set,
+    quantity,
 };
 
 /// Arguments of `render`.
@@ -180,9 +180,12 @@ pub enum Least {
 /// Arguments of `suite`.
 #[derive(Args, Debug)]
 pub struct SuiteArguments {
-    /// Family of plants: paper, desk, real or steps
+    /// What stands on the command line; first, since the fields are read in their order and taken out.
+    #[command(flatten)]
+    pub given: Given,
+    /// Family of plants: paper, desk, real or steps; worlds: several bodies in space
     #[arg(long, value_name = "NAME", default_value = "paper", value_parser = plant_set)]
-    pub set: Set,
+    pub set: PlantSet,
     /// Number of plants
     #[arg(long, value_name = "COUNT", default_value_t = 200,
           value_parser = clap::value_parser!(u32).range(1..=1_000_000))]

@@ -7,13 +7,14 @@ use palpate_scene::SetupError;
 use palpate_scene::method::MethodName;
 use palpate_sim::closed_loop::{Bench, LoopError};
 
-use super::simulate::{explain, read_scene, subject};
+use super::simulate::{explain, read_scene};
 use crate::arguments::{CompareArguments, Flags, TimingFlags};
 use crate::failure::Failure;
 use crate::plots;
 use crate::progress::Progress;
 use crate::results::{draw, print_report};
 use palpate_study::compare::{COLUMNS, Comparison, SceneRows};
+use palpate_study::report::Subject;
 
 /// Runs every method on every scene.
 pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
@@ -56,7 +57,7 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
         }
         scenes.push(SceneRows::of(
             path.display().to_string(),
-            &subject(scene),
+            &Subject::of(scene),
             bench.reference(),
             outcomes,
         ));

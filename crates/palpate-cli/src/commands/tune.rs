@@ -75,16 +75,12 @@ fn values(
     method: MethodName,
     setting: SettingKey,
 ) -> Result<Vec<f64>, Failure> {
-    let impedance = scene.contact.stiffness * scene.loop_params.period;
-    let to = curve.to.unwrap_or(match (setting, method) {
-        (SettingKey::DAMPING_CAP, _) => 8.0 * impedance,
-        (_, MethodName::Hfcr) => impedance,
-        _ => 4.0 * impedance,
-    });
-    let from = curve.from.unwrap_or(match setting {
-        SettingKey::DAMPING_CAP => to / f64::from(curve.steps),
-        _ => 0.0,
-    });
+    let to = curve
+        .to
+        .unwrap_or_else(|| tune::usual_most(scene, method, setting));
+    let from = curve
+        .from
+        .unwrap_or_else(|| tune::usual_least(setting, to, curve.steps));
     if !(from.is_finite() && to.is_finite() && from >= 0.0 && to > from) {
         return Err(Failure::Arguments(format!(
             "--from {from} --to {to}: the values must be finite, not below 0, and increase"

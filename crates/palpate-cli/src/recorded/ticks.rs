@@ -1,6 +1,6 @@
 //! What a replay takes from the ticks of a recording.
 
-use palpate_record::recording::{Entry, Flags, Recording, Tick};
+use palpate_record::recording::{Flags, Recording, Row};
 use palpate_record::trace::Part;
 use palpate_sim::replay::ReplaySetup;
 
@@ -8,10 +8,10 @@ use crate::arguments::ReplayKind;
 use crate::failure::Failure;
 use crate::plots::Recorded;
 
-/// The ticks of a recording.
+/// The ticks of a recording, each with its one contact.
 #[derive(Default)]
 pub struct Ticks {
-    all: Vec<Tick>,
+    all: Vec<Row>,
     /// What had leaked at the first position `[J]`.
     leak_before: Option<f64>,
     /// Those in which the device was seen.
@@ -26,17 +26,23 @@ impl Ticks {
     /// The ticks that there are in a part of a recording.
     ///
     /// # Errors
-    /// What cannot be read; fewer than two ticks in a part that is not the whole.
+    /// What cannot be read; a tick that has not one contact; fewer than two ticks in a part that is not
+    /// the whole.
     pub fn of(recording: &Recording, part: &Part) -> Result<Self, Failure> {
+        if !recording.has_one_contact_each {
+            return Err(Failure::input(format_args!(
+                "{}: not every tick has one contact; a replay needs a recording of one contact",
+                recording.path().display()
+            )));
+        }
         let mut ticks = Self::default();
-        for entry in recording.entries().map_err(Failure::input)? {
-            if let Entry::Tick(tick) = entry.map_err(Failure::input)? {
-                if tick.time > part.to {
-                    break;
-                }
-                if tick.time >= part.from {
-                    ticks.add(tick);
-                }
+        for row in recording.rows().map_err(Failure::input)? {
+            let row = row.map_err(Failure::input)?;
+            if row.tick.time > part.to {
+                break;
+            }
+            if row.tick.time >= part.from {
+                ticks.add(row);
             }
         }
         if ticks.all.len() < 2 && *part != Part::WHOLE {
@@ -54,20 +60,21 @@ impl Ticks {
         Ok(ticks)
     }
 
-    fn add(&mut self, tick: Tick) {
-        self.all.push(tick);
+    fn add(&mut self, row: Row) {
+        self.all.push(row);
+        let Row { tick, contact } = row;
         // What was sent counts, whether a position came with it or not.
-        self.peak_force = self.peak_force.max(tick.force_on_device.abs());
-        if !is_seen(&tick) {
+        self.peak_force = self.peak_force.max(contact.force_on_device.abs());
+        if !is_seen(&row) {
             self.without_position += 1;
             return;
         }
         self.curves.time.push(tick.time);
-        self.curves.device_position.push(tick.device_position);
-        self.curves.object_position.push(tick.object_position);
-        self.curves.force_on_object.push(-tick.force_on_device);
-        let first = *self.leak_before.get_or_insert(tick.held_leak);
-        self.curves.held_leak.push(tick.held_leak - first);
+        self.curves.device_position.push(contact.device_position);
+        self.curves.object_position.push(contact.object_position);
+        self.curves.force_on_object.push(-contact.force_on_device);
+        let first = *self.leak_before.get_or_insert(contact.held_leak);
+        self.curves.held_leak.push(contact.held_leak - first);
     }
 
     /// Puts the object where it was at the first tick that a replay of this kind begins with.
@@ -76,7 +83,8 @@ impl Ticks {
             ReplayKind::Motion => is_seen,
             ReplayKind::Hand => is_believed,
         };
-        if let Some(first) = self.all.iter().find(|tick| begins(tick))
+        let first = self.all.iter().find(|row| begins(row));
+        if let Some(first) = first.map(|row| row.contact)
             && first.object_position.is_finite()
             && first.object_velocity.is_finite()
         {
@@ -98,36 +106,36 @@ impl Ticks {
         longest_gap: f64,
     ) -> Result<HeldDevice, Failure> {
         let mut samples: Vec<Sample> = Vec::with_capacity(self.all.len());
-        let mut unseen: Vec<&Tick> = Vec::new();
-        let mut first_seen: Option<&Tick> = None;
-        let mut last_seen: Option<&Tick> = None;
-        for tick in &self.all {
-            if !is_believed(tick) {
-                unseen.push(tick);
+        let mut unseen: Vec<&Row> = Vec::new();
+        let mut first_seen: Option<&Row> = None;
+        let mut last_seen: Option<&Row> = None;
+        for row in &self.all {
+            if !is_believed(row) {
+                unseen.push(row);
                 continue;
             }
             if let Some(last) = last_seen {
                 // Time that runs backwards is for the estimate to refuse.
-                if tick.time - last.time > longest_gap {
+                if row.tick.time - last.tick.time > longest_gap {
                     return Err(Failure::input(format_args!(
                         "{name}: no position between tick {} at {} s and tick {} at {} s; a hand is \
                          estimated across {longest_gap} s at most: state a longer --largest-gap, or \
                          replay the motion with --replay motion",
-                        last.sequence, last.time, tick.sequence, tick.time
+                        last.tick.sequence, last.tick.time, row.tick.sequence, row.tick.time
                     )));
                 }
-                bridge(&mut samples, (last, tick), &unseen, period);
+                bridge(&mut samples, (last, row), &unseen, period);
             }
             unseen.clear();
             samples.push(Sample {
-                time: tick.time,
-                position: tick.device_position,
-                sent: tick.force_on_device,
+                time: row.tick.time,
+                position: row.contact.device_position,
+                sent: row.contact.force_on_device,
             });
-            first_seen = first_seen.or(Some(tick));
-            last_seen = Some(tick);
+            first_seen = first_seen.or(Some(row));
+            last_seen = Some(row);
         }
-        let from_the_start = first_seen.is_none_or(|first| first.sequence == 0);
+        let from_the_start = first_seen.is_none_or(|first| first.tick.sequence == 0);
         let forces = acting(&samples, delay, from_the_start).ok_or_else(|| {
             Failure::input(format_args!(
                 "{name}: no tick says which force was sent, so what the hand did cannot be told from \
@@ -161,41 +169,45 @@ struct Sample {
 
 /// Whether a position came with a tick. A device that did not answer is put down where it was when it
 /// did.
-fn is_seen(tick: &Tick) -> bool {
-    tick.device_position.is_finite() && !tick.flags.has(Flags::DEVICE_FAULT)
+fn is_seen(row: &Row) -> bool {
+    row.contact.device_position.is_finite() && !row.tick.flags.has(Flags::DEVICE_FAULT)
 }
 
 /// Whether that position was one that the renderer took; what it refused is no motion of a hand.
-fn is_believed(tick: &Tick) -> bool {
-    is_seen(tick) && !tick.flags.has(Flags::FAULT)
+fn is_believed(row: &Row) -> bool {
+    is_seen(row) && !row.tick.flags.has(Flags::FAULT)
 }
 
 /// Puts the samples between two in which the device was seen: those that were not, and those that were
 /// lost on their way into the recording. Where they do not say when they were, it was at even steps.
-fn bridge(samples: &mut Vec<Sample>, (from, to): (&Tick, &Tick), unseen: &[&Tick], period: f64) {
-    let numbers = to.sequence.saturating_sub(from.sequence) as f64;
-    let ticks = || std::iter::once(&from).chain(unseen).chain([&to]);
-    let in_order = ticks().zip(ticks().skip(1)).all(|(a, b)| b.time > a.time);
+fn bridge(samples: &mut Vec<Sample>, (from, to): (&Row, &Row), unseen: &[&Row], period: f64) {
+    let numbers = to.tick.sequence.saturating_sub(from.tick.sequence) as f64;
+    let rows = || std::iter::once(&from).chain(unseen).chain([&to]);
+    let in_order = rows()
+        .zip(rows().skip(1))
+        .all(|(a, b)| b.tick.time > a.tick.time);
     if in_order && numbers == (unseen.len() + 1) as f64 {
-        samples.extend(unseen.iter().map(|tick| Sample {
-            time: tick.time,
+        samples.extend(unseen.iter().map(|row| Sample {
+            time: row.tick.time,
             position: f64::NAN,
-            sent: tick.force_on_device,
+            sent: row.contact.force_on_device,
         }));
         return;
     }
     // Numbers that jump further than time allows are no samples.
-    let duration = to.time - from.time;
+    let duration = to.tick.time - from.tick.time;
     let most = (duration / period).ceil().max((unseen.len() + 1) as f64);
     let steps = numbers.min(most);
     let mut step = 1.0;
     while step < steps {
-        let sequence = from.sequence as f64 + step;
-        let there = unseen.iter().find(|tick| tick.sequence as f64 == sequence);
+        let sequence = from.tick.sequence as f64 + step;
+        let there = unseen
+            .iter()
+            .find(|row| row.tick.sequence as f64 == sequence);
         samples.push(Sample {
-            time: from.time + duration * (step / steps),
+            time: from.tick.time + duration * (step / steps),
             position: f64::NAN,
-            sent: there.map_or(f64::NAN, |tick| tick.force_on_device),
+            sent: there.map_or(f64::NAN, |row| row.contact.force_on_device),
         });
         step += 1.0;
     }

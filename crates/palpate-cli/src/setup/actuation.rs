@@ -183,37 +183,6 @@ impl ActuationFlags {
     }
 }
 
-/// What a scene's actuator does and what its renderer is told, by key, where it is more than a delay of
-/// whole samples that is told as it is.
-pub fn actuator_of(scene: &Scene) -> Vec<(&'static str, f64)> {
-    let told = scene.told_actuation();
-    let mut lines = Vec::new();
-    let truth = &scene.actuator;
-    if truth.lag != 0.0 || truth.gain != 1.0 {
-        lines.extend([("lag_s", truth.lag), ("gain", truth.gain)]);
-    }
-    lines.extend(told_lines(&told, scene.delay, scene.loop_params.period));
-    lines
-}
-
-/// What a renderer is told, by key, where it is more than a delay of so many whole samples.
-pub fn told_lines(
-    told: &Actuation<f64>,
-    samples: usize,
-    period: f64,
-) -> impl Iterator<Item = (&'static str, f64)> + use<> {
-    let as_usual = *told == Actuation::after_samples(samples.min(LARGEST_DELAY), period);
-    let lines = [
-        ("told_delay_s", told.delay),
-        ("told_lag_s", told.lag),
-        ("told_gain", told.gain),
-        ("told_delay_deviation_s", told.delay_deviation),
-        ("told_lag_deviation_s", told.lag_deviation),
-        ("told_gain_deviation", told.gain_deviation),
-    ];
-    lines.into_iter().filter(move |_| !as_usual)
-}
-
 fn tell_too_long(periods: f64) {
     let unknown = periods - LARGEST_DELAY as f64;
     let unit = if periods.fract() == 0.0 {

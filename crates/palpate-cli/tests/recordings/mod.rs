@@ -3,7 +3,9 @@
 
 use std::path::Path;
 
-use palpate_record::recording::{Event, Flags, LoopCount, Phase, Receipt, RecordingWriter, Tick};
+use palpate_record::recording::{
+    ContactTick, Event, Flags, LoopCount, Phase, Receipt, RecordingWriter, Row, Tick,
+};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Jitter, SceneFile};
 use palpate_sim::closed_loop::Bench;
@@ -25,43 +27,53 @@ pub fn loop_in(text: &str, method: MethodName) -> Run {
     Bench::new(&scene).unwrap().run(method).unwrap()
 }
 
-/// A tick of a run as a recorder sees it.
+/// A tick of a run and its contact as a recorder sees them.
 #[allow(clippy::needless_update, reason = "columns may come")]
-pub fn tick(run: &Run, at: usize) -> Tick {
+pub fn row(run: &Run, at: usize) -> Row {
     let tick = &run.ticks[at];
     let period = at
         .checked_sub(1)
         .map(|before| tick.time - run.ticks[before].time);
     let ledger = &tick.ledger;
-    Tick {
-        sequence: at as u64,
-        time: tick.time,
-        lateness: 1e-5 * (at % 7) as f64,
-        period: period.unwrap_or(f64::NAN),
-        device_axes: [0.0, tick.device_position, f64::NAN],
-        device_position: tick.device_position,
-        object_position: tick.output.object_position,
-        object_velocity: tick.output.object_velocity,
-        penetration: tick.output.penetration,
-        placement_shift: tick.output.placement_shift,
-        force_on_object: tick.output.force_on_object,
-        force_on_device: tick.output.force_on_device,
-        stored_energy: ledger.stored,
-        port_work: ledger.port_work,
-        virtual_force_work: ledger.virtual_force_work,
-        outside_work: ledger.outside_work,
-        original_leak: ledger.original_leak.accumulated,
-        held_leak: ledger.held_leak.accumulated,
-        tick_duration: 2e-5,
-        device_round_trip: f64::NAN,
-        generation: 0,
-        flags: Flags::default().with(Flags::CONTACT, tick.output.penetration > 0.0),
-        phase: Phase::ALL
-            .into_iter()
-            .find(|phase| phase.name() == tick.output.phase.name())
-            .unwrap(),
-        ..Tick::UNKNOWN
+    Row {
+        tick: Tick {
+            sequence: at as u64,
+            time: tick.time,
+            lateness: 1e-5 * (at % 7) as f64,
+            period: period.unwrap_or(f64::NAN),
+            device_axes: [0.0, tick.device_position, f64::NAN],
+            tick_duration: 2e-5,
+            device_round_trip: f64::NAN,
+            generation: 0,
+            flags: Flags::default().with(Flags::CONTACT, tick.output.penetration > 0.0),
+            ..Tick::UNKNOWN
+        },
+        contact: ContactTick {
+            device_position: tick.device_position,
+            object_position: tick.output.object_position,
+            object_velocity: tick.output.object_velocity,
+            penetration: tick.output.penetration,
+            placement_shift: tick.output.placement_shift,
+            force_on_object: tick.output.force_on_object,
+            force_on_device: tick.output.force_on_device,
+            stored_energy: ledger.stored,
+            port_work: ledger.port_work,
+            virtual_force_work: ledger.virtual_force_work,
+            outside_work: ledger.outside_work,
+            original_leak: ledger.original_leak.accumulated,
+            held_leak: ledger.held_leak.accumulated,
+            phase: Phase::ALL
+                .into_iter()
+                .find(|phase| phase.name() == tick.output.phase.name())
+                .unwrap(),
+            ..ContactTick::UNKNOWN
+        },
     }
+}
+
+/// Appends a row.
+pub fn append(writer: &mut RecordingWriter, row: &Row) {
+    writer.append(&row.tick, &[row.contact]).unwrap();
 }
 
 /// Records a run, but for the ticks that `keeps` leaves out.
@@ -69,7 +81,7 @@ pub fn write(path: &Path, text: &str, run: &Run, keeps: impl Fn(usize) -> bool) 
     let receipt = Receipt::new("0.1.0").with("scene", text);
     let mut writer = RecordingWriter::create(path, &receipt).unwrap();
     for at in (0..run.ticks.len()).filter(|&at| keeps(at)) {
-        writer.append(&tick(run, at)).unwrap();
+        append(&mut writer, &row(run, at));
     }
     let end = run.ticks.len() - 1;
     let event = |kind: &str, text: &str| Event {

@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use palpate_device::Vector;
 use palpate_testbed::InvalidParameter;
+use palpate_testbed::actuator::{Actuator, ActuatorParams};
 use palpate_testbed::device::Device as _;
 use palpate_testbed::hand::{Hand, Intention};
 use palpate_testbed::held_mass::HeldMass;
@@ -21,6 +22,8 @@ pub struct Body {
     pub start: Vector,
     /// The hand along x, y and z.
     pub hands: [Hand; 3],
+    /// Gain and lag of the amplifiers, as of the force along each axis.
+    pub amplifier: ActuatorParams,
 }
 
 /// A hand that holds the device at a place `[m]` with a spring `[N/m]` and a damper `[N s/m]`.
@@ -38,13 +41,15 @@ pub fn holding(place: f64, stiffness: f64, damping: f64) -> Hand {
 
 impl Default for Body {
     /// 0.2 kg, in a hand of 100 N/m that holds it where it starts, at the origin. An assumption:
-    /// the maker does not say how heavy the arms are at their end.
+    /// the maker does not say how heavy the arms are at their end. The amplifiers give at once what
+    /// they are told.
     fn default() -> Self {
         Self {
             mass: 0.2,
             friction: 0.5,
             start: [0.0; 3],
             hands: [0.0; 3].map(|place| holding(place, 100.0, 5.0)),
+            amplifier: ActuatorParams::default(),
         }
     }
 }
@@ -58,6 +63,8 @@ pub(super) struct Device {
     pub status: Status,
     at_start: [HeldMass; 3],
     axes: [HeldMass; 3],
+    amplifier: Actuator,
+    motors: [Actuator; 3],
     force: Vector,
     commanded: Option<Instant>,
     moved_until: Option<Instant>,
@@ -72,6 +79,7 @@ impl Device {
                 .starting_at(body.start[index], 0.0)
         };
         let axes = [axis(0)?, axis(1)?, axis(2)?];
+        let amplifier = Actuator::new(body.amplifier)?;
         Ok(Self {
             id,
             present: true,
@@ -84,6 +92,8 @@ impl Device {
             },
             at_start: axes.clone(),
             axes,
+            amplifier,
+            motors: [amplifier; 3],
             force: [0.0; 3],
             commanded: None,
             moved_until: None,
@@ -94,6 +104,7 @@ impl Device {
     /// Nobody is there: back to the start, where it waits.
     pub fn rest(&mut self) {
         self.axes = self.at_start.clone();
+        self.motors = [self.amplifier; 3];
         self.moved_until = None;
     }
 
@@ -120,9 +131,9 @@ impl Device {
     }
 
     fn hold(&mut self, duration: Duration) {
-        for (axis, force) in self.axes.iter_mut().zip(self.force) {
+        for ((axis, motor), force) in self.axes.iter_mut().zip(&mut self.motors).zip(self.force) {
             // The testbed has the force on the object, which is the other one.
-            axis.advance(-force, duration.as_secs_f64());
+            motor.drive(axis, -force, duration.as_secs_f64());
         }
     }
 
@@ -131,6 +142,7 @@ impl Device {
         self.commanded.is_some()
     }
 
+    /// What the motors are told to give `[N]`.
     pub fn force(&self) -> Vector {
         self.force
     }
@@ -154,6 +166,7 @@ mod tests {
             friction: 0.0,
             start: [0.01, 0.0, 0.0],
             hands: [0.0; 3].map(Hand::pushing),
+            amplifier: ActuatorParams::default(),
         };
         Device::new("a".into(), &body, Duration::from_millis(20)).unwrap()
     }

@@ -13,6 +13,7 @@ mod fault;
 mod frames;
 mod http;
 mod service;
+mod stepped;
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
@@ -33,6 +34,7 @@ use palpate_haply::inverse3::Status;
 
 pub use device::{Body, holding};
 pub use fault::{Fault, Latency};
+pub use stepped::{Delays, SteppedInverse3};
 
 /// How often a thread that waits looks whether it is to end.
 const LOOK: Duration = Duration::from_millis(5);
@@ -292,7 +294,7 @@ impl Emulator {
         self.look(id, Device::position)
     }
 
-    /// The force that a device's motors hold now `[N]`; none of this name: nothing.
+    /// The force that a device's motors are told to hold now `[N]`; none of this name: nothing.
     #[must_use]
     pub fn force(&self, id: &str) -> Option<Vector> {
         self.look(id, Device::force)

@@ -1,11 +1,13 @@
 //! The arm behind an emulated board: the testbed's pantograph with a hand on it, and the wires.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use palpate_scene::Linkage;
+use palpate_testbed::actuator::ActuatorParams;
 use palpate_testbed::pantograph::{Pantograph, PantographParams};
 
 use super::firmware::{Ports, pins};
+use super::motor::Motor;
 use palpate_haply::two_diy::{Board, Generation, LARGEST_TORQUE, Layout};
 
 /// The hand's force changes this often at least.
@@ -126,9 +128,9 @@ pub struct Arm {
     pantograph: Pantograph,
     /// A pose from which it can go on should it jam.
     regular: Pantograph,
-    began: Instant,
+    /// Time since the start up to which it has moved.
     moved: Duration,
-    torques: [f64; 2],
+    motors: [Motor; 2],
     /// Encoder counts that were lost, in revolutions.
     pub slipped: f64,
 }
@@ -140,6 +142,7 @@ impl Arm {
         board: Board,
         wiring: Wiring,
         hand: Hand,
+        amplifier: ActuatorParams,
         angles: [f64; 2],
     ) -> Result<Self, String> {
         let name = format!("2diy-gen{}", generation.number());
@@ -152,6 +155,7 @@ impl Arm {
         let pantograph = Pantograph::new(params)
             .and_then(|device| device.starting_at(angles.map(f64::to_radians), [0.0; 2]))
             .map_err(|error| error.to_string())?;
+        let motor = Motor::new(amplifier).map_err(|error| error.to_string())?;
         Ok(Self {
             layout: generation.layout(),
             board,
@@ -161,24 +165,23 @@ impl Arm {
             start: pantograph,
             pantograph,
             regular: pantograph,
-            began: Instant::now(),
             moved: Duration::ZERO,
-            torques: [0.0; 2],
+            motors: [motor; 2],
             slipped: 0.0,
         })
     }
 
-    /// Moves on to now.
-    pub fn move_on(&mut self) {
-        let now = self.began.elapsed();
+    /// Moves on to `now`, a time since the start.
+    pub fn move_to(&mut self, now: Duration) {
         // A machine that stood still for long does not make the arm do all of it at once.
         let from = self
             .moved
             .max(now.saturating_sub(Duration::from_millis(200)));
+        let longest = self.motors[0].longest_step().min(LONGEST_STEP);
         let mut time = from.as_secs_f64();
         let mut left = now.as_secs_f64() - time;
         while left > 0.0 {
-            let step = left.min(LONGEST_STEP);
+            let step = left.min(longest);
             let (position, velocity) = (
                 self.pantograph.end_point(),
                 self.pantograph.end_point_velocity(),
@@ -187,7 +190,9 @@ impl Arm {
             if let Ok(pushed) = self.pantograph.with_user_force(force) {
                 self.pantograph = pushed;
             }
-            self.pantograph.turn(self.torques, step);
+            let [first, second] = &mut self.motors;
+            let torques = [first.mean_over(step), second.mean_over(step)];
+            self.pantograph.turn(torques, step);
             if self.pantograph.is_jammed() {
                 // Stops of the real arm end it there, and a hand brings it back.
                 let angles = self.regular.pose().angles;
@@ -200,7 +205,7 @@ impl Arm {
             time += step;
             left -= step;
         }
-        self.moved = now;
+        self.moved = self.moved.max(now);
     }
 
     fn grip_force(&self, time: f64, position: [f64; 2], velocity: [f64; 2]) -> [f64; 2] {
@@ -226,7 +231,6 @@ impl Arm {
 
     /// Lets go of the arm, and puts it into its start pose, until the device is opened.
     pub fn wait(&mut self) {
-        self.move_on();
         self.pantograph = self.start;
         self.grip = Grip::Waits;
     }
@@ -234,7 +238,6 @@ impl Arm {
     /// The device has been opened.
     pub fn opened(&mut self) {
         if self.grip == Grip::Waits {
-            self.move_on();
             // A moment after, so that the first angles are those of the start pose.
             let soon = self.moved.as_secs_f64() + 0.2;
             self.grip = Grip::Since(soon, self.position());
@@ -251,21 +254,32 @@ impl Arm {
         self.pantograph.end_point()
     }
 
-    /// Torques that the motors hold, by joint `[N m]`.
+    /// Mass that a force along `direction`, of length 1, feels at the end-point where the arm is now
+    /// `[kg]`: 1 / (dᵀ J M⁻¹ Jᵀ d).
+    pub fn effective_mass(&self, direction: [f64; 2]) -> f64 {
+        let pose = self.pantograph.pose();
+        let [x, y] = pose.jacobian();
+        let row = [0, 1].map(|joint| direction[0] * x[joint] + direction[1] * y[joint]);
+        let [[a, b], [_, d]] = self.pantograph.dynamics().mass_matrix(pose);
+        let [p, q] = row;
+        (a * d - b * b) / (p * p * d - 2.0 * p * q * b + q * q * a)
+    }
+
+    /// Torques that the motors are told to hold, by joint `[N m]`.
     pub fn torques(&self) -> [f64; 2] {
-        self.torques
+        self.motors.map(|motor| motor.told)
     }
 
     /// Nobody drives the motors any more.
     pub fn lose_power(&mut self) {
-        self.move_on();
-        self.torques = [0.0; 2];
+        for motor in &mut self.motors {
+            motor.told = 0.0;
+        }
     }
 }
 
 impl Ports for Arm {
     fn drive(&mut self, port: u8, level: bool, duty: f64) {
-        self.move_on();
         let Some(sold) = (0..2).find(|joint| self.layout.joints[*joint].motor_port == port) else {
             return;
         };
@@ -282,11 +296,10 @@ impl Ports for Arm {
             -1.0
         };
         // No minus nothing.
-        self.torques[joint] = sign * duty * f64::from(LARGEST_TORQUE) + 0.0;
+        self.motors[joint].told = sign * duty * f64::from(LARGEST_TORQUE) + 0.0;
     }
 
     fn revolutions(&mut self, port: u8) -> f64 {
-        self.move_on();
         let Some(joint) = (0..2).find(|joint| self.layout.joints[*joint].encoder_port == port)
         else {
             return 0.0;

@@ -7,9 +7,12 @@
 
 mod arm;
 mod firmware;
+mod motor;
 mod port;
 mod pty;
 mod socket;
+mod stepped;
+mod usb;
 
 use std::collections::VecDeque;
 use std::fmt;
@@ -22,11 +25,14 @@ use std::time::{Duration, Instant};
 
 pub use arm::{Hand, Wiring};
 pub use firmware::Did;
+pub use stepped::SteppedTwoDiy;
+pub use usb::Usb;
 
 use arm::Arm;
 use firmware::{Firmware, Wire};
 use palpate_haply::two_diy::packet::REPLY_LENGTH;
 use palpate_haply::two_diy::{Board, Generation};
+use palpate_testbed::actuator::ActuatorParams;
 use port::Port;
 pub use port::PortSettings;
 pub use pty::Pty;
@@ -49,12 +55,17 @@ pub struct Settings {
     pub hand_waits: bool,
     /// Where the arm is at the start `[degrees]`; `None`: in the generation's start pose.
     pub angles: Option<[f64; 2]>,
+    /// How long bytes travel.
+    pub usb: Usb,
+    /// Gain and lag of the amplifiers, as of the torque of each motor.
+    pub amplifier: ActuatorParams,
     /// What a driver opens.
     pub port: PortSettings,
 }
 
 impl Settings {
-    /// A generation on a board, as sold, with nobody at the handle.
+    /// A generation on a board, as sold, with nobody at the handle; without delays, and with motors
+    /// that give at once what they are told.
     #[must_use]
     pub fn of(generation: Generation, board: Board) -> Self {
         Self {
@@ -65,8 +76,28 @@ impl Settings {
             hand: Hand::None,
             hand_waits: false,
             angles: None,
+            usb: Usb::default(),
+            amplifier: ActuatorParams::default(),
             port: PortSettings::Terminal { link: None },
         }
+    }
+
+    /// The arm as it is at the start.
+    fn arm(&self) -> Result<Arm, String> {
+        let layout = self.generation.layout();
+        let sold = layout.joints.map(|joint| f64::from(joint.start));
+        let mut arm = Arm::new(
+            self.generation,
+            self.board,
+            self.wiring,
+            self.hand,
+            self.amplifier,
+            self.angles.unwrap_or(sold),
+        )?;
+        if self.hand_waits {
+            arm.wait();
+        }
+        Ok(arm)
     }
 }
 
@@ -153,21 +184,10 @@ impl Emulator {
     /// Starts one.
     ///
     /// # Errors
-    /// The system gives no terminal or no thread, or the arm cannot be at these angles.
+    /// The system gives no terminal or no thread, the arm cannot be at these angles, or the amplifiers
+    /// cannot be so.
     pub fn start(settings: &Settings) -> io::Result<Self> {
-        let layout = settings.generation.layout();
-        let sold = layout.joints.map(|joint| f64::from(joint.start));
-        let mut arm = Arm::new(
-            settings.generation,
-            settings.board,
-            settings.wiring,
-            settings.hand,
-            settings.angles.unwrap_or(sold),
-        )
-        .map_err(io::Error::other)?;
-        if settings.hand_waits {
-            arm.wait();
-        }
+        let arm = settings.arm().map_err(io::Error::other)?;
         let port = Port::open(&settings.port)?;
         let state = Arc::new(Mutex::new(State {
             arm,
@@ -180,6 +200,9 @@ impl Emulator {
             state: Arc::clone(&state),
             settings: settings.clone(),
             port: Some(port),
+            began: Instant::now(),
+            at: Duration::ZERO,
+            travelling: VecDeque::new(),
             incoming: VecDeque::new(),
             outgoing: VecDeque::new(),
             active: Instant::now(),
@@ -244,6 +267,12 @@ impl Emulator {
     pub fn position(&self) -> [f64; 2] {
         self.state().arm.position()
     }
+
+    /// Mass of the arm along `direction`, of length 1, where it is now `[kg]`.
+    #[must_use]
+    pub fn effective_mass(&self, direction: [f64; 2]) -> f64 {
+        self.state().arm.effective_mass(direction)
+    }
 }
 
 impl Drop for Emulator {
@@ -260,9 +289,15 @@ struct Running {
     state: Arc<Mutex<State>>,
     settings: Settings,
     port: Option<Port>,
+    began: Instant,
+    /// Time of what the board does now, since the start. A thread that comes late does late what was due
+    /// earlier, and the arm does not notice.
+    at: Duration,
+    /// Bytes on their way to the board, and when they arrive.
+    travelling: VecDeque<(Duration, Vec<u8>)>,
     incoming: VecDeque<u8>,
     /// Answers on their way, and when they come.
-    outgoing: VecDeque<(Instant, Vec<u8>)>,
+    outgoing: VecDeque<(Duration, Vec<u8>)>,
     /// When the last byte came.
     active: Instant,
 }
@@ -283,11 +318,12 @@ impl Running {
         let mut unplugged_until = None;
         while !ending.load(Ordering::Acquire) {
             let now = Instant::now();
-            self.locked(|state| state.arm.move_on());
+            self.pass();
             match self.next_board_fault() {
                 Some(Fault::Stall(duration)) => still_until = now + duration,
                 Some(Fault::Unplug(duration)) => {
                     self.port = None;
+                    self.travelling.clear();
                     self.incoming.clear();
                     self.outgoing.clear();
                     firmware = Firmware::new(self.settings.board, self.settings.strict);
@@ -313,11 +349,13 @@ impl Running {
                 self.port = Some(port);
             }
             if self.port.is_none() || now < still_until {
+                // Nobody takes what arrives meanwhile.
+                self.pass_to(self.began.elapsed());
                 std::thread::sleep(REST);
                 continue;
             }
             self.deliver();
-            self.fill(REST);
+            self.fill(self.rest());
             // A board that has just been opened has a whole packet to read, and time for others.
             for _ in 0..64 {
                 let mut arm = Remote(Arc::clone(&self.state));
@@ -350,25 +388,63 @@ impl Running {
         })
     }
 
+    /// Lets the time pass up to now, or up to the next bytes that arrive.
+    fn pass(&mut self) {
+        let now = self.began.elapsed();
+        let next = self.travelling.front().map_or(now, |(due, _)| *due);
+        self.pass_to(now.min(next));
+    }
+
+    fn pass_to(&mut self, time: Duration) {
+        self.at = self.at.max(time);
+        let at = self.at;
+        self.locked(|state| state.arm.move_to(at));
+    }
+
+    /// How long nothing is to be done, at most [`REST`].
+    fn rest(&self) -> Duration {
+        let due = |queue: &VecDeque<(Duration, Vec<u8>)>| queue.front().map(|(due, _)| *due);
+        let next = due(&self.travelling)
+            .into_iter()
+            .chain(due(&self.outgoing))
+            .min();
+        next.map_or(REST, |due| {
+            due.saturating_sub(self.began.elapsed()).min(REST)
+        })
+    }
+
     /// Takes in what has come, waiting for it up to `limit`.
     fn fill(&mut self, limit: Duration) {
         let Some(port) = &mut self.port else { return };
         if self.incoming.is_empty() {
             port.wait(limit);
         }
-        let before = self.incoming.len();
-        port.read(&mut self.incoming);
-        if self.incoming.len() > before {
+        let mut came = Vec::new();
+        port.read(&mut came);
+        if !came.is_empty() {
             self.active = Instant::now();
+            let due = self.settings.usb.arrival(self.began.elapsed());
+            self.travelling.push_back((due, came));
         } else if self.active.elapsed() > Duration::from_millis(100) {
             port.let_in();
             self.active = Instant::now();
+        }
+        self.pass();
+        let arrives = self
+            .travelling
+            .front()
+            .is_some_and(|(due, _)| *due <= self.at);
+        if self.incoming.is_empty()
+            && arrives
+            && let Some((_, bytes)) = self.travelling.pop_front()
+        {
+            self.incoming.extend(bytes);
         }
     }
 
     /// Sends what is due.
     fn deliver(&mut self) {
-        let now = Instant::now();
+        let now = self.began.elapsed();
         while self.outgoing.front().is_some_and(|(due, _)| *due <= now) {
             if let (Some((_, bytes)), Some(port)) = (self.outgoing.pop_front(), &mut self.port) {
                 port.write(&bytes);
@@ -388,16 +464,15 @@ impl Wire for Running {
     fn byte_soon(&mut self) -> Option<u8> {
         let begun = Instant::now();
         while self.incoming.is_empty() && begun.elapsed() < PATIENCE {
-            self.fill(REST);
+            self.fill(self.rest());
             self.deliver();
-            self.locked(|state| state.arm.move_on());
         }
         self.incoming.pop_front()
     }
 
     fn send(&mut self, bytes: &[u8]) {
         let mut answer = bytes.to_vec();
-        let mut due = Instant::now();
+        let mut due = self.settings.usb.arrival(self.at);
         // Faults of answers are for whole ones.
         let fault = (bytes.len() == REPLY_LENGTH)
             .then(|| self.locked(|state| state.faults.pop_front()))

@@ -95,11 +95,11 @@ impl Run {
         let (mut ticks, mut notes) = (Vec::new(), Vec::new());
         for told in self.listener {
             match told {
-                Told::Tick(tick) => {
+                Told::Tick(tick, contacts) => {
                     let missing = tick
                         .flags
                         .has(palpate_record::recording::Flags::DEVICE_FAULT);
-                    ticks.push((missing, tick.force_on_device));
+                    ticks.push((missing, contacts[0].force_on_device));
                 }
                 Told::Note(noted) => notes.push(noted.note),
             }

@@ -1,12 +1,12 @@
 use palpate_haply_emulator::two_diy::{Fault, PortSettings};
-use palpate_record::recording::{Flags, Tick};
+use palpate_record::recording::{Flags, Row};
 use palpate_rt::realtime::Request;
 use palpate_rt::{Ending, LoopEnd, LoopThread, Note, Noted, StopFlag, Told, safety::Trip, tap};
 
 use super::*;
 
 struct Ran {
-    ticks: Vec<Tick>,
+    ticks: Vec<Row>,
     notes: Vec<Noted>,
     ending: Ending,
     trip: Option<Trip>,
@@ -57,7 +57,7 @@ fn with(fault: Fault, comes_back: bool) -> Ran {
     let (mut ticks, mut notes) = (Vec::new(), Vec::new());
     for told in listener {
         match told {
-            Told::Tick(tick) => ticks.push(tick),
+            Told::Tick(tick, contacts) => ticks.extend(Row::of(tick, &contacts)),
             Told::Note(noted) => notes.push(noted),
         }
     }
@@ -89,10 +89,10 @@ impl Ran {
 
     /// A period without a good sample may go on with the last force; no second one may.
     fn no_force_after_two_periods(&self, what: &str) {
-        let is_bad = |tick: &Tick| tick.flags.has(Flags::DEVICE_FAULT);
+        let is_bad = |row: &Row| row.tick.flags.has(Flags::DEVICE_FAULT);
         for pair in self.ticks.windows(2) {
             if is_bad(&pair[0]) && is_bad(&pair[1]) {
-                assert_eq!(pair[1].force_on_device, 0.0, "{what}: {pair:?}");
+                assert_eq!(pair[1].contact.force_on_device, 0.0, "{what}: {pair:?}");
             }
         }
     }
@@ -101,8 +101,8 @@ impl Ran {
         let later = self
             .ticks
             .iter()
-            .filter(|tick| tick.time > self.injected + 0.3);
-        let pressing = later.filter(|tick| tick.force_on_device < -0.2);
+            .filter(|row| row.tick.time > self.injected + 0.3);
+        let pressing = later.filter(|row| row.contact.force_on_device < -0.2);
         assert!(pressing.count() > 8, "{what}: {:?}", self.notes);
     }
 }
@@ -130,7 +130,7 @@ fn answers_that_are_not_right_cost_a_moment() {
         let bad = ran
             .ticks
             .iter()
-            .filter(|tick| tick.flags.has(Flags::DEVICE_FAULT));
+            .filter(|tick| tick.tick.flags.has(Flags::DEVICE_FAULT));
         assert!(bad.count() >= 1, "{what}: {:?}", ran.notes);
         came_whole_and_without_torque_at_resets(&ran.emulator.seen());
         assert!(is_none(ran.emulator.torques()), "{what}");
@@ -177,7 +177,7 @@ fn encoders_that_lose_count_end_the_force_until_somebody_looks() {
     assert_eq!(ran.trip, Some(Trip::DeviceRefused), "{:?}", ran.notes);
     assert!(ran.said("jumped and stay"), "{:?}", ran.notes);
     ran.no_force_after_two_periods("slip");
-    assert_eq!(ran.ticks.last().unwrap().force_on_device, 0.0);
+    assert_eq!(ran.ticks.last().unwrap().contact.force_on_device, 0.0);
 }
 
 #[test]
@@ -207,7 +207,7 @@ fn a_cable_that_is_pulled_ends_the_run_and_can_be_put_back() {
     let said: Vec<_> = listener
         .filter_map(|told| match told {
             Told::Note(noted) => Some(noted.note),
-            Told::Tick(_) => None,
+            Told::Tick(..) => None,
         })
         .collect();
     assert!(said.contains(&Note::Tripped(Trip::DeviceLost)), "{said:?}");

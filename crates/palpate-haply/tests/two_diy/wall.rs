@@ -1,4 +1,4 @@
-use palpate_record::recording::Flags;
+use palpate_record::recording::{Flags, Row};
 use palpate_rt::realtime::Request;
 use palpate_rt::{LoopThread, StopFlag, Told, tap};
 
@@ -27,13 +27,13 @@ fn a_wall_holds_a_hand() {
     assert!(is_none(emulator.torques()));
     let ticks: Vec<_> = listener
         .filter_map(|told| match told {
-            Told::Tick(tick) => Some(tick),
+            Told::Tick(tick, contacts) => Row::of(tick, &contacts).next(),
             Told::Note(_) => None,
         })
         .collect();
     let fresh: Vec<_> = ticks
         .iter()
-        .filter(|tick| !tick.flags.has(Flags::DEVICE_FAULT))
+        .filter(|row| !row.tick.flags.has(Flags::DEVICE_FAULT))
         .collect();
     // A busy machine answers late now and then.
     assert!(
@@ -42,21 +42,26 @@ fn a_wall_holds_a_hand() {
         fresh.len(),
         ticks.len()
     );
-    let pressing = fresh.iter().filter(|tick| tick.force_on_device < -0.3);
+    let pressing = fresh
+        .iter()
+        .filter(|row| row.contact.force_on_device < -0.3);
     assert!(pressing.count() > fresh.len() / 5);
     // 18 mm by the hand alone; 200 N/m against 300 leave 7 of them. A busy machine makes it lose the
     // wall now and then.
-    let mut depths: Vec<_> = fresh.iter().map(|tick| tick.penetration).collect();
+    let mut depths: Vec<_> = fresh.iter().map(|row| row.contact.penetration).collect();
     depths.sort_by(f64::total_cmp);
     let deep = depths[depths.len() * 9 / 10];
     assert!((0.004..0.012).contains(&deep), "{deep}");
-    for tick in &fresh {
-        let asked = -tick.force_on_object;
-        if tick.flags.has(Flags::SAFETY_LIMITED) || tick.force_on_device == 0.0 {
+    for Row { tick, contact } in fresh {
+        let asked = -contact.force_on_object;
+        if tick.flags.has(Flags::SAFETY_LIMITED) || contact.force_on_device == 0.0 {
             continue;
         }
         // A step of the duty on each motor, and no more.
-        assert!((tick.force_on_device - asked).abs() < 0.01, "{tick:?}");
+        assert!(
+            (contact.force_on_device - asked).abs() < 0.01,
+            "{contact:?}"
+        );
     }
     came_whole_and_without_torque_at_resets(&emulator.seen());
 }

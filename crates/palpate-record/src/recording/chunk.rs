@@ -7,16 +7,20 @@ use mcap::parse_record;
 use mcap::records::{ChunkHeader, Record, op};
 
 use super::frames::records;
-use super::layout::Layout;
+use super::gather::Gather;
+use super::layout::{Holds, Layout};
 use super::loss::Loss;
 use super::read::Entry;
 use super::unpack::unpack;
-use super::{EVENT_TOPIC, Event, LONGEST_RECORD, MESSAGE_ENCODING, TICK_TOPIC, schema};
+use super::{
+    CONTACT_TOPIC, ContactTick, EVENT_TOPIC, Event, LONGEST_RECORD, MESSAGE_ENCODING, TICK_TOPIC,
+    Tick, schema,
+};
 
 #[derive(Clone)]
 enum Channel {
-    /// With where the columns stand in a message.
-    Ticks(Arc<Layout>),
+    /// Ticks or contacts, with where the columns stand in a message.
+    Rows(Arc<Layout>),
     Events,
     /// Somebody else's.
     Other,
@@ -25,19 +29,36 @@ enum Channel {
 /// What is known from the chunks so far: which channel is which, and which ticks are there.
 #[derive(Clone)]
 pub(super) struct Content {
-    /// What the types of ticks say, by their numbers.
+    /// What the types of ticks and contacts say, by their numbers.
     layouts: BTreeMap<u16, Arc<Layout>>,
     channels: BTreeMap<u16, Channel>,
+    /// The ticks where the file does not say how they are laid out.
+    ticks_by_format: Arc<Layout>,
+    gather: Gather,
     pub loss: Loss,
 }
 
 impl Content {
-    pub fn new() -> Self {
-        let own = Channel::Ticks(Arc::new(Layout::own()));
+    /// Nothing is known yet of a recording of this format.
+    pub fn of_format(format: u32) -> Self {
+        let ticks = Arc::new(match format {
+            1 => Layout::of_format_1(),
+            _ => Layout::of_tick(),
+        });
+        let of_ticks = Channel::Rows(Arc::clone(&ticks));
+        // As they are written; a chunk that says otherwise is heard.
+        let channels = match format {
+            1 => [(1, of_ticks), (2, Channel::Events)].into(),
+            _ => {
+                let of_contacts = Channel::Rows(Arc::new(Layout::of_contact()));
+                [(1, of_ticks), (2, of_contacts), (3, Channel::Events)].into()
+            }
+        };
         Self {
             layouts: BTreeMap::new(),
-            // As they are written; a chunk that says otherwise is heard.
-            channels: [(1, own), (2, Channel::Events)].into(),
+            channels,
+            ticks_by_format: ticks,
+            gather: Gather::default(),
             loss: Loss::default(),
         }
     }
@@ -104,19 +125,31 @@ impl Content {
             return Ok(None);
         }
         match parse_record(opcode, record).map_err(|_| "it does not hold records".to_owned())? {
-            Record::Schema { header, data } if header.name == schema::TICK => {
+            Record::Schema { header, data }
+                if [schema::TICK, schema::CONTACT].contains(&header.name.as_str()) =>
+            {
                 let layout = std::str::from_utf8(&data)
                     .map_err(|_| "it is no text".to_owned())
-                    .and_then(Layout::of_schema)
-                    .map_err(|why| format!("the type of the ticks: {why}"))?;
+                    .and_then(|text| Layout::of_schema(&header.name, text))
+                    .map_err(|why| {
+                        let of = if header.name == schema::TICK {
+                            "ticks"
+                        } else {
+                            "contacts"
+                        };
+                        format!("the type of the {of}: {why}")
+                    })?;
                 self.layouts.insert(header.id, Arc::new(layout));
             }
             Record::Channel(channel) => {
+                let told = || self.layouts.get(&channel.schema_id).map(Arc::clone);
                 let known = match channel.topic.as_str() {
                     _ if channel.message_encoding != MESSAGE_ENCODING => Channel::Other,
                     TICK_TOPIC => {
-                        let told = self.layouts.get(&channel.schema_id).map(Arc::clone);
-                        Channel::Ticks(told.unwrap_or_else(|| Arc::new(Layout::own())))
+                        Channel::Rows(told().unwrap_or_else(|| Arc::clone(&self.ticks_by_format)))
+                    }
+                    CONTACT_TOPIC => {
+                        Channel::Rows(told().unwrap_or_else(|| Arc::new(Layout::of_contact())))
                     }
                     EVENT_TOPIC => Channel::Events,
                     _ => Channel::Other,
@@ -124,15 +157,9 @@ impl Content {
                 self.channels.insert(channel.id, known);
             }
             Record::Message { header, data } => match self.channels.get(&header.channel_id) {
-                Some(Channel::Ticks(layout)) => {
-                    let tick = layout.decode(&data).ok_or("a message is not a tick")?;
-                    if !self.loss.tick(tick.sequence) {
-                        return Err(format!(
-                            "tick {} does not come after the one before it",
-                            tick.sequence
-                        ));
-                    }
-                    return Ok(Some(Entry::Tick(tick)));
+                Some(Channel::Rows(layout)) => {
+                    let layout = Arc::clone(layout);
+                    return self.row(&layout, &data);
                 }
                 Some(Channel::Events) => {
                     let event = Event::decode(&data).ok_or("a message is not an event")?;
@@ -144,6 +171,34 @@ impl Content {
             _ => {}
         }
         Ok(None)
+    }
+}
+
+impl Content {
+    /// The tick that is whole with this message, if one is.
+    fn row(&mut self, layout: &Layout, message: &[u8]) -> Result<Option<Entry>, String> {
+        let row = layout.decode(message).ok_or(match layout.holds {
+            Holds::Contact => "a message is not a contact",
+            Holds::Tick | Holds::Both => "a message is not a tick",
+        })?;
+        let whole = match layout.holds {
+            Holds::Tick => self.gather.tick(row.tick),
+            Holds::Contact => self.gather.contact(row.contact)?,
+            Holds::Both => Some((row.tick, vec![row.contact])),
+        };
+        whole
+            .map(|(tick, contacts)| self.whole(tick, contacts))
+            .transpose()
+    }
+
+    fn whole(&mut self, tick: Tick, contacts: Vec<ContactTick>) -> Result<Entry, String> {
+        if self.loss.tick(tick.sequence) {
+            return Ok(Entry::Tick(tick, contacts));
+        }
+        Err(format!(
+            "tick {} does not come after the one before it",
+            tick.sequence
+        ))
     }
 }
 

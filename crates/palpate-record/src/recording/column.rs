@@ -1,13 +1,13 @@
-//! What a column of a tick is, whatever file it stands in.
+//! What a column of a row is, whatever file it stands in.
 
 use std::borrow::Cow;
 
-use super::Tick;
 use super::cdr::{Reader, Writer};
 use super::state::{Flags, Phase};
+use super::{ContactTick, Row, Tick};
 
-/// A column of a tick. [`COLUMNS`](super::COLUMNS) has all of them: every file, the live page and the
-/// documentation are made from that list.
+/// A column of a tick or of a contact. [`Tick::COLUMNS`] and [`ContactTick::COLUMNS`] have all of them: every
+/// file, the live page and the documentation are made from these lists.
 #[derive(Clone, Copy, Debug)]
 pub struct Column {
     /// Its name, with the unit at its end (`penetration_m`).
@@ -16,12 +16,23 @@ pub struct Column {
     pub unit: &'static str,
     /// What it is, and which sign it has.
     pub meaning: &'static str,
-    /// Whether the live page is sent it.
-    pub is_live: bool,
+    /// Who is shown it.
+    pub shown: Shown,
     /// What its values are.
     pub kind: Kind,
-    pub(super) get: fn(&Tick) -> Value,
-    pub(super) set: fn(&mut Tick, Value),
+    pub(super) get: fn(&Row) -> Value,
+    pub(super) set: fn(&mut Row, Value),
+}
+
+/// Who is shown a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shown {
+    /// Tables, and the live page.
+    Live,
+    /// Tables.
+    InTables,
+    /// Tables of recordings in which not every tick has one contact.
+    OfSeveralContacts,
 }
 
 /// What the values of a column are.
@@ -55,16 +66,24 @@ pub enum Value {
 }
 
 impl Column {
-    /// The column of this name, with its unit.
+    /// The column of this name, with its unit; that of the tick where the contact has one of that name
+    /// too.
     #[must_use]
     pub fn named(name: &str) -> Option<&'static Self> {
-        super::COLUMNS.iter().find(|column| column.name == name)
+        let mut all = Tick::COLUMNS.iter().chain(ContactTick::COLUMNS);
+        all.find(|column| column.name == name)
     }
 
-    /// Its value in a tick.
+    /// Its value in a row.
     #[must_use]
-    pub fn value(&self, tick: &Tick) -> Value {
-        (self.get)(tick)
+    pub fn value(&self, row: &Row) -> Value {
+        (self.get)(row)
+    }
+
+    /// Whether the live page is sent it.
+    #[must_use]
+    pub const fn is_live(&self) -> bool {
+        matches!(self.shown, Shown::Live)
     }
 
     /// Its name without the unit: `penetration` for `penetration_m`.
@@ -83,6 +102,7 @@ fn suffix(unit: &str) -> &'static str {
         "m" => "_m",
         "m/s" => "_m_per_s",
         "N" => "_n",
+        "N m" => "_n_m",
         "J" => "_j",
         _ => "",
     }
@@ -158,7 +178,7 @@ impl Value {
     }
 }
 
-/// A field of a tick: the values of one column, or of several by their place.
+/// A field of a row: the values of one column, or of several by their place.
 pub(super) trait Cells {
     const KIND: Kind;
     /// What stands for no value.
@@ -214,28 +234,40 @@ impl<const N: usize> Cells for [f64; N] {
 mod tests {
     use std::collections::BTreeSet;
 
-    use super::super::COLUMNS;
     use super::*;
+
+    fn all() -> Vec<&'static Column> {
+        Tick::COLUMNS.iter().chain(ContactTick::COLUMNS).collect()
+    }
 
     #[test]
     fn the_name_of_a_column_ends_with_its_unit() {
-        for column in COLUMNS {
+        for column in all() {
             let Column { name, unit, .. } = *column;
-            assert!(["1", "s", "m", "m/s", "N", "J"].contains(&unit), "{name}");
+            let units = ["1", "s", "m", "m/s", "N", "N m", "J"];
+            assert!(units.contains(&unit), "{name}");
             assert!(name.ends_with(suffix(unit)), "{name} in {unit}");
             assert_eq!(format!("{}{}", column.short_name(), suffix(unit)), name);
-            // A number has a unit, and nothing else has one.
-            assert_eq!(unit == "1", column.kind != Kind::Number, "{name}");
+            // A number has a unit, but in a quaternion, and nothing else has one.
+            let is_pure = name.starts_with("device_orientation_");
+            assert_eq!(
+                unit == "1",
+                column.kind != Kind::Number || is_pure,
+                "{name}"
+            );
         }
-        let names: BTreeSet<&str> = COLUMNS.iter().map(|column| column.name).collect();
-        assert_eq!(names.len(), COLUMNS.len());
+        for columns in [Tick::COLUMNS, ContactTick::COLUMNS] {
+            let names: BTreeSet<&str> = columns.iter().map(|column| column.name).collect();
+            assert_eq!(names.len(), columns.len());
+        }
     }
 
-    /// Two columns that give or take the same quantity would show: each is set in a tick in which no
+    /// Two columns that give or take the same quantity would show: each is set in a row in which no
     /// other has a value, and is found there, alone.
     #[test]
     fn each_column_gives_what_it_took_and_nothing_else() {
-        for (at, column) in COLUMNS.iter().enumerate() {
+        let all = all();
+        for (at, column) in all.iter().enumerate() {
             let value = match column.kind {
                 Kind::Number => Value::Number(0.5),
                 Kind::Count => Value::Count(1 << 40),
@@ -243,11 +275,11 @@ mod tests {
                 Kind::Flags => Value::Flags(Flags::FAULT),
                 Kind::Phase => Value::Phase(Phase::Leaves),
             };
-            let mut tick = Tick::default();
-            (column.set)(&mut tick, value);
-            for (other, name) in COLUMNS.iter().enumerate().map(|(at, c)| (at, c.name)) {
-                let found = COLUMNS[other].value(&tick);
-                let empty = COLUMNS[other].value(&Tick::default());
+            let mut row = Row::default();
+            (column.set)(&mut row, value);
+            for (other, name) in all.iter().enumerate().map(|(at, c)| (at, c.name)) {
+                let found = all[other].value(&row);
+                let empty = all[other].value(&Row::default());
                 let expected = if other == at { value } else { empty };
                 assert_eq!(found, expected, "{name} after {}", column.name);
             }

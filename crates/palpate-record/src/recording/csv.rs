@@ -3,23 +3,23 @@
 use std::borrow::Cow;
 use std::io::{self, Write};
 
-use super::export::{names, receipt};
-use super::{COLUMNS, Entry, Recording, Value, event};
+use super::export::{columns, names, receipt};
+use super::{Entry, Recording, Value, event};
 use crate::run::{Cell, RunWriter};
 
 impl Recording {
     /// Writes every tick that is there as a [run file](crate::run), with the receipt and what is
-    /// to be known of the recording in its first row.
+    /// to be known of the recording in its first row. A tick has a line for each of its contacts, and
+    /// one without them where it has none.
     ///
     /// # Errors
     /// There is no tick; the recording cannot be read any more; what `out` says.
     pub fn write_csv(&self, out: &mut dyn Write) -> io::Result<()> {
-        let mut rows = RunWriter::new(out, &receipt(self), &names())?;
-        for entry in self.entries().map_err(io::Error::other)? {
-            let Entry::Tick(tick) = entry.map_err(io::Error::other)? else {
-                continue;
-            };
-            let values: Vec<_> = COLUMNS.iter().map(|column| column.value(&tick)).collect();
+        let columns = columns(self);
+        let mut rows = RunWriter::new(out, &receipt(self), &names(&columns))?;
+        for row in self.rows().map_err(io::Error::other)? {
+            let row = row.map_err(io::Error::other)?;
+            let values: Vec<_> = columns.iter().map(|column| column.value(&row)).collect();
             let texts: Vec<_> = values
                 .iter()
                 .map(|value| match value {

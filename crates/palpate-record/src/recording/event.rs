@@ -129,9 +129,11 @@ mod tests {
         #[test]
         fn no_bytes_make_the_reader_panic(bytes: Vec<u8>) {
             let _ = Event::decode(&bytes);
-            let _ = Layout::own().decode(&bytes);
             let marked = [&[0, 1, 0, 0], bytes.as_slice()].concat();
             let _ = Event::decode(&marked);
+            for layout in [Layout::of_tick(), Layout::of_contact(), Layout::of_format_1()] {
+                let _ = (layout.decode(&bytes), layout.decode(&marked));
+            }
         }
 
         #[test]

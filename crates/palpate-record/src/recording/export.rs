@@ -1,10 +1,16 @@
 //! What the tables of a recording have in common: columns, and a receipt.
 
-use super::{COLUMNS, Recording, VERSION};
+use super::table::table;
+use super::{Column, Recording};
 
-/// The names of the columns of the ticks.
-pub(super) fn names() -> Vec<&'static str> {
-    COLUMNS.iter().map(|column| column.name).collect()
+/// The columns of the rows.
+pub(super) fn columns(recording: &Recording) -> Vec<&'static Column> {
+    table(recording.format, recording.has_one_contact_each)
+}
+
+/// The names of columns.
+pub(super) fn names(columns: &[&'static Column]) -> Vec<&'static str> {
+    columns.iter().map(|column| column.name).collect()
 }
 
 /// What made the ticks and what is not there of them, then the texts of the receipt under `receipt
@@ -12,7 +18,7 @@ pub(super) fn names() -> Vec<&'static str> {
 pub(super) fn receipt(recording: &Recording) -> Vec<(String, String)> {
     let facts = [
         ("recording", recording.path().display().to_string()),
-        ("recording_format", VERSION.to_string()),
+        ("recording_format", recording.format.to_string()),
         ("palpate_version", recording.receipt.palpate_version.clone()),
         ("complete", recording.is_complete().to_string()),
         ("finished", recording.finished.to_string()),

@@ -1,16 +1,30 @@
 //! Where the columns stand in the messages of a recording, as the recording itself says.
 //!
-//! A recording carries the type of its ticks. So one that was made before a column was there is read
+//! A recording carries the types of its messages. So one that was made before a column was there is read
 //! without it, and one with a column that this version does not know is read but for that column.
 
 use super::cdr::Reader;
 use super::column::Column;
-use super::{COLUMNS, Tick};
+use super::state::Flags;
+use super::table::FORMAT_1;
+use super::{ContactTick, Row, Tick, schema};
 
-/// The fields of a tick's message, one after the other.
+/// The fields of a message, one after the other.
 #[derive(Debug)]
 pub(super) struct Layout {
+    pub holds: Holds,
     fields: Vec<Field>,
+}
+
+/// What a message holds of a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Holds {
+    /// The tick; its contacts are messages of their own.
+    Tick,
+    /// One of the contacts of a tick.
+    Contact,
+    /// Both, the contact being the only one: a message of format 1.
+    Both,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -23,16 +37,50 @@ enum Field {
     UnknownText,
 }
 
-impl Layout {
-    /// As this version writes it.
-    pub fn own() -> Self {
-        Self::new(COLUMNS.iter().map(Field::Column).collect())
+impl Holds {
+    /// The column of this name, if it is one of these messages.
+    fn column(self, name: &str) -> Option<&'static Column> {
+        let of = |columns: &'static [Column]| columns.iter().find(|column| column.name == name);
+        match self {
+            Self::Tick => of(Tick::COLUMNS),
+            Self::Contact => of(ContactTick::COLUMNS),
+            Self::Both => Column::named(name),
+        }
     }
 
-    /// As the type of a message says; why it is not that of a tick.
-    pub fn of_schema(schema: &str) -> Result<Self, String> {
+    /// The columns without which a message says nothing.
+    fn needed(self) -> [&'static str; 2] {
+        match self {
+            Self::Tick | Self::Both => ["sequence", "t_s"],
+            Self::Contact => ["sequence", "contact"],
+        }
+    }
+}
+
+impl Layout {
+    /// As this version writes a tick.
+    pub fn of_tick() -> Self {
+        let fields = Tick::COLUMNS.iter().map(Field::Column).collect();
+        Self::new(Holds::Tick, fields)
+    }
+
+    /// As this version writes a contact.
+    pub fn of_contact() -> Self {
+        let fields = ContactTick::COLUMNS.iter().map(Field::Column).collect();
+        Self::new(Holds::Contact, fields)
+    }
+
+    /// As format 1 has a tick and its contact.
+    pub fn of_format_1() -> Self {
+        let columns = FORMAT_1.iter().filter_map(|name| Column::named(name));
+        Self::new(Holds::Both, columns.map(Field::Column).collect())
+    }
+
+    /// As the type of a message of this name says; why it is not that of a tick or of a contact. A tick
+    /// that does not say how many contacts it has is one of format 1.
+    pub fn of_schema(name: &str, text: &str) -> Result<Self, String> {
         let mut fields = Vec::new();
-        for line in schema.lines() {
+        for line in text.lines() {
             let code = line.split('#').next().unwrap_or_default();
             if code.contains('=') || code.trim().is_empty() {
                 continue;
@@ -41,42 +89,52 @@ impl Layout {
             let (Some(kind), Some(name), None) = (words.next(), words.next(), words.next()) else {
                 return Err(format!("`{}` is no field", code.trim().escape_debug()));
             };
-            fields.push(Field::of(kind, name)?);
+            fields.push((kind, name));
         }
-        let has = |wanted: &str| {
-            let is_it = |field: &Field| matches!(field, Field::Column(c) if c.name == wanted);
-            fields.iter().any(is_it)
+        let has = |wanted: &str| fields.iter().any(|(_, name)| *name == wanted);
+        let holds = match name {
+            schema::CONTACT => Holds::Contact,
+            _ if has("contacts") => Holds::Tick,
+            _ => Holds::Both,
         };
-        for needed in ["sequence", "t_s"] {
+        for needed in holds.needed() {
             if !has(needed) {
                 return Err(format!("it has no field `{needed}`"));
             }
         }
-        Ok(Self::new(fields))
+        let fields = fields
+            .into_iter()
+            .map(|(kind, name)| Field::of(kind, name, holds));
+        Ok(Self::new(holds, fields.collect::<Result<_, _>>()?))
     }
 
-    fn new(fields: Vec<Field>) -> Self {
-        Self { fields }
+    fn new(holds: Holds, fields: Vec<Field>) -> Self {
+        Self { holds, fields }
     }
 
-    /// Reads a message; none if it is not that of a tick.
-    pub fn decode(&self, message: &[u8]) -> Option<Tick> {
+    /// Reads what a message holds of a row; none if it is no such message.
+    pub fn decode(&self, message: &[u8]) -> Option<Row> {
         let mut bytes = Reader::begin(message)?;
-        let mut tick = Tick::UNKNOWN;
+        let mut row = Row::UNKNOWN;
         for field in &self.fields {
             match field {
-                Field::Column(column) => (column.set)(&mut tick, column.kind.decode(&mut bytes)?),
+                Field::Column(column) => (column.set)(&mut row, column.kind.decode(&mut bytes)?),
                 Field::Unknown(size) => bytes.skip(*size)?,
                 Field::UnknownText => drop(bytes.text()?),
             }
         }
-        bytes.is_at_end().then_some(tick)
+        if self.holds == Holds::Both {
+            row.tick.contacts = 1;
+            row.contact.sequence = row.tick.sequence;
+            row.contact.flags = row.tick.flags.among(Flags::OF_CONTACT);
+        }
+        bytes.is_at_end().then_some(row)
     }
 }
 
 impl Field {
-    fn of(kind: &str, name: &str) -> Result<Self, String> {
-        if let Some(column) = Column::named(name) {
+    fn of(kind: &str, name: &str, holds: Holds) -> Result<Self, String> {
+        if let Some(column) = holds.column(name) {
             let own = column.kind.message_type();
             return if kind == own {
                 Ok(Self::Column(column))
@@ -103,27 +161,43 @@ impl Field {
 
 #[cfg(test)]
 mod tests {
-    use super::super::schema;
-    use super::super::tick::tests::tick;
+    use super::super::samples::row;
+    use super::super::stream::{encode_contact, encode_tick};
     use super::*;
 
-    fn message() -> Vec<u8> {
-        let mut message = Vec::new();
-        tick(7).encode(&mut message);
-        message
+    /// The messages of a tick and of its second contact.
+    fn messages() -> [Vec<u8>; 2] {
+        let Row { tick, contact } = row(7, 1);
+        let [mut of_tick, mut of_contact] = [Vec::new(), Vec::new()];
+        encode_tick(&tick, &mut of_tick);
+        encode_contact(&contact, &mut of_contact);
+        [of_tick, of_contact]
     }
 
     #[test]
     fn what_is_written_reads_as_its_type_says() {
-        for layout in [Layout::own(), Layout::of_schema(&schema::tick()).unwrap()] {
-            let read = layout.decode(&message()).unwrap();
-            assert_eq!(format!("{read:?}"), format!("{:?}", tick(7)));
+        let [of_tick, of_contact] = messages();
+        let by_type = |name, text: &str| Layout::of_schema(name, text).unwrap();
+        let said = |part: &dyn std::fmt::Debug| format!("{part:?}");
+        for layout in [Layout::of_tick(), by_type(schema::TICK, &schema::tick())] {
+            assert_eq!(layout.holds, Holds::Tick);
+            let read = layout.decode(&of_tick).unwrap();
+            assert_eq!(said(&read.tick), said(&row(7, 1).tick));
+        }
+        for layout in [
+            Layout::of_contact(),
+            by_type(schema::CONTACT, &schema::contact()),
+        ] {
+            assert_eq!(layout.holds, Holds::Contact);
+            let read = layout.decode(&of_contact).unwrap();
+            assert_eq!(said(&read.contact), said(&row(7, 1).contact));
         }
     }
 
     #[test]
     fn a_column_that_is_not_there_has_no_value_and_one_that_is_not_known_is_passed_over() {
         let layout = Layout::of_schema(
+            schema::TICK,
             "uint8 spin\nuint64 sequence # all of them\nstring colour\nfloat64 t_s\n\
              uint8 SPIN_UP=1\n\nfloat32 heat\nfloat64 penetration_m\n",
         )
@@ -136,13 +210,12 @@ mod tests {
         // The next stands at a multiple of eight.
         message.extend([0; 4]);
         message.extend((-0.5_f64).to_le_bytes());
-        let read = layout.decode(&message).unwrap();
-        assert_eq!(
-            (read.sequence, read.time, read.penetration),
-            (5, 0.25, -0.5)
-        );
-        assert!(read.force_on_device.is_nan() && read.device_axes[2].is_nan());
-        assert_eq!(read.generation, 0);
+        let Row { tick, contact } = layout.decode(&message).unwrap();
+        assert_eq!(layout.holds, Holds::Both);
+        assert_eq!((tick.sequence, tick.time, tick.contacts), (5, 0.25, 1));
+        assert_eq!((contact.sequence, contact.penetration), (5, -0.5));
+        assert!(contact.force_on_device.is_nan() && tick.device_axes[2].is_nan());
+        assert_eq!(tick.generation, 0);
         message.push(0);
         assert_eq!(layout.decode(&message), None, "a byte more");
         for length in 0..message.len() - 1 {
@@ -152,7 +225,7 @@ mod tests {
 
     #[test]
     fn a_type_that_is_not_that_of_a_tick_says_why() {
-        let refused = |schema: &str| Layout::of_schema(schema).unwrap_err();
+        let refused = |schema: &str| Layout::of_schema(schema::TICK, schema).unwrap_err();
         assert_eq!(refused("float64 t_s"), "it has no field `sequence`");
         assert_eq!(
             refused("uint64 sequence\nfloat32 t_s"),
@@ -163,22 +236,27 @@ mod tests {
             "its field `pose` is float64[3], which this version cannot read past"
         );
         assert_eq!(refused("what"), "`what` is no field");
+        let of_contact = Layout::of_schema(schema::CONTACT, "uint64 sequence");
+        assert_eq!(of_contact.unwrap_err(), "it has no field `contact`");
     }
 
     #[test]
-    fn a_message_of_another_length_or_phase_is_no_tick() {
-        let layout = Layout::own();
-        let whole = message();
-        for length in 0..whole.len() {
-            assert_eq!(layout.decode(&whole[..length]), None, "{length}");
+    fn a_message_of_another_length_or_phase_is_none() {
+        let layouts = [Layout::of_tick(), Layout::of_contact()];
+        for (layout, whole) in layouts.iter().zip(messages()) {
+            for length in 0..whole.len() {
+                assert_eq!(layout.decode(&whole[..length]), None, "{length}");
+            }
+            let with = |at: usize, byte: u8| {
+                let mut changed = whole.clone();
+                changed[at] = byte;
+                layout.decode(&changed)
+            };
+            assert_eq!(with(1, 0), None, "big-endian");
+            if layout.holds == Holds::Contact {
+                let phase = whole.len() - 1;
+                assert_eq!(with(phase, 5), None, "phase 5");
+            }
         }
-        let with = |at: usize, byte: u8| {
-            let mut changed = whole.clone();
-            changed[at] = byte;
-            layout.decode(&changed)
-        };
-        let phase = whole.len() - 1;
-        assert_eq!(with(phase, 5), None, "phase 5");
-        assert_eq!(with(1, 0), None, "big-endian");
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! A recording is an [MCAP](https://mcap.dev) file, so Foxglove and PlotJuggler show it as it is.
 //! Its first record is the [`Receipt`]: the configuration as text. After it come [`Tick`]s on the
-//! channel `/tick` and [`Event`]s on `/event`, in chunks with checksums; `docs/formats.md` has every
-//! byte. A live recording is called `NAME.part`. What [`RecordingWriter::flush`] has handed on
+//! channel `/tick`, the [`ContactTick`]s of each tick on `/contact`, and [`Event`]s on `/event`, in chunks with
+//! checksums; `docs/formats.md` has every byte. A live recording is called `NAME.part`. What [`RecordingWriter::flush`] has handed on
 //! outlives the program, and [`RecordingWriter::finish`] gives the file its name. Before it,
 //! [`RecordingWriter::count`] writes what the loop itself counted ([`LoopCount`]).
 //!
@@ -11,43 +11,48 @@
 //! lost, by their numbers, an end that was cut off, and chunks that are not what was written.
 //!
 //! ```
-//! use palpate_record::recording::{Entry, Receipt, Recording, RecordingWriter};
+//! use palpate_record::recording::{ContactTick, Receipt, Recording, RecordingWriter, Tick};
 //! # let folder = tempfile::tempdir()?;
 //! # let path = folder.path().join("tap.mcap");
-//! # let tick = palpate_record::recording::Tick::default();
 //!
 //! let receipt = Receipt::new("0.1.0").with("scene", "scene_format = 1");
 //! let mut writer = RecordingWriter::create(&path, &receipt)?;
-//! writer.append(&tick)?;
+//! // Two contacts; a loop that touches one thing has one.
+//! writer.append(&Tick::default(), &[ContactTick::default(), ContactTick::default()])?;
 //! writer.finish()?;
 //!
 //! let recording = Recording::open(&path)?;
 //! assert!(recording.is_whole());
-//! for entry in recording.entries()? {
-//!     if let Entry::Tick(tick) = entry? {
-//!         let _penetration = tick.penetration; // [m]
-//!     }
-//! }
+//! let mut rows = recording.rows()?;
+//! let last = rows.by_ref().last().transpose()?.unwrap_or_default();
+//! assert_eq!((last.tick.sequence, last.contact.contact), (0, 1));
+//! let _penetration = last.contact.penetration; // [m]
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod cdr;
 mod chunk;
 mod column;
+mod contact;
 mod count;
 mod csv;
 mod event;
 mod export;
 mod frames;
+mod gather;
 mod layout;
 mod loss;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod read;
 mod receipt;
+mod row;
+#[cfg(test)]
+mod samples;
 mod schema;
 mod state;
 mod stream;
+mod table;
 mod tick;
 mod unpack;
 mod walk;
@@ -56,20 +61,26 @@ mod write;
 /// How damage begins that is of the file as a whole: nothing is left out for it.
 pub const WHOLE: &str = "the file as a whole";
 
-pub use column::{Column, Kind, Value};
+pub use column::{Column, Kind, Shown, Value};
+pub use contact::ContactTick;
 pub use count::{LoopCount, LoopTime};
 pub use event::Event;
 pub use loss::Gap;
-pub use read::{Entries, Entry, Recording, RecordingError};
+pub use read::{Entries, Entry, Recording, RecordingError, Rows};
 pub use receipt::Receipt;
+pub use row::Row;
 pub use state::{Flags, Phase};
-pub use tick::{COLUMNS, Tick};
+pub use table::columns;
+pub use tick::Tick;
 pub use write::{RecordingWriter, Summary};
 
-/// The version that is written and read.
-const VERSION: u32 = 1;
-/// Topics of the two channels.
+/// The version that is written.
+const VERSION: u32 = 2;
+/// The versions that are read.
+const READ: [u32; 2] = [1, VERSION];
+/// Topics of the channels.
 const TICK_TOPIC: &str = "/tick";
+const CONTACT_TOPIC: &str = "/contact";
 const EVENT_TOPIC: &str = "/event";
 /// How messages are encoded, and how their types are written down.
 const MESSAGE_ENCODING: &str = "cdr";

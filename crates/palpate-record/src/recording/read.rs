@@ -8,7 +8,7 @@ use std::vec;
 use thiserror::Error;
 
 use super::walk::{Refused, Step, Walk};
-use super::{Event, Gap, LoopCount, Receipt, Tick};
+use super::{ContactTick, Event, Gap, LoopCount, Receipt, Row, Tick};
 
 /// Why a recording could not be read.
 #[derive(Debug, Error)]
@@ -37,8 +37,8 @@ const ENDED: &str = "ended";
 /// Something that was recorded.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Entry {
-    /// A tick of the loop.
-    Tick(Tick),
+    /// A tick of the loop, with all its contacts in their order.
+    Tick(Tick, Vec<ContactTick>),
     /// Something that happened at one.
     Event(Event),
 }
@@ -49,6 +49,8 @@ pub enum Entry {
 pub struct Recording {
     /// What made it.
     pub receipt: Receipt,
+    /// Version of its format.
+    pub format: u32,
     /// Number of ticks that are there.
     pub ticks: u64,
     /// Number of events.
@@ -59,6 +61,8 @@ pub struct Recording {
     pub last: Option<Tick>,
     /// Highest generation of parameters of any tick.
     pub generation: u32,
+    /// Whether each of the ticks has one contact, as a loop that touches one thing writes it.
+    pub has_one_contact_each: bool,
     /// Whether it was finished, and its end is there.
     pub finished: bool,
     /// How it ends if it is not finished, in words.
@@ -96,11 +100,13 @@ impl Recording {
         let mut walk = Walk::begin(BufReader::new(source)).map_err(named)?;
         let mut recording = Self {
             receipt: Receipt::new(""),
+            format: 0,
             ticks: 0,
             events: 0,
             first: None,
             last: None,
             generation: 0,
+            has_one_contact_each: true,
             finished: false,
             tail: None,
             damage: Vec::new(),
@@ -129,8 +135,8 @@ impl Recording {
                     entries.iter().for_each(|entry| recording.count(entry));
                     recording.unchecked = entries.len() as u64;
                     recording.tail = Some(format!(
-                        "cut off within its last chunk, of which {} messages are read that no \
-                         checksum covers",
+                        "cut off within its last chunk, of which {} ticks and events are read that \
+                         no checksum covers",
                         entries.len()
                     ));
                     torn = size;
@@ -138,7 +144,7 @@ impl Recording {
                 }
             }
         }
-        recording.receipt = walk.receipt().map_err(named)?;
+        (recording.format, recording.receipt) = walk.receipt().map_err(named)?;
         recording.counted = walk.count();
         recording.length = walk.passed() + torn;
         let mut loss = walk.loss();
@@ -230,6 +236,18 @@ impl Recording {
         })
     }
 
+    /// The rows of all ticks, in the order in which they were written: one for each contact, and a
+    /// single one whose contact is unknown where a tick has none.
+    ///
+    /// # Errors
+    /// The file cannot be opened any more.
+    pub fn rows(&self) -> Result<Rows, RecordingError> {
+        Ok(Rows {
+            entries: self.entries()?,
+            of_tick: Vec::new().into_iter(),
+        })
+    }
+
     fn count(&mut self, entry: &Entry) {
         match entry {
             Entry::Event(event) => {
@@ -238,8 +256,9 @@ impl Recording {
                     self.ended = Some(event.sequence);
                 }
             }
-            Entry::Tick(tick) => {
+            Entry::Tick(tick, contacts) => {
                 self.ticks += 1;
+                self.has_one_contact_each &= contacts.len() == 1;
                 self.first = self.first.or(Some(*tick));
                 self.last = Some(*tick);
                 self.generation = self.generation.max(tick.generation);
@@ -278,6 +297,31 @@ impl Iterator for Entries {
                     self.walk = None;
                     return Some(Err(in_file(&self.path, error)));
                 }
+            }
+        }
+    }
+}
+
+/// The rows of a recording, one after the other.
+pub struct Rows {
+    entries: Entries,
+    of_tick: vec::IntoIter<Row>,
+}
+
+impl Iterator for Rows {
+    type Item = Result<Row, RecordingError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            if let Some(row) = self.of_tick.next() {
+                return Some(Ok(row));
+            }
+            match self.entries.next()? {
+                Ok(Entry::Tick(tick, contacts)) => {
+                    self.of_tick = Row::of(tick, &contacts).collect::<Vec<_>>().into_iter();
+                }
+                Ok(Entry::Event(_)) => {}
+                Err(error) => return Some(Err(error)),
             }
         }
     }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use mcap::records::Metadata;
 use palpate_files::checksum::Checksum;
 
-use super::VERSION;
+use super::{READ, VERSION};
 
 /// Name of the metadata record that holds the receipt.
 pub(super) const RECORD: &str = "palpate";
@@ -88,27 +88,29 @@ impl Receipt {
         })
     }
 
-    /// Reads the metadata record; what is wrong with it.
-    pub(super) fn from_metadata(record: Metadata) -> Result<Self, String> {
+    /// Reads the metadata record: the format of the recording, and its receipt; what is wrong with it.
+    pub(super) fn from_metadata(record: Metadata) -> Result<(u32, Self), String> {
         let mut entries = record.metadata;
         let format = entries.get(FORMAT).filter(|_| record.name == RECORD);
         let Some(format) = format else {
             return Err("an MCAP file, but not a recording of palpate".into());
         };
-        if *format != VERSION.to_string() {
+        let Some(format) = READ.into_iter().find(|read| *format == read.to_string()) else {
             return Err(format!(
-                "a recording of format {format}; this version of palpate reads format {VERSION}"
+                "a recording of format {format}; this version of palpate reads the formats {}",
+                READ.map(|read| read.to_string()).join(" and ")
             ));
-        }
+        };
         let claimed = entries.remove(CHECKSUM);
         if claimed != Some(checksum(&entries)) {
             return Err("the receipt at its start is damaged: its checksum does not fit".into());
         }
         entries.remove(FORMAT);
-        Ok(Self {
+        let receipt = Self {
             palpate_version: entries.remove(PROGRAM).unwrap_or_default(),
             texts: entries,
-        })
+        };
+        Ok((format, receipt))
     }
 }
 
@@ -132,10 +134,10 @@ mod tests {
             .with("scene", "scene_format = 1\n")
             .with_file("hand.csv", "t_s,position_m\n");
         let record = receipt.to_metadata().unwrap();
-        assert_eq!(record.metadata["recording_format"], "1");
+        assert_eq!(record.metadata["recording_format"], "2");
         assert_eq!(record.metadata["palpate_version"], "0.1.0");
-        let read = Receipt::from_metadata(record).unwrap();
-        assert_eq!(read, receipt);
+        let (format, read) = Receipt::from_metadata(record).unwrap();
+        assert_eq!((format, &read), (2, &receipt));
         assert_eq!(read.file("hand.csv"), Some("t_s,position_m\n"));
         assert_eq!(read.file("scene"), None);
     }
@@ -165,10 +167,10 @@ mod tests {
     #[test]
     fn a_newer_format_is_refused_by_its_number() {
         let mut record = Receipt::new("9.0.0").to_metadata().unwrap();
-        record.metadata.insert(FORMAT.into(), "2".into());
+        record.metadata.insert(FORMAT.into(), "3".into());
         assert_eq!(
             Receipt::from_metadata(record).unwrap_err(),
-            "a recording of format 2; this version of palpate reads format 1"
+            "a recording of format 3; this version of palpate reads the formats 1 and 2"
         );
     }
 

@@ -3,93 +3,42 @@
 
 use std::fmt::Write;
 
-use super::column::Column;
+use super::column::{Column, Kind};
 use super::state::{Flags, Phase};
-use super::{COLUMNS, event};
+use super::{ContactTick, Tick, event};
 
 /// Name of the type of a tick.
 pub(super) const TICK: &str = "palpate_msgs/msg/Tick";
+/// Name of the type of a contact.
+pub(super) const CONTACT: &str = "palpate_msgs/msg/Contact";
 /// Name of the type of an event.
 pub(super) const EVENT: &str = "palpate_msgs/msg/Event";
-
-/// What the first version of the format says of the columns that it began with. These bytes stay; a
-/// column that came later is described by its meaning.
-const FIRST_COMMENTS: [(&str, &str); 25] = [
-    (
-        "sequence",
-        "0, 1, 2, ...; a number that is missing is a tick that was lost",
-    ),
-    (
-        "t_s",
-        "when the device was sampled, since the loop's start [s]",
-    ),
-    ("lateness_s", "past the planned instant [s]"),
-    ("period_s", "measured time since the sample before [s]"),
-    ("device_axis_1_m", "end-point in the device's own frame [m]"),
-    ("device_axis_2_m", ""),
-    ("device_axis_3_m", ""),
-    (
-        "device_position_m",
-        "along the contact's normal, as the renderer saw it [m]",
-    ),
-    ("object_position_m", "[m]"),
-    ("object_velocity_m_per_s", "[m/s]"),
-    ("penetration_m", "positive in contact [m]"),
-    (
-        "placement_shift_m",
-        "shift of the object over the last interval [m]",
-    ),
-    ("force_on_object_n", "as the renderer answered [N]"),
-    ("force_on_device_n", "as really sent [N]"),
-    ("stored_energy_j", "in object and contact [J]"),
-    ("port_work_j", "since the start, into the object [J]"),
-    ("virtual_force_work_j", "since the start [J]"),
-    ("outside_work_j", "since the start [J]"),
-    (
-        "leak_original_j",
-        "of the spring force on the same motion [J]",
-    ),
-    (
-        "leak_held_j",
-        "of the force that was held; positive: created [J]",
-    ),
-    ("tick_duration_s", "from the sample to the command [s]"),
-    ("device_round_trip_s", "[s]"),
-    ("generation", "of the parameters; 0: those of the receipt"),
-    ("flags", "bits, see the constants"),
-    (
-        "phase",
-        "predicted of the coming interval, see the constants",
-    ),
-];
 
 /// The type of a tick.
 pub(super) fn tick() -> String {
     let mut text = String::from(
-        "# One tick of a haptic loop, palpate recording format 1. SI units, each in the name of its field.\n\
-         # Positions, velocities and forces are along the contact's axis; NaN where there is no value.\n",
+        "# One tick of a haptic loop, palpate recording format 2. SI units, each in the name of its field.\n\
+         # Vectors are in the device's own frame; NaN where there is no value.\n",
     );
-    let fields = COLUMNS
-        .iter()
-        .map(|column| (field(column), comment(column)));
-    push(&mut text, fields.collect());
-    for (flag, name) in Flags::NAMED {
-        line(
-            &mut text,
-            &format!("uint32 FLAG_{}={}", constant(name), flag.0),
-        );
-    }
-    for phase in Phase::ALL {
-        let name = constant(phase.name());
-        line(&mut text, &format!("uint8 PHASE_{name}={}", phase.number()));
-    }
+    push_columns(&mut text, Tick::COLUMNS, Flags::ALL);
+    text
+}
+
+/// The type of a contact.
+pub(super) fn contact() -> String {
+    let mut text = String::from(
+        "# One contact of a tick of a haptic loop, palpate recording format 2. SI units, each in the name of \
+         its field.\n\
+         # Positions, velocities and forces are along the contact's normal; NaN where there is no value.\n",
+    );
+    push_columns(&mut text, ContactTick::COLUMNS, Flags::OF_CONTACT);
     text
 }
 
 /// The type of an event.
 pub(super) fn event() -> String {
     let mut text = String::from(
-        "# Something that happened at a tick of a haptic loop, palpate recording format 1.\n",
+        "# Something that happened at a tick of a haptic loop, palpate recording format 2.\n",
     );
     let fields = event::COLUMNS.iter().map(|column| {
         let field = format!("{} {}", column.message_type, column.name);
@@ -99,16 +48,36 @@ pub(super) fn event() -> String {
     text
 }
 
+/// Adds a field for each column, and the constants that its values can have.
+fn push_columns(text: &mut String, columns: &[Column], flags: Flags) {
+    let fields = columns
+        .iter()
+        .map(|column| (field(column), comment(column)));
+    push(text, fields.collect());
+    let has = |kind| columns.iter().any(|column| column.kind == kind);
+    if has(Kind::Flags) {
+        let named = Flags::NAMED.iter().filter(|(flag, _)| flags.has(*flag));
+        for (flag, name) in named {
+            line(text, &format!("uint32 FLAG_{}={}", constant(name), flag.0));
+        }
+    }
+    if has(Kind::Phase) {
+        for phase in Phase::ALL {
+            let name = constant(phase.name());
+            line(text, &format!("uint8 PHASE_{name}={}", phase.number()));
+        }
+    }
+}
+
 fn field(column: &Column) -> String {
     format!("{} {}", column.kind.message_type(), column.name)
 }
 
 fn comment(column: &Column) -> String {
-    let first = FIRST_COMMENTS.iter().find(|(name, _)| *name == column.name);
-    match first {
-        Some((_, comment)) => (*comment).to_owned(),
-        None if column.unit == "1" => column.meaning.to_owned(),
-        None => format!("{} [{}]", column.meaning, column.unit),
+    if column.unit == "1" {
+        column.meaning.to_owned()
+    } else {
+        format!("{} [{}]", column.meaning, column.unit)
     }
 }
 
@@ -121,10 +90,7 @@ fn push(text: &mut String, fields: Vec<(String, String)>) {
     let width = fields.iter().map(|(field, _)| field.len()).max();
     let width = width.unwrap_or(0);
     for (field, comment) in fields {
-        match comment.as_str() {
-            "" => line(text, &field),
-            comment => line(text, &format!("{field:width$}  # {comment}")),
-        }
+        line(text, &format!("{field:width$}  # {comment}"));
     }
 }
 
@@ -135,39 +101,146 @@ fn line(text: &mut String, line: &str) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Row;
+    use super::super::samples::row;
+    use super::super::stream::{encode_contact, encode_tick};
     use super::*;
 
-    /// The types that the first version of the format wrote, as they stand in a recording of it.
-    fn first(begins: &str) -> String {
-        let file = include_bytes!("../../tests/recording/golden-v1.mcap");
-        let text = String::from_utf8_lossy(file);
-        let from = text.find(begins).unwrap();
-        // Up to the length of the next record.
-        text[from..].split('\0').next().unwrap().to_owned()
+    /// What a program reads that knows the message type only: the names and values of its fields.
+    fn by_schema(schema: &str, message: &[u8]) -> Vec<(String, f64)> {
+        assert_eq!(message[..4], [0, 1, 0, 0], "little-endian CDR");
+        let body = &message[4..];
+        let mut at = 0;
+        let mut fields = Vec::new();
+        for line in schema.lines() {
+            let code = line.split('#').next().unwrap();
+            let [kind, name] = code.split_whitespace().collect::<Vec<_>>()[..] else {
+                assert!(code.trim().is_empty() || code.contains('='), "{line}");
+                continue;
+            };
+            if name.contains('=') {
+                continue;
+            }
+            let size = match kind {
+                "uint64" | "float64" => 8,
+                "uint32" => 4,
+                "uint8" => 1,
+                other => panic!("{other}"),
+            };
+            at = usize::div_ceil(at, size) * size;
+            let bytes = &body[at..at + size];
+            at += size;
+            let value = match kind {
+                "float64" => f64::from_le_bytes(bytes.try_into().unwrap()),
+                _ => bytes
+                    .iter()
+                    .rev()
+                    .fold(0.0, |sum, b| sum * 256.0 + f64::from(*b)),
+            };
+            fields.push((name.to_owned(), value));
+        }
+        assert_eq!(at, body.len(), "the message ends with its last field");
+        fields
     }
 
-    /// What a line says, however its comment is set.
-    fn words(line: &str) -> Vec<&str> {
-        line.split_whitespace().collect()
+    fn assert_fields(fields: &[(String, f64)], expected: &[(&str, f64)]) {
+        for (name, expected) in expected {
+            let (_, value) = fields.iter().find(|(field, _)| field == name).unwrap();
+            assert!(
+                value.to_bits() == expected.to_bits(),
+                "{name}: {value} for {expected}"
+            );
+        }
+        let names: Vec<_> = fields.iter().map(|(name, _)| name).collect();
+        assert_eq!(fields.len(), expected.len(), "{names:?}");
     }
 
     #[test]
-    fn a_recording_without_newer_columns_has_the_bytes_of_the_first_version() {
-        for (own, first) in [
-            (tick(), first("# One tick of a haptic loop")),
-            (event(), first("# Something that happened")),
-        ] {
-            let end = first.rfind('\n').unwrap() + 1;
-            let first = &first[..end];
-            assert!(first.lines().count() > 4, "{first}");
-            if COLUMNS.len() == FIRST_COMMENTS.len() {
-                assert_eq!(own, first);
-            }
-            // A newer column stands between, and changes none.
-            let mut lines = own.lines();
-            for line in first.lines() {
-                assert!(lines.any(|own| words(own) == words(line)), "{line}");
-            }
+    fn a_program_that_knows_the_message_types_reads_every_quantity_by_its_name() {
+        let Row {
+            tick: t,
+            contact: c,
+        } = row(7, 1);
+        let mut message = Vec::new();
+        encode_tick(&t, &mut message);
+        assert_fields(
+            &by_schema(&tick(), &message),
+            &[
+                ("sequence", 7.0),
+                ("t_s", t.time),
+                ("lateness_s", t.lateness),
+                ("period_s", t.period),
+                ("device_axis_1_m", t.device_axes[0]),
+                ("device_axis_2_m", t.device_axes[1]),
+                ("device_axis_3_m", t.device_axes[2]),
+                ("device_orientation_w", t.device_orientation[0]),
+                ("device_orientation_x", t.device_orientation[1]),
+                ("device_orientation_y", t.device_orientation[2]),
+                ("device_orientation_z", t.device_orientation[3]),
+                ("commanded_force_1_n", t.commanded_force[0]),
+                ("commanded_force_2_n", t.commanded_force[1]),
+                ("commanded_force_3_n", t.commanded_force[2]),
+                ("commanded_torque_1_n_m", t.commanded_torque[0]),
+                ("commanded_torque_2_n_m", t.commanded_torque[1]),
+                ("commanded_torque_3_n_m", t.commanded_torque[2]),
+                ("delivered_force_1_n", t.delivered_force[0]),
+                ("delivered_force_2_n", t.delivered_force[1]),
+                ("delivered_force_3_n", t.delivered_force[2]),
+                ("delivered_torque_1_n_m", t.delivered_torque[0]),
+                ("delivered_torque_2_n_m", t.delivered_torque[1]),
+                ("delivered_torque_3_n_m", t.delivered_torque[2]),
+                ("tick_duration_s", t.tick_duration),
+                ("device_round_trip_s", t.device_round_trip),
+                ("generation", 3.0),
+                ("contacts", 2.0),
+                ("flags", 259.0),
+            ],
+        );
+        message.clear();
+        encode_contact(&c, &mut message);
+        assert_fields(
+            &by_schema(&contact(), &message),
+            &[
+                ("sequence", 7.0),
+                ("contact", 1.0),
+                ("contact_flags", 3.0),
+                ("device_position_m", c.device_position),
+                ("object_position_m", c.object_position),
+                ("object_velocity_m_per_s", c.object_velocity),
+                ("penetration_m", c.penetration),
+                ("placement_shift_m", c.placement_shift),
+                ("force_on_object_n", c.force_on_object),
+                ("force_on_device_n", c.force_on_device),
+                ("stored_energy_j", c.stored_energy),
+                ("port_work_j", c.port_work),
+                ("virtual_force_work_j", c.virtual_force_work),
+                ("outside_work_j", c.outside_work),
+                ("leak_original_j", c.original_leak),
+                ("leak_held_j", c.held_leak),
+                ("phase", 3.0),
+            ],
+        );
+    }
+
+    #[test]
+    fn the_types_name_every_flag_and_phase_with_its_number() {
+        for (flag, name) in Flags::NAMED {
+            let line = format!("uint32 FLAG_{}={}\n", constant(name), flag.0);
+            assert!(tick().contains(&line), "{line}");
+            let is_of_contact = Flags::OF_CONTACT.has(flag);
+            assert_eq!(contact().contains(&line), is_of_contact, "{line}");
+        }
+        for phase in Phase::ALL {
+            let line = format!(
+                "uint8 PHASE_{}={}\n",
+                constant(phase.name()),
+                phase.number()
+            );
+            assert!(
+                contact().contains(&line) && !tick().contains(&line),
+                "{line}"
+            );
+            assert_eq!(Phase::ALL[usize::from(phase.number())], phase);
         }
     }
 }

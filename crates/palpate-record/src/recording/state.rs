@@ -75,6 +75,19 @@ impl Flags {
     /// The device did not answer, or not with a position.
     pub const DEVICE_FAULT: Self = Self(1 << 9);
 
+    /// All of them.
+    pub const ALL: Self = Self(u32::MAX);
+
+    /// Those that are said of a contact; the others are said of the tick as a whole.
+    pub const OF_CONTACT: Self = Self(
+        Self::CONTACT.0
+            | Self::LIMITED_PULL.0
+            | Self::LIMITED_FORCE.0
+            | Self::LIMITED_SLEW.0
+            | Self::LIMITED_GUARD.0
+            | Self::FAULT.0,
+    );
+
     /// The flags that have a name, by bit.
     pub const NAMED: [(Self, &'static str); 10] = [
         (Self::CONTACT, "contact"),
@@ -97,6 +110,12 @@ impl Flags {
         } else {
             self
         }
+    }
+
+    /// Those of these that are among `others`.
+    #[must_use]
+    pub const fn among(self, others: Self) -> Self {
+        Self(self.0 & others.0)
     }
 
     /// Whether all of `others` are set.

@@ -8,12 +8,12 @@ use mcap::write::NoSeek;
 use mcap::{McapError, McapResult, WriteOptions, Writer};
 
 use super::{
-    EVENT_TOPIC, Event, LoopCount, MESSAGE_ENCODING, Receipt, SCHEMA_ENCODING, TICK_TOPIC, Tick,
-    schema,
+    CONTACT_TOPIC, Column, ContactTick, EVENT_TOPIC, Event, LoopCount, MESSAGE_ENCODING, Receipt,
+    Row, SCHEMA_ENCODING, TICK_TOPIC, Tick, cdr, schema,
 };
 
-/// A chunk is ended at this size even if nobody asks [bytes]: about five seconds at 1 kHz.
-const CHUNK: u64 = 1 << 20;
+/// A chunk is ended at this size even if nobody asks [bytes]: about three seconds of one contact at 1 kHz.
+const CHUNK: usize = 1 << 20;
 /// Longest text of an event [bytes].
 const LONGEST_TEXT: usize = 1 << 20;
 
@@ -23,7 +23,10 @@ pub(super) struct Stream<W: Write> {
     /// used on after its end could not be written.
     mcap: Option<Writer<NoSeek<W>>>,
     tick_channel: u16,
+    contact_channel: u16,
     event_channel: u16,
+    /// How much the chunk holds that is not ended yet [bytes].
+    in_chunk: usize,
     last_sequence: Option<u64>,
     pub ticks: u64,
     pub events: u64,
@@ -37,7 +40,8 @@ impl<W: Write> Stream<W> {
         let mut mcap = WriteOptions::new()
             .compression(None)
             .library(concat!("palpate ", env!("CARGO_PKG_VERSION")))
-            .chunk_size(Some(CHUNK))
+            // The writer would end a chunk between a tick and its contacts.
+            .chunk_size(None)
             .disable_seeking(true)
             .create(NoSeek::new(out))
             .map_err(plain)?;
@@ -49,6 +53,7 @@ impl<W: Write> Stream<W> {
             };
             let channels = (
                 channel(TICK_TOPIC, schema::TICK, &schema::tick())?,
+                channel(CONTACT_TOPIC, schema::CONTACT, &schema::contact())?,
                 channel(EVENT_TOPIC, schema::EVENT, &schema::event())?,
             );
             // A recording without a tick has its channels too.
@@ -56,10 +61,12 @@ impl<W: Write> Stream<W> {
             Ok(channels)
         };
         match begin(&mut mcap) {
-            Ok((tick_channel, event_channel)) => Ok(Self {
+            Ok((tick_channel, contact_channel, event_channel)) => Ok(Self {
                 mcap: Some(mcap),
                 tick_channel,
+                contact_channel,
                 event_channel,
+                in_chunk: 0,
                 last_sequence: None,
                 ticks: 0,
                 events: 0,
@@ -73,7 +80,9 @@ impl<W: Write> Stream<W> {
         }
     }
 
-    pub fn append(&mut self, tick: &Tick) -> io::Result<()> {
+    /// Adds a tick and its contacts. They stand in the same chunk, so that none is there without the
+    /// others.
+    pub fn append(&mut self, tick: &Tick, contacts: &[ContactTick]) -> io::Result<()> {
         if let Some(last) = self.last_sequence.filter(|last| tick.sequence <= *last) {
             return Err(invalid(format!(
                 "tick {} does not come after tick {last}; numbers of ticks rise",
@@ -81,11 +90,21 @@ impl<W: Write> Stream<W> {
             )));
         }
         self.message.clear();
-        tick.encode(&mut self.message);
+        encode_tick(&tick.with(contacts), &mut self.message);
         self.write(self.tick_channel, tick.sequence, tick.time)?;
+        for (number, contact) in (0..).zip(contacts) {
+            let numbered = ContactTick {
+                sequence: tick.sequence,
+                contact: number,
+                ..*contact
+            };
+            self.message.clear();
+            encode_contact(&numbered, &mut self.message);
+            self.write(self.contact_channel, tick.sequence, tick.time)?;
+        }
         self.last_sequence = Some(tick.sequence);
         self.ticks += 1;
-        Ok(())
+        self.end_full_chunk()
     }
 
     pub fn event(&mut self, event: &Event) -> io::Result<()> {
@@ -99,12 +118,20 @@ impl<W: Write> Stream<W> {
         event.encode(&mut self.message);
         self.write(self.event_channel, event.sequence, event.time)?;
         self.events += 1;
-        Ok(())
+        self.end_full_chunk()
     }
 
     /// Ends the chunk: all of it is with the output when this returns.
     pub fn flush(&mut self) -> io::Result<()> {
+        self.in_chunk = 0;
         self.with(|mcap, _| mcap.flush())
+    }
+
+    fn end_full_chunk(&mut self) -> io::Result<()> {
+        if self.in_chunk < CHUNK {
+            return Ok(());
+        }
+        self.flush()
     }
 
     /// Writes what the loop counted.
@@ -129,6 +156,7 @@ impl<W: Write> Stream<W> {
             log_time,
             publish_time: log_time,
         };
+        self.in_chunk += self.message.len();
         self.with(|mcap, message| mcap.write_to_known_channel(&header, message))
     }
 
@@ -156,6 +184,31 @@ impl<W: Write> Drop for Stream<W> {
             let _ = mcap.flush();
             drop(mcap.into_inner());
         }
+    }
+}
+
+/// Appends the message of a tick: its columns in their order, each at a multiple of its size.
+pub(super) fn encode_tick(tick: &Tick, message: &mut Vec<u8>) {
+    let row = Row {
+        tick: *tick,
+        contact: ContactTick::UNKNOWN,
+    };
+    encode(Tick::COLUMNS, &row, message);
+}
+
+/// Appends the message of a contact, in the same way.
+pub(super) fn encode_contact(contact: &ContactTick, message: &mut Vec<u8>) {
+    let row = Row {
+        tick: Tick::UNKNOWN,
+        contact: *contact,
+    };
+    encode(ContactTick::COLUMNS, &row, message);
+}
+
+fn encode(columns: &[Column], row: &Row, message: &mut Vec<u8>) {
+    let mut out = cdr::Writer::begin(message);
+    for column in columns {
+        column.value(row).encode(&mut out);
     }
 }
 
@@ -190,7 +243,7 @@ fn plain(error: McapError) -> io::Error {
 mod tests {
     use std::sync::{Arc, Mutex};
 
-    use super::super::tick::tests::tick;
+    use super::super::samples::row;
     use super::*;
 
     /// A disk with room for so many bytes.
@@ -216,16 +269,21 @@ mod tests {
         }
     }
 
+    fn append(stream: &mut Stream<Disk>, sequence: u64) -> io::Result<()> {
+        let Row { tick, contact } = row(sequence, 0);
+        stream.append(&tick, &[contact])
+    }
+
     /// Records until something fails; how many ticks were flushed, and whether the end was written.
     fn record(disk: &Disk) -> io::Result<u64> {
         let receipt = Receipt::new("0.1.0").with("scene", "a = 1");
         let mut stream = Stream::begin(disk.clone(), &receipt)?;
         let mut outcome = Ok(());
         for sequence in 0..6 {
-            outcome = stream.append(&tick(sequence)).and_then(|()| stream.flush());
+            outcome = append(&mut stream, sequence).and_then(|()| stream.flush());
             if let Err(error) = &outcome {
                 assert_eq!(error.kind(), io::ErrorKind::StorageFull);
-                let again = stream.append(&tick(9)).unwrap_err().to_string();
+                let again = append(&mut stream, 9).unwrap_err().to_string();
                 assert_eq!(again, "an earlier part could not be written");
                 assert_eq!(
                     stream.flush().unwrap_err().to_string(),

@@ -9,7 +9,7 @@ use super::chunk::Content;
 use super::frames::{Frame, Frames};
 use super::loss::Loss;
 use super::read::Entry;
-use super::{LoopCount, Receipt, WHOLE, count, receipt};
+use super::{LoopCount, Receipt, VERSION, WHOLE, count, receipt};
 
 /// What the header of a recording says, before a version, that this program has written.
 pub(super) const LIBRARY: &str = "palpate ";
@@ -21,7 +21,8 @@ pub(super) struct Walk<R> {
     content: Content,
     /// Whether another tool has written it: what is ours is more than MCAP asks for.
     is_foreign: bool,
-    receipt: Option<Receipt>,
+    /// With the format of the recording.
+    receipt: Option<(u32, Receipt)>,
     count: Option<LoopCount>,
     /// Whether all chunks have been passed.
     in_summary: bool,
@@ -68,7 +69,7 @@ impl<R: Read> Walk<R> {
         let frames = Frames::begin(source)?;
         let mut walk = Self {
             frames: frames.ok_or_else(|| invalid("not an MCAP file, so no recording"))?,
-            content: Content::new(),
+            content: Content::of_format(VERSION),
             is_foreign: false,
             receipt: None,
             count: None,
@@ -92,7 +93,9 @@ impl<R: Read> Walk<R> {
                         }
                         Ok(Record::Metadata(record)) => {
                             let receipt = Receipt::from_metadata(record);
-                            walk.receipt = Some(receipt.map_err(Refused::Invalid)?);
+                            let (format, receipt) = receipt.map_err(Refused::Invalid)?;
+                            walk.content = Content::of_format(format);
+                            walk.receipt = Some((format, receipt));
                             return Ok(walk);
                         }
                         _ => break,
@@ -104,8 +107,8 @@ impl<R: Read> Walk<R> {
         Err(invalid(NO_RECORDING))
     }
 
-    /// The receipt, which has been passed; why there is none.
-    pub fn receipt(&mut self) -> Result<Receipt, Refused> {
+    /// Format and receipt, which have been passed; why there is none.
+    pub fn receipt(&mut self) -> Result<(u32, Receipt), Refused> {
         self.receipt
             .take()
             .ok_or_else(|| Refused::Invalid(NO_RECORDING.into()))

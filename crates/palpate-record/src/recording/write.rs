@@ -10,7 +10,7 @@ use palpate_files::atomic::WriteError;
 use tempfile::TempPath;
 
 use super::stream::Stream;
-use super::{Event, LoopCount, Receipt, Tick};
+use super::{ContactTick, Event, LoopCount, Receipt, Tick};
 
 /// Flushed ticks reach the disk itself at least this often while they come.
 const SYNC_EVERY: Duration = Duration::from_secs(2);
@@ -88,14 +88,15 @@ impl RecordingWriter {
         &self.part
     }
 
-    /// Adds a tick; it is kept in memory until the next [`flush`](Self::flush), or until a chunk is
-    /// full.
+    /// Adds a tick and its contacts, as many as it has; they are kept in memory until the next
+    /// [`flush`](Self::flush), or until a chunk is full. Contacts are numbered in the order in which they
+    /// stand here; how many they are, and their flags, is written into the tick.
     ///
     /// # Errors
     /// Its number is not above that of the tick before; what the system says. After an error of the
     /// system nothing more can be added, and what was flushed before is readable.
-    pub fn append(&mut self, tick: &Tick) -> Result<(), WriteError> {
-        let outcome = self.stream.append(tick);
+    pub fn append(&mut self, tick: &Tick, contacts: &[ContactTick]) -> Result<(), WriteError> {
+        let outcome = self.stream.append(tick, contacts);
         outcome.map_err(|source| self.failed(source))
     }
 

@@ -7,10 +7,14 @@ use std::sync::Arc;
 use mcap::records::Record;
 use mcap::{Channel, Message, MessageStream, Schema, WriteOptions, read::LinearReader};
 
-use super::common::{Scratch, bits, content, small, tick};
+use super::common::{Scratch, bits, content, row, small};
 
-/// The small recording, its type of ticks and their messages changed by `retype` and `rewrite`.
-fn changed(retype: impl Fn(&str) -> String, rewrite: impl Fn(&[u8]) -> Vec<u8>) -> Vec<u8> {
+/// The small recording, the types of its ticks and contacts and their messages changed by `retype` and
+/// `rewrite`, which are told the topic.
+fn changed(
+    retype: impl Fn(&str, &str) -> String,
+    rewrite: impl Fn(&str, &[u8]) -> Vec<u8>,
+) -> Vec<u8> {
     let (bytes, _) = small(true);
     let mut out = WriteOptions::new()
         .compression(None)
@@ -24,14 +28,15 @@ fn changed(retype: impl Fn(&str) -> String, rewrite: impl Fn(&[u8]) -> Vec<u8>) 
     }
     for message in MessageStream::new(&bytes).unwrap() {
         let message = message.unwrap();
-        if message.channel.topic != "/tick" {
+        let topic = message.channel.topic.clone();
+        if topic == "/event" {
             out.write(&message).unwrap();
             continue;
         }
         let schema = message.channel.schema.as_ref().unwrap();
         let text = std::str::from_utf8(&schema.data).unwrap();
         let schema = Schema {
-            data: Cow::Owned(retype(text).into_bytes()),
+            data: Cow::Owned(retype(&topic, text).into_bytes()),
             ..(**schema).clone()
         };
         let channel = Channel {
@@ -40,7 +45,7 @@ fn changed(retype: impl Fn(&str) -> String, rewrite: impl Fn(&[u8]) -> Vec<u8>) 
         };
         let message = Message {
             channel: Arc::new(channel),
-            data: Cow::Owned(rewrite(&message.data)),
+            data: Cow::Owned(rewrite(&topic, &message.data)),
             ..message
         };
         out.write(&message).unwrap();
@@ -49,30 +54,25 @@ fn changed(retype: impl Fn(&str) -> String, rewrite: impl Fn(&[u8]) -> Vec<u8>) 
     out.into_inner().into_inner()
 }
 
-/// Without the penetration, which stands 80 bytes behind the mark of four, and with a field that this
-/// version does not know behind the number of the tick.
+/// Contacts without the penetration, which stands 40 bytes behind the mark of four, and ticks with a
+/// field that this version does not know behind their number.
 #[test]
-fn ticks_are_read_by_the_type_that_the_file_gives_them() {
-    let retype = |text: &str| {
+fn ticks_and_contacts_are_read_by_the_types_that_the_file_gives_them() {
+    let retype = |topic: &str, text: &str| {
         let lines = text.lines().filter(|line| !line.contains("penetration_m"));
         let lines = lines.flat_map(|line| {
-            let more = line
-                .starts_with("uint64 sequence")
+            let more = (topic == "/tick" && line.starts_with("uint64 sequence"))
                 .then_some("float32 temperature_k");
             [line].into_iter().chain(more)
         });
         lines.collect::<Vec<_>>().join("\n")
     };
-    let rewrite = |data: &[u8]| {
-        let temperature = 300_f32.to_le_bytes();
-        [
-            &data[..12],
-            &temperature,
-            &[0; 4],
-            &data[12..84],
-            &data[92..],
-        ]
-        .concat()
+    let rewrite = |topic: &str, data: &[u8]| match topic {
+        "/tick" => {
+            let temperature = 300_f32.to_le_bytes();
+            [&data[..12], &temperature, &[0; 4], &data[12..]].concat()
+        }
+        _ => [&data[..44], &data[52..]].concat(),
     };
     let scratch = Scratch::new();
     let recording = scratch.open(&changed(retype, rewrite)).unwrap();
@@ -81,19 +81,20 @@ fn ticks_are_read_by_the_type_that_the_file_gives_them() {
     let (ticks, _) = content(&recording);
     assert_eq!(ticks.len(), 9);
     for (sequence, read) in (0..).zip(&ticks) {
-        let mut expected = tick(sequence);
-        expected.penetration = f64::NAN;
+        let mut expected = row(sequence);
+        expected.contact.penetration = f64::NAN;
         assert_eq!(bits(read), bits(&expected));
     }
 }
 
 #[test]
 fn a_column_of_another_type_is_named() {
-    let retype = |text: &str| text.replace("float64 penetration_m", "float32 penetration_m");
+    let retype =
+        |_: &str, text: &str| text.replace("float64 penetration_m", "float32 penetration_m");
     let recording = Scratch::new()
-        .open(&changed(retype, <[u8]>::to_vec))
+        .open(&changed(retype, |_, data| data.to_vec()))
         .unwrap();
     assert_eq!(recording.ticks, 0);
-    let why = "the type of the ticks: its field `penetration_m` is float32, but must be float64";
+    let why = "the type of the contacts: its field `penetration_m` is float32, but must be float64";
     assert!(recording.damage[0].ends_with(why), "{:?}", recording.damage);
 }

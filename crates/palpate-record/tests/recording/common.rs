@@ -2,50 +2,83 @@
 
 use std::path::{Path, PathBuf};
 
+use palpate_files::atomic::WriteError;
 use palpate_record::recording::{
-    Entry, Event, Flags, LoopCount, Phase, Receipt, Recording, RecordingError, RecordingWriter,
-    Tick,
+    ContactTick, Entry, Event, Flags, LoopCount, Phase, Receipt, Recording, RecordingError,
+    RecordingWriter, Row, Tick,
 };
 
-/// A tick in which every quantity has a value of its own that follows from its number.
-#[allow(clippy::needless_update, reason = "columns may come")]
-pub fn tick(sequence: u64) -> Tick {
+/// A row in which every quantity has a value of its own that follows from the number of its tick.
+pub fn row(sequence: u64) -> Row {
+    let t = sequence as f64 / 1000.0;
+    let of = |quantity: f64| quantity / 3.0 + t;
+    let Row { tick, contact } = row_of_format_1(sequence);
+    Row {
+        tick: Tick {
+            device_orientation: [of(12.0), of(13.0), f64::NAN, -0.0],
+            commanded_force: [of(14.0), of(15.0), of(16.0)],
+            commanded_torque: [of(17.0), of(18.0), of(19.0)],
+            delivered_force: [of(20.0), of(21.0), of(22.0)],
+            delivered_torque: [of(23.0), of(24.0), f64::NEG_INFINITY],
+            ..tick
+        },
+        contact,
+    }
+}
+
+/// As much of it as a recording of format 1 has.
+pub fn row_of_format_1(sequence: u64) -> Row {
     let t = sequence as f64 / 1000.0;
     let of = |quantity: f64| quantity / 3.0 + t;
     let position = 0.02 * (9.0 * t).sin();
-    Tick {
-        sequence,
-        time: t,
-        lateness: 1e-6 * of(1.0),
-        period: if sequence == 0 { f64::NAN } else { 0.001 },
-        device_axes: [position, of(2.0), f64::NAN],
-        device_position: position,
-        object_position: 0.01 + 0.001 * (31.0 * t).cos(),
-        object_velocity: -of(3.0),
-        penetration: of(4.0),
-        placement_shift: -0.0,
-        force_on_object: of(5.0),
-        force_on_device: -of(5.0),
-        stored_energy: of(6.0),
-        port_work: of(7.0),
-        virtual_force_work: of(8.0),
-        outside_work: f64::INFINITY,
-        original_leak: of(9.0),
-        held_leak: of(10.0),
-        tick_duration: 4e-6,
-        device_round_trip: of(11.0),
-        generation: u32::from(sequence > 4),
-        flags: Flags::CONTACT.with(Flags::LIMITED_SLEW, sequence.is_multiple_of(2)),
-        phase: Phase::ALL[usize::try_from(sequence % 5).unwrap()],
-        ..Tick::UNKNOWN
+    let flags = Flags::CONTACT.with(Flags::LIMITED_SLEW, sequence.is_multiple_of(2));
+    Row {
+        tick: Tick {
+            sequence,
+            time: t,
+            lateness: 1e-6 * of(1.0),
+            period: if sequence == 0 { f64::NAN } else { 0.001 },
+            device_axes: [position, of(2.0), f64::NAN],
+            tick_duration: 4e-6,
+            device_round_trip: of(11.0),
+            generation: u32::from(sequence > 4),
+            contacts: 1,
+            flags,
+            ..Tick::UNKNOWN
+        },
+        contact: ContactTick {
+            sequence,
+            contact: 0,
+            flags,
+            device_position: position,
+            object_position: 0.01 + 0.001 * (31.0 * t).cos(),
+            object_velocity: -of(3.0),
+            penetration: of(4.0),
+            placement_shift: -0.0,
+            force_on_object: of(5.0),
+            force_on_device: -of(5.0),
+            stored_energy: of(6.0),
+            port_work: of(7.0),
+            virtual_force_work: of(8.0),
+            outside_work: f64::INFINITY,
+            original_leak: of(9.0),
+            held_leak: of(10.0),
+            phase: Phase::ALL[usize::try_from(sequence % 5).unwrap()],
+        },
     }
+}
+
+/// Appends the row of a tick with this number.
+pub fn append(writer: &mut RecordingWriter, sequence: u64) -> Result<(), WriteError> {
+    let Row { tick, contact } = row(sequence);
+    writer.append(&tick, &[contact])
 }
 
 /// An event at a tick.
 pub fn event(sequence: u64) -> Event {
     Event {
         sequence,
-        time: tick(sequence).time,
+        time: row(sequence).tick.time,
         kind: "parameters".into(),
         text: format!("stiffness now {sequence} N/m, µ as before"),
     }
@@ -70,9 +103,9 @@ pub fn receipt() -> Receipt {
 }
 
 /// Bits of every number, so that NaN equals NaN.
-pub fn bits(tick: &Tick) -> String {
+pub fn bits(row: &Row) -> String {
     // The shortest text that reads back to the same bits.
-    format!("{tick:?}")
+    format!("{row:?}")
 }
 
 /// A recording of three flushes of three ticks each, with an event in the second; finished or
@@ -86,7 +119,7 @@ pub fn small(finished: bool) -> (Vec<u8>, Vec<usize>) {
     let mut sizes = vec![size()];
     for flush in 0..3 {
         for sequence in 3 * flush..3 * flush + 3 {
-            writer.append(&tick(sequence)).unwrap();
+            append(&mut writer, sequence).unwrap();
             if sequence == 4 {
                 writer.event(&event(4)).unwrap();
             }
@@ -126,21 +159,26 @@ impl Scratch {
     }
 }
 
-/// All ticks and events of a recording, checked against what it says of itself.
-pub fn content(recording: &Recording) -> (Vec<Tick>, Vec<Event>) {
-    let (mut ticks, mut events) = (Vec::new(), Vec::new());
+/// All ticks, of one contact each, and all events of a recording, checked against what it says of
+/// itself.
+pub fn content(recording: &Recording) -> (Vec<Row>, Vec<Event>) {
+    let (mut rows, mut events) = (Vec::new(), Vec::new());
     for entry in recording.entries().unwrap() {
         match entry.unwrap() {
-            Entry::Tick(tick) => ticks.push(tick),
+            Entry::Tick(tick, contacts) => {
+                assert_eq!(contacts.len(), 1, "tick {}", tick.sequence);
+                rows.extend(Row::of(tick, &contacts));
+            }
             Entry::Event(event) => events.push(event),
         }
     }
-    assert_eq!(ticks.len() as u64, recording.ticks);
+    assert_eq!(rows.len() as u64, recording.ticks);
     assert_eq!(events.len() as u64, recording.events);
-    let ends = [ticks.first(), ticks.last()].map(|tick| tick.map(bits));
-    let said = [recording.first, recording.last].map(|tick| tick.as_ref().map(bits));
-    assert_eq!(ends, said);
-    (ticks, events)
+    let said = |tick: Option<Tick>| format!("{tick:?}");
+    let ends = [rows.first(), rows.last()].map(|row| said(row.map(|row| row.tick)));
+    assert_eq!(ends, [recording.first, recording.last].map(said));
+    assert!(recording.has_one_contact_each);
+    (rows, events)
 }
 
 /// Names in a folder, sorted.

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use palpate_record::recording::{Gap, LoopCount, LoopTime, Recording, RecordingWriter};
 
-use super::common::{content, count, event, receipt, tick};
+use super::common::{append, content, count, event, receipt};
 
 /// A recording of `ticks` and of one event, with what its loop counted.
 fn recorded(
@@ -16,7 +16,7 @@ fn recorded(
     let path: PathBuf = folder.path().join("r.mcap");
     let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
     for sequence in ticks {
-        writer.append(&tick(sequence)).unwrap();
+        append(&mut writer, sequence).unwrap();
     }
     writer.event(&event(1)).unwrap();
     if let Some(counted) = counted {
@@ -96,7 +96,7 @@ fn an_event_of_the_end_says_how_many_ticks_there_were() {
         let path = folder.path().join(format!("{last}.mcap"));
         let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
         for sequence in 0..5 {
-            writer.append(&tick(sequence)).unwrap();
+            append(&mut writer, sequence).unwrap();
         }
         let ended = palpate_record::recording::Event {
             kind: "ended".into(),

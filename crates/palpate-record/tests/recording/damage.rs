@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use palpate_record::recording::{Recording, RecordingWriter};
 
-use super::common::{Scratch, bits, content, event, receipt, small, tick};
+use super::common::{Scratch, append, bits, content, event, receipt, row, small};
 
 /// Ticks that are whole in the first `length` bytes: those of chunks that end there. `sizes` counts
 /// the index behind each chunk, which is not needed to read it.
@@ -47,7 +47,7 @@ fn cut_anywhere_it_reads_what_was_flushed_and_says_that_there_is_no_end() {
                 u64::from(recording.ticks + recording.events > 5)
             );
             for (sequence, read) in (0..).zip(&ticks) {
-                assert_eq!(bits(read), bits(&tick(sequence)), "{length}");
+                assert_eq!(bits(read), bits(&row(sequence)), "{length}");
             }
             assert!(events.iter().all(|read| *read == event(4)));
             assert_eq!(recording.lost(), 0);
@@ -111,8 +111,8 @@ fn of_an_unfinished_recording_no_wrong_tick_is_believed_either() {
 fn assert_true_ticks(recording: &Recording, at: usize) {
     let (ticks, events) = content(recording);
     for read in &ticks {
-        assert!(read.sequence < 9, "byte {at}");
-        assert_eq!(bits(read), bits(&tick(read.sequence)), "byte {at}");
+        assert!(read.tick.sequence < 9, "byte {at}");
+        assert_eq!(bits(read), bits(&row(read.tick.sequence)), "byte {at}");
     }
     assert!(events.iter().all(|read| *read == event(4)), "byte {at}");
 }
@@ -134,7 +134,7 @@ fn a_damaged_chunk_is_left_out_and_what_follows_is_read() {
     );
     assert_eq!((recording.ticks, recording.lost()), (6, 3));
     let (ticks, _) = content(&recording);
-    let numbers: Vec<u64> = ticks.iter().map(|tick| tick.sequence).collect();
+    let numbers: Vec<u64> = ticks.iter().map(|row| row.tick.sequence).collect();
     assert_eq!(numbers, [0, 1, 2, 6, 7, 8]);
 }
 
@@ -164,8 +164,11 @@ fn a_recording_whose_first_chunk_is_damaged_still_has_its_ticks() {
     let (mut bytes, sizes) = small(true);
     // The chunk that says what the channels are.
     bytes[sizes[0] - 20] ^= 1;
-    let recording = Scratch::new().open(&bytes).unwrap();
+    let scratch = Scratch::new();
+    let recording = scratch.open(&bytes).unwrap();
     assert_eq!((recording.ticks, recording.damage.len()), (9, 2));
+    assert_true_ticks(&recording, sizes[0] - 20);
+    assert_eq!(recording.events, 1);
 }
 
 #[test]
@@ -238,13 +241,15 @@ fn what_is_no_recording_is_refused_by_name() {
 #[test]
 fn a_recording_of_a_newer_format_is_refused_by_its_number() {
     let (bytes, _) = small(true);
-    let from = b"recording_format\x01\x00\x00\x001";
+    let from = b"recording_format\x01\x00\x00\x002";
     let at = bytes.windows(from.len()).position(|window| window == from);
     let mut newer = bytes;
-    newer[at.unwrap() + from.len() - 1] = b'2';
+    newer[at.unwrap() + from.len() - 1] = b'3';
     let error = Scratch::new().open(&newer).unwrap_err().to_string();
     assert!(
-        error.ends_with("a recording of format 2; this version of palpate reads format 1"),
+        error.ends_with(
+            "a recording of format 3; this version of palpate reads the formats 1 and 2"
+        ),
         "{error}"
     );
 }
@@ -255,7 +260,7 @@ fn a_writer_that_is_dropped_leaves_no_end() {
     let path = folder.path().join("r.mcap");
     let part = {
         let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
-        writer.append(&tick(0)).unwrap();
+        append(&mut writer, 0).unwrap();
         writer.part().to_owned()
     };
     assert!(!path.exists());

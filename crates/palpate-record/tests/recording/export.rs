@@ -3,7 +3,7 @@
 use palpate_record::recording::Recording;
 use palpate_record::run;
 
-use super::common::{Scratch, receipt, small, tick};
+use super::common::{Scratch, append, receipt, row, small};
 
 fn recording(scratch: &Scratch) -> Recording {
     let (bytes, sizes) = small(true);
@@ -23,13 +23,13 @@ fn a_table_has_every_tick_and_says_what_it_has_not() {
     assert_eq!(table.texts("flags").unwrap()[0], "contact limited-slew");
     assert_eq!(table.texts("phase").unwrap()[1], "contact");
     let column = |name: &str| table.numbers(name).unwrap()[3].to_bits();
-    let six = tick(6);
-    assert_eq!(column("t_s"), six.time.to_bits());
-    assert_eq!(column("device_axis_2_m"), six.device_axes[1].to_bits());
-    assert_eq!(column("leak_held_j"), six.held_leak.to_bits());
+    let six = row(6);
+    assert_eq!(column("t_s"), six.tick.time.to_bits());
+    assert_eq!(column("device_axis_2_m"), six.tick.device_axes[1].to_bits());
+    assert_eq!(column("leak_held_j"), six.contact.held_leak.to_bits());
     assert_eq!(
         column("device_round_trip_s"),
-        six.device_round_trip.to_bits()
+        six.tick.device_round_trip.to_bits()
     );
     let said = |key: &str| {
         let found = table.receipt().iter().find(|(name, _)| name == key);
@@ -139,7 +139,7 @@ mod as_parquet {
         let path = folder.path().join("long.mcap");
         let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
         for sequence in 0..70_000 {
-            writer.append(&tick(sequence)).unwrap();
+            append(&mut writer, sequence).unwrap();
         }
         writer.finish().unwrap();
         let file = read(&Recording::open(&path).unwrap());

@@ -4,14 +4,14 @@ use std::fs;
 
 use palpate_record::recording::{Recording, RecordingWriter};
 
-use super::common::{names, receipt, tick};
+use super::common::{append, names, receipt};
 
 #[test]
 fn a_recording_gets_its_name_when_it_is_finished() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tap.mcap");
     let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
-    writer.append(&tick(0)).unwrap();
+    append(&mut writer, 0).unwrap();
     writer.flush().unwrap();
     assert_eq!(names(folder.path()), ["tap.mcap.part"]);
     writer.finish().unwrap();
@@ -70,7 +70,7 @@ fn neither_does_it_overwrite_what_was_cut_off() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tap.mcap");
     let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
-    writer.append(&tick(0)).unwrap();
+    append(&mut writer, 0).unwrap();
     drop(writer);
     let error = RecordingWriter::create(&path, &receipt()).err().unwrap();
     assert!(
@@ -88,7 +88,7 @@ fn a_file_that_has_appeared_since_is_kept_and_so_is_the_recording() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tap.mcap");
     let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
-    writer.append(&tick(0)).unwrap();
+    append(&mut writer, 0).unwrap();
     fs::write(&path, "another's").unwrap();
     let error = writer.finish().unwrap_err().to_string();
     assert!(
@@ -166,7 +166,7 @@ fn fill_the_disk() {
     let path = std::env::var_os("PALPATE_RECORDING").expect("run by its test");
     let mut writer = RecordingWriter::create(path.as_ref(), &receipt()).unwrap();
     for sequence in 0..100_000 {
-        let outcome = writer.append(&tick(sequence)).and_then(|()| {
+        let outcome = append(&mut writer, sequence).and_then(|()| {
             if sequence % 7 == 6 {
                 writer.flush()?;
                 say(&format!("flushed {}", sequence + 1));
@@ -176,7 +176,7 @@ fn fill_the_disk() {
         if let Err(error) = outcome {
             say(&error.to_string());
             // Nothing more is taken, and nothing panics.
-            assert!(writer.append(&tick(sequence + 1)).is_err() || writer.flush().is_err());
+            assert!(append(&mut writer, sequence + 1).is_err() || writer.flush().is_err());
             assert!(writer.finish().is_err());
             return;
         }

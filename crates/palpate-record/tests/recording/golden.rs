@@ -1,16 +1,20 @@
 //! A recording that was written once, by the first version of the format, and is read for ever.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use palpate_record::recording::Recording;
 
-use super::common::{bits, content, event, receipt, tick};
+use super::common::{Scratch, bits, content, event, receipt, row_of_format_1};
+
+fn golden() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recording/golden-v1.mcap")
+}
 
 #[test]
 fn the_first_recording_is_still_read() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recording/golden-v1.mcap");
-    let recording = Recording::open(&path).unwrap();
+    let recording = Recording::open(&golden()).unwrap();
     assert_eq!(recording.receipt, receipt());
+    assert_eq!(recording.format, 1);
     assert!(recording.finished && recording.damage.is_empty());
     let (ticks, events) = content(&recording);
     assert_eq!(events, [event(4)]);
@@ -25,6 +29,23 @@ fn the_first_recording_is_still_read() {
     assert!(!recording.is_complete());
     assert_eq!(ticks.len(), numbers.len());
     for (read, sequence) in ticks.iter().zip(numbers) {
-        assert_eq!(bits(read), bits(&tick(sequence)));
+        assert_eq!(bits(read), bits(&row_of_format_1(sequence)));
+    }
+}
+
+/// The format that the receipt names says what a message holds, and on which channel it stands.
+#[test]
+fn the_first_recording_is_read_without_the_chunk_that_has_its_types() {
+    let mut bytes = std::fs::read(golden()).unwrap();
+    let text = b"# One tick of a haptic loop";
+    let at = bytes.windows(text.len()).position(|window| window == text);
+    bytes[at.unwrap()] ^= 1;
+    let scratch = Scratch::new();
+    let recording = scratch.open(&bytes).unwrap();
+    assert_eq!(recording.damage.len(), 2, "{:?}", recording.damage);
+    let (ticks, events) = content(&recording);
+    assert_eq!((ticks.len(), events), (8, vec![event(4)]));
+    for read in &ticks {
+        assert_eq!(bits(read), bits(&row_of_format_1(read.tick.sequence)));
     }
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use palpate_record::recording::{Recording, RecordingWriter};
 
-use super::common::{bits, content, receipt, tick};
+use super::common::{append, bits, content, receipt, row};
 use super::files::say;
 
 const KILLS: u64 = 50;
@@ -55,7 +55,7 @@ fn whenever_it_is_killed_what_was_flushed_is_readable() {
         assert_eq!((recording.lost(), recording.damage.len()), (0, 0));
         let (ticks, _) = content(&recording);
         for (sequence, read) in (0..).zip(&ticks) {
-            assert_eq!(bits(read), bits(&tick(sequence)));
+            assert_eq!(bits(read), bits(&row(sequence)));
         }
         assert!(!path.exists());
         total += flushed;
@@ -70,7 +70,7 @@ fn record_for_ever() {
     let path = std::env::var_os("PALPATE_RECORDING").expect("run by its test");
     let mut writer = RecordingWriter::create(path.as_ref(), &receipt()).unwrap();
     for sequence in 0.. {
-        writer.append(&tick(sequence)).unwrap();
+        append(&mut writer, sequence).unwrap();
         if sequence % 10 == 9 {
             writer.flush().unwrap();
             say(&format!("flushed {}", sequence + 1));

@@ -2,6 +2,7 @@
 
 mod columns;
 mod common;
+mod contacts;
 mod counted;
 mod damage;
 mod export;

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use palpate_record::recording::LoopCount;
 
-use super::common::{Scratch, bits, content, count, event, receipt, small, tick};
+use super::common::{Scratch, bits, content, count, event, receipt, row_of_format_1, small};
 
 fn bytes_of(name: &str) -> Vec<u8> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recording/others");
@@ -31,7 +31,7 @@ fn chunks_in_lz4_and_zstd_are_read() {
         let (ticks, events) = content(&recording);
         assert_eq!((ticks.len(), events), (9, vec![event(4)]), "{name}");
         for (sequence, read) in (0..).zip(&ticks) {
-            assert_eq!(bits(read), bits(&tick(sequence)), "{name}");
+            assert_eq!(bits(read), bits(&row_of_format_1(sequence)), "{name}");
         }
     }
 }
@@ -52,7 +52,11 @@ fn a_changed_bit_in_what_is_compressed_is_no_tick() {
             opened += 1;
             let (ticks, _) = content(&recording);
             for read in &ticks {
-                assert_eq!(bits(read), bits(&tick(read.sequence)), "{name}: byte {at}");
+                assert_eq!(
+                    bits(read),
+                    bits(&row_of_format_1(read.tick.sequence)),
+                    "{name}: byte {at}"
+                );
             }
         }
         assert!(opened > 1000, "{name}: {opened}");
@@ -72,7 +76,11 @@ fn what_is_left_of_a_cut_one_is_read() {
             assert!(!recording.finished, "{name}: {length}");
             let (ticks, _) = content(&recording);
             for (sequence, read) in (0..).zip(&ticks) {
-                assert_eq!(bits(read), bits(&tick(sequence)), "{name}: {length}");
+                assert_eq!(
+                    bits(read),
+                    bits(&row_of_format_1(sequence)),
+                    "{name}: {length}"
+                );
             }
             most = most.max(ticks.len());
         }

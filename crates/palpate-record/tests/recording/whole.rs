@@ -1,12 +1,12 @@
 //! What is written is read.
 
 use palpate_record::recording::{
-    Event, Flags, Gap, Phase, Receipt, Recording, RecordingWriter, Tick,
+    ContactTick, Entry, Event, Flags, Gap, Phase, Receipt, Recording, RecordingWriter, Tick,
 };
 use proptest::collection::{btree_set, vec};
 use proptest::prelude::*;
 
-use super::common::{bits, content, event, receipt, small, tick};
+use super::common::{append, bits, content, event, receipt, row, small};
 
 #[test]
 fn a_recording_reads_as_it_was_written() {
@@ -14,7 +14,7 @@ fn a_recording_reads_as_it_was_written() {
     let path = folder.path().join("tap.mcap");
     let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
     for sequence in 0..100 {
-        writer.append(&tick(sequence)).unwrap();
+        append(&mut writer, sequence).unwrap();
     }
     writer.event(&event(99)).unwrap();
     let summary = writer.finish().unwrap();
@@ -27,8 +27,10 @@ fn a_recording_reads_as_it_was_written() {
     assert_eq!((recording.tail.as_deref(), recording.generation), (None, 1));
     let (ticks, events) = content(&recording);
     assert_eq!(events, [event(99)]);
+    let again = recording.rows().unwrap().map(|row| bits(&row.unwrap()));
+    assert!(again.eq(ticks.iter().map(bits)));
     for (sequence, read) in (0..100).zip(&ticks) {
-        assert_eq!(bits(read), bits(&tick(sequence)));
+        assert_eq!(bits(read), bits(&row(sequence)));
     }
 }
 
@@ -38,7 +40,7 @@ fn what_is_lost_is_counted_from_the_numbers() {
     let path = folder.path().join("tap.mcap");
     let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
     for sequence in [2, 3, 7, 8] {
-        writer.append(&tick(sequence)).unwrap();
+        append(&mut writer, sequence).unwrap();
         writer.flush().unwrap();
     }
     writer.event(&event(9)).unwrap();
@@ -58,13 +60,13 @@ fn a_tick_that_does_not_come_after_the_last_is_not_taken() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tap.mcap");
     let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
-    writer.append(&tick(5)).unwrap();
+    append(&mut writer, 5).unwrap();
     for sequence in [5, 4] {
-        let error = writer.append(&tick(sequence)).unwrap_err().to_string();
+        let error = append(&mut writer, sequence).unwrap_err().to_string();
         let what = format!("tick {sequence} does not come after tick 5");
         assert!(error.contains(&what), "{error}");
     }
-    writer.append(&tick(6)).unwrap();
+    append(&mut writer, 6).unwrap();
     writer.finish().unwrap();
     assert_eq!(Recording::open(&path).unwrap().ticks, 2);
 }
@@ -87,10 +89,10 @@ fn a_recording_that_is_being_made_is_read_as_far_as_it_is_flushed() {
     let path = folder.path().join("live.mcap");
     let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
     for sequence in 0..5 {
-        writer.append(&tick(sequence)).unwrap();
+        append(&mut writer, sequence).unwrap();
     }
     writer.flush().unwrap();
-    writer.append(&tick(5)).unwrap();
+    append(&mut writer, 5).unwrap();
     let recording = Recording::open(writer.part()).unwrap();
     assert_eq!(recording.ticks, 5);
     assert_eq!(
@@ -109,7 +111,7 @@ fn a_long_recording_is_cut_into_chunks_by_itself() {
     let path = folder.path().join("long.mcap");
     let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
     for sequence in 0..12_000 {
-        writer.append(&tick(sequence)).unwrap();
+        append(&mut writer, sequence).unwrap();
     }
     // Nobody has flushed, and most of it is there.
     let there = Recording::open(writer.part()).unwrap().ticks;
@@ -123,11 +125,15 @@ fn other_programs_find_its_index() {
     let (bytes, _) = small(true);
     let summary = mcap::Summary::read(&bytes).unwrap().unwrap();
     let counts = summary.stats.unwrap();
-    assert_eq!((counts.message_count, counts.metadata_count), (10, 2));
+    assert_eq!((counts.message_count, counts.metadata_count), (19, 2));
     assert_eq!(counts.message_end_time, 8_000_000);
     // The channels, and three flushes.
     assert_eq!(summary.chunk_indexes.len(), 4);
-    for (topic, name) in [("/tick", "Tick"), ("/event", "Event")] {
+    for (topic, name) in [
+        ("/tick", "Tick"),
+        ("/contact", "Contact"),
+        ("/event", "Event"),
+    ] {
         let channel = summary
             .channels
             .values()
@@ -144,8 +150,17 @@ fn other_programs_find_its_index() {
         .unwrap()
         .map(Result::unwrap)
         .collect();
-    assert_eq!(messages[1].log_time, 1_000_000);
-    assert_eq!(messages[1].sequence, 1);
+    let topics = messages
+        .iter()
+        .map(|message| message.channel.topic.as_str());
+    assert!(
+        topics
+            .take(4)
+            .eq(["/tick", "/contact", "/tick", "/contact"])
+    );
+    for message in &messages[2..4] {
+        assert_eq!((message.log_time, message.sequence), (1_000_000, 1));
+    }
 }
 
 #[test]
@@ -160,43 +175,71 @@ fn the_receipt_is_the_first_record() {
     assert_eq!(kinds, [op::HEADER, op::METADATA]);
 }
 
-#[allow(clippy::needless_update, reason = "columns may come")]
 fn any_tick() -> impl Strategy<Value = Tick> {
-    (
-        vec(any::<u64>(), 21),
-        any::<u32>(),
-        any::<u32>(),
-        0..5_usize,
-    )
-        .prop_map(|(bits, generation, flags, phase)| {
-            let of = |quantity: usize| f64::from_bits(bits[quantity]);
-            Tick {
-                sequence: 0,
-                time: of(0),
-                lateness: of(1),
-                period: of(2),
-                device_axes: [of(3), of(4), of(5)],
-                device_position: of(6),
-                object_position: of(7),
-                object_velocity: of(8),
-                penetration: of(9),
-                placement_shift: of(10),
-                force_on_object: of(11),
-                force_on_device: of(12),
-                stored_energy: of(13),
-                port_work: of(14),
-                virtual_force_work: of(15),
-                outside_work: of(16),
-                original_leak: of(17),
-                held_leak: of(18),
-                tick_duration: of(19),
-                device_round_trip: of(20),
-                generation,
-                flags: Flags(flags),
-                phase: Phase::ALL[phase],
-                ..Tick::UNKNOWN
-            }
-        })
+    (vec(any::<u64>(), 24), any::<u32>(), any::<u32>()).prop_map(|(bits, generation, flags)| {
+        let of = |quantity: usize| f64::from_bits(bits[quantity]);
+        let vector = |quantity: usize| [of(quantity), of(quantity + 1), of(quantity + 2)];
+        Tick {
+            sequence: 0,
+            time: of(0),
+            lateness: of(1),
+            period: of(2),
+            device_axes: vector(3),
+            device_orientation: [of(6), of(7), of(8), of(9)],
+            commanded_force: vector(10),
+            commanded_torque: vector(13),
+            delivered_force: vector(16),
+            delivered_torque: vector(19),
+            tick_duration: of(22),
+            device_round_trip: of(23),
+            generation,
+            contacts: 0,
+            flags: Flags(flags),
+        }
+    })
+}
+
+fn any_contact() -> impl Strategy<Value = ContactTick> {
+    (vec(any::<u64>(), 13), any::<u32>(), 0..5_usize).prop_map(|(bits, flags, phase)| {
+        let of = |quantity: usize| f64::from_bits(bits[quantity]);
+        ContactTick {
+            sequence: 0,
+            contact: 0,
+            flags: Flags(flags),
+            device_position: of(0),
+            object_position: of(1),
+            object_velocity: of(2),
+            penetration: of(3),
+            placement_shift: of(4),
+            force_on_object: of(5),
+            force_on_device: of(6),
+            stored_energy: of(7),
+            port_work: of(8),
+            virtual_force_work: of(9),
+            outside_work: of(10),
+            original_leak: of(11),
+            held_leak: of(12),
+            phase: Phase::ALL[phase],
+        }
+    })
+}
+
+/// A tick and its contacts as they are read: numbered, and with the flags of all.
+fn numbered(tick: Tick, contacts: &[ContactTick]) -> (Tick, Vec<ContactTick>) {
+    let flags = contacts
+        .iter()
+        .fold(tick.flags.0, |flags, contact| flags | contact.flags.0);
+    let of_tick = |(number, contact): (u32, &ContactTick)| ContactTick {
+        sequence: tick.sequence,
+        contact: number,
+        ..*contact
+    };
+    let tick = Tick {
+        contacts: u32::try_from(contacts.len()).unwrap(),
+        flags: Flags(flags),
+        ..tick
+    };
+    (tick, (0..).zip(contacts).map(of_tick).collect())
 }
 
 proptest! {
@@ -204,7 +247,7 @@ proptest! {
 
     #[test]
     fn every_recording_reads_back(
-        ticks in vec(any_tick(), 0..20),
+        ticks in vec((any_tick(), vec(any_contact(), 0..4)), 0..20),
         sequences in btree_set(any::<u64>(), 20),
         flushes in vec(any::<bool>(), 20),
         texts in proptest::collection::btree_map("[^\0]{1,9}", ".{0,40}", 0..4),
@@ -216,9 +259,9 @@ proptest! {
         let mut writer = RecordingWriter::create(&path, &receipt).unwrap();
         let mut written = Vec::new();
         let mut events = Vec::new();
-        for (i, (tick, sequence)) in ticks.into_iter().zip(sequences).enumerate() {
+        for (i, ((tick, contacts), sequence)) in ticks.into_iter().zip(sequences).enumerate() {
             let tick = Tick { sequence, ..tick };
-            writer.append(&tick).unwrap();
+            writer.append(&tick, &contacts).unwrap();
             if let Some((kind, text)) = words.get(i) {
                 let event = Event { sequence, time: 0.5, kind: kind.clone(), text: text.clone() };
                 writer.event(&event).unwrap();
@@ -227,18 +270,23 @@ proptest! {
             if flushes[i] {
                 writer.flush().unwrap();
             }
-            written.push(tick);
+            written.push(numbered(tick, &contacts));
         }
         writer.finish().unwrap();
         let recording = Recording::open(&path).unwrap();
         prop_assert_eq!(&recording.receipt, &receipt);
         prop_assert!(recording.finished && recording.damage.is_empty());
-        let (read, said) = content(&recording);
+        let (mut read, mut said) = (Vec::new(), Vec::new());
+        for entry in recording.entries().unwrap() {
+            match entry.unwrap() {
+                Entry::Tick(tick, contacts) => read.push((tick, contacts)),
+                Entry::Event(event) => said.push(event),
+            }
+        }
         prop_assert_eq!(said, events);
-        prop_assert_eq!(
-            read.iter().map(bits).collect::<Vec<_>>(),
-            written.iter().map(bits).collect::<Vec<_>>()
-        );
+        // The shortest text that reads back to the same bits.
+        prop_assert_eq!(format!("{read:?}"), format!("{written:?}"));
+        let written: Vec<Tick> = written.into_iter().map(|(tick, _)| tick).collect();
         let first = written.first().map_or(0, |tick| tick.sequence);
         let last = written.last().map_or(0, |tick| tick.sequence);
         let steps = written.windows(2).filter(|pair| pair[1].sequence > pair[0].sequence + 1);

@@ -1,11 +1,10 @@
 //! What the loop renders, and how that changes while it runs.
 
-mod blend;
 mod rendered;
 
-use palpate::{AnyRenderer, ParameterError};
+use palpate::{ParameterError, Running};
 
-pub use blend::CHANGE_DURATION;
+pub use palpate::{CHANGE_DURATION, ChangeError};
 pub use rendered::Rendered;
 
 /// What a loop renders, in the loop's numbers.
@@ -14,8 +13,7 @@ pub type Rendering = palpate::Rendering<f64>;
 /// A change of what is rendered that has been checked, with its number.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Change {
-    pub rendering: Rendering,
-    pub renderer: AnyRenderer<f64>,
+    pub change: palpate::Change<f64>,
     pub generation: u32,
 }
 
@@ -25,26 +23,6 @@ pub struct Parameters {
     input: triple_buffer::Input<Change>,
     current: Rendering,
     generation: u32,
-}
-
-/// Why a change is not taken; what was rendered goes on.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ChangeError {
-    /// A parameter outside its range.
-    #[error(transparent)]
-    Parameter(#[from] ParameterError),
-    /// The loop runs at one period.
-    #[error("the period is {given} s, and the loop runs at {running} s; stop it to change that")]
-    Period {
-        /// What was asked for `[s]`.
-        given: f64,
-        /// What the loop runs at `[s]`.
-        running: f64,
-    },
-    /// Seen from the other side, the device would be deep in the object.
-    #[error("the object cannot change to the other side of the device while the loop runs")]
-    Side,
 }
 
 impl Parameters {
@@ -68,22 +46,11 @@ impl Parameters {
     /// # Errors
     /// A parameter outside its range, another period, another side of the device.
     pub fn change(&mut self, rendering: Rendering) -> Result<u32, ChangeError> {
-        let renderer = rendering.renderer()?;
-        let running = self.current.loop_params.period;
-        if rendering.loop_params.period != running {
-            return Err(ChangeError::Period {
-                given: rendering.loop_params.period,
-                running,
-            });
-        }
-        if rendering.contact.side != self.current.contact.side {
-            return Err(ChangeError::Side);
-        }
+        let change = palpate::Change::new(&self.current, rendering)?;
         self.generation = self.generation.wrapping_add(1);
         self.current = rendering;
         self.input.write(Change {
-            rendering,
-            renderer,
+            change,
             generation: self.generation,
         });
         Ok(self.generation)
@@ -98,17 +65,16 @@ impl Parameters {
 /// # Errors
 /// The first parameter outside its range.
 pub fn parameters(rendering: Rendering) -> Result<(Parameters, Rendered), ParameterError> {
-    let renderer = rendering.renderer()?;
-    let change = Change {
-        rendering,
-        renderer,
+    // Recordings and pipes have had the bits of this function since they are there.
+    let running = Running::new(rendering)?.with_power(f64::powf);
+    let (input, output) = triple_buffer::triple_buffer(&Change {
+        change: palpate::Change::none(&running),
         generation: 0,
-    };
-    let (input, output) = triple_buffer::triple_buffer(&change);
+    });
     let parameters = Parameters {
         input,
         current: rendering,
         generation: 0,
     };
-    Ok((parameters, Rendered::new(change, output)?))
+    Ok((parameters, Rendered::new(running, output)))
 }

@@ -29,23 +29,30 @@ fn another_stiffness_comes_in_without_a_step_in_the_force() {
     let mut largest_step: f64 = 0.0;
     for _ in 0..150 {
         let tick = control.tick();
-        assert!(tick.force_on_object >= last.force_on_object - 1e-12);
-        largest_step = largest_step.max(tick.force_on_object - last.force_on_object);
+        assert!(tick.contact.force_on_object >= last.contact.force_on_object - 1e-12);
+        largest_step =
+            largest_step.max(tick.contact.force_on_object - last.contact.force_on_object);
         last = tick;
     }
     println!("largest step {largest_step:.4} N of 3 N");
-    assert_eq!(before.generation, 1);
-    assert!((before.force_on_object - 1.0).abs() < 0.05, "{before:?}");
-    assert!(largest_step < 0.06, "{largest_step}");
-    assert!((last.force_on_object - 4.0).abs() < 1e-9, "{last:?}");
-    // From 1000 to 4000 N/m at 1 mm: 1.5 mJ that nobody pressed in.
-    assert!((last.outside_work - before.outside_work - 1.5e-3).abs() < 1e-4);
+    assert_eq!(before.tick.generation, 1);
     assert!(
-        (last.outside_work - 1.5e-3).abs() < 1e-9,
-        "{}",
-        last.outside_work
+        (before.contact.force_on_object - 1.0).abs() < 0.05,
+        "{before:?}"
     );
-    assert_eq!(last.held_leak, 0.0);
+    assert!(largest_step < 0.06, "{largest_step}");
+    assert!(
+        (last.contact.force_on_object - 4.0).abs() < 1e-9,
+        "{last:?}"
+    );
+    // From 1000 to 4000 N/m at 1 mm: 1.5 mJ that nobody pressed in.
+    assert!((last.contact.outside_work - before.contact.outside_work - 1.5e-3).abs() < 1e-4);
+    assert!(
+        (last.contact.outside_work - 1.5e-3).abs() < 1e-9,
+        "{}",
+        last.contact.outside_work
+    );
+    assert_eq!(last.contact.held_leak, 0.0);
 }
 
 #[test]
@@ -59,15 +66,15 @@ fn of_two_changes_the_second_goes_on_from_where_the_first_has_come() {
     for _ in 0..50 {
         control.tick();
     }
-    let halfway = control.tick().force_on_object;
+    let halfway = control.tick().contact.force_on_object;
     assert!(halfway > 1.9 && halfway < 2.2, "{halfway}");
     assert_eq!(parameters.change(first), Ok(2));
-    let back = control.tick().force_on_object;
+    let back = control.tick().contact.force_on_object;
     assert!((back - halfway).abs() < 0.05, "{halfway}, {back}");
     for _ in 0..100 {
         control.tick();
     }
-    assert!((control.tick().force_on_object - 1.0).abs() < 1e-9);
+    assert!((control.tick().contact.force_on_object - 1.0).abs() < 1e-9);
 }
 
 /// A mass that is pressed against the device by a virtual force, with a hand that holds on.
@@ -84,15 +91,15 @@ fn another_method_takes_over_at_the_force_of_the_one_before() {
             let (mut control, _) = simulated(&held, from, wide());
             let mut parameters = control.parameters().unwrap();
             let mut last = control.tick();
-            while last.force_on_object < 0.3 {
+            while last.contact.force_on_object < 0.3 {
                 last = control.tick();
-                assert!(last.time < 5.0, "no contact");
+                assert!(last.tick.time < 5.0, "no contact");
             }
             parameters.change(held.rendering(to).unwrap()).unwrap();
             let steps: Vec<f64> = (0..20)
                 .map(|_| {
                     let tick = control.tick();
-                    let step = (tick.force_on_object - last.force_on_object).abs();
+                    let step = (tick.contact.force_on_object - last.contact.force_on_object).abs();
                     last = tick;
                     step
                 })
@@ -136,13 +143,13 @@ fn what_another_method_adds_fades_over_the_change() {
         let mut largest: f64 = 0.0;
         for _ in 0..150 {
             let tick = control.tick();
-            let step = tick.force_on_object - last.force_on_object;
+            let step = tick.contact.force_on_object - last.contact.force_on_object;
             largest = largest.max((step - 0.05).abs());
             last = tick;
         }
         println!("to {to:?}: {largest:.4} N beyond the spring in one period");
         assert!(largest < 0.01, "{from:?} to {to:?}: {largest} N");
-        let added = last.force_on_object - 1e3 * last.penetration;
+        let added = last.contact.force_on_object - 1e3 * last.contact.penetration;
         let expected = if to == damper { 0.2 } else { 0.0 };
         assert!(
             (added - expected).abs() < 1e-9,
@@ -165,7 +172,10 @@ fn a_wall_that_coupled_rendering_had_placed_goes_back() {
         ..*parameters.current()
     };
     parameters.change(hfcr).unwrap();
-    assert_eq!(control.tick().object_position, pressed.object.position);
+    assert_eq!(
+        control.tick().contact.object_position,
+        pressed.object.position
+    );
 }
 
 /// An object has flown off, and the device stands 300 mm beyond where a wall would be: 300 N.
@@ -180,11 +190,11 @@ fn what_becomes_a_wall_touches_a_device_that_is_beyond_its_place() {
     object.contact.object_mass = Mass::Finite(0.1);
     parameters.change(object).unwrap();
     let last = (0..500).map(|_| control.tick()).last().unwrap();
-    assert_eq!(last.force_on_object, 0.0);
+    assert_eq!(last.contact.force_on_object, 0.0);
     parameters.change(wall).unwrap();
     for _ in 0..150 {
         let tick = control.tick();
-        assert!(tick.force_on_object.abs() < 1e-9, "{tick:?}");
+        assert!(tick.contact.force_on_object.abs() < 1e-9, "{tick:?}");
     }
     // It is a wall from there on, and another method finds it in the same place.
     let damper = AnyParams::VirtualDamper(VirtualDamperParams::new(4.0));
@@ -194,8 +204,11 @@ fn what_becomes_a_wall_touches_a_device_that_is_beyond_its_place() {
     };
     parameters.change(params).unwrap();
     let last = (0..220).map(|_| control.tick()).last().unwrap();
-    assert_eq!(last.object_position, 0.3);
-    assert!((last.force_on_object - 2.0).abs() < 1e-6, "{last:?}");
+    assert_eq!(last.contact.object_position, 0.3);
+    assert!(
+        (last.contact.force_on_object - 2.0).abs() < 1e-6,
+        "{last:?}"
+    );
 }
 
 #[test]
@@ -223,7 +236,10 @@ fn what_cannot_change_is_refused_and_nothing_changes() {
     other.params = AnyParams::Coupled(CoupledParams::new(f64::NAN));
     assert!(parameters.change(other).is_err());
     let tick = control.tick();
-    assert_eq!((tick.generation, tick.force_on_object), (0, 1.0));
+    assert_eq!(
+        (tick.tick.generation, tick.contact.force_on_object),
+        (0, 1.0)
+    );
 }
 
 /// A damper on a device that moves in at 50 mm/s, and what is changed after a while.
@@ -242,7 +258,7 @@ fn largest_step(changes: &[(usize, AnyParams<f64>, f64)]) -> f64 {
                 parameters.change(rendering).unwrap();
             }
         }
-        let force = control.tick().force_on_object;
+        let force = control.tick().contact.force_on_object;
         // The first tick of contact is a step by itself.
         if tick > 30 {
             largest = largest.max((force - last).abs());

@@ -46,7 +46,7 @@ fn notes(listener: &mut Listener) -> Vec<Note> {
         .by_ref()
         .filter_map(|told| match told {
             Told::Note(noted) => Some(noted.note),
-            Told::Tick(_) => None,
+            Told::Tick(..) => None,
         })
         .collect()
 }
@@ -54,7 +54,7 @@ fn notes(listener: &mut Listener) -> Vec<Note> {
 /// Periods until no force is commanded, from the one that meets the fault; 1 is at once.
 fn periods_to_zero(control: &mut Scripted) -> usize {
     for period in 1..=10 {
-        if control.tick().force_on_device == 0.0 {
+        if control.tick().contact.force_on_device == 0.0 {
             return period;
         }
     }
@@ -95,11 +95,12 @@ fn every_fault_of_a_device_leaves_no_force_within_two_periods() {
             for _ in 0..1000 {
                 last = control.tick();
                 if control.trip().is_some() {
-                    assert_eq!(last.force_on_device, 0.0, "{name}");
-                    assert!(last.flags.has(Flags::SAFETY_TRIPPED), "{name}");
+                    assert_eq!(last.contact.force_on_device, 0.0, "{name}");
+                    assert!(last.tick.flags.has(Flags::SAFETY_TRIPPED), "{name}");
                 }
             }
-            force_after = last.force_on_object - (last.force_on_object + last.force_on_device);
+            force_after = last.contact.force_on_object
+                - (last.contact.force_on_object + last.contact.force_on_device);
             let notes = notes(&mut listener);
             assert!(notes.contains(&Note::Tripped(trip)), "{name}: {notes:?}");
             let recovered = notes.iter().any(|note| matches!(note, Note::Recovered(_)));
@@ -119,11 +120,11 @@ fn every_fault_of_a_device_leaves_no_force_within_two_periods() {
 fn one_missing_sample_is_bridged_and_the_time_of_it_told() {
     let (mut control, _, mut listener) = meets(&[Step::Stale]);
     let missing = control.tick();
-    assert_eq!(missing.force_on_device, -1.0);
-    assert!(missing.flags.has(Flags::DEVICE_FAULT));
+    assert_eq!(missing.contact.force_on_device, -1.0);
+    assert!(missing.tick.flags.has(Flags::DEVICE_FAULT));
     let next = control.tick();
-    assert_eq!(next.force_on_device, -1.0);
-    assert!((next.period - 0.002).abs() < 1e-9);
+    assert_eq!(next.contact.force_on_device, -1.0);
+    assert!((next.tick.period - 0.002).abs() < 1e-9);
     assert_eq!(notes(&mut listener), []);
     assert_eq!(control.statistics().without_sample, 1);
 }
@@ -132,10 +133,12 @@ fn one_missing_sample_is_bridged_and_the_time_of_it_told() {
 fn a_trip_that_stays_stays_until_somebody_rearms() {
     let (mut control, _, mut listener) = meets(&[at(60.0)]);
     for _ in 0..500 {
-        assert_eq!(control.tick().force_on_device, 0.0);
+        assert_eq!(control.tick().contact.force_on_device, 0.0);
     }
     control.rearm().store(true, Ordering::Release);
-    let forces: Vec<f64> = (0..300).map(|_| -control.tick().force_on_device).collect();
+    let forces: Vec<f64> = (0..300)
+        .map(|_| -control.tick().contact.force_on_device)
+        .collect();
     // It comes back over a fifth of a second, never by more than that.
     assert_eq!(forces[0], 0.0);
     assert!(
@@ -149,12 +152,16 @@ fn a_trip_that_stays_stays_until_somebody_rearms() {
 #[test]
 fn a_run_that_begins_in_contact_begins_softly_and_one_that_touches_later_does_not() {
     let (mut control, _) = scripted(vec![at(1.0)], SafetyParams::default());
-    let forces: Vec<f64> = (0..300).map(|_| -control.tick().force_on_device).collect();
+    let forces: Vec<f64> = (0..300)
+        .map(|_| -control.tick().contact.force_on_device)
+        .collect();
     assert_eq!(forces[0], 0.0);
     assert!((forces[100] - 0.5).abs() < 0.02, "{}", forces[100]);
     assert!((forces[299] - 1.0).abs() < 1e-9);
     let (mut control, _) = scripted(vec![at(-0.5), at(0.0), at(1.0)], SafetyParams::default());
-    let forces: Vec<f64> = (0..3).map(|_| -control.tick().force_on_device).collect();
+    let forces: Vec<f64> = (0..3)
+        .map(|_| -control.tick().contact.force_on_device)
+        .collect();
     assert_eq!(forces, [0.0, 0.0, 1.0]);
 }
 
@@ -167,14 +174,19 @@ fn forces_are_clamped_and_slewed() {
     let (mut control, _) = scripted(vec![at(0.0), at(1.0)], clamp);
     control.tick();
     let tick = control.tick();
-    assert_eq!((tick.force_on_device, tick.force_on_object), (-0.7, 1.0));
-    assert!(tick.flags.has(Flags::SAFETY_LIMITED));
+    assert_eq!(
+        (tick.contact.force_on_device, tick.contact.force_on_object),
+        (-0.7, 1.0)
+    );
+    assert!(tick.tick.flags.has(Flags::SAFETY_LIMITED));
     let slew = SafetyParams {
         slew_limit: 100.0,
         ..wide()
     };
     let (mut control, _) = scripted(vec![at(0.0), at(1.0)], slew);
-    let forces: Vec<f64> = (0..12).map(|_| -control.tick().force_on_device).collect();
+    let forces: Vec<f64> = (0..12)
+        .map(|_| -control.tick().contact.force_on_device)
+        .collect();
     for (index, force) in forces.iter().enumerate() {
         let expected = (0.1 * index as f64).min(1.0);
         assert!((force - expected).abs() < 1e-12, "{forces:?}");
@@ -189,7 +201,7 @@ fn the_ledger_uses_the_force_really_sent() {
         ..wide()
     };
     let (mut control, _) = scripted(vec![at(0.0), at(1.0), at(2.0), at(2.0)], clamp);
-    let work: Vec<f64> = (0..4).map(|_| control.tick().port_work).collect();
+    let work: Vec<f64> = (0..4).map(|_| control.tick().contact.port_work).collect();
     assert_eq!(work[1], 0.0);
     assert!((work[2] - 0.7e-3).abs() < 1e-12, "{work:?}");
 }
@@ -202,7 +214,7 @@ fn a_contact_that_creates_energy_trips_and_well_rendered_ones_do_not() {
     let mut worst_before: f64 = 0.0;
     let tripped = (0..2000).find(|_| {
         let tick = control.tick();
-        worst_before = worst_before.max(tick.held_leak);
+        worst_before = worst_before.max(tick.contact.held_leak);
         control.trip().is_some()
     });
     println!("basic at kappa 2.6 trips at period {tripped:?}, {worst_before:.3} J created");
@@ -247,9 +259,11 @@ fn a_stalled_loop_is_cut_within_two_periods_and_comes_back_softly() {
     }
     assert_eq!(control.cuts(), 1);
     let back = control.tick();
-    assert_eq!(back.force_on_device, 0.0);
+    assert_eq!(back.contact.force_on_device, 0.0);
     assert_eq!(control.trip(), Some(Trip::Stalled));
-    let forces: Vec<f64> = (0..300).map(|_| -control.tick().force_on_device).collect();
+    let forces: Vec<f64> = (0..300)
+        .map(|_| -control.tick().contact.force_on_device)
+        .collect();
     assert!(forces[0] < 0.01 && (forces[299] - 1.0).abs() < 1e-9);
     let notes = notes(&mut listener);
     assert!(notes.contains(&Note::Tripped(Trip::Stalled)));
@@ -280,7 +294,7 @@ fn a_wake_up_that_is_late_as_they_are_is_not_cut() {
             was_cut |= supervisor.look(clock.now());
         }
         assert_eq!(was_cut, is_stall, "late by {late} us");
-        assert_eq!(control.tick().force_on_device == 0.0, is_stall);
+        assert_eq!(control.tick().contact.force_on_device == 0.0, is_stall);
     }
 }
 
@@ -305,8 +319,8 @@ fn the_ledger_counts_no_force_from_the_cut_on() {
         assert_eq!(supervisor.look(clock.now()), supervisor_after.is_some());
         clock.advance(Duration::from_micros(5000 - after));
         let after = control.tick();
-        assert!((after.period - 5e-3).abs() < 1e-12);
-        let work = after.port_work - before.port_work;
+        assert!((after.tick.period - 5e-3).abs() < 1e-12);
+        let work = after.contact.port_work - before.contact.port_work;
         assert!((work - 0.2e-3 * held).abs() < 1e-12, "{work}, {held}");
     }
 }
@@ -327,15 +341,19 @@ fn the_supervisor_leaves_alone_a_loop_that_has_ended() {
 fn a_late_loop_skips_deadlines_and_says_so() {
     let (mut control, clock, mut listener) = meets(&[at(1.0)]);
     let on_time = control.tick();
-    assert_eq!(on_time.lateness, 0.0);
+    assert_eq!(on_time.tick.lateness, 0.0);
     clock.oversleep_once(Duration::from_micros(3400));
     let late = control.tick();
-    assert!((late.lateness - 3.4e-3).abs() < 1e-12);
-    assert!((late.period - 4.4e-3).abs() < 1e-9);
-    assert!(late.flags.has(Flags::MISSED_DEADLINE));
+    assert!((late.tick.lateness - 3.4e-3).abs() < 1e-12);
+    assert!((late.tick.period - 4.4e-3).abs() < 1e-9);
+    assert!(late.tick.flags.has(Flags::MISSED_DEADLINE));
     let next = control.tick();
-    assert_eq!(next.lateness, 0.0);
-    assert!((next.period - 0.6e-3).abs() < 1e-9, "{}", next.period);
+    assert_eq!(next.tick.lateness, 0.0);
+    assert!(
+        (next.tick.period - 0.6e-3).abs() < 1e-9,
+        "{}",
+        next.tick.period
+    );
     assert_eq!(control.statistics().missed_deadlines, 3);
     assert!(notes(&mut listener).contains(&Note::MissedDeadlines(3)));
 }
@@ -344,7 +362,7 @@ fn a_late_loop_skips_deadlines_and_says_so() {
 fn comes_in_by(control: &mut Scripted, step: f64) -> usize {
     let mut last = 0.0;
     for tick in 0..1000 {
-        let force = -control.tick().force_on_device;
+        let force = -control.tick().contact.force_on_device;
         assert!(
             force - last <= step + 1e-9,
             "from {last} to {force} N in tick {tick}"
@@ -380,7 +398,7 @@ fn a_freeze_of_loop_and_supervisor_is_noticed_by_the_loop() {
         let (mut control, clock, mut listener) = meets(&[at(1.0)]);
         control.tick();
         clock.advance(Duration::from_millis(milliseconds));
-        assert_eq!(control.tick().force_on_device, 0.0);
+        assert_eq!(control.tick().contact.force_on_device, 0.0);
         assert!(notes(&mut listener).contains(&Note::Tripped(Trip::Stalled)));
         // Ten times as long as it was away, up to a soft start.
         let expected = (10 * milliseconds).min(200);
@@ -405,7 +423,7 @@ fn a_trip_that_stays_is_told_even_in_the_tick_after_a_stall() {
 fn rearming_where_nothing_has_tripped_changes_nothing() {
     let (mut control, _, mut listener) = meets(&[at(1.0)]);
     control.rearm().store(true, Ordering::Release);
-    assert_eq!(control.tick().force_on_device, -1.0);
+    assert_eq!(control.tick().contact.force_on_device, -1.0);
     assert!(!notes(&mut listener).contains(&Note::Rearmed));
 }
 

@@ -95,7 +95,9 @@ fn a_loop_that_goes_on_begins_softly_again() {
     assert_eq!(forces[49], [-1.0, 0.0, 0.0]);
     assert_eq!(forces[50], [0.0; 3]);
     let before = clock.now();
-    let forces: Vec<f64> = (0..300).map(|_| -control.tick().force_on_device).collect();
+    let forces: Vec<f64> = (0..300)
+        .map(|_| -control.tick().contact.force_on_device)
+        .collect();
     assert!(clock.now() > before);
     assert_eq!(forces[0], 0.0);
     assert!(
@@ -117,7 +119,7 @@ fn what_finds_no_room_in_a_tap_is_lost_and_counted() {
     let numbers: Vec<u64> = listener
         .by_ref()
         .map(|told| match told {
-            Told::Tick(tick) => tick.sequence,
+            Told::Tick(tick, _) => tick.sequence,
             Told::Note(noted) => noted.sequence,
         })
         .collect();

@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use palpate_device::clock::Clock;
-use palpate_record::recording::{Flags, LoopTime, Tick};
+use palpate_record::recording::{Flags, LoopTime, Row};
 use palpate_rt::safety::{SafetyParams, Trip};
 use palpate_rt::tap;
 
@@ -21,28 +21,36 @@ fn what_passes_with_the_motors_off_is_not_created_by_held_forces() {
     script.push(at(60.0));
     script.extend((0..30).map(|step| at(f64::from(step))));
     let (mut control, _) = scripted(script, limits);
-    let ticks: Vec<Tick> = (0..36).map(|_| control.tick()).collect();
-    let is_off = |tick: &&Tick| tick.flags.has(Flags::SAFETY_TRIPPED);
+    let ticks: Vec<Row> = (0..36).map(|_| control.tick()).collect();
+    let is_off = |row: &&Row| row.tick.flags.has(Flags::SAFETY_TRIPPED);
     assert_eq!(ticks.iter().filter(is_off).count(), 31);
     assert_eq!(control.statistics().motors_off, 31);
     // The interval before the trip was held by a force; the one after it by none.
-    let delivered = ticks[5].held_leak;
+    let delivered = ticks[5].contact.held_leak;
     let last = ticks[35];
-    assert!(last.stored_energy > 0.4, "{last:?}");
-    assert_eq!(last.held_leak, delivered, "no motor has created anything");
+    assert!(last.contact.stored_energy > 0.4, "{last:?}");
+    assert_eq!(
+        last.contact.held_leak, delivered,
+        "no motor has created anything"
+    );
     for tick in &ticks {
-        let accounts =
-            tick.port_work + tick.virtual_force_work + tick.outside_work + tick.held_leak;
-        let stored = tick.stored_energy - ticks[0].stored_energy;
+        let accounts = tick.contact.port_work
+            + tick.contact.virtual_force_work
+            + tick.contact.outside_work
+            + tick.contact.held_leak;
+        let stored = tick.contact.stored_energy - ticks[0].contact.stored_energy;
         assert!((stored - accounts).abs() < 1e-9, "{tick:?}");
     }
     // Back on, the motors answer for what follows, and for no more.
     control.rearm().store(true, Ordering::Release);
     let rearmed = control.tick();
-    assert_eq!(rearmed.held_leak, delivered);
+    assert_eq!(rearmed.contact.held_leak, delivered);
     let after = control.tick();
     assert_eq!(control.statistics().motors_off, 31);
-    assert!((after.held_leak - delivered).abs() < 1e-3, "{after:?}");
+    assert!(
+        (after.contact.held_leak - delivered).abs() < 1e-3,
+        "{after:?}"
+    );
 }
 
 /// Who takes the force off a loop that stands still.

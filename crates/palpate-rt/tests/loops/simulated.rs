@@ -37,16 +37,16 @@ fn it_is_the_loop_of_the_simulator() {
             });
             for expected in &expected.ticks {
                 let tick = control.tick();
-                let off = tick.force_on_object - expected.output.force_on_object;
+                let off = tick.contact.force_on_object - expected.output.force_on_object;
                 assert!(
                     off.abs() < 1e-6 * scale,
                     "{name}, {method}, {} s: {} N, simulated {} N",
                     expected.time,
-                    tick.force_on_object,
+                    tick.contact.force_on_object,
                     expected.output.force_on_object
                 );
                 assert_eq!(
-                    tick.force_on_device, -tick.force_on_object,
+                    tick.contact.force_on_device, -tick.contact.force_on_object,
                     "{name}, {method}"
                 );
             }
@@ -64,10 +64,13 @@ fn a_device_with_a_delay_holds_its_forces_later() {
     let mut held = Vec::new();
     for expected in &expected.ticks {
         let tick = control.tick();
-        held.push(tick.force_on_device);
-        let off = tick.force_on_object - expected.output.force_on_object;
+        held.push(tick.contact.force_on_device);
+        let off = tick.contact.force_on_object - expected.output.force_on_object;
         assert!(off.abs() < 1e-6, "{} s: {off} N", expected.time);
-        assert_eq!(tick.force_on_device, -expected.held_force_on_object + 0.0);
+        assert_eq!(
+            tick.contact.force_on_device,
+            -expected.held_force_on_object + 0.0
+        );
     }
     assert!(held.iter().any(|force| *force != 0.0));
 }
@@ -107,9 +110,9 @@ fn a_renderer_that_is_told_how_forces_act_hears_what_was_sent() {
                 let (mut most, mut largest) = (0.0_f64, 0.0_f64);
                 for expected in &expected.ticks {
                     let tick = control.tick();
-                    let off = tick.force_on_object - expected.output.force_on_object;
+                    let off = tick.contact.force_on_object - expected.output.force_on_object;
                     most = most.max(off.abs());
-                    largest = largest.max(tick.force_on_object.abs());
+                    largest = largest.max(tick.contact.force_on_object.abs());
                 }
                 println!(
                     "{samples} samples, {seconds} s, lag {lag} s, gain {gain}, {kind} {limit} N: {most:.1e} N \

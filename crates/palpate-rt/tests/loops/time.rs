@@ -69,15 +69,17 @@ fn a_time_stamp_far_ahead_is_no_sample_and_mutes_nothing() {
                 control.tick();
             }
             wrong.store(times, Ordering::SeqCst);
-            let forces: Vec<f64> = (0..times).map(|_| control.tick().force_on_device).collect();
+            let forces: Vec<f64> = (0..times)
+                .map(|_| control.tick().contact.force_on_device)
+                .collect();
             assert_eq!(forces[0], -2.0, "{ahead:?}: one is bridged");
             assert!(forces[1..].iter().all(|force| *force == 0.0), "{forces:?}");
             let stale = (times > 1).then_some(Trip::StaleSample);
             assert_eq!(control.trip(), stale, "{ahead:?}");
             // The next good one counts, and the time since the one before is what it was.
             let next = control.tick();
-            assert_eq!(next.force_on_device, -2.0, "{ahead:?}");
-            let periods = next.period / control.period().as_secs_f64();
+            assert_eq!(next.contact.force_on_device, -2.0, "{ahead:?}");
+            let periods = next.tick.period / control.period().as_secs_f64();
             assert!((periods - (times as f64 + 1.0)).abs() < 1e-6, "{periods}");
             let said = listener
                 .filter(|told| {
@@ -96,7 +98,7 @@ fn a_time_stamp_a_little_ahead_is_a_sample() {
     let (mut control, wrong) = stamps(Duration::from_micros(100));
     wrong.store(usize::MAX, Ordering::SeqCst);
     for _ in 0..50 {
-        assert_eq!(control.tick().force_on_device, -2.0);
+        assert_eq!(control.tick().contact.force_on_device, -2.0);
     }
     assert_eq!(control.statistics().without_sample, 0);
 }

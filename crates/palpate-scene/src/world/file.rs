@@ -13,7 +13,9 @@ use toml::Spanned;
 use super::per_axis::PerAxis;
 use super::place::WorldPlaces;
 use super::shape::{RawShape, unit};
-use super::{Tremor, WorldDevice, WorldHand, WorldRender, WorldScene, WorldTiming};
+use super::{
+    Coupling, Tremor, WorldActuator, WorldDevice, WorldHand, WorldRender, WorldScene, WorldTiming,
+};
 use crate::fault::{SceneError, SceneErrors};
 use crate::recover;
 
@@ -49,6 +51,8 @@ struct RawFile {
 struct RawLoop {
     period_s: Spanned<f64>,
     delay_s: Option<Spanned<f64>>,
+    lag_s: Option<Spanned<f64>>,
+    gain: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize)]
@@ -100,6 +104,8 @@ struct RawRender {
     method: Option<Spanned<String>>,
     device_mass_kg: Option<Spanned<PerAxis>>,
     damping_n_s_per_m: Option<Spanned<f64>>,
+    coupling_stiffness_n_per_m: Option<Spanned<f64>>,
+    coupling_mass_kg: Option<Spanned<f64>>,
     force_limit_n: Option<Spanned<f64>>,
 }
 
@@ -107,6 +113,8 @@ struct RawRender {
 #[serde(deny_unknown_fields)]
 struct RawTold {
     delay_s: Option<Spanned<f64>>,
+    lag_s: Option<Spanned<f64>>,
+    gain: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize, Default)]
@@ -237,14 +245,30 @@ impl Reading {
         }
         self.places
             .take(Place::Loop, "period", raw.r#loop.period_s.clone());
-        let period = self.number("period_s", raw.r#loop.period_s, Least::Above0);
-        if let Some(delay) = raw.told.delay_s.as_ref().or(raw.r#loop.delay_s.as_ref()) {
+        let period = self.number("period_s", raw.r#loop.period_s.clone(), Least::Above0);
+        let timed = [
+            &raw.told.delay_s,
+            &raw.told.lag_s,
+            &raw.told.gain,
+            &raw.r#loop.delay_s,
+            &raw.r#loop.lag_s,
+            &raw.r#loop.gain,
+        ];
+        if let Some(delay) = timed.into_iter().flatten().next() {
             self.places.take(Place::Loop, "actuation", delay.clone());
         }
-        let delay = raw
-            .r#loop
-            .delay_s
-            .map_or(0.0, |delay| self.number("delay_s", delay, Least::AtLeast0));
+        let RawLoop {
+            delay_s,
+            lag_s,
+            gain,
+            ..
+        } = raw.r#loop;
+        let perfect = WorldActuator {
+            delay: 0.0,
+            lag: 0.0,
+            gain: 1.0,
+        };
+        let actuator = self.actuator([delay_s, lag_s, gain], perfect);
         let mut tools = Vec::new();
         let mut devices = Vec::new();
         for (index, device) in raw.device.into_iter().enumerate() {
@@ -277,17 +301,33 @@ impl Reading {
                 self.fault(span, error.to_string());
             }
         }
-        let render = self.render(raw.render, raw.told, &devices, delay);
+        let render = self.render(raw.render, raw.told, &devices, actuator);
         let duration = raw.measure.duration_s;
         WorldScene {
             title: raw.title,
             world,
             devices,
-            timing: WorldTiming { period, delay },
+            timing: WorldTiming { period, actuator },
             render,
             duration: duration.map_or(DURATION, |duration| {
                 self.number("duration_s", duration, Least::Above0)
             }),
+        }
+    }
+
+    /// Delay, lag and gain, `otherwise` where nothing is said.
+    fn actuator(
+        &mut self,
+        [delay, lag, gain]: [Option<Spanned<f64>>; 3],
+        otherwise: WorldActuator,
+    ) -> WorldActuator {
+        let mut or = |key, value: Option<Spanned<f64>>, otherwise, least| {
+            value.map_or(otherwise, |value| self.number(key, value, least))
+        };
+        WorldActuator {
+            delay: or("delay_s", delay, otherwise.delay, Least::AtLeast0),
+            lag: or("lag_s", lag, otherwise.lag, Least::AtLeast0),
+            gain: or("gain", gain, otherwise.gain, Least::Above0),
         }
     }
 
@@ -296,7 +336,7 @@ impl Reading {
         raw: RawRender,
         told: RawTold,
         devices: &[WorldDevice],
-        delay: f64,
+        actuator: WorldActuator,
     ) -> WorldRender {
         if let Some(mass) = &raw.device_mass_kg {
             self.places.take(Place::Method, "device_mass", mass.clone());
@@ -320,9 +360,15 @@ impl Reading {
             force_limit: raw
                 .force_limit_n
                 .map(|limit| self.number("force_limit_n", limit, Least::Above0)),
-            delay: told.delay_s.map_or(delay, |delay| {
-                self.number("delay_s", delay, Least::AtLeast0)
-            }),
+            coupling: Coupling {
+                stiffness: raw
+                    .coupling_stiffness_n_per_m
+                    .map(|value| self.number("coupling_stiffness_n_per_m", value, Least::Above0)),
+                mass: raw
+                    .coupling_mass_kg
+                    .map(|value| self.number("coupling_mass_kg", value, Least::Above0)),
+            },
+            actuator: self.actuator([told.delay_s, told.lag_s, told.gain], actuator),
         }
     }
 

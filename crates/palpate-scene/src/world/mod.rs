@@ -72,8 +72,28 @@ pub struct Tremor {
 pub struct WorldTiming {
     /// Time between two samples, above 0 `[s]`.
     pub period: f64,
+    /// How the actuators give what is commanded.
+    pub actuator: WorldActuator,
+}
+
+/// How the actuators of all devices give what is commanded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorldActuator {
     /// Time from a sample to the moment at which the command that answers it begins to act `[s]`.
     pub delay: f64,
+    /// Time constant of a first-order lag after the delay `[s]`.
+    pub lag: f64,
+    /// Delivered over commanded force.
+    pub gain: f64,
+}
+
+/// A virtual coupling between device and avatar, as far as a file says it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Coupling {
+    /// Stiffness `[N/m]`.
+    pub stiffness: Option<f64>,
+    /// Mass of the avatar `[kg]`.
+    pub mass: Option<f64>,
 }
 
 /// What the renderer is asked and told.
@@ -86,8 +106,10 @@ pub struct WorldRender {
     pub device_mass: Vec<Vector>,
     /// Damping of the methods that damp `[N s/m]`.
     pub damping: Option<f64>,
+    /// The virtual coupling.
+    pub coupling: Coupling,
     /// Largest force on each device, as a length `[N]`.
     pub force_limit: Option<f64>,
-    /// Delay as the renderer is told `[s]`; the true one where no file says another.
-    pub delay: f64,
+    /// The actuators as the renderer is told; the true ones where no file says another.
+    pub actuator: WorldActuator,
 }

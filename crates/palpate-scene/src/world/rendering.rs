@@ -2,21 +2,25 @@
 
 use palpate::Actuation;
 use palpate_world::{
-    BasicParams, CoupledParams, Place, WorldError, WorldLoop, WorldMethod, WorldRenderer,
+    BasicParams, CoupledParams, Place, VirtualCouplingParams, WorldError, WorldLoop, WorldMethod,
+    WorldRenderer,
 };
 
-use super::WorldScene;
+use super::{WorldActuator, WorldScene};
 use crate::method::nearest;
 
 impl WorldScene {
     /// Names of the methods that render worlds.
-    pub const METHODS: [&str; 3] = ["basic", "virtual-damper", "coupled"];
+    pub const METHODS: [&str; 4] = ["basic", "virtual-damper", "virtual-coupling", "coupled"];
 
     /// The loop as a renderer is told it.
     #[must_use]
     pub fn in_loop(&self) -> WorldLoop {
+        let WorldActuator { delay, lag, gain } = self.render.actuator;
         let actuation = Actuation {
-            delay: self.render.delay,
+            delay,
+            lag,
+            gain,
             ..Actuation::default()
         };
         let in_loop = WorldLoop::new(self.timing.period).with_actuation(actuation);
@@ -41,6 +45,21 @@ impl WorldScene {
                 .into()),
                 None => Err(fault("virtual-damper needs damping_n_s_per_m")),
             },
+            "virtual-coupling" => {
+                let coupling = self.render.coupling;
+                let all = (self.render.damping, coupling.stiffness, coupling.mass);
+                let (Some(damping), Some(stiffness), Some(mass)) = all else {
+                    return Err(fault(
+                        "virtual-coupling needs coupling_stiffness_n_per_m, coupling_mass_kg and damping_n_s_per_m",
+                    ));
+                };
+                Ok(VirtualCouplingParams {
+                    stiffness: vec![stiffness; tools],
+                    damping: vec![damping; tools],
+                    mass: vec![mass; tools],
+                }
+                .into())
+            }
             "coupled" => {
                 let quanta = self.devices.iter().flat_map(|device| device.quantum);
                 let quantum = quanta.fold(0.0, f64::max);

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use palpate::AlongAxis;
 use palpate_device::Capabilities;
 use palpate_device::clock::MonotonicClock;
-use palpate_record::recording::{Flags, Tick};
+use palpate_record::recording::{ContactTick, Flags, Row, Tick};
 use palpate_rt::realtime::{Answer, Request};
 use palpate_rt::safety::{SafetyParams, Trip};
 use palpate_rt::{
@@ -20,7 +20,7 @@ use super::start::{Placed, SessionError};
 use crate::message::{LaneStatus, Spread};
 use crate::rows::Rows;
 
-/// Things that may wait for the scope: 4 s at 4 kHz.
+/// Ticks of one contact that may wait for the scope: 4 s at 4 kHz.
 const ROOM: usize = 1 << 14;
 
 /// Methods that a lane remembers having rendered by.
@@ -140,7 +140,7 @@ impl Lane {
         let has_ended = self.thread.as_ref().is_some_and(LoopThread::has_ended);
         while let Some(told) = self.listener.next() {
             match told {
-                Told::Tick(tick) => self.tick(&tick),
+                Told::Tick(tick, contacts) => self.tick(&tick, &contacts),
                 Told::Note(noted) => {
                     self.noted(&noted);
                     note(&noted);
@@ -153,7 +153,7 @@ impl Lane {
         has_ended
     }
 
-    fn tick(&mut self, tick: &Tick) {
+    fn tick(&mut self, tick: &Tick, contacts: &[ContactTick]) {
         self.heard.hear(tick.sequence);
         let statistics = &mut self.statistics;
         statistics.ticks += 1;
@@ -168,10 +168,13 @@ impl Lane {
         if !tick.flags.has(Flags::SAFETY_TRIPPED) {
             self.trip = None;
         }
-        self.account.tick(tick);
-        self.rows.add(tick);
+        self.account.tick(tick, contacts);
+        // The page draws the first contact.
+        if let Some(row) = Row::of(*tick, contacts).next() {
+            self.rows.add(&row);
+        }
         if let Some(recording) = &mut self.recording {
-            recording.tick(tick);
+            recording.tick(tick, contacts);
         }
     }
 
@@ -259,13 +262,13 @@ impl Lane {
 
     /// Where the device was at the last tick `[m]`.
     pub fn position(&self) -> Option<f64> {
-        let position = self.account.last?.device_position;
+        let position = self.account.last?.contact.device_position;
         position.is_finite().then_some(position)
     }
 
     /// Time of the last tick `[s]`.
     pub fn time(&self) -> f64 {
-        self.account.last.map_or(0.0, |tick| tick.time)
+        self.account.last.map_or(0.0, |row| row.tick.time)
     }
 
     /// The recording that is being made.

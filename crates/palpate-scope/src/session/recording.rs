@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use palpate_files::atomic::WriteError;
-use palpate_record::recording::{Receipt, Tick};
+use palpate_record::recording::{ContactTick, Receipt, Tick};
 use palpate_rt::{Counted, Note, Noted, Recorder, Tap};
 
 use super::Written;
@@ -56,8 +56,8 @@ impl LaneRecording {
         }
     }
 
-    /// Passes on a tick.
-    pub fn tick(&mut self, tick: &Tick) {
+    /// Passes on a tick and its contacts.
+    pub fn tick(&mut self, tick: &Tick, contacts: &[ContactTick]) {
         let first = match self.first {
             Some(first) => first,
             // What was rendered before is not what the receipt says.
@@ -74,11 +74,12 @@ impl LaneRecording {
         self.known = sequence + 1;
         self.told += 1;
         let lost = self.tap.lost();
-        self.tap.tick(&Tick {
+        let renumbered = Tick {
             sequence,
             generation: tick.generation.saturating_sub(self.generation),
             ..*tick
-        });
+        };
+        self.tap.tick(&renumbered, contacts);
         self.dropped += self.tap.lost() - lost;
     }
 
@@ -204,6 +205,11 @@ mod tests {
 
     use super::*;
 
+    /// Passes on a tick of a loop with one contact.
+    fn tell(recording: &mut LaneRecording, tick: Tick) {
+        recording.tick(&tick, &[ContactTick::default()]);
+    }
+
     /// It begins with the parameters of its receipt, counts from 0, and what is lost is missing.
     #[test]
     fn a_recording_counts_from_its_own_beginning() {
@@ -211,11 +217,14 @@ mod tests {
         let path = folder.path().join("middle.mcap");
         let mut recording = LaneRecording::begin(path.clone(), &Receipt::new("test"), 3).unwrap();
         for (sequence, generation) in [(10, 2), (11, 3), (12, 3), (14, 4)] {
-            recording.tick(&Tick {
-                sequence,
-                generation,
-                ..Tick::default()
-            });
+            tell(
+                &mut recording,
+                Tick {
+                    sequence,
+                    generation,
+                    ..Tick::default()
+                },
+            );
         }
         assert_eq!((recording.ticks(), recording.lost()), (3, 1));
         assert_eq!(recording.end().finish().ticks.unwrap(), 3);
@@ -225,7 +234,7 @@ mod tests {
             .entries()
             .unwrap()
             .filter_map(|entry| match entry.unwrap() {
-                Entry::Tick(tick) => Some((tick.sequence, tick.generation)),
+                Entry::Tick(tick, _) => Some((tick.sequence, tick.generation)),
                 Entry::Event(_) => None,
             })
             .collect();
@@ -257,10 +266,13 @@ mod tests {
                 recording = recording.with_the_first_tick();
             }
             for sequence in 4..10 {
-                recording.tick(&Tick {
-                    sequence,
-                    ..Tick::default()
-                });
+                tell(
+                    &mut recording,
+                    Tick {
+                        sequence,
+                        ..Tick::default()
+                    },
+                );
             }
             let written = recording.end_with_loop(&counted).finish();
             assert_eq!(
@@ -301,11 +313,14 @@ mod tests {
             });
         }
         for sequence in [11, 12] {
-            recording.tick(&Tick {
-                sequence,
-                generation: 5,
-                ..Tick::default()
-            });
+            tell(
+                &mut recording,
+                Tick {
+                    sequence,
+                    generation: 5,
+                    ..Tick::default()
+                },
+            );
         }
         assert_eq!(recording.end().finish().ticks.unwrap(), 2);
         let events: Vec<(u64, String)> = Recording::open(&path)
@@ -314,7 +329,7 @@ mod tests {
             .unwrap()
             .filter_map(|entry| match entry.unwrap() {
                 Entry::Event(event) => Some((event.sequence, event.text)),
-                Entry::Tick(_) => None,
+                Entry::Tick(..) => None,
             })
             .collect();
         assert_eq!(events.len(), 1, "{events:?}");

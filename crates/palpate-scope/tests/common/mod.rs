@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use palpate::AlongAxis;
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Vector, Wrench};
-use palpate_record::recording::{COLUMNS, Column, Receipt};
+use palpate_record::recording::{Column, Receipt, columns};
 use palpate_rt::StopFlag;
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
@@ -240,7 +240,7 @@ pub const FORCE: &str = "force_on_device_n";
 
 /// The columns that the page is sent.
 pub fn sent() -> impl Iterator<Item = &'static Column> {
-    COLUMNS.iter().filter(|column| column.is_live)
+    columns().iter().copied().filter(|column| column.is_live())
 }
 
 impl Samples {

@@ -2,24 +2,38 @@
 //! its ideal.
 
 mod judged;
+mod rendered;
 
-use palpate_scene::world::WorldScene;
+use palpate_scene::ActuatorParams;
+use palpate_scene::world::{WorldActuator, WorldScene};
 use palpate_testbed::world::{
-    CheckedIdeal, JudgementError, PlantParams, WorldError as IdealError, WorldJudgement, WorldPlant,
+    CheckedIdeal, JudgementError, PlantParams, WorldError as IdealError, WorldIdeal,
+    WorldJudgement, WorldPlant,
 };
-use palpate_world::{Books, Sample, Vector, WorldError};
+use palpate_world::{Books, Sample, Vector, WorldError, WorldRenderer};
 
 pub use judged::as_judged;
+pub use rendered::as_rendered;
 
 /// Most periods of a window.
 const MOST_PERIODS: f64 = 1e6;
 
 /// A scene with its ideal, for any number of runs.
 #[derive(Clone, Debug)]
-pub struct WorldBench<'a> {
-    scene: &'a WorldScene,
+pub struct WorldBench {
     judged: palpate_testbed::world::WorldScene,
-    ideal: CheckedIdeal,
+    params: PlantParams,
+    ideal: WorldIdeal,
+    check: Option<SelfCheck>,
+}
+
+/// What the ideal says of itself, computed twice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SelfCheck {
+    /// Mean-force error of the coarser solution against the finer one `[%]`.
+    pub error: f64,
+    /// From when on the two part: the window ends there. `None`: they agree over the whole window `[s]`.
+    pub chaotic_from: Option<f64>,
 }
 
 /// What a method made of a scene.
@@ -47,7 +61,7 @@ pub struct WorldRun {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum WorldBenchError {
     /// The world, its loop or its method cannot be rendered: at least one fault.
-    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
     Rendering(Vec<WorldError>),
     /// There is no ideal to judge by.
     #[error("the ideal: {0}")]
@@ -60,15 +74,15 @@ pub enum WorldBenchError {
     Judgement(#[from] JudgementError),
 }
 
-impl<'a> WorldBench<'a> {
+impl WorldBench {
     /// Solves the scene's ideal over its window.
     ///
     /// # Errors
     /// The window is too long, or the scene has no ideal.
-    pub fn new(scene: &'a WorldScene) -> Result<Self, WorldBenchError> {
+    pub fn new(scene: &WorldScene) -> Result<Self, WorldBenchError> {
         let judged = as_judged(scene);
         let periods = scene.duration / scene.timing.period;
-        if !(periods <= MOST_PERIODS) {
+        if periods.is_nan() || periods > MOST_PERIODS {
             return Err(WorldBenchError::TooLong(periods));
         }
         #[expect(
@@ -77,7 +91,13 @@ impl<'a> WorldBench<'a> {
             reason = "at most a million, and at least 1"
         )]
         let periods = (periods * (1.0 - 1e-12)).ceil().max(1.0) as usize;
-        let plant = WorldPlant::new(&judged, params(scene))?;
+        let WorldActuator { delay, lag, gain } = scene.timing.actuator;
+        let params = PlantParams {
+            period: scene.timing.period,
+            delay,
+            actuator: ActuatorParams { lag, gain },
+        };
+        let plant = WorldPlant::new(&judged, params)?;
         let grid = plant.grid(periods).map_err(|invalid| {
             IdealError::Parameter(palpate_testbed::InvalidParameter {
                 name: format!("loop.{}", invalid.name),
@@ -85,34 +105,53 @@ impl<'a> WorldBench<'a> {
                 allowed: invalid.allowed,
             })
         })?;
-        let ideal = CheckedIdeal::new(&judged, grid)?;
+        let checked = CheckedIdeal::new(&judged, grid)?;
         Ok(Self {
-            scene,
             judged,
-            ideal,
+            params,
+            check: Some(SelfCheck {
+                error: checked.error,
+                chaotic_from: checked.chaotic_from,
+            }),
+            ideal: checked.ideal,
         })
     }
 
-    /// The scene.
-    pub fn scene(&self) -> &'a WorldScene {
-        self.scene
+    /// A bench of a scene as its judge has it, in a loop, with an ideal that is already known.
+    #[must_use]
+    pub fn of(
+        judged: palpate_testbed::world::WorldScene,
+        params: PlantParams,
+        ideal: WorldIdeal,
+    ) -> Self {
+        Self {
+            judged,
+            params,
+            ideal,
+            check: None,
+        }
     }
 
-    /// The ideal and how well it agrees with itself.
-    pub fn ideal(&self) -> &CheckedIdeal {
+    /// The ideal, over the part of the window for which it is one.
+    #[must_use]
+    pub fn ideal(&self) -> &WorldIdeal {
         &self.ideal
     }
 
-    /// Runs the loop by the method of that name.
+    /// How well the ideal agrees with itself, where this bench has computed it.
+    #[must_use]
+    pub fn self_check(&self) -> Option<SelfCheck> {
+        self.check
+    }
+
+    /// Runs the loop by a renderer of this world; `method` names it in reports.
     ///
     /// # Errors
-    /// The method cannot render this world.
-    pub fn run(&self, method: &str) -> Result<WorldRun, WorldBenchError> {
-        let renderer = self.scene.renderer(method);
-        let renderer = renderer.map_err(WorldBenchError::Rendering)?;
-        let mut plant = WorldPlant::new(&self.judged, params(self.scene))?;
+    /// The renderer has another number of tools.
+    pub fn run(&self, method: &str, renderer: &WorldRenderer) -> Result<WorldRun, WorldBenchError> {
+        let mut plant = WorldPlant::new(&self.judged, self.params)?;
         let mut state = renderer.start();
-        let grid = &self.ideal.ideal.grid;
+        let grid = &self.ideal.grid;
         let mut run = WorldRun {
             method: method.to_owned(),
             delivered: Vec::new(),
@@ -127,7 +166,7 @@ impl<'a> WorldBench<'a> {
             coarse: 0,
         };
         let end = grid.edge(grid.intervals());
-        let period = self.scene.timing.period;
+        let period = self.params.period;
         while plant.time() < end - 0.5 * period {
             run.positions.push(plant.positions());
             let measured = plant.measure();
@@ -145,15 +184,8 @@ impl<'a> WorldBench<'a> {
                 delivered
             })
             .collect();
-        run.judgement = WorldJudgement::of(&self.judged, &self.ideal.ideal, &run.delivered)?;
+        run.judgement = WorldJudgement::of(&self.judged, &self.ideal, &run.delivered)?;
         run.books = state.books().clone();
         Ok(run)
-    }
-}
-
-fn params(scene: &WorldScene) -> PlantParams {
-    PlantParams {
-        delay: scene.timing.delay,
-        ..PlantParams::perfect(scene.timing.period)
     }
 }

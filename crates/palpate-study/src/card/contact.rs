@@ -1,6 +1,6 @@
 //! One contact on a card: recorded and judged against the ideal on its motion, or simulated.
 
-use palpate_record::recording::{Flags, Recording, Tick};
+use palpate_record::recording::{Flags, Recording, Row};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile};
 use palpate_sim::closed_loop::Bench;
@@ -83,6 +83,11 @@ impl ContactCard {
     pub(super) fn recorded(recording: &Recording, ticks: &Ticks) -> Result<Self, String> {
         let file = scene_of(recording).map_err(|error| error.to_string())?;
         let name = recording.path().display();
+        if !recording.has_one_contact_each {
+            return Err(format!(
+                "{name} has several contacts in a tick; the page shows one"
+            ));
+        }
         let period = file.scene.loop_params.period;
         let part = strongest(&ticks.all, period).ok_or_else(|| {
             format!("{name} has no contact under the parameters that it began with")
@@ -94,24 +99,24 @@ impl ContactCard {
     fn on_motion(
         recording: &Recording,
         file: &SceneFile,
-        part: &[Tick],
+        part: &[Row],
     ) -> Result<Self, ReplayError> {
         let scene = &file.scene;
         let mut setup = ReplaySetup::of_scene(scene);
         let (first, last) = (&part[0], &part[part.len() - 1]);
-        if first.object_position.is_finite() && first.object_velocity.is_finite() {
-            setup.object.position = first.object_position;
-            setup.object.velocity = first.object_velocity;
+        if first.contact.object_position.is_finite() && first.contact.object_velocity.is_finite() {
+            setup.object.position = first.contact.object_position;
+            setup.object.velocity = first.contact.object_velocity;
         }
-        let times: Vec<f64> = part.iter().map(|tick| tick.time).collect();
-        let positions: Vec<f64> = part.iter().map(|tick| tick.device_position).collect();
+        let times: Vec<f64> = part.iter().map(|row| row.tick.time).collect();
+        let positions: Vec<f64> = part.iter().map(|row| row.contact.device_position).collect();
         let replay = Replay::at_recorded_instants(setup, &times, &positions)?;
         let settings = scene.settings.get(&scene.method).copied();
         let run = replay.run(scene.method, &settings.unwrap_or_default())?;
-        let leak = last.held_leak - first.held_leak;
+        let leak = last.contact.held_leak - first.contact.held_leak;
         let peak = part
             .iter()
-            .map(|tick| tick.force_on_device.abs())
+            .map(|row| row.contact.force_on_device.abs())
             .filter(|force| force.is_finite())
             .fold(0.0, f64::max);
         let source = format!(
@@ -281,23 +286,23 @@ fn duration(mass: f64, stiffness: f64, hand: f64, period: f64) -> f64 {
 
 /// The contact in which the strongest force was sent, with what is before and after it: ticks in which the device was
 /// seen, under the parameters of the receipt.
-fn strongest(ticks: &[Tick], period: f64) -> Option<&[Tick]> {
-    let whole = |tick: &Tick| is_seen(tick) && tick.generation == 0;
+fn strongest(ticks: &[Row], period: f64) -> Option<&[Row]> {
+    let whole = |row: &Row| is_seen(row) && row.tick.generation == 0;
     let mut best: Option<(f64, usize, usize)> = None;
     let mut at = 0;
     while at < ticks.len() {
-        if !ticks[at].flags.has(Flags::CONTACT) || !whole(&ticks[at]) {
+        if !ticks[at].tick.flags.has(Flags::CONTACT) || !whole(&ticks[at]) {
             at += 1;
             continue;
         }
         let from = at;
         let mut peak = 0.0_f64;
         while at < ticks.len()
-            && ticks[at].flags.has(Flags::CONTACT)
+            && ticks[at].tick.flags.has(Flags::CONTACT)
             && whole(&ticks[at])
-            && ticks[at].time - ticks[from].time <= LONGEST
+            && ticks[at].tick.time - ticks[from].tick.time <= LONGEST
         {
-            peak = peak.max(ticks[at].force_on_device.abs());
+            peak = peak.max(ticks[at].contact.force_on_device.abs());
             at += 1;
         }
         if best.is_none_or(|(strongest, ..)| peak > strongest) {
@@ -305,17 +310,20 @@ fn strongest(ticks: &[Tick], period: f64) -> Option<&[Tick]> {
         }
     }
     let (_, from, to) = best?;
-    let lasts = ticks[to - 1].time - ticks[from].time;
+    let lasts = ticks[to - 1].tick.time - ticks[from].tick.time;
     let margin = (MARGIN * lasts).max(LEAST_MARGIN * period);
-    let (earliest, latest) = (ticks[from].time - margin, ticks[to - 1].time + margin);
+    let (earliest, latest) = (
+        ticks[from].tick.time - margin,
+        ticks[to - 1].tick.time + margin,
+    );
     let before = ticks[..from]
         .iter()
         .rev()
-        .take_while(|tick| whole(tick) && tick.time >= earliest)
+        .take_while(|row| whole(row) && row.tick.time >= earliest)
         .count();
     let after = ticks[to..]
         .iter()
-        .take_while(|tick| whole(tick) && tick.time <= latest)
+        .take_while(|row| whole(row) && row.tick.time <= latest)
         .count();
     let part = &ticks[from - before..to + after];
     (part.len() > 2).then_some(part)
@@ -324,33 +332,42 @@ fn strongest(ticks: &[Tick], period: f64) -> Option<&[Tick]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use palpate_record::recording::{ContactTick, Tick};
 
     #[test]
     fn the_strongest_contact_is_taken_with_its_margins_and_nothing_unseen() {
-        let tick = |i: u32, force: f64| Tick {
-            time: 1e-3 * f64::from(i),
-            device_position: 0.0,
-            force_on_device: force,
-            flags: Flags::default().with(Flags::CONTACT, force != 0.0),
-            ..Tick::default()
+        let tick = |i: u32, force: f64| Row {
+            tick: Tick {
+                time: 1e-3 * f64::from(i),
+                generation: 0,
+                flags: Flags::default().with(Flags::CONTACT, force != 0.0),
+                ..Tick::UNKNOWN
+            },
+            contact: ContactTick {
+                device_position: 0.0,
+                force_on_device: force,
+                ..ContactTick::UNKNOWN
+            },
         };
         let force = |i| match i {
             10..20 => -1.0,
             40..60 => -3.0,
             _ => 0.0,
         };
-        let mut ticks: Vec<Tick> = (0..100).map(|i| tick(i, force(i))).collect();
-        let span = |ticks: &[Tick]| {
+        let mut ticks: Vec<Row> = (0..100).map(|i| tick(i, force(i))).collect();
+        let span = |ticks: &[Row]| {
             let part = strongest(ticks, 1e-3).unwrap();
-            let at = |tick: &Tick| (1e3 * tick.time).round();
+            let at = |row: &Row| (1e3 * row.tick.time).round();
             (at(&part[0]), at(&part[part.len() - 1]))
         };
         assert_eq!(span(&ticks), (35.0, 64.0));
         // One of which no position is known ends it.
-        ticks[62].device_position = f64::NAN;
+        ticks[62].contact.device_position = f64::NAN;
         assert_eq!(span(&ticks), (35.0, 61.0));
         // Under other parameters, nobody says what the contact was.
-        ticks[40..].iter_mut().for_each(|tick| tick.generation = 1);
+        ticks[40..]
+            .iter_mut()
+            .for_each(|row| row.tick.generation = 1);
         assert_eq!(span(&ticks), (5.0, 24.0));
         assert!(strongest(&[], 1e-3).is_none());
     }

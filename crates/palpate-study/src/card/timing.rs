@@ -80,7 +80,7 @@ impl TimingCard {
         let scene = scene_of(recording).ok().map(|file| file.scene);
         let counted = recording.counted.as_ref();
         let all = |of: fn(&Tick) -> f64, bins: fn(&[f64]) -> Histogram| {
-            Distribution::of(ticks.all.iter().map(of), bins)
+            Distribution::of(ticks.all.iter().map(|row| of(&row.tick)), bins)
         };
         Self {
             recording: recording.path().display().to_string(),

@@ -1,5 +1,6 @@
 //! What a command reports: the same facts as a table or as JSON.
 
+mod actuator;
 mod drawing;
 #[cfg(feature = "schema")]
 mod in_json;
@@ -9,6 +10,7 @@ mod replayed;
 mod text;
 mod timing;
 
+pub use actuator::{of as actuator_of, told as told_lines};
 pub use drawing::DrawingReport;
 pub use parameters::of as parameters_of;
 pub use recording::FromRecording;
@@ -16,7 +18,7 @@ pub use replayed::{HandReport, Replayed};
 pub use timing::of as timing_of;
 
 use palpate::{Contact, Difficulty, LoopParams, Mass, Side};
-use palpate_scene::Timing;
+use palpate_scene::{Scene, Timing};
 use palpate_sim::run::{Reference, Run};
 use palpate_testbed::metrics::Rebound;
 use serde::Serialize;
@@ -199,6 +201,21 @@ pub struct Subject<'a> {
     pub delay: usize,
     /// What else is not perfect about the loop.
     pub timing: Timing,
+}
+
+impl<'a> Subject<'a> {
+    /// What a report says of a scene in closed loop.
+    #[must_use]
+    pub fn of(scene: &'a Scene) -> Self {
+        Self {
+            title: scene.title.clone(),
+            contact: &scene.contact,
+            loop_params: &scene.loop_params,
+            device_mass: Some(scene.device.mass),
+            delay: scene.delay,
+            timing: scene.timing.clone(),
+        }
+    }
 }
 
 impl Report {

@@ -1,7 +1,9 @@
 //! What methods made of a world: the report of `simulate` for scenes with several bodies.
 
+pub mod suite;
 mod text;
 
+use palpate_scene::world::WorldScene;
 use palpate_sim::world::{WorldBench, WorldRun};
 use palpate_testbed::metrics::Fidelity;
 use palpate_testbed::world::DeviceJudgement;
@@ -23,6 +25,10 @@ pub struct WorldReport {
     pub period_s: f64,
     /// Time from a sample to the beginning of its force.
     pub delay_s: f64,
+    /// Time constant of the actuators.
+    pub lag_s: f64,
+    /// Delivered over commanded force.
+    pub gain: f64,
     /// Length of the window that was judged.
     pub window_s: f64,
     /// Number of samples in it.
@@ -30,8 +36,9 @@ pub struct WorldReport {
     /// From when on the ideal's motion depends on the steps by which it is computed: the window ends there. None: for
     /// the whole window it does not.
     pub chaotic_from_s: Option<f64>,
-    /// Mean-force error of the ideal, computed again with coarser steps, against itself.
-    pub ideal_error_percent: f64,
+    /// Mean-force error of the ideal, computed again with coarser steps, against itself; none if it was
+    /// computed once.
+    pub ideal_error_percent: Option<f64>,
     /// Number of contacts that begin in the ideal's window.
     pub contacts: usize,
     /// Largest penetration of the ideal's contacts.
@@ -108,11 +115,11 @@ impl From<Fidelity> for FidelityReport {
 }
 
 impl WorldReport {
-    /// The report of these runs on a bench.
+    /// The report of these runs on the bench of a scene.
     #[must_use]
-    pub fn new(bench: &WorldBench<'_>, runs: &[WorldRun]) -> Self {
-        let (scene, checked) = (bench.scene(), bench.ideal());
-        let ideal = &checked.ideal;
+    pub fn new(scene: &WorldScene, bench: &WorldBench, runs: &[WorldRun]) -> Self {
+        let ideal = bench.ideal();
+        let check = bench.self_check();
         let grid = &ideal.grid;
         let peaks = ideal.devices.iter().map(|device| {
             let peaks = device.peaks.iter().copied();
@@ -124,11 +131,13 @@ impl WorldReport {
             format: FORMAT,
             title: scene.title.clone(),
             period_s: scene.timing.period,
-            delay_s: scene.timing.delay,
+            delay_s: scene.timing.actuator.delay,
+            lag_s: scene.timing.actuator.lag,
+            gain: scene.timing.actuator.gain,
             window_s: grid.edge(grid.intervals()),
             samples: runs.first().map_or(0, |run| run.positions.len()),
-            chaotic_from_s: checked.chaotic_from,
-            ideal_error_percent: checked.error,
+            chaotic_from_s: check.and_then(|check| check.chaotic_from),
+            ideal_error_percent: check.map(|check| check.error),
             contacts: ideal.encounters.len(),
             deepest_m: ideal.deepest(),
             methods: runs.iter().map(|run| of_run(run, &of_devices)).collect(),

@@ -40,21 +40,27 @@ impl WorldReport {
         } else {
             String::new()
         };
+        let lag = if self.lag_s > 0.0 {
+            format!(", lag {} s", digits(self.lag_s))
+        } else {
+            String::new()
+        };
         let shortened = self.chaotic_from_s.map_or_else(String::new, |from| {
             format!(
                 "; the window ends at {} s, where the ideal's motion begins to depend on its steps",
                 digits(from)
             )
         });
+        let agrees = self.ideal_error_percent.map_or_else(String::new, |error| {
+            format!(", and agrees with itself to {} %", digits(error))
+        });
         format!(
-            "period {} s{delay}; {} over {} s; the ideal has {}, penetration up to {} m, and agrees with itself to \
-             {} %{shortened}",
+            "period {} s{delay}{lag}; {} over {} s; the ideal has {} and penetration up to {} m{agrees}{shortened}",
             digits(self.period_s),
             counted(self.samples, "sample"),
             digits(self.window_s),
             counted(self.contacts, "contact"),
             digits(self.deepest_m),
-            digits(self.ideal_error_percent),
         )
     }
 

@@ -3,7 +3,8 @@
 use thiserror::Error;
 
 use super::contact::WorldError;
-use super::ideal::{DeviceProfile, WorldIdeal};
+use super::ideal::WorldIdeal;
+use super::record::DeviceProfile;
 use super::scene::{Member, Vector, WorldScene};
 use super::vector::Vec3;
 use crate::grid::Grid;

@@ -9,29 +9,63 @@
 //!
 //! A contact acts at one point, midway between the two surfaces on the line along n. All is in world axes and
 //! SI units; a force on a tool is what its device gives to the hand.
+//!
+//! # From scene to judgement
+//!
+//! ```
+//! use palpate_testbed::grid::Grid;
+//! use palpate_testbed::world::benchmarks::paddle;
+//! use palpate_testbed::world::{CheckedIdeal, PlantParams, WorldJudgement, WorldPlant};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let benchmark = paddle();
+//! let grid = Grid::even(0.0, benchmark.period, benchmark.intervals());
+//! let ideal = CheckedIdeal::new(&benchmark.scene, grid)?.ideal;
+//!
+//! // A loop that renders nothing at all.
+//! let mut plant = WorldPlant::new(&benchmark.scene, PlantParams::perfect(benchmark.period))?;
+//! for _ in 0..benchmark.intervals() {
+//!     let _measured = plant.measure();
+//!     plant.hold(&[[0.0; 3]]);
+//! }
+//! let held = [plant.delivered(0)];
+//! let judgement = WorldJudgement::of(&benchmark.scene, &ideal, &held)?;
+//! let sum = judgement.sum.ok_or("no touch")?;
+//! assert_eq!(format!("{:.1} %", sum.force_rendering_error), "100.0 %");
+//! assert_eq!(format!("{:.1} %", sum.hold_floor), "6.5 %");
+//! # Ok(())
+//! # }
+//! ```
 
+pub mod benchmarks;
 mod contact;
 mod dormand_prince;
 mod held_axis;
 mod ideal;
 mod judgement;
+mod layout;
 mod modes;
 mod motion;
+mod overlap;
 mod plant;
+pub mod random_worlds;
+mod record;
+mod run;
 mod scene;
 mod self_check;
 mod surface;
 mod vector;
 
 pub use contact::WorldError;
-pub use ideal::{
-    BodyState, ContactState, DeviceProfile, DeviceState, Encounter, TOLERANCE, WorldBooks,
-    WorldIdeal, WorldState,
-};
+pub use ideal::{TOLERANCE, WorldIdeal};
 pub use judgement::{
     DeviceJudgement, JudgementError, RenderedTouch, TouchJudgement, WindowRule, WorldJudgement,
 };
+pub use overlap::Overlap;
 pub use plant::{PlantParams, WorldPlant};
+pub use record::{
+    BodyState, ContactState, DeviceProfile, DeviceState, Encounter, WorldBooks, WorldState,
+};
 pub use scene::{
     ContactLaw, InvalidScene, Member, Motion, Pair, Shape, Vector, WorldBody, WorldDevice,
     WorldHand, WorldScene,

@@ -337,6 +337,12 @@ impl WorldBody {
         let Some(motion) = &self.motion else {
             return Ok(());
         };
+        InvalidParameter::unless(
+            !matches!(self.shape, Shape::HalfSpace { .. }),
+            format!("{name}.motion"),
+            motion.mass,
+            "none, for a half-space is fixed",
+        )?;
         above_zero(&format!("{name}.motion.mass"), &[motion.mass])?;
         above_zero(&format!("{name}.motion.inertia"), &motion.inertia)?;
         all_finite(&format!("{name}.motion.velocity"), &motion.velocity)?;

@@ -153,3 +153,63 @@ fn a_box_that_lies_flat_has_the_whole_law() {
     assert!((held - 0.4905).abs() < 1e-9);
     assert_eq!(ideal.encounters.len(), 4);
 }
+
+/// A point that is thrown at a plane and pulled back touches it for 0.9 ms, far shorter than a free step.
+#[test]
+fn a_graze_within_one_step_is_seen() {
+    let (mass, pull, depth, turn) = (0.1, 1.0, 1e-6, 0.053);
+    let acceleration: f64 = pull / mass;
+    let mut tool = device(mass, [0.0, 0.0, 0.5 * acceleration * turn * turn - depth]);
+    tool.velocity[2] = -acceleration * turn;
+    tool.hand.force[2] = pull;
+    let scene = WorldScene {
+        devices: vec![tool],
+        bodies: vec![half_space([0.0, 0.0, 1.0], 0.0)],
+        // So soft that it changes nothing of the parabola.
+        pairs: vec![pair(
+            Member::Device(0),
+            Member::Body(0),
+            ContactLaw::spring(1.0),
+        )],
+    };
+    let ideal = solve(&scene, 0.02, 5);
+    let [graze] = &ideal.encounters[..] else {
+        panic!("{} contacts in place of one", ideal.encounters.len());
+    };
+    let half = (2.0 * depth / acceleration).sqrt();
+    assert!((graze.start - (turn - half)).abs() < 1e-8);
+    assert!((graze.end.unwrap() - (turn + half)).abs() < 1e-8);
+    assert!((graze.normal_impulse / (4.0 / 3.0 * depth * half) - 1.0).abs() < 1e-3);
+    println!("{} steps", ideal.steps);
+}
+
+/// A point in a box is pushed out through the nearest face; where two are equally near, the force changes at once.
+#[test]
+fn a_point_in_a_box_leaves_it_through_the_nearest_face() {
+    let block = Shape::Box {
+        half_extents: [0.01, 0.02, 0.01],
+    };
+    let mut fixed = body(block, 1.0, [0.0; 3]);
+    fixed.motion = None;
+    let mut tool = device(0.1, [0.009, 0.0, 0.0085]);
+    tool.velocity[2] = 0.05;
+    let law = ContactLaw::spring(1.0);
+    let scene = WorldScene {
+        devices: vec![tool],
+        bodies: vec![fixed],
+        pairs: vec![pair(Member::Device(0), Member::Body(0), law)],
+    };
+    let ideal = solve(&scene, 0.001, 40);
+    let force = |index: usize| ideal.states[index].devices[0].force;
+    // 1 mm below the side and 1.5 mm below the top; after 10 ms it is nearer to the top.
+    assert!((force(9)[0] - 1e-3).abs() < 1e-5 && force(9)[2] == 0.0);
+    assert!((force(11)[2] - 0.95e-3).abs() < 1e-5 && force(11)[0] == 0.0);
+    let [encounter] = &ideal.encounters[..] else {
+        panic!("one contact, whatever the face");
+    };
+    assert!((encounter.end.unwrap() - 0.03).abs() < 1e-4);
+    let start = ideal.states[0].books.balance();
+    let change = ideal.states.last().unwrap().books.balance() - start;
+    // p is the same on both sides of the change, so no energy comes or goes.
+    assert!(change.abs() < 1e-15);
+}

@@ -93,7 +93,7 @@ impl Basic {
 
         // The tools are where their devices are now, and what that does to the contacts is their work.
         for (tool, position) in positions.iter().enumerate().take(renderer.tools) {
-            let held = state.commands.held(tool).sent;
+            let held = state.commands.passed(tool).sent;
             let part = &mut state.now.parts[tool];
             let way = Vector3::from(*position) - part.rigid.position;
             part.rigid.position += way;
@@ -138,7 +138,7 @@ impl Basic {
                 let damping = self.damping.get(tool).copied().unwrap_or_default();
                 force -= state.now.parts[tool].drive.apparent_velocity * damping;
             }
-            *intended = force;
+            *intended = state.commands.for_force(&force);
         }
         Effort::default()
     }

@@ -1,8 +1,9 @@
 //! Coupled rendering: devices and world are predicted together, and the mean of the contact force is held.
 
+use crate::commands::Acting;
 use crate::interval::advance;
 use crate::moving::Moving;
-use crate::observer::{AxisMotion, AxisObserver, AxisPrior, Prior};
+use crate::observer::{AxisForce, AxisMotion, AxisObserver, AxisPrior, Prior};
 use crate::part::Drive;
 use crate::rigid::{Rigid, Vector3};
 use crate::state::{Progress, show_contacts};
@@ -77,7 +78,8 @@ impl CoupledParams {
             );
         }
         for mass in self.device_mass.iter().flatten() {
-            if !(*mass > 0.0) {
+            let is_mass = *mass > 0.0;
+            if !is_mass {
                 fault(
                     "device_mass",
                     format!("device_mass is {mass}, and has to be above 0, or infinite"),
@@ -89,7 +91,8 @@ impl CoupledParams {
             ("velocity_return", self.velocity_return),
         ];
         for (field, value) in positive {
-            if !(value > 0.0) {
+            let is_positive = value > 0.0;
+            if !is_positive {
                 fault(field, format!("{field} is {value}, and has to be above 0"));
             }
         }
@@ -198,11 +201,16 @@ impl Axes {
         }
     }
 
-    /// The device after an interval of `h` `[s]` under a `force` `[N]` on it.
-    fn under(&self, force: &Vector3, h: f64) -> Self {
+    /// The device after `h` `[s]` under what a method intended.
+    fn under(&self, acting: &Acting, h: f64) -> Self {
         let mut after = *self;
         for (axis, motion) in after.0.iter_mut().enumerate() {
-            let change = motion.under(force[axis], h);
+            let force = AxisForce {
+                mean: acting.intended[axis],
+                lead: acting.lead[axis],
+                doubt: 0.0,
+            };
+            let change = motion.under(&force, h);
             motion.offset += change.travel;
             motion.velocity += change.gained;
             motion.external += change.external;
@@ -303,10 +311,15 @@ impl Coupled {
         memory.periods = [memory.periods[1], memory.periods[2], elapsed];
         for (tool, (device, priors)) in memory.devices.iter_mut().zip(&self.priors).enumerate() {
             let moved = Vector3::from(positions[tool]) - device.measured;
-            let held = state.commands.held(tool).sent;
+            let acted = state.commands.passed(tool);
             for axis in 0..3 {
+                let force = AxisForce {
+                    mean: acted.sent[axis],
+                    lead: acted.lead[axis],
+                    doubt: acted.doubt[axis],
+                };
                 device.ahead.0[axis] =
-                    device.observers[axis].see(&priors[axis], moved[axis], held[axis], elapsed);
+                    device.observers[axis].see(&priors[axis], moved[axis], &force, elapsed);
             }
             place(
                 &mut state.now,
@@ -324,12 +337,12 @@ impl Coupled {
         let effort = advance(&mut state.now, &mut state.room, points, sub_steps, elapsed);
         state.books.pass(&state.now, points, tools);
         for (tool, device) in memory.devices.iter_mut().enumerate() {
-            let command = state.commands.held(tool);
+            let acted = state.commands.passed(tool);
             let (impulse, touched) = impulse_on(&state.now, renderer, tool);
             let start = device.ahead;
             // What a limit took from a force is not owed to anybody: the avatar goes where the whole force would have
             // brought the device.
-            let end = start.under(&command.intended, elapsed);
+            let end = start.under(&acted, elapsed);
             let part = &state.now.parts[tool];
             let avatar = against(&part.rigid, &device.measured, &end);
 
@@ -347,7 +360,7 @@ impl Coupled {
                 }
             }
             let moved = Vector3::from(positions[tool]) - device.measured;
-            book.port_work += command.sent.dot(&moved);
+            book.port_work += acted.sent.dot(&moved);
             book.unforeseen = book.port_work - book.held;
             let [before, after] = [&device.avatar, &avatar].map(|avatar| avatar.velocity_offset);
             let kinetic = |device: &Axes, w: &Vector3| {
@@ -357,14 +370,15 @@ impl Coupled {
                 let [u, v] = [&start, &end].map(|device| device.0[axis].velocity);
                 0.5 * (v - u) * (v + u)
             });
-            book.offset += part.driven - (gained - command.intended.dot(&way));
+            book.offset += part.driven - (gained - acted.intended.dot(&way));
             book.velocity_offset += kinetic(&end, &after) - kinetic(&start, &before);
-            book.unpaid += (mean - command.intended).dot(&way);
+            book.unpaid += (mean - acted.intended).dot(&way);
 
             device.avatar = avatar;
             device.measured = Vector3::from(positions[tool]);
             device.touched = touched;
-            if !touched {
+            // What was owed to the device may still be on its way.
+            if !touched && !state.commands.is_expected(tool) {
                 let external = start.of(|axis| axis.external);
                 let back = self.walk_back(device, elapsed);
                 let book = &mut state.books.devices[tool];
@@ -405,7 +419,7 @@ impl Coupled {
     ) -> Effort {
         let points = &renderer.points;
         let period = memory.likely_period();
-        let delay = state.commands.delay();
+        let pieces = state.commands.look_ahead(period);
         let mut effort = Effort::default();
         state.ahead.copy_from(&state.now);
         for (tool, device) in memory.devices.iter_mut().enumerate() {
@@ -420,49 +434,60 @@ impl Coupled {
         }
         state.ahead.look(points);
         show_contacts(&mut state.contacts, &state.ahead);
-        for later in 0..=delay {
+        let sub_steps = &renderer.in_loop.sub_steps;
+        for piece in 0..pieces {
+            let duration = state.commands.duration(piece);
             state.ahead.begin();
-            let sub_steps = &renderer.in_loop.sub_steps;
-            effort = effort.and(advance(
+            let passed = advance(
                 &mut state.ahead,
                 &mut state.room,
                 points,
                 sub_steps,
-                period,
-            ));
-            if later == delay {
-                break;
-            }
+                duration,
+            );
+            effort = effort.and(passed);
             for (tool, device) in memory.devices.iter_mut().enumerate() {
                 // The avatar goes on from where it is, the device under the force that is on its way.
-                let coming = state.commands.coming(tool, later).intended;
-                device.ahead = device.ahead.under(&coming, period);
+                device.ahead = device
+                    .ahead
+                    .under(&state.commands.coming(tool, piece), duration);
                 state.ahead.parts[tool].drive = device.ahead.drive();
             }
         }
+        state.ahead.begin();
+        let passed = advance(&mut state.ahead, &mut state.room, points, sub_steps, period);
+        effort = effort.and(passed);
         for (tool, (device, intended)) in memory.devices.iter().zip(&mut state.intended).enumerate()
         {
             let (impulse, touched) = impulse_on(&state.ahead, renderer, tool);
-            *intended = Vector3::zeros();
             if !touched {
+                // What a lag still carries is taken back, as far as it can be felt.
+                let force = state.commands.command(tool, &Vector3::zeros(), period);
+                *intended = if force.norm() > LEAST_FORCE {
+                    force
+                } else {
+                    Vector3::zeros()
+                };
                 continue;
             }
             // What is owed at the beginning of the interval that this force governs.
             let start = state.ahead.parts[tool].drive.velocity;
             let owed = start - device.ahead.of(|axis| axis.velocity);
+            let mut mean = impulse / period;
             for axis in 0..3 {
                 let mobility = device.ahead.0[axis].mobility;
-                let owed = if mobility > 0.0 {
-                    owed[axis] / mobility
-                } else {
-                    0.0
-                };
-                intended[axis] = (impulse[axis] + owed) / period;
+                if mobility > 0.0 {
+                    mean[axis] += owed[axis] / (mobility * period);
+                }
             }
+            *intended = state.commands.command(tool, &mean, period);
         }
         effort
     }
 }
+
+/// Forces below this are none, where nothing touches a tool `[N]`.
+const LEAST_FORCE: f64 = 1e-6;
 
 /// Impulse of the contacts on a tool over the interval `[N s]`, and whether anything touched it.
 fn impulse_on(moving: &Moving, renderer: &WorldRenderer, tool: usize) -> (Vector3, bool) {

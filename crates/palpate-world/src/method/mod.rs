@@ -5,14 +5,17 @@
 
 mod basic;
 mod coupled;
+mod virtual_coupling;
 
 pub use basic::BasicParams;
 pub use coupled::CoupledParams;
+pub use virtual_coupling::VirtualCouplingParams;
 
 use crate::state::Progress;
 use crate::{Effort, Limited, Place, Vector, WorldError, WorldRenderer};
 use basic::Basic;
 use coupled::{Coupled, CoupledMemory};
+use virtual_coupling::{VirtualCoupling, VirtualCouplingMemory};
 
 /// A method, with its parameters.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +23,8 @@ use coupled::{Coupled, CoupledMemory};
 pub enum WorldMethod {
     /// The spring force at the sample, for comparison.
     Basic(BasicParams),
+    /// A spring and a damper between each device and an avatar with a mass, for comparison.
+    VirtualCoupling(VirtualCouplingParams),
     /// Devices and world predicted together, mean force held.
     Coupled(CoupledParams),
 }
@@ -30,6 +35,7 @@ impl WorldMethod {
     pub fn name(&self) -> &'static str {
         match self {
             Self::Basic(_) => "basic",
+            Self::VirtualCoupling(_) => "virtual-coupling",
             Self::Coupled(_) => "coupled",
         }
     }
@@ -37,6 +43,7 @@ impl WorldMethod {
     pub(crate) fn check(self, tools: usize) -> Result<Checked, Vec<WorldError>> {
         match self {
             Self::Basic(params) => params.check(tools).map(Checked::Basic),
+            Self::VirtualCoupling(params) => params.check(tools).map(Checked::VirtualCoupling),
             Self::Coupled(params) => params.check(tools).map(Checked::Coupled),
         }
     }
@@ -45,6 +52,12 @@ impl WorldMethod {
 impl From<BasicParams> for WorldMethod {
     fn from(params: BasicParams) -> Self {
         Self::Basic(params)
+    }
+}
+
+impl From<VirtualCouplingParams> for WorldMethod {
+    fn from(params: VirtualCouplingParams) -> Self {
+        Self::VirtualCoupling(params)
     }
 }
 
@@ -58,6 +71,7 @@ impl From<CoupledParams> for WorldMethod {
 #[derive(Clone, Debug)]
 pub(crate) enum Checked {
     Basic(Basic),
+    VirtualCoupling(VirtualCoupling),
     Coupled(Coupled),
 }
 
@@ -65,6 +79,7 @@ pub(crate) enum Checked {
 #[derive(Clone, Debug)]
 pub(crate) enum Memory {
     Basic,
+    VirtualCoupling(VirtualCouplingMemory),
     Coupled(CoupledMemory),
 }
 
@@ -72,6 +87,9 @@ impl Checked {
     pub fn memory(&self, renderer: &WorldRenderer) -> Memory {
         match self {
             Self::Basic(_) => Memory::Basic,
+            Self::VirtualCoupling(_) => {
+                Memory::VirtualCoupling(VirtualCouplingMemory::new(renderer.tools))
+            }
             Self::Coupled(coupled) => {
                 Memory::Coupled(CoupledMemory::new(coupled, renderer.in_loop().period))
             }
@@ -89,6 +107,9 @@ impl Checked {
         match (self, memory) {
             (Self::Coupled(coupled), Memory::Coupled(memory)) => {
                 coupled.begin(renderer, state, memory, positions);
+            }
+            (Self::VirtualCoupling(coupling), Memory::VirtualCoupling(memory)) => {
+                coupling.begin(renderer, state, memory, positions);
             }
             _ => Basic::begin(renderer, state, positions),
         }
@@ -108,6 +129,9 @@ impl Checked {
             (Self::Coupled(coupled), Memory::Coupled(memory)) => {
                 coupled.conclude(renderer, state, memory, positions, elapsed, limited)
             }
+            (Self::VirtualCoupling(coupling), Memory::VirtualCoupling(memory)) => {
+                coupling.conclude(renderer, state, memory, positions, elapsed)
+            }
             _ => Basic::conclude(renderer, state, positions, elapsed),
         }
     }
@@ -123,6 +147,9 @@ impl Checked {
             (Self::Coupled(coupled), Memory::Coupled(memory)) => {
                 coupled.plan(renderer, state, memory)
             }
+            (Self::VirtualCoupling(coupling), Memory::VirtualCoupling(memory)) => {
+                coupling.plan(state, memory)
+            }
             (Self::Basic(basic), _) => basic.plan(renderer, state),
             // The state of another renderer.
             _ => Effort::default(),
@@ -135,6 +162,7 @@ impl Memory {
     pub fn publish(&self, state: &mut Progress) {
         match self {
             Self::Basic => Basic::publish(state),
+            Self::VirtualCoupling(memory) => memory.publish(state),
             Self::Coupled(memory) => memory.publish(state),
         }
     }

@@ -2,12 +2,12 @@
 
 use palpate::Actuation;
 use palpate_world::{
-    BasicParams, Body, ContactLaw, CoupledParams, Free, Prior, Vector, World, WorldLoop,
-    WorldRenderer,
+    BasicParams, Body, ContactLaw, CoupledParams, Free, Prior, Sample, SubSteps, Vector,
+    VirtualCouplingParams, World, WorldLoop, WorldMethod, WorldRenderer,
 };
 
 use crate::common::{ball, plane, world};
-use crate::ideal::{Ball, Ideal, Law, Plane, Trial};
+use crate::ideal::{Actuators, Ball, Ideal, Law, Plane, Trial, dot};
 
 const DEVICE: Vector = [0.1, 0.16, 0.25];
 
@@ -51,13 +51,12 @@ fn as_world(ideal: &Ideal, law: ContactLaw) -> World {
 }
 
 struct Case {
-    name: &'static str,
     ideal: Ideal,
     law: ContactLaw,
-    samples: usize,
+    milliseconds: u32,
 }
 
-fn cases(law: ContactLaw) -> Vec<Case> {
+fn cases(law: ContactLaw) -> [Case; 4] {
     let plain = Law {
         stiffness: law.stiffness,
         damping: law.damping,
@@ -79,18 +78,18 @@ fn cases(law: ContactLaw) -> Vec<Case> {
     };
     let floor = planes(&[[0.0, 0.0, 1.0]]);
     let ideal = |balls, planes| Ideal::new(balls, planes, plain);
-    vec![
+    [
+        // A point pressed into a groove.
         Case {
-            name: "groove",
             ideal: ideal(
                 vec![tool([0.004, 0.0, 0.02], [0.2, 0.1, -1.5])],
                 planes(&groove),
             ),
             law,
-            samples: 300,
+            milliseconds: 300,
         },
+        // A ball above the tool.
         Case {
-            name: "ball juggled",
             ideal: ideal(
                 vec![
                     tool([0.0, 0.0, 0.0], [0.0, 0.0, 0.8]),
@@ -99,10 +98,10 @@ fn cases(law: ContactLaw) -> Vec<Case> {
                 Vec::new(),
             ),
             law,
-            samples: 250,
+            milliseconds: 250,
         },
+        // A ball that rests on the floor, and a tool above.
         Case {
-            name: "ball on the floor",
             ideal: ideal(
                 vec![
                     tool([0.003, 0.001, 0.055], [0.0, 0.0, -1.0]),
@@ -116,10 +115,10 @@ fn cases(law: ContactLaw) -> Vec<Case> {
                 floor,
             ),
             law,
-            samples: 200,
+            milliseconds: 200,
         },
+        // A row of two balls.
         Case {
-            name: "two balls in a row",
             ideal: ideal(
                 vec![
                     tool([0.0, 0.0, 0.0], [0.8, 0.0, 0.0]),
@@ -129,15 +128,9 @@ fn cases(law: ContactLaw) -> Vec<Case> {
                 Vec::new(),
             ),
             law,
-            samples: 200,
+            milliseconds: 200,
         },
     ]
-}
-
-fn renderer(case: &Case, period: f64, delay: usize, told: f64, prior: Prior) -> WorldRenderer {
-    let in_loop = WorldLoop::new(period).with_actuation(Actuation::after_samples(delay, period));
-    let masses = CoupledParams::new(vec![DEVICE.map(|mass| told * mass)]).with_prior(prior);
-    WorldRenderer::new(&as_world(&case.ideal, case.law), in_loop, masses).unwrap()
 }
 
 fn trial(case: &Case, period: f64, delay: usize) -> Trial {
@@ -146,35 +139,181 @@ fn trial(case: &Case, period: f64, delay: usize) -> Trial {
         period,
         quantum: 0.0,
         delay,
-        samples: (case.samples as f64 * 0.001 / period) as usize,
+        samples: (f64::from(case.milliseconds) * 0.001 / period) as usize,
+    }
+}
+
+/// A loop whose integration is as good as exact.
+fn fine(in_loop: WorldLoop) -> WorldLoop {
+    WorldLoop {
+        sub_steps: SubSteps {
+            phase: 0.003,
+            most: 4096,
+            refined: 100,
+            ..SubSteps::default()
+        },
+        ..in_loop
+    }
+}
+
+/// Coupled rendering that knows the devices and gives no offset back.
+fn exact() -> CoupledParams {
+    CoupledParams {
+        offset_return: 0.0,
+        velocity_return: f64::INFINITY,
+        ..CoupledParams::new(vec![DEVICE]).with_prior(Prior::of_a_known_mass())
+    }
+}
+
+/// E in percent of the four worlds.
+fn errors(
+    law: ContactLaw,
+    (period, delay): (f64, usize),
+    in_loop: impl Fn(WorldLoop) -> WorldLoop,
+    method: impl Into<WorldMethod>,
+) -> [f64; 4] {
+    let method = method.into();
+    let actuation = Actuation::after_samples(delay, period);
+    cases(law).map(|case| {
+        let in_loop = in_loop(WorldLoop::new(period).with_actuation(actuation));
+        let world = as_world(&case.ideal, case.law);
+        let renderer = WorldRenderer::new(&world, in_loop, method.clone()).unwrap();
+        trial(&case, period, delay).error(&renderer)
+    })
+}
+
+const LOOPS: [(f64, usize); 3] = [(0.001, 0), (0.004, 0), (0.001, 1)];
+
+#[test]
+fn with_devices_known_exactly_each_held_force_is_the_mean_of_the_ideal_one() {
+    let smooth = ContactLaw::spring(4000.0).with_damping(1.0);
+    for (law, in_loop) in [smooth, smooth.with_friction(0.4)]
+        .into_iter()
+        .flat_map(|law| LOOPS.map(|in_loop| (law, in_loop)))
+    {
+        let known = errors(law, in_loop, fine, exact());
+        // Without the offset, the avatar begins each interval where the device is.
+        let without = CoupledParams {
+            offset_limit: 1e-12,
+            ..exact()
+        };
+        let without = errors(law, in_loop, fine, without);
+        println!("{law:?}, {in_loop:?}: E {known:.4?} %, without the offset {without:.1?} %");
+        for (known, without) in known.into_iter().zip(without) {
+            assert!(known < 0.01, "{known}");
+            assert!(without > 20.0 * known, "{without}");
+        }
     }
 }
 
 #[test]
-fn with_devices_known_exactly_the_force_is_the_mean_of_the_ideal_one() {
+fn as_it_comes_and_told_another_mass_it_is_near_that_mean() {
     let law = ContactLaw::spring(4000.0).with_damping(1.0);
-    for (period, delay) in [(0.001, 0), (0.004, 0), (0.001, 1)] {
-        for case in cases(law) {
-            let trial = trial(&case, period, delay);
-            let known = renderer(&case, period, delay, 1.0, Prior::of_a_known_mass());
-            let learned = renderer(&case, period, delay, 1.5, Prior::default());
-            let in_loop = WorldLoop::new(period);
-            let world = as_world(&case.ideal, case.law);
-            let basic = WorldRenderer::new(&world, in_loop, BasicParams::default()).unwrap();
-            let (known, learned, basic) = (
-                trial.error(&known),
-                trial.error(&learned),
-                trial.error(&basic),
-            );
-            println!(
-                "{} at {period} s, delay {delay}: E {known:.4} %, told 1.5 times the mass {learned:.3} %, \
-                 sampled spring {basic:.1} %",
-                case.name
-            );
-            if delay == 0 {
-                assert!(known < 0.1, "{}: {known}", case.name);
+    for in_loop in LOOPS {
+        let same = |in_loop| in_loop;
+        let told = |factor: f64| CoupledParams::new(vec![DEVICE.map(|mass| factor * mass)]);
+        let [right, heavy, light] =
+            [1.0, 1.5, 0.67].map(|factor| errors(law, in_loop, same, told(factor)));
+        let basic = errors(law, in_loop, same, BasicParams::default());
+        let coupling = VirtualCouplingParams {
+            stiffness: vec![3000.0],
+            damping: vec![1.0],
+            mass: vec![0.05],
+        };
+        let coupling = errors(law, in_loop, same, coupling);
+        println!(
+            "{in_loop:?}: E {right:.3?} %, told 1.5 times the mass {heavy:.3?}, two thirds {light:.3?}; sampled spring \
+             {basic:.0?}, virtual coupling {coupling:.0?}"
+        );
+        for column in [right, heavy, light] {
+            for (error, basic) in column.into_iter().zip(basic) {
+                assert!(error < 1.5 && basic > 5.0 * error, "{error} {basic}");
             }
-            assert!(basic > 5.0);
+        }
+    }
+}
+
+/// E in percent over the windows in which the commands act, from `lead` after each sample, with a real actuator of which
+/// the renderer is told `told`.
+fn over_windows(case: &Case, period: f64, real: Actuation<f64>, told: Actuation<f64>) -> f64 {
+    let in_loop = fine(WorldLoop::new(period)).with_actuation(told);
+    let world = as_world(&case.ideal, case.law);
+    let renderer = WorldRenderer::new(&world, in_loop, exact()).unwrap();
+    let mut state = renderer.start();
+    let mut ideal = case.ideal.clone();
+    let tool = ideal.balls[0];
+    let mut device = Ideal::new(vec![tool], Vec::new(), ideal.law);
+    let mut actuators = Actuators {
+        delay: real.delay,
+        lag: real.lag,
+        gain: real.gain,
+        sent: Vec::new(),
+        felt: vec![[0.0; 3]],
+        own: vec![tool.force],
+    };
+    // The ideal is as far as the first command's beginning when the loop starts.
+    let early = real.delay % period;
+    let (mut delivered, mut errors, mut all) = ([0.0; 3], 0.0, 0.0);
+    if early > 0.0 {
+        ideal.interval(early);
+    }
+    for sample in 0..case.milliseconds.min(150) as usize {
+        let now = sample as f64 * period;
+        let position = device.balls[0].position;
+        let output = renderer.step(&mut state, &Sample::at(&[position]));
+        assert_eq!(output.fault, None);
+        actuators.sent.push((now, output.forces.to_vec()));
+        if actuators.sent.len() > 4 {
+            actuators.sent.remove(0);
+        }
+        // To the end of the window that began in the last interval, and on to the next sample.
+        if early > 0.0 {
+            let late = actuators.hold(&mut device, now, now + early)[0];
+            delivered = [0, 1, 2].map(|axis| delivered[axis] + late[axis]);
+        }
+        if sample > 0 || early == 0.0 {
+            if early > 0.0 {
+                let (means, squares) = ideal.interval(period);
+                let off = [0, 1, 2].map(|axis| delivered[axis] / period - means[0][axis]);
+                errors += dot(off, off) * period;
+                all += squares;
+            }
+        }
+        delivered = actuators.hold(&mut device, now + early, now + period)[0];
+        if early == 0.0 {
+            let (means, squares) = ideal.interval(period);
+            let off = [0, 1, 2].map(|axis| delivered[axis] / period - means[0][axis]);
+            errors += dot(off, off) * period;
+            all += squares;
+        }
+    }
+    100.0 * (errors / all).sqrt()
+}
+
+#[test]
+fn with_an_actuator_known_exactly_each_delivered_mean_is_that_of_the_ideal_force() {
+    let period = 0.001;
+    let law = ContactLaw::spring(4000.0)
+        .with_damping(1.0)
+        .with_friction(0.3);
+    let actuators = [
+        Actuation::after(0.0).with_gain(0.9),
+        Actuation::after(0.0004),
+        Actuation::after(0.0013),
+        Actuation::after(0.0005).with_lag(0.0003).with_gain(1.1),
+        Actuation::after(0.0).with_lag(0.0003),
+    ];
+    for real in actuators {
+        let nothing = Actuation::default();
+        let [known, unknown] = [real, nothing]
+            .map(|told| cases(law).map(|case| over_windows(&case, period, real, told)));
+        println!(
+            "delay {} s, lag {} s, gain {}: E {known:.4?} %, told nothing {unknown:.1?} %",
+            real.delay, real.lag, real.gain
+        );
+        for (known, unknown) in known.into_iter().zip(unknown) {
+            assert!(known < 0.05, "{known}");
+            assert!(unknown > 10.0 * known, "{unknown}");
         }
     }
 }

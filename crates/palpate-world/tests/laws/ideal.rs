@@ -1,10 +1,12 @@
 //! A second, plain integration of worlds of spheres and half-spaces in continuous time, and of devices under held
-//! forces: fourth-order Runge-Kutta steps, so short that contacts may begin between them. It shares no code with the
+//! forces: fourth-order Runge-Kutta steps, so short that a contact may begin between two. It shares no code with the
 //! renderer.
 
 use palpate_world::{Sample, Vector, WorldRenderer};
 
-pub const STEPS: usize = 400;
+const STEPS: usize = 200;
+/// So many more in one in which a contact begins or ends.
+const FINER: usize = 500;
 
 /// A sphere: a tool, with a mass for each axis and a hand, or a body.
 #[derive(Clone, Copy, Debug)]
@@ -79,7 +81,7 @@ impl Ideal {
         }
     }
 
-    fn rates(&self, moved: bool) -> (Vec<Rate>, Vec<Vector>) {
+    fn rates(&self) -> (Vec<Rate>, Vec<Vector>) {
         let mut loads = vec![([0.0; 3], [0.0; 3]); self.balls.len()];
         let mut slides = Vec::new();
         let mut pair = 0;
@@ -87,16 +89,7 @@ impl Ideal {
             for plane in &self.planes {
                 let depth = ball.radius - (dot(ball.position, plane.normal) - plane.offset);
                 let place = add(ball.position, plane.normal, 0.5 * depth - ball.radius);
-                slides.push(self.push(
-                    &mut loads,
-                    i,
-                    None,
-                    depth,
-                    plane.normal,
-                    place,
-                    pair,
-                    moved,
-                ));
+                slides.push(self.push(&mut loads, i, None, depth, plane.normal, place, pair));
                 pair += 1;
             }
             for (j, other) in self.balls.iter().enumerate() {
@@ -106,16 +99,7 @@ impl Ideal {
                     let normal = off.map(|x| x / length);
                     let depth = ball.radius + other.radius - length;
                     let place = add(ball.position, normal, 0.5 * depth - ball.radius);
-                    slides.push(self.push(
-                        &mut loads,
-                        i,
-                        Some(j),
-                        depth,
-                        normal,
-                        place,
-                        pair,
-                        moved,
-                    ));
+                    slides.push(self.push(&mut loads, i, Some(j), depth, normal, place, pair));
                 } else {
                     slides.push([0.0; 3]);
                 }
@@ -158,7 +142,6 @@ impl Ideal {
         normal: Vector,
         place: Vector,
         pair: usize,
-        _moved: bool,
     ) -> Vector {
         if depth <= 0.0 {
             return [f64::NAN; 3];
@@ -223,10 +206,10 @@ impl Ideal {
 
     /// One step of `h` `[s]`; the mean force of the contacts on each ball.
     fn step(&mut self, h: f64) -> Vec<Vector> {
-        let (a, sa) = self.rates(true);
-        let (b, sb) = self.moved(&a, &sa, 0.5 * h).rates(true);
-        let (c, sc) = self.moved(&b, &sb, 0.5 * h).rates(true);
-        let (d, sd) = self.moved(&c, &sc, h).rates(true);
+        let (a, sa) = self.rates();
+        let (b, sb) = self.moved(&a, &sa, 0.5 * h).rates();
+        let (c, sc) = self.moved(&b, &sb, 0.5 * h).rates();
+        let (d, sd) = self.moved(&c, &sc, h).rates();
         let mix = |a: Vector, b: Vector, c: Vector, d: Vector| {
             [0, 1, 2].map(|k| (a[k] + 2.0 * b[k] + 2.0 * c[k] + d[k]) / 6.0)
         };
@@ -296,17 +279,36 @@ impl Ideal {
         }
     }
 
+    /// Which pairs touch.
+    fn touching(&self) -> Vec<bool> {
+        let (_, slides) = self.rates();
+        slides.iter().map(|slide| !slide[0].is_nan()).collect()
+    }
+
     /// The mean contact force on each ball over an interval, and the integral of the squares of those on tools.
     pub fn interval(&mut self, h: f64) -> (Vec<Vector>, f64) {
         let mut sum = vec![[0.0; 3]; self.balls.len()];
         let mut squares = 0.0;
-        let step = h / STEPS as f64;
-        for _ in 0..STEPS {
-            for ((sum, force), ball) in sum.iter_mut().zip(self.step(step)).zip(&self.balls) {
-                *sum = add(*sum, force, 1.0 / STEPS as f64);
+        let mut take = |ideal: &mut Self, step: f64| {
+            let forces = ideal.step(step);
+            for ((sum, force), ball) in sum.iter_mut().zip(forces).zip(&ideal.balls) {
+                *sum = add(*sum, force, step / h);
                 if ball.is_tool {
                     squares += dot(force, force) * step;
                 }
+            }
+        };
+        let step = h / STEPS as f64;
+        for _ in 0..STEPS {
+            let touching = self.touching();
+            let mut next = self.clone();
+            next.step(step);
+            if next.touching() == touching {
+                take(self, step);
+                continue;
+            }
+            for _ in 0..FINER {
+                take(self, step / FINER as f64);
             }
         }
         (sum, squares)
@@ -324,6 +326,64 @@ pub fn hold(tools: &mut Ideal, forces: &[Vector], h: f64) {
     }
     for (ball, own) in tools.balls.iter_mut().zip(own) {
         ball.force = own;
+    }
+}
+
+/// Actuators of one axis each: commands begin after a delay and go through a lag, with a gain.
+pub struct Actuators {
+    pub delay: f64,
+    pub lag: f64,
+    pub gain: f64,
+    /// Commands, each with the instant of its sample.
+    pub sent: Vec<(f64, Vec<Vector>)>,
+    pub felt: Vec<Vector>,
+    /// Constant force of each hand `[N]`.
+    pub own: Vec<Vector>,
+}
+
+impl Actuators {
+    /// Moves the devices from `from` to `to` `[s]`; returns the impulse on each.
+    pub fn hold(&mut self, devices: &mut Ideal, from: f64, to: f64) -> Vec<Vector> {
+        const PARTS: usize = 50;
+        let h = (to - from) / PARTS as f64;
+        let mut impulses = vec![[0.0; 3]; devices.balls.len()];
+        for part in 0..PARTS {
+            let middle = from + (part as f64 + 0.5) * h;
+            let acts = self
+                .sent
+                .iter()
+                .rev()
+                .find(|(sample, _)| sample + self.delay <= middle);
+            let aim = acts.map_or_else(
+                || vec![[0.0; 3]; impulses.len()],
+                |(_, forces)| forces.clone(),
+            );
+            let kept = if self.lag > 0.0 {
+                (-h / self.lag).exp()
+            } else {
+                0.0
+            };
+            let mut means = Vec::new();
+            for (felt, aim) in self.felt.iter_mut().zip(aim) {
+                let aim = aim.map(|force| self.gain * force);
+                let before = *felt;
+                *felt = add(aim, add(before, aim, -1.0), kept);
+                let carried = if self.lag > 0.0 {
+                    self.lag * (1.0 - kept) / h
+                } else {
+                    0.0
+                };
+                means.push(add(aim, add(before, aim, -1.0), carried));
+            }
+            for (impulse, mean) in impulses.iter_mut().zip(&means) {
+                *impulse = add(*impulse, *mean, h);
+            }
+            for ((ball, mean), own) in devices.balls.iter_mut().zip(&means).zip(&self.own) {
+                ball.force = add(*own, *mean, 1.0);
+            }
+            devices.step(h);
+        }
+        impulses
     }
 }
 

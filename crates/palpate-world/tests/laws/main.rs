@@ -1,7 +1,14 @@
 //! Physical laws that a rendered world keeps.
 #![allow(missing_docs)]
+#![allow(clippy::print_stdout)] // a law prints what it has measured
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // numbers of samples
 
+mod adversary;
+mod books;
+mod closed_form;
 mod common;
 mod conservation;
 mod floor;
+mod grasp;
 mod ideal;
+mod resting;

@@ -295,20 +295,20 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
                     position: object.position + moved.by,
                     velocity: moved.velocity,
                 };
+                // Nothing moves a wall, though a method may place it.
+                let virtual_force = if self.motion.is_wall() {
+                    S::ZERO
+                } else {
+                    interval.start.virtual_force
+                };
+                let held_force = interval.reported.unwrap_or(*booked);
                 let closed = state.ledger.close(&Closing {
                     stored: self
                         .motion
                         .stored_energy(device - object.position, object.velocity),
-                    device_moved,
-                    object_moved: moved.by,
-                    // Nothing moves a wall, though a method may place it.
-                    virtual_force: if self.motion.is_wall() {
-                        S::ZERO
-                    } else {
-                        interval.start.virtual_force
-                    },
-                    original_force: interval.original_force,
-                    held_force: interval.reported.unwrap_or(*booked),
+                    port_work: held_force * device_moved,
+                    virtual_force_work: virtual_force * moved.by,
+                    original_work: interval.original_force * device_moved,
                 });
                 if !closed {
                     return Err(Fault::Overflow);

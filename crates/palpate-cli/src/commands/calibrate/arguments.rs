@@ -1,15 +1,20 @@
 //! Arguments of `calibrate`.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::{ArgGroup, Args, ValueHint};
 use palpate_calibrate::ExcitationParams;
 
 use crate::arguments::{Overwriting, PlotFlags};
 use crate::commands::run::RealtimeArguments;
-use crate::devices::DeviceArguments;
+use crate::devices::{DeviceArguments, DeviceName};
 use crate::failure::Failure;
-use crate::values::number;
+use crate::values::{duration, number};
+
+/// Time to bring a 2DIY from its start pose to where it is calibrated `[s]`.
+const USUAL_WAIT: f64 = 3.0;
+const LONGEST_WAIT: f64 = 60.0;
 
 /// Arguments of `calibrate`.
 #[derive(Args, Debug)]
@@ -36,6 +41,11 @@ pub struct CalibrateArguments {
     /// Scene file (TOML) with the device and the hand of --device simulated
     #[arg(long, value_name = "SCENE.toml", value_hint = ValueHint::FilePath, conflicts_with = "pipe")]
     pub scene: Option<PathBuf>,
+    /// Time to bring the device to where it is calibrated, 0 to 60; after that the force begins when the
+    /// device has been still for 0.5 s [s] [default: 3 for haply-2diy, whose arm is opened in its start
+    /// pose; elsewhere the device is taken to be there]
+    #[arg(long, value_name = "s", value_parser = number, conflicts_with = "pipe")]
+    pub wait: Option<f64>,
     /// Do not wait for the time to pass, on a device without a motor
     #[arg(long, conflicts_with = "pipe")]
     pub fast: bool,
@@ -108,6 +118,20 @@ pub struct CalibrateResults {
 }
 
 impl CalibrateArguments {
+    /// How long the hand has to bring the device to its place; none: it is there.
+    pub fn wait(&self) -> Result<Option<Duration>, Failure> {
+        let usual = (self.device.device == DeviceName::Haply2diy).then_some(USUAL_WAIT);
+        let Some(wait) = self.wait.or(usual) else {
+            return Ok(None);
+        };
+        if !(0.0..=LONGEST_WAIT).contains(&wait) {
+            return Err(Failure::Arguments(format!(
+                "--wait is {wait}; allowed: 0 to {LONGEST_WAIT} [s]"
+            )));
+        }
+        duration("--wait", wait).map(Some)
+    }
+
     /// What the excitation may do.
     pub fn params(&self) -> ExcitationParams {
         let flags = &self.excitation;

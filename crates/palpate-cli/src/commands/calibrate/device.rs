@@ -6,28 +6,23 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{Builder, JoinHandle};
 use std::time::Duration;
 
-use palpate::AlongAxis;
-use palpate_calibrate::{ExcitationParams, Phase};
+use palpate_calibrate::ExcitationParams;
+use palpate_device::Device;
 use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
-use palpate_device::{Device, DeviceErrorKind, Vector, Wrench};
 use palpate_rt::StopFlag;
 use palpate_rt::realtime::Request;
-use palpate_rt::safety::{
-    Heartbeat, OscillationParams, Rendered, Safety, SafetyParams, Supervisor, Trip,
-};
+use palpate_rt::safety::{Heartbeat, SafetyParams, Supervisor};
 use palpate_scene::{Scene, SceneFile};
 
 use super::CalibrateArguments;
 use super::motion::Motion;
+use super::shaker::Shaker;
 use crate::commands::run::request;
 use crate::commands::simulate::read_scene;
 use crate::devices::guarding::Guarding;
 use crate::devices::{Opened, open};
 use crate::failure::{Failure, tell};
 use crate::values::duration;
-
-/// Part of the samples that may be missing.
-const MOST_MISSING: f64 = 0.02;
 
 /// The device and the hand of `--device simulated` where no scene says others.
 const SCENE: &str = r#"
@@ -98,36 +93,21 @@ fn on<C: Clock>(
     request: Request,
 ) -> Result<Motion, Failure> {
     let period = duration("--period", params.period)?;
+    let wait = arguments.wait()?;
     let stall_limit = SafetyParams::default().stall_after(period);
     let guarding = Guarding::new(stall_limit);
     let Opened { mut device, axis } = open(&arguments.device, scene, clock, &guarding)?;
-    let limits = SafetyParams::for_device(device.capabilities());
-    let limits = SafetyParams {
-        largest_force: params.largest_force.min(limits.largest_force),
-        // Nothing is rendered that could create energy.
-        oscillation: OscillationParams {
-            energy: f64::INFINITY,
-            ..limits.oscillation
-        },
-        ..limits
-    };
-    let wrong = |error: &dyn std::fmt::Display| Failure::Arguments(error.to_string());
     let heartbeat = Arc::new(Heartbeat::default());
     let watched = Watched::start(device.as_mut(), &heartbeat, clock, &request, stall_limit)?;
-    let shaker = Shaker {
-        device,
-        axis,
-        clock: clock.clone(),
-        period,
-        safety: Safety::new(limits, params.period).map_err(|error| wrong(&error))?,
-        heartbeat,
-        stall_limit,
-        motion: Motion::new(params).map_err(|error| wrong(&error))?,
-        start: None,
-        reach: 2.0 * params.excursion,
-        last: None,
-        cuts: 0,
-    };
+    let opened = Opened { device, axis };
+    let shaker = Shaker::new(opened, clock.clone(), params, heartbeat, stall_limit)?.waiting(wait);
+    if let Some(wait) = wait {
+        tell(format_args!(
+            "bring the device to where it is calibrated and hold it still: the force begins when it has \
+             been still for 0.5 s, {:.1} s from now at the earliest",
+            wait.as_secs_f64()
+        ));
+    }
     let stop =
         StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
     let thread = Builder::new()
@@ -143,17 +123,7 @@ fn on<C: Clock>(
         .join()
         .map_err(|_| Failure::System("the loop ended for a fault of the program".into()));
     watched.end();
-    let mut motion = ended??;
-    let missed = motion.missed();
-    if missed as f64 > MOST_MISSING * motion.length() as f64 {
-        return Err(Failure::Declined(format!(
-            "no calibration: {missed} of {} samples are missing, for deadlines that were missed or for a \
-             device that had nothing new; a longer --period, or a --priority that the machine grants, helps",
-            motion.length()
-        )));
-    }
-    motion.fill();
-    Ok(motion)
+    ended?
 }
 
 /// A supervisor on a thread of its own, where the device has a second way to command no force.
@@ -199,129 +169,4 @@ impl Watched {
             let _ = thread.join();
         }
     }
-}
-
-/// The loop: sleep, sample, ask the excitation, pass through safety, command.
-struct Shaker<C> {
-    device: Box<dyn Device>,
-    axis: AlongAxis<f64, 3>,
-    clock: C,
-    period: Duration,
-    safety: Safety,
-    heartbeat: Arc<Heartbeat>,
-    stall_limit: Duration,
-    motion: Motion,
-    /// Where the device was at first `[m]`.
-    start: Option<Vector>,
-    /// How far it may go from there in any direction `[m]`.
-    reach: f64,
-    /// Time of the last sample.
-    last: Option<Duration>,
-    cuts: u64,
-}
-
-impl<C: Clock> Shaker<C> {
-    fn run(mut self, stop: &StopFlag) -> Result<Motion, Failure> {
-        let ended = self.until_done(stop);
-        // A device that does not take it is asked again once; more cannot be done here.
-        if self.device.write(Wrench::NONE).is_err() {
-            let _ = self.device.write(Wrench::NONE);
-        }
-        self.heartbeat.end();
-        ended.map(|()| self.motion)
-    }
-
-    fn until_done(&mut self, stop: &StopFlag) -> Result<(), Failure> {
-        let mut deadline = self.clock.now();
-        loop {
-            match self.motion.phase() {
-                Phase::Running => {}
-                Phase::Done => return Ok(()),
-                Phase::Stopped(why) => return Err(Failure::Declined(format!("stopped: {why}"))),
-            }
-            if stop.is_raised() {
-                return Err(Failure::Interrupted(
-                    "stopped by a signal before the end: no calibration, and no force".into(),
-                ));
-            }
-            self.clock.sleep_until(deadline);
-            let woke = self.clock.now();
-            self.heartbeat.beat(woke);
-            self.tick(woke)?;
-            deadline += self.period;
-            let now = self.clock.now();
-            while now > deadline && self.motion.phase() == Phase::Running {
-                deadline += self.period;
-                self.motion.miss();
-            }
-        }
-    }
-
-    fn tick(&mut self, woke: Duration) -> Result<(), Failure> {
-        let read = self.device.read();
-        let late = self.clock.now().saturating_sub(woke) > self.stall_limit;
-        let cuts = self.heartbeat.cuts();
-        let stalled = late || cuts != self.cuts || self.device.was_cut();
-        self.cuts = cuts;
-        let pose = match read {
-            Ok(pose) if self.last.is_none_or(|last| pose.time > last) => Some(pose),
-            Ok(_) => None,
-            Err(error) if error.kind == DeviceErrorKind::NothingNew => None,
-            Err(error) => return Err(Failure::System(format!("the device: {error}"))),
-        };
-        let Some(pose) = pose else {
-            self.motion.miss();
-            let verdict = self.safety.missing();
-            return self.command(verdict.wrench);
-        };
-        let elapsed = self.last.map(|last| (pose.time - last).as_secs_f64());
-        self.last = Some(pose.time);
-        let start = *self.start.get_or_insert(pose.position);
-        let away = distance(pose.position, start);
-        if away > self.reach {
-            return Err(Failure::Declined(format!(
-                "stopped: the device is {:.1} mm from where it started, across the axis that is \
-                 calibrated: guide it along the axis",
-                away * 1e3
-            )));
-        }
-        let coordinate = self.axis.coordinate(pose.position);
-        let force = self.motion.take(Some(pose.time.as_secs_f64()), coordinate);
-        let verdict = self.safety.judge(&Rendered {
-            elapsed,
-            position: pose.position,
-            coordinate,
-            wrench: Wrench::of_force(self.axis.vector(force)),
-            created_energy: 0.0,
-            refused: false,
-            stalled,
-        });
-        if stalled {
-            self.motion.lose_last();
-        }
-        let passing = [Trip::StaleSample, Trip::Stalled];
-        if let Some(trip) = verdict.tripped.filter(|trip| !passing.contains(trip)) {
-            return Err(Failure::Declined(format!(
-                "stopped: safety took the force off ({})",
-                trip.name()
-            )));
-        }
-        self.command(verdict.wrench)
-    }
-
-    /// Commands a wrench, and notes what the device says that it holds.
-    fn command(&mut self, wrench: Wrench) -> Result<(), Failure> {
-        let sent = self
-            .device
-            .write(wrench)
-            .map_err(|error| Failure::System(format!("the device: {error}")))?;
-        let along = self.axis.vector(1.0);
-        let force = (0..3).map(|i| sent.force[i] * along[i]).sum();
-        self.motion.really_sent(force);
-        Ok(())
-    }
-}
-
-fn distance(a: Vector, b: Vector) -> f64 {
-    (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
 }

@@ -2,9 +2,13 @@
 
 mod arguments;
 mod device;
+#[cfg(all(test, unix))]
+mod emulated_tests;
 mod motion;
 mod picture;
 mod report;
+mod settling;
+mod shaker;
 mod stream;
 
 use std::path::Path;

@@ -11,6 +11,7 @@ use palpate_haply_emulator::inverse3::{
 use palpate_rt::StopFlag;
 use palpate_testbed::hand::{Hand, Intention, Sinusoid};
 
+use super::AmplifierFlags;
 use crate::failure::{Failure, tell};
 use crate::results::print;
 use crate::values::{Place, duration, number, place};
@@ -52,6 +53,9 @@ pub struct Inverse3EmulatorArguments {
     #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true,
           default_value = "0,0,0")]
     pub start: Triple,
+    /// The amplifiers.
+    #[command(flatten)]
+    pub amplifier: AmplifierFlags,
     /// The hand.
     #[command(flatten)]
     pub hand: HandArguments,
@@ -200,6 +204,7 @@ pub fn run(arguments: &Inverse3EmulatorArguments) -> Result<(), Failure> {
             mass: arguments.mass,
             start: arguments.start.0,
             hands: hands(arguments)?,
+            amplifier: arguments.amplifier.params()?,
             ..Body::default()
         },
         idle_after: duration("--idle-after", arguments.idle_after)?,

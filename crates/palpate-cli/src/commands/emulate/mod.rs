@@ -4,8 +4,10 @@ mod inverse3;
 pub mod two_diy;
 
 use clap::{Args, Subcommand};
+use palpate_testbed::actuator::ActuatorParams;
 
 use crate::failure::Failure;
+use crate::values::number;
 
 /// Arguments of `emulate`.
 #[derive(Args, Debug)]
@@ -38,6 +40,38 @@ Faults strike by themselves: --fault KIND@SECONDS, as often as wanted, with the 
 garbage, half, half-bytes, disconnect and close for one answer, and stall=s, unplug=s and no-power=s for \
 as many seconds.")]
     Inverse3(Box<inverse3::Inverse3EmulatorArguments>),
+}
+
+/// The amplifiers of an emulated device.
+#[derive(Args, Debug, Clone, Copy)]
+#[command(next_help_heading = "Amplifier")]
+pub struct AmplifierFlags {
+    /// Time constant with which a force follows its command, 0 to 0.05 [s]
+    #[arg(long, value_name = "s", value_parser = number, default_value = "0")]
+    pub lag: f64,
+    /// Force that the motors give over the force that is commanded, 0.1 to 10
+    #[arg(long, value_name = "RATIO", value_parser = number, default_value = "1")]
+    pub gain: f64,
+}
+
+impl AmplifierFlags {
+    /// Gain and lag, if they are within their ranges.
+    fn params(self) -> Result<ActuatorParams, Failure> {
+        let Self { lag, gain } = self;
+        within("--lag", lag, [0.0, 0.05], "0 to 0.05 [s]")?;
+        within("--gain", gain, [0.1, 10.0], "0.1 to 10")?;
+        Ok(ActuatorParams { gain, lag })
+    }
+}
+
+/// Refuses a value outside its range.
+fn within(flag: &str, value: f64, [least, most]: [f64; 2], allowed: &str) -> Result<(), Failure> {
+    if (least..=most).contains(&value) {
+        return Ok(());
+    }
+    Err(Failure::Arguments(format!(
+        "{flag} is {value}; allowed: {allowed}"
+    )))
 }
 
 /// Emulates until it is over.

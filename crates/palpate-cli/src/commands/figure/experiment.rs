@@ -8,11 +8,11 @@ use palpate_scene::{Measure, SceneFile};
 use palpate_sim::closed_loop::error_against;
 use palpate_sim::run::Run;
 
-use super::super::simulate::{simulate, subject};
+use super::super::simulate::simulate;
 use crate::failure::Failure;
 use crate::plots;
 use palpate_figure::Sheet;
-use palpate_study::report::Report;
+use palpate_study::report::{Report, Subject};
 use palpate_study::text::{lines, number, percent, plain_table};
 
 const FIG4: &str = include_str!("../../../experiments/fig4.toml");
@@ -89,7 +89,7 @@ fn experiment(scene: &str, measured: &Measured) -> Result<Compared, Failure> {
     let fine_name = format!("basic at 1 kHz{off}");
     let fine = (&*fine_name, &fine_runs[0]);
     let figure = plots::method_by_method(&file.scene, bench.reference(), &columns, fine);
-    let report = Report::new(&subject(&file.scene), bench.reference(), &runs);
+    let report = Report::new(&Subject::of(&file.scene), bench.reference(), &runs);
     let comparison = beside_the_paper(&runs, &fine_runs[0], measured);
     Ok((report, figure, comparison))
 }

@@ -4,11 +4,11 @@ use palpate_scene::SceneFile;
 use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_sim::closed_loop::Bench;
 
-use super::super::simulate::{simulate, subject};
+use super::super::simulate::simulate;
 use crate::failure::Failure;
 use crate::plots;
 use palpate_figure::Figure;
-use palpate_study::report::Report;
+use palpate_study::report::{Report, Subject};
 
 const FIG2: &str = include_str!("../../../experiments/fig2.toml");
 const LONG: &str = include_str!("../../../experiments/fig2_long.toml");
@@ -39,7 +39,7 @@ pub fn fig2(besides: &[(MethodName, &'static str)]) -> Result<(Report, Figure), 
         .map(|((_, name), run)| (*name, run))
         .collect();
     let figure = plots::step_by_step(&file.scene.title, bench.reference(), &steps);
-    let report = Report::new(&subject(&file.scene), bench.reference(), &runs);
+    let report = Report::new(&Subject::of(&file.scene), bench.reference(), &runs);
     Ok((report, figure))
 }
 
@@ -57,7 +57,7 @@ pub fn fig2_long() -> Result<(Report, Figure, String), Failure> {
     let steps: Vec<_> = DAMPINGS.iter().map(|(_, name)| *name).zip(&runs).collect();
     let bench = Bench::new(&file.scene).map_err(Failure::input)?;
     let figure = plots::step_by_step(&file.scene.title, bench.reference(), &steps);
-    let report = Report::new(&subject(&file.scene), bench.reference(), &runs);
+    let report = Report::new(&Subject::of(&file.scene), bench.reference(), &runs);
     let dampings = DAMPINGS.map(|(damping, _)| damping.to_string()).join(", ");
     let below = format!("\nFrom top to bottom b = {dampings} N s/m.\n");
     Ok((report, figure, below))

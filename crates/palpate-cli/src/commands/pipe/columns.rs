@@ -2,22 +2,22 @@
 
 use std::fmt::Write;
 
-use palpate_record::recording::{self, Flags, Tick, Value};
+use palpate_record::recording::{self, Flags, Value};
 use palpate_scene::method::nearest;
 
 /// A quantity that a line can say.
 #[derive(Clone, Copy, Debug)]
 pub enum Column {
-    /// A column of a tick.
-    OfTick(&'static recording::Column),
+    /// A column of a row of a recording.
+    OfRow(&'static recording::Column),
     /// Limits that changed the force.
     Limited,
     /// What was wrong with the line.
     Fault,
 }
 
-/// The columns of a tick that a pipe has, in the order in which it tells of them.
-const OF_TICK: [&str; 15] = [
+/// The columns of a row of a recording that a pipe has, in the order in which it tells of them.
+const OF_ROW: [&str; 15] = [
     "force_on_device_n",
     "force_on_object_n",
     "t_s",
@@ -38,15 +38,15 @@ const OF_TICK: [&str; 15] = [
 impl Column {
     /// Every column.
     fn all() -> impl Iterator<Item = Self> {
-        let named = |name| recording::Column::named(name).map(Self::OfTick);
+        let named = |name| recording::Column::named(name).map(Self::OfRow);
         let own = [Self::Limited, Self::Fault];
-        OF_TICK.into_iter().filter_map(named).chain(own)
+        OF_ROW.into_iter().filter_map(named).chain(own)
     }
 
     /// Its name with the unit, which is that of recordings and run files.
     fn header(self) -> &'static str {
         match self {
-            Self::OfTick(column) => column.name,
+            Self::OfRow(column) => column.name,
             Self::Limited => "limited",
             Self::Fault => "fault",
         }
@@ -56,9 +56,9 @@ impl Column {
     fn short_name(self) -> &'static str {
         match self {
             // What a pipe is for, and what its input calls so.
-            Self::OfTick(column) if column.name == "force_on_device_n" => "force",
-            Self::OfTick(column) if column.name == "t_s" => "time",
-            Self::OfTick(column) => column.short_name(),
+            Self::OfRow(column) if column.name == "force_on_device_n" => "force",
+            Self::OfRow(column) if column.name == "t_s" => "time",
+            Self::OfRow(column) => column.short_name(),
             own => own.header(),
         }
     }
@@ -108,7 +108,7 @@ pub fn columns(text: &str) -> Result<Columns, String> {
 #[derive(Clone, Debug)]
 pub struct Row {
     /// What the renderer made of it; the force on the device is the one that is to be commanded.
-    pub tick: Tick,
+    pub values: recording::Row,
     /// Whether the force was still coming in.
     pub softened: bool,
     /// Name of what was wrong with the line, if anything was.
@@ -120,9 +120,9 @@ pub struct Row {
 impl Row {
     /// The last line of the output: the same without a force.
     pub fn end(mut self) -> Self {
-        self.tick.force_on_device = 0.0;
-        self.tick.force_on_object = 0.0;
-        self.tick.flags = Flags::default();
+        self.values.contact.force_on_device = 0.0;
+        self.values.contact.force_on_object = 0.0;
+        self.values.contact.flags = Flags::default();
         self.softened = false;
         self.fault = "";
         self.ended = true;
@@ -132,7 +132,13 @@ impl Row {
     /// Limits that changed the force, separated by spaces.
     fn limits(&self) -> String {
         let soft_start = self.softened.then_some("soft-start");
-        let limits: Vec<_> = self.tick.flags.limits().chain(soft_start).collect();
+        let limits: Vec<_> = self
+            .values
+            .contact
+            .flags
+            .limits()
+            .chain(soft_start)
+            .collect();
         limits.join(" ")
     }
 }
@@ -152,7 +158,7 @@ impl Columns {
                 line.push(',');
             }
             match column {
-                Column::OfTick(column) => match column.value(&row.tick) {
+                Column::OfRow(column) => match column.value(&row.values) {
                     Value::Number(number) if number.is_nan() => line.push_str("nan"),
                     // Adding 0 turns -0 into 0. A string takes whatever is written into it.
                     Value::Number(number) => drop(write!(line, "{}", number + 0.0)),
@@ -172,7 +178,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_column_that_a_pipe_names_is_one_of_a_tick() {
-        assert_eq!(Column::all().count(), OF_TICK.len() + 2);
+    fn every_column_that_a_pipe_names_is_one_of_a_row() {
+        assert_eq!(Column::all().count(), OF_ROW.len() + 2);
     }
 }

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use palpate::Fault;
 use palpate_device::Wrench;
-use palpate_record::recording::Tick;
+use palpate_record::recording::{self, ContactTick, Tick};
 use palpate_record::unit::HandMotion;
 use palpate_rt::safety::{self, Safety};
 use palpate_rt::{CHANGE_DURATION, Rendered, answered};
@@ -142,15 +142,20 @@ impl Stream {
             ));
         }
         Ok(Row {
-            tick: Tick {
-                time: if self.format.time {
-                    time.unwrap_or(f64::NAN)
-                } else {
-                    counted
+            values: recording::Row {
+                tick: Tick {
+                    time: if self.format.time {
+                        time.unwrap_or(f64::NAN)
+                    } else {
+                        counted
+                    },
+                    ..Tick::UNKNOWN
                 },
-                device_position: position,
-                force_on_device: force,
-                ..answered(&output, self.rendered.ledger())
+                contact: ContactTick {
+                    device_position: position,
+                    force_on_device: force,
+                    ..answered(&output, self.rendered.ledger())
+                },
             },
             softened: verdict.bounded.soft_start,
             fault,

@@ -22,9 +22,9 @@ use crate::recorded::ticks::Ticks;
 use crate::recorded::trace::how_to_cut;
 use crate::recorded::{open, whole_or_said};
 use crate::results::deliver;
-use crate::setup::{receipt, told_lines, wrong_flag, wrong_on_bench, wrong_setup};
+use crate::setup::{receipt, wrong_flag, wrong_on_bench, wrong_setup};
 use palpate_study::recording::{NoScene, scene_of};
-use palpate_study::report::{FromRecording, Replayed, Report, Subject};
+use palpate_study::report::{FromRecording, Replayed, Report, Subject, told_lines};
 
 /// Arguments of `replay`.
 #[derive(Args, Debug)]

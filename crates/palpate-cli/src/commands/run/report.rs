@@ -160,7 +160,7 @@ impl Report {
         account: &Account,
         recording: Option<&Recording>,
     ) -> Self {
-        let last = account.last.unwrap_or_default();
+        let last = account.last.unwrap_or_default().contact;
         Self {
             format: FORMAT,
             title: scene.title.clone(),

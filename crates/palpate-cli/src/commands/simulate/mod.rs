@@ -19,8 +19,8 @@ use crate::inside;
 use crate::plots::{Devices, RunsFigure};
 use crate::progress::Progress;
 use crate::results::deliver;
-use crate::setup::{actuator_of, receipt, wrong_flag, wrong_setup};
-use palpate_study::report::{Report, Subject};
+use crate::setup::{receipt, wrong_flag, wrong_setup};
+use palpate_study::report::{Report, Subject, actuator_of};
 
 /// Simulates a scene by the methods that were named, or by its own.
 pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
@@ -55,7 +55,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         runs.push(bench.run(method).map_err(|error| failure(method, error))?);
         progress.advance();
     }
-    let subject = subject(&scene);
+    let subject = Subject::of(&scene);
     let mut receipt = receipt(&subject, scene.object, scene.virtual_force, &runs);
     receipt.extend(plant_receipt(&scene));
     let actuator = actuator_of(&scene);
@@ -146,18 +146,6 @@ fn plant_receipt(scene: &Scene) -> Vec<(String, String)> {
         Measure::Duration(duration) => ("measure_duration_s".into(), duration.to_string()),
     });
     lines
-}
-
-/// What a report says of a scene.
-pub fn subject(scene: &Scene) -> Subject<'_> {
-    Subject {
-        title: scene.title.clone(),
-        contact: &scene.contact,
-        loop_params: &scene.loop_params,
-        device_mass: Some(scene.device.mass),
-        delay: scene.delay,
-        timing: scene.timing.clone(),
-    }
 }
 
 /// Runs every method of `methods` on a scene that is known to be sound.

@@ -22,23 +22,25 @@ pub fn run(arguments: &SimulateArguments, path: &Path, file: &WorldFile) -> Resu
     let scene = &file.scene;
     let methods = worlds::methods(flags, scene);
     // What is wrong with a method is said before the ideal is computed.
-    for method in &methods {
+    let mut renderers = Vec::with_capacity(methods.len());
+    for method in methods {
         let renderer = scene.renderer(method);
-        renderer.map_err(|faults| wrong_world(flags, file, &faults))?;
+        let renderer = renderer.map_err(|faults| wrong_world(flags, file, &faults))?;
+        renderers.push((method, renderer));
     }
-    let failure = |error| match error {
-        WorldBenchError::Rendering(faults) => wrong_world(flags, file, &faults),
-        error => Failure::input(format!("{}: {error}", path.display())),
-    };
-    let progress = Progress::new(methods.len());
+    let failure = |error: WorldBenchError| Failure::input(format!("{}: {error}", path.display()));
+    let progress = Progress::new(renderers.len());
     progress.begin("ideal");
     let bench = WorldBench::new(scene).map_err(failure)?;
-    let mut runs = Vec::with_capacity(methods.len());
-    for method in methods {
+    let mut runs = Vec::with_capacity(renderers.len());
+    for (method, renderer) in &renderers {
         progress.begin(method);
-        runs.push(bench.run(method).map_err(failure)?);
+        runs.push(bench.run(method, renderer).map_err(failure)?);
         progress.advance();
     }
     drop(progress);
-    print_report(&WorldReport::new(&bench, &runs), arguments.results.json)
+    print_report(
+        &WorldReport::new(scene, &bench, &runs),
+        arguments.results.json,
+    )
 }

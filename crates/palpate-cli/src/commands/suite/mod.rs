@@ -1,5 +1,7 @@
 //! `palpate suite`: methods on plants drawn at random.
 
+mod worlds;
+
 use std::path::{Path, PathBuf};
 
 use palpate_files::outputs::Outputs;
@@ -12,13 +14,17 @@ use crate::failure::Failure;
 use crate::plots;
 use crate::progress::Progress;
 use crate::results::{draw, print_report};
+use crate::values::PlantSet;
 use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
 
 /// Draws the plants, judges every column on them, and writes what was asked for.
 pub fn run(arguments: &SuiteArguments) -> Result<(), Failure> {
     let plants = arguments.plants as usize;
+    let set = match arguments.set {
+        PlantSet::Contact(set) => set,
+        PlantSet::Worlds => return worlds::run(arguments),
+    };
     let outputs = outputs(arguments, plants)?;
-    let set = arguments.set;
     let columns = arguments.compared.columns_or(|| set.columns())?;
     let progress = Progress::new(plants);
     progress.begin("plants");

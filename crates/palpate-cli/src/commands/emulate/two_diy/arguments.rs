@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum, ValueHint};
 
+use crate::commands::emulate::AmplifierFlags;
 use crate::values::{BoardName, number, pair};
 
 /// Arguments of `emulate haply-2diy`.
@@ -37,9 +38,28 @@ pub struct TwoDiyArguments {
     /// Something that goes wrong, and when
     #[arg(long, value_name = "KIND[=VALUE]@s", value_parser = timed_fault)]
     pub fault: Vec<TimedFault>,
+    /// The line to the board.
+    #[command(flatten)]
+    pub usb: UsbFlags,
+    /// The amplifiers.
+    #[command(flatten)]
+    pub amplifier: AmplifierFlags,
     /// The hand.
     #[command(flatten)]
     pub hand: HandArguments,
+}
+
+/// The line to an emulated board.
+#[derive(Args, Debug, Clone, Copy)]
+#[command(next_help_heading = "USB")]
+pub struct UsbFlags {
+    /// Packets travel at the beginning of the next USB frame of this length, 0.001 on full-speed USB, 0 to
+    /// 0.1; 0: at any time [s]
+    #[arg(long, value_name = "s", value_parser = number, default_value = "0")]
+    pub usb_frame: f64,
+    /// Time that a packet takes each way before it waits for a frame, 0 to 1 [s]
+    #[arg(long, value_name = "s", value_parser = number, default_value = "0")]
+    pub latency: f64,
 }
 
 /// The hand at an emulated device.

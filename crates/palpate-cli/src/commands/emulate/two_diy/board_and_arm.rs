@@ -3,10 +3,15 @@
 use std::time::{Duration, Instant};
 
 use palpate_haply::two_diy::Generation;
-use palpate_haply_emulator::two_diy::{Did, Emulator, Fault, Hand, PortSettings, Settings, Wiring};
+use palpate_haply_emulator::two_diy::{
+    Did, Emulator, Fault, Hand, PortSettings, Settings, Usb, Wiring,
+};
 use palpate_rt::StopFlag;
 
-use super::arguments::{FaultKind, HandArguments, TimedFault, TwoDiyArguments, WiringName};
+use super::arguments::{
+    FaultKind, HandArguments, TimedFault, TwoDiyArguments, UsbFlags, WiringName,
+};
+use crate::commands::emulate::within;
 use crate::devices::two_diy::board;
 use crate::failure::{Failure, tell};
 use crate::results::print;
@@ -37,6 +42,8 @@ pub fn run(arguments: &TwoDiyArguments) -> Result<(), Failure> {
         hand: hand(&arguments.hand)?,
         hand_waits: true,
         angles: arguments.angles,
+        usb: usb(arguments.usb)?,
+        amplifier: arguments.amplifier.params()?,
         port: match &arguments.socket {
             Some(path) => PortSettings::Socket { path: path.clone() },
             None => PortSettings::Terminal {
@@ -83,6 +90,10 @@ pub fn run(arguments: &TwoDiyArguments) -> Result<(), Failure> {
     tell(format_args!(
         "{commands} commands, torques up to {largest:.3} N m; in the end {first} and {second}"
     ));
+    let [along_x, along_y] = [[1.0, 0.0], [0.0, 1.0]].map(|axis| emulator.effective_mass(axis));
+    tell(format_args!(
+        "where the arm is in the end, its mass is {along_x:.4} kg along x and {along_y:.4} kg along y"
+    ));
     Ok(())
 }
 
@@ -107,6 +118,15 @@ fn fault(timed: &TimedFault) -> Result<(Duration, Fault), Failure> {
         FaultKind::Slip => Fault::Slip(value),
     };
     Ok((duration("--fault", timed.at)?, fault))
+}
+
+fn usb(flags: UsbFlags) -> Result<Usb, Failure> {
+    within("--usb-frame", flags.usb_frame, [0.0, 0.1], "0 to 0.1 [s]")?;
+    within("--latency", flags.latency, [0.0, 1.0], "0 to 1 [s]")?;
+    Ok(Usb {
+        frame: duration("--usb-frame", flags.usb_frame)?,
+        latency: duration("--latency", flags.latency)?,
+    })
 }
 
 fn wiring(name: WiringName) -> Wiring {

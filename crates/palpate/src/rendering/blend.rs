@@ -1,8 +1,9 @@
 //! From one contact to another without a step in the force.
 
-use palpate::{AnyRenderer, Mass};
-
 use super::{Change, Rendering};
+use crate::Scalar;
+use crate::contact::Mass;
+use crate::render::AnyRenderer;
 
 /// Time a change of stiffness, mass, virtual force or method takes `[s]`: short for a hand, long for
 /// a motor.
@@ -10,51 +11,54 @@ pub const CHANGE_DURATION: f64 = 0.1;
 
 /// A change in progress.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Blend {
-    from: Rendering,
-    to: Change,
+pub(super) struct Blend<S> {
+    from: Rendering<S>,
+    to: Change<S>,
     /// How far it has come, 0 to 1.
-    part: f64,
+    part: S,
     /// Force that the method before would have commanded beyond that of the new one at the change
     /// `[N]`.
-    pub step: f64,
+    pub step: S,
+    /// The first argument to the power of the second.
+    power: fn(S, S) -> S,
 }
 
 /// What is rendered on the way.
-pub(super) struct Between {
-    pub renderer: AnyRenderer<f64>,
-    pub virtual_force: f64,
+pub(super) struct Between<S> {
+    pub renderer: AnyRenderer<S>,
+    pub virtual_force: S,
     /// What is left of the step `[N]`.
-    pub remainder: f64,
+    pub remainder: S,
     pub is_over: bool,
 }
 
-impl Blend {
-    pub fn new(from: Rendering, to: Change, step: f64) -> Self {
+impl<S: Scalar> Blend<S> {
+    pub fn new(from: Rendering<S>, to: Change<S>, step: S, power: fn(S, S) -> S) -> Self {
         Self {
             from,
             to,
-            part: 0.0,
+            part: S::ZERO,
             step,
+            power,
         }
     }
 
     /// What is left of the step now `[N]`.
-    pub fn remainder(&self) -> f64 {
-        self.step * (1.0 - self.part)
+    pub fn remainder(&self) -> S {
+        self.step * (S::ONE - self.part)
     }
 
     /// What is rendered in the next tick.
-    pub fn advance(&mut self) -> Between {
+    pub fn advance(&mut self) -> Between<S> {
         let period = self.to.rendering.loop_params.period;
-        self.part = (self.part + period / CHANGE_DURATION).min(1.0);
+        self.part = S::ONE.min(self.part + period / S::from_f64(CHANGE_DURATION));
         let over = Between {
             renderer: self.to.renderer,
             virtual_force: self.to.rendering.virtual_force,
-            remainder: 0.0,
+            remainder: S::ZERO,
             is_over: true,
         };
-        if self.part >= 1.0 {
+        if self.part >= S::ONE {
             return over;
         }
         let now = self.now();
@@ -72,9 +76,9 @@ impl Blend {
 
     /// What is rendered now: stiffness and mass by equal ratios (from 100 to 10000 N/m, 1000 is half
     /// of the way), the virtual force by equal steps, the rest as it is to be.
-    pub fn now(&self) -> Rendering {
+    pub fn now(&self) -> Rendering<S> {
         let (old, new) = (&self.from, &self.to.rendering);
-        let between = |old: f64, new: f64| old * (new / old).powf(self.part);
+        let between = |old: S, new: S| old * (self.power)(new / old, self.part);
         let mut now = *new;
         now.contact.stiffness = between(old.contact.stiffness, new.contact.stiffness);
         if let (Mass::Finite(old), Mass::Finite(new)) =

@@ -1,4 +1,8 @@
-//! All that a renderer is made of, and where its object begins.
+//! All that a renderer is made of, where its object begins, and how it changes while it runs.
+
+mod blend;
+mod change;
+mod running;
 
 use core::fmt;
 
@@ -7,6 +11,10 @@ use crate::contact::{Contact, LoopParams, Mass};
 use crate::motion::ObjectState;
 use crate::parameter::ParameterError;
 use crate::render::{AnyParams, AnyRenderer, MethodParams as _, Renderer};
+
+pub use blend::CHANGE_DURATION;
+pub use change::{Change, ChangeError};
+pub use running::Running;
 
 /// What a loop renders: a contact, by a method, from a start.
 #[derive(Clone, Copy, Debug, PartialEq)]

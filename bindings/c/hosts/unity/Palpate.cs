@@ -1,0 +1,247 @@
+// palpate from C#: the functions of palpate.h, and a contact that frees itself. For Unity, put this file and
+// the shared library of the platform below Assets/Plugins. docs/integrate/unity.md
+//
+// License: MIT OR Apache-2.0
+using System;
+using System.Runtime.InteropServices;
+using System.Text;
+
+namespace Palpate
+{
+    /// <summary>A parameter that cannot be; the message says which, its value, and what is allowed.</summary>
+    public sealed class ParameterException : Exception
+    {
+        public ParameterException(string message) : base(message) { }
+    }
+
+    public enum Side : uint { Positive = 0, Negative = 1 }
+
+    public enum Phase : uint { Free = 0, Contact = 1, Enters = 2, Leaves = 3, Waiting = 4 }
+
+    public enum Fault : uint
+    {
+        None = 0,
+        PositionNotFinite = 1,
+        VirtualForceNotFinite = 2,
+        ElapsedNotPositive = 3,
+        GapTooLong = 4,
+        JumpTooFast = 5,
+        Overflow = 6,
+        Other = 99,
+        Argument = 100,
+        Internal = 101,
+    }
+
+    /// <summary>palpate_loop_params. <see cref="Default"/> fills it.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct LoopParams
+    {
+        internal UIntPtr StructSize;
+        /// <summary>[s]</summary>
+        public double Period;
+        public double LargestGap;
+        public double SpeedLimit;
+        /// <summary>[N]</summary>
+        public double ForceLimit;
+        public double SlewLimit;
+        public double Delay;
+        public double DelayDeviation;
+        public double Lag;
+        public double LagDeviation;
+        public double Gain;
+        public double GainDeviation;
+        /// <summary>[kg]</summary>
+        public double DeviceMass;
+        public double EncoderQuantum;
+        public double GuardSpeed;
+        public double GuardAllowance;
+        public uint Guard;
+        internal uint Reserved;
+
+        /// <summary>Every default, and a period [s].</summary>
+        public static LoopParams Default(double period)
+        {
+            LoopParams loop;
+            Contact.Check(Native.palpate_loop_params_init(out loop, (UIntPtr)Marshal.SizeOf(typeof(LoopParams))));
+            loop.Period = period;
+            return loop;
+        }
+    }
+
+    /// <summary>palpate_contact_params. <see cref="Default"/> fills it.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct ContactParams
+    {
+        internal UIntPtr StructSize;
+        /// <summary>[N/m]</summary>
+        public double Stiffness;
+        /// <summary>[kg]; infinite: a wall</summary>
+        public double ObjectMass;
+        /// <summary>[m]</summary>
+        public double ObjectPosition;
+        /// <summary>[m/s]</summary>
+        public double ObjectVelocity;
+        /// <summary>[N]</summary>
+        public double VirtualForce;
+        internal IntPtr Method;
+        internal IntPtr Settings;
+        internal UIntPtr SettingCount;
+        public Side Side;
+        public uint Unilateral;
+
+        /// <summary>Every default, and a stiffness [N/m].</summary>
+        public static ContactParams Default(double stiffness)
+        {
+            ContactParams contact;
+            Contact.Check(
+                Native.palpate_contact_params_init(out contact, (UIntPtr)Marshal.SizeOf(typeof(ContactParams))));
+            contact.Stiffness = stiffness;
+            return contact;
+        }
+    }
+
+    /// <summary>palpate_sample.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct Sample
+    {
+        internal UIntPtr StructSize;
+        public double DevicePosition;
+        public double Elapsed;
+        public double VirtualForce;
+        public uint HasElapsed;
+        internal uint Reserved;
+
+        /// <summary>One period after the sample before, at a position [m].</summary>
+        public static Sample At(double devicePosition)
+        {
+            return new Sample
+            {
+                StructSize = (UIntPtr)SizeOf,
+                DevicePosition = devicePosition,
+            };
+        }
+
+        static readonly int SizeOf = Marshal.SizeOf(typeof(Sample));
+    }
+
+    /// <summary>palpate_output.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct Output
+    {
+        internal UIntPtr StructSize;
+        public double ForceOnDevice;
+        public double ForceOnObject;
+        public double ObjectPosition;
+        public double ObjectVelocity;
+        public double Penetration;
+        public double TransitionAfter;
+        public double PlacementShift;
+        public Phase Phase;
+        public Fault Fault;
+        public uint Limited;
+        internal uint Reserved;
+
+        internal static readonly UIntPtr SizeOf = (UIntPtr)Marshal.SizeOf(typeof(Output));
+    }
+
+    static class Native
+    {
+        const string Library = "palpate";
+
+        [DllImport(Library)] internal static extern uint palpate_abi_version();
+        [DllImport(Library)] internal static extern IntPtr palpate_last_error();
+        [DllImport(Library)] internal static extern uint palpate_loop_params_init(out LoopParams loop, UIntPtr size);
+        [DllImport(Library)] internal static extern uint palpate_contact_params_init(
+            out ContactParams contact, UIntPtr size);
+        [DllImport(Library)] internal static extern uint palpate_contact_new(
+            ref ContactParams contact, ref LoopParams loop, out IntPtr handle);
+        [DllImport(Library)] internal static extern uint palpate_contact_change(
+            IntPtr handle, ref ContactParams contact, ref LoopParams loop);
+        [DllImport(Library)] internal static extern uint palpate_contact_report_sent(IntPtr handle, double force);
+        [DllImport(Library)] internal static extern double palpate_contact_step(
+            IntPtr handle, ref Sample sample, ref Output output);
+        [DllImport(Library)] internal static extern void palpate_contact_free(IntPtr handle);
+    }
+
+    /// <summary>A contact that is rendered. One thread at a time may use it.</summary>
+    public sealed class Contact : IDisposable
+    {
+        const uint AbiVersion = 1;
+        IntPtr handle;
+
+        /// <summary>Makes a contact; without a method, by coupled rendering.</summary>
+        /// <exception cref="ParameterException">A parameter outside its range.</exception>
+        public Contact(ContactParams contact, LoopParams loop, string method = null)
+        {
+            if (Native.palpate_abi_version() != AbiVersion)
+            {
+                throw new ParameterException("Palpate.cs and the library palpate do not belong together");
+            }
+            WithMethod(contact, method, given => Native.palpate_contact_new(ref given, ref loop, out handle));
+        }
+
+        /// <summary>One tick: the force on the device [N], from its position [m]. It never throws while the
+        /// contact is there, and makes no garbage.</summary>
+        public double Step(double devicePosition)
+        {
+            Output output;
+            return Step(Sample.At(devicePosition), out output);
+        }
+
+        /// <summary>One tick, with all that comes out.</summary>
+        public double Step(Sample sample, out Output output)
+        {
+            output = new Output { StructSize = Output.SizeOf };
+            return Native.palpate_contact_step(handle, ref sample, ref output);
+        }
+
+        /// <summary>The force on the device that was really sent for the last tick [N].</summary>
+        public void ReportSent(double forceOnDevice)
+        {
+            Native.palpate_contact_report_sent(handle, forceOnDevice);
+        }
+
+        /// <summary>Renders something else from the next tick on, without a step in the force. Call it
+        /// in the thread of the ticks.</summary>
+        /// <exception cref="ParameterException">A parameter outside its range.</exception>
+        public void Change(ContactParams contact, LoopParams loop, string method = null)
+        {
+            WithMethod(contact, method, given => Native.palpate_contact_change(handle, ref given, ref loop));
+        }
+
+        public void Dispose()
+        {
+            Native.palpate_contact_free(handle);
+            handle = IntPtr.Zero;
+            GC.SuppressFinalize(this);
+        }
+
+        ~Contact()
+        {
+            Dispose();
+        }
+
+        static void WithMethod(ContactParams contact, string method, Func<ContactParams, uint> call)
+        {
+            byte[] text = method == null ? null : Encoding.UTF8.GetBytes(method + "\0");
+            GCHandle pinned = GCHandle.Alloc(text, GCHandleType.Pinned);
+            try
+            {
+                contact.Method = text == null ? IntPtr.Zero : pinned.AddrOfPinnedObject();
+                Check(call(contact));
+            }
+            finally
+            {
+                pinned.Free();
+            }
+        }
+
+        internal static void Check(uint status)
+        {
+            if (status != 0)
+            {
+                throw new ParameterException(Marshal.PtrToStringAnsi(Native.palpate_last_error()));
+            }
+        }
+    }
+}

@@ -1,0 +1,847 @@
+/*
+ * palpate: the force between a haptic device and a virtual object, at the loop rate of the device.
+ * SI units: positions in m, times in s, masses in kg, forces in N, energies in J. docs/integrate/c.md
+ *
+ * Made from bindings/c/src by cbindgen; do not edit. License: MIT OR Apache-2.0
+ */
+
+#pragma once
+
+#include <stddef.h>
+#include <stdint.h>
+
+/*
+ Version of this interface. It goes up with a change that a compiled program would not survive; what
+ is only added leaves it as it is.
+ */
+#define PALPATE_ABI_VERSION 1
+
+/*
+ Bytes that a contact has at most, for memory that is laid out by the compiler;
+ palpate_contact_size() says how many it has.
+ */
+#define PALPATE_CONTACT_SIZE_MAX 4096
+
+/*
+ A multiple of this is where a contact may begin; palpate_contact_align() says what it needs.
+ */
+#define PALPATE_CONTACT_ALIGN_MAX 8
+
+/*
+ What a call answers. `palpate_last_error` says the rest in words.
+ */
+enum palpate_status
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /*
+   Done.
+   */
+  PALPATE_STATUS_OK = 0,
+  /*
+   A pointer is NULL.
+   */
+  PALPATE_STATUS_NULL = 1,
+  /*
+   A struct_size is too small, or larger than the library knows and the rest is not 0.
+   */
+  PALPATE_STATUS_STRUCT_SIZE = 2,
+  /*
+   A parameter is outside its range.
+   */
+  PALPATE_STATUS_PARAMETER = 3,
+  /*
+   A method or a setting has another name or another value than there are.
+   */
+  PALPATE_STATUS_SETTING = 4,
+  /*
+   What runs cannot change to that: another period, another side of the device.
+   */
+  PALPATE_STATUS_CHANGE = 5,
+  /*
+   The memory that was given is too small or not aligned.
+   */
+  PALPATE_STATUS_MEMORY = 6,
+  /*
+   A defect in the library, which has been caught. Report it, please.
+   */
+  PALPATE_STATUS_INTERNAL = 7,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum palpate_status palpate_status;
+#else
+typedef uint32_t palpate_status;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/*
+ What the object is predicted to do in the coming interval.
+ */
+enum palpate_phase
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /*
+   No contact.
+   */
+  PALPATE_PHASE_FREE = 0,
+  /*
+   In contact throughout.
+   */
+  PALPATE_PHASE_CONTACT = 1,
+  /*
+   Contact begins within the interval.
+   */
+  PALPATE_PHASE_ENTERS = 2,
+  /*
+   Contact ends within the interval.
+   */
+  PALPATE_PHASE_LEAVES = 3,
+  /*
+   A fault: the object waits.
+   */
+  PALPATE_PHASE_WAITING = 4,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum palpate_phase palpate_phase;
+#else
+typedef uint32_t palpate_phase;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/*
+ Why a sample was refused: the force is then 0, and the next sample that can be trusted takes up
+ rendering.
+ */
+enum palpate_fault
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /*
+   It was not refused.
+   */
+  PALPATE_FAULT_NONE = 0,
+  /*
+   The device position is not a finite number.
+   */
+  PALPATE_FAULT_POSITION_NOT_FINITE = 1,
+  /*
+   The virtual force is not a finite number.
+   */
+  PALPATE_FAULT_VIRTUAL_FORCE_NOT_FINITE = 2,
+  /*
+   The time since the sample before is not positive.
+   */
+  PALPATE_FAULT_ELAPSED_NOT_POSITIVE = 3,
+  /*
+   The time since the sample before exceeds the largest gap.
+   */
+  PALPATE_FAULT_GAP_TOO_LONG = 4,
+  /*
+   The device position jumped faster than the speed limit.
+   */
+  PALPATE_FAULT_JUMP_TOO_FAST = 5,
+  /*
+   The force or the object's motion would not be a finite number.
+   */
+  PALPATE_FAULT_OVERFLOW = 6,
+  /*
+   Of a newer core.
+   */
+  PALPATE_FAULT_OTHER = 99,
+  /*
+   The contact or the sample is NULL, or the sample's struct_size is too small: palpate_last_error.
+   */
+  PALPATE_FAULT_ARGUMENT = 100,
+  /*
+   A defect in the library, which has been caught. Report it, please.
+   */
+  PALPATE_FAULT_INTERNAL = 101,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum palpate_fault palpate_fault;
+#else
+typedef uint32_t palpate_fault;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/*
+ On which side of the device the object lies.
+ */
+enum palpate_side
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /*
+   In the direction of increasing device position: penetration = device - object.
+   */
+  PALPATE_SIDE_POSITIVE = 0,
+  /*
+   In the direction of decreasing device position: penetration = object - device.
+   */
+  PALPATE_SIDE_NEGATIVE = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum palpate_side palpate_side;
+#else
+typedef uint32_t palpate_side;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/*
+ Whether the energy that held forces give out is bounded.
+ */
+enum palpate_guard
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /*
+   It is not.
+   */
+  PALPATE_GUARD_OFF = 0,
+  /*
+   A force beyond the bound is held and reported.
+   */
+  PALPATE_GUARD_REPORT = 1,
+  /*
+   No force exceeds the bound.
+   */
+  PALPATE_GUARD_LIMIT = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum palpate_guard palpate_guard;
+#else
+typedef uint32_t palpate_guard;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/*
+ What palpate_method_text tells of a method.
+ */
+enum palpate_about_method
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /*
+   Its name, which `method` of palpate_contact_params takes.
+   */
+  PALPATE_ABOUT_METHOD_NAME = 0,
+  /*
+   What it is, in a few words.
+   */
+  PALPATE_ABOUT_METHOD_SUMMARY = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum palpate_about_method palpate_about_method;
+#else
+typedef uint32_t palpate_about_method;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/*
+ What palpate_setting_text tells of a setting.
+ */
+enum palpate_about_setting
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /*
+   Its key.
+   */
+  PALPATE_ABOUT_SETTING_KEY = 0,
+  /*
+   The symbol of its unit, "" of words, switches and pure numbers.
+   */
+  PALPATE_ABOUT_SETTING_UNIT = 1,
+  /*
+   What it is, in words that follow the method's name.
+   */
+  PALPATE_ABOUT_SETTING_HELP = 2,
+  /*
+   What is taken where it is not given.
+   */
+  PALPATE_ABOUT_SETTING_DEFAULT = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum palpate_about_setting palpate_about_setting;
+#else
+typedef uint32_t palpate_about_setting;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/*
+ Limits that changed the force: bits of `limited`.
+ */
+enum palpate_limit
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /*
+   It would have pulled, and the contact may only push.
+   */
+  PALPATE_LIMIT_PULL = 1,
+  /*
+   It exceeded the force limit.
+   */
+  PALPATE_LIMIT_FORCE = 2,
+  /*
+   It changed faster than the slew limit.
+   */
+  PALPATE_LIMIT_SLEW = 4,
+  /*
+   It could give out more energy than there is: the guard's bound.
+   */
+  PALPATE_LIMIT_GUARD = 8,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum palpate_limit palpate_limit;
+#else
+typedef uint32_t palpate_limit;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/*
+ A contact that is rendered. One thread at a time may use it.
+ */
+typedef struct palpate_contact palpate_contact;
+
+/*
+ A setting of a method, by its key in files: {"damping_n_s_per_m", 0.5, NULL}, or {"placement", 0,
+ "false"}.
+ */
+typedef struct palpate_setting {
+  /*
+   Its key, such as "damping_n_s_per_m"; palpate_setting_text has those of each method.
+   */
+  const char *key;
+  /*
+   Its number, in the unit of the key, where `word` is NULL.
+   */
+  double number;
+  /*
+   Its word: one of its own words, "auto", or "true" and "false" of a switch. NULL: the number.
+   */
+  const char *word;
+} palpate_setting;
+
+/*
+ One contact between the device's end-point and a virtual object along one axis, and the method that
+ renders it. palpate_contact_params_default() fills it.
+ */
+typedef struct palpate_contact_params {
+  /*
+   Size of this struct; palpate_contact_params_default() sets it.
+   */
+  size_t struct_size;
+  /*
+   Contact stiffness K [N/m], greater than 0. It has no default.
+   */
+  double stiffness;
+  /*
+   Mass M of the object [kg], greater than 0. INFINITY, the default: a wall.
+   */
+  double object_mass;
+  /*
+   Where the object's surface is at the start, and a wall always [m]. Default: 0.
+   */
+  double object_position;
+  /*
+   Its velocity at the start [m/s]; a wall has none. Default: 0.
+   */
+  double object_velocity;
+  /*
+   Virtual force f_V on the object, for instance its weight, positive along the axis [N]; that of a
+   sample adds to it. Default: 0.
+   */
+  double virtual_force;
+  /*
+   Name of the method; palpate_method_text has them all. NULL, the default: coupled rendering.
+   */
+  const char *method;
+  /*
+   Settings of the method; what is not given has its default. NULL where there are none.
+   */
+  const struct palpate_setting *settings;
+  /*
+   Number of settings.
+   */
+  size_t setting_count;
+  /*
+   A palpate_side. Default: PALPATE_SIDE_POSITIVE.
+   */
+  uint32_t side;
+  /*
+   1: the contact may only push. Default: 0, as in the paper, whose methods may pull for a part of an
+   interval.
+   */
+  uint32_t unilateral;
+} palpate_contact_params;
+
+/*
+ The loop, the device in it, and what must never be exceeded. palpate_loop_params_default() fills it.
+ */
+typedef struct palpate_loop_params {
+  /*
+   Size of this struct; palpate_loop_params_default() sets it.
+   */
+  size_t struct_size;
+  /*
+   Nominal time T between samples [s], greater than 0. It has no default.
+   */
+  double period;
+  /*
+   Longest time between two samples that is bridged [s]; a longer one is a fault. 0: 20 periods.
+   */
+  double largest_gap;
+  /*
+   Fastest device motion that is believed [m/s]; a faster jump is a fault. INFINITY believes any.
+   Default: 100.
+   */
+  double speed_limit;
+  /*
+   Largest force that is held [N]. INFINITY: no limit. Default: 20.
+   */
+  double force_limit;
+  /*
+   Fastest change of the held force [N/s]. INFINITY, the default: no limit.
+   */
+  double slew_limit;
+  /*
+   Time from a sample to the beginning of its force [s], at most 8 periods. Default: 0.
+   */
+  double delay;
+  /*
+   Standard deviation of the delay, its changes from command to command included [s].
+   */
+  double delay_deviation;
+  /*
+   Time constant of the actuator [s]. Default: 0.
+   */
+  double lag;
+  /*
+   Standard deviation of the lag [s].
+   */
+  double lag_deviation;
+  /*
+   Delivered over commanded force, greater than 0. Default: 1.
+   */
+  double gain;
+  /*
+   Standard deviation of the gain.
+   */
+  double gain_deviation;
+  /*
+   Effective mass of the device at its end-point [kg], within a factor of 2; coupled rendering needs
+   it. 0, the default: not known. INFINITY: a recording moves the device, and no force can.
+   */
+  double device_mass;
+  /*
+   Quantum of the position sensor [m]; 0, the default: not known to have one.
+   */
+  double encoder_quantum;
+  /*
+   Fastest device motion against which the guard's bound holds [m/s].
+   */
+  double guard_speed;
+  /*
+   Energy that the guard lets be given out beyond the balance [J].
+   */
+  double guard_allowance;
+  /*
+   A palpate_guard. Default: PALPATE_GUARD_OFF.
+   */
+  uint32_t guard;
+  /*
+   0.
+   */
+  uint32_t reserved;
+} palpate_loop_params;
+
+/*
+ One sample of the device. palpate_sample_at() fills it.
+ */
+typedef struct palpate_sample {
+  /*
+   Size of this struct; palpate_sample_at() sets it.
+   */
+  size_t struct_size;
+  /*
+   Measured position of the device's end-point along the contact's axis [m].
+   */
+  double device_position;
+  /*
+   Time since the sample before [s], where `has_elapsed` is not 0.
+   */
+  double elapsed;
+  /*
+   Virtual force on the object over the coming interval [N], beside that of the contact.
+   */
+  double virtual_force;
+  /*
+   1: `elapsed` was measured. 0: one period.
+   */
+  uint32_t has_elapsed;
+  /*
+   0.
+   */
+  uint32_t reserved;
+} palpate_sample;
+
+/*
+ The answer to a sample, along the contact's axis. palpate_output_empty() makes one to be filled.
+ */
+typedef struct palpate_output {
+  /*
+   Size of this struct; palpate_output_empty() sets it.
+   */
+  size_t struct_size;
+  /*
+   Force on the device: what the motor is to be commanded, and to hold until the next sample [N].
+   */
+  double force_on_device;
+  /*
+   The same force on the object, opposite in sign [N].
+   */
+  double force_on_object;
+  /*
+   Position of the object's surface at this sample [m].
+   */
+  double object_position;
+  /*
+   Velocity of the object at this sample [m/s].
+   */
+  double object_velocity;
+  /*
+   Penetration of the device into the object at this sample, positive in contact on either side [m].
+   */
+  double penetration;
+  /*
+   Instant of the predicted transition, after this sample [s]; 0 where there is none.
+   */
+  double transition_after;
+  /*
+   How far coupled rendering has shifted the object over the last interval [m]; a display takes it
+   off again.
+   */
+  double placement_shift;
+  /*
+   What the coming interval is predicted to hold.
+   */
+  palpate_phase phase;
+  /*
+   Why the sample was refused.
+   */
+  palpate_fault fault;
+  /*
+   Limits that changed the force: bits of palpate_limit.
+   */
+  uint32_t limited;
+  /*
+   0.
+   */
+  uint32_t reserved;
+} palpate_output;
+
+/*
+ Books of the object's energy, positive into the object; they balance at every sample: stored less
+ stored at the start = port_work + virtual_force_work + outside_work + held_leak.
+ palpate_ledger_empty() makes one to be filled.
+ */
+typedef struct palpate_ledger {
+  /*
+   Size of this struct; palpate_ledger_empty() sets it.
+   */
+  size_t struct_size;
+  /*
+   Kinetic energy of the object and elastic energy of the contact at the last sample [J].
+   */
+  double stored;
+  /*
+   Work of the held force on the object's side of the port [J].
+   */
+  double port_work;
+  /*
+   Work of the virtual force on the object [J].
+   */
+  double virtual_force_work;
+  /*
+   Placing the object anew, other parameters, and what passed while no sample could be trusted [J].
+   */
+  double outside_work;
+  /*
+   Energy that the force which was held has created, less what it has destroyed [J].
+   */
+  double held_leak;
+  /*
+   The same over the last closed interval [J].
+   */
+  double held_leak_last;
+  /*
+   Sum of the absolute leaks of all closed intervals [J].
+   */
+  double held_leak_absolute;
+  /*
+   Energy that the plain spring force would have created over the same motion [J].
+   */
+  double original_leak;
+  /*
+   The same over the last closed interval [J].
+   */
+  double original_leak_last;
+  /*
+   Sum of its absolute leaks over all closed intervals [J].
+   */
+  double original_leak_absolute;
+} palpate_ledger;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/*
+ The version of the interface that the library has: that of the header, `PALPATE_ABI_VERSION`, or the
+ two do not belong together.
+ */
+uint32_t palpate_abi_version(void);
+
+/*
+ The version of the library, such as "0.1.0".
+ */
+const char *palpate_version(void);
+
+/*
+ Makes a contact, to be freed by palpate_contact_free, and puts it into `*contact`; NULL on an error.
+ Not in the library for firmware.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_contact_new(const struct palpate_contact_params *params,
+                                   const struct palpate_loop_params *loop_params,
+                                   struct palpate_contact **contact);
+
+/*
+ Frees a contact of palpate_contact_new. NULL, and a contact in memory of the caller's, are left alone.
+ Not in the library for firmware.
+
+ # Safety
+ `contact` is NULL or a contact, and is not used afterwards.
+ */
+void palpate_contact_free(struct palpate_contact *contact);
+
+/*
+ One tick: takes a sample and gives the force on the device [N], to be held until the next one.
+
+ It cannot fail: the force is a finite number for any input, and 0 where a sample is refused or an
+ argument is wrong. It does not allocate, lock, wait, or loop without bound. `output` may be NULL; where
+ it is given, its `fault` says why a sample was refused.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+double palpate_contact_step(struct palpate_contact *contact,
+                            const struct palpate_sample *sample,
+                            struct palpate_output *output);
+
+/*
+ Says which force on the device was really sent for the last tick [N], where it is another one than
+ the tick has given: something between has limited it.
+
+ # Safety
+ `contact` is NULL or a contact.
+ */
+palpate_status palpate_contact_report_sent(struct palpate_contact *contact, double force_on_device);
+
+/*
+ Says which force on the device has really acted since the last sample, in the mean [N], where
+ somebody has measured it.
+
+ # Safety
+ `contact` is NULL or a contact.
+ */
+palpate_status palpate_contact_report_held(struct palpate_contact *contact, double force_on_device);
+
+/*
+ Renders something else from the next tick on, without a step in the force: stiffness, mass and
+ virtual force pass over to the new ones in 0.1 s, and so does the difference that another method
+ makes. The energy of it is booked as outside work. Where the object is does not change: that is
+ palpate_contact_teleport. The period and the side stay. On an error all is as it was.
+
+ It does not allocate or wait, so the thread of the loop can call it between two ticks.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_contact_change(struct palpate_contact *contact,
+                                      const struct palpate_contact_params *params,
+                                      const struct palpate_loop_params *loop_params);
+
+/*
+ Puts the object's surface at `position` [m] with the velocity `velocity` [m/s] with the next sample.
+ The energy of it is booked as outside work.
+
+ # Safety
+ `contact` is NULL or a contact.
+ */
+palpate_status palpate_contact_teleport(struct palpate_contact *contact, double position, double velocity);
+
+/*
+ Puts the books up to the last sample into `*ledger`.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_contact_ledger(const struct palpate_contact *contact, struct palpate_ledger *ledger);
+
+/*
+ Puts what is rendered, in words, into `size` bytes at `memory`, cut to them and ended by a 0. Its
+ whole length without the 0; 0 where `contact` is NULL.
+
+ # Safety
+ `contact` is NULL or a contact; `memory` is NULL, or `size` bytes can be written there.
+ */
+size_t palpate_contact_describe(const struct palpate_contact *contact, char *memory, size_t size);
+
+/*
+ Fills parameters of a contact with the defaults. `struct_size` is sizeof(palpate_contact_params).
+
+ # Safety
+ `params` is NULL, or `struct_size` bytes can be written there.
+ */
+palpate_status palpate_contact_params_init(struct palpate_contact_params *params, size_t struct_size);
+
+/*
+ What was wrong with the last call that failed: what, which value, and what is allowed, in UTF-8. ""
+ before the first one. Each thread has its own; in the library for firmware there is one for the whole
+ program. The text is there until the next call that fails, at most as long as its thread.
+ */
+const char *palpate_last_error(void);
+
+/*
+ Fills parameters of a loop with the defaults. `struct_size` is sizeof(palpate_loop_params).
+
+ # Safety
+ `params` is NULL, or `struct_size` bytes can be written there.
+ */
+palpate_status palpate_loop_params_init(struct palpate_loop_params *params, size_t struct_size);
+
+/*
+ Number of methods.
+ */
+size_t palpate_method_count(void);
+
+/*
+ Number of settings of method number `method`, counted from 0; 0 where there is no such method.
+ */
+size_t palpate_method_setting_count(size_t method);
+
+/*
+ Puts a text about method number `method`, counted from 0, into `size` bytes at `memory`, cut to them
+ and ended by a 0. `what` is a palpate_about_method. Its whole length without the 0; 0 where there
+ is no such method or text.
+
+ # Safety
+ `memory` is NULL, or `size` bytes can be written there.
+ */
+size_t palpate_method_text(size_t method, uint32_t what, char *memory, size_t size);
+
+/*
+ The same about setting number `setting` of method number `method`. `what` is a
+ palpate_about_setting.
+
+ # Safety
+ `memory` is NULL, or `size` bytes can be written there.
+ */
+size_t palpate_setting_text(size_t method, size_t setting, uint32_t what, char *memory, size_t size);
+
+/*
+ Bytes that a contact has.
+ */
+size_t palpate_contact_size(void);
+
+/*
+ A multiple of this is where a contact may begin.
+ */
+size_t palpate_contact_align(void);
+
+/*
+ Makes a contact in `size` bytes of the caller's at `memory`, and puts it into `*contact`; NULL on an
+ error. It is there as long as the memory is; nothing has to be freed.
+
+ # Safety
+ `memory` is NULL, or `size` bytes can be written there. Each other pointer is NULL or to what its type
+ says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_contact_place(void *memory,
+                                     size_t size,
+                                     const struct palpate_contact_params *params,
+                                     const struct palpate_loop_params *loop_params,
+                                     struct palpate_contact **contact);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/*
+ Given by a firmware, which is the only one that needs it: takes the force off the motors, and does not
+ return. A panic of the library would call it; a tick does not panic.
+ */
+void palpate_panicked(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Parameters of a loop with every default: no period yet, a force limit of 20 N. */
+static inline palpate_loop_params palpate_loop_params_default(void) {
+  palpate_loop_params params;
+  palpate_loop_params_init(&params, sizeof params);
+  return params;
+}
+
+/* Parameters of a contact with every default: a wall at 0 m, no stiffness yet. */
+static inline palpate_contact_params palpate_contact_params_default(void) {
+  palpate_contact_params params;
+  palpate_contact_params_init(&params, sizeof params);
+  return params;
+}
+
+/* A sample at `device_position` [m], one period after the one before. */
+static inline palpate_sample palpate_sample_at(double device_position) {
+  palpate_sample sample = {sizeof(palpate_sample), device_position, 0.0, 0.0, 0, 0};
+  return sample;
+}
+
+/* An output to be filled by palpate_contact_step. */
+static inline palpate_output palpate_output_empty(void) {
+  palpate_output output = {
+      sizeof(palpate_output), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, PALPATE_PHASE_WAITING, PALPATE_FAULT_NONE, 0, 0};
+  return output;
+}
+
+/* Books to be filled by palpate_contact_ledger. */
+static inline palpate_ledger palpate_ledger_empty(void) {
+  palpate_ledger ledger = {
+      sizeof(palpate_ledger), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+  return ledger;
+}

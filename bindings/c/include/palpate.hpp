@@ -1,0 +1,145 @@
+/*
+ * palpate for C++17: palpate.h with handles that free themselves. docs/integrate/c.md
+ *
+ * What is checked once throws palpate::Error: making a contact, and changing it. A tick is noexcept and
+ * gives 0 N where anything is wrong.
+ *
+ * License: MIT OR Apache-2.0
+ */
+#pragma once
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "palpate.h"
+
+namespace palpate {
+
+/* A parameter that cannot be: what() says which, its value, and what is allowed. */
+class Error : public std::runtime_error {
+ public:
+  Error(palpate_status status, const std::string &words) : std::runtime_error(words), status_(status) {}
+
+  palpate_status status() const noexcept { return status_; }
+
+ private:
+  palpate_status status_;
+};
+
+namespace detail {
+
+inline void check(palpate_status status) {
+  if (status != PALPATE_STATUS_OK) {
+    throw Error(status, palpate_last_error());
+  }
+}
+
+template <typename Text>
+std::string text(Text put) {
+  std::string words(put(nullptr, std::size_t{0}), '\0');
+  // The 0 behind a string's last character may be written with 0.
+  put(words.data(), words.size() + 1);
+  return words;
+}
+
+}  // namespace detail
+
+/* The parameters of the loop, with every default and a period [s]. */
+inline palpate_loop_params loop_params(double period) {
+  palpate_loop_params params = palpate_loop_params_default();
+  params.period = period;
+  return params;
+}
+
+/* A contact of `stiffness` [N/m] with an object of `mass` [kg]; without a mass, with a wall. */
+inline palpate_contact_params contact_params(double stiffness, double mass = INFINITY) {
+  palpate_contact_params params = palpate_contact_params_default();
+  params.stiffness = stiffness;
+  params.object_mass = mass;
+  return params;
+}
+
+/* The names of all methods. */
+inline std::vector<std::string> method_names() {
+  std::vector<std::string> names;
+  for (std::size_t method = 0; method < palpate_method_count(); method++) {
+    names.push_back(detail::text([&](char *memory, std::size_t size) {
+      return palpate_method_text(method, PALPATE_ABOUT_METHOD_NAME, memory, size);
+    }));
+  }
+  return names;
+}
+
+/* A contact that is rendered. One thread at a time may use it. It can be moved and not copied; one that
+   was moved from gives 0 N. */
+class Contact {
+ public:
+  /* Throws Error where a parameter is outside its range. */
+  Contact(const palpate_contact_params &params, const palpate_loop_params &loop) {
+    if (palpate_abi_version() != PALPATE_ABI_VERSION) {
+      throw Error(PALPATE_STATUS_STRUCT_SIZE, "this program was compiled with another palpate.h than the library has");
+    }
+    detail::check(palpate_contact_new(&params, &loop, &contact_));
+  }
+
+  Contact(Contact &&other) noexcept : contact_(std::exchange(other.contact_, nullptr)) {}
+
+  Contact &operator=(Contact &&other) noexcept {
+    std::swap(contact_, other.contact_);
+    return *this;
+  }
+
+  Contact(const Contact &) = delete;
+  Contact &operator=(const Contact &) = delete;
+
+  ~Contact() { palpate_contact_free(contact_); }
+
+  /* One tick: the force on the device [N], from its position [m]. */
+  double step(double device_position) noexcept { return step(palpate_sample_at(device_position), nullptr); }
+
+  /* One tick, with all that goes in and, where `output` is not null, all that comes out. */
+  double step(const palpate_sample &sample, palpate_output *output) noexcept {
+    return palpate_contact_step(contact_, &sample, output);
+  }
+
+  /* The force on the device that was really sent for the last tick [N]. */
+  void report_sent(double force_on_device) noexcept { palpate_contact_report_sent(contact_, force_on_device); }
+
+  /* The force on the device that has really acted since the last sample, in the mean [N]. */
+  void report_held(double force_on_device) noexcept { palpate_contact_report_held(contact_, force_on_device); }
+
+  /* Renders something else from the next tick on, without a step in the force. Throws Error. */
+  void change(const palpate_contact_params &params, const palpate_loop_params &loop) {
+    detail::check(palpate_contact_change(contact_, &params, &loop));
+  }
+
+  /* Puts the object at `position` [m] with `velocity` [m/s] with the next sample. Throws Error. */
+  void teleport(double position, double velocity = 0.0) {
+    detail::check(palpate_contact_teleport(contact_, position, velocity));
+  }
+
+  /* The books up to the last sample. */
+  palpate_ledger ledger() const noexcept {
+    palpate_ledger ledger = palpate_ledger_empty();
+    palpate_contact_ledger(contact_, &ledger);
+    return ledger;
+  }
+
+  /* What is rendered, in words. */
+  std::string description() const {
+    return detail::text([this](char *memory, std::size_t size) {
+      return palpate_contact_describe(contact_, memory, size);
+    });
+  }
+
+  /* The handle, for functions of palpate.h. */
+  palpate_contact *handle() noexcept { return contact_; }
+
+ private:
+  palpate_contact *contact_ = nullptr;
+};
+
+}  // namespace palpate

@@ -1,0 +1,28 @@
+//! Sizes, alignments and places of the structs on machines of 64 bits; tests/c/abi.c asserts the same of
+//! the header.
+#![cfg(target_pointer_width = "64")]
+
+use core::mem::offset_of;
+
+use crate::{ContactParams, Fault, Ledger, LoopParams, Output, Phase, Sample, Setting, Status};
+
+const _: () = assert!(crate::PALPATE_ABI_VERSION == 1);
+const _: () = assert!(size_of::<Status>() == 4);
+const _: () = assert!(size_of::<Phase>() == 4);
+const _: () = assert!(size_of::<Fault>() == 4);
+const _: () = assert!(size_of::<Setting>() == 24);
+
+macro_rules! has {
+    ($Type:ty, $size:literal, $align:literal $(, $field:ident at $place:literal)*) => {
+        const _: () = assert!(size_of::<$Type>() == $size);
+        const _: () = assert!(align_of::<$Type>() == $align);
+        const _: () = assert!(offset_of!($Type, struct_size) == 0);
+        $(const _: () = assert!(offset_of!($Type, $field) == $place);)*
+    };
+}
+
+has!(ContactParams, 80, 8, virtual_force at 40, setting_count at 64, unilateral at 76);
+has!(LoopParams, 136, 8, force_limit at 32, delay at 48, device_mass at 96, guard at 128);
+has!(Sample, 40, 8, has_elapsed at 32);
+has!(Output, 80, 8, placement_shift at 56, phase at 64, limited at 72);
+has!(Ledger, 88, 8, held_leak at 40);

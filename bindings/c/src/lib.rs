@@ -1,0 +1,50 @@
+#![cfg_attr(not(feature = "std"), no_std)]
+//! palpate from C and C++. The header `include/palpate.h` is made from this crate; what each function
+//! means stands in both.
+//!
+//! Handles are opaque. Structs begin with their own size, so that they can grow. A tick cannot fail: it
+//! gives the force on the device, 0 where anything is wrong. Nothing unwinds into the caller.
+
+mod abi;
+mod contact;
+mod contact_params;
+mod edge;
+mod last_error;
+mod loop_params;
+mod methods;
+mod output;
+mod placed;
+mod sample;
+mod sized;
+mod status;
+mod text;
+
+pub use contact::*;
+pub use contact_params::*;
+pub use last_error::palpate_last_error;
+pub use loop_params::*;
+pub use methods::*;
+pub use output::*;
+pub use placed::*;
+pub use sample::*;
+pub use status::Status;
+
+use core::ffi::c_char;
+
+/// Version of this interface. It goes up with a change that a compiled program would not survive; what
+/// is only added leaves it as it is.
+pub const PALPATE_ABI_VERSION: u32 = 1;
+
+/// The version of the interface that the library has: that of the header, `PALPATE_ABI_VERSION`, or the
+/// two do not belong together.
+#[unsafe(no_mangle)]
+pub extern "C" fn palpate_abi_version() -> u32 {
+    PALPATE_ABI_VERSION
+}
+
+/// The version of the library, such as "0.1.0".
+#[unsafe(no_mangle)]
+pub extern "C" fn palpate_version() -> *const c_char {
+    const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\0");
+    VERSION.as_ptr().cast()
+}

@@ -1,0 +1,202 @@
+//! Methods and their settings by name, from the core's own list.
+
+use core::ffi::c_char;
+use core::fmt::{self, Display};
+
+use palpate_core::{
+    Allowed, MethodName, Parameter, ParameterError, ParameterValue, Range, Setting as Core,
+    SettingValues, Settings, Unit,
+};
+
+use crate::contact_params::Setting;
+use crate::edge::caught;
+use crate::status::Refusal;
+use crate::text;
+
+/// What palpate_method_text tells of a method.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MethodText {
+    /// Its name, which `method` of palpate_contact_params takes.
+    Name = 0,
+    /// What it is, in a few words.
+    Summary = 1,
+}
+
+/// What palpate_setting_text tells of a setting.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SettingText {
+    /// Its key.
+    Key = 0,
+    /// The symbol of its unit, "" of words, switches and pure numbers.
+    Unit = 1,
+    /// What it is, in words that follow the method's name.
+    Help = 2,
+    /// What is taken where it is not given.
+    Default = 3,
+}
+
+/// Number of methods.
+#[unsafe(no_mangle)]
+pub extern "C" fn palpate_method_count() -> usize {
+    MethodName::ALL.len()
+}
+
+/// Number of settings of method number `method`, counted from 0; 0 where there is no such method.
+#[unsafe(no_mangle)]
+pub extern "C" fn palpate_method_setting_count(method: usize) -> usize {
+    let method = MethodName::ALL.get(method);
+    method.map_or(0, |method| method.info().settings.len())
+}
+
+/// Puts a text about method number `method`, counted from 0, into `size` bytes at `memory`, cut to them
+/// and ended by a 0. `what` is a palpate_about_method. Its whole length without the 0; 0 where there
+/// is no such method or text.
+///
+/// # Safety
+/// `memory` is NULL, or `size` bytes can be written there.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn palpate_method_text(
+    method: usize,
+    what: u32,
+    memory: *mut c_char,
+    size: usize,
+) -> usize {
+    let method = MethodName::ALL.get(method);
+    let text = method.and_then(|method| match what {
+        0 => Some(method.name()),
+        1 => Some(method.summary()),
+        _ => None,
+    });
+    // SAFETY: as the caller says.
+    caught(|| unsafe { text::put_at(text.unwrap_or_default(), memory, size) }).unwrap_or(0)
+}
+
+/// The same about setting number `setting` of method number `method`. `what` is a
+/// palpate_about_setting.
+///
+/// # Safety
+/// `memory` is NULL, or `size` bytes can be written there.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn palpate_setting_text(
+    method: usize,
+    setting: usize,
+    what: u32,
+    memory: *mut c_char,
+    size: usize,
+) -> usize {
+    let method = MethodName::ALL.get(method);
+    let setting = method.and_then(|method| method.info().settings.get(setting));
+    let text = setting.and_then(|setting| match what {
+        0 => Some(setting.key.as_str()),
+        1 => Some(setting.unit().map_or("", Unit::symbol)),
+        2 => Some(setting.help),
+        3 => Some(setting.default),
+        _ => None,
+    });
+    // SAFETY: as the caller says.
+    caught(|| unsafe { text::put_at(text.unwrap_or_default(), memory, size) }).unwrap_or(0)
+}
+
+/// The settings at `given`, `count` of them.
+///
+/// # Safety
+/// `given` is NULL or points to `count` settings, whose texts are NULL or ended by a 0.
+pub(crate) unsafe fn settings<'a>(
+    method: MethodName,
+    given: *const Setting,
+    count: usize,
+) -> Result<Settings, Refusal<'a>> {
+    let mut settings = Settings::default();
+    if count > 0 && given.is_null() {
+        return Err(Refusal::Null("settings"));
+    }
+    for at in 0..count {
+        // SAFETY: not NULL, and `at` is below the count that the caller says.
+        let Setting { key, number, word } = unsafe { given.add(at).read() };
+        // SAFETY: as the caller says.
+        let key = unsafe { text::read(key, "key of a setting") }?;
+        let mut own = method.info().settings.iter();
+        let Some(setting) = own.find(|setting| setting.key.as_str() == key) else {
+            let method = method.name();
+            return Err(Refusal::UnknownSetting { method, key });
+        };
+        let value = if word.is_null() {
+            of_number(setting, number)?
+        } else {
+            // SAFETY: as the caller says.
+            of_word(setting, unsafe { text::read(word, "word of a setting") }?)?
+        };
+        settings.set(setting.key, Some(value));
+    }
+    Ok(settings)
+}
+
+fn of_number<'a>(setting: &'static Core, number: f64) -> Result<ParameterValue<f64>, Refusal<'a>> {
+    match setting.range() {
+        Some(range) if range.contains(number) => Ok(ParameterValue::Number(number)),
+        Some(range) => Err(Refusal::Parameter(ParameterError {
+            parameter: Parameter::Setting(setting),
+            value: number,
+            allowed: Allowed::Range(range),
+        })),
+        None => Err(Refusal::SettingValue {
+            key: setting.key.as_str(),
+            given: "a number",
+            allowed: "a word",
+        }),
+    }
+}
+
+fn of_word<'a>(setting: &'static Core, word: &'a str) -> Result<ParameterValue<f64>, Refusal<'a>> {
+    let value = match (setting.values, word) {
+        (SettingValues::Switch, "true") => Some(ParameterValue::Switch(true)),
+        (SettingValues::Switch, "false") => Some(ParameterValue::Switch(false)),
+        _ => setting.word(word),
+    };
+    value.ok_or(Refusal::SettingValue {
+        key: setting.key.as_str(),
+        given: word,
+        allowed: match setting.values {
+            SettingValues::Number { .. } => "a number",
+            SettingValues::NumberOrAuto { .. } => "a number or \"auto\"",
+            SettingValues::Words { .. } => "one of its words; its help has them",
+            SettingValues::Switch => "\"true\" or \"false\"",
+        },
+    })
+}
+
+/// A virtual force that is no number.
+pub(crate) fn not_finite_virtual_force(value: f64) -> Refusal<'static> {
+    Refusal::Parameter(ParameterError {
+        parameter: Parameter::VirtualForce,
+        value,
+        allowed: Allowed::Range(Range::Finite),
+    })
+}
+
+fn write_joined(
+    f: &mut fmt::Formatter<'_>,
+    names: impl Iterator<Item = &'static str>,
+) -> fmt::Result {
+    for (index, name) in names.enumerate() {
+        f.write_str(if index > 0 { ", " } else { "" })?;
+        name.fmt(f)?;
+    }
+    Ok(())
+}
+
+/// The names of all methods, with commas between them.
+pub(crate) fn write_names(f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    write_joined(f, MethodName::ALL.into_iter().map(MethodName::name))
+}
+
+/// The keys of a method's settings, with commas between them.
+pub(crate) fn write_keys(f: &mut fmt::Formatter<'_>, method: &str) -> fmt::Result {
+    let settings = MethodName::named(method).map_or(&[][..], |method| method.info().settings);
+    if settings.is_empty() {
+        return f.write_str("none");
+    }
+    write_joined(f, settings.iter().map(|setting| setting.key.as_str()))
+}

@@ -1,0 +1,216 @@
+//! What comes out of a tick, and the books.
+
+use palpate_core::{
+    Fault as CoreFault, Ledger as CoreLedger, Limited, Output as CoreOutput, Phase as CorePhase,
+};
+
+use crate::sized::SizedStruct;
+
+/// What the object is predicted to do in the coming interval.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// No contact.
+    Free = 0,
+    /// In contact throughout.
+    Contact = 1,
+    /// Contact begins within the interval.
+    Enters = 2,
+    /// Contact ends within the interval.
+    Leaves = 3,
+    /// A fault: the object waits.
+    Waiting = 4,
+}
+
+/// Why a sample was refused: the force is then 0, and the next sample that can be trusted takes up
+/// rendering.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fault {
+    /// It was not refused.
+    None = 0,
+    /// The device position is not a finite number.
+    PositionNotFinite = 1,
+    /// The virtual force is not a finite number.
+    VirtualForceNotFinite = 2,
+    /// The time since the sample before is not positive.
+    ElapsedNotPositive = 3,
+    /// The time since the sample before exceeds the largest gap.
+    GapTooLong = 4,
+    /// The device position jumped faster than the speed limit.
+    JumpTooFast = 5,
+    /// The force or the object's motion would not be a finite number.
+    Overflow = 6,
+    /// Of a newer core.
+    Other = 99,
+    /// The contact or the sample is NULL, or the sample's struct_size is too small: palpate_last_error.
+    Argument = 100,
+    /// A defect in the library, which has been caught. Report it, please.
+    Internal = 101,
+}
+
+/// Limits that changed the force: bits of `limited`.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Limit {
+    /// It would have pulled, and the contact may only push.
+    Pull = 1,
+    /// It exceeded the force limit.
+    Force = 2,
+    /// It changed faster than the slew limit.
+    Slew = 4,
+    /// It could give out more energy than there is: the guard's bound.
+    Guard = 8,
+}
+
+/// The answer to a sample, along the contact's axis. palpate_output_empty() makes one to be filled.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Output {
+    /// Size of this struct; palpate_output_empty() sets it.
+    pub struct_size: usize,
+    /// Force on the device: what the motor is to be commanded, and to hold until the next sample [N].
+    pub force_on_device: f64,
+    /// The same force on the object, opposite in sign [N].
+    pub force_on_object: f64,
+    /// Position of the object's surface at this sample [m].
+    pub object_position: f64,
+    /// Velocity of the object at this sample [m/s].
+    pub object_velocity: f64,
+    /// Penetration of the device into the object at this sample, positive in contact on either side [m].
+    pub penetration: f64,
+    /// Instant of the predicted transition, after this sample [s]; 0 where there is none.
+    pub transition_after: f64,
+    /// How far coupled rendering has shifted the object over the last interval [m]; a display takes it
+    /// off again.
+    pub placement_shift: f64,
+    /// What the coming interval is predicted to hold.
+    pub phase: Phase,
+    /// Why the sample was refused.
+    pub fault: Fault,
+    /// Limits that changed the force: bits of palpate_limit.
+    pub limited: u32,
+    /// 0.
+    pub reserved: u32,
+}
+
+// SAFETY: `repr(C)`, a `usize` first, numbers only. It is written, never read from C.
+unsafe impl SizedStruct for Output {
+    const NAME: &'static str = "palpate_output";
+}
+
+impl Output {
+    /// No force, and why.
+    pub fn refused(fault: Fault) -> Self {
+        Self {
+            struct_size: size_of::<Self>(),
+            force_on_device: 0.0,
+            force_on_object: 0.0,
+            object_position: 0.0,
+            object_velocity: 0.0,
+            penetration: 0.0,
+            transition_after: 0.0,
+            placement_shift: 0.0,
+            phase: Phase::Waiting,
+            fault,
+            limited: 0,
+            reserved: 0,
+        }
+    }
+}
+
+fn bits(limited: Limited) -> u32 {
+    let bit = |set: bool, limit: Limit| if set { limit as u32 } else { 0 };
+    bit(limited.pull, Limit::Pull)
+        | bit(limited.force, Limit::Force)
+        | bit(limited.slew, Limit::Slew)
+        | bit(limited.guard, Limit::Guard)
+}
+
+impl From<CoreOutput<f64>> for Output {
+    #[inline]
+    fn from(output: CoreOutput<f64>) -> Self {
+        Self {
+            struct_size: size_of::<Self>(),
+            force_on_device: output.force_on_device,
+            force_on_object: output.force_on_object,
+            object_position: output.object_position,
+            object_velocity: output.object_velocity,
+            penetration: output.penetration,
+            transition_after: output.transition_after,
+            placement_shift: output.placement_shift,
+            phase: match output.phase {
+                CorePhase::Free => Phase::Free,
+                CorePhase::Contact => Phase::Contact,
+                CorePhase::Enters => Phase::Enters,
+                CorePhase::Leaves => Phase::Leaves,
+                CorePhase::Waiting => Phase::Waiting,
+            },
+            fault: match output.fault {
+                None => Fault::None,
+                Some(CoreFault::PositionNotFinite) => Fault::PositionNotFinite,
+                Some(CoreFault::VirtualForceNotFinite) => Fault::VirtualForceNotFinite,
+                Some(CoreFault::ElapsedNotPositive) => Fault::ElapsedNotPositive,
+                Some(CoreFault::GapTooLong) => Fault::GapTooLong,
+                Some(CoreFault::JumpTooFast) => Fault::JumpTooFast,
+                Some(CoreFault::Overflow) => Fault::Overflow,
+                Some(_) => Fault::Other,
+            },
+            limited: bits(output.limited),
+            reserved: 0,
+        }
+    }
+}
+
+/// Books of the object's energy, positive into the object; they balance at every sample: stored less
+/// stored at the start = port_work + virtual_force_work + outside_work + held_leak.
+/// palpate_ledger_empty() makes one to be filled.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Ledger {
+    /// Size of this struct; palpate_ledger_empty() sets it.
+    pub struct_size: usize,
+    /// Kinetic energy of the object and elastic energy of the contact at the last sample [J].
+    pub stored: f64,
+    /// Work of the held force on the object's side of the port [J].
+    pub port_work: f64,
+    /// Work of the virtual force on the object [J].
+    pub virtual_force_work: f64,
+    /// Placing the object anew, other parameters, and what passed while no sample could be trusted [J].
+    pub outside_work: f64,
+    /// Energy that the force which was held has created, less what it has destroyed [J].
+    pub held_leak: f64,
+    /// The same over the last closed interval [J].
+    pub held_leak_last: f64,
+    /// Sum of the absolute leaks of all closed intervals [J].
+    pub held_leak_absolute: f64,
+    /// Energy that the plain spring force would have created over the same motion [J].
+    pub original_leak: f64,
+    /// The same over the last closed interval [J].
+    pub original_leak_last: f64,
+    /// Sum of its absolute leaks over all closed intervals [J].
+    pub original_leak_absolute: f64,
+}
+
+// SAFETY: `repr(C)`, a `usize` first, numbers only.
+unsafe impl SizedStruct for Ledger {
+    const NAME: &'static str = "palpate_ledger";
+}
+
+impl From<&CoreLedger<f64>> for Ledger {
+    fn from(ledger: &CoreLedger<f64>) -> Self {
+        Self {
+            struct_size: size_of::<Self>(),
+            stored: ledger.stored,
+            port_work: ledger.port_work,
+            virtual_force_work: ledger.virtual_force_work,
+            outside_work: ledger.outside_work,
+            held_leak: ledger.held_leak.accumulated,
+            held_leak_last: ledger.held_leak.last,
+            held_leak_absolute: ledger.held_leak.absolute,
+            original_leak: ledger.original_leak.accumulated,
+            original_leak_last: ledger.original_leak.last,
+            original_leak_absolute: ledger.original_leak.absolute,
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! What a call answers, and the errors behind it in words.
+
+use core::fmt;
+
+use palpate_core::{ChangeError, ParameterError, SettingsError};
+
+/// What a call answers. `palpate_last_error` says the rest in words.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// Done.
+    Ok = 0,
+    /// A pointer is NULL.
+    Null = 1,
+    /// A struct_size is too small, or larger than the library knows and the rest is not 0.
+    StructSize = 2,
+    /// A parameter is outside its range.
+    Parameter = 3,
+    /// A method or a setting has another name or another value than there are.
+    Setting = 4,
+    /// What runs cannot change to that: another period, another side of the device.
+    Change = 5,
+    /// The memory that was given is too small or not aligned.
+    Memory = 6,
+    /// A defect in the library, which has been caught. Report it, please.
+    Internal = 7,
+}
+
+/// Why a call is refused.
+pub enum Refusal<'a> {
+    /// What is NULL.
+    Null(&'static str),
+    /// A struct of another size.
+    StructSize {
+        name: &'static str,
+        given: usize,
+        known: usize,
+    },
+    Parameter(ParameterError),
+    Change(ChangeError),
+    /// Settings that do not make a method, with the setting where the words do not name it.
+    Settings(SettingsError),
+    UnknownMethod(&'a str),
+    UnknownSetting {
+        method: &'static str,
+        key: &'a str,
+    },
+    SettingValue {
+        key: &'static str,
+        given: &'a str,
+        allowed: &'static str,
+    },
+    /// A text that is not UTF-8.
+    NotText(&'static str),
+    /// A number that stands for a choice.
+    Choice {
+        name: &'static str,
+        given: u32,
+        allowed: &'static str,
+    },
+    TooSmall {
+        given: usize,
+        needed: usize,
+    },
+    NotAligned {
+        needed: usize,
+    },
+}
+
+impl Refusal<'_> {
+    pub fn status(&self) -> Status {
+        match self {
+            Self::Null(_) => Status::Null,
+            Self::StructSize { .. } => Status::StructSize,
+            Self::Parameter(_) | Self::Choice { .. } | Self::Change(ChangeError::Parameter(_)) => {
+                Status::Parameter
+            }
+            Self::Change(_) => Status::Change,
+            Self::Settings(_)
+            | Self::UnknownMethod(_)
+            | Self::UnknownSetting { .. }
+            | Self::SettingValue { .. }
+            | Self::NotText(_) => Status::Setting,
+            Self::TooSmall { .. } | Self::NotAligned { .. } => Status::Memory,
+        }
+    }
+}
+
+impl fmt::Display for Refusal<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Null(name) => write!(f, "{name} is NULL"),
+            Self::StructSize { name, given, known } if given < known => write!(
+                f,
+                "struct_size of {name} is {given}, but must be at least {known}: {name}_default() sets it"
+            ),
+            Self::StructSize { name, given, known } => write!(
+                f,
+                "struct_size of {name} is {given}, of which this library knows {known}; what is beyond \
+                 must be 0"
+            ),
+            Self::Parameter(error) => error.fmt(f),
+            Self::Change(error) => error.fmt(f),
+            Self::Settings(SettingsError::Unused { method, setting }) => {
+                write!(f, "{} is set, but {method} cannot use it", setting.key)
+            }
+            Self::Settings(error) => error.fmt(f),
+            Self::UnknownMethod(name) => {
+                write!(
+                    f,
+                    "no method is called \"{}\"; there are ",
+                    name.escape_debug()
+                )?;
+                crate::methods::write_names(f)
+            }
+            Self::UnknownSetting { method, key } => {
+                let key = key.escape_debug();
+                write!(f, "{method} has no setting \"{key}\"; it has ")?;
+                crate::methods::write_keys(f, method)
+            }
+            Self::SettingValue {
+                key,
+                given,
+                allowed,
+            } => write!(
+                f,
+                "{key} is \"{}\", but must be {allowed}",
+                given.escape_debug()
+            ),
+            Self::NotText(name) => write!(f, "{name} is not UTF-8"),
+            Self::Choice {
+                name,
+                given,
+                allowed,
+            } => write!(f, "{name} is {given}, but must be {allowed}"),
+            Self::TooSmall { given, needed } => {
+                write!(f, "the memory has {given} bytes, but must have {needed}")
+            }
+            Self::NotAligned { needed } => {
+                write!(f, "the memory must begin at a multiple of {needed} bytes")
+            }
+        }
+    }
+}
+
+impl From<ParameterError> for Refusal<'_> {
+    fn from(error: ParameterError) -> Self {
+        Self::Parameter(error)
+    }
+}
+
+impl From<ChangeError> for Refusal<'_> {
+    fn from(error: ChangeError) -> Self {
+        Self::Change(error)
+    }
+}
+
+impl From<SettingsError> for Refusal<'_> {
+    fn from(error: SettingsError) -> Self {
+        Self::Settings(error)
+    }
+}

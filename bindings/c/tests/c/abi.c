@@ -1,0 +1,37 @@
+/* Sizes, alignments and places of the structs on machines of 64 bits: a program that is compiled today has
+   to find them there in every library of this ABI. src/abi.rs asserts the same of the Rust side. */
+#include <palpate.h>
+
+#define HAS(type, size, align)                                                \
+  _Static_assert(sizeof(type) == (size), "another size of " #type);           \
+  _Static_assert(_Alignof(type) == (align), "another alignment of " #type);   \
+  _Static_assert(offsetof(type, struct_size) == 0, "struct_size comes first")
+#define AT(type, field, place) _Static_assert(offsetof(type, field) == (place), "another place of " #field)
+
+_Static_assert(PALPATE_ABI_VERSION == 1, "the numbers below are those of version 1");
+_Static_assert(sizeof(palpate_status) == 4, "another size of palpate_status");
+_Static_assert(sizeof(palpate_phase) == 4, "another size of palpate_phase");
+_Static_assert(sizeof(palpate_fault) == 4, "another size of palpate_fault");
+
+#if UINTPTR_MAX == UINT64_MAX
+_Static_assert(sizeof(palpate_setting) == 24, "another size of palpate_setting");
+HAS(palpate_contact_params, 80, 8);
+AT(palpate_contact_params, virtual_force, 40);
+AT(palpate_contact_params, setting_count, 64);
+AT(palpate_contact_params, unilateral, 76);
+HAS(palpate_loop_params, 136, 8);
+AT(palpate_loop_params, force_limit, 32);
+AT(palpate_loop_params, delay, 48);
+AT(palpate_loop_params, device_mass, 96);
+AT(palpate_loop_params, guard, 128);
+HAS(palpate_sample, 40, 8);
+AT(palpate_sample, has_elapsed, 32);
+HAS(palpate_output, 80, 8);
+AT(palpate_output, placement_shift, 56);
+AT(palpate_output, phase, 64);
+AT(palpate_output, limited, 72);
+HAS(palpate_ledger, 88, 8);
+AT(palpate_ledger, held_leak, 40);
+#endif
+
+int main(void) { return 0; }

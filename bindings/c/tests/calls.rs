@@ -1,0 +1,186 @@
+//! The functions as C calls them, from Rust: what reads and writes through pointers stays within what it was
+//! given. `cargo +nightly miri test --test calls` watches every access.
+
+use std::ffi::{CStr, c_void};
+use std::mem::MaybeUninit;
+use std::ptr;
+
+use palpate::*;
+
+fn loop_params() -> LoopParams {
+    let mut params = MaybeUninit::uninit();
+    // SAFETY: as many bytes as are said can be written.
+    let status = unsafe { palpate_loop_params_init(params.as_mut_ptr(), size_of::<LoopParams>()) };
+    assert_eq!(status, Status::Ok);
+    // SAFETY: all of it has been written.
+    let mut params = unsafe { params.assume_init() };
+    params.period = 0.001;
+    params
+}
+
+fn contact_params(method: &CStr) -> ContactParams {
+    let mut params = MaybeUninit::uninit();
+    // SAFETY: as many bytes as are said can be written.
+    let status =
+        unsafe { palpate_contact_params_init(params.as_mut_ptr(), size_of::<ContactParams>()) };
+    assert_eq!(status, Status::Ok);
+    // SAFETY: all of it has been written.
+    let mut params: ContactParams = unsafe { params.assume_init() };
+    params.stiffness = 1000.0;
+    params.method = method.as_ptr();
+    params
+}
+
+fn sample(device_position: f64) -> Sample {
+    Sample {
+        struct_size: size_of::<Sample>(),
+        device_position,
+        elapsed: 0.0,
+        virtual_force: 0.0,
+        has_elapsed: 0,
+        reserved: 0,
+    }
+}
+
+fn last_error() -> &'static str {
+    // SAFETY: it is ended by a 0, and nothing changes it before it has been compared.
+    unsafe { CStr::from_ptr(palpate_last_error()) }
+        .to_str()
+        .unwrap()
+}
+
+#[test]
+fn a_contact_lives_from_new_to_free() {
+    let (params, loop_params) = (contact_params(c"basic"), loop_params());
+    let mut contact = ptr::null_mut();
+    let mut output = MaybeUninit::<Output>::uninit();
+    // SAFETY: every pointer is to what its type says, and `contact` is not used after it is freed.
+    unsafe {
+        output
+            .as_mut_ptr()
+            .cast::<usize>()
+            .write(size_of::<Output>());
+        assert_eq!(
+            palpate_contact_new(&params, &loop_params, &mut contact),
+            Status::Ok
+        );
+        let force = palpate_contact_step(contact, &sample(0.001), output.as_mut_ptr());
+        assert_eq!(force, -1.0);
+        let output = output.assume_init();
+        assert_eq!(
+            (output.force_on_device, output.phase),
+            (-1.0, Phase::Contact)
+        );
+        let mut stiffer = params;
+        stiffer.stiffness = 2000.0;
+        assert_eq!(
+            palpate_contact_change(contact, &stiffer, &loop_params),
+            Status::Ok
+        );
+        let force = palpate_contact_step(contact, &sample(0.001), ptr::null_mut());
+        assert!(-1.02 < force && force < -1.0, "{force}");
+        assert_eq!(palpate_contact_report_sent(contact, force), Status::Ok);
+        assert_eq!(palpate_contact_teleport(contact, 0.0, 0.0), Status::Ok);
+        palpate_contact_free(contact);
+    }
+}
+
+#[test]
+fn a_contact_in_memory_of_the_callers_is_made_nowhere_else() {
+    let (params, loop_params) = (contact_params(c"hfcr"), loop_params());
+    let mut memory: Vec<MaybeUninit<f64>> =
+        vec![MaybeUninit::uninit(); PALPATE_CONTACT_SIZE_MAX / 8];
+    let size = palpate_contact_size();
+    let mut contact = ptr::null_mut();
+    // SAFETY: `size` bytes can be written, and every other pointer is to what its type says.
+    unsafe {
+        let memory = memory.as_mut_ptr().cast::<c_void>();
+        assert_eq!(
+            palpate_contact_place(memory, size, &params, &loop_params, &mut contact),
+            Status::Ok
+        );
+        assert_eq!(contact.cast(), memory);
+        for tick in 0..20 {
+            let position = 1e-4 * f64::from(tick);
+            assert!(palpate_contact_step(contact, &sample(position), ptr::null_mut()) <= 0.0);
+        }
+        // It is not the library's to free.
+        palpate_contact_free(contact);
+        let shifted = memory.cast::<u8>().add(1).cast();
+        let status = palpate_contact_place(shifted, size, &params, &loop_params, &mut contact);
+        assert_eq!(status, Status::Memory);
+        assert!(contact.is_null());
+    }
+}
+
+#[test]
+fn settings_are_read_as_far_as_their_count_says() {
+    let mut params = contact_params(c"coupled");
+    let mut of_loop = loop_params();
+    of_loop.device_mass = 0.25;
+    let settings = [
+        Setting {
+            key: c"placement".as_ptr(),
+            number: 0.0,
+            word: c"false".as_ptr(),
+        },
+        Setting {
+            key: c"no such key".as_ptr(),
+            number: 0.0,
+            word: ptr::null(),
+        },
+    ];
+    params.settings = settings.as_ptr();
+    params.setting_count = 1;
+    let mut contact = ptr::null_mut();
+    let mut text = [0; 200];
+    // SAFETY: every pointer is to what its type says.
+    unsafe {
+        let status = palpate_contact_new(&params, &of_loop, &mut contact);
+        assert_eq!(status, Status::Ok, "{}", last_error());
+        let length = palpate_contact_describe(contact, text.as_mut_ptr(), text.len());
+        let said = CStr::from_ptr(text.as_ptr()).to_str().unwrap();
+        assert_eq!(said.len(), length);
+        assert!(said.contains("placement false"), "{said}");
+        palpate_contact_free(contact);
+        params.setting_count = 2;
+        let status = palpate_contact_new(&params, &of_loop, &mut contact);
+        assert_eq!(status, Status::Setting);
+    }
+    assert_eq!(
+        last_error(),
+        "coupled has no setting \"no such key\"; it has placement, correction"
+    );
+}
+
+#[test]
+fn a_text_is_cut_to_the_room_there_is() {
+    for size in 0..8 {
+        let mut text = [0x7f; 8];
+        // SAFETY: `size` bytes can be written.
+        let length = unsafe { palpate_method_text(0, 0, text.as_mut_ptr(), size) };
+        assert_eq!(length, "basic".len());
+        let kept = size.saturating_sub(1).min(length);
+        let bytes: Vec<u8> = text.iter().map(|byte| byte.to_ne_bytes()[0]).collect();
+        assert_eq!(&bytes[..kept], &b"basic"[..kept]);
+        if size > 0 {
+            assert_eq!(bytes[kept], 0);
+        }
+        assert!(bytes[size..].iter().all(|byte| *byte == 0x7f), "{size}");
+    }
+}
+
+#[test]
+fn an_error_is_that_of_its_thread() {
+    let status = report_to_nothing();
+    assert_eq!(status, Status::Null);
+    assert_eq!(last_error(), "contact is NULL");
+    std::thread::spawn(|| assert_eq!(last_error(), ""))
+        .join()
+        .unwrap();
+}
+
+fn report_to_nothing() -> Status {
+    // SAFETY: NULL is allowed.
+    unsafe { palpate_contact_report_sent(ptr::null_mut(), 1.0) }
+}

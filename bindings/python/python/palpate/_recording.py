@@ -1,0 +1,81 @@
+"""Recordings of loops with a device."""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import Any, Mapping, NamedTuple, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _palpate
+from ._report import Fields, Report
+
+_COLUMNS, (_PHASES, _FLAGS) = _palpate.recorded_columns()
+
+RECORDED: np.dtype[np.void] = np.dtype([(name, "f8" if number else "u8") for name, number in _COLUMNS])
+"""The fields of a tick of a recording: numbers, and counts and codes as whole numbers."""
+FLAGS: tuple[str, ...] = tuple(_FLAGS)
+"""What the field `flags` of a tick of a recording means: `FLAGS[bit]` holds where the bit is set."""
+
+
+class Event(NamedTuple):
+    """Something that happened at a tick of a loop."""
+
+    sequence: int
+    """Number of the tick."""
+    t_s: float
+    """When, since the loop's start [s]."""
+    kind: str
+    """What kind of thing, in kebab case."""
+    text: str
+    """What happened, in words."""
+
+
+class Recording(Report):
+    """What a loop with a device did: the report of `palpate info --json`, and every tick."""
+
+    __slots__ = ("events", "texts", "ticks")
+
+    ticks: NDArray[np.void]
+    """The ticks that are there, in their order: an array with the fields of `palpate.RECORDED`."""
+    events: list[Event]
+    """What happened beside the ticks."""
+    texts: dict[str, str]
+    """The texts of the receipt, such as `scene`: what made the recording."""
+
+    def __init__(
+        self,
+        fields: Mapping[str, Any] = {},
+        text: str = "",
+        ticks: NDArray[np.void] | None = None,
+        events: Sequence[Event] = (),
+        texts: Mapping[str, str] = {},
+    ) -> None:
+        super().__init__(fields, text)
+        self.ticks = np.empty(0, RECORDED) if ticks is None else ticks
+        self.events = list(events)
+        self.texts = dict(texts)
+
+    def __reduce__(self) -> Any:
+        return (type(self), (dict(self), str(self), self.ticks, self.events, self.texts))
+
+
+def read_recording(path: str | os.PathLike[str]) -> Recording:
+    """Reads a recording (MCAP) of `palpate record`, whole or as much of it as there is.
+
+    What is missing or damaged is in the report: `complete`, `shortcomings`, `ticks_lost`.
+
+    Raises:
+        ValueError: A file that is no recording.
+        OSError: A file that cannot be read.
+    """
+    (fields, text), words, events, texts = _palpate.read_recording(path)
+    return Recording(
+        json.loads(fields, object_hook=Fields),
+        text,
+        words.view(RECORDED),
+        [Event(*event) for event in events],
+        dict(texts),
+    )

@@ -1,0 +1,157 @@
+"""Reports: the fields of the program's `--json`, as attributes."""
+
+from __future__ import annotations
+
+import html
+import json
+from typing import Any, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _palpate
+
+_NUMBERS, _CODES, (_PHASES, _LIMITS, _FAULTS) = _palpate.columns()
+
+PHASES: tuple[str, ...] = tuple(_PHASES)
+"""What the field `phase` of a tick means: `PHASES[code]`."""
+LIMITS: tuple[str, ...] = tuple(_LIMITS)
+"""What the field `limited` of a tick means: `LIMITS[bit]` changed the force where the bit is set."""
+FAULTS: tuple[str, ...] = tuple(_FAULTS)
+"""What the field `fault` of a tick means: `FAULTS[code]`; the first is no fault."""
+
+TICK: np.dtype[np.void] = np.dtype(
+    {
+        "names": [*_NUMBERS, *_CODES],
+        "formats": [*("f8" for _ in _NUMBERS), *("u1" for _ in _CODES)],
+        "offsets": [*(8 * place for place in range(len(_NUMBERS))), *(8 * len(_NUMBERS) + place for place in range(len(_CODES)))],
+        "itemsize": 8 * (len(_NUMBERS) + 1),
+    }
+)
+"""The fields of a tick of a run."""
+IDEAL: np.dtype[np.void] = np.dtype([(name, "f8") for name in _palpate.ideal_columns()])
+"""The fields of a point of the ideal."""
+
+
+class Fields(dict[str, Any]):
+    """A dictionary whose keys are attributes too. A key that a dictionary has a method for, such as
+    `values`, is an item only."""
+
+    __slots__ = ()
+
+    def __getattr__(self, name: str) -> Any:
+        try:
+            return self[name]
+        except KeyError:
+            raise AttributeError(f"no field is called {name}; the fields are {', '.join(self)}") from None
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self]
+
+
+class Report(Fields):
+    """What was found: a dictionary with the fields of the program's `--json`, which are attributes too.
+
+    `docs/schema` in palpate's repository has the fields of each report, with their units at the end of
+    their names. `print(report)` prints the table that the program prints.
+    """
+
+    __slots__ = ("_text",)
+
+    def __init__(self, fields: Mapping[str, Any] = {}, text: str = "") -> None:
+        super().__init__(fields)
+        self._text = text
+
+    @classmethod
+    def _of(cls, made: tuple[str, str]) -> Report:
+        """The report from its JSON and its text."""
+        return cls(json.loads(made[0], object_hook=Fields), made[1])
+
+    def to_json(self) -> str:
+        """The report as JSON."""
+        return json.dumps(self, indent=2)
+
+    def __str__(self) -> str:
+        return self._text
+
+    def __repr__(self) -> str:
+        return self._text
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(self._text)}</pre>"
+
+    def __reduce__(self) -> Any:
+        return (type(self), (dict(self), self._text))
+
+
+class Runs(Report):
+    """What some methods did in one scene or on one motion: their report, and every tick.
+
+    The fields are those of `palpate simulate --json` and `palpate render --json`; `methods` is the list of
+    what each method did.
+    """
+
+    __slots__ = ("ideal", "ticks")
+
+    ticks: dict[str, NDArray[np.void]]
+    """The ticks of each method, by its name: arrays with the fields of `palpate.TICK`. Leaks and works are
+    accumulated over the intervals before the sample; `force_on_device_n` is what was to be commanded, and
+    `held_force_on_object_n` what acts from the sample on."""
+    ideal: NDArray[np.void]
+    """The ideal on a fine grid: an array with the fields of `palpate.IDEAL`."""
+
+    def __init__(
+        self,
+        fields: Mapping[str, Any] = {},
+        text: str = "",
+        ticks: Mapping[str, NDArray[np.void]] = {},
+        ideal: NDArray[np.void] | None = None,
+    ) -> None:
+        super().__init__(fields, text)
+        self.ticks = dict(ticks)
+        self.ideal = np.empty(0, IDEAL) if ideal is None else ideal
+
+    @classmethod
+    def _of_runs(cls, made: tuple[str, str, Sequence[tuple[str, NDArray[np.uint64]]], NDArray[np.uint64]]) -> Runs:
+        fields, text, ticks, ideal = made
+        return cls(
+            json.loads(fields, object_hook=Fields),
+            text,
+            {method: words.view(TICK) for method, words in ticks},
+            ideal.view(IDEAL),
+        )
+
+    def method(self, name: str) -> Fields:
+        """What the report says of one method."""
+        for method in self["methods"]:
+            if method["method"] == name:
+                return method  # type: ignore[no-any-return]
+        names = ", ".join(method["method"] for method in self["methods"])
+        raise KeyError(f"no run is by {name}; there are {names}")
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draws the held force of each method over time, with the ideal behind, by matplotlib.
+
+        Args:
+            ax: Axes to draw in. `None`: new ones.
+
+        Returns:
+            The axes.
+
+        Raises:
+            ImportError: matplotlib is not there.
+        """
+        if ax is None:
+            from matplotlib import pyplot
+
+            ax = pyplot.subplots()[1]
+        force = "force_on_object_n"
+        ax.plot(self.ideal["t_s"], self.ideal[force], color="0.7", linewidth=4, label="ideal")
+        for method, ticks in self.ticks.items():
+            ax.step(ticks["t_s"], ticks[f"held_{force}"], where="post", label=method)
+        ax.set(title=self["title"], xlabel="time [s]", ylabel="force on the object [N]")
+        ax.legend()
+        return ax
+
+    def __reduce__(self) -> Any:
+        return (type(self), (dict(self), str(self), self.ticks, self.ideal))

@@ -1,0 +1,186 @@
+"""Scenes, and what methods do in them."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Callable, Iterable, Mapping, Sequence, Union
+
+from . import _palpate
+from ._report import Report, Runs
+from ._values import Situation
+
+Tables = Mapping[str, Any]
+"""A table of a scene file: its keys, each with its value."""
+
+
+class Scene(_palpate.Scene):
+    """An object, a device, a hand, a loop and a renderer: a closed loop to simulate.
+
+    Each argument is a table of a scene file, as a dictionary: the keys are those of the file, with their
+    units, and so are ranges and defaults (`docs/formats.md` in palpate's repository lists them). A value of
+    `None` is left out. `Scene.read` takes a file.
+
+        palpate.Scene(
+            "A light block",
+            object={"mass_kg": 0.1, "stiffness_n_per_m": 400.0, "position_m": 0.01, "force_n": -0.981},
+            device={"kind": "point-mass", "mass_kg": 0.25},
+            hand={"kind": "constant-force", "force_n": 1.0},
+            loop={"period_s": 0.01},
+            measure={"duration_s": 1.0},
+        )
+
+    Args:
+        title: A line for tables and figures.
+        object: The object and its contact.
+        device: The device.
+        loop: The loop.
+        measure: How long to look.
+        hand: The hand.
+        told: What the renderer is told of the actuator in place of what it is.
+        renderer: The method that is run where none is named, and what limits forces.
+        methods: Settings of methods, each by the method's name.
+        folder: Where files that the scene names are looked for.
+
+    Raises:
+        ValueError: Every value that is not allowed, by its key, a line for each.
+    """
+
+    def __new__(
+        cls,
+        title: str,
+        *,
+        object: Tables,
+        device: Tables,
+        loop: Tables,
+        measure: Tables,
+        hand: Tables | None = None,
+        told: Tables | None = None,
+        renderer: Tables | None = None,
+        methods: Mapping[str, Tables] | None = None,
+        folder: str | os.PathLike[str] = "",
+    ) -> Scene:
+        tables = {
+            "scene_format": 1,
+            "title": title,
+            "object": object,
+            "device": device,
+            "hand": hand,
+            "loop": loop,
+            "told": told,
+            "measure": measure,
+            "renderer": renderer,
+            "methods": methods,
+        }
+        return cls._of(_palpate.to_toml(tables), None, folder)
+
+    @classmethod
+    def _of(cls, text: str, name: str | None, folder: str | os.PathLike[str]) -> Scene:
+        return super().__new__(cls, text, name, folder)
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str]) -> Scene:
+        """The scene of a file. Messages name the file, the line and the column."""
+        return cls._of(*_palpate.read_scene(path))
+
+    @classmethod
+    def parse(cls, text: str, folder: str | os.PathLike[str] = "") -> Scene:
+        """The scene of the text of a file."""
+        return cls._of(text, "scene", folder)
+
+    def replace(self, title: str | None = None, **tables: Tables) -> Scene:
+        """The same scene with other values: those of the tables that are given, by key; `None` takes a
+        key away.
+
+            scene.replace(object={"mass_kg": 0.05}, loop={"period_s": 0.002})
+        """
+        text, _, folder = self.parts()
+        changed = _merged(_palpate.from_toml(text), tables)
+        if title is not None:
+            changed["title"] = title
+        return self._of(_palpate.to_toml(changed), None, folder)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The tables of the scene."""
+        return _palpate.from_toml(self.parts()[0])
+
+    def to_toml(self) -> str:
+        """The scene as the text of a file."""
+        return self.parts()[0]
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Scene) and self.parts() == other.parts()
+
+    def __hash__(self) -> int:
+        return hash(self.parts())
+
+    def __reduce__(self) -> Any:
+        return (type(self)._of, self.parts())
+
+    def __repr__(self) -> str:
+        return f"<palpate.Scene {self.title!r}>"
+
+
+def _merged(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    merged = dict(tables)
+    for key, value in changes.items():
+        before = merged.get(key)
+        if isinstance(value, Mapping):
+            value = _merged(before if isinstance(before, Mapping) else {}, value)
+        merged[key] = value
+    return merged
+
+
+SceneLike = Union[Scene, str, "os.PathLike[str]"]
+"""A scene, or the path of a scene file."""
+
+
+MethodLike = Union[str, Callable[[Situation], float]]
+"""Name of a method, or a method of one's own: the force on the object [N] at a sample in contact."""
+
+
+def simulate(scene: SceneLike, method: MethodLike | Sequence[MethodLike] | None = None) -> Runs:
+    """Simulates a scene in closed loop, as `palpate simulate` does, and judges each method.
+
+    Args:
+        scene: A scene, or the path of a scene file.
+        method: Name of a method, of `palpate.METHODS`, several names, or `"all"`. `None`: the scene's own.
+            A function is a method of your own, under the function's name: at each sample in contact it
+            takes a `palpate.Situation` and gives the force on the object [N] to hold until the next. The
+            object moves as the paper's: free or in contact throughout an interval, as its sample is.
+
+    Returns:
+        The report, and the ticks of each method as structured arrays.
+
+    Raises:
+        ValueError: A scene that cannot be run, or not by this method.
+        Exception: What a method of your own raises.
+        OSError: A file that cannot be read.
+    """
+    return Runs._of_runs(_palpate.simulate(_scene(scene), method))
+
+
+def compare(scenes: SceneLike | Iterable[SceneLike], method: str | Sequence[str] = "all") -> Report:
+    """Compares methods on several scenes, as `palpate compare` does.
+
+    Args:
+        scenes: Scenes, or paths of scene files.
+        method: Name of a method, of `palpate.METHODS`, several names, or `"all"`.
+
+    Returns:
+        The report: `scenes`, and of each its `methods`. A method that cannot be set up on a scene has
+        the field `cannot`, which says why, in place of its numbers.
+
+    Raises:
+        ValueError: A scene that cannot be run.
+        OSError: A file that cannot be read.
+    """
+    return Report._of(_palpate.compare(_scenes(scenes), method))
+
+
+def _scenes(scenes: SceneLike | Iterable[SceneLike]) -> list[_palpate.Scene]:
+    several = [scenes] if isinstance(scenes, (Scene, str, os.PathLike)) else scenes
+    return [_scene(scene) for scene in several]
+
+
+def _scene(scene: SceneLike) -> Scene:
+    return scene if isinstance(scene, Scene) else Scene.read(scene)

@@ -1,0 +1,195 @@
+//! Methods by name, and the settings that each of them takes: all from the list of the core.
+
+use palpate::{MethodName, ParameterValue, Setting, SettingValues, Settings, Unit, all_settings};
+use palpate_scene::method::{method_named, nearest};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyList, PyString};
+
+use crate::names::{refused, unused};
+use crate::own_method::OwnMethod;
+
+/// Every method, in the order of tables and figures: its name, what it is, and its settings, each with
+/// its name, key, unit, words (of which one is to be given), help and default.
+#[pyfunction]
+pub fn methods(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
+    let all = PyList::empty(py);
+    for method in MethodName::ALL {
+        let settings = PyList::empty(py);
+        for setting in method.info().settings {
+            let said = PyDict::new(py);
+            said.set_item("name", setting.name())?;
+            said.set_item("key", setting.key.as_str())?;
+            said.set_item("unit", setting.unit().map(Unit::symbol))?;
+            said.set_item("allowed", allowed(setting))?;
+            said.set_item("help", setting.help)?;
+            said.set_item("default", setting.default)?;
+            settings.append(said)?;
+        }
+        let said = PyDict::new(py);
+        said.set_item("name", method.name())?;
+        said.set_item("summary", method.summary())?;
+        said.set_item("settings", settings)?;
+        all.append(said)?;
+    }
+    Ok(all)
+}
+
+/// What a setting may be, in words.
+fn allowed(setting: &Setting) -> String {
+    match setting.values {
+        SettingValues::Number { range, .. } => range.allowed().to_owned(),
+        SettingValues::NumberOrAuto { range, .. } => format!("{}, or \"auto\"", range.allowed()),
+        SettingValues::Words { words, .. } => format!("\"{}\"", words.join("\", \"")),
+        SettingValues::Switch => "True or False".to_owned(),
+    }
+}
+
+/// The methods of an argument `method`: a name, several, or `all`.
+pub fn chosen(method: &Bound<'_, PyAny>) -> PyResult<Vec<MethodName>> {
+    let several = chosen_or_own(method)?.into_iter();
+    let built_in = several.map(|method| match method {
+        Chosen::BuiltIn(method) => Ok(method),
+        Chosen::Own(own) => Err(PyTypeError::new_err(format!(
+            "method {} is a function, and only simulate takes one",
+            own.name
+        ))),
+    });
+    built_in.collect()
+}
+
+/// A method that was chosen.
+pub enum Chosen {
+    /// By its name.
+    BuiltIn(MethodName),
+    /// A function of Python.
+    Own(OwnMethod),
+}
+
+impl Chosen {
+    /// Its name.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::BuiltIn(method) => method.name(),
+            Self::Own(own) => own.name,
+        }
+    }
+}
+
+/// The same, functions of Python among them.
+pub fn chosen_or_own(method: &Bound<'_, PyAny>) -> PyResult<Vec<Chosen>> {
+    if let Ok(name) = method.cast::<PyString>() {
+        return match name.to_str()? {
+            "all" => Ok(MethodName::ALL.map(Chosen::BuiltIn).into()),
+            name => Ok(vec![Chosen::BuiltIn(named(name)?)]),
+        };
+    }
+    if method.is_callable() {
+        return Ok(vec![Chosen::Own(OwnMethod::of(method)?)]);
+    }
+    let mut methods: Vec<Chosen> = Vec::new();
+    for item in method.try_iter()? {
+        let item = item?;
+        let method = if item.is_callable() {
+            Chosen::Own(OwnMethod::of(&item)?)
+        } else {
+            Chosen::BuiltIn(named(&item.extract::<String>()?)?)
+        };
+        if methods.iter().any(|other| other.name() == method.name()) {
+            return Err(refused(format!("{} is named twice", method.name())));
+        }
+        methods.push(method);
+    }
+    if methods.is_empty() {
+        return Err(refused("method names no method"));
+    }
+    Ok(methods)
+}
+
+fn named(name: &str) -> PyResult<MethodName> {
+    method_named(name).map_err(refused)
+}
+
+/// The settings of arguments, by their names without units, for all of `methods`.
+pub fn settings(given: &Bound<'_, PyDict>, methods: &[MethodName]) -> PyResult<Settings> {
+    let mut settings = Settings::default();
+    for (name, value) in given.iter() {
+        let name: String = name.extract()?;
+        let Some(setting) = all_settings().find(|setting| setting.name() == name) else {
+            return Err(unknown(&name));
+        };
+        if let Some(method) = methods.iter().find(|method| !method.uses(setting.key)) {
+            return Err(unused(setting, method));
+        }
+        let of = |method: &MethodName| Some((method.setting(setting.key)?, *method));
+        let mut said = methods.iter().filter_map(of);
+        if let Some((first, one)) = said.next()
+            && let Some((second, other)) = said.find(|(second, _)| *second != first)
+        {
+            return Err(refused(format!(
+                "{name} means two things: of {one} {}, of {other} {}; name one of them with method",
+                first.help, second.help
+            )));
+        }
+        settings.set(setting.key, Some(self::value(setting, &name, &value)?));
+    }
+    Ok(settings)
+}
+
+fn unknown(name: &str) -> PyErr {
+    let known: Vec<_> = all_settings().map(Setting::name).collect();
+    let near = nearest(name, &known).map_or_else(
+        || format!("the settings are {}", known.join(", ")),
+        |near| format!("did you mean {near}?"),
+    );
+    PyTypeError::new_err(format!("no parameter is called {name}; {near}"))
+}
+
+/// The value of a setting: anything that some method takes under that key.
+fn value(
+    setting: &'static Setting,
+    name: &str,
+    given: &Bound<'_, PyAny>,
+) -> PyResult<ParameterValue<f64>> {
+    let all = || {
+        MethodName::ALL
+            .into_iter()
+            .filter_map(|method| method.setting(setting.key))
+    };
+    let is_switch = all().any(|setting| setting.values == SettingValues::Switch);
+    if let Ok(on) = given.cast::<PyBool>()
+        && is_switch
+    {
+        return Ok(ParameterValue::Switch(on.is_true()));
+    }
+    if let Ok(word) = given.cast::<PyString>() {
+        let word = word.to_str()?;
+        if let Some(value) = all().find_map(|setting| setting.word(word)) {
+            return Ok(value);
+        }
+    } else if setting.unit().is_some()
+        && let Ok(number) = given.extract::<f64>()
+    {
+        return Ok(ParameterValue::Number(number));
+    }
+    let said = all()
+        .find(|setting| setting.takes_auto())
+        .unwrap_or(setting);
+    let what = match said.values {
+        SettingValues::Words { .. } => format!("one of {}", allowed(said)),
+        SettingValues::Switch => allowed(said),
+        _ => {
+            let unit = said.unit().map_or("", Unit::symbol);
+            let auto = if said.takes_auto() {
+                " or \"auto\""
+            } else {
+                ""
+            };
+            format!("a number [{unit}]{auto}")
+        }
+    };
+    Err(refused(format!(
+        "{name} is {}, but must be {what}",
+        given.repr()?
+    )))
+}

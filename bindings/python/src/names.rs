@@ -1,0 +1,135 @@
+//! What Python calls a parameter, and errors in these names.
+
+use palpate::{Parameter, ParameterError, Setting, SettingKey, SettingsError};
+use palpate_scene::{SceneParameter, SceneParameterError, SetupError};
+use palpate_sim::replay::ReplayError;
+use palpate_testbed::InvalidParameter;
+use pyo3::PyErr;
+use pyo3::exceptions::PyValueError;
+
+/// A value that is not allowed.
+pub fn refused(message: impl std::fmt::Display) -> PyErr {
+    PyValueError::new_err(message.to_string())
+}
+
+/// The argument that gives a parameter, if one does.
+fn argument_of(parameter: Parameter) -> Option<&'static str> {
+    Some(match parameter {
+        Parameter::Stiffness => "stiffness",
+        Parameter::ObjectMass => "mass",
+        Parameter::VirtualForce => "force",
+        Parameter::ObjectPosition => "object_position",
+        Parameter::ObjectVelocity => "object_velocity",
+        Parameter::Side => "side",
+        Parameter::Period => "period",
+        Parameter::Delay => "delay",
+        Parameter::ForceLimit => "force_limit",
+        Parameter::SlewLimit => "slew_limit",
+        Parameter::SpeedLimit => "speed_limit",
+        Parameter::LargestGap => "largest_gap",
+        Parameter::GuardSpeed => "guard_speed",
+        Parameter::GuardAllowance => "guard_allowance",
+        Parameter::DeviceMass => "device_mass",
+        Parameter::EncoderQuantum | Parameter::NoiseBound => "encoder_quantum",
+        Parameter::DelayDeviation => "delay_deviation",
+        Parameter::Lag => "lag",
+        Parameter::LagDeviation => "lag_deviation",
+        Parameter::Gain => "gain",
+        Parameter::GainDeviation => "gain_deviation",
+        Parameter::Setting(setting) => setting.name(),
+        // No argument gives these.
+        Parameter::DerivedDamping
+        | Parameter::AxisOrigin
+        | Parameter::AxisNormal
+        | Parameter::AxisNormalLength
+        | Parameter::Kappa
+        | Parameter::ObjectKappa
+        | Parameter::Own { .. } => return None,
+    })
+}
+
+/// A parameter outside its range, in terms of the argument that gave it.
+pub fn wrong_argument(error: &ParameterError) -> PyErr {
+    match argument_of(error.parameter) {
+        Some(name) => refused(error.called(name)),
+        None => refused(error),
+    }
+}
+
+fn wrong_of_scene(error: &SceneParameterError) -> PyErr {
+    match error.parameter {
+        SceneParameter::Rendered(parameter) => wrong_argument(&ParameterError {
+            parameter,
+            value: error.value,
+            allowed: error.allowed,
+        }),
+        _ => refused(error),
+    }
+}
+
+/// A method that cannot be set up from arguments.
+pub fn wrong_setup(error: &SetupError) -> PyErr {
+    match error {
+        SetupError::Parameter(parameter) => wrong_of_scene(parameter),
+        SetupError::Settings(settings) => wrong_settings(settings),
+    }
+}
+
+/// A setting that a method has no use for.
+pub fn unused(setting: &Setting, method: impl std::fmt::Display) -> PyErr {
+    let (name, users) = (setting.name(), setting.key.users());
+    refused(format!(
+        "{name} cannot be used by method {method}; it is for {users}"
+    ))
+}
+
+fn wrong_settings(error: &SettingsError) -> PyErr {
+    match error {
+        SettingsError::Unused { method, setting } => unused(setting, method),
+        SettingsError::NoDeviceMass(setting) => refused(format!(
+            "{}=\"auto\" needs device_mass [kg]",
+            setting.name()
+        )),
+        SettingsError::NoPushedMass(method) => {
+            let without = if method.uses(SettingKey::PREDICTION) {
+                "prediction=\"last-step\""
+            } else {
+                "method=\"hfcr\""
+            };
+            refused(format!(
+                "{method} needs device_mass [kg]: what your device weighs where it is held, above 0 and \
+                 right within a factor of 2; or {without}, which needs none"
+            ))
+        }
+        SettingsError::OnlyBeside {
+            method,
+            setting,
+            other,
+            needed,
+            is,
+        } => {
+            let (setting, other) = (setting.name(), other.name());
+            refused(format!(
+                "{setting} is for {other} {needed}, but the {other} of {method} is {is}"
+            ))
+        }
+        error @ SettingsError::NoRule { setting, .. } => {
+            refused(format!("{}=\"auto\": {error}", setting.name()))
+        }
+    }
+}
+
+/// A value that the bench refuses.
+pub fn wrong_on_bench(error: &InvalidParameter) -> PyErr {
+    let (name, value, allowed) = (error.name, error.value, error.allowed);
+    refused(format!("{name} is {value}, but must be {allowed}"))
+}
+
+/// A motion that cannot be replayed.
+pub fn wrong_replay(error: &ReplayError) -> PyErr {
+    match error {
+        ReplayError::Setup(error) => wrong_setup(error),
+        ReplayError::Bench(error) => wrong_on_bench(error),
+        other => refused(other),
+    }
+}

@@ -1,0 +1,147 @@
+//! A method of Python's own on the bench: a function that is called at each sample.
+
+use std::cell::RefCell;
+use std::collections::HashSet;
+use std::sync::{Mutex, PoisonError};
+
+use palpate::{
+    Contact, LoopParams, Method, MethodParams, ObjectMotion, ParameterError, Plan, Situation,
+};
+use palpate_sim::closed_loop::{Bench, LoopError};
+use palpate_sim::run::Run;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+
+use crate::interrupt::Stop;
+
+/// A function of Python, by its name in reports.
+pub struct OwnMethod {
+    /// Its name.
+    pub name: &'static str,
+    function: Py<PyAny>,
+}
+
+/// Why a method of Python's own has not run.
+pub enum OwnError {
+    /// The function raised something, or did not answer with a number.
+    Raised(PyErr),
+    /// The scene cannot be run.
+    Loop(LoopError),
+}
+
+/// The function that is called, and what it has raised.
+struct Called {
+    function: Py<PyAny>,
+    raised: Option<PyErr>,
+    stop: Stop,
+}
+
+thread_local! {
+    /// A method of the core is plain data, so what it calls is found here: a run is of one thread.
+    static CALLED: RefCell<Option<Called>> = const { RefCell::new(None) };
+}
+
+impl OwnMethod {
+    /// The method of a `function`, called as the function is.
+    pub fn of(function: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let name: String = match function.getattr("__name__") {
+            Ok(name) => name.extract()?,
+            Err(_) => function.get_type().name()?.to_string(),
+        };
+        Ok(Self {
+            name: kept(name),
+            function: function.clone().unbind(),
+        })
+    }
+
+    /// Runs it on a bench.
+    pub fn run(self, bench: &Bench<'_>, stop: &Stop) -> Result<Run, OwnError> {
+        CALLED.set(Some(Called {
+            function: self.function,
+            raised: None,
+            stop: stop.clone(),
+        }));
+        let run = bench.run_own(OwnParams { name: self.name });
+        match CALLED.take().and_then(|called| called.raised) {
+            Some(error) => Err(OwnError::Raised(error)),
+            None => run.map_err(OwnError::Loop),
+        }
+    }
+}
+
+/// A name for as long as the process lives, each once.
+fn kept(name: String) -> &'static str {
+    static NAMES: Mutex<Option<HashSet<&'static str>>> = Mutex::new(None);
+    let mut names = NAMES.lock().unwrap_or_else(PoisonError::into_inner);
+    let names = names.get_or_insert_default();
+    if let Some(known) = names.get(name.as_str()) {
+        return known;
+    }
+    let name: &'static str = name.leak();
+    names.insert(name);
+    name
+}
+
+/// What a function of Python has of parameters: nothing that could be checked.
+#[derive(Clone, Copy)]
+struct OwnParams {
+    name: &'static str,
+}
+
+/// Calls the function.
+#[derive(Clone, Copy, Debug)]
+struct Calls;
+
+impl MethodParams<f64> for OwnParams {
+    type Method = Calls;
+
+    fn check(self, _: &Contact<f64>, _: &LoopParams<f64>) -> Result<Calls, ParameterError> {
+        Ok(Calls)
+    }
+
+    fn name(&self) -> &'static str {
+        self.name
+    }
+}
+
+impl Method<f64> for Calls {
+    type Memory = ();
+
+    fn plan(&self, motion: &ObjectMotion<f64>, now: &Situation<'_, f64>, (): &mut ()) -> Plan<f64> {
+        // In contact or free throughout the interval, as the paper's object moves.
+        now.unswitched(motion, || {
+            CALLED.with_borrow_mut(|called| called.as_mut().map_or(0.0, |called| called.force(now)))
+        })
+    }
+}
+
+impl Called {
+    /// The force that the function answers with; none once it has raised something.
+    fn force(&mut self, now: &Situation<'_, f64>) -> f64 {
+        self.stop.leave_if_raised();
+        if self.raised.is_some() {
+            return 0.0;
+        }
+        Python::attach(|py| self.ask(py, now)).unwrap_or_else(|error| {
+            self.raised = Some(error);
+            0.0
+        })
+    }
+
+    fn ask(&self, py: Python<'_>, now: &Situation<'_, f64>) -> PyResult<f64> {
+        static SITUATION: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+        let situation = SITUATION
+            .import(py, "palpate._values", "Situation")?
+            .call1((
+                now.start.penetration,
+                now.start.device_velocity,
+                now.start.object_velocity,
+                now.start.virtual_force,
+                now.previous_penetration,
+                now.elapsed,
+                now.port_work,
+                now.held_leak,
+            ))?;
+        self.function.call1(py, (situation,))?.extract(py)
+    }
+}

@@ -1,0 +1,231 @@
+//! `Renderer`: one contact in a loop of Python's own, sample by sample.
+
+use palpate::{
+    AnyMemory, AnyRenderer, Leak, MethodParams as _, ObjectState, Output, ParameterValue, Sample,
+    State,
+};
+use palpate_device::Wrench;
+use palpate_rt::safety::{self, OscillationParams, Safety, SafetyParams};
+use palpate_scene::SetupError;
+use palpate_scene::named_parameters::named_parameters;
+use palpate_sim::replay::ReplaySetup;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyDict, PyTuple};
+
+use crate::columns::limits;
+use crate::methods::{chosen, settings};
+use crate::names::{refused, wrong_argument, wrong_setup};
+use crate::setup::{check_delay, setup};
+
+/// A renderer and its state.
+#[pyclass(subclass, module = "palpate._palpate")]
+pub struct Renderer {
+    renderer: AnyRenderer<f64>,
+    state: State<f64, AnyMemory<f64>>,
+    safety: Safety,
+    setup: ReplaySetup,
+    soft_start: f64,
+    method: &'static str,
+    method_parameters: Vec<(&'static str, ParameterValue<f64>)>,
+    last: Option<Answer>,
+}
+
+/// What a sample was answered.
+struct Answer {
+    output: Output<f64>,
+    /// What was to be commanded, after the soft start `[N]`.
+    force_on_device: f64,
+    softened: bool,
+}
+
+#[pymethods]
+impl Renderer {
+    /// A renderer of one contact; the Python file has the arguments.
+    #[new]
+    #[pyo3(signature = (method, parameters, soft_start, settings_given))]
+    fn new(
+        method: &Bound<'_, PyAny>,
+        parameters: &Bound<'_, PyDict>,
+        soft_start: f64,
+        settings_given: &Bound<'_, PyDict>,
+    ) -> PyResult<Self> {
+        let methods = chosen(method)?;
+        let &[method] = methods.as_slice() else {
+            return Err(refused(
+                "a Renderer renders by one method; name it with method",
+            ));
+        };
+        let settings = settings(settings_given, &methods)?;
+        let setup = setup(parameters)?;
+        check_delay(&setup)?;
+        // The first sample says where the device is; until then the object is taken as untouched.
+        let params = setup
+            .params(method, &settings, setup.object.position, false)
+            .map_err(|error| wrong_setup(&SetupError::from(error)))?;
+        let renderer = AnyRenderer::new(setup.contact, setup.known_loop(), params)
+            .map_err(|error| wrong_argument(&error))?;
+        Ok(Self {
+            state: renderer
+                .start(setup.object)
+                .map_err(|error| wrong_argument(&error))?,
+            safety: safety_of(&setup, soft_start)?,
+            method: method.name(),
+            method_parameters: named_parameters(&params.derived(renderer.method())),
+            renderer,
+            setup,
+            soft_start,
+            last: None,
+        })
+    }
+
+    /// One tick: a position in, the force on the device out.
+    #[pyo3(signature = (position, elapsed=None, force=None))]
+    fn step(&mut self, position: f64, elapsed: Option<f64>, force: Option<f64>) -> f64 {
+        let sample = Sample {
+            elapsed,
+            ..Sample::at(position).with_virtual_force(force.unwrap_or(self.setup.virtual_force))
+        };
+        let mut output = self.renderer.step(&mut self.state, sample);
+        let is_used = output.fault.is_none();
+        // A position that the renderer has refused is not looked at.
+        let coordinate = if is_used { position } else { 0.0 };
+        let verdict = self.safety.judge(&safety::Rendered {
+            elapsed,
+            position: [coordinate, 0.0, 0.0],
+            coordinate,
+            wrench: Wrench::of_force([output.force_on_device, 0.0, 0.0]),
+            created_energy: 0.0,
+            refused: !is_used,
+            stalled: false,
+        });
+        output.limited.force |= verdict.bounded.force;
+        let [force_on_device, ..] = verdict.wrench.force;
+        // A force of -0 that comes in softly is none.
+        let force_on_device = force_on_device + 0.0;
+        self.renderer.report_sent(&mut self.state, -force_on_device);
+        self.last = Some(Answer {
+            output,
+            force_on_device,
+            softened: verdict.bounded.soft_start,
+        });
+        force_on_device
+    }
+
+    /// Says what was really sent to the device for the last sample `[N]`.
+    fn report_sent(&mut self, force_on_device: f64) {
+        self.renderer.report_sent(&mut self.state, -force_on_device);
+    }
+
+    /// Puts the object elsewhere with the next sample; the books say what energy that gave.
+    #[pyo3(signature = (position, velocity=0.0))]
+    fn teleport(&mut self, position: f64, velocity: f64) -> PyResult<()> {
+        let object = ObjectState { position, velocity };
+        self.renderer
+            .teleport(&mut self.state, object)
+            .map_err(|error| wrong_argument(&error))
+    }
+
+    /// Begins anew: the object at its start, nothing sampled, the books empty.
+    fn reset(&mut self) -> PyResult<()> {
+        self.state = self
+            .renderer
+            .start(self.setup.object)
+            .map_err(|error| wrong_argument(&error))?;
+        self.safety = safety_of(&self.setup, self.soft_start)?;
+        self.last = None;
+        Ok(())
+    }
+
+    /// What was answered to the last sample; None before the first.
+    #[getter]
+    fn output<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let Some(Answer {
+            output,
+            force_on_device,
+            softened,
+        }) = &self.last
+        else {
+            return Ok(None);
+        };
+        let soft_start = softened.then_some("soft-start");
+        let limited: Vec<_> = limits(output.limited).chain(soft_start).collect();
+        static OUTPUT: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+        let values = (
+            *force_on_device,
+            -*force_on_device + 0.0,
+            output.object_position,
+            output.object_velocity,
+            output.penetration,
+            output.phase.name(),
+            output.transition_after,
+            output.placement_shift,
+            PyTuple::new(py, limited)?,
+            output.fault.map(|fault| fault.name()),
+        );
+        OUTPUT
+            .import(py, "palpate._values", "Output")?
+            .call1(values)
+            .map(Some)
+    }
+
+    /// Books of the object's energy, up to the last sample.
+    #[getter]
+    fn ledger<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        static LEDGER: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+        static LEAK: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+        let ledger = self.state.ledger();
+        let leak = LEAK.import(py, "palpate._values", "Leak")?;
+        let leak = |of: &Leak<f64>| leak.call1((of.last, of.accumulated, of.absolute));
+        LEDGER.import(py, "palpate._values", "Ledger")?.call1((
+            ledger.stored,
+            ledger.port_work,
+            ledger.virtual_force_work,
+            ledger.outside_work,
+            leak(&ledger.original_leak)?,
+            leak(&ledger.held_leak)?,
+        ))
+    }
+
+    /// Name of the method.
+    #[getter]
+    fn method(&self) -> &'static str {
+        self.method
+    }
+
+    /// Parameters of the method by key, with the unit at the key's end; what was to be derived is.
+    #[getter]
+    fn method_parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let named = PyDict::new(py);
+        for (key, value) in &self.method_parameters {
+            match value {
+                ParameterValue::Number(number) => named.set_item(key, number)?,
+                ParameterValue::Word(word) => named.set_item(key, word)?,
+                ParameterValue::Switch(on) => named.set_item(key, on)?,
+                ParameterValue::ToBeDerived => named.set_item(key, py.None())?,
+            }
+        }
+        Ok(named)
+    }
+}
+
+/// The limits of `palpate pipe`: the largest force, and the time over which a force comes in.
+fn safety_of(setup: &ReplaySetup, soft_start: f64) -> PyResult<Safety> {
+    if !(0.0..=60.0).contains(&soft_start) {
+        return Err(refused(format!(
+            "soft_start is {soft_start} s, but must be 0 to 60"
+        )));
+    }
+    let defaults = SafetyParams::default();
+    let limits = SafetyParams {
+        largest_force: setup.loop_params.force_limit.unwrap_or(f64::MAX),
+        soft_start,
+        largest_speed: f64::INFINITY,
+        oscillation: OscillationParams {
+            energy: f64::INFINITY,
+            ..defaults.oscillation
+        },
+        ..defaults
+    };
+    Safety::new(limits, setup.loop_params.period).map_err(refused)
+}

@@ -1,0 +1,203 @@
+//! Scenes: from a file, from a text, or from tables that Python has made.
+
+use std::path::{Path, PathBuf};
+
+use palpate_scene::method::MethodName;
+use palpate_scene::{Measure, Scene, SceneErrors, SceneFile, SceneParameter, beside};
+use palpate_sim::closed_loop::LoopError;
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
+use toml::Value;
+
+use crate::names::refused;
+
+/// A scene that has been read and checked.
+#[pyclass(frozen, subclass, name = "Scene", module = "palpate._palpate")]
+pub struct PyScene {
+    /// The scene, which knows where each of its values stands.
+    file: SceneFile,
+    /// What it is called in reports: its file, or its title.
+    pub name: String,
+    /// Whether its text is a file of somebody, at whose lines messages can point.
+    is_file: bool,
+    text: String,
+    /// Where the files that it names are looked for.
+    folder: PathBuf,
+}
+
+impl PyScene {
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        &self.file.scene
+    }
+
+    /// Why this scene cannot be run by `method`, with its place where that is known.
+    pub fn wrong(&self, method: MethodName, error: &LoopError) -> PyErr {
+        let at = |parameter| self.file.at(parameter, error.to_string());
+        let of_window = match self.scene().measure {
+            Measure::Collisions(_) => SceneParameter::Collisions,
+            Measure::Duration(_) => SceneParameter::Duration,
+        };
+        let placed = match error {
+            LoopError::Setup(setup) => self.file.locate(method, setup),
+            LoopError::TooFewCollisions { .. } | LoopError::TooLong(_) => at(of_window),
+            LoopError::Bench(bench) if bench.name == "collisions" => at(of_window),
+            LoopError::Bench(_) | LoopError::AnotherScene => {
+                self.file.as_a_whole(error.to_string())
+            }
+        };
+        if self.is_file {
+            refused(placed)
+        } else {
+            refused(placed.message)
+        }
+    }
+}
+
+#[pymethods]
+impl PyScene {
+    /// A scene from its text; `name` is what messages and reports call it, and files that it names are
+    /// looked for in `folder`.
+    #[new]
+    fn new(text: String, name: Option<String>, folder: PathBuf) -> PyResult<Self> {
+        let called = name.clone().unwrap_or_else(|| "scene".into());
+        // `beside` looks in the folder of a file.
+        let file = SceneFile::parse_with(&called, &text, &mut beside(&folder.join("scene")))
+            .map_err(|errors| {
+                refused(if name.is_some() {
+                    errors.to_string()
+                } else {
+                    messages(&errors)
+                })
+            })?;
+        Ok(Self {
+            is_file: name.is_some(),
+            name: name.unwrap_or_else(|| file.scene.title.clone()),
+            file,
+            text,
+            folder,
+        })
+    }
+
+    /// A line for tables and figures.
+    #[getter]
+    fn title(&self) -> &str {
+        &self.scene().title
+    }
+
+    /// The method that is run where none is named.
+    #[getter]
+    fn method(&self) -> &'static str {
+        self.scene().method.name()
+    }
+
+    /// Its text, its name if its text is a file, and its folder: what it is made from.
+    fn parts(&self) -> (&str, Option<&str>, &Path) {
+        (
+            &self.text,
+            self.is_file.then_some(&*self.name),
+            &self.folder,
+        )
+    }
+}
+
+/// The messages alone: nobody has written the lines that they would point at.
+fn messages(errors: &SceneErrors) -> String {
+    let messages: Vec<_> = errors.iter().map(|error| error.message.as_str()).collect();
+    messages.join("\n")
+}
+
+/// The text of a scene file whose path is given, and what messages call it.
+#[pyfunction]
+pub fn read_scene(path: PathBuf) -> PyResult<(String, String, PathBuf)> {
+    let name = path.display().to_string();
+    let bytes = std::fs::read(&path)?;
+    let text = String::from_utf8(bytes)
+        .map_err(|_| refused(format!("{name}: not UTF-8; save the scene as UTF-8 text")))?;
+    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+    Ok((text, name, folder))
+}
+
+/// Tables of Python as the text of a scene file.
+#[pyfunction]
+pub fn to_toml(tables: &Bound<'_, PyDict>) -> PyResult<String> {
+    let value = table(tables, "scene")?;
+    toml::to_string(&value).map_err(refused)
+}
+
+/// The text of a scene file as tables of Python.
+#[pyfunction]
+pub fn from_toml<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyAny>> {
+    let table: toml::Table = text.parse().map_err(refused)?;
+    to_python(py, &Value::Table(table))
+}
+
+fn to_python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
+    Ok(match value {
+        Value::String(text) => PyString::new(py, text).into_any(),
+        Value::Integer(number) => number.into_pyobject(py)?.into_any(),
+        Value::Float(number) => PyFloat::new(py, *number).into_any(),
+        Value::Boolean(on) => PyBool::new(py, *on).to_owned().into_any(),
+        Value::Datetime(time) => PyString::new(py, &time.to_string()).into_any(),
+        Value::Array(items) => {
+            let items: PyResult<Vec<_>> = items.iter().map(|item| to_python(py, item)).collect();
+            PyList::new(py, items?)?.into_any()
+        }
+        Value::Table(table) => {
+            let made = PyDict::new(py);
+            for (key, item) in table {
+                made.set_item(key, to_python(py, item)?)?;
+            }
+            made.into_any()
+        }
+    })
+}
+
+fn table(given: &Bound<'_, PyDict>, place: &str) -> PyResult<Value> {
+    let mut made = toml::Table::new();
+    for (key, item) in given.iter() {
+        let key: String = key.extract().map_err(|_| {
+            PyTypeError::new_err(format!(
+                "{place}: a key must be a text, such as \"mass_kg\""
+            ))
+        })?;
+        let place = format!("{place}.{key}");
+        // A key that is not there takes its default.
+        if !item.is_none() {
+            made.insert(key, value(&item, &place)?);
+        }
+    }
+    Ok(Value::Table(made))
+}
+
+fn value(given: &Bound<'_, PyAny>, place: &str) -> PyResult<Value> {
+    if let Ok(on) = given.cast::<PyBool>() {
+        return Ok(Value::Boolean(on.is_true()));
+    }
+    if let Ok(text) = given.cast::<PyString>() {
+        return Ok(Value::String(text.to_str()?.to_owned()));
+    }
+    if given.is_instance_of::<PyInt>() {
+        return Ok(Value::Integer(given.extract()?));
+    }
+    if let Ok(dictionary) = given.cast::<PyDict>() {
+        return table(dictionary, place);
+    }
+    if given.is_instance_of::<PyList>() || given.is_instance_of::<PyTuple>() {
+        let items = given.try_iter()?;
+        let items: PyResult<Vec<_>> = items.map(|item| value(&item?, place)).collect();
+        return Ok(Value::Array(items?));
+    }
+    // Whole numbers of NumPy say that they can be an index; other numbers that they can be a float.
+    if let Ok(index) = given.call_method0("__index__") {
+        return Ok(Value::Integer(index.extract()?));
+    }
+    if let Ok(number) = given.extract::<f64>() {
+        return Ok(Value::Float(number));
+    }
+    Err(PyTypeError::new_err(format!(
+        "{place} is {}, but must be a number, a text, True or False, a list or a dictionary",
+        given.repr()?
+    )))
+}

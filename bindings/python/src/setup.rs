@@ -1,0 +1,178 @@
+//! From arguments of Python to contact, loop, object and what is known of the device.
+
+use palpate::{
+    Actuation, Allowed, BasicParams, Contact, LARGEST_DELAY, LoopParams, Mass, ObjectState,
+    Parameter, ParameterError, Range, Renderer, Side,
+};
+use palpate_scene::GuardMode;
+use palpate_sim::replay::ReplaySetup;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::names::{refused, wrong_argument};
+
+/// The arguments that say contact, loop, object and device, as the Python files hand them over: each is
+/// there, with its default where nothing was given.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Arguments {
+    stiffness: f64,
+    mass: f64,
+    period: f64,
+    force: f64,
+    object_position: f64,
+    object_velocity: f64,
+    side: String,
+    unilateral: bool,
+    force_limit: f64,
+    slew_limit: Option<f64>,
+    speed_limit: Option<f64>,
+    largest_gap: Option<f64>,
+    guard: String,
+    guard_speed: f64,
+    guard_allowance: f64,
+    delay: f64,
+    delay_deviation: f64,
+    lag: f64,
+    lag_deviation: f64,
+    gain: f64,
+    gain_deviation: f64,
+    device_mass: Option<f64>,
+    encoder_quantum: f64,
+}
+
+/// Reads and checks the arguments, whatever the method.
+///
+/// # Errors
+/// The first value that is not allowed, by the name of its argument.
+pub fn setup(arguments: &Bound<'_, PyDict>) -> PyResult<ReplaySetup> {
+    let given: Arguments = arguments.extract()?;
+    given.check_facts()?;
+    let mut contact = Contact::object(given.stiffness, given.mass);
+    contact.side = match given.side.as_str() {
+        "positive" => Side::Positive,
+        "negative" => Side::Negative,
+        other => return Err(not_a_word("side", other, &["positive", "negative"])),
+    };
+    contact.unilateral = given.unilateral;
+    if contact.object_mass == Mass::Infinite && given.object_velocity != 0.0 {
+        let allowed = Allowed::Words("0 for a wall");
+        return Err(not_allowed(
+            Parameter::ObjectVelocity,
+            given.object_velocity,
+            allowed,
+        ));
+    }
+    let guard = match given.guard.as_str() {
+        "off" => GuardMode::Off,
+        "report" => GuardMode::Report,
+        "limit" => GuardMode::Limit,
+        other => return Err(not_a_word("guard", other, &["off", "report", "limit"])),
+    };
+    let in_seconds = |periods: f64| periods * given.period;
+    let setup = ReplaySetup {
+        contact,
+        loop_params: LoopParams {
+            largest_gap: given.largest_gap,
+            speed_limit: given.speed_limit,
+            // An infinite limit is none.
+            force_limit: (given.force_limit != f64::INFINITY).then_some(given.force_limit),
+            slew_limit: given.slew_limit,
+            guard: guard.guard(given.guard_speed, given.guard_allowance),
+            ..LoopParams::new(given.period)
+        },
+        object: ObjectState {
+            position: given.object_position,
+            velocity: given.object_velocity,
+        },
+        virtual_force: given.force,
+        actuation: Actuation {
+            delay: in_seconds(given.delay),
+            lag: given.lag,
+            gain: given.gain,
+            delay_deviation: in_seconds(given.delay_deviation),
+            lag_deviation: given.lag_deviation,
+            gain_deviation: given.gain_deviation,
+        },
+        device_mass: given.device_mass,
+        encoder_quantum: given.encoder_quantum,
+    };
+    // Contact and loop first: what is wrong with them is wrong whatever the method.
+    Renderer::new(setup.contact, setup.known_loop(), BasicParams)
+        .and_then(|renderer| renderer.start(setup.object))
+        .map_err(|error| wrong_argument(&error))?;
+    Ok(setup)
+}
+
+/// Refuses a delay that a renderer cannot be told of: in a loop that runs now nothing else knows it.
+pub fn check_delay(setup: &ReplaySetup) -> PyResult<()> {
+    let (samples, fraction) = setup.delay();
+    let periods = samples as f64 + fraction;
+    if periods > LARGEST_DELAY as f64 {
+        return Err(refused(format!(
+            "delay is {periods} periods, and a renderer can be told of {LARGEST_DELAY} at most"
+        )));
+    }
+    Ok(())
+}
+
+impl Arguments {
+    /// Refuses facts that cannot be true, whether a method uses them or not.
+    fn check_facts(&self) -> PyResult<()> {
+        let (positive, not_negative) = (Range::Positive, Range::NotNegative);
+        for (parameter, range, value) in [
+            (Parameter::VirtualForce, Range::Finite, Some(self.force)),
+            (Parameter::DeviceMass, positive, self.device_mass),
+            (
+                Parameter::EncoderQuantum,
+                not_negative,
+                Some(self.encoder_quantum),
+            ),
+            (Parameter::Lag, not_negative, Some(self.lag)),
+            (
+                Parameter::LagDeviation,
+                not_negative,
+                Some(self.lag_deviation),
+            ),
+            (Parameter::Gain, positive, Some(self.gain)),
+            (
+                Parameter::GainDeviation,
+                not_negative,
+                Some(self.gain_deviation),
+            ),
+        ] {
+            if let Some(value) = value
+                && !range.contains(value)
+            {
+                return Err(not_allowed(parameter, value, Allowed::Range(range)));
+            }
+        }
+        for (name, value) in [
+            ("delay", self.delay),
+            ("delay_deviation", self.delay_deviation),
+        ] {
+            if !not_negative.contains(value) {
+                let allowed = not_negative.allowed();
+                return Err(refused(format!(
+                    "{name} is {value} periods, but must be {allowed}"
+                )));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn not_allowed(parameter: Parameter, value: f64, allowed: Allowed) -> PyErr {
+    wrong_argument(&ParameterError {
+        parameter,
+        value,
+        allowed,
+    })
+}
+
+fn not_a_word(name: &str, given: &str, words: &[&str]) -> PyErr {
+    refused(format!(
+        "{name} is \"{given}\", but must be \"{}\"",
+        words.join("\" or \"")
+    ))
+}

@@ -1,0 +1,113 @@
+//! `simulate` and `compare`: scenes in closed loop.
+
+use palpate::MethodName;
+use palpate_scene::SetupError;
+use palpate_sim::closed_loop::{Bench, LoopError};
+use palpate_study::compare::{Comparison, SceneRows};
+use palpate_study::report::{Report, Subject, actuator_of};
+use pyo3::prelude::*;
+
+use crate::columns::of_ideal;
+use crate::interrupt::interruptible;
+use crate::methods::{Chosen, chosen, chosen_or_own};
+use crate::own_method::OwnError;
+use crate::render::{Rendered, RenderedInPython};
+use crate::scene::PyScene;
+
+/// Why a method has not run on a scene.
+enum Wrong {
+    /// The scene cannot be run, or not by this method.
+    Scene(MethodName, LoopError),
+    /// What a function of Python raised.
+    Raised(PyErr),
+}
+
+impl Wrong {
+    fn on(self, scene: &PyScene) -> PyErr {
+        match self {
+            Self::Scene(method, error) => scene.wrong(method, &error),
+            Self::Raised(error) => error,
+        }
+    }
+}
+
+/// Simulates a scene by each method; by its own where none is named.
+#[pyfunction]
+pub fn simulate<'py>(
+    py: Python<'py>,
+    scene: &Bound<'py, PyScene>,
+    method: Option<&Bound<'py, PyAny>>,
+) -> PyResult<RenderedInPython<'py>> {
+    let own = scene.get().scene();
+    let methods = method.map_or_else(|| Ok(vec![Chosen::BuiltIn(own.method)]), chosen_or_own)?;
+    let simulated = own.clone();
+    let rendered = interruptible(py, move |stop| {
+        let scene = &simulated;
+        let bench = Bench::new(scene).map_err(|error| Wrong::Scene(scene.method, error))?;
+        let mut runs = Vec::with_capacity(methods.len());
+        for method in methods {
+            stop.leave_if_raised();
+            runs.push(match method {
+                Chosen::BuiltIn(method) => bench
+                    .run(method)
+                    .map_err(|error| Wrong::Scene(method, error))?,
+                Chosen::Own(own) => own.run(&bench, stop).map_err(|error| match error {
+                    OwnError::Loop(error) => Wrong::Scene(scene.method, error),
+                    OwnError::Raised(error) => Wrong::Raised(error),
+                })?,
+            });
+        }
+        let mut report = Report::new(&Subject::of(scene), bench.reference(), &runs);
+        report.actuated(actuator_of(scene));
+        let ideal = of_ideal(bench.reference());
+        Ok::<_, Wrong>(Rendered::of(&report, ideal, runs))
+    })?;
+    let rendered = rendered.map_err(|error| error.on(scene.get()))?;
+    rendered.into_python(py)
+}
+
+/// Runs each method on each scene: the report as JSON and as text.
+#[pyfunction]
+pub fn compare(
+    py: Python<'_>,
+    scenes: Vec<Py<PyScene>>,
+    method: &Bound<'_, PyAny>,
+) -> PyResult<(String, String)> {
+    let methods = chosen(method)?;
+    let compared: Vec<_> = scenes
+        .iter()
+        .map(|scene| (scene.get().name.clone(), scene.get().scene().clone()))
+        .collect();
+    let compared = interruptible(py, move |stop| {
+        let mut rows = Vec::with_capacity(compared.len());
+        for (place, (name, scene)) in compared.into_iter().enumerate() {
+            let wrong = |method, error| (place, Wrong::Scene(method, error));
+            let bench = Bench::new(&scene).map_err(|error| wrong(scene.method, error))?;
+            let mut outcomes = Vec::with_capacity(methods.len());
+            for &method in &methods {
+                stop.leave_if_raised();
+                outcomes.push(match bench.run(method) {
+                    Ok(run) => (method, Ok(run)),
+                    Err(LoopError::Setup(error)) => (method, Err(cannot(&error))),
+                    Err(error) => return Err(wrong(method, error)),
+                });
+            }
+            rows.push(SceneRows::of(
+                name,
+                &Subject::of(&scene),
+                bench.reference(),
+                outcomes,
+            ));
+        }
+        let comparison = Comparison::of(rows);
+        Ok((palpate_study::json(&comparison), comparison.to_string()))
+    })?;
+    compared.map_err(|(place, error): (usize, Wrong)| error.on(scenes[place].get()))
+}
+
+fn cannot(error: &SetupError) -> String {
+    match error {
+        SetupError::Parameter(parameter) => parameter.to_string(),
+        SetupError::Settings(settings) => settings.to_string(),
+    }
+}

@@ -1,0 +1,161 @@
+//! Studies of many runs: `tune`, `heights` and `suite`.
+
+use palpate::MethodName;
+use palpate_scene::Scene;
+use palpate_study::heights::report::{HeightsReport, SceneReport};
+use palpate_study::heights::{HeightsError, over_heights};
+use palpate_study::suite::report::SuiteReport;
+use palpate_study::suite::{self, Column, Set};
+use palpate_study::tune as tuning;
+use palpate_study::tune::report::TuneReport;
+use palpate_study::tune::{Objective, TuneError};
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::interrupt::interruptible;
+use crate::methods::chosen;
+use crate::names::refused;
+use crate::scene::PyScene;
+
+/// A report as JSON and as text.
+type Said = (String, String);
+
+/// Threads for one study: those of a pool that a process shares are gone in a process that forks from it.
+fn threads() -> PyResult<ThreadPool> {
+    ThreadPoolBuilder::new()
+        .build()
+        .map_err(|error| PyRuntimeError::new_err(format!("no threads to work in: {error}")))
+}
+
+/// Judges a method at values of its damping \[N s/m\]; at so many usual ones where none are given.
+#[pyfunction]
+pub fn tune(
+    py: Python<'_>,
+    scene: &Bound<'_, PyScene>,
+    method: Option<&Bound<'_, PyAny>>,
+    values: Option<Vec<f64>>,
+    steps: u32,
+    least: &str,
+) -> PyResult<Said> {
+    let own: Scene = scene.get().scene().clone();
+    let methods = method.map_or_else(|| Ok(vec![own.method]), chosen)?;
+    let &[method] = methods.as_slice() else {
+        return Err(refused("tune looks at one method; name it with method"));
+    };
+    let setting = tuning::tunable(method).ok_or_else(|| {
+        refused(format!(
+            "{}; name one with method",
+            TuneError::NothingToTune(method)
+        ))
+    })?;
+    let objective = [Objective::Error, Objective::Leak]
+        .into_iter()
+        .find(|objective| objective.name() == least)
+        .ok_or_else(|| {
+            refused(format!(
+                "least is \"{least}\", but must be \"error\" or \"leak\""
+            ))
+        })?;
+    let values = match values {
+        Some(values) if values.is_empty() => return Err(refused("values has no value")),
+        Some(values) => values,
+        None if steps < 2 => {
+            return Err(refused(format!("steps is {steps}, but must be 2 or more")));
+        }
+        None => {
+            let to = tuning::usual_most(&own, method, setting.key);
+            let from = tuning::usual_least(setting.key, to, steps);
+            let last = f64::from(steps - 1);
+            (0..steps)
+                .map(|i| from + (to - from) * (f64::from(i) / last))
+                .collect()
+        }
+    };
+    let tuned = interruptible(py, move |stop| {
+        let points = tuning::tune(&own, method, &values, || stop.leave_if_raised())?;
+        let report = TuneReport::new(&own, method, setting, objective, points);
+        Ok((palpate_study::json(&report), report.to_string()))
+    })?;
+    tuned.map_err(|error| match error {
+        TuneError::Loop(error) => scene.get().wrong(method, &error),
+        other => refused(other),
+    })
+}
+
+/// Judges methods on scenes from every start height.
+#[pyfunction]
+pub fn heights(
+    py: Python<'_>,
+    scenes: Vec<Py<PyScene>>,
+    method: &Bound<'_, PyAny>,
+    told_mass_factor: f64,
+) -> PyResult<Said> {
+    if !(told_mass_factor.is_finite() && told_mass_factor > 0.0) {
+        return Err(refused(format!(
+            "told_mass_factor is {told_mass_factor}, but must be finite and greater than 0"
+        )));
+    }
+    let columns: Vec<_> = chosen(method)?.into_iter().map(Column::of).collect();
+    let judged: Vec<Scene> = scenes
+        .iter()
+        .map(|scene| scene.get().scene().clone())
+        .collect();
+    let threads = threads()?;
+    let found = interruptible(py, move |stop| {
+        let mut reports = Vec::with_capacity(judged.len());
+        for (place, mut scene) in judged.into_iter().enumerate() {
+            if told_mass_factor != 1.0 {
+                scene.told_device_mass = Some(told_mass_factor * scene.device.mass);
+            }
+            let found = threads
+                .install(|| over_heights(&scene, &columns, || stop.leave_if_raised()))
+                .map_err(|error| (place, scene.method, error))?;
+            reports.push(SceneReport::new(&scene.title, &columns, &found));
+        }
+        let report = HeightsReport::new(told_mass_factor, reports);
+        Ok((palpate_study::json(&report), report.to_string()))
+    })?;
+    found.map_err(
+        |(place, method, error): (usize, MethodName, HeightsError)| {
+            let scene = scenes[place].get();
+            match error {
+                HeightsError::Scene(error) => scene.wrong(method, &error),
+                other => refused(format!("{}: {other}", scene.name)),
+            }
+        },
+    )
+}
+
+/// Judges methods on random plants.
+#[pyfunction]
+pub fn run_suite(
+    py: Python<'_>,
+    set: &str,
+    seed: u64,
+    plants: usize,
+    method: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Said> {
+    let set = Set::ALL
+        .into_iter()
+        .find(|known| known.name() == set)
+        .ok_or_else(|| {
+            let sets = Set::ALL.map(Set::name).join("\" or \"");
+            refused(format!("set is \"{set}\", but must be \"{sets}\""))
+        })?;
+    if plants == 0 {
+        return Err(refused("plants is 0, but must be 1 or more"));
+    }
+    let columns: Vec<_> = match method {
+        None => set.columns(),
+        Some(method) => chosen(method)?.into_iter().map(Column::of).collect(),
+    };
+    let threads = threads()?;
+    let judged = interruptible(py, move |stop| {
+        let judged = threads
+            .install(|| suite::run(set, seed, plants, &columns, || stop.leave_if_raised()))?;
+        let report = SuiteReport::new(set, seed, &columns, &judged);
+        Ok::<_, suite::SuiteError>((palpate_study::json(&report), report.to_string()))
+    })?;
+    judged.map_err(refused)
+}

@@ -1,0 +1,131 @@
+"""What else happens while palpate works: signals, other threads, other processes."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import sys
+import threading
+import time
+from typing import Any
+
+import numpy as np
+import pytest
+
+import palpate
+
+CONTACT: dict[str, Any] = {"stiffness": 400.0, "mass": 0.1, "period": 1e-3, "device_mass": 0.25}
+
+
+def motion(samples: int) -> tuple[np.ndarray, np.ndarray]:
+    t = np.arange(samples) * 1e-3
+    return t, 0.01 * np.sin(12.0 * t)
+
+
+def render_long(samples: int) -> palpate.Runs:
+    return palpate.render(*motion(samples), **CONTACT, method="coupled")
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no timer that sends signals here")
+def test_a_signal_is_handled_while_a_run_goes_on_and_may_end_it() -> None:
+    t, x = motion(1_500_000)
+    seen = []
+
+    def handler(number: int, frame: Any) -> None:
+        seen.append(number)
+        if len(seen) == 3:
+            raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, handler)
+    # Again and again: the first may come before the run has begun.
+    signal.setitimer(signal.ITIMER_REAL, 0.02, 0.02)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            while True:
+                palpate.render(t, x, **CONTACT, method="all")
+                # A run that goes on to its end without a look at signals would be here before three came.
+                assert len(seen) >= 3
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+    assert len(seen) == 3
+
+
+def test_python_goes_on_while_a_thread_renders() -> None:
+    """Sees the other thread inside `render` from here, again and again. With the lock of Python held,
+    nothing could be seen from here until it ends."""
+    code = palpate.render.__code__
+    for samples in (200_000, 400_000, 800_000, 1_600_000):
+        rendering = threading.Thread(target=render_long, args=(samples,))
+        rendering.start()
+        seen = 0
+        while rendering.is_alive():
+            frame = sys._current_frames().get(rendering.ident or 0)
+            inside = frame is not None and frame.f_code is code and frame.f_lasti > 0
+            seen += inside
+            time.sleep(0.001)
+        rendering.join()
+        # A machine that is busy may let this thread run too seldom: then again, for longer.
+        if seen >= 10:
+            return
+    pytest.fail(f"seen inside render {seen} times only")
+
+
+def test_renderers_in_threads_do_not_touch_each_other() -> None:
+    t, x = motion(20_000)
+    expected = {method: palpate.render(t, x, **CONTACT, method=method) for method in ("basic", "hfcr", "coupled")}
+    found: list[tuple[str, palpate.Runs]] = []
+    threads = [
+        threading.Thread(target=lambda m=method: found.append((m, palpate.render(t, x, **CONTACT, method=m))))
+        for method in expected
+        for _ in range(3)
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(found) == 9
+    for method, run in found:
+        np.testing.assert_array_equal(run.ticks[method], expected[method].ticks[method])
+
+
+def forces() -> tuple[list[float], list[float]]:
+    run = palpate.render(*motion(5000), **CONTACT, method="coupled")
+    renderer = palpate.Renderer(**CONTACT)
+    return run.ticks["coupled"]["force_on_device_n"].tolist(), [renderer.step(1e-5 * i) for i in range(100)]
+
+
+def in_a_child(queue: Any) -> None:
+    queue.put(forces())
+
+
+@pytest.mark.skipif("fork" not in multiprocessing.get_all_start_methods(), reason="no fork here")
+@pytest.mark.filterwarnings("ignore:.*multi-threaded, use of fork.*:DeprecationWarning")
+def test_a_forked_process_renders_as_this_one() -> None:
+    context = multiprocessing.get_context("fork")
+    queue = context.Queue()
+    mine = forces()
+    child = context.Process(target=in_a_child, args=(queue,))
+    child.start()
+    theirs = queue.get(timeout=120)
+    child.join()
+    assert child.exitcode == 0 and theirs == mine
+
+
+@pytest.mark.filterwarnings("ignore:.*multi-threaded, use of fork.*:DeprecationWarning")
+def test_a_renderer_goes_on_in_a_forked_process_from_where_it_was() -> None:
+    if not hasattr(os, "fork"):
+        pytest.skip("no fork here")
+    renderer = palpate.Renderer(**CONTACT)
+    for i in range(50):
+        renderer.step(1e-4 * i)
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.write(writing, repr(renderer.step(0.006)).encode())
+        os._exit(0)
+    os.waitpid(child, 0)
+    assert float(os.read(reading, 100)) == renderer.step(0.006)
+    os.close(reading)
+    os.close(writing)

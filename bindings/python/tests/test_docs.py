@@ -1,0 +1,44 @@
+"""The examples of the documentation run as they stand."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from pathlib import Path
+
+import pytest
+
+import palpate
+from conftest import ROOT
+
+PAGES = ["README.md", "docs/python.md", "bindings/python/README.md"]
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_every_example_of_a_page_runs(root: Path, page: str) -> None:
+    examples = re.findall(r"^```python\n(.*?)^```", (ROOT / page).read_text(), re.DOTALL | re.MULTILINE)
+    assert examples
+    names: dict[str, object] = {}
+    for example in examples:
+        exec(compile(example, page, "exec"), names)
+
+
+def test_every_public_name_says_what_it_is() -> None:
+    for name in palpate.__all__:
+        value = getattr(palpate, name)
+        if callable(value):
+            assert (value.__doc__ or "").strip(), name
+            for member in dir(value):
+                own = getattr(value, member)
+                if callable(own) and not member.startswith("_") and member not in dir(dict) + dir(tuple):
+                    assert (own.__doc__ or "").strip(), f"{name}.{member}"
+
+
+def test_every_argument_is_explained_with_its_unit() -> None:
+    """Names of arguments stand in the text, and what is no pure number or word has a unit in brackets."""
+    text = inspect.cleandoc(palpate.Renderer.__doc__ or "")
+    pure = {"method", "side", "unilateral", "guard", "gain", "gain_deviation"}
+    made = palpate.Renderer(stiffness=1.0, mass=1.0, period=1e-3, method="basic")
+    for name in made.parameters:
+        [line] = re.findall(rf"^    {name}: (.*(?:\n {{8,}}.*)*)", text, re.MULTILINE)
+        assert name in pure or re.search(r"\[.+\]", line), line

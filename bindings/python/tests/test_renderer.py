@@ -1,0 +1,229 @@
+"""`Renderer`, sample by sample."""
+
+from __future__ import annotations
+
+import math
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+
+import palpate
+
+CONTACT: dict[str, Any] = {"stiffness": 400.0, "mass": 0.1, "period": 1e-3, "device_mass": 0.25}
+PIPED = "force,force_on_object,object_position,object_velocity,penetration,placement_shift,phase,stored_energy"
+LEDGER = "port_work,virtual_force_work,outside_work,leak_original,leak_held"
+
+
+def piped(program: Any, positions: list[float], *flags: object, mass: object = 0.1) -> list[list[str]]:
+    """What `palpate pipe` answers to each position; its last line ends the force and is left out."""
+    given = "".join(f"{position!r}\n" for position in positions)
+    flags = ("--stiffness", 400, "--mass", mass, "--period", 0.001, "--device-mass", 0.25, *flags)
+    lines = program("pipe", *flags, "--columns", f"{PIPED},{LEDGER},limited,fault", given=given).splitlines()
+    assert len(lines) == len(positions) + 1
+    return [line.split(",") for line in lines[:-1]]
+
+
+def answered(renderer: palpate.Renderer, positions: list[float]) -> list[list[Any]]:
+    rows = []
+    for position in positions:
+        force = renderer.step(position)
+        output, ledger = renderer.output, renderer.ledger
+        assert output is not None and output.force_on_device == force
+        rows.append(
+            [
+                force,
+                None,
+                output.object_position,
+                output.object_velocity,
+                output.penetration,
+                output.placement_shift,
+                output.phase,
+                ledger.stored,
+                ledger.port_work,
+                ledger.virtual_force_work,
+                ledger.outside_work,
+                ledger.original_leak.accumulated,
+                ledger.held_leak.accumulated,
+                " ".join(output.limited),
+                output.fault or "",
+            ]
+        )
+    return rows
+
+
+def same(rows: list[list[Any]], lines: list[list[str]]) -> None:
+    assert len(rows) == len(lines)
+    for row, line in zip(rows, lines):
+        for ours, theirs in zip(row, line):
+            if isinstance(ours, float):
+                assert ours == float(theirs), (row, line)
+            elif ours is not None:
+                assert ours == theirs, (row, line)
+
+
+@pytest.mark.parametrize("method", palpate.METHODS)
+def test_every_method_gives_the_numbers_of_the_pipe_to_the_last_bit(program: Any, method: str) -> None:
+    positions = [0.01 * math.sin(0.02 * i) - 0.002 for i in range(700)]
+    positions[300] = math.nan
+    renderer = palpate.Renderer(**CONTACT, method=method, force=-0.981)
+    rows = answered(renderer, positions)
+    same(rows, piped(program, positions, "--method", method, "--force", -0.981))
+    assert max(abs(row[0]) for row in rows) > 0.1
+    assert rows[300][-1] == "position-not-finite" and rows[300][0] == 0.0
+
+
+def test_the_force_is_limited_and_comes_in_softly_as_in_the_pipe(program: Any) -> None:
+    inside = [0.08] * 300
+    rows = answered(palpate.Renderer(**{**CONTACT, "mass": math.inf}), inside)
+    lines = piped(program, inside, mass="inf")
+    same(rows, lines)
+    forces = [abs(row[0]) for row in rows]
+    assert forces[0] == 0.0 and max(forces) == 20.0 and "soft-start" in rows[10][-2]
+    free = palpate.Renderer(**{**CONTACT, "mass": math.inf}, force_limit=math.inf, soft_start=0, method="basic")
+    assert free.step(0.08) == -32.0
+    limited = palpate.Renderer(**{**CONTACT, "mass": math.inf}, force_limit=5, soft_start=0, method="basic")
+    assert limited.step(0.08) == -5.0
+    assert limited.output is not None and limited.output.limited == ("force",)
+
+
+def test_a_measured_time_and_a_force_count_for_their_sample() -> None:
+    def after(elapsed: float | None, force: float | None) -> float:
+        renderer = palpate.Renderer(**CONTACT, method="basic", object_position=0.0)
+        renderer.step(-0.001)
+        renderer.step(-0.001, elapsed=elapsed, force=force)
+        renderer.step(-0.001)
+        assert renderer.output is not None
+        return renderer.output.object_position
+
+    assert after(None, None) == 0.0
+    # f_V / M over a period of 1 ms, from rest: half of g t^2.
+    assert after(None, -0.2) == pytest.approx(-0.5 * 2.0 * 1e-6, rel=1e-9)
+    late = palpate.Renderer(**CONTACT, method="basic", largest_gap=0.01)
+    late.step(0.0)
+    late.step(0.0, elapsed=0.02)
+    assert late.output is not None and late.output.fault == "gap-too-long"
+
+
+def test_the_side_mirrors_forces() -> None:
+    forces = []
+    for side, sign in (("positive", 1.0), ("negative", -1.0)):
+        renderer = palpate.Renderer(**CONTACT, side=side)
+        forces.append([sign * renderer.step(sign * 1e-4 * i) for i in range(-10, 50)])
+    assert forces[0] == forces[1] and min(forces[0]) < -0.1
+
+
+def test_a_reset_begins_anew_and_a_teleport_is_booked() -> None:
+    renderer = palpate.Renderer(**CONTACT)
+    assert renderer.output is None
+    first = [renderer.step(1e-4 * i) for i in range(50)]
+    renderer.reset()
+    assert renderer.output is None and renderer.ledger.stored == 0.0
+    assert [renderer.step(1e-4 * i) for i in range(50)] == first
+    renderer.teleport(0.1)
+    renderer.step(50e-4)
+    assert renderer.output is not None and renderer.output.object_position == 0.1
+    assert renderer.ledger.outside_work < 0.0
+
+
+def test_what_was_sent_is_what_the_books_count() -> None:
+    work = []
+    for sent in (None, 0.0):
+        renderer = palpate.Renderer(**{**CONTACT, "mass": math.inf}, method="basic", soft_start=0)
+        renderer.step(0.001)
+        if sent is not None:
+            renderer.report_sent(sent)
+        renderer.step(0.002)
+        work.append(renderer.ledger.port_work)
+    assert work == [pytest.approx(400 * 0.001 * 0.001), 0.0]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ({"stiffness": -1}, "stiffness is -1 N/m, but must be finite and greater than 0"),
+        ({"mass": math.nan}, "mass is NaN kg, but must be finite and greater than 0"),
+        ({"period": 0}, "period is 0 s, but must be finite and greater than 0"),
+        ({"force": math.inf}, "force is inf N, but must be finite"),
+        ({"object_position": math.inf}, "object_position is inf m, but must be finite"),
+        ({"mass": math.inf, "object_velocity": 1.0}, "object_velocity is 1 m/s, but must be 0 for a wall"),
+        ({"side": "left"}, 'side is "left", but must be "positive" or "negative"'),
+        ({"guard": "on"}, 'guard is "on", but must be "off" or "report" or "limit"'),
+        ({"force_limit": 0.0}, "force_limit is 0 N, but must be finite and greater than 0"),
+        ({"soft_start": -1}, "soft_start is -1 s, but must be 0 to 60"),
+        ({"slew_limit": -1}, "slew_limit is -1 N/s, but must be finite and greater than 0"),
+        ({"speed_limit": 0}, "speed_limit is 0 m/s, but must be finite and greater than 0"),
+        ({"largest_gap": 1e-4}, "largest_gap is 0.0001 s, but must be finite and at least one period"),
+        ({"guard": "limit", "guard_speed": 0}, "guard_speed is 0 m/s, but must be finite and greater than 0"),
+        ({"delay": 9}, "delay is 9 periods, and a renderer can be told of 8 at most"),
+        ({"delay": -1}, "delay is -1 periods, but must be finite and not below 0"),
+        ({"lag": -1}, "lag is -1 s, but must be finite and not below 0"),
+        ({"gain": 0}, "gain is 0, but must be finite and greater than 0"),
+        ({"device_mass": 0}, "device_mass is 0 kg, but must be finite and greater than 0"),
+        ({"encoder_quantum": -1}, "encoder_quantum is -1 m, but must be finite and not below 0"),
+        ({"device_mass": None}, "coupled needs device_mass [kg]: what your device weighs"),
+        ({"method": "couplid"}, 'no method is called "couplid"; did you mean "coupled"?'),
+        ({"method": ["basic", "seh"]}, "a Renderer renders by one method; name it with method"),
+        ({"damping": 2.0}, "damping cannot be used by method coupled; it is for virtual-damper, hfcr"),
+        ({"method": "virtual-damper", "damping": -2.0}, "damping is -2 N s/m, but must be finite and not below 0"),
+        ({"method": "hfcr", "damping": "lots"}, "damping is 'lots', but must be a number [N s/m] or \"auto\""),
+        ({"placement": 1.5}, "placement is 1.5, but must be True or False"),
+    ],
+)
+def test_a_wrong_value_is_named_with_what_is_allowed(wrong: dict[str, Any], words: str) -> None:
+    with pytest.raises(ValueError) as raised:
+        palpate.Renderer(**{**CONTACT, **wrong})
+    assert str(raised.value).startswith(words)
+
+
+def test_a_wrong_name_or_type_is_a_type_error() -> None:
+    with pytest.raises(TypeError, match="no parameter is called dampng; did you mean damping?"):
+        palpate.Renderer(**CONTACT, dampng=2.0)
+    with pytest.raises(TypeError, match="period"):
+        palpate.Renderer(stiffness=400.0, mass=0.1)  # type: ignore[call-arg]
+    with pytest.raises(TypeError):
+        palpate.Renderer(**{**CONTACT, "stiffness": "400"})
+    with pytest.raises(TypeError):
+        palpate.Renderer(**CONTACT).step("near")  # type: ignore[arg-type]
+
+
+def test_every_setting_of_every_method_is_taken_by_its_name() -> None:
+    values: dict[str, Any] = {"True or False": False}
+    taken = 0
+    for method in palpate.METHODS.values():
+        for setting in method.settings:
+            word = setting.allowed.split('"')
+            value = word[1] if setting.unit is None and len(word) > 1 else values.get(setting.allowed, 0.5)
+            given = {setting.name: value}
+            if setting.name == "window_error":
+                given["prediction"] = "adaptive-window"
+            try:
+                renderer = palpate.Renderer(**CONTACT, method=method.name, **given)
+            except ValueError as error:
+                # A setting that counts beside a word of another only.
+                assert f"{setting.name} is for " in str(error)
+                continue
+            if setting.key in renderer.method_parameters:
+                assert renderer.method_parameters[setting.key] == value
+                taken += 1
+    assert taken >= 5
+
+
+def test_numbers_of_numpy_are_numbers() -> None:
+    renderer = palpate.Renderer(
+        stiffness=np.float32(400), mass=np.float64(0.1), period=np.float64(1e-3), device_mass=np.int64(1)
+    )
+    assert renderer.step(np.float32(-0.001)) == 0.0
+    assert renderer.step(np.float32(0.001)) < 0.0
+
+
+def test_parameters_are_pickled_and_a_renderer_is_not() -> None:
+    renderer = palpate.Renderer(**CONTACT, method="hfcr", damping=0.5)
+    with pytest.raises(TypeError, match="pickle its `parameters`"):
+        pickle.dumps(renderer)
+    again = palpate.Renderer(**pickle.loads(pickle.dumps(renderer.parameters)))
+    assert again.parameters == renderer.parameters
+    assert again.method_parameters == renderer.method_parameters
+    assert renderer.method_parameters["damping_n_s_per_m"] == 0.5
+    assert eval(repr(again), {"Renderer": palpate.Renderer}).parameters == renderer.parameters

@@ -1,0 +1,97 @@
+"""Studies, and recordings that were read."""
+
+from __future__ import annotations
+
+import csv
+import pickle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import palpate
+from conftest import ROOT
+
+FIG2 = "experiments/fig2.toml"
+RECORDINGS = "crates/palpate-record/tests/recording"
+
+
+def test_a_damping_is_tuned_as_by_the_program(program: Any, root: Path) -> None:
+    theirs = program.json("tune", FIG2, "--method", "virtual-damper", "--steps", 7)
+    ours = palpate.tune(FIG2, "virtual-damper", steps=7)
+    assert ours == theirs and len(ours.curve) == 7
+    cap = program.json("tune", FIG2, "--method", "popc-ref", "--steps", 4, "--least", "leak")
+    assert palpate.tune(FIG2, "popc-ref", steps=4, least="leak") == cap
+    named = palpate.tune(FIG2, "hfcr", values=np.array([0.0, 0.5], dtype=np.float32))
+    assert [point.value_n_s_per_m for point in named.curve] == [0.0, 0.5]
+    for wrong, words in [
+        ({"method": "basic"}, "basic has no damping to tune"),
+        ({"method": ["hfcr", "popc"]}, "tune looks at one method"),
+        ({"method": "hfcr", "least": "noise"}, 'least is "noise", but must be "error" or "leak"'),
+        ({"method": "hfcr", "steps": 1}, "steps is 1, but must be 2 or more"),
+        ({"method": "hfcr", "values": []}, "values has no value"),
+        ({"method": "hfcr", "values": [-1.0]}, "experiments/fig2.toml:"),
+    ]:
+        with pytest.raises(ValueError) as raised:
+            palpate.tune(FIG2, **wrong)
+        assert str(raised.value).startswith(words)
+
+
+def test_start_heights_are_judged_as_by_the_program(program: Any, root: Path) -> None:
+    theirs = program.json("heights", FIG2, "--method", "basic,coupled", "--told-mass-factor", 1.5)
+    assert palpate.heights(FIG2, ["basic", "coupled"], told_mass_factor=1.5) == theirs
+    with pytest.raises(ValueError, match="told_mass_factor is 0, but must be finite and greater than 0"):
+        palpate.heights(FIG2, told_mass_factor=0)
+
+
+def test_random_plants_are_judged_as_by_the_program(program: Any, root: Path) -> None:
+    for name in ("paper", "desk"):
+        theirs = program.json("suite", "--set", name, "--plants", 3, "--method", "hfcr,coupled")
+        assert palpate.suite(name, ["hfcr", "coupled"], plants=3) == theirs
+    other = program.json("suite", "--plants", 2, "--seed", 7, "--method", "basic")
+    assert palpate.suite(method="basic", plants=2, seed=7) == other
+    for wrong, words in [({"set": "moon"}, 'set is "moon", but must be'), ({"plants": 0}, "plants is 0, but must be 1")]:
+        with pytest.raises(ValueError, match=words):
+            palpate.suite(**wrong)
+
+
+def test_a_recording_is_read_as_by_the_program(program: Any, root: Path, tmp_path: Path) -> None:
+    recording = f"{RECORDINGS}/golden-v1.mcap"
+    ours = palpate.read_recording(recording)
+    # The recording is of a version that did not count its ticks: the program says so by its code.
+    assert ours == program.json("info", recording, code=4)
+    out = tmp_path / "ticks.csv"
+    program("convert", recording, "--out", out, code=4)
+    with out.open() as file:
+        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    assert len(rows) == len(ours.ticks) == ours["ticks"] > 0
+    compared = 0
+    for name in palpate.RECORDED.names or ():
+        cells = [row[name] for row in rows]
+        match name:
+            case "phase":
+                found = [palpate.PHASES[code] for code in ours.ticks[name]]
+                assert found == cells
+            case "flags":
+                found = [
+                    " ".join(flag for bit, flag in enumerate(palpate.FLAGS) if int(code) >> bit & 1)
+                    for code in ours.ticks[name]
+                ]
+                assert found == cells
+            case _:
+                numbers = [float(cell) if cell else np.nan for cell in cells]
+                np.testing.assert_array_equal(ours.ticks[name].astype(float), numbers, name)
+        compared += 1
+    assert compared == len(palpate.RECORDED)
+    assert ours.texts and ours.events[0].kind in ours["events"]
+    again = pickle.loads(pickle.dumps(ours))
+    assert again == ours and again.events == ours.events and again.texts == ours.texts
+    assert again.ticks.tobytes() == ours.ticks.tobytes() and again.ticks.dtype == palpate.RECORDED
+
+
+def test_what_is_no_recording_is_refused(root: Path, tmp_path: Path) -> None:
+    with pytest.raises(OSError, match="none.mcap"):
+        palpate.read_recording(tmp_path / "none.mcap")
+    with pytest.raises(ValueError, match="fig2.toml"):
+        palpate.read_recording(ROOT / FIG2)

@@ -1,0 +1,64 @@
+//! What a recording has of each contact of a tick.
+
+use super::row::part_of_row;
+use super::state::{Flags, Phase};
+
+part_of_row! {
+    /// What is seen of one contact at one tick.
+    ///
+    /// Positions, velocities and forces are along the contact's normal and in the user's frame,
+    /// positive along it; NaN where there is no value. `docs/signs.md` draws the axis.
+    ContactTick as contact;
+
+    sequence: u64, "1", several,
+        "number of the tick",
+        "sequence";
+    contact: u32, "1", several,
+        "number of the contact: 0, 1, 2, ...",
+        "contact";
+    flags: Flags, "1", several,
+        "what is to be said of the contact, a bit each",
+        "contact_flags";
+    device_position: f64, "m", live,
+        "position of the device along the contact's normal, as the renderer saw it",
+        "device_position_m";
+    object_position: f64, "m", live,
+        "position of the object along the contact's normal",
+        "object_position_m";
+    object_velocity: f64, "m/s", live,
+        "velocity of the object along the contact's normal",
+        "object_velocity_m_per_s";
+    penetration: f64, "m", live,
+        "penetration of the device into the object; positive in contact, whichever side the object lies on",
+        "penetration_m";
+    placement_shift: f64, "m", table,
+        "how far `coupled` has shifted the object over the interval before the sample; 0 for other methods",
+        "placement_shift_m";
+    force_on_object: f64, "N", table,
+        "force on the object as the renderer answered, before the limits of the safety",
+        "force_on_object_n";
+    force_on_device: f64, "N", live,
+        "force on the device as really sent, after the limits of the safety",
+        "force_on_device_n";
+    stored_energy: f64, "J", live,
+        "energy stored in object and contact",
+        "stored_energy_j";
+    port_work: f64, "J", live,
+        "work of the held force through the port since the start; positive into the object",
+        "port_work_j";
+    virtual_force_work: f64, "J", live,
+        "work of the virtual force f_V on the object since the start",
+        "virtual_force_work_j";
+    outside_work: f64, "J", live,
+        "work from outside since the start: teleports, changed parameters, time without samples, and the leak of intervals in which the motors were off",
+        "outside_work_j";
+    original_leak: f64, "J", live,
+        "accumulated leak of the spring force on the same motion; positive where energy was created",
+        "leak_original_j";
+    held_leak: f64, "J", live,
+        "accumulated leak of the force that was held; positive where energy was created",
+        "leak_held_j";
+    phase: Phase, "1", table,
+        "what the coming interval was predicted to hold",
+        "phase";
+}

@@ -1,0 +1,96 @@
+//! Ticks and their contacts, put together again.
+
+use super::{ContactTick, Tick};
+
+/// The tick whose contacts are being read.
+///
+/// A tick stands before its contacts. One whose contacts are not all there is none: it is missing by its
+/// number.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Gather {
+    waiting: Option<(Tick, Vec<ContactTick>)>,
+}
+
+impl Gather {
+    /// Takes the next tick; gives it back if it has no contact to wait for.
+    pub fn tick(&mut self, tick: Tick) -> Option<(Tick, Vec<ContactTick>)> {
+        self.waiting = Some((tick, Vec::new()));
+        self.complete()
+    }
+
+    /// Takes a contact; gives its tick with all its contacts if it was the last one. A contact whose
+    /// tick is not there is passed over: it is missing with its tick.
+    pub fn contact(
+        &mut self,
+        contact: ContactTick,
+    ) -> Result<Option<(Tick, Vec<ContactTick>)>, String> {
+        let Some((tick, contacts)) = &mut self.waiting else {
+            return Ok(None);
+        };
+        if contact.sequence != tick.sequence {
+            return Ok(None);
+        }
+        if contact.contact as usize != contacts.len() {
+            return Err(format!(
+                "contact {} of tick {} stands where contact {} must",
+                contact.contact,
+                contact.sequence,
+                contacts.len()
+            ));
+        }
+        contacts.push(contact);
+        Ok(self.complete())
+    }
+
+    fn complete(&mut self) -> Option<(Tick, Vec<ContactTick>)> {
+        self.waiting
+            .take_if(|(tick, contacts)| contacts.len() == tick.contacts as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tick(sequence: u64, contacts: u32) -> Tick {
+        Tick {
+            sequence,
+            contacts,
+            ..Tick::default()
+        }
+    }
+
+    fn contact(sequence: u64, contact: u32) -> ContactTick {
+        ContactTick {
+            sequence,
+            contact,
+            ..ContactTick::default()
+        }
+    }
+
+    #[test]
+    fn a_tick_is_whole_with_its_last_contact() {
+        let mut gather = Gather::default();
+        let free = gather.tick(tick(0, 0));
+        assert_eq!(free, Some((tick(0, 0), vec![])));
+        assert_eq!(gather.tick(tick(1, 2)), None);
+        assert_eq!(gather.contact(contact(1, 0)), Ok(None));
+        let whole = (tick(1, 2), vec![contact(1, 0), contact(1, 1)]);
+        assert_eq!(gather.contact(contact(1, 1)), Ok(Some(whole)));
+        assert_eq!(gather.contact(contact(1, 2)), Ok(None), "it is whole");
+    }
+
+    #[test]
+    fn a_tick_whose_contacts_are_not_all_there_is_none() {
+        let mut gather = Gather::default();
+        assert_eq!(gather.tick(tick(1, 2)), None);
+        assert_eq!(gather.contact(contact(1, 0)), Ok(None));
+        assert_eq!(gather.tick(tick(2, 1)), None);
+        assert_eq!(gather.contact(contact(1, 1)), Ok(None), "too late");
+        let whole = (tick(2, 1), vec![contact(2, 0)]);
+        assert_eq!(gather.contact(contact(2, 0)), Ok(Some(whole)));
+        assert_eq!(gather.tick(tick(3, 2)), None);
+        let error = gather.contact(contact(3, 1)).unwrap_err();
+        assert_eq!(error, "contact 1 of tick 3 stands where contact 0 must");
+    }
+}

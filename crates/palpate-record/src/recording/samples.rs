@@ -1,0 +1,48 @@
+//! Rows to test with.
+
+use super::{ContactTick, Flags, Phase, Row, Tick};
+
+/// A row of a tick with two contacts, in which every quantity has a value of its own.
+pub fn row(sequence: u64, contact: u32) -> Row {
+    let of = |quantity: u32| sequence as f64 * 1e-3 + f64::from(quantity + 100 * contact) / 3.0;
+    let tick = |quantity: u32| sequence as f64 * 1e-3 + f64::from(quantity) / 3.0;
+    let flags = Flags::CONTACT.with(Flags::LIMITED_PULL, true);
+    Row {
+        tick: Tick {
+            sequence,
+            time: sequence as f64 * 1e-3,
+            lateness: tick(1),
+            period: tick(2),
+            device_axes: [tick(3), -tick(4), f64::NAN],
+            device_orientation: [tick(5), tick(6), tick(7), tick(8)],
+            commanded_force: [tick(9), tick(10), tick(11)],
+            commanded_torque: [tick(12), tick(13), tick(14)],
+            delivered_force: [tick(15), tick(16), tick(17)],
+            delivered_torque: [tick(18), tick(19), tick(20)],
+            tick_duration: tick(21),
+            device_round_trip: tick(22),
+            generation: 3,
+            contacts: 2,
+            flags: flags.with(Flags::MISSED_DEADLINE, true),
+        },
+        contact: ContactTick {
+            sequence,
+            contact,
+            flags,
+            device_position: of(31),
+            object_position: of(32),
+            object_velocity: of(33),
+            penetration: of(34),
+            placement_shift: of(35),
+            force_on_object: of(36),
+            force_on_device: of(37),
+            stored_energy: of(38),
+            port_work: of(39),
+            virtual_force_work: of(40),
+            outside_work: of(41),
+            original_leak: of(42),
+            held_leak: of(43),
+            phase: Phase::Leaves,
+        },
+    }
+}

@@ -1,0 +1,83 @@
+//! The columns of tables, and their order.
+
+use std::sync::LazyLock;
+
+use super::{Column, ContactTick, Shown, Tick};
+
+/// The columns of a message of format 1, in the order in which it has them; what was a message then is
+/// a line of a table now. This list does not change any more.
+pub(super) const FORMAT_1: [&str; 25] = [
+    "sequence",
+    "t_s",
+    "lateness_s",
+    "period_s",
+    "device_axis_1_m",
+    "device_axis_2_m",
+    "device_axis_3_m",
+    "device_position_m",
+    "object_position_m",
+    "object_velocity_m_per_s",
+    "penetration_m",
+    "placement_shift_m",
+    "force_on_object_n",
+    "force_on_device_n",
+    "stored_energy_j",
+    "port_work_j",
+    "virtual_force_work_j",
+    "outside_work_j",
+    "leak_original_j",
+    "leak_held_j",
+    "tick_duration_s",
+    "device_round_trip_s",
+    "generation",
+    "flags",
+    "phase",
+];
+
+/// All columns of a [`Row`](super::Row), in the order in which tables and the live page have them: first those of
+/// format 1, in its order, then what came later, of the tick and of the contact.
+pub fn columns() -> &'static [&'static Column] {
+    static COLUMNS: LazyLock<Vec<&'static Column>> = LazyLock::new(|| {
+        let first = FORMAT_1.iter().filter_map(|name| Column::named(name));
+        let is_later = |column: &&Column| !FORMAT_1.contains(&column.name);
+        let later = Tick::COLUMNS.iter().chain(ContactTick::COLUMNS);
+        first.chain(later.filter(is_later)).collect()
+    });
+    &COLUMNS
+}
+
+/// What a table of a recording has of the columns of a row.
+pub(super) fn table(format: u32, has_one_contact_each: bool) -> Vec<&'static Column> {
+    let is_there = |column: &&&'static Column| match column.shown {
+        _ if FORMAT_1.contains(&column.name) => true,
+        Shown::Live | Shown::InTables => format > 1,
+        Shown::OfSeveralContacts => !has_one_contact_each,
+    };
+    columns().iter().filter(is_there).copied().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_of_format_1_has_its_columns_and_one_of_several_contacts_has_all() {
+        let names = |columns: Vec<&Column>| {
+            let names = columns.iter().map(|column| column.name);
+            names.collect::<Vec<_>>()
+        };
+        assert_eq!(names(table(1, true)), FORMAT_1);
+        let one = names(table(2, true));
+        assert_eq!(one[..25], FORMAT_1);
+        assert!(one.contains(&"delivered_torque_3_n_m") && !one.contains(&"contact"));
+        let several = names(table(2, false));
+        for name in ["contacts", "contact", "contact_flags"] {
+            assert!(several.contains(&name), "{name}");
+        }
+        // Every column stands once in the list, but the number of the tick, which both parts have.
+        assert_eq!(
+            several.len() + 1,
+            Tick::COLUMNS.len() + ContactTick::COLUMNS.len()
+        );
+    }
+}

@@ -1,0 +1,71 @@
+//! A scene of the judge as a renderer takes it.
+
+use palpate_testbed::world as judge;
+use palpate_world::{Body, Contact, ContactLaw, Free, Motion, Party, Shape, Tool, World};
+
+/// The world of a scene that the judge has drawn: its tools, bodies and laws, without its devices.
+#[must_use]
+pub fn as_rendered(scene: &judge::WorldScene) -> World {
+    let tools = scene.devices.iter().map(|device| {
+        let shape = Shape::Sphere {
+            radius: device.tool_radius,
+        };
+        Tool::new(&device.name, shape)
+    });
+    let name = |member| match member {
+        judge::Member::Device(number) => Party::Named(scene.devices[number].name.clone()),
+        judge::Member::Body(number) => Party::Named(scene.bodies[number].name.clone()),
+    };
+    let contacts = scene.pairs.iter().map(|pair| Contact {
+        between: pair.between.map(name),
+        law: ContactLaw {
+            stiffness: pair.law.stiffness,
+            damping: pair.law.damping,
+            friction: pair.law.friction,
+            friction_stiffness: pair.law.friction_stiffness,
+        },
+    });
+    World {
+        tools: tools.collect(),
+        bodies: scene.bodies.iter().map(body).collect(),
+        contacts: contacts.collect(),
+    }
+}
+
+fn body(body: &judge::WorldBody) -> Body {
+    let shape = match body.shape {
+        judge::Shape::Sphere { radius } => Shape::Sphere { radius },
+        judge::Shape::HalfSpace { normal, offset } => Shape::HalfSpace { normal, offset },
+        judge::Shape::Box { half_extents } => Shape::Box { half_extents },
+        judge::Shape::Capsule {
+            radius,
+            half_length,
+        } => Shape::Capsule {
+            radius,
+            half_length,
+        },
+        judge::Shape::Cylinder {
+            radius,
+            half_length,
+        } => Shape::Cylinder {
+            radius,
+            half_length,
+        },
+    };
+    let motion = body.motion.map_or(Motion::Fixed, |motion| {
+        Motion::Free(Free {
+            mass: motion.mass,
+            inertia: Some(motion.inertia),
+            velocity: motion.velocity,
+            angular_velocity: motion.angular_velocity,
+            force: motion.force,
+        })
+    });
+    Body {
+        name: body.name.clone(),
+        shape,
+        position: body.position,
+        orientation: body.orientation,
+        motion,
+    }
+}

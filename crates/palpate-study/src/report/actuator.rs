@@ -1,0 +1,35 @@
+//! What an actuator does, and what a renderer is told of it, under the names of scene files.
+
+use palpate::{Actuation, LARGEST_DELAY};
+use palpate_scene::Scene;
+
+/// What a scene's actuator does and what its renderer is told, by key, where it is more than a delay of
+/// whole samples that is told as it is.
+pub fn of(scene: &Scene) -> Vec<(&'static str, f64)> {
+    let actuation = scene.told_actuation();
+    let mut lines = Vec::new();
+    let truth = &scene.actuator;
+    if truth.lag != 0.0 || truth.gain != 1.0 {
+        lines.extend([("lag_s", truth.lag), ("gain", truth.gain)]);
+    }
+    lines.extend(told(&actuation, scene.delay, scene.loop_params.period));
+    lines
+}
+
+/// What a renderer is told, by key, where it is more than a delay of so many whole samples.
+pub fn told(
+    told: &Actuation<f64>,
+    samples: usize,
+    period: f64,
+) -> impl Iterator<Item = (&'static str, f64)> + use<> {
+    let as_usual = *told == Actuation::after_samples(samples.min(LARGEST_DELAY), period);
+    let lines = [
+        ("told_delay_s", told.delay),
+        ("told_lag_s", told.lag),
+        ("told_gain", told.gain),
+        ("told_delay_deviation_s", told.delay_deviation),
+        ("told_lag_deviation_s", told.lag_deviation),
+        ("told_gain_deviation", told.gain_deviation),
+    ];
+    lines.into_iter().filter(move |_| !as_usual)
+}

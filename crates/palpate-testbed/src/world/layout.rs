@@ -1,0 +1,52 @@
+//! The state of a system, one row of numbers.
+//!
+//! First comes what moves: position and velocity of each device; position, velocity, quaternion and angular momentum
+//! of each free body; the bristle of each contact. After it come integrals over what moves.
+
+/// Where in the state what is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Layout {
+    pub devices: usize,
+    pub free_bodies: usize,
+    pub contacts: usize,
+}
+
+/// Numbers of a device, a free body and a contact in the first part of the state.
+const DEVICE: usize = 6;
+const BODY: usize = 13;
+const BRISTLE: usize = 3;
+/// Of a device: ∫ f dt and ∫ f² dt along each axis, and the hand's work.
+const DEVICE_SUMS: usize = 7;
+/// Of a contact: ∫ N dt, ∫ of the force on its first member dt, and what it has dissipated.
+const CONTACT_SUMS: usize = 5;
+
+impl Layout {
+    pub fn device(&self, device: usize) -> usize {
+        DEVICE * device
+    }
+
+    pub fn body(&self, free_body: usize) -> usize {
+        DEVICE * self.devices + BODY * free_body
+    }
+
+    pub fn bristle(&self, contact: usize) -> usize {
+        self.body(self.free_bodies) + BRISTLE * contact
+    }
+
+    /// How many numbers move; the rest are integrals over them.
+    pub fn moving(&self) -> usize {
+        self.bristle(self.contacts)
+    }
+
+    pub fn device_sums(&self, device: usize) -> usize {
+        self.moving() + DEVICE_SUMS * device
+    }
+
+    pub fn contact_sums(&self, contact: usize) -> usize {
+        self.device_sums(self.devices) + CONTACT_SUMS * contact
+    }
+
+    pub fn size(&self) -> usize {
+        self.contact_sums(self.contacts)
+    }
+}

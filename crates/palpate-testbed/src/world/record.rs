@@ -1,0 +1,134 @@
+//! What an ideal says: forces over intervals, states at their edges, contacts from begin to end.
+
+use super::scene::{Member, Vector};
+
+/// The contact force on the tool of one device, cut into the intervals of a grid.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct DeviceProfile {
+    /// ∫ f dt over each interval \[N s\].
+    pub impulses: Vec<Vector>,
+    /// ∫ f² dt along each axis over each interval \[N² s\].
+    pub squares: Vec<Vector>,
+    /// Largest |f| in each interval \[N\].
+    pub peaks: Vec<f64>,
+}
+
+/// One contact of a scene, from the time it begins to the time it ends.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Encounter {
+    /// Number of its pair in the scene.
+    pub pair: usize,
+    /// Number of the contact; those of a box on a half-space have one for each corner.
+    pub contact: usize,
+    /// The two, that which has the sphere or the corner first.
+    pub between: [Member; 2],
+    /// Begin \[s\]; 0 for a contact that is there at the start.
+    pub start: f64,
+    /// End \[s\], `None` if the contact lasts beyond the window.
+    pub end: Option<f64>,
+    /// ∫ N dt \[N s\].
+    pub normal_impulse: f64,
+    /// ∫ of the force on the first of the two \[N s\].
+    pub impulse: Vector,
+    /// Energy dissipated in it \[J\].
+    pub dissipated: f64,
+    /// Largest N \[N\].
+    pub peak_force: f64,
+    /// Largest penetration \[m\].
+    pub deepest: f64,
+}
+
+/// Where a device is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DeviceState {
+    /// \[m\]
+    pub position: Vector,
+    /// \[m/s\]
+    pub velocity: Vector,
+    /// Contact force on its tool \[N\].
+    pub force: Vector,
+    /// Force of the hand on it \[N\].
+    pub hand_force: Vector,
+}
+
+/// Where a body is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BodyState {
+    /// Centre of mass \[m\].
+    pub position: Vector,
+    /// Unit quaternion \[w, x, y, z\].
+    pub orientation: [f64; 4],
+    /// \[m/s\]
+    pub velocity: Vector,
+    /// In world axes \[rad/s\].
+    pub angular_velocity: Vector,
+    /// About the centre of mass, in world axes \[kg m²/s\]; 0 for a fixed body.
+    pub angular_momentum: Vector,
+}
+
+/// How a contact is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactState {
+    /// p \[m\], negative where there is a gap.
+    pub penetration: f64,
+    /// From the second of the two to the first.
+    pub normal: Vector,
+    /// N \[N\].
+    pub normal_force: f64,
+    /// Deflection z of the bristle \[m\].
+    pub bristle: Vector,
+}
+
+/// Where the energy of a scene is, and what went in since t = 0.
+///
+/// kinetic + stored + dissipated = kinetic and stored at the start + hand work + work of the bodies' forces.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WorldBooks {
+    /// Kinetic energy of devices and bodies \[J\].
+    pub kinetic: f64,
+    /// In the contacts' springs and bristles \[J\].
+    pub stored: f64,
+    /// By the contacts, never falling \[J\].
+    pub dissipated: f64,
+    /// By the hands on their devices, their springs and dampers included \[J\].
+    pub hand_work: f64,
+    /// By the constant forces on the bodies \[J\].
+    pub body_work: f64,
+}
+
+impl WorldBooks {
+    /// What must not change: kinetic + stored + dissipated − hand work − work of the bodies' forces \[J\].
+    #[must_use]
+    pub fn balance(&self) -> f64 {
+        self.kinetic + self.stored + self.dissipated - self.hand_work - self.body_work
+    }
+}
+
+/// Everything at one edge of the grid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WorldState {
+    /// \[s\]
+    pub time: f64,
+    /// In the order of the scene.
+    pub devices: Vec<DeviceState>,
+    /// In the order of the scene.
+    pub bodies: Vec<BodyState>,
+    /// All contacts; a pair of spheres has one, a box on a half-space eight.
+    pub contacts: Vec<ContactState>,
+    /// The energies.
+    pub books: WorldBooks,
+}
+
+impl Encounter {
+    pub(super) fn add(&mut self, from: &[f64; 5], to: &[f64; 5]) {
+        self.normal_impulse = to[0] - from[0];
+        self.impulse = std::array::from_fn(|axis| to[1 + axis] - from[1 + axis]);
+        self.dissipated = to[4] - from[4];
+    }
+
+    /// Whether the tool of a device takes part.
+    #[must_use]
+    pub fn is_of_device(&self, device: usize) -> bool {
+        self.between.contains(&Member::Device(device))
+    }
+}

@@ -1,0 +1,397 @@
+//! A system on its way: steps, events, and what is noted on the way.
+
+use super::contact::WorldError;
+use super::dormand_prince::Step;
+use super::motion::{Condition, Instant, Mode, System, hand_force, quaternion};
+use super::record::{BodyState, ContactState, DeviceState, Encounter, WorldBooks, WorldState};
+use super::vector::Vec3;
+
+/// Most steps and events within an interval of the grid.
+const MOST_STEPS: usize = 200_000;
+/// Parts of a step at whose ends every contact is looked at.
+const PARTS: u32 = 4;
+/// An event is located to this time \[s\].
+const EVENT_WIDTH: f64 = 1e-15;
+/// Shortest step of the error control \[s\].
+const SHORTEST_STEP: f64 = 1e-13;
+
+/// A contact in progress.
+#[derive(Debug, Clone)]
+struct Open {
+    encounter: usize,
+    sums: [f64; 5],
+}
+
+/// A system on its way.
+pub(super) struct Run<'a> {
+    system: &'a System,
+    tolerance: f64,
+    scales: Vec<f64>,
+    time: f64,
+    pub state: Vec<f64>,
+    conditions: Vec<Condition>,
+    now: Instant,
+    within: Vec<f64>,
+    step: Step,
+    first_is_known: bool,
+    next_length: f64,
+    /// Largest force on each tool since it was last set to 0.
+    pub peaks: Vec<f64>,
+    records: Vec<Encounter>,
+    open: Vec<Option<Open>>,
+    body_start: Vec<f64>,
+    pub steps: usize,
+    pub events: usize,
+}
+
+impl<'a> Run<'a> {
+    pub fn new(system: &'a System, tolerance: f64) -> Self {
+        let mut state = system.start();
+        let mut now = system.instant();
+        let conditions = system.first_conditions(&mut state, &mut now);
+        let mut run = Self {
+            system,
+            tolerance,
+            scales: system.scales(),
+            time: 0.0,
+            within: vec![0.0; system.layout.moving()],
+            step: Step::of_size(system.layout.size()),
+            first_is_known: false,
+            next_length: 1e-5,
+            peaks: vec![0.0; system.devices.len()],
+            records: Vec::new(),
+            open: vec![None; conditions.len()],
+            body_start: state.clone(),
+            state,
+            conditions,
+            now,
+            steps: 0,
+            events: 0,
+        };
+        run.note_changes();
+        run
+    }
+
+    /// Moves on to `end` \[s\].
+    pub fn advance(&mut self, end: f64) -> Result<(), WorldError> {
+        let begin = self.time;
+        // In time from the interval's begin, which has more digits.
+        let duration = end - begin;
+        let mut done = 0.0;
+        for _ in 0..MOST_STEPS {
+            let left = duration - done;
+            let length = if self.next_length > 0.999 * left {
+                left
+            } else {
+                self.next_length
+            };
+            let error = self.try_step(begin + done, length);
+            let shrunk = length * (0.9 * error.powf(-0.2)).clamp(0.2, 4.0);
+            if error > 1.0 && length > SHORTEST_STEP {
+                self.next_length = shrunk;
+                self.first_is_known = true; // the start has not moved
+                continue;
+            }
+            let event = self.first_event(begin + done, length);
+            let taken = match event {
+                Some(fraction) if fraction < 1.0 => {
+                    let to_event = fraction * length;
+                    self.first_is_known = true;
+                    self.try_step(begin + done, to_event);
+                    to_event
+                }
+                _ => length,
+            };
+            self.steps += 1;
+            self.state.copy_from_slice(self.step.end());
+            done = if taken == left {
+                duration
+            } else {
+                done + taken
+            };
+            self.time = begin + done;
+            if event.is_some() {
+                self.events += 1;
+                self.first_is_known = false;
+                let time = self.time;
+                self.system
+                    .settle(time, &mut self.state, &mut self.conditions, &mut self.now);
+                self.note_changes();
+            } else {
+                self.step.hand_on();
+                self.first_is_known = true;
+                // A step cut short by the interval's end says little about the next one.
+                self.next_length = if length < self.next_length {
+                    self.next_length.max(shrunk)
+                } else {
+                    shrunk
+                };
+            }
+            if done >= duration {
+                self.time = end;
+                return Ok(());
+            }
+        }
+        Err(WorldError::TooManySteps {
+            limit: MOST_STEPS,
+            time: self.time,
+        })
+    }
+
+    /// A step from here, and its error over the tolerance.
+    fn try_step(&mut self, time: f64, length: f64) -> f64 {
+        let (system, conditions, now) = (self.system, &self.conditions, &mut self.now);
+        self.step.take(
+            time,
+            &self.state,
+            length,
+            self.first_is_known,
+            |time, state, rates| system.rates(time, state, conditions, now, rates),
+        );
+        let mut largest = 1e-9_f64;
+        for (i, scale) in self.scales.iter().enumerate() {
+            largest = largest.max(self.step.error(i).abs() / (self.tolerance * scale));
+        }
+        if largest.is_nan() { 1e9 } else { largest }
+    }
+
+    /// The fraction of the step at which the first contact has just left its condition.
+    fn first_event(&mut self, time: f64, length: f64) -> Option<f64> {
+        let mut before = 0.0;
+        self.look(time, length, 0.0);
+        self.note_peaks();
+        let mut rates_before = self.free_rates();
+        for part in 1..=PARTS {
+            let fraction = f64::from(part) / f64::from(PARTS);
+            let holds = self.look(time, length, fraction);
+            if !holds {
+                return Some(self.bracket(time, length, before, fraction));
+            }
+            self.note_peaks();
+            let rates = self.free_rates();
+            for (number, (was, is)) in rates_before.iter().zip(&rates).enumerate() {
+                if *was > 0.0
+                    && *is < 0.0
+                    && let Some(summit) = self.summit(time, length, number, before, fraction)
+                {
+                    return Some(self.bracket(time, length, before, summit));
+                }
+            }
+            rates_before = rates;
+            before = fraction;
+        }
+        None
+    }
+
+    /// p′ of every contact that is free, 0 of the others.
+    fn free_rates(&self) -> Vec<f64> {
+        self.conditions
+            .iter()
+            .zip(&self.now.touches)
+            .map(|(condition, touch)| match condition.mode {
+                Mode::Free => touch.rate,
+                _ => 0.0,
+            })
+            .collect()
+    }
+
+    /// Evaluates the step at a fraction; whether all contacts are still in their conditions.
+    fn look(&mut self, time: f64, length: f64, fraction: f64) -> bool {
+        self.step.at(fraction, &mut self.within);
+        self.system.evaluate(
+            time + fraction * length,
+            &self.within,
+            &self.conditions,
+            &mut self.now,
+        );
+        self.system.all_hold(&self.conditions, &self.now)
+    }
+
+    /// Where between two fractions the gap of a free contact is smallest, if the contact has begun there.
+    fn summit(&mut self, time: f64, length: f64, number: usize, from: f64, to: f64) -> Option<f64> {
+        let gap = -self.now.touches[number].penetration;
+        let reach = self.now.touches[number].rate.abs() * (to - from) * length;
+        if gap > 2.0 * reach {
+            return None; // too far to have been there
+        }
+        let (mut low, mut high) = (from, to);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if !self.look(time, length, middle) {
+                return Some(middle);
+            }
+            if self.now.touches[number].rate > 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        None
+    }
+
+    /// Closes in on the end of what holds at `low` and not at `high`; the side at which it no longer does.
+    fn bracket(&mut self, time: f64, length: f64, mut low: f64, mut high: f64) -> f64 {
+        while (high - low) * length > EVENT_WIDTH {
+            let middle = 0.5 * (low + high);
+            if middle <= low || middle >= high {
+                break;
+            }
+            if self.look(time, length, middle) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        high
+    }
+
+    /// Books the forces and depths of the instant just looked at.
+    fn note_peaks(&mut self) {
+        for (number, open) in self.open.iter().enumerate() {
+            if let Some(open) = open {
+                let record = &mut self.records[open.encounter];
+                record.peak_force = record.peak_force.max(self.now.normal_forces[number]);
+                record.deepest = record.deepest.max(self.now.touches[number].penetration);
+            }
+        }
+        for (number, peak) in self.peaks.iter_mut().enumerate() {
+            *peak = peak.max(self.now.contact_force(number).norm());
+        }
+    }
+
+    /// Begins and ends records after contacts have changed their modes.
+    fn note_changes(&mut self) {
+        for number in 0..self.conditions.len() {
+            let is_free = self.conditions[number].mode == Mode::Free;
+            let place = self.system.layout.contact_sums(number);
+            let sums: [f64; 5] = std::array::from_fn(|i| self.state[place + i]);
+            match (&self.open[number], is_free) {
+                (None, false) => {
+                    let contact = &self.system.contacts[number];
+                    self.open[number] = Some(Open {
+                        encounter: self.records.len(),
+                        sums,
+                    });
+                    self.records.push(Encounter {
+                        pair: contact.pair,
+                        contact: number,
+                        between: [contact.first, contact.second]
+                            .map(|member| self.system.member(member)),
+                        start: self.time,
+                        end: None,
+                        normal_impulse: 0.0,
+                        impulse: [0.0; 3],
+                        dissipated: 0.0,
+                        peak_force: 0.0,
+                        deepest: 0.0,
+                    });
+                }
+                (Some(open), true) => {
+                    let record = &mut self.records[open.encounter];
+                    record.end = Some(self.time);
+                    record.add(&open.sums, &sums);
+                    self.open[number] = None;
+                }
+                _ => {}
+            }
+        }
+        self.system
+            .evaluate(self.time, &self.state, &self.conditions, &mut self.now);
+        self.note_peaks();
+    }
+
+    /// All records, those in progress as far as they are.
+    pub fn encounters(&self) -> Vec<Encounter> {
+        let mut records = self.records.clone();
+        for (number, open) in self.open.iter().enumerate() {
+            if let Some(open) = open {
+                let place = self.system.layout.contact_sums(number);
+                let sums = std::array::from_fn(|i| self.state[place + i]);
+                records[open.encounter].add(&open.sums, &sums);
+            }
+        }
+        records
+    }
+
+    pub fn world_state(&mut self) -> WorldState {
+        let system = self.system;
+        system.evaluate(self.time, &self.state, &self.conditions, &mut self.now);
+        let now = &self.now;
+        let devices = system
+            .devices
+            .iter()
+            .enumerate()
+            .map(|(number, device)| DeviceState {
+                position: now.placed[number].position.0,
+                velocity: now.placed[number].velocity.0,
+                force: now.contact_force(number).0,
+                hand_force: hand_force(device, self.time, &now.placed[number]).0,
+            })
+            .collect();
+        let contacts = (0..system.contacts.len())
+            .map(|number| ContactState {
+                penetration: now.touches[number].penetration,
+                normal: now.touches[number].normal.0,
+                normal_force: now.normal_forces[number],
+                bristle: now.bristles[number].0,
+            })
+            .collect();
+        WorldState {
+            time: self.time,
+            devices,
+            bodies: self.body_states(),
+            contacts,
+            books: self.books(),
+        }
+    }
+
+    fn body_states(&self) -> Vec<BodyState> {
+        let system = self.system;
+        let placed = &self.now.placed[system.devices.len()..];
+        let mut bodies: Vec<BodyState> = placed
+            .iter()
+            .zip(system.orientations())
+            .map(|(placed, orientation)| BodyState {
+                position: placed.position.0,
+                orientation,
+                velocity: placed.velocity.0,
+                angular_velocity: placed.turning.0,
+                angular_momentum: [0.0; 3],
+            })
+            .collect();
+        for (number, place, _) in system.free_bodies() {
+            let q = quaternion(&self.state[place + 6..]);
+            let length = q.iter().map(|part| part * part).sum::<f64>().sqrt();
+            bodies[number].orientation = q.map(|part| part / length);
+            bodies[number].angular_momentum = Vec3::of(&self.state[place + 10..]).0;
+        }
+        bodies
+    }
+
+    fn books(&self) -> WorldBooks {
+        let system = self.system;
+        let layout = &system.layout;
+        let contacts = 0..system.contacts.len();
+        WorldBooks {
+            kinetic: self.now.kinetic_energy(system),
+            stored: contacts
+                .clone()
+                .map(|number| self.now.stored_energy(system, number))
+                .sum(),
+            dissipated: contacts
+                .map(|number| self.state[layout.contact_sums(number) + 4])
+                .sum(),
+            hand_work: (0..system.devices.len())
+                .map(|number| self.state[layout.device_sums(number) + 6])
+                .sum(),
+            body_work: system
+                .free_bodies()
+                .map(|(_, place, motion)| {
+                    let travel =
+                        Vec3::of(&self.state[place..]) - Vec3::of(&self.body_start[place..]);
+                    Vec3(motion.force).dot(travel)
+                })
+                .sum(),
+        }
+    }
+}

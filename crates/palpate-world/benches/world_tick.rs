@@ -1,0 +1,120 @@
+//! Time per tick of a world: `cargo bench -p palpate-world --bench world_tick`.
+//!
+//! A tool presses a ball onto a floor and against a wall: three bodies and three contacts with friction. Every tick of a
+//! run is timed by itself; each time is the least of several runs, which are all the same: whatever is more is other
+//! programs.
+#![allow(clippy::print_stdout)] // a benchmark prints
+
+use std::time::Instant;
+
+use palpate_world::{
+    BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Motion, Party, Sample, Shape,
+    Tool, Vector, World, WorldLoop, WorldMethod, WorldRenderer,
+};
+
+const PERIOD: f64 = 0.001;
+const TICKS: usize = 2000;
+const RUNS: usize = 5;
+const MASS: f64 = 0.15;
+
+fn world(friction: f64) -> World {
+    let plane = |name, normal: Vector| {
+        let shape = Shape::HalfSpace {
+            normal,
+            offset: 0.0,
+        };
+        Body::new(name, shape, Motion::Fixed)
+    };
+    let ball = Free::of_mass(0.06).pulled_by([-0.2, 0.0, -0.6]);
+    let law = ContactLaw::spring(4000.0).with_damping(1.0);
+    World {
+        tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.008 })],
+        bodies: vec![
+            plane("floor", [0.0, 0.0, 1.0]),
+            plane("wall", [1.0, 0.0, 0.0]),
+            Body::new("ball", Shape::Sphere { radius: 0.02 }, Motion::Free(ball))
+                .at([0.02, 0.0, 0.02]),
+        ],
+        contacts: vec![Contact {
+            between: [Party::Any, Party::Any],
+            law: law.with_friction(friction),
+        }],
+    }
+}
+
+/// A device that is pressed down and moved across by a hand, in steps under held forces.
+struct Device {
+    position: Vector,
+    velocity: Vector,
+}
+
+impl Device {
+    fn hold(&mut self, force: Vector, time: f64) {
+        let hand = |axis: usize, position: f64, velocity: f64| {
+            let rest = [0.024, 0.004 * (9.0 * time).sin(), 0.02][axis];
+            300.0 * (rest - position) - 3.0 * velocity
+        };
+        for _ in 0..20 {
+            for (axis, force) in force.into_iter().enumerate() {
+                let pushed = force + hand(axis, self.position[axis], self.velocity[axis]);
+                self.velocity[axis] += pushed / MASS * PERIOD / 20.0;
+                self.position[axis] += self.velocity[axis] * PERIOD / 20.0;
+            }
+        }
+    }
+}
+
+fn main() {
+    // Under `cargo test` a benchmark only has to build and run.
+    if !std::env::args().any(|argument| argument == "--bench") {
+        return;
+    }
+    println!("microseconds per tick: median, p99, max; sub-steps per tick: median, p99, max");
+    let methods: [WorldMethod; 2] = [
+        BasicParams::default().into(),
+        CoupledParams::new(vec![[MASS; 3]])
+            .with_encoder_quantum(2e-6)
+            .into(),
+    ];
+    for method in methods {
+        for friction in [0.0, 0.5] {
+            let name = format!("{}, friction {friction}", method.name());
+            let renderer =
+                WorldRenderer::new(&world(friction), WorldLoop::new(PERIOD), method.clone());
+            let Ok(renderer) = renderer else {
+                println!("{name}: refused");
+                continue;
+            };
+            let mut times = vec![f64::INFINITY; TICKS];
+            let mut steps = vec![0; TICKS];
+            for _ in 0..RUNS {
+                let mut state = renderer.start();
+                let mut device = Device {
+                    position: [0.022, 0.0, 0.05],
+                    velocity: [0.0; 3],
+                };
+                for (tick, (time, steps)) in times.iter_mut().zip(&mut steps).enumerate() {
+                    let positions = [device.position.map(|x| (x / 2e-6).round() * 2e-6)];
+                    let before = Instant::now();
+                    let output = renderer.step(&mut state, &Sample::at(&positions));
+                    *time = time.min(before.elapsed().as_secs_f64() * 1e6);
+                    *steps = output.effort.sub_steps;
+                    let force = output.forces[0];
+                    device.hold(force, tick as f64 * PERIOD);
+                }
+            }
+            times.sort_by(f64::total_cmp);
+            steps.sort_unstable();
+            let at = |part: usize| (TICKS - 1) * part / 100;
+            println!(
+                "{name:28} {:8.2} {:8.2} {:8.2}   {:5} {:5} {:5}",
+                times[at(50)],
+                times[at(99)],
+                times[at(100)],
+                steps[at(50)],
+                steps[at(99)],
+                steps[at(100)]
+            );
+        }
+    }
+}

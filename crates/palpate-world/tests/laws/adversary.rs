@@ -1,0 +1,163 @@
+//! Whatever the samples say, a tick answers with finite forces within their limit.
+
+use palpate::Fault;
+use palpate_world::{
+    BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Motion, Party, Sample, Shape,
+    Tool, Vector, VirtualCouplingParams, World, WorldLoop, WorldMethod, WorldRenderer,
+};
+use proptest::prelude::*;
+
+use crate::common::{ball, plane, world};
+
+const LIMIT: f64 = 5.0;
+
+fn crowded() -> World {
+    let law = ContactLaw::spring(5000.0)
+        .with_damping(1.0)
+        .with_friction(0.6);
+    let block = Shape::Box {
+        half_extents: [0.02, 0.01, 0.015],
+    };
+    let stick = Shape::Capsule {
+        radius: 0.005,
+        half_length: 0.02,
+    };
+    let bodies = vec![
+        plane("floor", [0.0, 0.0, 1.0]),
+        ball("ball", 0.02, Free::of_mass(0.05)).at([0.0, 0.0, 0.02]),
+        Body::new("block", block, Motion::Free(Free::of_mass(0.1))).at([0.05, 0.0, 0.015]),
+        Body::new("stick", stick, Motion::Fixed).at([0.0, 0.05, 0.02]),
+    ];
+    let mut world = world(0.01, bodies, law);
+    // A block and a stick have no contact with each other.
+    let named = |name: &str| Party::Named(name.into());
+    let pairs = [
+        [named("tool"), Party::Any],
+        [named("second"), Party::Any],
+        [named("ball"), Party::Any],
+        [named("block"), named("floor")],
+    ];
+    world.contacts = pairs.map(|between| Contact { between, law }).into();
+    world
+        .tools
+        .push(Tool::new("second", Shape::Sphere { radius: 0.0 }));
+    world
+}
+
+fn methods() -> [WorldMethod; 3] {
+    let coupled = CoupledParams::new(vec![[0.1, 0.2, 0.3]; 2]).with_encoder_quantum(1e-5);
+    [
+        BasicParams {
+            damping: vec![2.0; 2],
+        }
+        .into(),
+        VirtualCouplingParams {
+            stiffness: vec![3000.0; 2],
+            damping: vec![1.0; 2],
+            mass: vec![0.05; 2],
+        }
+        .into(),
+        coupled.into(),
+    ]
+}
+
+fn a_number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        8 => -0.05..0.05,
+        2 => -1e3..1e3,
+        1 => any::<f64>(),
+        1 => Just(f64::NAN),
+        1 => Just(f64::INFINITY),
+        1 => Just(1e300),
+    ]
+}
+
+fn positions() -> impl Strategy<Value = [Vector; 2]> {
+    prop_oneof![
+        6 => prop::array::uniform2(prop::array::uniform3(-0.05..0.05)),
+        1 => prop::array::uniform2(prop::array::uniform3(a_number())),
+    ]
+}
+
+fn elapsed() -> impl Strategy<Value = Option<f64>> {
+    prop_oneof![
+        6 => Just(None),
+        3 => (0.0005..0.02).prop_map(Some),
+        1 => a_number().prop_map(Some),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+    #[test]
+    fn no_sample_makes_a_tick_answer_with_more_than_its_limit_or_with_no_number(
+        samples in prop::collection::vec((positions(), elapsed()), 1..60),
+        believes_all in any::<bool>(),
+    ) {
+        for method in methods() {
+            let mut in_loop = WorldLoop::new(0.001).with_force_limits(vec![LIMIT; 2]);
+            if believes_all {
+                in_loop.speed_limit = None;
+            }
+            let renderer = WorldRenderer::new(&crowded(), in_loop, method).unwrap();
+            let mut state = renderer.start();
+            for (positions, elapsed) in &samples {
+                let sample = Sample { positions, elapsed: *elapsed };
+                let output = renderer.step(&mut state, &sample);
+                for force in output.forces {
+                    let norm = force.iter().map(|f| f * f).sum::<f64>().sqrt();
+                    prop_assert!(norm <= LIMIT * (1.0 + 1e-12), "{norm}");
+                    if output.fault.is_some() {
+                        prop_assert_eq!(*force, [0.0; 3]);
+                    }
+                }
+                for body in state.bodies() {
+                    let all = [body.position, body.velocity, body.angular_velocity];
+                    prop_assert!(all.iter().flatten().all(|x| x.is_finite()), "{body:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_sample_that_is_no_number_gives_no_force_and_says_whose_it_is() {
+    for method in methods() {
+        let renderer = WorldRenderer::new(&crowded(), WorldLoop::new(0.001), method).unwrap();
+        let mut state = renderer.start();
+        // The first tool presses the ball, the second is apart.
+        let apart = [0.0, 0.0, 0.2];
+        let pressed = [[0.0, 0.0, 0.0499], apart];
+        for _ in 0..3 {
+            renderer.step(&mut state, &Sample::at(&pressed));
+        }
+        let output = renderer.step(&mut state, &Sample::at(&pressed));
+        assert!(output.forces[0][2] > 0.0 && output.fault.is_none());
+        let lost = [pressed[0], [f64::NAN, 0.0, 0.0]];
+        let output = renderer.step(&mut state, &Sample::at(&lost));
+        let fault = output.fault.unwrap();
+        assert_eq!(
+            (fault.fault, fault.tool),
+            (Fault::PositionNotFinite, Some(1))
+        );
+        assert_eq!(output.forces, [[0.0; 3]; 2]);
+        // A leap is not believed, until the next sample confirms it.
+        renderer.step(&mut state, &Sample::at(&pressed));
+        let leapt = [[0.0, 0.0, 5.0], apart];
+        let fault = renderer
+            .step(&mut state, &Sample::at(&leapt))
+            .fault
+            .unwrap();
+        assert_eq!((fault.fault, fault.tool), (Fault::JumpTooFast, Some(0)));
+        assert_eq!(renderer.step(&mut state, &Sample::at(&leapt)).fault, None);
+        // Too few positions.
+        let fault = renderer
+            .step(&mut state, &Sample::at(&leapt[..1]))
+            .fault
+            .unwrap();
+        assert_eq!(
+            (fault.fault, fault.tool),
+            (Fault::PositionNotFinite, Some(1))
+        );
+    }
+}

@@ -1,0 +1,243 @@
+//! The books of energy balance, whatever the devices do.
+
+use palpate_world::{
+    BasicParams, Body, Books, ContactLaw, CoupledParams, Free, Motion, Prior, Sample, Shape, Tool,
+    Vector, VirtualCouplingParams, World, WorldLoop, WorldMethod, WorldRenderer, WorldState,
+};
+
+use crate::common::{ball, plane};
+use crate::ideal::{Ball, Ideal, Law, hold};
+
+const MASS: Vector = [0.1, 0.16, 0.25];
+
+/// Two tools, two balls, a box that falls on its corner and a floor.
+fn crowd(law: ContactLaw) -> World {
+    let heavy = |mass: f64| Free::of_mass(mass).pulled_by([0.0, 0.0, -9.81 * mass]);
+    let block = Shape::Box {
+        half_extents: [0.02, 0.015, 0.01],
+    };
+    let mut falling = heavy(0.1);
+    falling.angular_velocity = [3.0, 1.0, 2.0];
+    let half: f64 = 0.4;
+    World {
+        tools: vec![
+            Tool::new("left", Shape::Sphere { radius: 0.006 }),
+            Tool::new("right", Shape::Sphere { radius: 0.0 }),
+        ],
+        bodies: vec![
+            plane("floor", [0.0, 0.0, 1.0]),
+            ball("one", 0.02, heavy(0.06)).at([0.0, 0.0, 0.02]),
+            ball("two", 0.015, heavy(0.04)).at([0.038, 0.005, 0.02]),
+            Body::new("block", block, Motion::Free(falling))
+                .at([-0.06, 0.0, 0.04])
+                .turned([half.cos(), half.sin() * 0.6, half.sin() * 0.8, 0.0]),
+        ],
+        contacts: vec![
+            palpate_world::Contact {
+                between: [palpate_world::Party::Any, palpate_world::Party::Any],
+                law,
+            },
+            // A box and a ball do not meet here.
+        ],
+    }
+}
+
+/// Devices that are pulled down and across, in hands.
+fn devices(hand: (f64, f64)) -> Ideal {
+    let device = |position: Vector, force: Vector| Ball {
+        position,
+        velocity: [0.0; 3],
+        mass: MASS,
+        radius: 0.0,
+        force,
+        hand: (hand.0, hand.1, position),
+        turning: [0.0; 3],
+        is_tool: true,
+    };
+    let none = Law {
+        stiffness: 1.0,
+        damping: 0.0,
+        friction: 0.0,
+    };
+    let left = device([-0.005, 0.001, 0.055], [0.2, 0.1, -1.2]);
+    let right = device([0.035, -0.004, 0.045], [-0.2, 0.0, -1.5]);
+    Ideal::new(vec![left, right], Vec::new(), none)
+}
+
+/// Runs the crowd; the energy of all bodies at the start, and the state at the end.
+fn run(
+    method: impl Into<WorldMethod>,
+    law: ContactLaw,
+    hand: (f64, f64),
+    quantum: f64,
+    limits: Vec<f64>,
+) -> (f64, WorldState) {
+    let period = 0.002;
+    let in_loop = WorldLoop::new(period).with_force_limits(limits);
+    let renderer = WorldRenderer::new(&crowd(law), in_loop, method).unwrap();
+    let mut state = renderer.start();
+    let mut devices = devices(hand);
+    let at_start = of_bodies(state.books());
+    for _ in 0..150 {
+        let positions: Vec<Vector> = devices
+            .balls
+            .iter()
+            .map(|ball| ball.position.map(|x| quantum * (x / quantum).round()))
+            .collect();
+        let output = renderer.step(&mut state, &Sample::at(&positions));
+        assert_eq!(output.fault, None);
+        let forces = output.forces.to_vec();
+        hold(&mut devices, &forces, period);
+    }
+    (at_start, state)
+}
+
+fn of_bodies(books: &Books) -> f64 {
+    books
+        .bodies
+        .iter()
+        .map(|book| book.kinetic + book.potential)
+        .sum()
+}
+
+/// What was turned over: the sum of the sizes of all entries.
+fn turnover(books: &Books) -> f64 {
+    let contacts = books
+        .contacts
+        .iter()
+        .map(|book| book.work.abs() + book.held.abs());
+    let bodies = books
+        .bodies
+        .iter()
+        .map(|book| book.kinetic + book.potential.abs());
+    contacts.sum::<f64>() + bodies.sum::<f64>()
+}
+
+fn methods() -> [(&'static str, WorldMethod); 4] {
+    let told = CoupledParams::new(vec![MASS.map(|mass| 1.5 * mass); 2]);
+    let known = CoupledParams::new(vec![MASS; 2]).with_prior(Prior::of_a_known_mass());
+    [
+        ("basic", BasicParams::default().into()),
+        (
+            "virtual coupling",
+            VirtualCouplingParams {
+                stiffness: vec![2000.0; 2],
+                damping: vec![2.0; 2],
+                mass: vec![0.1; 2],
+            }
+            .into(),
+        ),
+        ("coupled, told 1.5 times the mass", told.into()),
+        ("coupled, exact", known.into()),
+    ]
+}
+
+#[test]
+fn every_identity_of_the_books_holds_to_rounding() {
+    let law = ContactLaw::spring(3000.0)
+        .with_damping(2.0)
+        .with_friction(0.5);
+    let limits = [Vec::new(), vec![0.3, 0.5]];
+    let runs = limits
+        .iter()
+        .flat_map(|limits| methods().map(|(name, method)| (name, method, limits.clone())));
+    for (name, method, limits) in runs {
+        let is_coupled = method.name() == "coupled";
+        let (at_start, state) = run(method, law, (60.0, 1.5), 2e-6, limits.clone());
+        let books = state.books();
+        let turned_over = turnover(books);
+        let sum = |of: fn(&palpate_world::ContactBook) -> f64| -> f64 {
+            books.contacts.iter().map(of).sum()
+        };
+        // (a) What bodies and contacts have is what the avatars gave.
+        let step_errors = sum(|book| book.step_error)
+            + books.bodies.iter().map(|book| book.step_error).sum::<f64>();
+        let world =
+            of_bodies(books) - at_start + sum(|book| book.stored) + sum(|book| book.dissipated);
+        let given = sum(|book| book.observed) - sum(|book| book.work_on_avatar) + step_errors;
+        let a = world - given;
+        // (b) A port's work is that of its contacts' mean forces.
+        let b = books
+            .devices
+            .iter()
+            .map(|book| book.port_work - book.held - book.unforeseen);
+        let b: f64 = b.sum::<f64>() + books.devices.iter().map(|book| book.held).sum::<f64>()
+            - sum(|book| book.held);
+        // (c) The leaks are the offsets' account.
+        let offsets = books
+            .devices
+            .iter()
+            .map(|book| book.offset - book.velocity_offset + book.unpaid);
+        let c = sum(|book| book.leak()) - offsets.sum::<f64>();
+        println!(
+            "{name}, limits {limits:?} N: of {turned_over:.3} J turned over, (a) {:.1e} (b) {:.1e} (c) {:.1e}; step errors {:.1e}, observed {:.1e}, leak {:.1e}, dissipated {:.1e} J",
+            a / turned_over,
+            b / turned_over,
+            c / turned_over,
+            step_errors,
+            sum(|book| book.observed),
+            sum(|book| book.leak()),
+            sum(|book| book.dissipated),
+        );
+        assert!(
+            books.devices.iter().all(|book| book.held.abs() > 1e-4),
+            "every tool has met something"
+        );
+        assert!(a.abs() < 1e-10 * turned_over, "{a}");
+        assert!(b.abs() < 1e-10 * turned_over, "{b}");
+        if is_coupled {
+            assert!(c.abs() < 1e-10 * turned_over, "{c}");
+        }
+        // The identities hold whatever the sub-steps are off by; so that has to be small.
+        assert!(step_errors.abs() < 2e-3 * turned_over, "{step_errors}");
+    }
+}
+
+#[test]
+fn damping_and_friction_only_take() {
+    for (name, method) in methods() {
+        for law in [
+            ContactLaw::spring(3000.0),
+            ContactLaw::spring(3000.0).with_damping(2.0),
+            ContactLaw::spring(3000.0).with_friction(0.5),
+        ] {
+            let (_, state) = run(method.clone(), law, (60.0, 1.5), 2e-6, Vec::new());
+            let each = state.books().contacts.iter().map(|book| book.dissipated);
+            let (least, sum) = each.fold((f64::INFINITY, 0.0), |(least, sum), d| {
+                (d.min(least), sum + d)
+            });
+            println!("{name}, {law:?}: least {least:e} J, sum {sum:e} J");
+            assert!(least >= 0.0);
+            let takes = law.damping > 0.0 || law.friction > 0.0;
+            assert_eq!(sum > 1e-6, takes, "{sum}");
+        }
+    }
+}
+
+/// With a constant force of the hand, the leak of the port is that force times the change of the offset.
+#[test]
+fn with_a_constant_hand_the_leak_is_its_force_times_the_offset() {
+    let law = ContactLaw::spring(3000.0)
+        .with_damping(2.0)
+        .with_friction(0.5);
+    let exact = CoupledParams {
+        offset_return: 0.0,
+        velocity_return: f64::INFINITY,
+        ..CoupledParams::new(vec![MASS; 2]).with_prior(Prior::of_a_known_mass())
+    };
+    let (_, state) = run(exact, law, (0.0, 0.0), 1e-12, Vec::new());
+    let forces = [[0.2, 0.1, -1.2], [-0.2, 0.0, -1.5]];
+    for (number, (tool, force)) in state.tools().iter().zip(forces).enumerate() {
+        let book = state.books().devices[number];
+        let leak = book.offset - book.velocity_offset + book.unpaid;
+        let told = crate::ideal::dot(force, tool.offset);
+        println!(
+            "tool {number}: leak {leak:e} J, force times offset {told:e} J, of {:e} J",
+            book.held.abs()
+        );
+        assert!(
+            (leak - told).abs() < 2e-6 * book.held.abs() && leak.abs() > 1e-5 * book.held.abs(),
+            "{leak} {told}"
+        );
+    }
+}

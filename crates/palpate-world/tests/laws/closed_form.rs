@@ -1,0 +1,76 @@
+//! One body, one contact, one line: the core has that in closed form.
+
+use palpate_world::{
+    ContactLaw, CoupledParams, Free, Prior, Sample, SubSteps, WorldLoop, WorldRenderer,
+};
+
+use crate::common::{ball, world};
+
+const PERIOD: f64 = 0.001;
+const MASS: f64 = 0.12;
+const BALL: f64 = 0.08;
+const STIFFNESS: f64 = 400.0;
+const RADIUS: f64 = 0.02;
+
+/// The largest difference of the forces of world and core over 400 samples of a ball that is juggled, as a part of the
+/// largest force, and how many samples had a force.
+fn difference(sub_steps: SubSteps) -> (f64, usize) {
+    let weight = -9.81 * BALL;
+    let free = Free::of_mass(BALL).pulled_by([0.0, 0.0, weight]);
+    let bodies = vec![ball("ball", RADIUS, free).at([0.0, 0.0, RADIUS + 0.01])];
+    let in_loop = WorldLoop {
+        sub_steps,
+        ..WorldLoop::new(PERIOD)
+    };
+    let method = CoupledParams {
+        offset_return: 0.0,
+        velocity_return: f64::INFINITY,
+        ..CoupledParams::new(vec![[MASS; 3]]).with_prior(Prior::of_a_known_mass())
+    };
+    let world = world(0.0, bodies, ContactLaw::spring(STIFFNESS));
+    let renderer = WorldRenderer::new(&world, in_loop, method).unwrap();
+    let mut state = renderer.start();
+
+    let core = palpate::Renderer::new(
+        palpate::Contact::object(STIFFNESS, BALL),
+        palpate::LoopParams::new(PERIOD),
+        palpate::CoupledParams::new(MASS),
+    );
+    let core = core.unwrap();
+    let mut line = core.start(palpate::ObjectState::at_rest(0.01)).unwrap();
+
+    let (mut position, mut velocity, push) = (0.0, 0.0, 0.9);
+    let (mut worst, mut largest, mut pressed) = (0.0_f64, 0.0_f64, 0);
+    for _ in 0..400 {
+        let sample = palpate::Sample::at(position).with_virtual_force(weight);
+        let on_line = core.step(&mut line, sample).force_on_device;
+        let output = renderer.step(&mut state, &Sample::at(&[[0.0, 0.0, position]]));
+        let [across, aside, along] = output.forces[0];
+        assert_eq!([across, aside], [0.0; 2]);
+        worst = worst.max((along - on_line).abs());
+        largest = largest.max(on_line.abs());
+        pressed += usize::from(on_line != 0.0);
+        let pushed = (push + on_line) / MASS;
+        position += (velocity + 0.5 * pushed * PERIOD) * PERIOD;
+        velocity += pushed * PERIOD;
+    }
+    (worst / largest, pressed)
+}
+
+#[test]
+fn along_a_line_the_forces_are_those_of_the_cores_closed_form() {
+    let fine = SubSteps {
+        least: 256,
+        most: 4096,
+        finer: 512,
+        ..SubSteps::default()
+    };
+    let (as_it_comes, pressed) = difference(SubSteps::default());
+    let (fine, _) = difference(fine);
+    println!(
+        "off by {as_it_comes:.1e} of the largest force, with fine sub-steps {fine:.1e}; {pressed} samples of contact"
+    );
+    assert!(pressed > 100, "{pressed}");
+    assert!(fine < 1e-6, "{fine}");
+    assert!(as_it_comes < 1e-3, "{as_it_comes}");
+}

@@ -1,0 +1,134 @@
+//! What cannot be rendered is refused, with what it is and what is allowed.
+#![allow(missing_docs)]
+
+use palpate::Actuation;
+use palpate_world::{
+    BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Motion, Party, Place, Prior,
+    Shape, SubSteps, Tool, World, WorldError, WorldLoop, WorldMethod, WorldRenderer,
+};
+
+fn a_world() -> World {
+    let half_space = Shape::HalfSpace {
+        normal: [0.0, 0.0, 1.0],
+        offset: 0.0,
+    };
+    let block = Shape::Box {
+        half_extents: [0.01; 3],
+    };
+    World {
+        tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.01 })],
+        bodies: vec![
+            Body::new("floor", half_space, Motion::Fixed),
+            Body::new("block", block.clone(), Motion::Free(Free::of_mass(0.1))),
+            Body::new("shelf", block, Motion::Fixed),
+        ],
+        contacts: vec![Contact {
+            between: [Party::Named("tool".into()), Party::Any],
+            law: ContactLaw::spring(1000.0),
+        }],
+    }
+}
+
+fn faults(world: &World, in_loop: WorldLoop, method: impl Into<WorldMethod>) -> Vec<WorldError> {
+    WorldRenderer::new(world, in_loop, method)
+        .map(|_| ())
+        .unwrap_err()
+}
+
+#[test]
+fn a_pair_that_has_a_law_and_no_contact_is_refused_and_one_without_a_law_is_not() {
+    let mut world = a_world();
+    let in_loop = WorldLoop::new(0.001);
+    assert!(WorldRenderer::new(&world, in_loop.clone(), BasicParams::default()).is_ok());
+    world.contacts[0].between = [Party::Any, Party::Any];
+    let faults = faults(&world, in_loop, BasicParams::default());
+    assert_eq!(faults.len(), 1, "{faults:?}");
+    assert_eq!(
+        faults[0].to_string(),
+        "\"block\" and \"shelf\": there is no contact of a box with a box yet; a sphere may touch any shape, and a \
+         box a half-space. Give one of them another shape, or leave the pair without a law"
+    );
+}
+
+#[test]
+fn a_tool_that_is_no_sphere_and_more_points_than_fit_are_refused() {
+    let mut world = a_world();
+    world.contacts[0].between[1] = Party::Named("floor".into());
+    world.tools[0].shape = Shape::Box {
+        half_extents: [0.01; 3],
+    };
+    let refused = faults(&world, WorldLoop::new(0.001), BasicParams::default());
+    assert_eq!(refused[0].place, Place::Tool(0));
+
+    let mut world = a_world();
+    let ball = Shape::Sphere { radius: 0.01 };
+    for number in 0..12 {
+        let free = Motion::Free(Free::of_mass(0.1));
+        world
+            .bodies
+            .push(Body::new(format!("ball {number}"), ball.clone(), free));
+    }
+    world
+        .bodies
+        .retain(|body| body.name != "block" && body.name != "shelf");
+    world.contacts[0].between = [Party::Any, Party::Any];
+    let refused = faults(&world, WorldLoop::new(0.001), BasicParams::default());
+    // 12 with the floor, 66 among each other, and the tool with all 13.
+    assert!(
+        refused[0].to_string().contains("there are 91 points"),
+        "{refused:?}"
+    );
+    assert!(refused[0].to_string().contains("at most 64"), "{refused:?}");
+}
+
+#[test]
+fn every_parameter_of_loop_and_method_outside_its_range_is_said() {
+    let world = a_world();
+    let in_loop = WorldLoop {
+        period: -1.0,
+        largest_gap: None,
+        speed_limit: Some(0.0),
+        force_limits: vec![f64::NAN, 1.0],
+        actuation: Actuation::default(),
+        sub_steps: SubSteps {
+            least: 0,
+            ..SubSteps::default()
+        },
+    };
+    let method = CoupledParams {
+        device_mass: vec![[0.1, -0.1, 0.1], [0.1; 3]],
+        encoder_quantum: -1.0,
+        offset_limit: 0.0,
+        prior: Prior {
+            jerk: f64::NAN,
+            ..Prior::default()
+        },
+        ..CoupledParams::new(Vec::new())
+    };
+    let said: Vec<_> = faults(&world, in_loop, method)
+        .iter()
+        .map(|fault| fault.field)
+        .collect();
+    let expected = [
+        "period",
+        "speed_limit",
+        "force_limits",
+        "force_limits",
+        "sub_steps",
+        "device_mass",
+        "device_mass",
+        "offset_limit",
+        "encoder_quantum",
+        "prior.jerk",
+    ];
+    assert_eq!(said, expected);
+}
+
+#[test]
+fn an_actuation_outside_its_range_is_refused() {
+    let actuation = Actuation::after(0.1).with_gain(0.0);
+    let in_loop = WorldLoop::new(0.001).with_actuation(actuation);
+    let refused = faults(&a_world(), in_loop, BasicParams::default());
+    let fields: Vec<_> = refused.iter().map(|fault| fault.field).collect();
+    assert_eq!(fields, ["actuation"; 2], "{refused:?}");
+}

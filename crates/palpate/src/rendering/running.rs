@@ -1,0 +1,312 @@
+//! The contact as it is rendered, tick by tick.
+
+use core::mem::discriminant;
+
+use super::blend::Blend;
+use super::{Change, ChangeError, Rendering};
+use crate::Scalar;
+use crate::contact::Side;
+use crate::energy::Ledger;
+use crate::motion::ObjectState;
+use crate::parameter::ParameterError;
+use crate::render::{AnyMemory, AnyRenderer, State};
+use crate::sample::{Output, Sample};
+
+/// A rendering that runs: a renderer with its state, and the way from what was rendered before to
+/// what is rendered now.
+///
+/// ```
+/// use palpate::{AnyParams, Contact, LoopParams, ObjectState, Rendering, Running, Sample};
+///
+/// let rendering = Rendering {
+///     contact: Contact::wall(1000.0), // [N/m]
+///     loop_params: LoopParams::new(0.001).with_force_limit(20.0), // [s], [N]
+///     params: AnyParams::Basic,
+///     virtual_force: 0.0,
+///     object: ObjectState::at_rest(0.0),
+/// };
+/// let mut running = Running::new(rendering)?;
+/// assert_eq!(running.step(Sample::at(0.001)).force_on_device, -1.0);
+/// let softer = Rendering { contact: Contact::wall(500.0), ..rendering };
+/// running.change(softer)?;
+/// let next = running.step(Sample::at(0.001)).force_on_device;
+/// assert!(-1.0 < next && next < -0.99); // no step in the force
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Running<S> {
+    rendering: Rendering<S>,
+    renderer: AnyRenderer<S>,
+    state: State<S, AnyMemory<S>>,
+    virtual_force: S,
+    blend: Option<Blend<S>>,
+    /// What the renderer that runs was made with.
+    running: Rendering<S>,
+    /// Where a wall is.
+    wall: ObjectState<S>,
+    power: fn(S, S) -> S,
+}
+
+impl<S: Scalar> Running<S> {
+    /// Begins with `rendering`: the object is where it says, nothing has been sampled yet.
+    ///
+    /// # Errors
+    /// The first parameter outside its range.
+    pub fn new(rendering: Rendering<S>) -> Result<Self, ParameterError> {
+        let renderer = rendering.renderer()?;
+        Ok(Self {
+            state: renderer.start(rendering.object)?,
+            virtual_force: rendering.virtual_force,
+            rendering,
+            renderer,
+            blend: None,
+            running: rendering,
+            wall: rendering.object,
+            power: S::powf,
+        })
+    }
+
+    /// The same, with another function for the first argument to the power of the second: stiffness and
+    /// mass pass over by it. That of `libm`, the default, has the same bits on every target.
+    #[must_use]
+    pub fn with_power(self, power: fn(S, S) -> S) -> Self {
+        Self { power, ..self }
+    }
+
+    /// What is rendered once a change is through.
+    pub fn rendering(&self) -> &Rendering<S> {
+        &self.rendering
+    }
+
+    pub(super) fn as_change(&self) -> Change<S> {
+        Change {
+            rendering: self.rendering,
+            renderer: self.renderer,
+        }
+    }
+
+    /// Books up to the last sample.
+    pub fn ledger(&self) -> &Ledger<S> {
+        self.state.ledger()
+    }
+
+    /// Renders `rendering` from the next tick on, without a step in the force: stiffness, mass and
+    /// virtual force pass over to the new ones in [`CHANGE_DURATION`](super::CHANGE_DURATION), and so
+    /// does the difference that another method makes. The energy of it is booked in the ledger as
+    /// outside work.
+    ///
+    /// # Errors
+    /// A parameter outside its range, another period, another side of the device.
+    pub fn change(&mut self, rendering: Rendering<S>) -> Result<(), ChangeError> {
+        self.take(Change::new(&self.rendering, rendering)?);
+        Ok(())
+    }
+
+    /// [`change`](Self::change), where the change has been checked elsewhere.
+    pub fn take(&mut self, change: Change<S>) {
+        let from = self.blend.map_or(self.rendering, |blend| blend.now());
+        // What was still to fade goes on fading.
+        let remainder = self.blend.map_or(S::ZERO, |blend| blend.remainder());
+        self.blend = Some(Blend::new(from, change, remainder, self.power));
+        self.rendering = change.rendering;
+    }
+
+    /// Tells the renderer the force on the object that was sent for its last output `[N]`.
+    pub fn report_sent(&mut self, force_on_object: S) {
+        self.renderer.report_sent(&mut self.state, force_on_object);
+    }
+
+    /// Tells the renderer the force on the object that was held since the last sample, or its mean
+    /// `[N]`.
+    pub fn report_held(&mut self, force_on_object: S) {
+        self.renderer.report_held(&mut self.state, force_on_object);
+    }
+
+    /// Puts the object at `object` with the next sample; the energy of it is booked as outside work. A
+    /// wall stays there.
+    ///
+    /// # Errors
+    /// A position or velocity that is not finite; nothing is changed then.
+    pub fn teleport(&mut self, object: ObjectState<S>) -> Result<(), ParameterError> {
+        self.renderer.teleport(&mut self.state, object)?;
+        self.wall = object;
+        Ok(())
+    }
+
+    /// One tick, as [`Renderer::step`](crate::Renderer::step); the force on the device passes over from
+    /// what was rendered before. The virtual force of the sample adds to that of the rendering.
+    #[inline]
+    pub fn step(&mut self, sample: Sample<S>) -> Output<S> {
+        if self.blend.is_some() {
+            return self.step_between(sample);
+        }
+        let sample = sample.with_virtual_force(self.virtual_force + sample.virtual_force);
+        self.renderer.step(&mut self.state, sample)
+    }
+
+    /// A tick on the way from one contact to another.
+    #[cold]
+    fn step_between(&mut self, sample: Sample<S>) -> Output<S> {
+        let sample =
+            |virtual_force| sample.with_virtual_force(virtual_force + sample.virtual_force);
+        let mut remainder = S::ZERO;
+        if let Some(mut blend) = self.blend {
+            let (old, new) = (self.running, self.rendering);
+            let other_method = discriminant(&old.params) != discriminant(&new.params)
+                || old.is_wall() != new.is_wall();
+            // What the parameters before make of this sample, on a copy.
+            let before = (other_method || old.params != new.params).then(|| {
+                let mut state = self.state;
+                self.renderer.step(&mut state, sample(self.virtual_force))
+            });
+            self.running = self.rendering;
+            let carried = blend.remainder();
+            let between = blend.advance();
+            if other_method && let Some(before) = &before {
+                self.state.forget_past();
+                if !old.is_wall() && before.fault.is_none() {
+                    self.wall = touching(&self.rendering, sample(S::ZERO).device_position);
+                }
+                if self.rendering.is_wall() && before.object_position != self.wall.position {
+                    // Another method has placed it. Where none has, what is known of the device
+                    // would be lost, and with it a damper's velocity.
+                    let _ = self.renderer.teleport(&mut self.state, self.wall);
+                }
+            }
+            self.renderer = between.renderer;
+            self.virtual_force = between.virtual_force;
+            self.renderer.adopt(&mut self.state);
+            remainder = between.remainder;
+            self.blend = (!between.is_over).then_some(blend);
+            if let Some(before) = before {
+                let mut output = self
+                    .renderer
+                    .step(&mut self.state, sample(self.virtual_force));
+                let step = before.force_on_device + carried - output.force_on_device;
+                if let Some(blend) = &mut self.blend {
+                    blend.step = step;
+                    self.add(&mut output, step);
+                }
+                return output;
+            }
+        }
+        let mut output = self
+            .renderer
+            .step(&mut self.state, sample(self.virtual_force));
+        // Nothing is left on a device that has come free.
+        if output.force_on_device != S::ZERO {
+            self.add(&mut output, remainder);
+        }
+        output
+    }
+
+    /// Adds what is left of another method's `force` on the device `[N]`, as far as the limits of the
+    /// contact and the loop let it, and tells the renderer. A sample that was refused gets none.
+    fn add(&mut self, output: &mut Output<S>, force: S) {
+        if output.fault.is_some() {
+            return;
+        }
+        let contact = self.renderer.contact();
+        let sign: S = contact.side.sign();
+        output.force_on_device += force;
+        output.force_on_object -= force;
+        if contact.unilateral && sign * output.force_on_object < S::ZERO {
+            (output.force_on_device, output.force_on_object) = (S::ZERO, S::ZERO);
+            output.limited.pull = true;
+        }
+        if let Some(limit) = self.renderer.loop_params().force_limit
+            && output.force_on_object.abs() > limit
+        {
+            output.force_on_object = output.force_on_object.within(limit);
+            output.force_on_device = -output.force_on_object;
+            output.limited.force = true;
+        }
+        self.report_sent(output.force_on_object);
+    }
+}
+
+/// Where something that becomes a wall is: at its place, or where it touches a device that is beyond
+/// that at `position` `[m]`. There it would strike, and no spring that fades in would soften the blow.
+fn touching<S: Scalar>(rendering: &Rendering<S>, position: S) -> ObjectState<S> {
+    let object = rendering.object;
+    ObjectState {
+        position: match rendering.contact.side {
+            Side::Positive => object.position.max(position),
+            Side::Negative => object.position.min(position),
+        },
+        ..object
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::{Contact, LoopParams};
+    use crate::render::{AnyParams, VirtualDamperParams};
+
+    const LIMIT: f64 = 5.0;
+
+    fn damped(damping: f64) -> Rendering<f64> {
+        Rendering {
+            contact: Contact::wall(1000.0),
+            loop_params: LoopParams::new(0.001).with_force_limit(LIMIT),
+            params: AnyParams::VirtualDamper(VirtualDamperParams::new(damping)),
+            virtual_force: 0.0,
+            object: ObjectState::at_rest(0.0),
+        }
+    }
+
+    fn basic() -> Rendering<f64> {
+        Rendering {
+            params: AnyParams::Basic,
+            ..damped(0.0)
+        }
+    }
+
+    /// A damper at its limit, then the plain spring, which is far below it.
+    fn fading() -> Running<f64> {
+        let mut running = Running::new(damped(100.0)).unwrap();
+        running.step(Sample::at(0.001));
+        running.step(Sample::at(0.0015));
+        running.change(basic()).unwrap();
+        let output = running.step(Sample::at(0.002));
+        assert_eq!(output.force_on_device, -LIMIT);
+        running
+    }
+
+    #[test]
+    fn what_fades_is_kept_within_the_force_limit_and_told() {
+        let mut running = fading();
+        let before = running.ledger().port_work;
+        let output = running.step(Sample::at(0.004));
+        // 4 N of the spring and almost 3 N that fade.
+        assert!(output.limited.force);
+        assert_eq!(output.force_on_device, -LIMIT);
+        let told = running.ledger().port_work;
+        running.step(Sample::at(0.003));
+        let work = running.ledger().port_work - told;
+        assert!((work - LIMIT * -0.001).abs() < 1e-12, "{before} {work}");
+    }
+
+    #[test]
+    fn a_refused_sample_gets_nothing_of_what_fades() {
+        let mut running = fading();
+        running.change(damped(50.0)).unwrap();
+        let output = running.step(Sample::at(f64::NAN));
+        assert!(output.fault.is_some());
+        assert_eq!(output.force_on_device, 0.0);
+    }
+
+    #[test]
+    fn the_virtual_force_of_a_sample_adds_to_that_of_the_rendering() {
+        let light = Rendering {
+            contact: Contact::object(1000.0, 0.1),
+            virtual_force: -0.5,
+            ..basic()
+        };
+        let mut running = Running::new(light).unwrap();
+        running.step(Sample::at(-1.0).with_virtual_force(-0.25));
+        let output = running.step(Sample::at(-1.0));
+        assert!((output.object_velocity - -0.75 / 0.1 * 0.001).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,148 @@
+#![no_std]
+#![no_main]
+//! Firmware of a knob with a wall, at 4 kHz, on a board whose motor, sensor, hand and host are emulated.
+//!
+//! ```text
+//!  not to be masked  watchdog, 2 ms without food: outputs off; 4 ms: reset
+//!  most urgent       the emulated world, 20 kHz (no part of the firmware)
+//!  urgent            supervisor, 2 kHz: has the loop run? food for the watchdog, or outputs off
+//!  less urgent       loop, 4 kHz: last duty to the timer, count in, next duty
+//!  when idle         nothing: the knob needs no host
+//! ```
+#![allow(unsafe_code)] // an exception that may interrupt anything is declared unsafe
+
+mod emulated;
+mod emulator;
+mod example;
+#[path = "emulated/handle.rs"]
+mod handle;
+mod mps2;
+
+use core::sync::atomic::{AtomicI32, AtomicU32, Ordering};
+
+use cortex_m::peripheral::{SCB, SYST};
+use cortex_m_rt::{entry, exception};
+use emulated::{Pins, Stall};
+use mps2::{Timer, watchdog};
+use palpate::AnyParams;
+use palpate_firmware_knob::{Answer, Knob, Supervisor, Verdict};
+
+const LOOP_RATE: u32 = 4000;
+
+/// Ticks that the loop has begun, for the supervisor.
+static TICKS: AtomicU32 = AtomicU32::new(0);
+/// The duty for the next period: what a PWM timer's preload register holds.
+static NEXT_DUTY: AtomicI32 = AtomicI32::new(0);
+
+#[entry]
+fn main() -> ! {
+    let pins = Pins::get();
+    // What a reset does to a chip: outputs off, duty 0.
+    pins.is_on.store(false, Ordering::Relaxed);
+    pins.duty.store(0, Ordering::Relaxed);
+    pins.starts.fetch_add(1, Ordering::Relaxed);
+    let Some(core) = cortex_m::Peripherals::take() else {
+        emulator::exit(false)
+    };
+    pins.is_on.store(true, Ordering::Relaxed);
+    watchdog::start();
+    mps2::start(core, LOOP_RATE);
+    loop {
+        // A board would sleep here (`wfi`). QEMU 7.2 loses interrupts of the timers when its core sleeps
+        // while instructions are its clock.
+        cortex_m::asm::nop();
+    }
+}
+
+/// The loop.
+#[exception]
+fn SysTick() {
+    static mut KNOB: Option<Knob<AnyParams<f32>>> = None;
+    static mut WORDS: u32 = 0;
+
+    let pins = Pins::get();
+    let duty = NEXT_DUTY.load(Ordering::Relaxed);
+    pins.duty.store(duty, Ordering::Relaxed);
+    TICKS.fetch_add(1, Ordering::Relaxed);
+    pins.ticks.fetch_add(1, Ordering::Relaxed);
+    stall_if_told(pins);
+
+    let Some(knob) = KNOB.as_mut() else {
+        // The first tick: nothing but the knob.
+        let scene = pins.scene();
+        *KNOB = Knob::new(scene.params(), scene.method()).ok();
+        if KNOB.is_none() {
+            emulator::exit(false);
+        }
+        return;
+    };
+    #[allow(clippy::cast_possible_truncation)] // a counter of 16 bits
+    let count = pins.count.load(Ordering::Relaxed) as u16;
+    let words = pins.words.load(Ordering::Relaxed);
+    let Answer { duty, status } = knob.tick(count, words != *WORDS);
+    *WORDS = words;
+    NEXT_DUTY.store(i32::from(duty), Ordering::Relaxed);
+    pins.status.store(status as u32, Ordering::Relaxed);
+
+    let took = mps2::CLOCK / LOOP_RATE - 1 - SYST::get_current();
+    pins.longest.fetch_max(took, Ordering::Relaxed);
+    if SCB::is_pendst_pending() {
+        pins.overruns.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+/// A test's doing: the loop never comes back.
+fn stall_if_told(pins: &Pins) {
+    let stall = pins.stall.load(Ordering::Relaxed);
+    if stall == Stall::Not as u32 {
+        return;
+    }
+    if stall == Stall::Masked as u32 {
+        // SAFETY: no critical section is in progress, so none is broken.
+        unsafe { cortex_m::register::basepri::write(mps2::MASK_OF_ALL) };
+    }
+    loop {
+        cortex_m::asm::nop();
+    }
+}
+
+// SAFETY: the handler does not panic on what it does not know, and shares nothing but atomics.
+#[exception]
+unsafe fn DefaultHandler(interrupt: i16) {
+    match Timer::of(interrupt) {
+        Some(Timer::World) => {
+            Timer::World.acknowledge();
+            emulated::go_on();
+        }
+        Some(Timer::Supervisor) => {
+            Timer::Supervisor.acknowledge();
+            supervise();
+        }
+        None => outputs_off(),
+    }
+}
+
+fn supervise() {
+    use core::cell::RefCell;
+    use cortex_m::interrupt::Mutex;
+
+    static SUPERVISOR: Mutex<RefCell<Supervisor>> = Mutex::new(RefCell::new(Supervisor::new()));
+    let ticks = TICKS.load(Ordering::Relaxed);
+    let verdict =
+        cortex_m::interrupt::free(|token| SUPERVISOR.borrow(token).borrow_mut().look(ticks));
+    match verdict {
+        Verdict::Alive => watchdog::feed(),
+        Verdict::Stalled => outputs_off(),
+    }
+}
+
+/// Takes the force off by a way that the loop does not use.
+fn outputs_off() {
+    Pins::get().is_on.store(false, Ordering::Relaxed);
+}
+
+// SAFETY: it shares nothing but an atomic.
+#[exception]
+unsafe fn NonMaskableInt() {
+    outputs_off();
+}

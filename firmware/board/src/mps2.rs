@@ -1,0 +1,128 @@
+//! The timers and the watchdog of the MPS2 boards (Arm's CMSDK APB timer and APB watchdog), at 25 MHz, and
+//! who interrupts whom.
+#![allow(unsafe_code)] // it writes to registers
+
+use cortex_m::interrupt::InterruptNumber;
+use cortex_m::peripheral::scb::SystemHandler;
+use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m::peripheral::{NVIC, Peripherals};
+
+/// Counts per second of every timer and of the watchdog.
+pub const CLOCK: u32 = 25_000_000;
+const TIMER_0: usize = 0x4000_0000;
+const TIMER_1: usize = 0x4000_1000;
+const WATCHDOG: usize = 0x4000_8000;
+
+/// The timers' interrupts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Timer {
+    /// Moves the emulated world.
+    World,
+    /// Looks after the loop.
+    Supervisor,
+}
+
+// SAFETY: the numbers are those of the boards' manual, and the same for every value for ever.
+unsafe impl InterruptNumber for Timer {
+    fn number(self) -> u16 {
+        match self {
+            Self::World => 8,
+            Self::Supervisor => 9,
+        }
+    }
+}
+
+/// Priority that masks supervisor and loop, and not the world.
+pub const MASK_OF_ALL: u8 = 0x40;
+
+fn write(base: usize, offset: usize, value: u32) {
+    let register = core::ptr::with_exposed_provenance_mut::<u32>(base + offset);
+    // SAFETY: called in this module only, with registers of the boards' timers and watchdog: no memory.
+    unsafe { register.write_volatile(value) };
+}
+
+impl Timer {
+    fn base(self) -> usize {
+        match self {
+            Self::World => TIMER_0,
+            Self::Supervisor => TIMER_1,
+        }
+    }
+
+    /// Lets the interrupt come `rate` times a second.
+    fn start(self, rate: u32) {
+        let (control, value, reload) = (0x0, 0x4, 0x8);
+        write(self.base(), reload, CLOCK / rate - 1);
+        write(self.base(), value, CLOCK / rate - 1);
+        // Counting, and interrupting.
+        write(self.base(), control, 0b1001);
+    }
+
+    /// Takes the interrupt back, in its handler.
+    pub fn acknowledge(self) {
+        write(self.base(), 0xC, 1);
+    }
+
+    /// The timer of an interrupt.
+    pub fn of(interrupt: i16) -> Option<Self> {
+        [Self::World, Self::Supervisor]
+            .into_iter()
+            .find(|timer| i16::try_from(timer.number()) == Ok(interrupt))
+    }
+}
+
+/// Starts everything that interrupts, the most urgent first: world, supervisor, and the loop by the system
+/// timer. `loop_rate` is in Hz.
+pub fn start(mut core: Peripherals, loop_rate: u32) {
+    // SAFETY: nothing here relies on a critical section made of priorities.
+    unsafe {
+        core.NVIC.set_priority(Timer::World, 0x00);
+        core.NVIC.set_priority(Timer::Supervisor, MASK_OF_ALL);
+        core.SCB.set_priority(SystemHandler::SysTick, 0x80);
+    }
+    Timer::World.start(20_000);
+    Timer::Supervisor.start(loop_rate / 2);
+    core.SYST.set_clock_source(SystClkSource::Core);
+    core.SYST.set_reload(CLOCK / loop_rate - 1);
+    core.SYST.clear_current();
+    core.SYST.enable_interrupt();
+    core.SYST.enable_counter();
+    // SAFETY: their handlers are there, and nothing that they share is in use yet.
+    unsafe {
+        NVIC::unmask(Timer::World);
+        NVIC::unmask(Timer::Supervisor);
+    }
+}
+
+/// The watchdog: at the first timeout it interrupts in a way that nothing masks, at the second it resets.
+pub mod watchdog {
+    use super::{CLOCK, WATCHDOG, write};
+
+    const UNLOCK: u32 = 0x1ACC_E551;
+
+    /// Starts it, with a timeout of 2 ms.
+    pub fn start() {
+        let (load, control, lock) = (0x0, 0x8, 0xC00);
+        write(WATCHDOG, lock, UNLOCK);
+        write(WATCHDOG, load, CLOCK / 500);
+        // Interrupt and reset.
+        write(WATCHDOG, control, 0b11);
+        write(WATCHDOG, lock, 0);
+    }
+
+    /// Ends it: the emulated world prints at the end of a run, for longer than a timeout.
+    pub fn stop() {
+        let (control, lock) = (0x8, 0xC00);
+        write(WATCHDOG, lock, UNLOCK);
+        write(WATCHDOG, control, 0);
+        write(WATCHDOG, lock, 0);
+    }
+
+    /// Lets the timeout begin anew.
+    pub fn feed() {
+        let (clear, lock) = (0xC, 0xC00);
+        write(WATCHDOG, lock, UNLOCK);
+        write(WATCHDOG, clear, 1);
+        write(WATCHDOG, lock, 0);
+    }
+}

@@ -1,0 +1,20 @@
+//! What `firmware/run` prints and draws: `trace`, `table` and `figure FILE`.
+#![allow(clippy::print_stdout)] // its output is what it is for
+
+use std::error::Error;
+
+use palpate_firmware_check::{counted, drawn, trace};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["trace"] => print!("{}", trace::recorded()?),
+        ["table"] => print!("{}", counted::table()?),
+        ["figure", file] => {
+            std::fs::write(file, drawn::figure()?)?;
+            println!("wrote {file}");
+        }
+        _ => return Err("say what to do: trace, table or figure FILE".into()),
+    }
+    Ok(())
+}

@@ -1,0 +1,119 @@
+//! Programs of the firmware, run by QEMU.
+
+use std::fmt;
+use std::path::PathBuf;
+use std::process::Command;
+
+/// A core, and the board of QEMU that has it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Core {
+    /// As its maker calls it.
+    pub name: &'static str,
+    machine: &'static str,
+    target: &'static str,
+}
+
+/// With a floating-point unit of single precision.
+pub const M4F: Core = Core {
+    name: "Cortex-M4F",
+    machine: "mps2-an386",
+    target: "thumbv7em-none-eabihf",
+};
+/// The same program on a Cortex-M7.
+pub const M7: Core = Core {
+    name: "Cortex-M7",
+    machine: "mps2-an500",
+    target: "thumbv7em-none-eabihf",
+};
+/// Without a floating-point unit.
+pub const M3: Core = Core {
+    name: "Cortex-M3",
+    machine: "mps2-an385",
+    target: "thumbv7m-none-eabi",
+};
+/// All three.
+pub const CORES: [Core; 3] = [M4F, M7, M3];
+
+/// How time passes in the emulator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Time {
+    /// As fast as it can.
+    Free,
+    /// Every instruction takes 256 ns: what the program `count` counts by.
+    Counted,
+    /// Every instruction takes 8 ns: a core that runs 125 million of them a second.
+    Real,
+}
+
+/// Why a program has no output.
+#[derive(Debug)]
+pub enum QemuError {
+    /// Nobody has said where the programs lie.
+    NoPrograms,
+    /// QEMU could not be started.
+    NotStarted(std::io::Error),
+    /// The program did not end with 0.
+    Failed {
+        /// Its name and core.
+        what: String,
+        /// What it said, of which the end.
+        said: String,
+    },
+}
+
+impl fmt::Display for QemuError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoPrograms => f.write_str(
+                "PALPATE_FIRMWARE does not say where the programs lie: firmware/run builds them and sets it",
+            ),
+            Self::NotStarted(error) => write!(f, "qemu-system-arm could not be started: {error}"),
+            Self::Failed { what, said } => write!(f, "{what} has failed:\n{said}"),
+        }
+    }
+}
+
+impl std::error::Error for QemuError {}
+
+impl Core {
+    /// Where the program `name` lies.
+    ///
+    /// # Errors
+    /// [`QemuError::NoPrograms`].
+    pub fn program(&self, name: &str) -> Result<PathBuf, QemuError> {
+        let programs = std::env::var_os("PALPATE_FIRMWARE").ok_or(QemuError::NoPrograms)?;
+        Ok(PathBuf::from(programs).join(self.target).join(name))
+    }
+
+    /// Runs the program `name` and gives what it prints. `scene` is written to where the emulated world
+    /// looks for it.
+    ///
+    /// # Errors
+    /// There is no program or no QEMU, or the program did not end with 0 within a minute.
+    pub fn run(&self, name: &str, time: Time, scene: u32) -> Result<String, QemuError> {
+        let loader = format!("loader,addr=0x20300000,data={scene},data-len=4");
+        let mut command = Command::new("timeout");
+        command
+            .args(["60", "qemu-system-arm", "-machine", self.machine])
+            .args(["-display", "none", "-monitor", "none", "-serial", "none"])
+            .args(["-semihosting-config", "enable=on,target=native"])
+            .args(["-device", &loader, "-kernel"])
+            .arg(self.program(name)?);
+        match time {
+            Time::Free => {}
+            Time::Counted => drop(command.args(["-icount", "shift=8,sleep=off"])),
+            Time::Real => drop(command.args(["-icount", "shift=3,sleep=off"])),
+        }
+        let output = command.output().map_err(QemuError::NotStarted)?;
+        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        if output.status.success() {
+            return Ok(said);
+        }
+        let complaint = String::from_utf8_lossy(&output.stderr);
+        let end: Vec<&str> = said.lines().rev().take(3).collect();
+        Err(QemuError::Failed {
+            what: format!("{name} on {} ({})", self.name, output.status),
+            said: format!("{complaint}\n{}", end.join("\n")),
+        })
+    }
+}

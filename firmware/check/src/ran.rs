@@ -1,0 +1,142 @@
+//! Runs of the knob.
+
+use std::error::Error;
+
+use crate::qemu::{Core, Time};
+
+/// The scenes of the program `knob`, by their numbers there (`board/src/emulated/scene.rs`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs)] // said there
+pub enum Scene {
+    Wall,
+    WallByHfcr,
+    WallByBasic,
+    SilentHost,
+    SilentHostLetsGo,
+    Stall,
+    StallOfAll,
+    Glitch,
+    StartInside,
+}
+
+/// Why there is a force, or none: `palpate_firmware_knob::Status` by number.
+pub mod status {
+    #![allow(missing_docs)] // said there
+    pub const WAITING: u32 = 0;
+    pub const COMING_IN: u32 = 1;
+    pub const RENDERING: u32 = 2;
+    pub const SAMPLE_REFUSED: u32 = 3;
+    pub const HOST_SILENT: u32 = 4;
+}
+
+/// The world once in every period of the loop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Entry {
+    /// Time since the world began [s].
+    pub time: f64,
+    /// Position of the rim [m]; the wall is at 0.
+    pub position: f64,
+    /// Velocity of the rim [m/s].
+    pub velocity: f64,
+    /// Force of the motor on the rim [N].
+    pub motor: f64,
+    /// Work of the hand on the rim [J].
+    pub hand_work: f64,
+    /// Work of the motor on the rim [J].
+    pub motor_work: f64,
+    /// What the loop says of itself: see [`status`].
+    pub status: u32,
+    /// How often the controller has started.
+    pub starts: u32,
+}
+
+/// A run of 1.2 s.
+#[derive(Clone, Debug)]
+pub struct Ran {
+    /// In the order of time.
+    pub entries: Vec<Entry>,
+    /// When the scene's event came [s].
+    pub event: Option<f64>,
+    /// Longest tick [s], what interrupted it included.
+    pub longest: f64,
+    /// Ticks that were longer than a period.
+    pub overruns: u32,
+    /// Ticks that were begun.
+    pub ticks: u32,
+}
+
+/// Runs `scene` on `core`.
+///
+/// # Errors
+/// The program does not run, or says what it should not.
+pub fn ran(core: Core, scene: Scene) -> Result<Ran, Box<dyn Error>> {
+    let said = core.run("knob", Time::Real, scene as u32)?;
+    let mut ran = Ran {
+        entries: Vec::new(),
+        event: None,
+        longest: 0.0,
+        overruns: 0,
+        ticks: 0,
+    };
+    for line in said.lines() {
+        let words: Vec<&str> = line.split(' ').collect();
+        match words[..] {
+            [
+                "entry",
+                time,
+                position,
+                velocity,
+                motor,
+                hand,
+                motor_work,
+                status,
+                starts,
+            ] => {
+                ran.entries.push(Entry {
+                    time: time.parse()?,
+                    position: position.parse()?,
+                    velocity: velocity.parse()?,
+                    motor: motor.parse()?,
+                    hand_work: hand.parse()?,
+                    motor_work: motor_work.parse()?,
+                    status: status.parse()?,
+                    starts: starts.parse()?,
+                });
+            }
+            ["event", time] => ran.event = Some(time.parse()?),
+            ["loop", longest, overruns, ticks] => {
+                // Counts of 25 MHz.
+                ran.longest = longest.parse::<f64>()? / 25e6;
+                ran.overruns = overruns.parse()?;
+                ran.ticks = ticks.parse()?;
+            }
+            _ => return Err(format!("the knob says `{line}`").into()),
+        }
+    }
+    Ok(ran)
+}
+
+impl Ran {
+    /// Speeds at which the rim leaves the wall [m/s].
+    pub fn rebounds(&self) -> Vec<f64> {
+        self.entries
+            .windows(2)
+            .filter(|pair| pair[0].position > 0.0 && pair[1].position <= 0.0)
+            .map(|pair| pair[1].velocity.abs())
+            .collect()
+    }
+
+    /// Entries from `from` to `to` [s].
+    pub fn between(&self, from: f64, to: f64) -> impl Iterator<Item = &Entry> {
+        self.entries
+            .iter()
+            .filter(move |entry| (from..to).contains(&entry.time))
+    }
+
+    /// When, after `from` [s], the motor's force is 0 for the first time.
+    pub fn off_after(&self, from: f64) -> Option<f64> {
+        self.between(from, f64::INFINITY)
+            .find(|entry| entry.motor == 0.0)
+            .map(|entry| entry.time)
+    }
+}

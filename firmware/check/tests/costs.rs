@@ -1,0 +1,30 @@
+//! What a tick may cost.
+
+use palpate_firmware_check::counted::{code_size, counted};
+use palpate_firmware_check::qemu::{CORES, M4F, M7};
+
+/// Cycles of a period at 4 kHz of a core with 168 MHz.
+const CYCLES: u32 = 42_000;
+
+#[test]
+fn coupled_rendering_at_4_khz_leaves_a_third_of_the_time_of_a_168_mhz_m4f() {
+    for core in [M4F, M7] {
+        for ticks in counted(core).unwrap() {
+            println!("{}: {ticks:?}", core.name);
+            assert!(ticks.largest < CYCLES * 2 / 3, "{}: {ticks:?}", core.name);
+            assert!(ticks.median > 100 && ticks.stack < 4096, "{ticks:?}");
+        }
+    }
+}
+
+#[test]
+fn a_method_is_less_than_64_kib_of_code() {
+    for core in CORES {
+        let nothing = code_size(core, "size").unwrap();
+        for method in ["hfcr", "coupled"] {
+            let code = code_size(core, &format!("size-{method}")).unwrap() - nothing;
+            println!("{}, {method}: {code} bytes", core.name);
+            assert!((2_000..65_536).contains(&code), "{}: {code}", core.name);
+        }
+    }
+}

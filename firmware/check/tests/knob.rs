@@ -1,0 +1,163 @@
+//! The knob on its board, against its emulated motor and hand, on a Cortex-M4F.
+
+use palpate_firmware_check::qemu::{M4F, M7};
+use palpate_firmware_check::ran::{Entry, Ran, Scene, ran, status};
+
+const PERIOD: f64 = 0.000_25;
+
+fn run(scene: Scene) -> Ran {
+    let ran = ran(M4F, scene).unwrap();
+    assert_eq!(ran.entries.len(), 4800);
+    assert_eq!(ran.overruns, 0);
+    ran
+}
+
+/// A force that goes on from one period to the next: no step is larger than the largest step that the wall
+/// makes where nothing is wrong, 1.5 N here, but a drop to 0.
+fn has_no_jump<'a>(entries: impl Iterator<Item = &'a Entry>) {
+    let mut before = None;
+    for entry in entries {
+        let step = (entry.motor - before.unwrap_or(entry.motor)).abs();
+        assert!(step < 1.5 || entry.motor == 0.0, "{step} N at {entry:?}");
+        before = Some(entry.motor);
+    }
+}
+
+/// Kinetic energy and that of the constant force of 1 N, from the wall [J].
+fn energy(entry: &Entry) -> f64 {
+    0.5 * 0.05 * entry.velocity.powi(2) - entry.position
+}
+
+/// Largest energy of the free rim, of what it had at first.
+fn energy_growth(ran: &Ran) -> f64 {
+    let first = energy(&ran.entries[0]);
+    let free = ran.entries.iter().filter(|entry| entry.position < 0.0);
+    free.map(energy).fold(0.0, f64::max) / first
+}
+
+#[test]
+fn the_wall_is_felt_at_4_khz_and_energy_does_not_grow() {
+    let coupled = run(Scene::Wall);
+    assert_eq!(coupled.ticks, 4800);
+    let rebounds = coupled.rebounds();
+    let growth = energy_growth(&coupled);
+    let longest = 1e6 * coupled.longest;
+    println!("rebounds {rebounds:?}, energy {growth:.4} of the first, longest tick {longest} us");
+    assert!(rebounds.len() > 15);
+    let deepest = coupled.entries.iter().map(|entry| entry.position);
+    let deepest = deepest.fold(0.0, f64::max);
+    // v sqrt(m / K) = 1.41 mm, where the wall is rendered without error.
+    assert!((0.0013..0.0017).contains(&deepest), "{deepest}");
+    assert!(growth < 1.05, "{growth}");
+    // The control: without energy-consistent rendering the rim is thrown back ever faster.
+    let basic = energy_growth(&run(Scene::WallByBasic));
+    println!("energy of the plain spring: {basic:.1} of the first");
+    assert!(basic > 5.0, "{basic}");
+}
+
+#[test]
+fn the_same_run_gives_the_same_bits_and_an_m7_the_same_wall() {
+    let once = run(Scene::Wall);
+    assert_eq!(once.entries, run(Scene::Wall).entries);
+    let on_m7 = ran(M7, Scene::Wall).unwrap();
+    assert_eq!(once.entries, on_m7.entries);
+}
+
+#[test]
+fn a_silent_host_does_not_stop_a_loop_that_needs_none() {
+    let ran = run(Scene::SilentHost);
+    let felt = ran.between(0.4, 0.8).filter(|entry| entry.motor < -2.0);
+    assert!(felt.count() > 100);
+    assert!(
+        ran.between(0.06, 1.2)
+            .all(|entry| entry.status == status::RENDERING)
+    );
+    has_no_jump(ran.entries.iter());
+}
+
+#[test]
+fn a_silent_host_lets_the_knob_go_where_that_is_configured() {
+    let ran = run(Scene::SilentHostLetsGo);
+    assert!(ran.between(0.1, 0.4).any(|entry| entry.motor < -2.0));
+    // It speaks every 4 ms until 0.4 s, and is missed after 20 ms.
+    assert!(
+        ran.between(0.4, 0.411)
+            .all(|entry| entry.status == status::RENDERING)
+    );
+    let gone: Vec<_> = ran.between(0.4205, 0.8).collect();
+    assert!(gone.iter().all(|entry| entry.motor == 0.0));
+    assert!(gone.iter().all(|entry| entry.status == status::HOST_SILENT));
+    // The host is back: so is the wall.
+    assert!(ran.between(0.8, 1.2).any(|entry| entry.motor < -2.0));
+    has_no_jump(ran.entries.iter());
+}
+
+/// A loop that stalls in the wall: the force is off `within` [s], the chip starts anew, and the wall is there
+/// again once the rim has been outside.
+fn is_safe_when_stalled(scene: Scene, within: f64) {
+    let ran = run(scene);
+    let event = ran.event.expect("the loop stalls");
+    let before = ran.between(event - 0.01, event).last().unwrap();
+    assert!(before.motor < -1.5, "{before:?}");
+    let off = ran.off_after(event).unwrap();
+    println!("{scene:?}: force off after {:.2} ms", 1e3 * (off - event));
+    // An entry is written once in a period.
+    assert!(off - event <= within + PERIOD, "{}", off - event);
+    let restart = ran.entries.iter().find(|entry| entry.starts == 2).unwrap();
+    assert!(restart.time - event < 0.01, "{restart:?}");
+    let inside = ran
+        .between(off, 1.2)
+        .take_while(|entry| entry.position > 0.0);
+    let mut entries = 0;
+    for entry in inside {
+        assert_eq!(entry.motor, 0.0, "{entry:?}");
+        entries += 1;
+    }
+    assert!(
+        entries > 100,
+        "the hand was in the wall for {entries} entries"
+    );
+    assert!(ran.between(0.6, 1.2).any(|entry| entry.motor < -2.0));
+    assert_eq!(ran.entries.last().unwrap().starts, 2);
+    has_no_jump(ran.entries.iter());
+}
+
+#[test]
+fn a_stalled_loop_has_no_force_after_a_millisecond() {
+    // The supervisor looks every 0.5 ms, and misses the second tick at the latest.
+    is_safe_when_stalled(Scene::Stall, 0.001);
+}
+
+#[test]
+fn a_loop_that_holds_up_its_supervisor_has_no_force_after_the_watchdog() {
+    is_safe_when_stalled(Scene::StallOfAll, 0.002);
+}
+
+#[test]
+fn a_sensor_that_jumps_has_no_force_at_the_next_tick_and_none_that_jumps_later() {
+    let ran = run(Scene::Glitch);
+    let event = ran.event.expect("the sensor jumps");
+    let before = ran.between(event - 0.01, event).last().unwrap();
+    assert!(before.motor < -1.5, "{before:?}");
+    let off = ran.off_after(event).unwrap();
+    assert!(off - event <= 3.0 * PERIOD, "{}", off - event);
+    let inside = ran
+        .between(off, 1.2)
+        .take_while(|entry| entry.position > 0.0);
+    assert!(inside.into_iter().all(|entry| entry.motor == 0.0));
+    // 3000 counts are 15 mm: 75 N of this wall.
+    has_no_jump(ran.entries.iter());
+    assert!(ran.between(0.6, 1.2).any(|entry| entry.motor < -2.0));
+    assert_eq!(ran.entries.last().unwrap().starts, 1);
+}
+
+#[test]
+fn a_board_that_starts_inside_the_wall_pushes_nobody_out() {
+    let ran = run(Scene::StartInside);
+    assert!(ran.entries[0].position > 0.001);
+    let inside = ran.entries.iter().take_while(|entry| entry.position > 0.0);
+    assert!(inside.clone().all(|entry| entry.motor == 0.0));
+    assert!(inside.count() > 50);
+    assert!(ran.between(0.2, 1.2).any(|entry| entry.motor < -2.0));
+    has_no_jump(ran.entries.iter());
+}
