@@ -26,6 +26,14 @@ export async function closeBrowser() {
   browser = null;
 }
 
+/** A page of its own for a document that is no page of `palpate live`. */
+export async function openPage(url, viewport) {
+  const page = await (await launch()).newPage();
+  await page.setViewport(viewport);
+  await page.goto(url);
+  return page;
+}
+
 export const WIDE = { width: 1400, height: 900 };
 export const NARROW = { width: 360, height: 740, isMobile: true, hasTouch: true, deviceScaleFactor: 2 };
 

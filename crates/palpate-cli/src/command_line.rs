@@ -21,6 +21,7 @@ use crate::commands::live::LiveArguments;
 use crate::commands::map::MapArguments;
 use crate::commands::pipe::PipeArguments;
 use crate::commands::replay::ReplayArguments;
+use crate::commands::report::ReportArguments;
 use crate::commands::run::{RecordArguments, RunArguments};
 
 const STYLES: Styles = Styles::styled()
@@ -346,6 +347,30 @@ Examples:
   palpate replay tap.mcap --replay hand --method basic,coupled --plot hand.svg
   palpate replay tap.mcap --replay hand --device-mass 0.3 --hand-stiffness 200 --hand-damping 5")]
     Replay(ReplayArguments),
+    /// Write a page about a device: its timing, its calibration, what can be rendered, a contact, warnings
+    #[command(override_usage = "\
+palpate report [RECORDING.mcap]... [--device-file <FILE.toml>] --out <PAGE.html> [OPTIONS]
+       palpate report --device <NAME> [--device-file <FILE.toml>] --out <PAGE.html> [OPTIONS]")]
+    #[command(long_about = "\
+Write a page about a device: its timing, its calibration, what can be rendered, a contact, warnings.
+
+The page is one file (HTML) without scripts and without a network: send it as it is, read it on a phone, \
+print it on two sheets of A4. Everything on it comes from recordings, from a calibrated device file, or \
+from a simulation with their numbers, and the page says which. Each warning has a remedy.
+
+With --device, a short session is recorded first, as `palpate record` does, with the same safety, \
+supervisor and guardian; 5 s unless --duration says otherwise. The force comes on when the device is moved into \
+the wall at 0, or into what the --scene has. The recording stays beside the page.
+
+What can be rendered is a coarse map with the mass, period, delay, lag, gain, friction and sensor of this \
+device. It takes a minute at most; the page says what was computed, and its resolution.")]
+    #[command(after_help = "\
+Examples:
+  palpate report tap.mcap --out device.html
+  palpate report tap.mcap --device-file device.toml --calibration fit.json --out device.html
+  palpate report --device-file device.toml --name 'Arm no. 7' --json
+  palpate report --device simulated --scene wall.toml --duration 2 --out device.html")]
+    Report(Box<ReportArguments>),
     /// Find the damping of a method that suits a scene, and draw the whole curve
     #[command(long_about = "\
 Find the damping of a method that suits a scene, and draw the whole curve.

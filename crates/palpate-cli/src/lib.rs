@@ -4,6 +4,7 @@
 //! as soon as it knows the types of what it depends on, and a program only once all of that is compiled.
 
 mod arguments;
+mod card;
 mod command_line;
 mod commands;
 mod devices;
@@ -44,6 +45,7 @@ pub fn run() -> ExitCode {
         Command::Emulate(arguments) => commands::emulate::run(&arguments),
         Command::Guardian => commands::guardian::run(),
         Command::Doctor(arguments) => commands::doctor::run(&arguments),
+        Command::Report(arguments) => commands::report::run(&arguments),
         Command::Bench(arguments) => commands::bench::run(&arguments),
         Command::Info(arguments) => commands::info::run(&arguments),
         Command::Convert(arguments) => commands::convert::run(&arguments),

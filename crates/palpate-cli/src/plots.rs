@@ -1,5 +1,6 @@
 //! From runs to figures.
 
+pub mod calibration;
 mod compared;
 mod experiment;
 mod finding;

@@ -11,7 +11,7 @@ use schemars::{JsonSchema, Schema};
 
 use crate::commands::{bench, calibrate, demo, devices, doctor, pipe, run};
 use palpate_study::{
-    advise, claims, compare, heights, map, recording, report, suite, sweep, tune, world,
+    advise, card, claims, compare, heights, map, recording, report, suite, sweep, tune, world,
 };
 
 /// A number that is not finite, such as the error of a loop that ran away, is `null` in JSON.
@@ -45,6 +45,7 @@ fn the_committed_schemas_are_those_of_the_reports() {
         ("advise", schema::<advise::Advice>()),
         ("bench-loop", schema::<Vec<bench::Report>>()),
         ("calibrate", schema::<calibrate::CalibrationReport>()),
+        ("card", schema::<card::Card>()),
         ("claims", schema::<claims::report::ClaimsReport>()),
         ("compare", schema::<compare::Comparison>()),
         ("demo", schema::<demo::DemoReport>()),

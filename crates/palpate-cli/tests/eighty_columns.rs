@@ -108,3 +108,27 @@ fn suite() {
     let text = folder.succeed("suite --plants 2 --method all");
     assert_fits(&text, &[E, FRE]);
 }
+
+#[test]
+fn report() {
+    let folder = Folder::new();
+    folder.write(
+        "device.toml",
+        "calibration_format = 1\nperiod_s = 0.01\ndevice_mass_kg = 0.25\ndelay_s = 0.00412345\n\
+         coulomb_friction_n = 0.05\nsensor_quantum_m = 1e-5\n",
+    );
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../experiments/wall.toml");
+    let recorded = format!("record {scene} tap.mcap --duration 0.3 --fast --period 0.005");
+    assert_eq!(folder.palpate(&recorded).code, 0);
+    let text =
+        folder.succeed("report tap.mcap --device-file device.toml --method basic --out p.html");
+    assert_fits(&text, &[]);
+    for words in [
+        "stiffest wall",
+        "hold floor",
+        "warning: delay told",
+        "not checked:",
+    ] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+}

@@ -44,6 +44,7 @@ fn every_report_is_as_its_schema_says() {
         "suite --set desk --plants 1 --method coupled",
         "map --cells 2 --method basic,coupled",
         "map --cells 2 --method basic --shard 1/2 --out part.csv",
+        "report rec.mcap --method basic",
         "advise --device-mass 0.25 --period 0.01 --method hfcr",
         "advise --device-mass 0.25 --period 0.01 --stiffness 400 --mass inf --method hfcr,coupled",
         "figure fig1",

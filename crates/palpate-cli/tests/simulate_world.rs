@@ -43,6 +43,7 @@ fn error(report: &Value, method: &str) -> f64 {
 }
 
 #[test]
+#[allow(clippy::print_stdout)] // what was measured
 fn coupled_renders_a_world_at_the_floor_of_its_loop_where_the_spring_force_does_not() {
     let folder = Folder::new();
     folder.write("ball.toml", BALL);

@@ -21,6 +21,7 @@ pub mod map;
 pub mod pipe;
 pub mod render;
 pub mod replay;
+pub mod report;
 pub mod run;
 pub mod simulate;
 pub mod suite;

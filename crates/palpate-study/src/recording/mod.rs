@@ -1,6 +1,9 @@
 //! What is in a recording, and what is not.
 
 pub mod report;
+mod scene;
+
+pub use scene::{NoScene, scene_of};
 
 use palpate_record::recording::{Gap, LoopTime, Recording, WHOLE};
 

@@ -181,7 +181,7 @@ impl RecordingReport {
 }
 
 /// What the receipt says that the renderer was told, a number for each key.
-fn told(recording: &Recording) -> BTreeMap<String, f64> {
+pub(crate) fn told(recording: &Recording) -> BTreeMap<String, f64> {
     let text = recording.receipt.texts.get("told");
     let lines = text.map_or("", String::as_str).lines();
     lines

@@ -106,6 +106,9 @@ pub struct CalibrateResults {
     /// Print the report as JSON
     #[arg(long, help_heading = "Results")]
     pub json: bool,
+    /// Write the report (JSON) with a part of the motion beside its fit, for `palpate report --calibration`
+    #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath, help_heading = "Results")]
+    pub report: Option<PathBuf>,
     /// The figure: measured against fitted.
     #[command(flatten)]
     pub picture: PlotFlags,

@@ -49,6 +49,7 @@ fn calibrated(
 
 /// Refuses a calibration that is further from what was put in than three of its deviations, or than
 /// `worst` `[s]` and `worst_mass` of the mass.
+#[allow(clippy::print_stdout)] // what was measured
 fn check(found: &Calibration, (delay, worst): (f64, f64), (mass, worst_mass): (f64, f64)) {
     for (quantity, put_in, worst) in [
         (Quantity::DelayPlusLag, delay, worst),

@@ -37,12 +37,15 @@ pub fn run(arguments: &CalibrateArguments) -> Result<(), Failure> {
     if let Some(out) = &results.out {
         outputs.plan("--out", out)?;
     }
+    if let Some(report) = &results.report {
+        outputs.plan("--report", report)?;
+    }
     results.picture.plan(&mut outputs)?;
     let before = match &arguments.told.before {
         None => None,
         Some(path) => {
             outputs.protect(path);
-            Some(read(path)?)
+            Some(read_device_file(path)?)
         }
     };
     arguments.told.check()?;
@@ -55,7 +58,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<(), Failure> {
 }
 
 /// Reads a device file.
-fn read(path: &Path) -> Result<Calibration, Failure> {
+pub fn read_device_file(path: &Path) -> Result<Calibration, Failure> {
     let name = path.display().to_string();
     let text = std::fs::read_to_string(path)
         .map_err(|error| Failure::System(format!("{name} cannot be read: {error}")))?;
@@ -161,10 +164,18 @@ fn write(
         outputs.write(path, |writer| writer.write_all(text.as_bytes()))?;
         report.wrote(path);
     }
+    let shown = picture::shown(motion, measured, arguments.period);
     let picture = &arguments.results.picture;
     if let Some(path) = &picture.plot {
-        let figure = picture::figure(motion, measured, arguments.period);
+        let figure = picture::figure(&shown, &measured.fitted.calibration);
         draw(outputs, path, &figure, picture.size)?;
+        report.wrote(path);
+    }
+    if let Some(path) = &arguments.results.report {
+        let mut whole = report.clone();
+        whole.motion = Some(shown);
+        let text = json(&whole) + "\n";
+        outputs.write(path, |writer| writer.write_all(text.as_bytes()))?;
         report.wrote(path);
     }
     Ok(())

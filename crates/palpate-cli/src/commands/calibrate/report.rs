@@ -5,6 +5,7 @@ use std::fmt;
 use std::path::Path;
 
 use palpate_calibrate::{Calibration, Quantity};
+use palpate_study::card::MotionCard;
 use palpate_study::text::digits;
 use serde::Serialize;
 
@@ -25,6 +26,9 @@ pub struct CalibrationReport {
     pub fit_s: f64,
     /// What was found, by the keys of a device file.
     pub found: BTreeMap<&'static str, Found>,
+    /// A part of the motion beside its fit; only in the file of `--report`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motion: Option<MotionCard>,
     /// Files that were written.
     pub wrote: Vec<String>,
 }
@@ -60,6 +64,7 @@ impl CalibrationReport {
             excursion_m: excursion.fold(0.0, f64::max),
             fit_s,
             found: found.collect(),
+            motion: None,
             wrote: Vec::new(),
         }
     }

@@ -1,7 +1,6 @@
 //! `palpate replay`: a recording under another method: its motion as it was, or its hand under the new
 //! force.
 
-use std::io;
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
@@ -24,10 +23,8 @@ use crate::recorded::trace::how_to_cut;
 use crate::recorded::{open, whole_or_said};
 use crate::results::deliver;
 use crate::setup::{receipt, wrong_flag, wrong_on_bench, wrong_setup};
+use palpate_study::recording::{NoScene, scene_of};
 use palpate_study::report::{FromRecording, Replayed, Report, Subject, told_lines};
-
-/// Text of the receipt that holds the scene.
-const SCENE: &str = "scene";
 
 /// Arguments of `replay`.
 #[derive(Args, Debug)]
@@ -57,7 +54,7 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
     let part = arguments.part.part(f64::INFINITY)?;
     let name = arguments.recording.display().to_string();
     let recording = open(&arguments.recording)?;
-    let file = scene(&recording, &name)?;
+    let file = scene(&recording)?;
     let methods = flags.methods(file.scene.method);
     flags.check_settings(&methods)?;
     let mut scene = file.scene.clone();
@@ -208,20 +205,9 @@ fn motion(
 }
 
 /// The scene that the recording was made with.
-fn scene(recording: &Recording, name: &str) -> Result<SceneFile, Failure> {
-    let receipt = &recording.receipt;
-    let text = receipt.texts.get(SCENE).ok_or_else(|| {
-        Failure::input(format_args!(
-            "{name}: its receipt has no text called {SCENE}, so nothing says what the contact was"
-        ))
-    })?;
-    let mut files = |file: &str| {
-        receipt.file(file).map(str::to_owned).ok_or_else(|| {
-            io::Error::new(
-                io::ErrorKind::NotFound,
-                "it is not in the recording's receipt",
-            )
-        })
-    };
-    SceneFile::parse_with(&format!("{name} ({SCENE})"), text, &mut files).map_err(Failure::inputs)
+fn scene(recording: &Recording) -> Result<SceneFile, Failure> {
+    scene_of(recording).map_err(|error| match error {
+        NoScene::Invalid(faults) => Failure::inputs(faults),
+        other => Failure::input(other),
+    })
 }

@@ -15,7 +15,7 @@ use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, LoopThread, Recorder, SetupError, StopFlag};
 use palpate_scene::method::MethodName;
-use palpate_scene::{Scene, Timing};
+use palpate_scene::{Scene, SceneFile, Timing};
 
 pub use arguments::{
     RealtimeArguments, RecordArguments, RunArguments, SafetyArguments, SessionArguments,
@@ -57,6 +57,22 @@ fn session(
     arguments: &SessionArguments,
 ) -> Result<(), Failure> {
     let file = super::simulate::read_scene(path)?;
+    run_session(&file, (path, record), arguments, &|report| {
+        print_report(report, arguments.json)
+    })
+}
+
+/// Runs a loop on the scene of `file`, which is at `path`, and records it if it is to. What there is to say of
+/// a loop that ran goes to `told`.
+///
+/// # Errors
+/// The loop could not begin, or it did not do what it was asked to.
+pub fn run_session(
+    file: &SceneFile,
+    (path, record): (&Path, Option<&Path>),
+    arguments: &SessionArguments,
+    told: Told<'_>,
+) -> Result<(), Failure> {
     let flags = &arguments.flags;
     let methods = flags.methods(file.scene.method);
     let [method] = methods[..] else {
@@ -75,6 +91,7 @@ fn session(
         record,
         arguments,
         method,
+        told,
     };
     if arguments.fast {
         session.on(&SteppedClock::new(), Request::nothing())
@@ -115,7 +132,11 @@ struct Session<'a> {
     record: Option<&'a Path>,
     arguments: &'a SessionArguments,
     method: MethodName,
+    told: Told<'a>,
 }
+
+/// Who is told what a loop did.
+type Told<'a> = &'a dyn Fn(&Report) -> Result<(), Failure>;
 
 impl Session<'_> {
     fn on<C: Clock>(&self, clock: &C, request: Request) -> Result<(), Failure> {
@@ -179,7 +200,7 @@ impl Session<'_> {
             recording.as_ref(),
         )
         .guarded(guarding.report(arguments, &capabilities));
-        print_report(&report, self.arguments.json)?;
+        (self.told)(&report)?;
         let asked = Asked {
             duration: self.arguments.duration,
             // A recorded motion is over when it is over.

@@ -1,0 +1,97 @@
+//! The session of a report: a short loop on a device, recorded as `palpate record` does.
+
+use std::cell::Cell;
+use std::path::Path;
+
+use palpate_scene::SceneFile;
+
+use super::ReportArguments;
+use crate::arguments::{ActuationFlags, Flags};
+use crate::commands::run::{SessionArguments, run_session};
+use crate::commands::simulate::read_scene;
+use crate::failure::{Failure, tell};
+use palpate_study::text::digits;
+
+/// The scene where nobody names one: a wall that a hand finds, and the hand of `--device simulated`.
+const SCENE: &str = r#"
+scene_format = 1
+title = "A wall, touched"
+
+[object]
+mass_kg = inf
+stiffness_n_per_m = 300
+position_m = 0
+
+[device]
+kind = "point-mass"
+mass_kg = 0.25
+position_m = -0.01
+viscous_n_s_per_m = 2
+encoder_quantum_m = 1e-5
+
+[hand]
+kind = "constant-force"
+force_n = 1.5
+
+[loop]
+period_s = 0.001
+
+[measure]
+duration_s = 1
+
+[renderer]
+method = "coupled"
+"#;
+
+/// What became of a session that was recorded.
+///
+/// # Errors
+/// It could not begin. Whether it did what it was asked to stands inside.
+pub fn record(
+    arguments: &ReportArguments,
+    recording: &Path,
+) -> Result<Result<(), Failure>, Failure> {
+    let (file, path) = match &arguments.scene {
+        Some(path) => (read_scene(path)?, path.as_path()),
+        None => {
+            let name = "the built-in scene";
+            let file = SceneFile::parse(name, SCENE).map_err(Failure::inputs)?;
+            (file, Path::new(name))
+        }
+    };
+    let session = SessionArguments {
+        duration: arguments.duration,
+        fast: arguments.fast,
+        json: false,
+        device: arguments.device.arguments.clone(),
+        realtime: arguments.realtime.clone(),
+        safety: arguments.safety.clone(),
+        flags: Flags {
+            stiffness: arguments.stiffness,
+            period: arguments.period,
+            actuation: ActuationFlags {
+                device_file: arguments.device_file.clone(),
+                ..ActuationFlags::default()
+            },
+            ..Flags::default()
+        },
+    };
+    let scene = &file.scene;
+    tell(format_args!(
+        "a session of {} s: move the device into `{}`, {} N/m from {} m on; ctrl-C ends it",
+        arguments.duration,
+        scene.title,
+        digits(arguments.stiffness.unwrap_or(scene.contact.stiffness)),
+        scene.object.position
+    ));
+    let has_run = Cell::new(false);
+    let outcome = run_session(&file, (path, Some(recording)), &session, &|report| {
+        has_run.set(true);
+        tell(report.to_string().trim_end());
+        Ok(())
+    });
+    match outcome {
+        Err(error) if !has_run.get() => Err(error),
+        outcome => Ok(outcome),
+    }
+}

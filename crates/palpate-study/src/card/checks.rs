@@ -1,0 +1,363 @@
+//! What was checked of a device and its loop, with a remedy for what is not as it should be.
+
+use palpate_calibrate::Quantity;
+use serde::Serialize;
+
+use super::ticks::Ticks;
+use super::{Card, Sources};
+use crate::recording::{motors_off, shortcomings};
+use crate::text::{counted, digits};
+
+/// Share of late ticks, and lateness over the period, from which a loop is warned of.
+const LATE_SHARE: f64 = 0.01;
+const LATE: f64 = 0.1;
+/// Delay that is told or not, over the period, from which it matters: coupled rendering loses its lead.
+const DELAY: f64 = 0.03;
+/// Coulomb friction over the largest force from which it hides forces.
+const FRICTION: f64 = 0.2;
+/// Least counts of the sensor in the deepest penetration of a contact.
+const COUNTS: f64 = 20.0;
+/// Frequency of a contact over the resonance from which the device is not a rigid one.
+const RESONANCE: f64 = 1.0 / 3.0;
+/// Standard deviation of delay and lag over the period, and of the mass over the mass.
+const DELAY_DEVIATION: f64 = 0.1;
+const MASS_DEVIATION: f64 = 0.1;
+/// Share of ticks from which a force that safety changed is told.
+const LIMITED_SHARE: f64 = 0.01;
+
+/// Something that was looked at.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Check {
+    /// What was looked at.
+    pub name: &'static str,
+    /// How it is.
+    pub outcome: Outcome,
+    /// What was found, or what is missing to say anything.
+    pub finding: String,
+    /// What helps; none where nothing needs to.
+    pub remedy: Option<String>,
+}
+
+/// How something is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome {
+    /// Not as it should be.
+    Warning,
+    /// As it should be.
+    InOrder,
+    /// Nothing says.
+    NotChecked,
+}
+
+/// A check that ended in a warning, or in order with the same finding.
+fn check(name: &'static str, is_wrong: bool, finding: String, remedy: &str) -> Check {
+    Check {
+        name,
+        outcome: if is_wrong {
+            Outcome::Warning
+        } else {
+            Outcome::InOrder
+        },
+        finding,
+        remedy: is_wrong.then(|| remedy.to_owned()),
+    }
+}
+
+fn not_checked(name: &'static str, why: &str) -> Check {
+    Check {
+        name,
+        outcome: Outcome::NotChecked,
+        finding: why.to_owned(),
+        remedy: None,
+    }
+}
+
+/// All checks, warnings first.
+pub(super) fn of(card: &Card, sources: &Sources<'_>, read: &[Ticks]) -> Vec<Check> {
+    let mut checks = Vec::new();
+    if sources.recordings.is_empty() {
+        let why = "no recording of its loop";
+        for name in ["late ticks", "lost samples", "motors off", "safety limits"] {
+            checks.push(not_checked(name, why));
+        }
+    }
+    for (number, ticks) in read.iter().enumerate() {
+        checks.extend(of_recording(card, sources, number, ticks));
+    }
+    checks.push(delay(card, sources));
+    checks.push(friction(card));
+    checks.push(resonance(card));
+    checks.push(quantum(card));
+    checks.extend(calibration(card));
+    checks.sort_by_key(|check| check.outcome as u8);
+    checks
+}
+
+fn of_recording(card: &Card, sources: &Sources<'_>, number: usize, ticks: &Ticks) -> Vec<Check> {
+    let recording = &sources.recordings[number];
+    let timing = &card.timing[number];
+    let name = &timing.recording;
+    let all = ticks.all.len().max(1) as f64;
+    let percent = |count: u64| digits(100.0 * count as f64 / all);
+    let mut checks = Vec::new();
+    let period = timing.period_asked_s;
+    checks.push(match (period, &timing.lateness_s) {
+        (Some(period), Some(lateness)) => check(
+            "late ticks",
+            ticks.missed_deadlines as f64 > LATE_SHARE * all || lateness.p99 > LATE * period,
+            format!(
+                "{name}: {} % of the ticks missed their deadline; 99 % came at most {} ms late, the latest {} ms, of \
+                 a period of {} ms",
+                percent(ticks.missed_deadlines),
+                digits(1e3 * lateness.p99.max(0.0)),
+                digits(1e3 * lateness.largest.max(0.0)),
+                digits(1e3 * period)
+            ),
+            "run `palpate doctor`, which says what the machine grants a loop and how to grant more; then --priority, \
+             --spin, or a longer --period",
+        ),
+        _ => not_checked("late ticks", "the recording does not say how late its ticks were"),
+    });
+    let lost = recording.lost();
+    let unseen = ticks.unseen;
+    let words = shortcomings(recording);
+    let mut finding = format!(
+        "{name}: {} lost, {} without a position that could be used ({} %)",
+        counted(lost, "tick"),
+        counted(unseen, "tick"),
+        percent(unseen)
+    );
+    for shortcoming in &words {
+        finding.push_str("; ");
+        finding.push_str(shortcoming);
+    }
+    checks.push(check(
+        "lost samples",
+        !words.is_empty() || lost > 0 || unseen as f64 > LATE_SHARE * all,
+        finding,
+        "a longer --period, so that the device has something new in each; a disk and a processor that are not \
+         shared while it is recorded; `palpate info` says where ticks are missing",
+    ));
+    let counted_ticks = recording.counted.as_ref();
+    let off = counted_ticks.map_or(ticks.motors_off, |count| count.motors_off);
+    let time = counted_ticks.and_then(|count| count.time);
+    let made = recording.ticks_made().unwrap_or(recording.ticks);
+    checks.push(check(
+        "motors off",
+        off > 0 || time.is_some_and(|time| !time.motors_off.is_zero()),
+        if off > 0 || time.is_some_and(|time| !time.motors_off.is_zero()) {
+            format!("{name}: {}", motors_off(time, off, made))
+        } else {
+            format!("{name}: the motors were on all the time")
+        },
+        "`palpate info` names the event that tripped the safety; a slower hand, a softer contact, or another limit \
+         (--safe-force, --safe-speed, --oscillation) where the device allows it",
+    ));
+    checks.push(check(
+        "safety limits",
+        ticks.limited as f64 > LIMITED_SHARE * all,
+        format!(
+            "{name}: the safety changed the force of {} % of the ticks",
+            percent(ticks.limited)
+        ),
+        "a softer contact, or a larger --safe-force where the device allows it: a wall whose force is cut feels soft",
+    ));
+    checks
+}
+
+fn delay(card: &Card, sources: &Sources<'_>) -> Check {
+    const NAME: &str = "delay told";
+    let device = &card.device;
+    let Some(period) = device.value("period_s") else {
+        return not_checked(NAME, "the period of the loop is not known");
+    };
+    let told = sources
+        .recordings
+        .first()
+        .map(crate::recording::report::told);
+    let told_delay = told
+        .as_ref()
+        .and_then(|told| Some(told.get("delay_s")? + told.get("lag_s").copied().unwrap_or(0.0)));
+    let found = sources.device_file.and_then(|(_, calibration)| {
+        let together = calibration.delay_plus_lag();
+        together.or_else(|| calibration.value(Quantity::Delay))
+    });
+    let ms = |seconds: f64| digits(1e3 * seconds);
+    match (told_delay, found) {
+        (Some(told), Some(found)) => check(
+            NAME,
+            (told - found).abs() > DELAY * period,
+            format!(
+                "the recorded loop was told {} ms of delay and lag, and the device file says {} ms, {} periods",
+                ms(told),
+                ms(found),
+                digits(found / period)
+            ),
+            "record with --device-file, so that the renderer is told: coupled rendering loses its lead from 0.03 \
+             periods of untold delay on",
+        ),
+        (Some(_), None) if device.is_simulated => Check {
+            name: NAME,
+            outcome: Outcome::InOrder,
+            finding: "the device is simulated, and its renderer was told what the scene says"
+                .into(),
+            remedy: None,
+        },
+        (Some(told), None) => check(
+            NAME,
+            told == 0.0,
+            if told == 0.0 {
+                "the recorded loop was told of no delay and no lag, and nobody has measured them"
+                    .to_owned()
+            } else {
+                format!(
+                    "the recorded loop was told {} ms of delay and lag; no device file says whether that is so",
+                    ms(told)
+                )
+            },
+            "`palpate calibrate` measures them and writes a device file; record with --device-file",
+        ),
+        (None, Some(found)) => check(
+            NAME,
+            false,
+            format!(
+                "the device file says {} ms of delay and lag, {} periods; give it to every command as --device-file",
+                ms(found),
+                digits(found / period)
+            ),
+            "",
+        ),
+        (None, None) => not_checked(NAME, "neither a recording nor a device file says a delay"),
+    }
+}
+
+fn friction(card: &Card) -> Check {
+    const NAME: &str = "dry friction";
+    let device = &card.device;
+    match (
+        device.value("coulomb_friction_n"),
+        device.value("largest_force_n"),
+    ) {
+        (Some(friction), Some(force)) => check(
+            NAME,
+            friction > FRICTION * force,
+            format!(
+                "{} N of dry friction, {} % of the largest force of {} N",
+                digits(friction),
+                digits(100.0 * friction / force),
+                digits(force)
+            ),
+            "forces below the friction are not felt: less pressure in the bearings, or contacts whose forces are well \
+             above it",
+        ),
+        (None, _) => not_checked(NAME, "no device file says a friction"),
+        (_, None) => not_checked(NAME, "nothing says the largest force of the device"),
+    }
+}
+
+fn resonance(card: &Card) -> Check {
+    const NAME: &str = "resonance";
+    let device = &card.device;
+    if card.calibration.is_none() {
+        return not_checked(NAME, "no device file");
+    }
+    let Some(resonance) = device.value("resonance_hz") else {
+        return not_checked(
+            NAME,
+            "the device file has none; a calibration finds those below a third of the loop rate",
+        );
+    };
+    let (Some(reach), Some(mass)) = (&card.reach, device.value("device_mass_kg")) else {
+        return not_checked(NAME, "the mass of the device is not known");
+    };
+    let rate = std::f64::consts::TAU * RESONANCE * resonance;
+    let stiffest = mass * rate * rate;
+    check(
+        NAME,
+        reach.stiffness_n_per_m > stiffest,
+        format!(
+            "{} Hz between motor and end-point; a wall above about {} N/m, a third of that frequency, meets a device \
+             that is not rigid (this page asks about {} N/m)",
+            digits(resonance),
+            digits(stiffest),
+            digits(reach.stiffness_n_per_m)
+        ),
+        "softer contacts, a stiffer transmission, or less mass at the end-point",
+    )
+}
+
+fn quantum(card: &Card) -> Check {
+    const NAME: &str = "sensor step";
+    let Some(quantum) = card.device.value("sensor_quantum_m") else {
+        return not_checked(NAME, "nothing says the step of the position sensor");
+    };
+    let Some(contact) = &card.contact else {
+        return not_checked(NAME, "there is no contact to count steps in");
+    };
+    if quantum == 0.0 {
+        return check(NAME, false, "the position sensor has no steps".into(), "");
+    }
+    let steps = contact.deepest_penetration_m / quantum;
+    check(
+        NAME,
+        steps < COUNTS,
+        format!(
+            "the contact below is {} steps of the sensor deep; one step of {} um is {} N",
+            digits(steps),
+            digits(1e6 * quantum),
+            digits(contact.stiffness_n_per_m * quantum)
+        ),
+        "a softer contact, or a finer sensor: with few steps the force changes in jumps",
+    )
+}
+
+fn calibration(card: &Card) -> Vec<Check> {
+    const NAME: &str = "calibration";
+    let Some(calibration) = &card.calibration else {
+        return vec![not_checked(NAME, "no device file")];
+    };
+    let found = |key: &str| calibration.found.iter().find(|found| found.key == key);
+    let mut checks = Vec::new();
+    let period = card.device.value("period_s");
+    let delay = found("delay_plus_lag_s").and_then(|found| found.standard_deviation);
+    let mass =
+        found("device_mass_kg").and_then(|found| Some(found.standard_deviation? / found.value));
+    if let (Some(delay), Some(period)) = (delay, period) {
+        checks.push(check(
+            NAME,
+            delay > DELAY_DEVIATION * period || mass.is_some_and(|mass| mass > MASS_DEVIATION),
+            format!(
+                "delay and lag together are known to {} ms, {} periods{}",
+                digits(1e3 * delay),
+                digits(delay / period),
+                mass.map_or_else(String::new, |mass| format!(
+                    ", the mass to {} %",
+                    digits(100.0 * mass)
+                ))
+            ),
+            "calibrate again with a larger --largest-force, or more --seconds",
+        ));
+    }
+    if let (Some(of_file), Some(period)) = (found("period_s"), period) {
+        checks.push(check(
+            "calibrated period",
+            (of_file.value / period - 1.0).abs() > 1e-6,
+            format!(
+                "the device file was found at a period of {} ms; the loop has {} ms",
+                digits(1e3 * of_file.value),
+                digits(1e3 * period)
+            ),
+            "calibrate at the period of the loop: a delay can depend on it",
+        ));
+    }
+    if found("gain").is_none() {
+        checks.push(not_checked(
+            "gain of the motor",
+            "no gain was measured: a spring or an added mass gives it (`palpate calibrate --spring`)",
+        ));
+    }
+    checks
+}

@@ -1,0 +1,374 @@
+//! One contact on a card: recorded and judged against the ideal on its motion, or simulated.
+
+use palpate_record::recording::{Flags, Recording, Row};
+use palpate_scene::method::MethodName;
+use palpate_scene::{Scene, SceneFile};
+use palpate_sim::closed_loop::Bench;
+use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
+use palpate_sim::run::{Reference, Run};
+use serde::Serialize;
+
+use super::device::DeviceCard;
+use super::ticks::{Ticks, is_seen};
+use crate::recording::scene_of;
+use crate::text::digits;
+
+/// Longest contact that is judged and drawn `[s]`.
+const LONGEST: f64 = 1.0;
+/// What is drawn before and after a contact, over its length, and at least so many periods.
+const MARGIN: f64 = 0.1;
+const LEAST_MARGIN: f64 = 5.0;
+/// Most points of a curve.
+const POINTS: usize = 800;
+/// Force of the hand that presses a simulated wall `[N]`, and from how far `[m]`.
+const HAND: f64 = 2.0;
+const FROM: f64 = 0.002;
+
+/// A contact, and how near its force comes to the ideal's.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ContactCard {
+    /// What was judged, and against what.
+    pub source: String,
+    /// Whether the motion was recorded; else device and hand are simulated.
+    pub is_recorded: bool,
+    /// The method.
+    pub method: &'static str,
+    /// Stiffness of the contact `[N/m]`.
+    pub stiffness_n_per_m: f64,
+    /// Mass of the object `[kg]`; none for a wall.
+    pub object_mass_kg: Option<f64>,
+    /// When it begins in the recording, or in the simulation `[s]`.
+    pub begins_s: f64,
+    /// How long it lasts, with what is drawn before and after it `[s]`.
+    pub lasts_s: f64,
+    /// FRE `[%]`.
+    pub force_rendering_error_percent: Option<f64>,
+    /// E, which is what a method answers for `[%]`.
+    pub mean_force_error_percent: Option<f64>,
+    /// FRE that no held force can be below `[%]`.
+    pub hold_floor_percent: Option<f64>,
+    /// Strongest held force `[N]`.
+    pub peak_force_n: f64,
+    /// Deepest penetration `[m]`.
+    pub deepest_penetration_m: f64,
+    /// Energy that the held force has created by the end `[J]`.
+    pub leak_held_j: f64,
+    /// The same as the recorded loop booked it over the contact `[J]`.
+    pub recorded_leak_held_j: Option<f64>,
+    /// Strongest force that the recorded loop sent over the contact `[N]`.
+    pub recorded_peak_force_n: Option<f64>,
+    /// The curves.
+    pub curves: Vec<Curve>,
+}
+
+/// A curve of a contact.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Curve {
+    /// `device_m`, `object_m`, `ideal_object_m`, `force_n`, `ideal_force_n` or `created_j`; forces are those on the
+    /// object, positive away from the device.
+    pub quantity: &'static str,
+    /// Times `[s]`.
+    pub t_s: Vec<f64>,
+    /// Values, in the unit of the quantity.
+    pub values: Vec<f64>,
+}
+
+impl ContactCard {
+    /// The strongest contact of a recording.
+    ///
+    /// # Errors
+    /// Why there is none: no contact, no scene, or a motion on which nothing can be rendered.
+    pub(super) fn recorded(recording: &Recording, ticks: &Ticks) -> Result<Self, String> {
+        let file = scene_of(recording).map_err(|error| error.to_string())?;
+        let name = recording.path().display();
+        if !recording.has_one_contact_each {
+            return Err(format!(
+                "{name} has several contacts in a tick; the page shows one"
+            ));
+        }
+        let period = file.scene.loop_params.period;
+        let part = strongest(&ticks.all, period).ok_or_else(|| {
+            format!("{name} has no contact under the parameters that it began with")
+        })?;
+        Self::on_motion(recording, &file, part).map_err(|error| format!("{name}: {error}"))
+    }
+
+    /// A recorded motion, rendered again by the method of its scene and judged against the ideal on that motion.
+    fn on_motion(
+        recording: &Recording,
+        file: &SceneFile,
+        part: &[Row],
+    ) -> Result<Self, ReplayError> {
+        let scene = &file.scene;
+        let mut setup = ReplaySetup::of_scene(scene);
+        let (first, last) = (&part[0], &part[part.len() - 1]);
+        if first.contact.object_position.is_finite() && first.contact.object_velocity.is_finite() {
+            setup.object.position = first.contact.object_position;
+            setup.object.velocity = first.contact.object_velocity;
+        }
+        let times: Vec<f64> = part.iter().map(|row| row.tick.time).collect();
+        let positions: Vec<f64> = part.iter().map(|row| row.contact.device_position).collect();
+        let replay = Replay::at_recorded_instants(setup, &times, &positions)?;
+        let settings = scene.settings.get(&scene.method).copied();
+        let run = replay.run(scene.method, &settings.unwrap_or_default())?;
+        let leak = last.contact.held_leak - first.contact.held_leak;
+        let peak = part
+            .iter()
+            .map(|row| row.contact.force_on_device.abs())
+            .filter(|force| force.is_finite())
+            .fold(0.0, f64::max);
+        let source = format!(
+            "the strongest contact of {}: its motion, rendered again by {} at the recorded instants, against the \
+             ideal on that motion",
+            recording.path().display(),
+            scene.method
+        );
+        Ok(Self {
+            recorded_leak_held_j: Some(leak).filter(|leak| leak.is_finite()),
+            recorded_peak_force_n: Some(peak),
+            is_recorded: true,
+            begins_s: times[0],
+            ..Self::judged(source, scene, scene.method, (&run, replay.reference()))
+        })
+    }
+
+    /// A hand that presses the device of `device` into a wall, by coupled rendering.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub(super) fn simulated(device: &DeviceCard, stiffness: f64) -> Result<Self, String> {
+        let value = |key| device.value(key);
+        let number = |key, otherwise: f64| value(key).unwrap_or(otherwise);
+        let (Some(mass), Some(period)) = (value("device_mass_kg"), value("period_s")) else {
+            return Err("the mass of the device or the period of its loop is not known".into());
+        };
+        let delay = number("delay_s", 0.0);
+        let friction = number("coulomb_friction_n", 0.0);
+        let hand = HAND.max(3.0 * friction);
+        let text = format!(
+            r#"
+scene_format = 1
+title = "A wall, pressed"
+[object]
+mass_kg = inf
+stiffness_n_per_m = {stiffness:e}
+position_m = 0
+[device]
+kind = "point-mass"
+mass_kg = {mass:e}
+position_m = -{FROM:e}
+viscous_n_s_per_m = {:e}
+coulomb_n = {:e}
+encoder_quantum_m = {:e}
+[hand]
+kind = "constant-force"
+force_n = {hand:e}
+[loop]
+period_s = {period:e}
+delay_s = {delay:e}
+lag_s = {:e}
+gain = {:e}
+[measure]
+duration_s = {:e}
+[renderer]
+method = "coupled"
+"#,
+            number("viscous_friction_n_s_per_m", 0.0),
+            friction,
+            number("sensor_quantum_m", 0.0),
+            number("lag_s", 0.0),
+            number("gain", 1.0),
+            duration(mass, stiffness, hand, period),
+        );
+        let file = SceneFile::parse("the simulated contact", &text);
+        let scene = file.map_err(|error| error.to_string())?.scene;
+        let method = MethodName::Coupled;
+        let bench = Bench::new(&scene).map_err(|error| error.to_string())?;
+        let run = bench.run(method).map_err(|error| error.to_string())?;
+        let source = format!(
+            "a simulation with the numbers of this page: a hand of {} N presses the device into a wall from {} mm \
+             away, by {method}, which is told these numbers",
+            digits(hand),
+            1e3 * FROM
+        );
+        Ok(Self::judged(
+            source,
+            &scene,
+            method,
+            (&run, bench.reference()),
+        ))
+    }
+
+    fn judged(
+        source: String,
+        scene: &Scene,
+        method: MethodName,
+        (run, reference): (&Run, &Reference),
+    ) -> Self {
+        let times: Vec<f64> = run.ticks.iter().map(|tick| tick.time).collect();
+        let of_ticks = |quantity, of: &dyn Fn(&palpate_sim::run::Tick) -> f64| Curve {
+            quantity,
+            t_s: times.clone(),
+            values: run.ticks.iter().map(of).collect(),
+        };
+        let ideal_times: Vec<f64> = reference.curve.iter().map(|point| point.time).collect();
+        let of_ideal = |quantity, of: &dyn Fn(&palpate_sim::run::IdealPoint) -> f64| Curve {
+            quantity,
+            t_s: ideal_times.clone(),
+            values: reference.curve.iter().map(of).collect(),
+        };
+        let curves = [
+            of_ticks("device_m", &|tick| tick.true_device_position),
+            of_ticks("object_m", &|tick| tick.output.object_position),
+            of_ideal("ideal_object_m", &|point| point.object_position),
+            of_ticks("force_n", &|tick| tick.held_force_on_object),
+            of_ideal("ideal_force_n", &|point| point.force_on_object),
+            of_ticks("created_j", &|tick| tick.ledger.held_leak.accumulated),
+        ];
+        let deepest = run.ticks.iter().map(|tick| tick.output.penetration);
+        let fidelity = run.force.fidelity;
+        let mass = palpate_sim::closed_loop::object_mass(scene);
+        Self {
+            source,
+            is_recorded: false,
+            method: method.name(),
+            stiffness_n_per_m: scene.contact.stiffness,
+            object_mass_kg: Some(mass).filter(|mass| mass.is_finite()),
+            begins_s: times.first().copied().unwrap_or(0.0),
+            lasts_s: run.last().time - times.first().copied().unwrap_or(0.0),
+            force_rendering_error_percent: fidelity.map(|f| f.force_rendering_error),
+            mean_force_error_percent: fidelity.map(|f| f.mean_force_error),
+            hold_floor_percent: fidelity.map(|f| f.hold_floor),
+            peak_force_n: run.force.peak_force,
+            deepest_penetration_m: deepest.fold(0.0, f64::max),
+            leak_held_j: run.last().ledger.held_leak.accumulated,
+            recorded_leak_held_j: None,
+            recorded_peak_force_n: None,
+            curves: curves.map(Curve::thinned).into(),
+        }
+    }
+
+    /// A curve by its quantity.
+    #[must_use]
+    pub fn curve(&self, quantity: &str) -> Option<&Curve> {
+        self.curves.iter().find(|curve| curve.quantity == quantity)
+    }
+}
+
+impl Curve {
+    /// Every n-th point, and the last.
+    fn thinned(self) -> Self {
+        let step = self.t_s.len().div_ceil(POINTS).max(1);
+        let last = self.t_s.len().saturating_sub(1);
+        let keep = |all: &[f64]| -> Vec<f64> {
+            all.iter()
+                .enumerate()
+                .filter(|(index, _)| index % step == 0 || *index == last)
+                .map(|(_, value)| *value)
+                .collect()
+        };
+        Self {
+            quantity: self.quantity,
+            t_s: keep(&self.t_s),
+            values: keep(&self.values),
+        }
+    }
+}
+
+/// Until the hand has pressed the device into the wall, and it has swung there twice `[s]`.
+fn duration(mass: f64, stiffness: f64, hand: f64, period: f64) -> f64 {
+    let approach = (2.0 * FROM * mass / hand).sqrt();
+    let swing = std::f64::consts::TAU * (mass / stiffness).sqrt();
+    (approach + 2.0 * swing).max(50.0 * period)
+}
+
+/// The contact in which the strongest force was sent, with what is before and after it: ticks in which the device was
+/// seen, under the parameters of the receipt.
+fn strongest(ticks: &[Row], period: f64) -> Option<&[Row]> {
+    let whole = |row: &Row| is_seen(row) && row.tick.generation == 0;
+    let mut best: Option<(f64, usize, usize)> = None;
+    let mut at = 0;
+    while at < ticks.len() {
+        if !ticks[at].tick.flags.has(Flags::CONTACT) || !whole(&ticks[at]) {
+            at += 1;
+            continue;
+        }
+        let from = at;
+        let mut peak = 0.0_f64;
+        while at < ticks.len()
+            && ticks[at].tick.flags.has(Flags::CONTACT)
+            && whole(&ticks[at])
+            && ticks[at].tick.time - ticks[from].tick.time <= LONGEST
+        {
+            peak = peak.max(ticks[at].contact.force_on_device.abs());
+            at += 1;
+        }
+        if best.is_none_or(|(strongest, ..)| peak > strongest) {
+            best = Some((peak, from, at));
+        }
+    }
+    let (_, from, to) = best?;
+    let lasts = ticks[to - 1].tick.time - ticks[from].tick.time;
+    let margin = (MARGIN * lasts).max(LEAST_MARGIN * period);
+    let (earliest, latest) = (
+        ticks[from].tick.time - margin,
+        ticks[to - 1].tick.time + margin,
+    );
+    let before = ticks[..from]
+        .iter()
+        .rev()
+        .take_while(|row| whole(row) && row.tick.time >= earliest)
+        .count();
+    let after = ticks[to..]
+        .iter()
+        .take_while(|row| whole(row) && row.tick.time <= latest)
+        .count();
+    let part = &ticks[from - before..to + after];
+    (part.len() > 2).then_some(part)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_record::recording::{ContactTick, Tick};
+
+    #[test]
+    fn the_strongest_contact_is_taken_with_its_margins_and_nothing_unseen() {
+        let tick = |i: u32, force: f64| Row {
+            tick: Tick {
+                time: 1e-3 * f64::from(i),
+                generation: 0,
+                flags: Flags::default().with(Flags::CONTACT, force != 0.0),
+                ..Tick::UNKNOWN
+            },
+            contact: ContactTick {
+                device_position: 0.0,
+                force_on_device: force,
+                ..ContactTick::UNKNOWN
+            },
+        };
+        let force = |i| match i {
+            10..20 => -1.0,
+            40..60 => -3.0,
+            _ => 0.0,
+        };
+        let mut ticks: Vec<Row> = (0..100).map(|i| tick(i, force(i))).collect();
+        let span = |ticks: &[Row]| {
+            let part = strongest(ticks, 1e-3).unwrap();
+            let at = |row: &Row| (1e3 * row.tick.time).round();
+            (at(&part[0]), at(&part[part.len() - 1]))
+        };
+        assert_eq!(span(&ticks), (35.0, 64.0));
+        // One of which no position is known ends it.
+        ticks[62].contact.device_position = f64::NAN;
+        assert_eq!(span(&ticks), (35.0, 61.0));
+        // Under other parameters, nobody says what the contact was.
+        ticks[40..]
+            .iter_mut()
+            .for_each(|row| row.tick.generation = 1);
+        assert_eq!(span(&ticks), (5.0, 24.0));
+        assert!(strongest(&[], 1e-3).is_none());
+    }
+}

@@ -1,0 +1,216 @@
+//! The device of a card: its name, and every number that is known of it with where it comes from.
+
+use palpate_calibrate::Quantity;
+use palpate_record::recording::Recording;
+use serde::Serialize;
+
+use super::{CardError, Sources};
+use crate::recording::report::told;
+use crate::recording::scene_of;
+
+/// The name of the simulated device in receipts.
+const SIMULATED: &str = "simulated";
+
+/// A device, and what is known of it.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct DeviceCard {
+    /// What it is called.
+    pub name: String,
+    /// Who says so.
+    pub name_from: String,
+    /// Whether it is a simulated one.
+    pub is_simulated: bool,
+    /// Whether its motors hold their last force when nobody commands another; none where nobody said.
+    pub holds_last_force: Option<bool>,
+    /// What is known of it.
+    pub numbers: Vec<NumberCard>,
+    /// Stiffness in the scene of the first recording `[N/m]`.
+    #[serde(skip)]
+    pub stiffness_of_scene: Option<f64>,
+}
+
+/// A number, and where it comes from.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct NumberCard {
+    /// What it is, with its unit.
+    pub key: &'static str,
+    /// In that unit.
+    pub value: f64,
+    /// In that unit; none where nobody said it.
+    pub standard_deviation: Option<f64>,
+    /// Where it comes from.
+    pub source: String,
+}
+
+/// What the receipt of a recording says of its device.
+struct Receipt<'a> {
+    recording: &'a Recording,
+    device: toml::Table,
+}
+
+impl<'a> Receipt<'a> {
+    fn of(recording: &'a Recording) -> Self {
+        let text = recording.receipt.texts.get("device");
+        let device = text.and_then(|text| text.parse().ok()).unwrap_or_default();
+        Self { recording, device }
+    }
+
+    fn name(&self) -> Option<&str> {
+        self.device.get("name")?.as_str()
+    }
+
+    fn number(&self, key: &str) -> Option<NumberCard> {
+        let value = self.device.get(key)?;
+        let value = value
+            .as_float()
+            .or_else(|| value.as_integer().map(|whole| whole as f64))?;
+        self.said(key_of_receipt(key), value, "the device, in")
+    }
+
+    fn said(&self, key: &'static str, value: f64, what: &str) -> Option<NumberCard> {
+        value.is_finite().then(|| NumberCard {
+            key,
+            value,
+            standard_deviation: None,
+            source: format!("{what} {}", self.recording.path().display()),
+        })
+    }
+}
+
+/// Receipts and device files call the quantum by two names.
+fn key_of_receipt(key: &str) -> &'static str {
+    match key {
+        "encoder_quantum_m" => Quantity::SensorQuantum.key(),
+        "effective_mass_kg" => Quantity::DeviceMass.key(),
+        _ => "largest_force_n",
+    }
+}
+
+impl DeviceCard {
+    /// The device that all sources are of.
+    pub(super) fn of(sources: &Sources<'_>) -> Result<Self, CardError> {
+        let receipts: Vec<Receipt<'_>> = sources.recordings.iter().map(Receipt::of).collect();
+        refuse_several(&receipts)?;
+        let first = receipts.first();
+        let named = first.and_then(|receipt| receipt.name());
+        let (name, name_from) = match (sources.name, named, sources.device_file) {
+            (Some(name), ..) => (name.to_owned(), "--name".to_owned()),
+            (None, Some(name), _) => {
+                let path = first.map(|receipt| receipt.recording.path().display().to_string());
+                (name.to_owned(), path.unwrap_or_default())
+            }
+            (None, None, Some((path, _))) => ("a device without a name".into(), path.to_owned()),
+            (None, None, None) => ("a device without a name".into(), "nobody".into()),
+        };
+        let mut numbers = Vec::new();
+        let mut put = |number: Option<NumberCard>| numbers.extend(number);
+        let of_file = |quantity: Quantity| {
+            let (path, calibration) = sources.device_file?;
+            let known = calibration.known.get(&quantity)?;
+            Some(NumberCard {
+                key: quantity.key(),
+                value: known.value,
+                standard_deviation: known.standard_deviation,
+                source: format!("device file {path}"),
+            })
+        };
+        let told_to = |key: &'static str| {
+            let receipt = first?;
+            let value = *told(receipt.recording).get(key)?;
+            receipt.said(key, value, "what the renderer was told in")
+        };
+        let scene = first.and_then(|receipt| scene_of(receipt.recording).ok());
+        let scene = scene.map(|file| file.scene);
+        let period_of_scene = || {
+            let period = scene.as_ref()?.loop_params.period;
+            first?.said("period_s", period, "the scene of")
+        };
+        put(sources
+            .period
+            .map(|value| NumberCard {
+                key: "period_s",
+                value,
+                standard_deviation: None,
+                source: "--period".into(),
+            })
+            .or_else(period_of_scene)
+            .or_else(|| of_file(Quantity::Period)));
+        put(of_file(Quantity::DeviceMass).or_else(|| told_to("device_mass_kg")));
+        let delay = of_file(Quantity::Delay).or_else(|| {
+            // Where the two are known only together, the sum is the better delay.
+            Some(NumberCard {
+                key: Quantity::Delay.key(),
+                ..of_file(Quantity::DelayPlusLag)?
+            })
+        });
+        let of_a_file = delay.is_some();
+        put(delay.or_else(|| told_to("delay_s")));
+        put(of_file(Quantity::Lag).or_else(|| told_to("lag_s").filter(|_| !of_a_file)));
+        put(of_file(Quantity::Gain).or_else(|| told_to("gain")));
+        let is_simulated = named == Some(SIMULATED);
+        let simulated = |key: &'static str, value: fn(&palpate_scene::PointMassDevice) -> f64| {
+            let scene = scene.as_ref().filter(|_| is_simulated)?;
+            first?.said(key, value(&scene.device), "the simulated device of")
+        };
+        put(of_file(Quantity::ViscousFriction).or_else(|| {
+            simulated(Quantity::ViscousFriction.key(), |device| {
+                device.viscous_friction
+            })
+        }));
+        put(of_file(Quantity::CoulombFriction).or_else(|| {
+            simulated(Quantity::CoulombFriction.key(), |device| {
+                device.coulomb_friction
+            })
+        }));
+        put(of_file(Quantity::SensorQuantum)
+            .or_else(|| first?.number("encoder_quantum_m"))
+            .or_else(|| {
+                simulated(Quantity::SensorQuantum.key(), |device| {
+                    device.encoder_quantum
+                })
+            }));
+        put(of_file(Quantity::Resonance));
+        put(first.and_then(|receipt| receipt.number("largest_force_n")));
+        let holds = first.and_then(|receipt| receipt.device.get("holds_last_force")?.as_bool());
+        Ok(Self {
+            name,
+            name_from,
+            is_simulated,
+            holds_last_force: holds,
+            numbers,
+            stiffness_of_scene: scene.map(|scene| scene.contact.stiffness),
+        })
+    }
+
+    /// The value of a number in the unit of its key, if it is known.
+    #[must_use]
+    pub fn value(&self, key: &str) -> Option<f64> {
+        self.number(key).map(|number| number.value)
+    }
+
+    /// A number, if it is known.
+    #[must_use]
+    pub fn number(&self, key: &str) -> Option<&NumberCard> {
+        self.numbers.iter().find(|number| number.key == key)
+    }
+}
+
+fn refuse_several(receipts: &[Receipt<'_>]) -> Result<(), CardError> {
+    let mut named = receipts
+        .iter()
+        .filter_map(|receipt| Some((receipt.recording.path().display(), receipt.name()?)));
+    let Some((first, of_first)) = named.next() else {
+        return Ok(());
+    };
+    match named.find(|(_, name)| *name != of_first) {
+        None => Ok(()),
+        Some((other, of_other)) => Err(CardError::SeveralDevices {
+            first: first.to_string(),
+            of_first: of_first.to_owned(),
+            other: other.to_string(),
+            of_other: of_other.to_owned(),
+        }),
+    }
+}

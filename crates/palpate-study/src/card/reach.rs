@@ -1,0 +1,410 @@
+//! What can be rendered on the device of a card: a coarse map with its numbers.
+
+use std::time::Instant;
+
+use palpate_scene::method::MethodName;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use serde::Serialize;
+
+use super::device::DeviceCard;
+use crate::advise::{FAITHFUL_PERCENT, Reach};
+use crate::map::{
+    Bounce, BounceDevice, BounceError, Class, Limit, MapParams, PHASES, Plant, default_settings,
+};
+
+/// The numbers of difficulty, kappa or Kc, between which a limit is looked for, and the steps for each
+/// factor of ten.
+const SEARCHED: (f64, f64) = (1e-3, 10.0);
+const PER_DECADE: i32 = 4;
+
+/// Halvings of the last step, on a logarithmic scale, for the wall and for the object that the table names.
+const HALVINGS: u32 = 3;
+
+/// Object masses over the device's, and how many for each factor of ten.
+const MASSES: (f64, f64) = (0.01, 100.0);
+const MASSES_PER_DECADE: i32 = 1;
+
+/// What can be rendered on a device.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ReachCard {
+    /// Mass of the device that was simulated `[kg]`.
+    pub device_mass_kg: f64,
+    /// Period of its loop `[s]`.
+    pub period_s: f64,
+    /// Delay of its loop `[s]`.
+    pub delay_s: f64,
+    /// Lag of its motor `[s]`.
+    pub lag_s: f64,
+    /// Viscous friction `[N s/m]`.
+    pub viscous_friction_n_s_per_m: f64,
+    /// Quantum of its position sensor `[m]`.
+    pub sensor_quantum_m: f64,
+    /// What of these nothing says, so that it was taken as 0.
+    pub assumed: Vec<&'static str>,
+    /// kappa and Kc that were tried, from the first to the last.
+    pub searched: [f64; 2],
+    /// From one step of the search to the next: the resolution of the limits over the object's mass.
+    pub step: f64,
+    /// The same for the stiffest wall and the lightest object, whose last step is halved.
+    pub finest_step: f64,
+    /// Start heights of each bounce.
+    pub start_heights: usize,
+    /// Contacts that were simulated from all start heights, each by one method.
+    pub contacts: usize,
+    /// How long that took `[s]`.
+    pub computed_in_s: f64,
+    /// Largest mean-force error E, and largest hold floor, of what is good `[%]`.
+    pub good_below_percent: f64,
+    /// Object masses of the limits `[kg]`.
+    pub object_masses_kg: Vec<f64>,
+    /// Stiffness at which the lightest object is looked for `[N/m]`.
+    pub stiffness_n_per_m: f64,
+    /// One entry for each method.
+    pub methods: Vec<MethodReachCard>,
+}
+
+/// The limits of a method. Stable: no bounce gains more than 1 % of energy from any start height. Good: stable,
+/// E and hold floor small enough, and steady at rest and pressed in a hand.
+#[derive(Debug, Clone, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct MethodReachCard {
+    /// The method.
+    pub method: &'static str,
+    /// Stiffest wall that is stable `[N/m]`.
+    pub stable_wall_n_per_m: Reach,
+    /// Stiffest wall that is good `[N/m]`.
+    pub good_wall_n_per_m: Reach,
+    /// Lightest object that is stable at the stiffness that is asked about `[kg]`.
+    pub stable_object_kg: Reach,
+    /// Lightest object that is good at that stiffness `[kg]`.
+    pub good_object_kg: Reach,
+    /// Stiffest contact that is stable, for each object mass `[N/m]`.
+    pub stable_n_per_m: Vec<Reach>,
+    /// Stiffest contact that is good, for each object mass `[N/m]`.
+    pub good_n_per_m: Vec<Reach>,
+}
+
+/// Contacts from the easiest to the hardest: what of them is asked about, and the contact of each.
+struct Line<'a> {
+    hardness: &'a [f64],
+    of: &'a (dyn Fn(f64) -> (f64, Bounce) + Sync),
+    halvings: u32,
+}
+
+/// The hardest contacts of a line.
+struct Limits {
+    stable: Reach,
+    good: Reach,
+    contacts: usize,
+}
+
+impl ReachCard {
+    /// With the numbers of `device`; none where its mass or its period is not known.
+    pub(super) fn of(
+        device: &DeviceCard,
+        stiffness: f64,
+        methods: &[MethodName],
+    ) -> Result<Option<Self>, BounceError> {
+        let (Some(mass), Some(period)) = (device.value("device_mass_kg"), device.value("period_s"))
+        else {
+            return Ok(None);
+        };
+        let begun = Instant::now();
+        let mut assumed = Vec::new();
+        let mut known = |key: &'static str| {
+            device.value(key).unwrap_or_else(|| {
+                assumed.push(key);
+                0.0
+            })
+        };
+        // A gain that is told divides every command, so that no limit depends on it.
+        let (delay, lag) = (known("delay_s"), known("lag_s"));
+        let viscous = known("viscous_friction_n_s_per_m");
+        let quantum = known("sensor_quantum_m");
+        let map = MapParams::default();
+        let bounce = Bounce {
+            device: BounceDevice {
+                mass,
+                viscous_friction: viscous,
+                coulomb_friction: 0.0,
+                encoder_quantum: quantum,
+                told_mass: 1.0,
+            },
+            stiffness,
+            object_mass: f64::INFINITY,
+            forces: map.forces,
+            gap: map.gap,
+            period,
+            told_period: 1.0,
+            delay: delay / period,
+            lag,
+        };
+        let per_kappa = mass / (period * period);
+        let heaviest = stiffness * period * period;
+        let searched = steps(SEARCHED, PER_DECADE);
+        let stiffer = |object_mass: f64| {
+            move |kappa: f64| {
+                let stiffness = kappa * per_kappa;
+                let bounce = Bounce {
+                    stiffness,
+                    object_mass,
+                    ..bounce
+                };
+                (stiffness, bounce)
+            }
+        };
+        let lighter = |object_kappa: f64| {
+            let object_mass = heaviest / object_kappa;
+            let bounce = Bounce {
+                object_mass,
+                ..bounce
+            };
+            (object_mass, bounce)
+        };
+        let masses: Vec<f64> = steps(MASSES, MASSES_PER_DECADE)
+            .iter()
+            .map(|share| share * mass)
+            .collect();
+        // The wall, the object, then the masses of the figure.
+        let lines = 2 + masses.len();
+        let tasks: Vec<(MethodName, usize)> = methods
+            .iter()
+            .flat_map(|method| (0..lines).map(|line| (*method, line)))
+            .collect();
+        let found: Vec<Limits> = tasks
+            .into_par_iter()
+            .map(|(method, line)| {
+                let object_mass = line.checked_sub(2).map_or(f64::INFINITY, |at| masses[at]);
+                let stiffer = stiffer(object_mass);
+                let line = Line {
+                    hardness: &searched,
+                    of: if line == 1 { &lighter } else { &stiffer },
+                    halvings: if line < 2 { HALVINGS } else { 0 },
+                };
+                line.limits(|bounce, ask_good| judge(bounce, method, ask_good))
+            })
+            .collect::<Result<_, _>>()?;
+        let of_methods = methods.iter().zip(found.chunks(lines)).map(|(method, of)| {
+            let all = |limit: fn(&Limits) -> Reach| of[2..].iter().map(limit).collect();
+            MethodReachCard {
+                method: method.name(),
+                stable_wall_n_per_m: of[0].stable,
+                good_wall_n_per_m: of[0].good,
+                stable_object_kg: of[1].stable,
+                good_object_kg: of[1].good,
+                stable_n_per_m: all(|limits| limits.stable),
+                good_n_per_m: all(|limits| limits.good),
+            }
+        });
+        let methods = of_methods.collect();
+        let step = 10.0_f64.powf(1.0 / f64::from(PER_DECADE));
+        Ok(Some(Self {
+            device_mass_kg: mass,
+            period_s: period,
+            delay_s: delay,
+            lag_s: lag,
+            viscous_friction_n_s_per_m: viscous,
+            sensor_quantum_m: quantum,
+            assumed,
+            searched: [SEARCHED.0, SEARCHED.1],
+            step,
+            finest_step: step.powf(0.5_f64.powi(HALVINGS.cast_signed())),
+            start_heights: PHASES,
+            contacts: found.iter().map(|limits| limits.contacts).sum(),
+            good_below_percent: FAITHFUL_PERCENT,
+            object_masses_kg: masses,
+            stiffness_n_per_m: stiffness,
+            methods,
+            computed_in_s: begun.elapsed().as_secs_f64(),
+        }))
+    }
+}
+
+/// Numbers of even ratios from the first to the last.
+fn steps((first, last): (f64, f64), per_decade: i32) -> Vec<f64> {
+    #[expect(clippy::cast_possible_truncation, reason = "a few decades")]
+    let decades = (last / first).log10().round() as i32;
+    (0..=decades * per_decade)
+        .map(|step| first * 10.0_f64.powf(f64::from(step) / f64::from(per_decade)))
+        .collect()
+}
+
+/// What a method does with a contact.
+#[derive(Clone, Copy)]
+struct Judged {
+    is_stable: bool,
+    is_good: bool,
+}
+
+/// What `method` does with a bounce, and whether that is good if that is asked; none where a bounce is too long to
+/// be followed.
+fn judge(
+    bounce: &Bounce,
+    method: MethodName,
+    ask_good: bool,
+) -> Result<Option<Judged>, BounceError> {
+    let settings = default_settings(method);
+    let entry = match bounce.judge(Plant::Damped, &[(method, settings)]) {
+        Ok((entries, _)) => entries[0],
+        Err(BounceError::TooLong(_)) => return Ok(None),
+        Err(error) => return Err(error),
+    };
+    let is_stable = entry.class() == Class::Stable;
+    let is_near = is_stable
+        && entry.error.worst < FAITHFUL_PERCENT
+        && entry.hold_floor.median < FAITHFUL_PERCENT;
+    let is_good = ask_good && is_near && {
+        let (stay, _) = bounce.stay(method, settings)?;
+        stay.rests() && stay.is_steady_pressed()
+    };
+    Ok(Some(Judged { is_stable, is_good }))
+}
+
+impl Line<'_> {
+    /// The last contact before the first that is not stable, and not good. Contacts at the easy end that nothing is
+    /// known of are passed over.
+    fn limits<E>(
+        &self,
+        judge: impl Fn(&Bounce, bool) -> Result<Option<Judged>, E>,
+    ) -> Result<Limits, E> {
+        let mut contacts = 0;
+        let mut ask = |hardness: f64, ask_good: bool| {
+            contacts += 1;
+            judge(&(self.of)(hardness).1, ask_good)
+        };
+        let (mut stable, mut good) = (Search::default(), Search::default());
+        for hardness in self.hardness {
+            let Some(judged) = ask(*hardness, good.is_open())? else {
+                continue;
+            };
+            good.next(*hardness, judged.is_good);
+            stable.next(*hardness, judged.is_stable);
+            if !stable.is_open() {
+                break;
+            }
+        }
+        for _ in 0..self.halvings {
+            if let Some(middle) = stable.middle() {
+                let judged = ask(middle, false)?;
+                stable.halve(middle, judged.is_some_and(|judged| judged.is_stable));
+            }
+            if let Some(middle) = good.middle() {
+                let judged = ask(middle, true)?;
+                good.halve(middle, judged.is_some_and(|judged| judged.is_good));
+            }
+        }
+        let limit = |search: &Search| search.limit(|hardness| (self.of)(hardness).0);
+        Ok(Limits {
+            stable: limit(&stable),
+            good: limit(&good),
+            contacts,
+        })
+    }
+}
+
+/// A search for where something ends, from the easy end on.
+#[derive(Default)]
+struct Search {
+    last: Option<f64>,
+    fails: Option<f64>,
+}
+
+impl Search {
+    fn is_open(&self) -> bool {
+        self.fails.is_none()
+    }
+
+    fn next(&mut self, hardness: f64, is: bool) {
+        match (self.is_open(), is) {
+            (true, true) => self.last = Some(hardness),
+            (true, false) => self.fails = Some(hardness),
+            (false, _) => {}
+        }
+    }
+
+    fn middle(&self) -> Option<f64> {
+        Some((self.last? * self.fails?).sqrt())
+    }
+
+    fn halve(&mut self, middle: f64, is: bool) {
+        if is {
+            self.last = Some(middle);
+        } else {
+            self.fails = Some(middle);
+        }
+    }
+
+    fn limit(&self, of: impl Fn(f64) -> f64) -> Reach {
+        let limit = match (self.last, self.fails) {
+            (None, _) => Limit::None,
+            (Some(last), Some(_)) => Limit::At(of(last)),
+            (Some(last), None) => Limit::Beyond(of(last)),
+        };
+        limit.into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::convert::Infallible;
+
+    fn bounce() -> Bounce {
+        let params = MapParams::default();
+        params.cell(0).bounce
+    }
+
+    /// Limits of a line whose contacts are `stable` and `good` up to so much, and not known below `known`.
+    fn found(known: f64, stable: f64, good: f64, halvings: u32) -> [(Option<f64>, bool); 2] {
+        let of = |hardness: f64| {
+            let bounce = Bounce {
+                stiffness: hardness,
+                ..bounce()
+            };
+            (10.0 * hardness, bounce)
+        };
+        let line = Line {
+            hardness: &[1.0, 2.0, 4.0, 8.0],
+            of: &of,
+            halvings,
+        };
+        let limits = line.limits(|bounce, ask_good| {
+            let judged = Judged {
+                is_stable: bounce.stiffness <= stable,
+                is_good: ask_good && bounce.stiffness <= good,
+            };
+            Ok::<_, Infallible>((bounce.stiffness >= known).then_some(judged))
+        });
+        let Ok(limits) = limits;
+        [limits.stable, limits.good].map(|limit| (limit.value, limit.or_beyond))
+    }
+
+    #[test]
+    fn a_limit_is_the_last_before_the_first_that_fails() {
+        assert_eq!(
+            found(0.0, 5.0, 3.0, 0),
+            [(Some(40.0), false), (Some(20.0), false)]
+        );
+        assert_eq!(found(0.0, 9.0, 0.5, 0), [(Some(80.0), true), (None, false)]);
+        assert_eq!(found(1.5, 2.5, 2.5, 0), [(Some(20.0), false); 2]);
+        assert_eq!(found(0.0, 0.5, 0.5, 3), [(None, false); 2]);
+    }
+
+    #[test]
+    fn halvings_close_in_on_the_end() {
+        for edge in [2.1, 3.0, 3.9] {
+            let [(stable, _), (good, _)] = found(0.0, 10.0 * edge, edge, 6);
+            assert_eq!(stable, Some(80.0));
+            let good = good.unwrap() / 10.0;
+            assert!(good <= edge && edge < 1.02 * good, "{edge}: {good}");
+        }
+    }
+
+    #[test]
+    fn steps_reach_from_end_to_end() {
+        let steps = steps((1e-3, 10.0), 4);
+        assert_eq!(steps.len(), 17);
+        assert!((steps[16] - 10.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,43 @@
+//! What a card takes from the ticks of a recording.
+
+use palpate_record::recording::{ContactTick, Entry, Flags, Recording, RecordingError, Row};
+
+/// The ticks of a recording, read once, each with its first contact.
+#[derive(Debug, Default)]
+pub(super) struct Ticks {
+    pub all: Vec<Row>,
+    pub missed_deadlines: u64,
+    /// Ticks without a position of the device.
+    pub unseen: u64,
+    /// Ticks whose force the safety changed on its way.
+    pub limited: u64,
+    /// Ticks with the motors off.
+    pub motors_off: u64,
+}
+
+impl Ticks {
+    /// All that are there.
+    pub fn read(recording: &Recording) -> Result<Self, RecordingError> {
+        let mut ticks = Self::default();
+        for entry in recording.entries()? {
+            if let Entry::Tick(tick, contacts) = entry? {
+                let contact = contacts.first().copied().unwrap_or(ContactTick::UNKNOWN);
+                let row = Row { tick, contact };
+                let count = |flag| u64::from(tick.flags.has(flag));
+                ticks.missed_deadlines += count(Flags::MISSED_DEADLINE);
+                ticks.limited += count(Flags::SAFETY_LIMITED);
+                ticks.motors_off += count(Flags::SAFETY_TRIPPED);
+                ticks.unseen += u64::from(!is_seen(&row));
+                ticks.all.push(row);
+            }
+        }
+        Ok(ticks)
+    }
+}
+
+/// Whether the position of a tick is one that the renderer took.
+pub(super) fn is_seen(row: &Row) -> bool {
+    row.contact.device_position.is_finite()
+        && !row.tick.flags.has(Flags::DEVICE_FAULT)
+        && !row.tick.flags.has(Flags::FAULT)
+}
