@@ -1,5 +1,6 @@
 //! Worlds in closed loop, judged by their ideal.
 #![allow(missing_docs)]
+#![allow(clippy::print_stdout)] // what was measured
 
 use palpate_scene::world::WorldFile;
 use palpate_sim::world::{WorldBench, WorldRun};

@@ -3,7 +3,7 @@
 use palpate_record::recording::Recording;
 use palpate_record::run;
 
-use super::common::{Scratch, append, receipt, row, small};
+use super::common::{Scratch, receipt, row, small};
 
 fn recording(scratch: &Scratch) -> Recording {
     let (bytes, sizes) = small(true);
@@ -70,6 +70,7 @@ mod as_parquet {
     use parquet::file::reader::{FileReader, SerializedFileReader};
     use parquet::record::RowAccessor;
 
+    use super::super::common::append;
     use super::*;
 
     fn read(recording: &Recording) -> SerializedFileReader<bytes::Bytes> {
