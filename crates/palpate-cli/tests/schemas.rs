@@ -13,6 +13,7 @@ fn folder() -> Folder {
     for name in ["fig2", "wall", "fig4"] {
         folder.write(&format!("{name}.toml"), experiment_text(name));
     }
+    folder.write("world.toml", experiment_text("worlds/paddle"));
     folder.write("taps.csv", trace_text(&taps(1e-3, 0.5)));
     folder
 }
@@ -31,6 +32,7 @@ fn every_report_is_as_its_schema_says() {
         "simulate fig2.toml --method all",
         "simulate wall.toml --jitter 0.0002 --drop 0.01 --delay 1",
         "simulate fig4.toml --method virtual-damper",
+        "simulate world.toml --method all",
         &format!("render taps.csv {SETUP} --method basic,popc-ref,coupled --device-mass 0.2"),
         &format!("render taps.csv {SETUP} --method hfcr {hand}"),
         "replay rec.mcap --method hfcr",
@@ -42,6 +44,7 @@ fn every_report_is_as_its_schema_says() {
         "sweep fig2.toml --over damping --values 0.01 --method hfcr --heights",
         "suite --plants 2 --method basic,coupled",
         "suite --set desk --plants 1 --method coupled",
+        "suite --set worlds --plants 2",
         "map --cells 2 --method basic,coupled",
         "map --cells 2 --method basic --shard 1/2 --out part.csv",
         "report rec.mcap --method basic",
@@ -60,6 +63,8 @@ fn every_report_is_as_its_schema_says() {
         met.insert(schema::check(&parse(&answer.stdout)));
     }
     let pipe = folder.palpate_reading("0\n0.001\n", &format!("pipe {SETUP} --method basic --json"));
+    met.insert(schema::check(&parse(pipe.stderr.lines().last().unwrap())));
+    let pipe = folder.palpate_reading("0,0,0\n", "pipe world.toml --json");
     met.insert(schema::check(&parse(pipe.stderr.lines().last().unwrap())));
     // These take long or need a device: tests/sweep_and_claims.rs and tests/two_diy.rs check them.
     met.extend(["claims", "devices-check"].map(String::from));

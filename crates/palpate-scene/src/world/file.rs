@@ -27,7 +27,6 @@ const DURATION: f64 = 0.5;
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RawFile {
-    #[serde(alias = "scene_format")]
     format: Spanned<i64>,
     #[serde(default)]
     title: String,
@@ -139,7 +138,6 @@ impl WorldFile {
     pub fn is_one(source: &str) -> bool {
         #[derive(Deserialize)]
         struct Version {
-            #[serde(alias = "scene_format")]
             format: i64,
         }
         toml::from_str(source).is_ok_and(|Version { format }| format == WORLD_FORMAT)
