@@ -107,6 +107,14 @@ fn suite() {
     let folder = Folder::new();
     let text = folder.succeed("suite --plants 2 --method all");
     assert_fits(&text, &[E, FRE]);
+    let worlds = folder.succeed("suite --set worlds --plants 3");
+    assert_fits(
+        &worlds,
+        &[
+            "E: error of the mean force",
+            "Best damper: the virtual damper",
+        ],
+    );
 }
 
 #[test]
