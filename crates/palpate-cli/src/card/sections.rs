@@ -333,7 +333,7 @@ pub fn contact(of: &ContactCard, figures: &mut Figures) -> Result<String, Failur
             ),
         ),
         (
-            "E: error that the method answers for",
+            "E: error that a method can avoid",
             in_percent(of.mean_force_error_percent),
         ),
         (

@@ -44,7 +44,7 @@ pub struct ContactCard {
     pub lasts_s: f64,
     /// FRE `[%]`.
     pub force_rendering_error_percent: Option<f64>,
-    /// E, which is what a method answers for `[%]`.
+    /// E, the part of the error that a method can avoid `[%]`.
     pub mean_force_error_percent: Option<f64>,
     /// FRE that no held force can be below `[%]`.
     pub hold_floor_percent: Option<f64>,
