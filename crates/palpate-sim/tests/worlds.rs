@@ -101,3 +101,40 @@ fn the_judge_and_the_renderer_see_the_same_world() {
         }
     }
 }
+
+/// The committed worlds, each by its file's name.
+fn committed() -> Vec<(String, String)> {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../experiments/worlds");
+    let mut worlds: Vec<_> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| {
+            let path = entry.unwrap().path();
+            let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+            (name, std::fs::read_to_string(path).unwrap())
+        })
+        .collect();
+    worlds.sort();
+    assert_eq!(worlds.len(), 10);
+    worlds
+}
+
+#[test]
+fn in_the_committed_worlds_coupled_rendering_is_near_the_floor_and_at_it_with_the_masses_known() {
+    for (name, source) in committed() {
+        let ([told, basic], bench) = runs(&source, ["coupled", "basic"]);
+        let unknown =
+            |line: &&str| !line.starts_with("device_mass_kg") && !line.starts_with("quantum_m");
+        let known: Vec<&str> = source.lines().filter(unknown).collect();
+        assert!(known.len() < source.lines().count(), "{name}");
+        let ([known], _) = runs(&known.join("\n"), ["coupled"]);
+        println!(
+            "{name}: E basic {:.1} %, coupled told 1.5 times the mass {:.3} %, told the mass {:.3} %",
+            error(&basic),
+            error(&told),
+            error(&known)
+        );
+        assert!(error(&told) < 1.0 && error(&known) < 0.1, "{name}");
+        assert!(error(&basic) > 10.0, "{name}");
+        assert_eq!(bench.self_check().unwrap().chaotic_from, None, "{name}");
+    }
+}
