@@ -114,6 +114,20 @@ fn a_world_that_cannot_be_judged_or_rendered_says_why() {
 }
 
 #[test]
+fn an_overlap_at_the_start_is_rendered_and_said() {
+    let folder = Folder::new();
+    folder.write(
+        "ball.toml",
+        BALL.replace("[0.004, 0.0, 0.08]", "[0.004, 0.0, 0.068]"),
+    );
+    let text = folder.succeed("simulate ball.toml");
+    let said = "\"tool\" and \"ball\" overlap at the start";
+    assert_eq!(text.matches(said).count(), 1, "{text}");
+    folder.write("ball.toml", BALL);
+    assert!(!folder.succeed("simulate ball.toml").contains("overlap"));
+}
+
+#[test]
 fn the_json_of_a_scene_is_the_same_on_every_run() {
     let folder = Folder::new();
     folder.write("ball.toml", BALL);

@@ -6,7 +6,7 @@ mod text;
 use palpate_scene::world::WorldScene;
 use palpate_sim::world::{WorldBench, WorldRun};
 use palpate_testbed::metrics::Fidelity;
-use palpate_testbed::world::DeviceJudgement;
+use palpate_testbed::world::{DeviceJudgement, Member, WorldIdeal};
 use serde::Serialize;
 
 /// Name and version of the JSON report.
@@ -41,6 +41,8 @@ pub struct WorldReport {
     pub ideal_error_percent: Option<f64>,
     /// Number of contacts that begin in the ideal's window.
     pub contacts: usize,
+    /// Names of those that overlap at the start, so that a contact begins with that overlap.
+    pub overlapping_at_start: Vec<[String; 2]>,
     /// Largest penetration of the ideal's contacts.
     pub deepest_m: f64,
     /// One entry for each method.
@@ -139,10 +141,23 @@ impl WorldReport {
             chaotic_from_s: check.and_then(|check| check.chaotic_from),
             ideal_error_percent: check.map(|check| check.error),
             contacts: ideal.encounters.len(),
+            overlapping_at_start: overlapping_at_start(scene, ideal),
             deepest_m: ideal.deepest(),
             methods: runs.iter().map(|run| of_run(run, &of_devices)).collect(),
         }
     }
+}
+
+fn overlapping_at_start(scene: &WorldScene, ideal: &WorldIdeal) -> Vec<[String; 2]> {
+    let name = |member| match member {
+        Member::Device(number) => scene.world.tools[number].name.clone(),
+        Member::Body(number) => scene.world.bodies[number].name.clone(),
+    };
+    let at_start = ideal.encounters.iter().filter(|it| it.start == 0.0);
+    let mut pairs: Vec<_> = at_start.map(|it| it.between.map(name)).collect();
+    // A box on a plane touches it at several corners.
+    pairs.dedup();
+    pairs
 }
 
 fn of_run(run: &WorldRun, of_devices: &[(&str, f64)]) -> WorldMethodReport {

@@ -111,7 +111,10 @@ impl WorldReport {
 
     /// What the numbers above do not say.
     fn remarks(&self) -> Vec<String> {
-        let mut remarks = Vec::new();
+        let overlap = |[one, other]: &[String; 2]| {
+            format!("\"{one}\" and \"{other}\" overlap at the start; their contact begins so.")
+        };
+        let mut remarks: Vec<_> = self.overlapping_at_start.iter().map(overlap).collect();
         for method in &self.methods {
             if method.refused_samples > 0 {
                 remarks.push(format!(
