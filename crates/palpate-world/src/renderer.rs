@@ -152,9 +152,11 @@ impl WorldRenderer {
         }
     }
 
-    /// One tick: takes a sample of all devices, gives the forces to hold until the next. `state` is one that this
-    /// renderer has started. Total: it never panics,
-    /// allocates, blocks or loops without bound, and its forces are finite for any input.
+    /// One tick: takes a sample of all devices, gives the forces to hold until the next.
+    ///
+    /// `state` is one that this renderer has started; with the state of another renderer a tick may panic. Apart from
+    /// that a tick is total: it never panics, allocates, blocks or loops without bound, and its forces are finite for
+    /// any input.
     ///
     /// A sample that cannot be used gives forces of 0 and its fault. The bodies then wait, with their momentum, where
     /// they were at the last sample that was used.
