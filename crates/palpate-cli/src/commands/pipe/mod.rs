@@ -11,10 +11,8 @@ mod summary;
 mod world;
 
 use std::io;
-use std::sync::{Arc, Mutex};
 
 use palpate::LARGEST_DELAY;
-use palpate_rt::StopFlag;
 use palpate_rt::safety::{OscillationParams, Safety, SafetyParams};
 use palpate_scene::SceneFile;
 use palpate_scene::method::MethodName;
@@ -27,7 +25,7 @@ use crate::setup::{check_contact, wrong_rendered, wrong_setup};
 use change::{Changeable, rendering};
 use line::Format;
 use messages::Messages;
-use serving::{locked, serve_until};
+use serving::answer_all;
 use stream::{Memory, Stream};
 pub use summary::Summary;
 #[cfg(test)]
@@ -42,20 +40,7 @@ pub fn run(arguments: &PipeArguments) -> Result<(), Failure> {
         (_, Some(AnyScene::Contact(file))) => Some(*file),
         (_, None) | (None, Some(_)) => None,
     };
-    let stop =
-        StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
-    let stream = Arc::new(Mutex::new(set_up(arguments, scene)?));
-    let ended = serve_until(&stream, &stop)?;
-    let (summary, messages) = locked(&stream).finish();
-    if let Some(messages) = messages {
-        if arguments.json {
-            let summary = serde_json::to_string(&summary);
-            messages.finish(summary.expect("a summary has string keys only"));
-        } else {
-            messages.finish(summary);
-        }
-    }
-    ended.into()
+    answer_all(|| set_up(arguments, scene), arguments.json)
 }
 
 /// The stream as the arguments say it; nothing has been read or written yet.

@@ -1,5 +1,6 @@
 //! Lines in, lines out: what every kind of pipe does, whatever it renders.
 
+use std::fmt;
 use std::io::{self, BufRead, Read};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -7,7 +8,9 @@ use std::thread::Builder;
 use std::time::Duration;
 
 use palpate_rt::StopFlag;
+use serde::Serialize;
 
+use super::messages::Messages;
 use crate::failure::Failure;
 use crate::last_line;
 
@@ -18,6 +21,9 @@ const LOOK_EVERY: Duration = Duration::from_millis(10);
 
 /// What answers lines.
 pub trait Answering: Send + 'static {
+    /// What it did, for the end.
+    type Summary: Serialize + fmt::Display;
+
     /// Prints the names of the columns, if they are asked for.
     fn write_header(&mut self) -> io::Result<()>;
     /// Answers the line with this number, if it is to be answered; `Err` as its text says why it
@@ -28,6 +34,30 @@ pub trait Answering: Send + 'static {
     /// Takes the force off with a last line, if a line was answered: whoever reads holds the force of
     /// the line that came last.
     fn end(&mut self) -> io::Result<()>;
+    /// What was done, and the messages, which are not to be used any more.
+    fn finish(&mut self) -> (Self::Summary, Option<Messages>);
+}
+
+/// Answers every line of standard input until it ends, or a signal ends it. The summary is told at the end, as
+/// JSON if that is asked for.
+pub fn answer_all<S: Answering>(
+    set_up: impl FnOnce() -> Result<S, Failure>,
+    as_json: bool,
+) -> Result<(), Failure> {
+    let stop =
+        StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
+    let stream = Arc::new(Mutex::new(set_up()?));
+    let ended = serve_until(&stream, &stop)?;
+    let (summary, messages) = locked(&stream).finish();
+    if let Some(messages) = messages {
+        if as_json {
+            let summary = serde_json::to_string(&summary);
+            messages.finish(summary.expect("a summary has string keys only"));
+        } else {
+            messages.finish(summary);
+        }
+    }
+    ended.into()
 }
 
 /// Why no further line is answered.
@@ -47,7 +77,7 @@ impl Stopped {
 }
 
 /// How the pipe ended.
-pub enum Ended {
+enum Ended {
     /// The input did.
     Done,
     /// A line or the output stopped it.
@@ -85,16 +115,13 @@ fn unless_broken(error: io::Error) -> Result<(), Failure> {
 }
 
 /// The stream, for this thread. What a thread that panicked has left can still be ended.
-pub fn locked<S>(stream: &Mutex<S>) -> MutexGuard<'_, S> {
+fn locked<S>(stream: &Mutex<S>) -> MutexGuard<'_, S> {
     stream.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Answers lines in a thread of its own until the input ends or `stop` is raised: a thread that waits
 /// for a line cannot look at signals.
-pub fn serve_until<S: Answering>(
-    stream: &Arc<Mutex<S>>,
-    stop: &StopFlag,
-) -> Result<Ended, Failure> {
+fn serve_until<S: Answering>(stream: &Arc<Mutex<S>>, stop: &StopFlag) -> Result<Ended, Failure> {
     let (sender, served) = channel();
     let server = Arc::clone(stream);
     Builder::new()

@@ -205,12 +205,6 @@ impl Stream {
         }
     }
 
-    /// What was done, and the messages, which are not to be used any more.
-    pub fn finish(&mut self) -> (Summary, Option<Messages>) {
-        let summary = self.summary.with_books(self.rendered.ledger());
-        (summary, self.messages.take())
-    }
-
     fn write_text(&mut self) -> Result<(), Stopped> {
         self.output
             .write_all(self.memory.text.as_bytes())
@@ -220,6 +214,8 @@ impl Stream {
 }
 
 impl Answering for Stream {
+    type Summary = Summary;
+
     fn is_ended(&self) -> bool {
         self.memory.is_ended
     }
@@ -274,5 +270,10 @@ impl Answering for Stream {
         self.columns.write(&last.end(), &mut self.memory.text);
         self.output.write_all(self.memory.text.as_bytes())?;
         self.output.flush()
+    }
+
+    fn finish(&mut self) -> (Summary, Option<Messages>) {
+        let summary = self.summary.with_books(self.rendered.ledger());
+        (summary, self.messages.take())
     }
 }

@@ -6,14 +6,12 @@ mod summary;
 
 use std::io;
 use std::path::Path;
-use std::sync::{Arc, Mutex};
 
-use palpate_rt::StopFlag;
 use palpate_rt::safety::{Safety, SafetyParams};
 use palpate_scene::world::WorldFile;
 
 use super::messages::Messages;
-use super::serving::{locked, serve_until};
+use super::serving::answer_all;
 use super::{PipeArguments, limits, limits_in_words, soft_start};
 use crate::failure::Failure;
 use crate::worlds::{self, Names, wrong_world};
@@ -37,20 +35,7 @@ const FLAGS: [&str; 9] = [
 /// Answers every line of standard input until it ends, or a signal ends it.
 pub fn run(arguments: &PipeArguments, path: &Path, file: &WorldFile) -> Result<(), Failure> {
     worlds::only(&arguments.given, &FLAGS, path)?;
-    let stop =
-        StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
-    let stream = Arc::new(Mutex::new(set_up(arguments, file)?));
-    let ended = serve_until(&stream, &stop)?;
-    let (summary, messages) = locked(&stream).finish();
-    if let Some(messages) = messages {
-        if arguments.json {
-            let summary = serde_json::to_string(&summary);
-            messages.finish(summary.expect("a summary has string keys only"));
-        } else {
-            messages.finish(summary);
-        }
-    }
-    ended.into()
+    answer_all(|| set_up(arguments, file), arguments.json)
 }
 
 /// The stream as arguments and file say it; nothing has been read or written yet.

@@ -211,15 +211,11 @@ impl Stream {
         self.output.write_all(self.memory.text.as_bytes())?;
         self.output.flush()
     }
-
-    /// What was done, and the messages, which are not to be used any more.
-    pub fn finish(&mut self) -> (WorldSummary, Option<Messages>) {
-        let summary = self.summary.with_books(self.state.books());
-        (summary, self.messages.take())
-    }
 }
 
 impl Answering for Stream {
+    type Summary = WorldSummary;
+
     fn write_header(&mut self) -> io::Result<()> {
         if !self.is_header_asked {
             return Ok(());
@@ -263,5 +259,10 @@ impl Answering for Stream {
         let none = vec![[0.0; 3]; self.format.devices.len()];
         self.answer(&none);
         self.write_text()
+    }
+
+    fn finish(&mut self) -> (WorldSummary, Option<Messages>) {
+        let summary = self.summary.with_books(self.state.books());
+        (summary, self.messages.take())
     }
 }
