@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes THIRD-PARTY.md: whose work goes into the program, and under which licence. Writes the same for the
-Python package and the C library.
+Python package, the C library and the playground.
 
     scripts/third_party.py           writes the files
     scripts/third_party.py --check   exit code 1 if a file is not up to date
@@ -77,6 +77,7 @@ GIVEN = [
     Given("program", "The program", ROOT, "palpate-cli", True),
     Given("package", "The Python package", ROOT / "bindings/python", "palpate-python", False),
     Given("library", "The C library", ROOT / "bindings/c", "palpate-c", False),
+    Given("page", "The playground of", ROOT / "bindings/wasm", "palpate-wasm", True),
 ]
 
 

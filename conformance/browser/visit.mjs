@@ -16,7 +16,14 @@ async function launch() {
   browser ??= await puppeteer.launch({
     executablePath: CHROMIUM,
     // The tests may run as root, and in containers with little shared memory.
-    args: ["--no-sandbox", "--disable-dev-shm-usage", "--force-color-profile=srgb"],
+    // The page of a world draws by WebGL, and there may be no graphics processor.
+    args: [
+      "--no-sandbox",
+      "--disable-dev-shm-usage",
+      "--force-color-profile=srgb",
+      "--use-angle=swiftshader",
+      "--enable-unsafe-swiftshader",
+    ],
   });
   return browser;
 }

@@ -18,9 +18,14 @@ const LOOK_EVERY: Duration = Duration::from_millis(20);
 pub struct Stop(Arc<AtomicBool>);
 
 impl Stop {
+    /// Whether nobody waits for the work any more.
+    pub fn is_raised(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+
     /// Ends the work where nobody waits for it any more: unwinds its thread, without a message.
     pub fn leave_if_raised(&self) {
-        if self.0.load(Ordering::Relaxed) {
+        if self.is_raised() {
             resume_unwind(Box::new("nobody waits for this work any more"));
         }
     }

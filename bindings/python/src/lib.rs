@@ -4,10 +4,12 @@
 //! reports as the JSON that the program prints, ticks as arrays. Nothing is computed here.
 
 mod columns;
+mod engine;
 mod interrupt;
 mod methods;
 mod names;
 mod own_method;
+mod reach;
 mod recording;
 mod render;
 mod renderer;
@@ -15,6 +17,9 @@ mod scene;
 mod setup;
 mod simulate;
 mod studies;
+mod world;
+mod world_state;
+mod worlds;
 
 use pyo3::prelude::*;
 
@@ -24,7 +29,11 @@ mod _palpate {
     #[pymodule_export]
     use super::columns::{columns, ideal_columns};
     #[pymodule_export]
+    use super::engine::EngineContact;
+    #[pymodule_export]
     use super::methods::methods;
+    #[pymodule_export]
+    use super::reach::{advise, map};
     #[pymodule_export]
     use super::recording::{read_recording, recorded_columns};
     #[pymodule_export]
@@ -37,6 +46,12 @@ mod _palpate {
     use super::simulate::{compare, simulate};
     #[pymodule_export]
     use super::studies::{heights, run_suite, tune};
+    #[pymodule_export]
+    use super::world::{PyWorld, is_world};
+    #[pymodule_export]
+    use super::world_state::{world_bodies, world_books, world_contacts, world_tools};
+    #[pymodule_export]
+    use super::worlds::simulate_world;
 
     /// Version of the package.
     #[pymodule_export]

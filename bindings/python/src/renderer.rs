@@ -1,8 +1,8 @@
 //! `Renderer`: one contact in a loop of Python's own, sample by sample.
 
 use palpate::{
-    AnyMemory, AnyRenderer, Leak, MethodParams as _, ObjectState, Output, ParameterValue, Sample,
-    State,
+    AnyMemory, AnyRenderer, Leak, LoopParams, MethodParams as _, ObjectState, Output,
+    ParameterValue, Sample, State,
 };
 use palpate_device::Wrench;
 use palpate_rt::safety::{self, OscillationParams, Safety, SafetyParams};
@@ -211,6 +211,16 @@ impl Renderer {
 
 /// The limits of `palpate pipe`: the largest force, and the time over which a force comes in.
 fn safety_of(setup: &ReplaySetup, soft_start: f64) -> PyResult<Safety> {
+    let LoopParams {
+        force_limit,
+        period,
+        ..
+    } = setup.loop_params;
+    safety(force_limit, soft_start, period)
+}
+
+/// The same limits for a loop of `period` \[s\].
+pub fn safety(force_limit: Option<f64>, soft_start: f64, period: f64) -> PyResult<Safety> {
     if !(0.0..=60.0).contains(&soft_start) {
         return Err(refused(format!(
             "soft_start is {soft_start} s, but must be 0 to 60"
@@ -218,7 +228,7 @@ fn safety_of(setup: &ReplaySetup, soft_start: f64) -> PyResult<Safety> {
     }
     let defaults = SafetyParams::default();
     let limits = SafetyParams {
-        largest_force: setup.loop_params.force_limit.unwrap_or(f64::MAX),
+        largest_force: force_limit.unwrap_or(f64::MAX),
         soft_start,
         largest_speed: f64::INFINITY,
         oscillation: OscillationParams {
@@ -227,5 +237,5 @@ fn safety_of(setup: &ReplaySetup, soft_start: f64) -> PyResult<Safety> {
         },
         ..defaults
     };
-    Safety::new(limits, setup.loop_params.period).map_err(refused)
+    Safety::new(limits, period).map_err(refused)
 }

@@ -103,7 +103,7 @@ impl PyScene {
 }
 
 /// The messages alone: nobody has written the lines that they would point at.
-fn messages(errors: &SceneErrors) -> String {
+pub fn messages(errors: &SceneErrors) -> String {
     let messages: Vec<_> = errors.iter().map(|error| error.message.as_str()).collect();
     messages.join("\n")
 }

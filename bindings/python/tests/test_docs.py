@@ -9,13 +9,16 @@ from pathlib import Path
 import pytest
 
 import palpate
+import palpate.engines
 from conftest import ROOT
 
-PAGES = ["README.md", "docs/python.md", "bindings/python/README.md"]
+PAGES = ["README.md", "docs/python.md", "docs/engines.md", "bindings/python/README.md"]
 
 
 @pytest.mark.parametrize("page", PAGES)
 def test_every_example_of_a_page_runs(root: Path, page: str) -> None:
+    if page == "docs/engines.md":
+        pytest.importorskip("mujoco", reason="pip install palpate[mujoco]")
     examples = re.findall(r"^```python\n(.*?)^```", (ROOT / page).read_text(), re.DOTALL | re.MULTILINE)
     assert examples
     names: dict[str, object] = {}
@@ -24,8 +27,8 @@ def test_every_example_of_a_page_runs(root: Path, page: str) -> None:
 
 
 def test_every_public_name_says_what_it_is() -> None:
-    for name in palpate.__all__:
-        value = getattr(palpate, name)
+    for of, name in [(module, name) for module in (palpate, palpate.engines) for name in module.__all__]:
+        value = getattr(of, name)
         if callable(value):
             assert (value.__doc__ or "").strip(), name
             for member in dir(value):

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { isGrouped, readSamples } from "../../../crates/palpate-scope/page/protocol.js";
+import { isGrouped, kindOf, readSamples, readWorld } from "../../../crates/palpate-scope/page/protocol.js";
 import { frameOf } from "./frames.mjs";
 
 test("a frame is read: head, times, columns one after the other", () => {
@@ -37,4 +37,23 @@ test("rows are ticks up to 1 kHz, groups above", () => {
   assert.equal(isGrouped(0.02), false);
   assert.equal(isGrouped(0.00025), true);
   assert.equal(isGrouped(1 / 1001), true);
+});
+
+test("a world is read: the bytes are those of docs/scope.md, written out", () => {
+  const head = "02 01 0000 01000000 05000000 07000000 000000000000e03f 01000000 0000803e 0000003f 0000403f";
+  const body = "00004040 0000803f 00000040 00004040 0000803f 00000000 00000000 00000000";
+  const contact = "00008040 0000a040 0000c040 0000e040 00000041 00001041";
+  const bytes = new Uint8Array(Buffer.from(`${head}${body}${contact}`.replaceAll(" ", ""), "hex")).buffer;
+  assert.equal(kindOf(bytes), "world");
+  assert.deepEqual(readWorld(bytes), {
+    lane: 1,
+    number: 5,
+    run: 7,
+    timeS: 0.5,
+    force: [0.25, 0.5, 0.75],
+    bodies: [{ body: 3, position: [1, 2, 3], orientation: [1, 0, 0, 0] }],
+    contacts: [{ point: [4, 5, 6], force: [7, 8, 9] }],
+  });
+  assert.throws(() => readWorld(bytes.slice(0, 80)), /1 bodies and 1 contacts has 80 bytes instead of 96/);
+  assert.throws(() => readWorld(bytes.slice(0, 30)), /30 bytes is shorter than its header of 40/);
 });

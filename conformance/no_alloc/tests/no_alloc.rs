@@ -133,6 +133,67 @@ fn a_renderer_is_made_started_and_stepped_without_allocating() {
     assert_eq!(count, 0);
 }
 
+/// Nor does a tick on a mesh: triangles are gathered into room that is there.
+#[test]
+fn a_mesh_is_touched_without_allocating() {
+    use palpate_world::{
+        BasicParams, Body, Contact, ContactLaw, CoupledParams, Mesh, Motion, Party, Sample, Shape,
+        Tool, World, WorldLoop, WorldMethod, WorldRenderer,
+    };
+    // Egg box of 2 mm on 100 mm, of triangles of 1 mm.
+    let cells = 100;
+    let vertices: Vec<[f64; 3]> = (0..=cells)
+        .flat_map(|i| (0..=cells).map(move |j| [0.001 * f64::from(i), 0.001 * f64::from(j)]))
+        .map(|[x, y]| [x, y, 0.001 * (300.0 * x).sin() * (300.0 * y).sin()])
+        .collect();
+    let row = u32::try_from(cells).unwrap() + 1;
+    let faces: Vec<[u32; 3]> = (0..row - 1)
+        .flat_map(|i| (0..row - 1).map(move |j| i * row + j))
+        .flat_map(|a| [[a, a + row, a + row + 1], [a, a + row + 1, a + 1]])
+        .collect();
+    let mesh = std::sync::Arc::new(Mesh::new(&vertices, &faces).unwrap());
+    // The large ball looks at as many triangles as it may, which takes an unoptimised build its time.
+    for (radius, ticks) in [(0.0, 3000), (0.004, 3000), (1.0, 200)] {
+        let world = World {
+            tools: vec![Tool::new("tool", Shape::Sphere { radius })],
+            bodies: vec![Body::new("bumps", Shape::Mesh(mesh.clone()), Motion::Fixed)],
+            contacts: vec![Contact {
+                between: [Party::Any, Party::Any],
+                law: ContactLaw::spring(2000.0)
+                    .with_damping(1.0)
+                    .with_friction(0.5),
+            }],
+        };
+        let methods: [WorldMethod; 2] = [
+            BasicParams::default().into(),
+            CoupledParams::new(vec![[0.15; 3]]).into(),
+        ];
+        for method in methods {
+            let renderer = WorldRenderer::new(&world, WorldLoop::new(0.001), method).unwrap();
+            let mut state = renderer.start();
+            let (mut forces, mut left_out) = (0, 0);
+            let count = allocations(|| {
+                for tick in 0..ticks {
+                    let t = f64::from(tick) * 0.001;
+                    let height = radius + 0.0008 + 0.001 * (40.0 * t).sin();
+                    let mut positions =
+                        [[0.05 + 0.04 * t.sin(), 0.05 + 0.03 * (1.7 * t).sin(), height]];
+                    if tick % 300 == 299 {
+                        positions[0][1] = f64::NAN;
+                    }
+                    let output = renderer.step(&mut state, &Sample::at(&positions));
+                    forces += usize::from(output.forces[0] != [0.0; 3]);
+                    left_out += usize::from(output.effort.left_out > 0);
+                }
+            });
+            assert!(forces > 50, "{radius}: {forces}");
+            // A ball of 1 m has more triangles about it than are looked at, and it is said.
+            assert_eq!(left_out > 0, radius > 0.02, "{radius}: {left_out}");
+            assert_eq!(count, 0);
+        }
+    }
+}
+
 /// A world is made and started with room for everything; its ticks then allocate nothing.
 #[test]
 fn a_world_is_stepped_without_allocating() {
@@ -180,8 +241,8 @@ fn a_world_is_stepped_without_allocating() {
                     _ => {}
                 }
                 let sample = Sample {
-                    positions: &positions,
                     elapsed,
+                    ..Sample::at(&positions)
                 };
                 let output = renderer.step(&mut state, &sample);
                 forces += usize::from(output.forces[0] != [0.0; 3]);
@@ -191,4 +252,58 @@ fn a_world_is_stepped_without_allocating() {
         assert!(forces > 100 && faults > 100, "{forces}, {faults}");
         assert_eq!(count, 0);
     }
+}
+
+/// The same for contact with the bodies of another engine.
+#[test]
+fn contact_with_an_engine_s_body_allocates_nothing() {
+    use palpate_world::engine::{
+        BodyNow, BodyWrench, EngineBody, EngineRenderer, PlacedShape, Stepping,
+    };
+    use palpate_world::{ContactLaw, CoupledParams, NOT_TURNED, Sample, Shape, Tool, WorldLoop};
+    let body = EngineBody {
+        name: "block".into(),
+        shapes: vec![PlacedShape {
+            shape: Shape::Box {
+                half_extents: [0.02; 3],
+            },
+            position: [0.0; 3],
+            orientation: NOT_TURNED,
+        }],
+        law: ContactLaw::spring(2000.0).with_friction(0.5),
+    };
+    let tools = [Tool::new("tool", Shape::Sphere { radius: 0.01 })];
+    let params = CoupledParams::new(vec![[0.1, 0.2, f64::INFINITY]]);
+    let in_loop = WorldLoop::new(0.001);
+    let renderer =
+        EngineRenderer::new(&tools, &[body], Stepping::EndVelocity, in_loop, params).unwrap();
+    let mut state = renderer.start();
+    let mut now = BodyNow::fixed([0.0; 3]);
+    for axis in 0..6 {
+        now.mobility[axis][axis] = if axis < 3 { 10.0 } else { 1e5 };
+    }
+    let (mut forces, mut faults) = (0, 0);
+    let count = allocations(|| {
+        for tick in 0..2000 {
+            let t = f64::from(tick) * 0.001;
+            let mut positions = [[0.002 * t, 0.0, 0.031 + 0.003 * (11.0 * t).sin()]];
+            now.velocity[0] = 0.01 * t;
+            now.position[2] = 0.0;
+            match tick % 50 {
+                20 => positions[0][1] = f64::NAN,
+                40 => now.position[2] = f64::NAN,
+                _ => {}
+            }
+            renderer.sample(&mut state, &Sample::at(&positions));
+            let mut wrenches = [BodyWrench::default()];
+            for _ in 0..2 {
+                renderer.advance(&mut state, 0.0005, &[now], &mut wrenches);
+            }
+            let output = renderer.hold(&mut state);
+            forces += usize::from(output.forces[0] != [0.0; 3]);
+            faults += usize::from(output.fault.is_some());
+        }
+    });
+    assert!(forces > 100 && faults >= 80, "{forces}, {faults}");
+    assert_eq!(count, 0);
 }

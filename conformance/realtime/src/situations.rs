@@ -12,10 +12,13 @@ use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
 use palpate_device::{Device, DeviceErrorKind, NullDevice, ReplayDevice, ScriptedDevice, Step};
 use palpate_record::recording::Flags;
 use palpate_rt::safety::{OscillationParams, SafetyParams, Trip};
-use palpate_rt::{ControlLoop, Ending, Note, StopFlag, Told, tap};
+use palpate_rt::{ControlLoop, Ending, Note, RenderedWorld, StopFlag, Told, WorldFrame, tap};
 use palpate_scene::method::MethodName;
+use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_scene::{Scene, SceneFile, beside};
-use palpate_sim::device::{PointerDevice, PointerHand, PointerParams, SimulatedDevice};
+use palpate_sim::device::{
+    PointerDevice, PointerHand, PointerParams, SimulatedDevice, SpatialDevice,
+};
 
 use crate::hostile::anything;
 
@@ -26,8 +29,10 @@ pub type Watch<'a> = dyn FnMut(&mut dyn FnMut()) + 'a;
 pub type Situation = (&'static str, fn(&mut Watch));
 
 /// Every situation in which the clock is moved by hand.
-pub const STEPPED: [Situation; 13] = [
+pub const STEPPED: [Situation; 15] = [
     ("every method on a simulated device", every_method),
+    ("worlds on a device in space", worlds),
+    ("every fault of a device in a world", faults_in_a_world),
     ("no device", no_device),
     ("a pointer that moves, lets go and takes hold", a_pointer),
     ("motion replay, past its end", replay),
@@ -116,6 +121,89 @@ fn every_method(watch: &mut Watch) {
     }
 }
 
+/// A world of `experiments/`.
+fn world_scene(name: &str) -> WorldScene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../experiments")
+        .join(name);
+    let text = std::fs::read_to_string(path).unwrap();
+    WorldFile::parse(name, &text).unwrap().scene
+}
+
+fn rendered(scene: &WorldScene, method: &'static str) -> RenderedWorld {
+    let renderer = scene.renderer(method).unwrap();
+    RenderedWorld::new(&scene.world, renderer, method, WorldFrame::the_same()).unwrap()
+}
+
+fn worlds(watch: &mut Watch) {
+    for name in [
+        "worlds/pushed-block.toml",
+        "worlds/paddle.toml",
+        "worlds/row.toml",
+        "worlds/groove-90-rough.toml",
+    ] {
+        let scene = world_scene(name);
+        let mut forces = 0;
+        for method in ["basic", "coupled"] {
+            let clock = SteppedClock::new();
+            let own = &scene.devices[0];
+            let device = SpatialDevice::new(own, &scene.timing.actuator, clock.clone()).unwrap();
+            let world = rendered(&scene, method);
+            let limits = SafetyParams::default();
+            let (tap, mut listener) = tap(1000);
+            let mut control = ControlLoop::of_world(device, clock, world, limits)
+                .unwrap()
+                .tapped(tap);
+            for _ in 0..300 {
+                let mut force = [0.0; 3];
+                watch(&mut || force = control.tick().tick.commanded_force);
+                forces += usize::from(force != [0.0; 3]);
+            }
+            let bodies = listener.by_ref().filter(
+                |told| matches!(told, Told::Tick(_, contacts, bodies) if !contacts.is_empty() && bodies.len() > 1),
+            );
+            let told = bodies.count();
+            assert!(
+                told > 10 || name.contains("groove"),
+                "{name}: {told} ticks with bodies"
+            );
+        }
+        assert!(forces > 50, "{name}: {forces} ticks with a force");
+    }
+}
+
+fn faults_in_a_world(watch: &mut Watch) {
+    let scene = world_scene("worlds-on-devices/ball-on-table.toml");
+    let limits = SafetyParams {
+        workspace: Some([[-0.2; 3], [0.2; 3]]),
+        ..SafetyParams::default()
+    };
+    let pressed = Step::At([0.0, 0.0, 0.048]);
+    for (fault, trip) in [
+        (Step::At([0.0, f64::NAN, 0.0]), Trip::NotANumber),
+        (Step::Stale, Trip::StaleSample),
+        (Step::At([0.0, 0.0, 0.3]), Trip::OutsideWorkspace),
+        (Step::At([0.1, 0.0, 0.048]), Trip::TooFast),
+        (Step::Fails(DeviceErrorKind::Refused), Trip::DeviceRefused),
+    ] {
+        let mut script = vec![pressed; 20];
+        script.extend([fault; 5]);
+        script.push(pressed);
+        let clock = SteppedClock::new();
+        let device = ScriptedDevice::new(clock.clone(), 3, script);
+        let world = rendered(&scene, "coupled");
+        let mut control = ControlLoop::of_world(device, clock, world, limits).unwrap();
+        let mut tripped = false;
+        for _ in 0..60 {
+            watch(&mut || {
+                black_box(control.tick());
+            });
+            tripped |= control.trip() == Some(trip);
+        }
+        assert!(tripped, "{fault:?}: {:?}", control.trip());
+    }
+}
+
 fn no_device(watch: &mut Watch) {
     let clock = SteppedClock::new();
     let rendering = scene("wall.toml").rendering(MethodName::Coupled).unwrap();
@@ -192,7 +280,7 @@ fn limits(watch: &mut Watch) {
     let mut control = control.tapped(tap);
     ticks(&mut control, 400, watch);
     let limited = listener.filter(|told| match told {
-        Told::Tick(tick, _) => tick.flags.has(Flags::SAFETY_LIMITED),
+        Told::Tick(tick, _, _) => tick.flags.has(Flags::SAFETY_LIMITED),
         Told::Note(_) => false,
     });
     assert_eq!(limited.count(), 400);

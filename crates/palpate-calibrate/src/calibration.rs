@@ -77,16 +77,19 @@ pub struct Calibration {
 
 impl Calibration {
     /// The value of a quantity, in the unit of its key, if it is known.
+    #[must_use]
     pub fn value(&self, quantity: Quantity) -> Option<f64> {
         self.known.get(&quantity).map(|known| known.value)
     }
 
     /// The standard deviation of a quantity, in the unit of its key, if it is known.
+    #[must_use]
     pub fn standard_deviation(&self, quantity: Quantity) -> Option<f64> {
         self.known.get(&quantity)?.standard_deviation
     }
 
     /// Delay and lag together `[s]`: their own value, or the sum of the two where both are known.
+    #[must_use]
     pub fn delay_plus_lag(&self) -> Option<f64> {
         self.value(Quantity::DelayPlusLag)
             .or_else(|| Some(self.value(Quantity::Delay)? + self.value(Quantity::Lag)?))

@@ -55,6 +55,7 @@ pub struct ExcitationParams {
 
 impl ExcitationParams {
     /// The usual ones: 0.5 N for 8 s, within 10 mm, tremor up to 1 mm.
+    #[must_use]
     pub fn new(period: f64) -> Self {
         Self {
             period,
@@ -228,16 +229,19 @@ impl Excitation {
     }
 
     /// Samples of the whole excitation; the answer to the last one is 0.
+    #[must_use]
     pub fn length(&self) -> usize {
         self.length
     }
 
     /// Where it is.
+    #[must_use]
     pub fn phase(&self) -> Phase {
         self.phase
     }
 
     /// The samples at which there is a force.
+    #[must_use]
     pub fn excited(&self) -> std::ops::Range<usize> {
         let period = self.params.period;
         samples(LISTEN, period)..self.length - samples(REST, period)

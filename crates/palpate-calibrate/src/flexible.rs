@@ -24,6 +24,7 @@ impl Calibration {
     /// with the resonance f and the mass m_motor on the motor's side of the transmission: the device's mass
     /// where nothing is known of how it is shared. Below it the error E of coupled rendering is some
     /// percent; at twice the frequency it is some ten percent or the loop gains energy.
+    #[must_use]
     pub fn stiffest_contact(&self, object_mass: f64, period: f64) -> Option<f64> {
         let hertz = self.value(Quantity::Resonance)?;
         let mass = self.value(Quantity::DeviceMass)?;

@@ -17,6 +17,7 @@ const COMMANDED: [Quantity; 4] = [
 impl Calibration {
     /// The gain where the device was fixed to a spring of `stiffness` `[N/m]` and no hand: the spring over
     /// what it was found to be in commanded newtons. None where that is known to less than 20 %.
+    #[must_use]
     pub fn gain_by_spring(&self, stiffness: f64) -> Option<Known> {
         let found = self.known.get(&Quantity::HandStiffness)?;
         let of_found = found.standard_deviation? / found.value;
@@ -30,6 +31,7 @@ impl Calibration {
     /// The gain where this device has `mass` `[kg]` more than it had `before`, with no hand either time:
     /// the mass over the difference of the two that were found. None where that is known to less than
     /// 20 %.
+    #[must_use]
     pub fn gain_by_added_mass(&self, before: &Self, mass: f64) -> Option<Known> {
         // What was found before may be in newtons already.
         let over_gain = |of: &Self| {

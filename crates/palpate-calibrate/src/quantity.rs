@@ -13,6 +13,7 @@ pub enum Range {
 
 impl Range {
     /// Whether `value` is in the range.
+    #[must_use]
     pub fn contains(self, value: f64) -> bool {
         match self {
             Self::Positive => value > 0.0 && value.is_finite(),
@@ -22,6 +23,7 @@ impl Range {
     }
 
     /// The range in words, after "must be".
+    #[must_use]
     pub fn words(self) -> &'static str {
         match self {
             Self::Positive => "a finite number above 0",
@@ -110,6 +112,7 @@ quantities! {
 
 impl Quantity {
     /// The quantity of a key.
+    #[must_use]
     pub fn of_key(key: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|quantity| quantity.key() == key)
     }

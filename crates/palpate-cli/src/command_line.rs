@@ -204,12 +204,14 @@ lets through: it is the first to be served if the machine grants that, and says 
 ends it; whatever ends it, the device is commanded no force, and while the thread does not answer a \
 supervisor does that. For a device that holds its last force a guardian, a process of its own, does that \
 if this one is killed or stopped. A deadline that is missed is counted and skipped, and the renderer is told the \
-time that really passed. Flags change values of the scene.")]
+time that really passed. Flags change values of the scene. A world (format = 2) is rendered on one device \
+with up to three axes; docs/worlds.md says where the device stands in it.")]
     #[command(after_help = "\
 Examples:
   palpate run experiments/experiment1.toml --device simulated --duration 3
   palpate run experiments/wall.toml --method hfcr --fast --json
-  palpate run experiments/fig2.toml --duration 2 --record fig2.mcap --safe-force 5")]
+  palpate run experiments/fig2.toml --duration 2 --record fig2.mcap --safe-force 5
+  palpate run experiments/worlds-on-devices/ball-on-table.toml --duration 2")]
     Run(RunArguments),
     /// Run a loop in real time and record every tick of it
     #[command(override_usage = "palpate record <SCENE.toml> <REC.mcap> [OPTIONS]")]
@@ -233,7 +235,8 @@ Run a loop and serve a live page on it.
 The page shows device, object, force and energy as they are, leads the hand with the mouse, changes \
 stiffness, mass, weight, rate and method while the loop runs, and records. Two methods are two loops \
 side by side, in the same hand. Without a scene it is a light block that lies on the device by its \
-weight at 100 Hz, by the plain spring force and by coupled rendering.
+weight at 100 Hz, by the plain spring force and by coupled rendering. A world (format = 2) is shown in three \
+dimensions.
 
 Only this machine can look, and no page of another server. With --listen on another address whoever \
 has the printed token can look, and move the device. Ctrl-C ends it; whatever ends it, the device is \
@@ -243,7 +246,8 @@ Examples:
   palpate live
   palpate live experiments/experiment1.toml --method basic,hfcr
   palpate live --method coupled --record held.mcap --duration 0.5
-  palpate live experiments/experiment1_in_a_hand.toml --device simulated")]
+  palpate live experiments/experiment1_in_a_hand.toml --device simulated
+  palpate live experiments/worlds/pushed-block.toml --method basic,coupled")]
     Live(LiveArguments),
     /// List the devices that are here, or check the wiring of one
     #[command(override_usage = "\

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 
 use palpate_files::atomic::{WriteError, WriteFault};
 use palpate_files::outputs::OutputError;
+use palpate_plot::map::NotInTheMap;
 use palpate_scene::SceneError;
 use palpate_study::map::receipt::NoNumber;
 
@@ -59,6 +60,17 @@ impl From<OutputError> for Failure {
                 Self::Arguments(error.to_string())
             }
         }
+    }
+}
+
+impl From<NotInTheMap> for Failure {
+    fn from(error: NotInTheMap) -> Self {
+        let flag = match error {
+            NotInTheMap::Quantity(_) => "--show ",
+            NotInTheMap::Method { .. } => "--method ",
+            NotInTheMap::Number(_) => "",
+        };
+        Self::input(format!("{flag}{error}"))
     }
 }
 

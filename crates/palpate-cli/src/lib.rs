@@ -4,7 +4,6 @@
 //! as soon as it knows the types of what it depends on, and a program only once all of that is compiled.
 
 mod arguments;
-mod card;
 mod command_line;
 mod commands;
 mod devices;
@@ -13,7 +12,6 @@ mod failure;
 mod hand;
 mod inside;
 mod last_line;
-mod plots;
 mod progress;
 mod recorded;
 mod results;
@@ -31,6 +29,7 @@ use clap::{CommandFactory, Parser};
 use command_line::{Arguments, Command};
 
 /// Does what the arguments of this process ask for, and says how it ended: the exit code.
+#[must_use]
 pub fn run() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Render(arguments) => commands::render::run(&arguments),

@@ -60,6 +60,7 @@ pub fn write(
                     device_position: tick.device_position,
                     ..answered(output, ledger)
                 },
+                ..Row::UNKNOWN
             };
             let limits: Vec<_> = listed.contact.flags.limits().collect();
             let limits = limits.join(" ");

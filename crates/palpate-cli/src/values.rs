@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use palpate::Side;
 use palpate_record::unit::LengthUnit;
+use palpate_rt::WorldAxis;
 use palpate_scene::method::{MethodName, method_named};
 use palpate_scene::{GuardMode, HandForceAt};
 use palpate_study::suite::Set;
@@ -155,6 +156,42 @@ pub fn place(text: &str) -> Result<Place, String> {
         .filter(|numbers| (2..=3).contains(&numbers.len()))
         .map(Place)
         .ok_or_else(|| "two or three numbers are needed, with commas between, such as 0,0.1".into())
+}
+
+/// Axes of a world, for the axes of a device in their order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WorldAxes(pub Vec<WorldAxis>);
+
+impl fmt::Display for WorldAxes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (place, along) in self.0.iter().enumerate() {
+            let comma = if place > 0 { "," } else { "" };
+            let sign = if along.is_reversed { "-" } else { "" };
+            write!(f, "{comma}{sign}{}", ["x", "y", "z"][along.axis])?;
+        }
+        Ok(())
+    }
+}
+
+/// One to three different axes of a world.
+pub fn world_axes(text: &str) -> Result<WorldAxes, String> {
+    let axis = |word: &str| {
+        let (name, is_reversed) = match word.trim().strip_prefix('-') {
+            Some(rest) => (rest, true),
+            None => (word.trim(), false),
+        };
+        let axis = ["x", "y", "z"].iter().position(|known| *known == name)?;
+        Some(WorldAxis { axis, is_reversed })
+    };
+    let axes: Option<Vec<_>> = text.split(',').map(axis).collect();
+    axes.filter(|axes| {
+        let is_new = |(place, along): (usize, &WorldAxis)| {
+            axes[..place].iter().all(|before| before.axis != along.axis)
+        };
+        (1..=3).contains(&axes.len()) && axes.iter().enumerate().all(is_new)
+    })
+    .map(WorldAxes)
+    .ok_or_else(|| "one to three of x, y and z are needed, each once, with commas between and - before one that points the other way, such as x,-z".into())
 }
 
 /// Boards of the 2DIY.

@@ -90,6 +90,15 @@ fn with_what_examples_read(command: &str) -> Folder {
         let file = format!("experiments/{name}.toml");
         folder.write(&file, common::experiment_text(name));
     }
+    for (kind, name) in [
+        ("worlds", "paddle"),
+        ("worlds", "pushed-block"),
+        ("worlds-on-devices", "ball-on-table"),
+    ] {
+        let _ = std::fs::create_dir(folder.path(&format!("experiments/{kind}")));
+        let file = format!("experiments/{kind}/{name}.toml");
+        folder.write(&file, common::experiment_text(&format!("{kind}/{name}")));
+    }
     std::fs::create_dir(folder.path("experiments/users")).unwrap();
     folder.write(
         "experiments/users/wall.toml",

@@ -184,3 +184,81 @@ fn flags_of_one_contact_and_methods_of_one_contact_are_refused() {
         "{answer:?}"
     );
 }
+
+const BOX: &str = r#"
+format = 2
+[loop]
+period_s = 0.001
+[[device]]
+name = "tool"
+mass_kg = 0.15
+inertia_kg_m2 = [9.4e-5, 1.69e-4, 1.95e-4]
+tool = { box = { size_m = [0.06, 0.04, 0.03] } }
+[[body]]
+name = "table"
+fixed = true
+shape = { half_space = { normal = [0.0, 0.0, 1.0] } }
+[[contact]]
+between = "*"
+stiffness_n_per_m = 4000.0
+"#;
+
+/// A box that is pressed with one edge, so that the table turns it back.
+#[test]
+fn a_device_of_six_axes_is_read_with_its_orientation_and_answered_with_a_torque() {
+    let folder = Folder::new();
+    folder.write("box.toml", BOX);
+    let poses: Vec<(Vector, [f64; 4])> = (0..60)
+        .map(|tick| {
+            let half = 0.05_f64;
+            let height = 0.0181 - 2e-5 * f64::from(tick);
+            ([0.0, 0.0, height], [half.cos(), 0.0, half.sin(), 0.0])
+        })
+        .collect();
+    let line = |(p, q): &(Vector, [f64; 4])| {
+        let numbers: Vec<String> = p.iter().chain(q).map(ToString::to_string).collect();
+        numbers.join(",") + "\n"
+    };
+    let lines: String = poses.iter().map(line).collect();
+    let exact = "pipe box.toml --force-limit inf --soft-start 0 --header";
+    let answer = folder.palpate_reading(&lines, exact);
+    assert_eq!(answer.code, 0, "{answer:?}");
+    let scene = WorldFile::parse("box.toml", BOX).unwrap().scene;
+    let renderer = scene.renderer("coupled").unwrap();
+    let mut state = renderer.start();
+    let mut expected = vec!["fx_n,fy_n,fz_n,tx_n_m,ty_n_m,tz_n_m".to_owned()];
+    let mut largest: f64 = 0.0;
+    for (position, orientation) in &poses {
+        let (position, orientation) = ([*position], [*orientation]);
+        let sample = Sample::at(&position).turned(&orientation);
+        let output = renderer.step(&mut state, &sample);
+        largest = largest.max(output.torques[0][1].abs());
+        let all = output.forces[0].iter().chain(&output.torques[0]);
+        let text: Vec<String> = all.map(|x| (x + 0.0).to_string()).collect();
+        expected.push(text.join(","));
+    }
+    expected.push("0,0,0,0,0,0".into());
+    assert!(largest > 0.02, "{largest} N m");
+    assert_eq!(answer.stdout.lines().collect::<Vec<_>>(), expected);
+
+    // A torque has a limit of its own.
+    let limited = BOX.to_owned() + "[render]\ntorque_limit_n_m = 0.01\n";
+    folder.write("box.toml", &limited);
+    let answer = folder.palpate_reading(&lines, "pipe box.toml --force-limit inf --soft-start 0");
+    let sizes = answer.stdout.lines().map(|line| {
+        let numbers: Vec<f64> = line.split(',').map(|x| x.parse().unwrap()).collect();
+        numbers[3..].iter().map(|x| x * x).sum::<f64>().sqrt()
+    });
+    let most = sizes.fold(0.0, f64::max);
+    assert!((most - 0.01).abs() < 1e-9, "{most}");
+
+    // An orientation of no length takes all forces off.
+    folder.write("box.toml", BOX);
+    let lost = lines.lines().take(40).collect::<Vec<_>>().join("\n") + "\n0,0,0.0181,0,0,0,0\n";
+    let answer = folder.palpate_reading(&lost, "pipe box.toml --soft-start 0");
+    assert!(
+        answer.stderr.contains("no quaternion of length 1"),
+        "{answer:?}"
+    );
+    assert_eq!(answer.stdout.lines().nth(40), Some("0,0,0,0,0,0"));
+}

@@ -146,3 +146,28 @@ fn the_json_of_a_scene_is_the_same_on_every_run() {
         "{names:?}"
     );
 }
+
+#[test]
+fn errors_of_forces_and_torques_stand_apart_for_a_device_of_six_axes() {
+    let folder = Folder::new();
+    let file = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../experiments/worlds/box.toml"
+    );
+    let report = folder.json(&format!("simulate {file} --method basic,coupled"));
+    assert_eq!(schema::check(&report), "world");
+    let device = &report["methods"][1]["devices"][0];
+    let of = |value: &Value| value["mean_force_error_percent"].as_f64().unwrap();
+    let all = [
+        of(&device["sum"]),
+        of(&device["force"]),
+        of(&device["torque"]["sum"]),
+    ];
+    assert!(
+        all.iter().all(|error| *error > 1e-3 && *error < 1.0),
+        "{all:?}"
+    );
+    assert!(error(&report, "basic") > 5.0);
+    let text = folder.palpate(&format!("simulate {file} --method coupled"));
+    assert!(text.stdout.contains("of the torque"), "{}", text.stdout);
+}

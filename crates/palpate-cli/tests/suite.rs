@@ -73,7 +73,7 @@ fn sets_with_real_actuators_are_judged_by_what_is_told() {
     assert!(
         refused
             .stderr
-            .contains("the sets are paper, desk, real, steps")
+            .contains("the sets are paper, desk, real, calibrated, steps")
     );
 }
 

@@ -75,6 +75,7 @@ pub struct Drawing {
 
 impl Drawing {
     /// An empty page of a width and a height \[px\].
+    #[must_use]
     pub fn new(width: f64, height: f64) -> Self {
         Self {
             size: (width, height),

@@ -19,6 +19,7 @@ impl Sheet {
     }
 
     /// The horizontal range of all samples; none where there are none.
+    #[must_use]
     pub fn reach(&self) -> Option<(f64, f64)> {
         let places = self.series().flat_map(|series| &series.x).copied();
         let finite = places.filter(|place| place.is_finite());

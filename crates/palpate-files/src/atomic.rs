@@ -114,6 +114,7 @@ pub fn write_over<T>(
 
 impl WriteError {
     /// What the system said when the file at `path` was to be written.
+    #[must_use]
     pub fn new(path: &Path, source: io::Error) -> Self {
         Self {
             path: path.to_owned(),

@@ -8,6 +8,10 @@ use std::io;
 
 /// What came of asking for a lock.
 #[derive(Debug)]
+#[cfg_attr(
+    not(unix),
+    expect(dead_code, reason = "only asked for where the system is a Unix")
+)]
 pub(crate) enum Locked {
     /// It is held until the file is closed.
     Held,

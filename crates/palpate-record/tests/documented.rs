@@ -4,7 +4,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use palpate_record::recording::{Column, ContactTick, Flags, Kind, Phase, Tick, columns};
+use palpate_record::recording::{BodyTick, Column, ContactTick, Flags, Kind, Phase, Tick, columns};
 
 /// Compares what stands between `<!-- name -->` and `<!-- end -->` with `made`, or writes it there.
 fn compare(document: &str, name: &str, made: &str) {
@@ -81,6 +81,11 @@ fn the_tables_of_ticks_and_contacts_are_up_to_date() {
         "formats.md",
         "columns of a contact",
         &table(ContactTick::COLUMNS, Flags::OF_CONTACT),
+    );
+    compare(
+        "formats.md",
+        "columns of a body",
+        &table(BodyTick::COLUMNS, Flags::default()),
     );
 }
 

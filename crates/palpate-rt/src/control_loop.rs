@@ -5,34 +5,31 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use palpate::{AlongAxis, Output};
+use palpate::AlongAxis;
 use palpate_record::recording::{ContactTick, Flags, Row, Tick};
 
 use crate::deadlines::Deadlines;
-use crate::delivered::Delivered;
 use crate::held::HeldSince;
 use crate::motors_off::MotorsOff;
 use crate::note::{Ending, Note, Noted};
-use crate::rendering::{Parameters, Rendered, Rendering, parameters};
+use crate::rendering::{Fresh, OneContact, Parameters, RenderedWorld, Rendering, Renders};
 use crate::safety::{self, Heartbeat, Safety, SafetyParams, Supervisor, Trip, Verdict};
 use crate::setup::SetupError;
 use crate::statistics::LoopStatistics;
 use crate::stop::StopFlag;
 use crate::tap::Tap;
-use crate::wire::{answered, booked, posed};
+use crate::wire::posed;
 use palpate_device::clock::Clock;
-use palpate_device::{Device, DeviceError, DeviceErrorKind, Pose, Vector, Wrench};
+use palpate_device::{Device, DeviceError, DeviceErrorKind, Pose, Wrench};
 
-/// A haptic loop on one device. Everything that it needs is there before its first tick; a tick
+/// A haptic loop on one device, which renders `R`: one contact, or a world. Everything that it needs is there before its first tick; a tick
 /// allocates nothing, locks nothing and waits for nobody but the clock and the device.
 ///
 /// When it goes, whatever the reason, it commands the device no force.
-pub struct ControlLoop<D: Device, C: Clock> {
+pub struct ControlLoop<D: Device, C: Clock, R: Renders = OneContact> {
     device: D,
     clock: C,
-    axis: AlongAxis<f64, 3>,
-    rendered: Rendered,
-    parameters: Option<Parameters>,
+    rendered: R,
     safety: Safety,
     rearm: Arc<AtomicBool>,
     deadlines: Option<Deadlines>,
@@ -41,11 +38,10 @@ pub struct ControlLoop<D: Device, C: Clock> {
     /// How long the loop may stand still before a supervisor or a guardian takes the force off.
     stall_limit: Duration,
     held: HeldSince,
-    delivered: Delivered,
     /// Whether a trip kept the motors off at the end of the last tick.
     is_off: bool,
     motors_off: MotorsOff,
-    last: Option<(Pose, Output<f64>)>,
+    last: Option<Pose>,
     heartbeat: Arc<Heartbeat>,
     cuts: u64,
     statistics: LoopStatistics,
@@ -88,18 +84,49 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         rendering: Rendering,
         limits: SafetyParams,
     ) -> Result<Self, SetupError> {
-        let seconds = rendering.loop_params.period;
-        let (parameters, rendered) = parameters(rendering)?;
+        Self::rendering(device, clock, OneContact::new(rendering)?, limits)
+    }
+
+    /// The same loop, its contact's axis placed elsewhere in the device's space.
+    #[must_use]
+    pub fn along(mut self, axis: AlongAxis<f64, 3>) -> Self {
+        self.rendered.place_along(axis);
+        self
+    }
+}
+
+impl<D: Device, C: Clock> ControlLoop<D, C, RenderedWorld> {
+    /// A loop that renders a world on `device`. It ticks from the first call of [`tick`](Self::tick) on.
+    ///
+    /// # Errors
+    /// A limit of the safety outside its range; a period below a nanosecond or above 10 s.
+    pub fn of_world(
+        device: D,
+        clock: C,
+        world: RenderedWorld,
+        limits: SafetyParams,
+    ) -> Result<Self, SetupError> {
+        Self::rendering(device, clock, world, limits)
+    }
+}
+
+impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
+    fn rendering(
+        device: D,
+        clock: C,
+        rendered: R,
+        limits: SafetyParams,
+    ) -> Result<Self, SetupError> {
+        let seconds = rendered.period();
         let period = Duration::try_from_secs_f64(seconds)
             .ok()
             .filter(|period| *period > Duration::ZERO && *period <= LONGEST_PERIOD)
             .ok_or(SetupError::Period(seconds))?;
+        let method = rendered.method();
         Ok(Self {
             device,
             clock,
-            axis: AlongAxis::new([0.0; 3], [1.0, 0.0, 0.0])?,
             rendered,
-            parameters: Some(parameters),
             safety: Safety::new(limits, seconds)?,
             rearm: Arc::default(),
             deadlines: None,
@@ -107,7 +134,6 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             period,
             stall_limit: limits.stall_after(period),
             held: HeldSince::default(),
-            delivered: Delivered::default(),
             is_off: false,
             motors_off: MotorsOff::default(),
             last: None,
@@ -118,16 +144,9 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             sequence: 0,
             lost: false,
             ticked: None,
-            method: rendering.method(),
-            method_before: rendering.method(),
+            method,
+            method_before: method,
         })
-    }
-
-    /// The same loop, its contact's axis placed elsewhere in the device's space.
-    #[must_use]
-    pub fn along(mut self, axis: AlongAxis<f64, 3>) -> Self {
-        self.axis = axis;
-        self
     }
 
     /// The same loop, telling `tap` what it does.
@@ -139,7 +158,12 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
 
     /// The other end of the parameters; there is one, for whoever asks first.
     pub fn parameters(&mut self) -> Option<Parameters> {
-        self.parameters.take()
+        self.rendered.parameters()
+    }
+
+    /// What is rendered.
+    pub fn rendered(&self) -> &R {
+        &self.rendered
     }
 
     /// Raising it ends a trip that stays, with the next tick.
@@ -233,7 +257,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         if self.device.write(Wrench::NONE).is_err() {
             let _ = self.device.write(Wrench::NONE);
         }
-        self.held.change(0.0, self.clock.now());
+        self.held.change([0.0; 3], self.clock.now());
         self.motors_off.let_go();
         self.safety.let_go();
         self.heartbeat.end();
@@ -251,8 +275,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         if self.rearm.swap(false, Ordering::AcqRel) && self.safety.rearm() {
             self.note(Note::Rearmed);
         }
-        if let Some(generation) = self.rendered.take_change() {
-            let rendering = *self.rendered.rendering();
+        if let Some((generation, rendering)) = self.rendered.take_change() {
             self.note(Note::Changed {
                 generation,
                 rendering,
@@ -273,7 +296,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         let stalled = has_overslept || cut.is_some();
         self.book_cut(cut);
         let elapsed = match (&sampled, &self.last) {
-            (Sampled::Fresh(now), Some((before, _))) => {
+            (Sampled::Fresh(now), Some(before)) => {
                 Some(now.time.saturating_sub(before.time).as_secs_f64())
             }
             _ => None,
@@ -282,25 +305,20 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         let mut verdict = match sampled {
             Sampled::Fresh(reading) => {
                 let held = self.held.take(reading.time);
-                if let Some(mean) = held
-                    && !self.is_told_how_forces_act()
-                {
-                    self.rendered.report_held(-mean);
-                }
-                let coordinate = self.axis.coordinate(reading.position);
-                let before = self.rendered.ledger().held_leak;
-                let output = self.rendered.step(coordinate, elapsed);
-                let after = self.rendered.ledger().held_leak;
-                let was_off = self.is_off && held == Some(0.0);
-                self.delivered.close(&before, &after, was_off);
-                fault = output.fault;
-                self.last = Some((reading, output));
+                let answer = self.rendered.step(&Fresh {
+                    position: reading.position,
+                    elapsed,
+                    held,
+                    was_off: self.is_off && held == Some([0.0; 3]),
+                });
+                fault = answer.fault;
+                self.last = Some(reading);
                 self.safety.judge(&safety::Rendered {
                     elapsed,
                     position: reading.position,
-                    coordinate,
-                    wrench: Wrench::of_force(self.axis.vector(output.force_on_device)),
-                    created_energy: self.delivered.leak,
+                    coordinate: answer.coordinate,
+                    wrench: Wrench::of_force(answer.force),
+                    created_energy: self.rendered.created_energy(),
                     refused: fault.is_some(),
                     stalled,
                 })
@@ -348,10 +366,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             .with(Flags::SAFETY_TRIPPED, self.is_off)
             .with(Flags::MISSED_DEADLINE, missed > 0)
             .with(Flags::DEVICE_FAULT, !is_fresh);
-        let contact = ContactTick {
-            force_on_device: self.along_axis(delivered),
-            ..self.account()
-        };
+        self.rendered.account(self.sequence, delivered.force);
         let tick = Tick {
             lateness: woke.as_secs_f64() - deadline.as_secs_f64(),
             period: elapsed.unwrap_or(f64::NAN),
@@ -361,7 +376,8 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
             delivered_torque: delivered.torque,
             tick_duration: (ended - answered).as_secs_f64(),
             device_round_trip: (answered - woke).as_secs_f64(),
-            flags: flags.with(contact.flags, true),
+            created_energy: self.rendered.created_energy(),
+            flags: flags.with(self.rendered.flags(), true),
             ..self.seen(woke)
         };
         self.statistics.ticks += 1;
@@ -372,16 +388,25 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         self.statistics.tick.add(ended - answered);
         self.statistics.round_trip.add(answered - woke);
         if let Some(tap) = &mut self.tap {
-            tap.tick(&tick, &[contact]);
+            tap.tick_with_bodies(&tick, self.rendered.contacts(), self.rendered.bodies());
             tap.ran(self.motors_off.time());
         }
         self.sequence += 1;
-        Row { tick, contact }
+        let contact = self.rendered.contacts().first().copied();
+        Row {
+            tick: Tick {
+                contacts: u32::try_from(self.rendered.contacts().len()).unwrap_or(u32::MAX),
+                bodies: u32::try_from(self.rendered.bodies().len()).unwrap_or(u32::MAX),
+                ..tick
+            },
+            contact: contact.unwrap_or(ContactTick::UNKNOWN),
+            ..Row::UNKNOWN
+        }
     }
 
     /// Takes note of another method that renders from this sample on.
     fn follow_method(&mut self) {
-        let method = self.rendered.rendering().method();
+        let method = self.rendered.method();
         if method == self.method {
             return;
         }
@@ -420,7 +445,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
     /// The books learn that no force was held from `cut` on.
     fn book_cut(&mut self, cut: Option<Duration>) {
         if let Some(at) = cut {
-            self.held.change(0.0, at);
+            self.held.change([0.0; 3], at);
             self.motors_off.cut(at);
         }
     }
@@ -444,7 +469,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
                 Sampled::Missing
             }
             Ok(reading) => {
-                let last = self.last.as_ref().map(|(last, _)| last.time);
+                let last = self.last.as_ref().map(|last| last.time);
                 if last.is_some_and(|last| reading.time <= last) {
                     Sampled::Missing
                 } else {
@@ -470,18 +495,6 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
         (sampled, answered)
     }
 
-    /// Whether the renderer is told of more than a delay of whole samples. Then it works out what acts
-    /// on the device from what was sent; else what was held is what acts.
-    fn is_told_how_forces_act(&self) -> bool {
-        let told = &self.rendered.rendering().loop_params;
-        !told.actuation.is_of_whole_samples(told.period)
-    }
-
-    /// The part of a wrench's force along the contact's axis `[N]`.
-    fn along_axis(&self, wrench: Wrench) -> f64 {
-        dot(wrench.force, self.axis.vector(1.0))
-    }
-
     /// Commands a wrench; the one that is held from now on.
     fn command(&mut self, wrench: Wrench) -> Wrench {
         let written = self.device.write(wrench);
@@ -502,39 +515,16 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
                 Wrench::NONE
             }
         };
-        let held = self.along_axis(delivered);
-        self.held.change(held, self.clock.now());
-        if self.is_told_how_forces_act() {
-            let sent = match (written, self.device.last_sent()) {
-                (Ok(_), Some(sent)) => self.along_axis(sent),
-                _ => held,
-            };
-            self.rendered.report_sent(-sent);
-        }
+        self.held.change(delivered.force, self.clock.now());
+        let sent = written.ok().and_then(|_| self.device.last_sent());
+        self.rendered
+            .report_written(delivered.force, sent.map(|sent| sent.force));
         delivered
-    }
-
-    /// What is to be said of the contact at the last sample, and of the books.
-    fn account(&self) -> ContactTick {
-        let ledger = self.rendered.ledger();
-        let said = match &self.last {
-            Some((_, output)) => answered(output, ledger),
-            // Nothing was rendered yet.
-            None => booked(ContactTick::default(), ledger),
-        };
-        let position = self.last.as_ref().map(|(reading, _)| reading.position);
-        ContactTick {
-            sequence: self.sequence,
-            device_position: position.map_or(f64::NAN, |at| self.axis.coordinate(at)),
-            outside_work: said.outside_work + self.delivered.withheld,
-            held_leak: self.delivered.leak,
-            ..said
-        }
     }
 
     /// What is to be said of the device at the last sample.
     fn seen(&self, woke: Duration) -> Tick {
-        let reading = self.last.as_ref().map(|(reading, _)| reading);
+        let reading = self.last.as_ref();
         let time = reading.map_or(woke, |reading| reading.time);
         Tick {
             sequence: self.sequence,
@@ -558,7 +548,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
                     } else {
                         self.method
                     },
-                    renders_now: self.rendered.rendering().method(),
+                    renders_now: self.rendered.method(),
                 },
                 other => Note::Tripped(other),
             });
@@ -576,7 +566,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C> {
     }
 }
 
-impl<D: Device, C: Clock> Drop for ControlLoop<D, C> {
+impl<D: Device, C: Clock, R: Renders> Drop for ControlLoop<D, C, R> {
     fn drop(&mut self) {
         // A device that panics here would end the program, and nobody else could let go of anything.
         if catch_unwind(AssertUnwindSafe(|| self.let_go())).is_err() {
@@ -588,8 +578,4 @@ impl<D: Device, C: Clock> Drop for ControlLoop<D, C> {
 /// The earlier of two instants.
 fn first(a: Option<Duration>, b: Option<Duration>) -> Option<Duration> {
     a.into_iter().chain(b).min()
-}
-
-fn dot(a: Vector, b: Vector) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -85,7 +85,10 @@ mod wire;
 pub use control_loop::ControlLoop;
 pub use note::{Ending, Note, Noted};
 pub use recorder::{Account, Recorder};
-pub use rendering::{CHANGE_DURATION, ChangeError, Parameters, Rendered, Rendering, parameters};
+pub use rendering::{
+    Answer, CHANGE_DURATION, ChangeError, FrameError, Fresh, OneContact, Parameters, Rendered,
+    RenderedWorld, Rendering, Renders, WorldAxis, WorldFrame, parameters,
+};
 pub use setup::SetupError;
 pub use statistics::{Durations, LoopStatistics};
 pub use stop::StopFlag;

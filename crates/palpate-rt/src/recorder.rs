@@ -85,6 +85,11 @@ impl Account {
             self.peak_force = self.peak_force.max(contact.force_on_device.abs());
             self.deepest = self.deepest.max(contact.penetration);
         }
+        if tick.bodies > 0 {
+            // A contact of a world does not say what of its force the device feels.
+            let square: f64 = tick.delivered_force.iter().map(|x| x * x).sum();
+            self.peak_force = self.peak_force.max(square.sqrt());
+        }
         self.last = Row::of(*tick, contacts).next();
     }
 
@@ -223,9 +228,9 @@ fn write_down(listener: &mut Listener, writing: &mut Writing, account: &mut Acco
         for told in listener.by_ref().take(ROOM / 16) {
             rested = false;
             match told {
-                Told::Tick(tick, contacts) => {
+                Told::Tick(tick, contacts, bodies) => {
                     account.tick(&tick, &contacts);
-                    writing.write(|writer| writer.append(&tick, &contacts));
+                    writing.write(|writer| writer.append_with_bodies(&tick, &contacts, &bodies));
                 }
                 Told::Note(noted) => {
                     let event = noted.event();

@@ -45,6 +45,7 @@ impl StopFlag {
     ///
     /// # Errors
     /// The program handles these signals already, or the system refuses.
+    #[cfg(any(unix, windows))]
     pub fn on_signals() -> Result<Self, ctrlc::Error> {
         let flag = Self::new();
         let raised = flag.clone();

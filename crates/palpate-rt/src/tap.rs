@@ -3,7 +3,7 @@
 use std::iter;
 use std::sync::Arc;
 
-use palpate_record::recording::{ContactTick, Flags, LoopTime, Tick};
+use palpate_record::recording::{BodyTick, ContactTick, Flags, LoopTime, Tick};
 
 use crate::note::{Ending, Noted};
 use crate::tally::{Counts, Tally};
@@ -13,20 +13,21 @@ use crate::tally::{Counts, Tally};
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug)]
 pub enum Told {
-    /// A tick, with all its contacts.
-    Tick(Tick, Vec<ContactTick>),
+    /// A tick, with all its contacts, and the bodies of a world that move.
+    Tick(Tick, Vec<ContactTick>, Vec<BodyTick>),
     /// Something that happened at one.
     Note(Noted),
 }
 
-/// What finds room on the way, or does not. A tick is followed by its contacts: they find room together,
-/// or none of them does.
+/// What finds room on the way, or does not. A tick is followed by its contacts and its bodies: they find room
+/// together, or none of them does.
 // A box would be an allocation in the loop.
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Copy, Debug)]
 enum Passed {
     Tick(Tick),
     Contact(ContactTick),
+    Body(BodyTick),
     Note(Noted),
 }
 
@@ -80,9 +81,9 @@ pub struct Listener {
     tally: Arc<Tally>,
 }
 
-/// A tap with room for `capacity` ticks of one contact that have not been listened to. A note, and each
-/// further contact, takes half of the room of such a tick; a tick with more contacts than fit into all of
-/// the room is always lost.
+/// A tap with room for `capacity` ticks of one contact that have not been listened to. A note, each
+/// further contact and each body take half of the room of such a tick; a tick with more of them than fit into all
+/// of the room is always lost.
 #[must_use]
 pub fn tap(capacity: usize) -> (Tap, Listener) {
     let (out, incoming) = rtrb::RingBuffer::new(2 * capacity);
@@ -99,16 +100,24 @@ impl Tap {
     /// Tells a tick and its contacts. Its number says how many ticks have been made; where there is no room
     /// for it and all its contacts, the whole tick is lost.
     pub fn tick(&mut self, tick: &Tick, contacts: &[ContactTick]) {
+        self.tick_with_bodies(tick, contacts, &[]);
+    }
+
+    /// Tells a tick as [`tick`](Self::tick) does, with the bodies of the world that move.
+    pub fn tick_with_bodies(&mut self, tick: &Tick, contacts: &[ContactTick], bodies: &[BodyTick]) {
         self.tally.made(tick.sequence.saturating_add(1));
         if tick.flags.has(Flags::SAFETY_TRIPPED) {
             self.tally.was_off();
         }
         let passed = Passed::Tick(Tick {
             contacts: u32::try_from(contacts.len()).unwrap_or(u32::MAX),
+            bodies: u32::try_from(bodies.len()).unwrap_or(u32::MAX),
             ..*tick
         });
+        let count = 1 + contacts.len() + bodies.len();
         let contacts = contacts.iter().copied().map(Passed::Contact);
-        self.push(1 + contacts.len(), iter::once(passed).chain(contacts));
+        let bodies = bodies.iter().copied().map(Passed::Body);
+        self.push(count, iter::once(passed).chain(contacts).chain(bodies));
     }
 
     /// Tells how long the loop ran so far, and for how much of that no force was delivered.
@@ -219,10 +228,15 @@ impl Iterator for Listener {
                         Ok(Passed::Contact(contact)) => Some(contact),
                         _ => None,
                     });
-                    return Some(Told::Tick(tick, contacts.collect()));
+                    let contacts = contacts.collect();
+                    let bodies = (0..tick.bodies).map_while(|_| match self.incoming.pop() {
+                        Ok(Passed::Body(body)) => Some(body),
+                        _ => None,
+                    });
+                    return Some(Told::Tick(tick, contacts, bodies.collect()));
                 }
-                // It stands behind its tick, which has taken it.
-                Passed::Contact(_) => {}
+                // They stand behind their tick, which has taken them.
+                Passed::Contact(_) | Passed::Body(_) => {}
             }
         }
     }
@@ -257,7 +271,7 @@ mod tests {
     fn told(listener: &mut Listener) -> Vec<(u64, Vec<f64>)> {
         listener
             .map(|told| match told {
-                Told::Tick(tick, contacts) => {
+                Told::Tick(tick, contacts, _) => {
                     assert_eq!(tick.contacts as usize, contacts.len());
                     let depths = contacts.iter().map(|contact| contact.penetration);
                     (tick.sequence, depths.collect())

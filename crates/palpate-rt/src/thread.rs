@@ -10,7 +10,7 @@ use std::thread::{Builder, JoinHandle};
 use crate::control_loop::ControlLoop;
 use crate::note::Ending;
 use crate::realtime::{Answer, Request};
-use crate::rendering::Parameters;
+use crate::rendering::{OneContact, Parameters, Renders};
 use crate::safety::{Heartbeat, Trip};
 use crate::statistics::LoopStatistics;
 use crate::stop::StopFlag;
@@ -19,8 +19,8 @@ use palpate_device::clock::Clock;
 
 /// A loop that runs on its own thread. Dropping it stops the loop and waits for the device to be
 /// commanded no force.
-pub struct LoopThread<D: Device, C: Clock> {
-    thread: Option<JoinHandle<LoopEnd<D, C>>>,
+pub struct LoopThread<D: Device, C: Clock, R: Renders = OneContact> {
+    thread: Option<JoinHandle<LoopEnd<D, C, R>>>,
     stop: StopFlag,
     rearm: Arc<AtomicBool>,
     heartbeat: Arc<Heartbeat>,
@@ -31,7 +31,7 @@ pub struct LoopThread<D: Device, C: Clock> {
 }
 
 /// What a loop has left behind.
-pub struct LoopEnd<D: Device, C: Clock> {
+pub struct LoopEnd<D: Device, C: Clock, R: Renders = OneContact> {
     /// Why it ended.
     pub ending: Ending,
     /// How it kept time.
@@ -43,17 +43,17 @@ pub struct LoopEnd<D: Device, C: Clock> {
     /// What the panic said, if a tick panicked.
     pub panic: Option<String>,
     /// The loop itself, which has let go of its device.
-    pub control: ControlLoop<D, C>,
+    pub control: ControlLoop<D, C, R>,
 }
 
-impl<D: Device + 'static, C: Clock> LoopThread<D, C> {
+impl<D: Device + 'static, C: Clock, R: Renders + 'static> LoopThread<D, C, R> {
     /// Starts `control` on a thread for which the machine is asked `request`, and runs it until
     /// `stop` is raised, `most` periods are over or the device is gone.
     ///
     /// # Errors
     /// The system gives no thread.
     pub fn start(
-        mut control: ControlLoop<D, C>,
+        mut control: ControlLoop<D, C, R>,
         request: Request,
         stop: &StopFlag,
         most: Option<u64>,
@@ -112,7 +112,7 @@ impl<D: Device + 'static, C: Clock> LoopThread<D, C> {
     }
 }
 
-impl<D: Device, C: Clock> LoopThread<D, C> {
+impl<D: Device, C: Clock, R: Renders> LoopThread<D, C, R> {
     /// What the machine granted, and what not.
     #[must_use]
     pub fn answers(&self) -> &[Answer] {
@@ -151,7 +151,7 @@ impl<D: Device, C: Clock> LoopThread<D, C> {
     /// # Panics
     /// The thread could not even say how it ended.
     #[must_use]
-    pub fn join(mut self) -> LoopEnd<D, C> {
+    pub fn join(mut self) -> LoopEnd<D, C, R> {
         let end = self.thread.take().map(JoinHandle::join);
         self.finish();
         match end {
@@ -168,7 +168,7 @@ impl<D: Device, C: Clock> LoopThread<D, C> {
     }
 }
 
-impl<D: Device, C: Clock> Drop for LoopThread<D, C> {
+impl<D: Device, C: Clock, R: Renders> Drop for LoopThread<D, C, R> {
     fn drop(&mut self) {
         if let Some(thread) = self.thread.take() {
             self.stop.raise();
@@ -200,11 +200,11 @@ impl Drop for Over {
 }
 
 /// Runs the loop; whatever happens in it, the device is commanded no force.
-fn run<D: Device, C: Clock>(
-    mut control: ControlLoop<D, C>,
+fn run<D: Device, C: Clock, R: Renders>(
+    mut control: ControlLoop<D, C, R>,
     stop: &StopFlag,
     most: Option<u64>,
-) -> LoopEnd<D, C> {
+) -> LoopEnd<D, C, R> {
     let ran = catch_unwind(AssertUnwindSafe(|| control.run(stop, most)));
     let (ending, panic) = match ran {
         Ok(ending) => (ending, None),

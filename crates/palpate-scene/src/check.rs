@@ -53,6 +53,7 @@ impl Scene {
     }
 
     /// Every value outside its range that no renderer looks at, one for each parameter.
+    #[must_use]
     pub fn faults(&self) -> Vec<SceneParameterError> {
         let mut faults = Faults::default();
         self.check_finite(&mut faults);

@@ -55,6 +55,7 @@ impl SceneErrors {
     }
 
     /// The first.
+    #[must_use]
     pub fn first(&self) -> &SceneError {
         &self.0[0]
     }
@@ -119,6 +120,7 @@ impl<K: Eq + Hash> Places<K> {
 /// A message of the TOML reader without Rust's names of types, and for an unknown key with the one
 /// it most likely meant. The reader names both:
 /// ``unknown field `x`, expected one of `a`, `b` ``.
+#[must_use]
 pub fn in_plain_words(message: &str) -> String {
     let Some(rest) = message.strip_prefix("unknown field `") else {
         return message

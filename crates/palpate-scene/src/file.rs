@@ -129,6 +129,7 @@ pub enum GuardMode {
 
 impl GuardMode {
     /// The guard against device speeds up to `largest_speed` `[m/s]`, with an `allowance` `[J]`.
+    #[must_use]
     pub fn guard(self, largest_speed: f64, allowance: f64) -> Guard<f64> {
         let params = GuardParams {
             largest_speed,
@@ -183,6 +184,7 @@ impl SceneFile {
     }
 
     /// The place of what makes `method` impossible here.
+    #[must_use]
     pub fn locate(&self, method: MethodName, error: &SetupError) -> SceneError {
         match error {
             SetupError::Parameter(parameter) if self.places.contains_key(&parameter.parameter) => {
@@ -220,16 +222,19 @@ impl SceneFile {
     }
 
     /// The place of a parameter that is out of range.
+    #[must_use]
     pub fn locate_parameter(&self, error: &SceneParameterError) -> SceneError {
         self.at(error.parameter, error.to_string())
     }
 
     /// A fault at the place of `parameter`; at the file's beginning, where the file does not say it.
+    #[must_use]
     pub fn at(&self, parameter: SceneParameter, message: String) -> SceneError {
         self.at_span(self.places.get(&parameter).cloned(), message)
     }
 
     /// A fault of the file as a whole.
+    #[must_use]
     pub fn as_a_whole(&self, message: String) -> SceneError {
         self.at_span(None, message)
     }

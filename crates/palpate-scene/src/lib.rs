@@ -193,6 +193,7 @@ impl From<ParameterError> for SetupError {
 
 impl Scene {
     /// How far the object's centre lies from its place, in the user's frame `[m]`.
+    #[must_use]
     pub fn centre_offset(&self) -> f64 {
         let sign: f64 = self.contact.side.sign();
         sign * self.object_radius
@@ -210,6 +211,7 @@ impl Scene {
     }
 
     /// The loop as a renderer is told it: with what it is told of delay, lag and gain.
+    #[must_use]
     pub fn loop_params_with_delay(&self) -> LoopParams<f64> {
         LoopParams {
             actuation: self.told_actuation(),
@@ -252,6 +254,7 @@ impl Scene {
 
 /// Kinetic energy of an object and elastic energy of its contact with a device at
 /// `device_position` `[J]`.
+#[must_use]
 pub fn stored_energy(
     contact: &Contact<f64>,
     object: ObjectState<f64>,

@@ -25,6 +25,7 @@ pub enum HandForceAt {
 
 impl HandForceAt {
     /// Its name in scene files and flags.
+    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::EndPoint => "end-point",
@@ -59,6 +60,7 @@ impl Linkage {
     ///
     /// # Panics
     /// Never: the committed files are read in a test.
+    #[must_use]
     pub fn preset(name: &str) -> Option<Self> {
         let (name, source) = PRESETS.iter().find(|(known, _)| *known == name)?;
         Some(Self::parse(name, source).expect("the committed device files are good"))

@@ -25,6 +25,7 @@ fn suggestion(name: &str) -> String {
 }
 
 /// The candidate that `name` most likely meant, if any is near.
+#[must_use]
 pub fn nearest<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
     candidates
         .iter()

@@ -62,6 +62,7 @@ impl From<Parameter> for SceneParameter {
 
 impl SceneParameter {
     /// Its key in a scene file, with the table that the key stands in.
+    #[must_use]
     pub fn key(self) -> &'static str {
         match self {
             Self::Rendered(parameter) => key_of_rendered(parameter),

@@ -148,6 +148,7 @@ impl RawLoop {
 
 impl Timing {
     /// Whether every sample is taken on its instant and commands come after whole samples.
+    #[must_use]
     pub fn is_perfect(&self) -> bool {
         *self
             == Self {
@@ -157,6 +158,7 @@ impl Timing {
     }
 
     /// Shortest period of a loop whose nominal one is `period` `[s]`.
+    #[must_use]
     pub fn shortest_period(&self, period: f64) -> f64 {
         self.collapse
             .map_or(period, |collapse| period.min(collapse.period))
@@ -165,6 +167,7 @@ impl Timing {
 
 impl Scene {
     /// The schedule of the loop.
+    #[must_use]
     pub fn schedule(&self) -> ScheduleParams {
         ScheduleParams {
             period: self.loop_params.period,

@@ -83,6 +83,7 @@ impl Told {
 impl Scene {
     /// What a renderer is told of delay, lag and gain: what is true, but for [`Told`], and at most as long
     /// a delay as a renderer can be told.
+    #[must_use]
     pub fn told_actuation(&self) -> Actuation<f64> {
         let (period, told) = (self.loop_params.period, &self.told);
         let samples = self.delay.min(LARGEST_DELAY);

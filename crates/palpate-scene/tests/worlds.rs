@@ -202,3 +202,25 @@ fn every_committed_world_is_read() {
     }
     assert!(files > 0);
 }
+
+#[test]
+fn one_star_is_any_pair_and_other_words_say_what_is_allowed() {
+    let any = BALL.replace(r#"["tool", "*"]"#, r#""*""#);
+    let scene = WorldFile::parse("ball.toml", &any).unwrap().scene;
+    assert_eq!(scene.world.contacts[0].between, [Party::Any, Party::Any]);
+    for between in [
+        r#""tool""#,
+        r#"["tool"]"#,
+        r#"["tool", "ball", "floor"]"#,
+        "3",
+    ] {
+        let faults = said(&BALL.replace(r#"["tool", "*"]"#, between));
+        let [fault] = &faults[..] else {
+            panic!("{between}: {faults:?}")
+        };
+        assert!(
+            fault.contains(r#"two names ["tool", "floor"], or "*" for any pair"#),
+            "{fault}"
+        );
+    }
+}

@@ -14,8 +14,10 @@ export class Charts {
    * @param {import("./model.js").Model} model
    * @param {import("./view.js").View} view
    * @param {() => void} onZoom called when what is shown has been changed here
+   * @param {typeof CHARTS} what which charts there are
    */
-  constructor(root, model, view, onZoom) {
+  constructor(root, model, view, onZoom, what = CHARTS) {
+    this.what = what;
     this.root = root;
     this.model = model;
     this.view = view;
@@ -39,7 +41,7 @@ export class Charts {
   build() {
     this.charts.forEach((chart) => chart.uplot.destroy());
     const { model, view } = this;
-    this.charts = CHARTS.map((what) => {
+    this.charts = this.what.map((what) => {
       const curves = what.curves.filter(({ column }) => model.column(column) >= 0);
       return { ...what, curves };
     })

@@ -190,6 +190,15 @@ export class Model extends EventTarget {
     }
   }
 
+  /** Takes the number of a frame that holds no rows: frames of all kinds are counted together. */
+  takeNumber({ lane, number, run }) {
+    const at = this.lanes[lane];
+    if (at && run === this.run) {
+      this.droppedFrames += Math.max(0, number - at.next);
+      at.next = number + 1;
+    }
+  }
+
   beginAnew(run) {
     if (this.isRunning) {
       // It had ended and begun between two states. If the new one has ended, too, the next state says so again.

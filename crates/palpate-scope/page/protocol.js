@@ -8,6 +8,54 @@ export const REACH_M = 1;
 
 const HEADER_BYTES = 24;
 const SAMPLES = 1;
+const WORLD = 2;
+const WORLD_HEADER_BYTES = 40;
+const BODY_FLOATS = 8;
+const CONTACT_FLOATS = 6;
+
+/** What a binary frame holds: "samples", "world", or undefined where it is not known. */
+export function kindOf(bytes) {
+  return { [SAMPLES]: "samples", [WORLD]: "world" }[new DataView(bytes).getUint8(0)];
+}
+
+/**
+ * Reads a frame of a world: where its bodies are, and the forces of its contacts.
+ *
+ * @param {ArrayBuffer} bytes
+ * @returns {{lane: number, number: number, run: number, timeS: number, force: number[],
+ *     bodies: {body: number, position: number[], orientation: number[]}[],
+ *     contacts: {point: number[], force: number[]}[]}} in metres, newtons and quaternions w, x, y, z
+ */
+export function readWorld(bytes) {
+  if (bytes.byteLength < WORLD_HEADER_BYTES) {
+    throw new RangeError(`a world of ${bytes.byteLength} bytes is shorter than its header of ${WORLD_HEADER_BYTES}`);
+  }
+  const head = new DataView(bytes);
+  const bodies = head.getUint32(4, true);
+  const contacts = head.getUint32(24, true);
+  const wanted = WORLD_HEADER_BYTES + 4 * (BODY_FLOATS * bodies + CONTACT_FLOATS * contacts);
+  if (bytes.byteLength !== wanted) {
+    throw new RangeError(`a world of ${bodies} bodies and ${contacts} contacts has ${bytes.byteLength} bytes instead of ${wanted}`);
+  }
+  const floats = new Float32Array(bytes, WORLD_HEADER_BYTES);
+  const part = (from, length) => Array.from(floats.subarray(from, from + length));
+  return {
+    lane: head.getUint8(1),
+    number: head.getUint32(8, true),
+    run: head.getUint32(12, true),
+    timeS: head.getFloat64(16, true),
+    force: [28, 32, 36].map((at) => head.getFloat32(at, true)),
+    bodies: Array.from({ length: bodies }, (_, n) => ({
+      body: floats[BODY_FLOATS * n],
+      position: part(BODY_FLOATS * n + 1, 3),
+      orientation: part(BODY_FLOATS * n + 4, 4),
+    })),
+    contacts: Array.from({ length: contacts }, (_, n) => ({
+      point: part(BODY_FLOATS * bodies + CONTACT_FLOATS * n, 3),
+      force: part(BODY_FLOATS * bodies + CONTACT_FLOATS * n + 3, 3),
+    })),
+  };
+}
 
 /**
  * Reads a frame of samples. The arrays are views of the frame's own bytes: every machine that has a browser today
@@ -55,6 +103,7 @@ export function isGrouped(periodS) {
 /** The messages to the server. */
 export const say = {
   hand: (positionM) => ({ type: "hand", position_m: positionM }),
+  tool: (positionM) => ({ type: "tool", position_m: positionM }),
   set: (changes) => ({ type: "set", ...changes }),
   restart: () => ({ type: "restart" }),
   rearm: (lane) => ({ type: "rearm", lane }),

@@ -8,6 +8,7 @@ const QUANTITIES = {
   virtual_force_n: { label: "Virtual force", unit: "N" },
   period_s: { label: "Period", unit: "ms", shown: (value) => value * 1000 },
   damping_n_s_per_m: { label: "Damping b", unit: "N s/m" },
+  delay_s: { label: "Delay", unit: "ms", shown: (value) => value * 1000 },
   told_device_mass_kg: { label: "Device mass", unit: "kg" },
   told_delay_s: { label: "Delay", unit: "ms", shown: (value) => value * 1000 },
   told_lag_s: { label: "Lag", unit: "ms", shown: (value) => value * 1000 },

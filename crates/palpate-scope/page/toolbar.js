@@ -1,6 +1,5 @@
 // What stands above the charts: pause, time shown, zoom, which charts, exports.
 
-import { CHARTS } from "./curves.js";
 import { savePicture, saveTable } from "./save.js";
 import { SPANS_S } from "./view.js";
 
@@ -31,7 +30,7 @@ export class Toolbar {
       view.all();
       onChange();
     });
-    place("shown").append(...CHARTS.map(({ id, chip, title }) => this.chip(id, chip, title)));
+    place("shown").append(...charts.what.map(({ id, chip, title }) => this.chip(id, chip, title)));
     place("csv").addEventListener("click", () => saveTable(model));
     place("png").addEventListener("click", () => savePicture(model, view, scene, charts));
   }

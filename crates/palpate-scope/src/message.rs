@@ -1,14 +1,19 @@
 //! What page and server tell each other in text; `docs/scope.md` has every field.
 
-use palpate_scene::method::{MethodName, deserialize_method};
+use palpate_scene::Scene;
+use palpate_scene::method::{MethodName, SettingKey, deserialize_method};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::{Map, Value};
+
+use crate::rows::columns;
 
 /// What a client asks for.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wish {
     /// Where the pointer's hand wants to be `[m]`; none lets go.
     Hand(Option<f64>),
+    /// Where the pointer's hand wants to be in a world `[m]`; none lets go.
+    Tool(Option<[f64; 3]>),
     /// What is to be rendered.
     Set(Set),
     /// Loops, devices and objects begin again.
@@ -77,7 +82,7 @@ pub enum Heard {
 }
 
 /// The types that are known.
-const TYPES: [&str; 5] = ["hand", "set", "restart", "rearm", "record"];
+const TYPES: [&str; 6] = ["hand", "tool", "set", "restart", "rearm", "record"];
 
 /// Understands a text.
 #[must_use]
@@ -90,7 +95,7 @@ pub fn hear(text: &str) -> Heard {
         .into_iter()
         .find(|kind| given.as_ref().and_then(Value::as_str) == Some(kind))
     else {
-        return Heard::Unknown("its type is none of hand, set, restart, rearm, record");
+        return Heard::Unknown("its type is none of hand, tool, set, restart, rearm, record");
     };
     match wish(kind, fields) {
         Ok(wish) => Heard::Wish(wish),
@@ -104,6 +109,12 @@ fn wish(kind: &str, fields: Map<String, Value>) -> Result<Wish, String> {
     struct Hand {
         #[serde(deserialize_with = "Option::deserialize")]
         position_m: Option<f64>,
+    }
+    #[derive(Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Tool {
+        #[serde(deserialize_with = "Option::deserialize")]
+        position_m: Option<[f64; 3]>,
     }
     #[derive(Deserialize)]
     #[serde(deny_unknown_fields)]
@@ -123,6 +134,7 @@ fn wish(kind: &str, fields: Map<String, Value>) -> Result<Wish, String> {
     }
     Ok(match kind {
         "hand" => Wish::Hand(read::<Hand>(fields)?.position_m),
+        "tool" => Wish::Tool(read::<Tool>(fields)?.position_m),
         "set" => Wish::Set(read(fields)?),
         "rearm" => Wish::Rearm(read::<Rearm>(fields)?.lane),
         "record" => Wish::Record(read::<Record>(fields)?.on),
@@ -212,7 +224,40 @@ pub enum Said<'a> {
     },
 }
 
-impl Said<'_> {
+impl<'a> Said<'a> {
+    /// What is said first, of `scene` on a device, with the limits of what may be set.
+    #[must_use]
+    pub fn hello(
+        scene: &'a Scene,
+        limits: crate::settings::Limits,
+        device: DeviceSaid<'a>,
+    ) -> Self {
+        let (object, from) = (scene.object.position, scene.device.position);
+        let (low, high) = (object.min(from), object.max(from));
+        let margin = (0.75 * (high - low)).max(0.05);
+        Self::Hello {
+            protocol: 1,
+            version: env!("CARGO_PKG_VERSION"),
+            title: &scene.title,
+            columns: columns().map(Column::from).collect(),
+            methods: MethodName::ALL
+                .into_iter()
+                .map(|method| Method {
+                    name: method.name(),
+                    title: method.summary(),
+                    damping: method.uses(SettingKey::DAMPING),
+                })
+                .collect(),
+            limits,
+            device,
+            side: match scene.contact.side {
+                palpate::Side::Positive => 1,
+                palpate::Side::Negative => -1,
+            },
+            view_m: [low - margin, high + margin],
+        }
+    }
+
     /// As it is sent.
     #[must_use]
     pub fn text(&self) -> String {
@@ -366,6 +411,14 @@ mod tests {
             wish(r#"{"position_m":null,"type":"hand"}"#),
             Wish::Hand(None)
         );
+        assert_eq!(
+            wish(r#"{"type":"tool","position_m":[0.5,0,-1e-3]}"#),
+            Wish::Tool(Some([0.5, 0.0, -1e-3]))
+        );
+        assert_eq!(
+            wish(r#"{"type":"tool","position_m":null}"#),
+            Wish::Tool(None)
+        );
         assert_eq!(wish(r#"{"type":"restart"}"#), Wish::Restart);
         assert_eq!(wish(r#"{"type":"rearm","lane":1}"#), Wish::Rearm(1));
         assert_eq!(wish(r#"{"type":"record","on":true}"#), Wish::Record(true));
@@ -390,6 +443,7 @@ mod tests {
         for (text, about, words) in [
             (r#"{"type":"hand"}"#, "hand", "position_m"),
             (r#"{"type":"hand","position_m":"left"}"#, "hand", "f64"),
+            (r#"{"type":"tool","position_m":[0,1]}"#, "tool", "length"),
             (r#"{"type":"set","mass":1}"#, "set", "unknown field `mass`"),
             (
                 r#"{"type":"set","lanes":[{"method":"hfc"}]}"#,

@@ -181,6 +181,12 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// A frame of these bytes, whose number is put where that of a frame of samples stands.
+    #[cfg(feature = "server")]
+    pub(crate) fn new(lane: u8, bytes: Vec<u8>) -> Self {
+        Self { lane, bytes }
+    }
+
     /// The bytes of this frame under a number.
     #[must_use]
     pub fn numbered(&self, number: u32) -> Vec<u8> {
@@ -254,6 +260,7 @@ mod tests {
                     penetration: -1e-3 * number as f64,
                     ..ContactTick::default()
                 },
+                ..Row::default()
             });
         }
         let frame = rows.take_frame(1, 3).unwrap();
@@ -284,6 +291,7 @@ mod tests {
                             force_on_device: if number == peak { height } else { 0.25 },
                             ..ContactTick::default()
                         },
+                        ..Row::default()
                     });
                 }
                 let frame = rows.take_frame(0, 0).unwrap();

@@ -1,6 +1,6 @@
 //! What is rendered, as far as a page can change it.
 
-use palpate::{LARGEST_DELAY, Mass, MethodParams as _, Parameter, ParameterValue};
+use palpate::{LARGEST_DELAY, Mass, MethodParams as _, Parameter, ParameterValue, Side};
 use palpate_rt::Rendering;
 use palpate_scene::method::{MethodName, SettingKey};
 use palpate_scene::named_parameters::named_parameters;
@@ -258,6 +258,19 @@ pub fn check_lanes(lanes: usize, most: usize) -> Result<(), String> {
         _ => "1 or 2",
     };
     Err(format!("{lanes} lanes; allowed: {allowed}"))
+}
+
+/// An object that would begin inside the device begins where the two touch. A wall stays. `device`: where the
+/// device is `[m]`.
+pub fn make_room(rendering: &mut Rendering, device: f64) {
+    if rendering.contact.object_mass == Mass::Infinite {
+        return;
+    }
+    let place = &mut rendering.object.position;
+    *place = match rendering.contact.side {
+        Side::Positive => place.max(device),
+        Side::Negative => place.min(device),
+    };
 }
 
 fn inside(name: &str, value: f64, [least, most]: [f64; 2]) -> Result<f64, String> {

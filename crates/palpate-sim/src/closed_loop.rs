@@ -20,36 +20,7 @@ use palpate_scene::method::MethodName;
 use palpate_scene::named_parameters::named_parameters;
 use palpate_scene::{Measure, Scene, SetupError};
 
-/// Why a scene cannot be run.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum LoopError {
-    /// The method cannot be set up.
-    #[error(transparent)]
-    Setup(#[from] SetupError),
-    /// The bench refuses a value.
-    #[error(transparent)]
-    Bench(#[from] InvalidParameter),
-    /// The ideal does not collide as often as the window asks.
-    #[error(
-        "the window asks for {asked} collisions, but the ideal has only {found}; \
-         state a duration instead"
-    )]
-    TooFewCollisions {
-        /// Collisions asked for.
-        asked: usize,
-        /// Collisions of the ideal.
-        found: usize,
-    },
-    /// A run is to vary what the ideal depends on.
-    #[error(
-        "the scene differs from the bench's in more than the settings of methods, the guard, what the \
-         renderer is told and, if the loop is perfect, the delay; make a bench of its own for it"
-    )]
-    AnotherScene,
-    /// The window is too long.
-    #[error("the window has {0} periods; at most {MOST_PERIODS} fit")]
-    TooLong(f64),
-}
+pub use crate::loop_error::LoopError;
 
 /// A scene on the bench: its ideal is computed once and judges every method.
 #[derive(Clone, Debug)]
@@ -175,11 +146,13 @@ impl<'a> Bench<'a> {
     }
 
     /// The scene's ideal over the window.
+    #[must_use]
     pub fn reference(&self) -> &Reference {
         &self.reference
     }
 
     /// The scene.
+    #[must_use]
     pub fn scene(&self) -> &Scene {
         self.scene
     }
@@ -196,6 +169,14 @@ impl<'a> Bench<'a> {
     /// Settings that do not make this method.
     pub fn run(&self, method: MethodName) -> Result<Run, LoopError> {
         self.run_built_in(&self.timeline, self.scene, method)
+    }
+
+    /// One run for each of `methods`, in their order.
+    ///
+    /// # Errors
+    /// Of the first method that cannot run; see [`run`](Self::run).
+    pub fn run_all(&self, methods: &[MethodName]) -> Result<Vec<Run>, LoopError> {
+        methods.iter().map(|&method| self.run(method)).collect()
     }
 
     /// Runs the loop by a method of the caller's own and judges it, as [`run`](Self::run) does.
@@ -234,6 +215,7 @@ impl<'a> Bench<'a> {
 
     /// Whether this bench can [run](Self::run_varied) `scene`, if the loop is perfect or the delay is its own:
     /// whether its ideal is that of `scene`.
+    #[must_use]
     pub fn judges(&self, scene: &Scene) -> bool {
         let mut own = self.scene.clone();
         own.settings.clone_from(&scene.settings);
@@ -470,6 +452,7 @@ fn leaves_box_at(scene: &Scene, reference: &Reference) -> Option<f64> {
 }
 
 /// Mass of the object `[kg]`, infinite for a wall.
+#[must_use]
 pub fn object_mass(scene: &Scene) -> f64 {
     match scene.contact.object_mass {
         Mass::Finite(mass) => mass,
@@ -551,6 +534,7 @@ fn integrated_ideal(
 /// Force rendering error of `run` `[%]` against the force that another loop held, `fine`, whose
 /// period is a whole fraction of the run's: what the paper, which had no ideal, measures against.
 /// None if `fine` held no force within the run's window or ends before it.
+#[must_use]
 pub fn error_against(run: &Run, fine: &Run) -> Option<f64> {
     let window = run.last().time;
     let mut coarse = run.held.iter().peekable();

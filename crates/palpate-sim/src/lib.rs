@@ -11,6 +11,7 @@ pub mod closed_loop;
 mod delivery;
 pub mod device;
 pub mod hand_replay;
+mod loop_error;
 mod own_device;
 mod plant;
 pub mod replay;

@@ -66,6 +66,7 @@ impl ReplaySetup {
 
     /// What a scene says of contact, loop, object and renderer; its device and its hand are in the
     /// recording.
+    #[must_use]
     pub fn of_scene(scene: &Scene) -> Self {
         Self {
             contact: scene.contact,
@@ -88,6 +89,7 @@ impl ReplaySetup {
     }
 
     /// The loop as the renderer is told: with as much of the delay as it can know.
+    #[must_use]
     pub fn known_loop(&self) -> LoopParams<f64> {
         let most = LARGEST_DELAY as f64 * self.loop_params.period;
         LoopParams {
@@ -100,6 +102,7 @@ impl ReplaySetup {
     }
 
     /// The delay in whole samples, and the fraction of a period beyond them.
+    #[must_use]
     pub fn delay(&self) -> (usize, f64) {
         samples_and_fraction(self.actuation.delay / self.loop_params.period)
     }
@@ -107,6 +110,7 @@ impl ReplaySetup {
 
 /// A delay in periods as whole samples and what is left, below 1. A delay this close to a whole number is
 /// one: quotients of decimal times are never exact.
+#[must_use]
 pub fn samples_and_fraction(periods: f64) -> (usize, f64) {
     const WHOLE_WITHIN: f64 = 1e-5;
     let periods = periods.max(0.0);
@@ -277,6 +281,7 @@ impl Replay {
     }
 
     /// The ideal over the recording.
+    #[must_use]
     pub fn reference(&self) -> &Reference {
         &self.reference
     }

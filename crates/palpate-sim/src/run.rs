@@ -144,16 +144,19 @@ pub struct IdealPoint {
 
 impl Run {
     /// The last tick; its ledger holds the totals of the run.
+    #[must_use]
     pub fn last(&self) -> &Tick {
         self.ticks.last().expect("a run has at least one tick")
     }
 
     /// Number of samples that were refused.
+    #[must_use]
     pub fn faults(&self) -> usize {
         self.count(|output| output.fault.is_some())
     }
 
     /// Number of forces that a limit changed.
+    #[must_use]
     pub fn limited(&self) -> usize {
         self.count(|output| output.limited.any())
     }

@@ -57,21 +57,25 @@ impl VirtualDevice {
     }
 
     /// Force on the device that is sent to the motor where it is to hold `force` `[N]`.
+    #[must_use]
     pub fn given_force(&self, force: f64) -> f64 {
         -self.sign * self.plant.given_force(-self.sign * force)
     }
 
     /// True position along the contact's axis `[m]`.
+    #[must_use]
     pub fn position(&self) -> f64 {
         self.sign * self.plant.position()
     }
 
     /// True velocity along the contact's axis `[m/s]`.
+    #[must_use]
     pub fn velocity(&self) -> f64 {
         self.sign * self.plant.velocity()
     }
 
     /// Whether a linkage's own safety box has switched its motors off.
+    #[must_use]
     pub fn is_disconnected(&self) -> bool {
         self.plant.has_left_box()
     }

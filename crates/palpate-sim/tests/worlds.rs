@@ -102,7 +102,7 @@ fn the_judge_and_the_renderer_see_the_same_world() {
     }
 }
 
-/// The committed worlds, each by its file's name.
+/// The committed worlds of three axes, each by its file's name; `six_axes.rs` has the others.
 fn committed() -> Vec<(String, String)> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../experiments/worlds");
     let mut worlds: Vec<_> = std::fs::read_dir(folder)
@@ -113,8 +113,9 @@ fn committed() -> Vec<(String, String)> {
             (name, std::fs::read_to_string(path).unwrap())
         })
         .collect();
+    worlds.retain(|(_, source)| !source.contains("quantum_rad"));
     worlds.sort();
-    assert_eq!(worlds.len(), 10);
+    assert_eq!(worlds.len(), 14);
     worlds
 }
 
@@ -133,8 +134,47 @@ fn in_the_committed_worlds_coupled_rendering_is_near_the_floor_and_at_it_with_th
             error(&told),
             error(&known)
         );
-        assert!(error(&told) < 1.0 && error(&known) < 0.1, "{name}");
+        // Sub-steps go over the edges between small triangles without being refined there.
+        let most = if name.starts_with("bumpy") { 0.2 } else { 0.1 };
+        assert!(error(&told) < 1.0 && error(&known) < most, "{name}");
         assert!(error(&basic) > 10.0, "{name}");
         assert_eq!(bench.self_check().unwrap().chaotic_from, None, "{name}");
     }
+}
+
+/// A pop is a sample at which a tool that has overlapped the wall is not pushed back to its own side any more. The wall
+/// of the pocket is thinner than the overlap.
+#[test]
+fn a_probe_in_a_pocket_does_not_pop_through_its_thin_wall() {
+    let (_, source) = committed()
+        .into_iter()
+        .find(|(name, _)| name == "pocket")
+        .unwrap();
+    let ([coupled, basic], bench) = runs(&source, ["coupled", "basic"]);
+    // Of the wall's inside and of the probe, and K.
+    let (wall, radius, stiffness) = (0.004, 0.001, 1500.0);
+    for run in [&coupled, &basic] {
+        let (mut deepest, mut most, mut pops) = (0.0_f64, 0.0_f64, 0);
+        for (position, force) in run.positions.iter().zip(&run.delivered[0]) {
+            let [x, y, _] = position[0];
+            let out = x.hypot(y);
+            let overlap = out + radius - wall;
+            let inwards = -(force[0] * x + force[1] * y) / out;
+            deepest = deepest.max(overlap);
+            most = most.max(inwards);
+            pops += usize::from(overlap > 2e-4 && inwards <= 0.0);
+        }
+        println!(
+            "{}: {:.2} mm deep, force over stiffness {:.2} mm, {pops} pops",
+            run.method,
+            1e3 * deepest,
+            1e3 * most / stiffness
+        );
+        assert!(deepest > 0.0012);
+        if run.method == "coupled" {
+            assert_eq!(pops, 0);
+            assert!((deepest - most / stiffness).abs() < 0.1 * deepest);
+        }
+    }
+    assert!(bench.ideal().deepest() > 0.0012);
 }

@@ -69,6 +69,7 @@ pub enum Holds {
 
 impl Holds {
     /// Its name.
+    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Yes => "holds",

@@ -128,6 +128,7 @@ pub struct Figures {
 
 impl Comparison {
     /// The table of these scenes.
+    #[must_use]
     pub fn of(scenes: Vec<SceneRows>) -> Self {
         Self {
             format: FORMAT,

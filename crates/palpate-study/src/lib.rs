@@ -4,7 +4,7 @@
 //! returns the numbers. [`tune`] asks how a method's damping changes its errors, [`heights`] how the start
 //! height does, [`suite`] judges methods on plants drawn at random, and [`map`] asks what can be rendered
 //! at all. [`advise`] asks that of one device and one contact. [`sweep`] varies one quantity of a scene, and
-//! [`claims`] checks the numbers of the paper.
+//! [`claims`] checks the numbers of the paper. [`calibrated`] calibrates the device of a scene.
 //!
 //! Reports are types: [`report::Report`] of runs, [`compare::Comparison`] of runs on several scenes, those of
 //! the studies (`tune::report` and so on), [`recording::report`] of a recording, and [`card`] of a device. Each has its numbers as
@@ -12,6 +12,7 @@
 //! Schema is in `docs/schema`. The feature `schema` makes these schemas (`schemars::JsonSchema`).
 
 pub mod advise;
+pub mod calibrated;
 pub mod card;
 pub mod claims;
 pub mod compare;

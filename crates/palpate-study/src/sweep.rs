@@ -29,6 +29,7 @@ impl Quantity {
     pub const ALL: [Self; 3] = [Self::Friction, Self::SafetyBox, Self::Damping];
 
     /// Its name.
+    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Friction => "friction",
@@ -38,6 +39,7 @@ impl Quantity {
     }
 
     /// Its unit; empty for a factor.
+    #[must_use]
     pub fn unit(self) -> &'static str {
         match self {
             Self::Friction => "",
@@ -69,6 +71,7 @@ pub enum Stability {
 
 impl Stability {
     /// Its name.
+    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Stable => "stable",

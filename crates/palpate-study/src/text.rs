@@ -19,6 +19,7 @@ pub const ABSOLUTE_LEAK: &str = "|leak|: energy that the held force created or t
     away, every part counted as positive.";
 
 /// A table without blanks at the ends of its lines, however wide.
+#[must_use]
 pub fn whole(table: &Table) -> String {
     let lines: Vec<String> = table.lines().map(|line| line.trim_end().into()).collect();
     lines.join("\n")
@@ -72,11 +73,13 @@ fn width(text: &str) -> usize {
 }
 
 /// The words of a text in lines of less than [`WIDTH`] characters: after a full line some terminals show an empty one.
+#[must_use]
 pub fn wrapped(text: &str) -> String {
     within(text, WIDTH - 1).join("\n")
 }
 
 /// The words of a text in lines of at most so many characters; a longer word stands alone. A number keeps its `%`.
+#[must_use]
 pub fn within(text: &str, width: usize) -> Vec<String> {
     let mut lines: Vec<String> = vec![String::new()];
     for word in text.replace(" %", "\u{a0}%").split(' ') {
@@ -95,6 +98,7 @@ pub fn within(text: &str, width: usize) -> Vec<String> {
 }
 
 /// What the columns of a table are, as a text below it.
+#[must_use]
 pub fn legend(columns: &[&str]) -> String {
     wrapped(&columns.join(" "))
 }
@@ -117,6 +121,7 @@ fn close_up(table: &mut Table) {
 
 /// A table with a line under its header, its columns two blanks apart; the first column holds names, or
 /// numbers like the others.
+#[must_use]
 pub fn plain_table(first: CellAlignment, header: &[&str]) -> Table {
     let mut table = empty();
     table.set_header(header.iter().enumerate().map(|(column, name)| {
@@ -136,11 +141,13 @@ pub fn number(value: Option<f64>, format: impl Fn(f64) -> String) -> Cell {
 }
 
 /// A percentage, without its sign: one decimal, or an exponent where it is large.
+#[must_use]
 pub fn percent(value: f64) -> String {
     short(value, 1)
 }
 
 /// With so many decimals, or an exponent where there are more than four digits before them.
+#[must_use]
 pub fn short(value: f64, decimals: usize) -> String {
     if value.abs() < 9999.5 {
         format!("{value:.decimals$}")
@@ -156,6 +163,7 @@ pub fn counted<N: fmt::Display + From<u8> + PartialEq>(count: N, thing: &str) ->
 }
 
 /// All digits that tell it from its neighbours, with an exponent where plain notation is mostly zeros.
+#[must_use]
 pub fn exactly(value: f64) -> String {
     let is_plain = value == 0.0 || !value.is_finite() || (1e-5..1e16).contains(&value.abs());
     if is_plain {
@@ -166,6 +174,7 @@ pub fn exactly(value: f64) -> String {
 }
 
 /// Three significant digits, in plain notation where that is short.
+#[must_use]
 pub fn digits(value: f64) -> String {
     if value == 0.0 {
         return "0".into();

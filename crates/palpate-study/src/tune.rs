@@ -27,6 +27,7 @@ pub enum Objective {
 
 impl Objective {
     /// Its name.
+    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Error => "error",
@@ -75,6 +76,7 @@ pub enum TuneError {
 }
 
 /// The setting of `method` that is a damping.
+#[must_use]
 pub fn tunable(method: MethodName) -> Option<&'static Setting> {
     let mut settings = method.info().settings.iter();
     settings.find(|setting| setting.unit() == Some(Unit::NewtonSecondPerMetre))
@@ -82,6 +84,7 @@ pub fn tunable(method: MethodName) -> Option<&'static Setting> {
 
 /// The greatest value that is tried where nobody says another `[N s/m]`, of a method's setting on a scene:
 /// beyond where it is known to be too much.
+#[must_use]
 pub fn usual_most(scene: &Scene, method: MethodName, setting: SettingKey) -> f64 {
     let impedance = scene.contact.stiffness * scene.loop_params.period;
     match (setting, method) {
@@ -93,6 +96,7 @@ pub fn usual_most(scene: &Scene, method: MethodName, setting: SettingKey) -> f64
 
 /// The least value that is tried where nobody says another `[N s/m]`, of so many up to `most`: 0, or one
 /// step of a cap, which cannot be 0.
+#[must_use]
 pub fn usual_least(setting: SettingKey, most: f64, values: u32) -> f64 {
     match setting {
         SettingKey::DAMPING_CAP => most / f64::from(values),
@@ -144,6 +148,7 @@ pub fn tune(
 }
 
 /// The point whose median is least.
+#[must_use]
 pub fn best(points: &[TunedPoint], objective: Objective) -> Option<&TunedPoint> {
     let of = |point: &TunedPoint| match objective {
         Objective::Error => point.mean_force_error.median,

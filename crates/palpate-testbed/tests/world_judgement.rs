@@ -4,7 +4,7 @@
 use palpate_testbed::grid::Grid;
 use palpate_testbed::metrics::{Fidelity, WindowMismatch};
 use palpate_testbed::world::{
-    ContactLaw, JudgementError, Member, Motion, Pair, PlantParams, Shape, Vector, WindowRule,
+    ContactLaw, JudgementError, Member, Motion, Pair, PlantParams, Shape, Tool, Vector, WindowRule,
     WorldBody, WorldDevice, WorldHand, WorldIdeal, WorldJudgement, WorldPlant, WorldScene,
 };
 
@@ -18,7 +18,8 @@ fn scene() -> WorldScene {
         mass: [0.1, 0.16, 0.25],
         position: [x, 0.004, 0.002],
         velocity: [0.0; 3],
-        tool_radius: 0.01,
+        tool: Tool::sphere(0.01),
+        turning: None,
         hand: WorldHand {
             force: [push, 0.0, 0.1],
             stiffness: 60.0,
@@ -33,7 +34,7 @@ fn scene() -> WorldScene {
         devices: vec![device(-0.045, 1.0), device(0.05, -1.2)],
         bodies: vec![WorldBody {
             name: "ball".into(),
-            shape,
+            shape: shape.clone(),
             position: [0.0; 3],
             orientation: [1.0, 0.0, 0.0, 0.0],
             motion: Some(Motion::of(&shape, 0.1)),

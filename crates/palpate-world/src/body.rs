@@ -2,22 +2,38 @@
 
 use crate::{NOT_TURNED, Quaternion, Shape, Vector};
 
-/// What a device moves through the world. Where it is, the device measures.
+/// What a device moves through the world. Where it is, and how it is turned, the device measures.
+///
+/// The tool's own axes begin at the mass centre of what the device moves: the position of a sample is that point's, and
+/// a torque is about it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tool {
     /// Its name, by which contacts call it.
     pub name: String,
     /// Its shape, in its own axes.
     pub shape: Shape,
+    /// Whether the device turns it: a device of six axes, which measures an orientation and gives a torque. If not, the
+    /// tool's axes are those of the world.
+    pub turns: bool,
 }
 
 impl Tool {
-    /// A tool of that name and shape.
+    /// A tool of that name and shape, which its device does not turn.
     #[must_use]
     pub fn new(name: impl Into<String>, shape: Shape) -> Self {
         Self {
             name: name.into(),
             shape,
+            turns: false,
+        }
+    }
+
+    /// The same tool, moved by a device of six axes.
+    #[must_use]
+    pub fn turning(self) -> Self {
+        Self {
+            turns: true,
+            ..self
         }
     }
 }

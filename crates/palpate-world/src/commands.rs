@@ -1,4 +1,4 @@
-//! The forces on their way to the devices.
+//! The forces, or torques, on their way to the devices.
 
 use palpate::{
     Actuation, Actuator, Ahead, Command, Governed, Held, LARGEST_DELAY, Piece, UnderWay,
@@ -89,6 +89,12 @@ impl Commands {
         }
     }
 
+    /// Mean of what was sent to a tool over the interval that has ended, zero where nothing is followed.
+    pub fn passed_or_none(&self, tool: usize) -> Vector3 {
+        let tool = self.tools.get(tool);
+        tool.map_or(Vector3::zeros(), |tool| Acting::of(&tool.passed).sent)
+    }
+
     /// What acted on a tool over the interval that has ended.
     pub fn passed(&self, tool: usize) -> Acting {
         Acting::of(&self.tools[tool].passed)
@@ -144,8 +150,10 @@ impl Commands {
 
     /// Whether a force is still to act on a tool before the command of this sample does.
     pub fn is_expected(&self, tool: usize) -> bool {
-        let under_way = self.tools[tool].under_way.iter();
+        let under_way = self.tools.get(tool).map(|tool| tool.under_way.iter());
         under_way
+            .into_iter()
+            .flatten()
             .map(|axis| Ahead::new(&self.actuator, axis).magnitude())
             .any(|force| force > 0.0)
     }

@@ -4,7 +4,8 @@ use crate::{Shape, Vector};
 
 impl Shape {
     /// Moments of inertia along the shape's own axes of a body of `mass` `[kg]` that fills the shape evenly
-    /// `[kg m^2]`; `None` for a half-space, which has no end.
+    /// `[kg m^2]`; `None` for a half-space, which has no end, for several spheres, which may overlap, and for a
+    /// mesh, which is fixed.
     #[must_use]
     pub fn moments(&self, mass: f64) -> Option<Vector> {
         let of_cylinder = |mass: f64, radius: f64, half_length: f64| {
@@ -14,7 +15,7 @@ impl Shape {
         };
         match *self {
             Self::Sphere { radius } => Some([0.4 * mass * radius * radius; 3]),
-            Self::HalfSpace { .. } => None,
+            Self::HalfSpace { .. } | Self::Spheres { .. } | Self::Mesh(_) => None,
             Self::Box { half_extents } => {
                 let [a, b, c] = half_extents.map(|half| half * half * mass / 3.0);
                 Some([b + c, c + a, a + b])
@@ -47,7 +48,7 @@ mod tests {
     fn holds(shape: &Shape, [x, y, z]: Vector) -> bool {
         match *shape {
             Shape::Sphere { radius } => x * x + y * y + z * z <= radius * radius,
-            Shape::HalfSpace { .. } => false,
+            Shape::HalfSpace { .. } | Shape::Spheres { .. } | Shape::Mesh(_) => false,
             Shape::Box {
                 half_extents: [a, b, c],
             } => x.abs() <= a && y.abs() <= b && z.abs() <= c,

@@ -4,6 +4,7 @@ use crate::moving::Moving;
 use crate::pairs::Point;
 use crate::part::Part;
 use crate::rigid::Vector3;
+use crate::solid::Solid;
 
 /// How finely an interval is integrated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +46,9 @@ pub struct Effort {
     pub unrefined: u32,
     /// Whether the fastest contact asked for more than [`SubSteps::most`].
     pub too_fast: bool,
+    /// Triangles of meshes and contacts with them that a sub-step had no room for, at most: the furthest from a tool, or
+    /// the least deep.
+    pub left_out: u32,
 }
 
 impl Effort {
@@ -54,6 +58,7 @@ impl Effort {
             refined: self.refined + other.refined,
             unrefined: self.unrefined + other.unrefined,
             too_fast: self.too_fast || other.too_fast,
+            left_out: self.left_out.max(other.left_out),
         }
     }
 }
@@ -96,6 +101,7 @@ pub(crate) fn advance(
         }
         effort.sub_steps += sub_steps.finer;
     }
+    effort.left_out = moving.take_left_out();
     effort
 }
 
@@ -123,11 +129,23 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> f64 {
         }
         let (first, second) = (&moving.parts[point.first], &moving.parts[point.second]);
         let centre = point.centre_of(&first.rigid);
-        let distance = point.solid.nearest(&second.rigid, &centre).distance;
         let relative: Vector3 = first.rigid.velocity - second.rigid.velocity;
         let pushed = (first.drive.acceleration - second.drive.acceleration).norm();
-        let turns = first.twist.turning.norm() * point.centre.norm();
-        distance - point.radius < (relative.norm() + turns + pushed * h) * 2.0 * h
+        let mut turns = first.twist.turning.norm() * point.centre.norm();
+        if point.second < moving.tools {
+            turns += second.twist.turning.norm() * (centre - second.rigid.position).norm();
+        }
+        let reach = point.radius + (relative.norm() + turns + pushed * h) * 2.0 * h;
+        match point.solid {
+            // One of its points is the first to be touched.
+            Solid::Mesh {
+                surface, point: 0, ..
+            } => {
+                let surface = &moving.surfaces[surface];
+                surface.clearance() < reach && surface.distance(&first.rigid, &second.rigid) < reach
+            }
+            _ => point.solid.nearest(&second.rigid, &centre).distance < reach,
+        }
     };
     let mut near = 0_u64;
     for (number, point) in points.iter().enumerate() {
@@ -165,7 +183,10 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> f64 {
         most_square = most_square.max(square);
         most_damping = most_damping.max(damping);
     }
-    let of_drives = |part: &Part| part.drive.spring_rate.max();
+    let of_drives = |part: &Part| {
+        let turning = part.turning_drive.stiffness * part.mobility.angular.max();
+        part.drive.spring_rate.max().max(turning)
+    };
     let most_drive = moving.parts.iter().map(of_drives).fold(0.0, f64::max);
     (most_square + most_drive)
         .sqrt()

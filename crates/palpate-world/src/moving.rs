@@ -1,9 +1,11 @@
 //! A world in motion: where everything is, what the contacts do, and what has passed since an interval began.
 
 use crate::law::{Mode, carried};
+use crate::mesh::Surface;
 use crate::pairs::Point;
 use crate::part::{Part, Twist};
 use crate::rigid::Vector3;
+use crate::solid::{Nearest, Solid};
 
 /// What a point of contact does, and has done since the interval began.
 #[derive(Clone, Copy, Debug)]
@@ -37,9 +39,11 @@ pub(crate) struct Touch {
 pub(crate) struct Past {
     /// Impulse on the first `[N s]`.
     pub impulse: Vector3,
+    /// Angular impulse on the tool of the two about its mass centre `[N m s]`.
+    pub angular_impulse: Vector3,
     /// Work on the first and the second together `[J]`.
     pub work: f64,
-    /// Work on the first, if that does not turn, as a tool `[J]`.
+    /// Work on the tool of the two `[J]`.
     pub work_on_tool: f64,
     /// Energy that damping and friction took, not below 0 `[J]`.
     pub dissipated: f64,
@@ -69,13 +73,22 @@ impl Touch {
     }
 
     /// Half a sub-step under the force, while the relative velocity goes from what it was to `relative`, and that of
-    /// the first is `mean` in the mean.
-    fn book(&mut self, relative: &Vector3, mean: &Vector3, half: f64) {
+    /// the tool, if one of the two is, moves as in its own mean.
+    fn book(&mut self, relative: &Vector3, tool: Option<(&Part, f64)>, half: f64) {
         let impulse = self.force * half;
         self.past.impulse += impulse;
         let apparent = half * self.apparent_power;
         self.past.work += 0.5 * impulse.dot(&(self.relative + relative)) + apparent;
-        self.past.work_on_tool += impulse.dot(mean) + apparent;
+        if let Some((part, sign)) = tool {
+            let on_tool = impulse * sign;
+            let arm = self.place - part.rigid.position;
+            let mut mean = part.mean.velocity;
+            if part.feels_torque {
+                self.past.angular_impulse += arm.cross(&on_tool);
+                mean += part.mean.turning.cross(&arm);
+            }
+            self.past.work_on_tool += on_tool.dot(&mean) + apparent;
+        }
         self.past.dissipated += half * self.damping_power;
     }
 }
@@ -85,7 +98,11 @@ impl Touch {
 pub(crate) struct Moving {
     /// Tools, then bodies.
     pub parts: Vec<Part>,
+    /// How many tools there are.
+    pub tools: usize,
     pub touches: Vec<Touch>,
+    /// The meshes that spheres touch.
+    pub surfaces: Vec<Surface>,
 }
 
 impl Moving {
@@ -93,6 +110,9 @@ impl Moving {
     pub fn copy_from(&mut self, other: &Self) {
         self.parts.copy_from_slice(&other.parts);
         self.touches.copy_from_slice(&other.touches);
+        for (surface, other) in self.surfaces.iter_mut().zip(&other.surfaces) {
+            surface.copy_from(other);
+        }
     }
 
     pub fn is_finite(&self) -> bool {
@@ -115,6 +135,19 @@ impl Moving {
         for part in &mut self.parts {
             part.begin();
         }
+    }
+
+    /// Spheres may be on another side of the meshes than they were.
+    pub fn forget_sides(&mut self) {
+        for surface in &mut self.surfaces {
+            surface.forget();
+        }
+    }
+
+    /// Largest number of triangles or contacts that the meshes have left out at a time since this was last asked.
+    pub fn take_left_out(&mut self) -> u32 {
+        let each = self.surfaces.iter_mut().map(Surface::take_left_out);
+        each.max().unwrap_or(0)
     }
 
     /// Whether a contact's mode is another than in `other`.
@@ -151,11 +184,7 @@ impl Moving {
             }
             let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
             let relative = relative(first, &first.twist, second, &second.twist, &touch.place);
-            touch.book(
-                &relative,
-                &(first.rigid.velocity - first.gained * 0.5),
-                half,
-            );
+            touch.book(&relative, tool_of(&self.parts, point, self.tools), half);
             touch.slid += (relative - touch.normal * touch.normal.dot(&relative)) * half;
         }
         for part in self.moving_parts() {
@@ -172,11 +201,7 @@ impl Moving {
             let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
             let relative = relative(first, &first.twist, second, &second.twist, &touch.place);
             touch.watch_damping(point, &relative, first, second);
-            touch.book(
-                &relative,
-                &(first.rigid.velocity - first.gained * 0.5),
-                half,
-            );
+            touch.book(&relative, tool_of(&self.parts, point, self.tools), half);
             touch.relative = relative;
         }
     }
@@ -191,10 +216,23 @@ impl Moving {
             part.force = Vector3::zeros();
             part.torque = Vector3::zeros();
         }
+        for surface in &mut self.surfaces {
+            let [first, second] = surface.parts().map(|number| &self.parts[number].rigid);
+            surface.look(first, second);
+        }
         for (touch, point) in self.touches.iter_mut().zip(points) {
             let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
             let centre = point.centre_of(&first.rigid);
-            let nearest = point.solid.nearest(&second.rigid, &centre);
+            let nearest = match point.solid {
+                Solid::Mesh { surface, point, .. } => {
+                    let found = self.surfaces[surface].found(point);
+                    found.map_or(Nearest::far(), |found| Nearest {
+                        distance: found.distance,
+                        normal: second.rigid.orientation * found.normal,
+                    })
+                }
+                _ => point.solid.nearest(&second.rigid, &centre),
+            };
             let penetration = point.radius - nearest.distance;
             if penetration > 0.0 {
                 let place = centre - nearest.normal * (point.radius - 0.5 * penetration);
@@ -227,6 +265,12 @@ impl Moving {
             }
         }
     }
+}
+
+/// The tool of a point's two, and on which side it is: see [`Point::sign_on`].
+fn tool_of<'a>(parts: &'a [Part], point: &Point, tools: usize) -> Option<(&'a Part, f64)> {
+    let tool = point.tool(tools)?;
+    Some((&parts[tool], point.sign_on(tool)?))
 }
 
 /// Velocity of the first's material at `place` against the second's `[m/s]`.
@@ -282,7 +326,8 @@ impl Touch {
 
     /// Power of the material's damping at a relative velocity: (N - K p) p'.
     fn watch_damping(&mut self, point: &Point, relative: &Vector3, first: &Part, second: &Part) {
-        let apparent = first.drive.apparent_velocity - second.drive.apparent_velocity;
+        let apparent =
+            first.apparent_velocity_at(&self.place) - second.apparent_velocity_at(&self.place);
         let rate = -self.normal.dot(&(relative + apparent));
         let by_damping = self.normal_force - point.law.stiffness * self.penetration;
         self.damping_power = (by_damping * rate).max(0.0);

@@ -155,14 +155,20 @@ pub struct Prior {
     pub velocity: f64,
     /// Of the acceleration by the hand `[m/s^2]`.
     pub acceleration: f64,
-    /// Of 1/m, as a part of what was told.
+    /// Of 1/m, and of one over the moments of inertia, as a part of what was told.
     pub mobility: f64,
-    /// Of the hand's damping over the mass `[1/s]`.
+    /// Of the hand's damping over the mass, and over the moments of inertia `[1/s]`.
     pub damping_rate: f64,
     /// Of the hand's stiffness over the mass `[1/s^2]`.
     pub spring_rate: f64,
     /// Of the hand's jerk, from sample to sample `[m/s^3]`.
     pub jerk: f64,
+    /// Of the angular velocity of a device that turns `[rad/s]`.
+    pub angular_velocity: f64,
+    /// Of the angular acceleration by the hand `[rad/s^2]`.
+    pub angular_acceleration: f64,
+    /// Of its change, from sample to sample `[rad/s^3]`.
+    pub angular_jerk: f64,
 }
 
 impl Default for Prior {
@@ -174,6 +180,9 @@ impl Default for Prior {
             damping_rate: 15.0,
             spring_rate: 1000.0,
             jerk: 100.0,
+            angular_velocity: 3.0,
+            angular_acceleration: 300.0,
+            angular_jerk: 5000.0,
         }
     }
 }

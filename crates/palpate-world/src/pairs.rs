@@ -1,6 +1,7 @@
 //! Which tools and bodies of a world can touch, and at which points.
 
 use crate::law::PointLaw;
+use crate::mesh::{POINTS_PER_MESH, Surface};
 use crate::rigid::{Mobility, Rigid, Vector3};
 use crate::solid::Solid;
 use crate::{Motion, Place, Shape, World, WorldError};
@@ -17,15 +18,15 @@ pub enum Side {
     Body(usize),
 }
 
-/// A point at which two tools or bodies can touch: a sphere, or a corner as one of radius 0, and the nearest point of
-/// a solid.
+/// A point at which two tools or bodies can touch: a sphere of the first, or a corner as one of radius 0, and the
+/// nearest point of the second's solid.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Point {
     /// Numbers of the two among tools and bodies, tools first.
     pub first: usize,
     pub second: usize,
-    /// Whether the centre is a corner, and not the first's own.
-    pub is_corner: bool,
+    /// Whether the centre is another one than the first's own.
+    pub is_off_centre: bool,
     /// Centre of the sphere, in the axes of the first `[m]`.
     pub centre: Vector3,
     pub radius: f64,
@@ -41,11 +42,30 @@ pub(crate) struct Point {
 impl Point {
     /// Where the sphere's centre is `[m]`.
     pub fn centre_of(&self, first: &Rigid) -> Vector3 {
-        if self.is_corner {
+        if self.is_off_centre {
             first.position + first.orientation * self.centre
         } else {
             first.position
         }
+    }
+
+    /// 1 if a tool is the first of the two, on which the contact's force acts; -1 if it is the second, on which the
+    /// opposite force does.
+    pub fn sign_on(&self, tool: usize) -> Option<f64> {
+        if self.first == tool {
+            Some(1.0)
+        } else if self.second == tool {
+            Some(-1.0)
+        } else {
+            None
+        }
+    }
+
+    /// The tool among the two, if one is: two tools do not touch.
+    pub fn tool(&self, tools: usize) -> Option<usize> {
+        [self.first, self.second]
+            .into_iter()
+            .find(|&side| side < tools)
     }
 }
 
@@ -62,10 +82,12 @@ impl Candidate<'_> {
     fn words(&self) -> &'static str {
         match self.shape {
             Shape::Sphere { .. } => "a sphere",
+            Shape::Spheres { .. } => "several spheres",
             Shape::HalfSpace { .. } => "a half-space",
             Shape::Box { .. } => "a box",
             Shape::Capsule { .. } => "a capsule",
             Shape::Cylinder { .. } => "a cylinder",
+            Shape::Mesh(_) => "a mesh",
         }
     }
 
@@ -74,11 +96,11 @@ impl Candidate<'_> {
     }
 }
 
-/// All points of contact of a checked world, or every pair that cannot be rendered.
+/// All points of contact of a checked world, with the meshes that spheres touch, or every pair that cannot be rendered.
 pub(crate) fn points(
     world: &World,
     mobilities: &[Mobility],
-) -> Result<Vec<Point>, Vec<WorldError>> {
+) -> Result<(Vec<Point>, Vec<Surface>), Vec<WorldError>> {
     let tools = world.tools.iter().enumerate().map(|(i, tool)| Candidate {
         name: &tool.name,
         shape: &tool.shape,
@@ -95,6 +117,7 @@ pub(crate) fn points(
     });
     let parts: Vec<_> = tools.chain(bodies).collect();
     let (mut points, mut faults) = (Vec::new(), Vec::new());
+    let mut surfaces = Vec::new();
     for (i, one) in parts.iter().enumerate() {
         for (j, other) in parts.iter().enumerate().skip(i + 1) {
             if (one.is_tool && other.is_tool) || !(one.moves() || other.moves()) {
@@ -103,25 +126,43 @@ pub(crate) fn points(
             let Some(law) = world.law(one.name, other.name) else {
                 continue;
             };
-            match (one.shape, other.shape) {
-                (Shape::Sphere { radius }, solid) => {
-                    points.push(sphere(i, j, *radius, solid, PointLaw::share(law, 1.0)));
+            // A mesh is looked at once for all of its points.
+            let on_mesh = match (one.shape, other.shape) {
+                (Shape::Sphere { radius }, Shape::Mesh(mesh)) => Some((i, j, *radius, mesh)),
+                (Shape::Mesh(mesh), Shape::Sphere { radius }) => Some((j, i, *radius, mesh)),
+                _ => None,
+            };
+            if let Some((first, second, radius, mesh)) = on_mesh {
+                let touching = Touching {
+                    centre: Vector3::zeros(),
+                    radius,
+                    share: 1.0,
+                };
+                points.extend((0..POINTS_PER_MESH).map(|point| {
+                    let solid = Solid::Mesh {
+                        surface: surfaces.len(),
+                        point,
+                        reach: mesh.reach(),
+                    };
+                    touching.on(first, second, solid, law)
+                }));
+                surfaces.push(Surface::new(mesh.clone(), first, second, radius));
+                continue;
+            }
+            let found = spheres_on(one.shape, other.shape).map(|found| (i, j, found));
+            let found =
+                found.or_else(|| spheres_on(other.shape, one.shape).map(|found| (j, i, found)));
+            match found {
+                Some((first, second, (spheres, solid))) => {
+                    points.extend(spheres.iter().map(|sphere| sphere.on(first, second, solid, law)));
                 }
-                (solid, Shape::Sphere { radius }) => {
-                    points.push(sphere(j, i, *radius, solid, PointLaw::share(law, 1.0)));
-                }
-                (Shape::Box { half_extents }, plane @ Shape::HalfSpace { .. }) => {
-                    points.extend(corners(i, j, *half_extents, plane, law));
-                }
-                (plane @ Shape::HalfSpace { .. }, Shape::Box { half_extents }) => {
-                    points.extend(corners(j, i, *half_extents, plane, law));
-                }
-                _ => faults.push(WorldError::new(
+                None => faults.push(WorldError::new(
                     one.place,
                     "shape",
                     format!("{:?} and {:?}", one.name, other.name),
                     format!(
-                        "there is no contact of {} with {} yet; a sphere may touch any shape, and a box a \
+                        "there is no contact of {} with {} yet: their edges and sides can touch where no corner \
+                         does. A sphere, or a tool of several, may touch any shape, and a box and a capsule a \
                          half-space. Give one of them another shape, or leave the pair without a law",
                         one.words(),
                         other.words()
@@ -157,53 +198,81 @@ pub(crate) fn points(
         point.across = [first, second];
         let is_ball = matches!(point.solid, Solid::Ball { .. });
         point.along = [
-            if point.is_corner { first } else { 0.0 },
+            if point.is_off_centre { first } else { 0.0 },
             if is_ball { 0.0 } else { second },
         ];
     }
     if faults.is_empty() {
-        Ok(points)
+        Ok((points, surfaces))
     } else {
         Err(faults)
     }
 }
 
-fn sphere(first: usize, second: usize, radius: f64, solid: &Shape, law: PointLaw) -> Point {
-    Point {
-        first,
-        second,
-        is_corner: false,
-        centre: Vector3::zeros(),
-        radius,
-        solid: solid.into(),
-        law,
-        across: [0.0; 2],
-        along: [0.0; 2],
-    }
+/// A sphere that a shape touches others with, and the share of a contact's law that it has.
+struct Touching {
+    centre: Vector3,
+    radius: f64,
+    share: f64,
 }
 
-/// The corners of a box above a half-space. A face that lies flat has four, so each has a quarter of the law.
-fn corners(
-    first: usize,
-    second: usize,
-    half: [f64; 3],
-    plane: &Shape,
-    law: &crate::ContactLaw,
-) -> impl Iterator<Item = Point> {
-    let law = PointLaw::share(law, 4.0);
-    let solid: Solid = plane.into();
-    (0..8).map(move |corner: u8| {
-        let side = |axis: u8| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+/// The spheres of a shape with which it can touch `other`, and the other's solid, where no two places of the two
+/// surfaces meet unless a sphere does.
+fn spheres_on(shape: &Shape, other: &Shape) -> Option<(Vec<Touching>, Solid)> {
+    let whole = |centre: crate::Vector, radius: f64| Touching {
+        centre: centre.into(),
+        radius,
+        share: 1.0,
+    };
+    let spheres = match (shape, other) {
+        (Shape::Sphere { radius }, _) => vec![whole([0.0; 3], *radius)],
+        (Shape::Spheres { spheres }, _) => {
+            let each = spheres.iter();
+            each.map(|sphere| whole(sphere.centre, sphere.radius))
+                .collect()
+        }
+        // A face that lies flat has four corners, so each has a quarter of the law.
+        (Shape::Box { half_extents }, Shape::HalfSpace { .. }) => (0..8_u8)
+            .map(|corner| Touching {
+                centre: Vector3::from_fn(|axis, _| {
+                    let side = if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+                    side * half_extents[axis]
+                }),
+                radius: 0.0,
+                share: 4.0,
+            })
+            .collect(),
+        // A capsule that lies flat has two ends.
+        (
+            Shape::Capsule {
+                radius,
+                half_length,
+            },
+            Shape::HalfSpace { .. },
+        ) => [-1.0, 1.0]
+            .map(|side| Touching {
+                centre: Vector3::new(0.0, 0.0, side * half_length),
+                radius: *radius,
+                share: 2.0,
+            })
+            .into(),
+        _ => return None,
+    };
+    Some((spheres, Solid::of(other)?))
+}
+
+impl Touching {
+    fn on(&self, first: usize, second: usize, solid: Solid, law: &crate::ContactLaw) -> Point {
         Point {
             first,
             second,
-            is_corner: true,
-            centre: Vector3::new(side(0) * half[0], side(1) * half[1], side(2) * half[2]),
-            radius: 0.0,
+            is_off_centre: self.centre != Vector3::zeros(),
+            centre: self.centre,
+            radius: self.radius,
             solid,
-            law,
+            law: PointLaw::share(law, self.share),
             across: [0.0; 2],
             along: [0.0; 2],
         }
-    })
+    }
 }

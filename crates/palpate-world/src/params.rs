@@ -15,6 +15,10 @@ pub struct WorldLoop {
     pub speed_limit: Option<f64>,
     /// Largest force on each tool, by its norm `[N]`, above 0: one number for each tool, or none at all.
     pub force_limits: Vec<f64>,
+    /// Largest torque on each tool, by its norm `[N m]`, above 0: one number for each tool, or none at all.
+    pub torque_limits: Vec<f64>,
+    /// Fastest turning of a device that is believed `[rad/s]`, above 0. `None`: any.
+    pub turning_limit: Option<f64>,
     /// What is known of the way from a sample to the force on each device.
     pub actuation: Actuation<f64>,
     /// How finely an interval is integrated.
@@ -22,7 +26,7 @@ pub struct WorldLoop {
 }
 
 impl WorldLoop {
-    /// A loop of nominal `period` `[s]` that believes device speeds up to 100 m/s and limits no force.
+    /// A loop of nominal `period` `[s]` that believes device speeds up to 100 m/s and 100 rad/s and limits no force.
     #[must_use]
     pub fn new(period: f64) -> Self {
         Self {
@@ -30,6 +34,8 @@ impl WorldLoop {
             largest_gap: None,
             speed_limit: Some(100.0),
             force_limits: Vec::new(),
+            torque_limits: Vec::new(),
+            turning_limit: Some(100.0),
             actuation: Actuation::default(),
             sub_steps: SubSteps::default(),
         }
@@ -40,6 +46,15 @@ impl WorldLoop {
     pub fn with_force_limits(self, force_limits: Vec<f64>) -> Self {
         Self {
             force_limits,
+            ..self
+        }
+    }
+
+    /// The same loop with a largest torque for each tool `[N m]`.
+    #[must_use]
+    pub fn with_torque_limits(self, torque_limits: Vec<f64>) -> Self {
+        Self {
+            torque_limits,
             ..self
         }
     }
@@ -72,15 +87,26 @@ impl WorldLoop {
         for &limit in &self.force_limits {
             above_zero("force_limits", limit);
         }
+        for &limit in &self.torque_limits {
+            above_zero("torque_limits", limit);
+        }
+        if let Some(limit) = self.turning_limit {
+            above_zero("turning_limit", limit);
+        }
         above_zero("phase", self.sub_steps.phase);
-        if !self.force_limits.is_empty() && self.force_limits.len() != tools {
-            fault(
-                "force_limits",
-                format!(
-                    "there are {} force limits and {tools} tools; give one for each, or none",
-                    self.force_limits.len()
-                ),
-            );
+        let limits = [
+            ("force_limits", "force", self.force_limits.len()),
+            ("torque_limits", "torque", self.torque_limits.len()),
+        ];
+        for (field, kind, given) in limits {
+            if given != 0 && given != tools {
+                fault(
+                    field,
+                    format!(
+                        "there are {given} {kind} limits and {tools} tools; give one for each, or none"
+                    ),
+                );
+            }
         }
         if let Some(gap) = self.largest_gap
             && !(gap >= self.period && gap.is_finite())

@@ -1,6 +1,7 @@
 //! A tool or body in motion.
 
 use crate::rigid::{Mobility, Rigid, Vector3};
+use crate::turning::TurningDrive;
 
 /// What pushes a tool or body from outside of the contacts, over an interval.
 #[derive(Clone, Copy, Debug)]
@@ -63,6 +64,9 @@ pub(crate) struct Part {
     pub rigid: Rigid,
     pub mobility: Mobility,
     pub drive: Drive,
+    pub turning_drive: TurningDrive,
+    /// Whether the torques of contacts are summed.
+    pub feels_torque: bool,
     /// How it moves now.
     pub twist: Twist,
     /// How it is expected to move at the end of a sub-step: what the damping of contacts sees.
@@ -73,6 +77,8 @@ pub(crate) struct Part {
     pub torque: Vector3,
     /// Change of its velocity over the last half of a sub-step `[m/s]`.
     pub gained: Vector3,
+    /// How it moved in the mean of the last half of a sub-step: the power of a constant force over it.
+    pub mean: Twist,
     /// Work of its drive since the interval began `[J]`.
     pub driven: f64,
     /// Energy of rotation that the sub-steps have made out of nothing since the interval began `[J]`.
@@ -87,11 +93,14 @@ impl Part {
             rigid,
             mobility,
             drive,
+            turning_drive: TurningDrive::none(),
+            feels_torque: !mobility.does_not_turn(),
             twist: Twist::none(),
             ahead: Twist::none(),
             force: none,
             torque: none,
             gained: none,
+            mean: Twist::none(),
             driven: 0.0,
             turning_error: 0.0,
         }
@@ -125,6 +134,7 @@ impl Part {
     pub fn begin(&mut self) {
         self.drive.position = self.rigid.position;
         self.drive.velocity = self.rigid.velocity;
+        self.turning_drive.begin(&self.rigid);
         self.driven = 0.0;
         self.turning_error = 0.0;
     }
@@ -144,6 +154,7 @@ impl Part {
         self.update_twist();
         self.ahead = self.twist;
         self.ahead.velocity += self.drive.apparent_velocity;
+        self.ahead.turning += self.turning_drive.apparent_turning;
     }
 
     /// The first half of a sub-step's push.
@@ -151,7 +162,8 @@ impl Part {
         let before = self.rigid.velocity;
         let slowed = self.drive.damping_rate.component_mul(&before);
         let by_drive = (self.drive.at(&self.rigid.position) - slowed) * half;
-        self.push(before, by_drive, half);
+        let torque = self.turning_drive.first_torque(&self.rigid);
+        self.push(before, by_drive, torque, half);
     }
 
     /// The second half: with the damping of the drive at its end, so that both halves together are of second order.
@@ -160,13 +172,17 @@ impl Part {
         let by_contacts = self.mobility.linear.component_mul(&self.force) * half;
         let sum = before + by_contacts + self.drive.at(&self.rigid.position) * half;
         let after = sum.zip_map(&self.drive.damping_rate, |v, rate| v / (1.0 + half * rate));
-        self.push(before, after - before - by_contacts, half);
+        let torque = self
+            .turning_drive
+            .second_torque(&self.rigid, &self.torque, half);
+        self.push(before, after - before - by_contacts, torque, half);
     }
 
-    fn push(&mut self, before: Vector3, by_drive: Vector3, half: f64) {
+    fn push(&mut self, before: Vector3, by_drive: Vector3, torque: Vector3, half: f64) {
         self.gained = by_drive + self.mobility.linear.component_mul(&self.force) * half;
         self.rigid.velocity += self.gained;
-        self.rigid.spin += self.torque * half;
+        let spun = (self.torque + torque) * half;
+        self.rigid.spin += spun;
         let mean = before + self.gained * 0.5;
         for axis in 0..3 {
             let mobility = self.mobility.linear[axis];
@@ -175,6 +191,14 @@ impl Part {
             }
         }
         self.update_twist();
+        self.mean = Twist {
+            velocity: self.rigid.velocity - self.gained * 0.5,
+            turning: self.twist.turning,
+        };
+        if self.feels_torque && !self.mobility.does_not_turn() {
+            self.mean.turning -= self.turning(&(spun * 0.5));
+            self.driven += (torque * half).dot(&self.mean.turning);
+        }
     }
 
     /// Moves on for `h` `[s]` without a push, and looks ahead to the end of the coming one.
@@ -182,7 +206,8 @@ impl Part {
         let rigid = &mut self.rigid;
         rigid.position += rigid.velocity * h;
         let before = self.twist.turning;
-        let torque = self.torque;
+        // Of a drive's torque the end is not looked at: what its change makes of a sub-step is of third order.
+        let torque = self.torque + self.turning_drive.first_torque(rigid);
         if !self.mobility.does_not_turn() {
             rigid.orientation = self.mobility.turned(&rigid.orientation, &rigid.spin, h);
             self.update_twist();
@@ -191,7 +216,8 @@ impl Part {
         }
         self.ahead = Twist {
             velocity: self.twist.velocity + self.gained + self.drive.apparent_velocity,
-            turning: self.turning(&(self.rigid.spin + torque * (0.5 * h))),
+            turning: self.turning(&(self.rigid.spin + torque * (0.5 * h)))
+                + self.turning_drive.apparent_turning,
         };
     }
 
@@ -200,10 +226,16 @@ impl Part {
         twist.velocity + twist.turning.cross(&(place - self.rigid.position))
     }
 
+    /// Velocity that only the damping of contacts sees, at `place` `[m/s]`.
+    pub fn apparent_velocity_at(&self, place: &Vector3) -> Vector3 {
+        let turning = &self.turning_drive.apparent_turning;
+        self.drive.apparent_velocity + turning.cross(&(place - self.rigid.position))
+    }
+
     /// Adds the force of a contact at `place`.
     pub fn load(&mut self, force: &Vector3, place: &Vector3) {
         self.force += force;
-        if !self.mobility.does_not_turn() {
+        if self.feels_torque {
             self.torque += (place - self.rigid.position).cross(force);
         }
     }

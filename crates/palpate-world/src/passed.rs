@@ -23,7 +23,7 @@ impl Books {
             book.step_error += stored - book.stored + past.dissipated + past.work;
             book.dissipated += past.dissipated;
             book.work += past.work;
-            if point.first < tools {
+            if point.tool(tools).is_some() {
                 book.work_on_avatar += past.work_on_tool;
             }
             book.stored = stored;

@@ -5,16 +5,16 @@ use palpate::Fault;
 
 use crate::books::{BodyBook, Books, ContactBook, DeviceBook};
 use crate::commands::Commands;
+use crate::mesh::Surface;
 use crate::method::{Checked, Memory, WorldMethod};
 use crate::moving::{Moving, Touch};
 use crate::pairs::{Point, Side, points};
 use crate::part::{Drive, Part};
 use crate::rigid::{Mobility, Rigid, Vector3};
-use crate::state::{BodyState, ContactState, Progress, ToolState, WorldState};
+use crate::state::{BodyState, ContactState, Progress, ToolState, WorldState, quaternion};
 use crate::tracking::Tracking;
 use crate::{
-    Body, Effort, Limited, Motion, Output, Place, Sample, Vector, World, WorldError, WorldFault,
-    WorldLoop,
+    Body, Effort, Limited, Motion, Output, Sample, Vector, World, WorldError, WorldFault, WorldLoop,
 };
 
 /// A world, rendered by one method in one loop. Immutable: a tick cannot change a parameter, and one renderer serves
@@ -24,8 +24,11 @@ pub struct WorldRenderer {
     pub(crate) in_loop: WorldLoop,
     pub(crate) points: Vec<Point>,
     pub(crate) tools: usize,
+    /// Of each tool, whether it turns.
+    turns: Vec<bool>,
     /// Tools, then bodies, as they are at the start.
     parts: Vec<Part>,
+    surfaces: Vec<Surface>,
     method: Checked,
 }
 
@@ -46,32 +49,30 @@ impl WorldRenderer {
         let mut parts: Vec<_> = world
             .tools
             .iter()
-            .map(|_| {
+            .map(|tool| {
                 let nowhere = Rigid {
                     position: Vector3::zeros(),
                     orientation: UnitQuaternion::identity(),
                     velocity: Vector3::zeros(),
                     spin: Vector3::zeros(),
                 };
-                Part::new(nowhere, Mobility::none(), Drive::constant(Vector3::zeros()))
+                Part {
+                    feels_torque: tool.turns,
+                    ..Part::new(nowhere, Mobility::none(), Drive::constant(Vector3::zeros()))
+                }
             })
             .collect();
-        for (number, tool) in world.tools.iter().enumerate() {
-            if !matches!(tool.shape, crate::Shape::Sphere { .. }) {
-                faults.push(WorldError::new(
-                    Place::Tool(number),
-                    "shape",
-                    format!("tool {:?}", tool.name),
-                    "a tool has to be a sphere so far, of radius 0 or more",
-                ));
+        parts.extend(world.bodies.iter().map(part_of));
+        let mut mobilities: Vec<_> = parts.iter().map(|part| part.mobility).collect();
+        faults.extend(in_loop.faults(tools));
+        let method = method.into().check(&world.tools);
+        if let Ok(method) = &method {
+            for (tool, mobility) in mobilities[..tools].iter_mut().enumerate() {
+                mobility.angular = method.angular_mobility(tool);
             }
         }
-        parts.extend(world.bodies.iter().map(part_of));
-        let mobilities: Vec<_> = parts.iter().map(|part| part.mobility).collect();
-        faults.extend(in_loop.faults(tools));
         let points = points(world, &mobilities);
-        let method = method.into().check(tools);
-        let (points, method) = match (points, method) {
+        let ((points, surfaces), method) = match (points, method) {
             (Ok(points), Ok(method)) if faults.is_empty() => (points, method),
             (points, method) => {
                 faults.extend(points.err().into_iter().flatten());
@@ -83,7 +84,9 @@ impl WorldRenderer {
             in_loop,
             points,
             tools,
+            turns: world.tools.iter().map(|tool| tool.turns).collect(),
             parts,
+            surfaces,
             method,
         })
     }
@@ -100,7 +103,9 @@ impl WorldRenderer {
     pub fn start(&self) -> WorldState {
         let now = Moving {
             parts: self.parts.clone(),
+            tools: self.tools,
             touches: vec![Touch::apart(); self.points.len()],
+            surfaces: self.surfaces.clone(),
         };
         let side = |number: usize| match number.checked_sub(self.tools) {
             None => Side::Tool(number),
@@ -116,13 +121,22 @@ impl WorldRenderer {
             bristle: [0.0; 3],
         });
         let bodies = &self.parts[self.tools..];
+        // Where nothing turns, no torque is followed.
+        let turning = if self.turns.contains(&true) {
+            self.tools
+        } else {
+            0
+        };
         let mut progress = Progress {
             ahead: now.clone(),
             room: now.clone(),
-            tracking: Tracking::new(self.tools),
+            tracking: Tracking::new(&self.turns),
             commands: Commands::new(self.tools, &self.in_loop.actuation, self.in_loop.period),
+            torque_commands: Commands::new(turning, &self.in_loop.actuation, self.in_loop.period),
             intended: vec![Vector3::zeros(); self.tools],
+            intended_torques: vec![Vector3::zeros(); self.tools],
             forces: vec![[0.0; 3]; self.tools],
+            torques: vec![[0.0; 3]; self.tools],
             tools: vec![ToolState::default(); self.tools],
             bodies: bodies.iter().map(body_state).collect(),
             contacts: contacts.collect(),
@@ -152,36 +166,47 @@ impl WorldRenderer {
         }
     }
 
-    /// One tick: takes a sample of all devices, gives the forces to hold until the next.
+    /// Says what torque was really sent to a tool for the last output `[N m]`, as [`report_sent`](Self::report_sent) does
+    /// of its force.
+    pub fn report_sent_torque(&self, state: &mut WorldState, tool: usize, torque: Vector) {
+        if torque.iter().all(|x| x.is_finite()) && self.turns.get(tool) == Some(&true) {
+            state.progress.torque_commands.correct(tool, torque.into());
+        }
+    }
+
+    /// One tick: takes a sample of all devices, gives the forces and torques to hold until the next.
     ///
     /// `state` is one that this renderer has started; with the state of another renderer a tick may panic. Apart from
-    /// that a tick is total: it never panics, allocates, blocks or loops without bound, and its forces are finite for
-    /// any input.
+    /// that a tick is total: it never panics, allocates, blocks or loops without bound, and its forces and
+    /// torques are finite for any input.
     ///
-    /// A sample that cannot be used gives forces of 0 and its fault. The bodies then wait, with their momentum, where
+    /// A sample that cannot be used gives forces and torques of 0 and its fault. The bodies then wait, with their momentum, where
     /// they were at the last sample that was used.
     pub fn step<'s>(&self, state: &'s mut WorldState, sample: &Sample<'_>) -> Output<'s> {
         let WorldState { progress, memory } = state;
         let elapsed = progress.tracking.believe(sample, &self.in_loop);
-        progress
-            .commands
-            .pass(*elapsed.as_ref().unwrap_or(&self.in_loop.period));
+        let duration = *elapsed.as_ref().unwrap_or(&self.in_loop.period);
+        progress.commands.pass(duration);
+        progress.torque_commands.pass(duration);
         let answer = elapsed.and_then(|elapsed| self.try_step(progress, memory, sample, elapsed));
         let (limited, effort, fault) = match answer {
             Ok((limited, effort)) => (limited, effort, None),
             Err(fault) => {
                 progress.tracking.in_progress = false;
-                for (intended, force) in progress.intended.iter_mut().zip(&mut progress.forces) {
-                    *intended = Vector3::zeros();
-                    *force = [0.0; 3];
-                }
+                progress.intended.fill(Vector3::zeros());
+                progress.intended_torques.fill(Vector3::zeros());
+                progress.forces.fill([0.0; 3]);
+                progress.torques.fill([0.0; 3]);
                 (Limited::default(), Effort::default(), Some(fault))
             }
         };
         progress.commands.send(&progress.intended, &progress.forces);
+        let torques = &progress.intended_torques;
+        progress.torque_commands.send(torques, &progress.torques);
         self.publish(progress, memory);
         Output {
             forces: &progress.forces,
+            torques: &progress.torques,
             limited,
             effort,
             fault,
@@ -211,29 +236,39 @@ impl WorldRenderer {
             }
             effort
         } else {
+            state.now.forget_sides();
             self.method.begin(self, state, memory, positions);
             Effort::default()
         };
         state.tracking.trust();
         effort = effort.and(self.method.plan(self, state, memory));
-        if !state.intended.iter().flatten().all(|x| x.is_finite()) {
+        let intended = state.intended.iter().chain(&state.intended_torques);
+        if !intended.flatten().all(|x| x.is_finite()) {
             self.put_back(state);
             return Err(overflow);
         }
-        for (tool, (intended, force)) in state.intended.iter().zip(&mut state.forces).enumerate() {
-            let most = self.in_loop.force_limits.get(tool);
-            let norm = intended.norm();
-            let mut sent = *intended;
-            if let Some(&most) = most
-                && norm > most
-            {
-                sent *= most / norm;
-                limited.force = true;
-            }
-            *force = sent.into();
-        }
+        let limits = (&self.in_loop.force_limits, &self.in_loop.torque_limits);
+        limited.force = limit(&state.intended, &mut state.forces, limits.0);
+        limited.torque = limit(&state.intended_torques, &mut state.torques, limits.1);
         Ok((limited, effort))
     }
+}
+
+/// Shortens what is asked for to the limit of each tool, if there are limits; whether one acted.
+fn limit(intended: &[Vector3], sent: &mut [Vector], limits: &[f64]) -> bool {
+    let mut acted = false;
+    for (tool, (intended, sent)) in intended.iter().zip(sent).enumerate() {
+        let norm = intended.norm();
+        let mut short = *intended;
+        if let Some(&most) = limits.get(tool)
+            && norm > most
+        {
+            short *= most / norm;
+            acted = true;
+        }
+        *sent = short.into();
+    }
+    acted
 }
 
 impl WorldRenderer {
@@ -243,6 +278,7 @@ impl WorldRenderer {
         for touch in &mut state.now.touches {
             *touch = Touch::apart();
         }
+        state.now.forget_sides();
         for (part, book) in self.parts[self.tools..].iter().zip(&mut state.books.bodies) {
             let kinetic = part.mobility.kinetic_energy(&part.rigid);
             book.outside += kinetic - book.kinetic;
@@ -260,8 +296,10 @@ impl WorldRenderer {
             *body = body_state(part);
         }
         memory.publish(state);
-        for (tool, force) in state.tools.iter_mut().zip(&state.forces) {
+        let sent = state.forces.iter().zip(&state.torques);
+        for (tool, (force, torque)) in state.tools.iter_mut().zip(sent) {
             tool.force = *force;
+            tool.torque = *torque;
         }
     }
 }
@@ -296,10 +334,9 @@ fn body_state(part: &Part) -> BodyState {
         velocity,
         spin,
     } = &part.rigid;
-    let q = orientation.quaternion();
     BodyState {
         position: (*position).into(),
-        orientation: [q.w, q.i, q.j, q.k],
+        orientation: quaternion(orientation),
         velocity: (*velocity).into(),
         angular_velocity: part.mobility.turning(orientation, spin).into(),
     }

@@ -2,13 +2,16 @@
 
 use palpate::Fault;
 
-use crate::{Effort, Vector};
+use crate::{Effort, Quaternion, Vector};
 
 /// One sample of all devices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample<'a> {
     /// Measured position of each tool, in the order of the world's tools `[m]`.
     pub positions: &'a [Vector],
+    /// Measured orientation of each tool, in the same order: a unit quaternion `[w, x, y, z]` that turns the tool's
+    /// axes into the world's. That of a tool that does not turn is not looked at; empty if none turns.
+    pub orientations: &'a [Quaternion],
     /// Time since the previous sample, if it was measured `[s]`; `None`: one nominal period.
     pub elapsed: Option<f64>,
 }
@@ -19,7 +22,17 @@ impl<'a> Sample<'a> {
     pub fn at(positions: &'a [Vector]) -> Self {
         Self {
             positions,
+            orientations: &[],
             elapsed: None,
+        }
+    }
+
+    /// The same sample with the tools turned by `orientations`.
+    #[must_use]
+    pub fn turned(self, orientations: &'a [Quaternion]) -> Self {
+        Self {
+            orientations,
+            ..self
         }
     }
 
@@ -38,7 +51,10 @@ impl<'a> Sample<'a> {
 pub struct Limited {
     /// A force exceeded [`WorldLoop::force_limits`](crate::WorldLoop::force_limits).
     pub force: bool,
-    /// An offset of an avatar exceeded [`CoupledParams::offset_limit`](crate::CoupledParams::offset_limit).
+    /// A torque exceeded [`WorldLoop::torque_limits`](crate::WorldLoop::torque_limits).
+    pub torque: bool,
+    /// An offset of an avatar exceeded [`CoupledParams::offset_limit`](crate::CoupledParams::offset_limit)
+    /// or [`CoupledParams::turn_limit`](crate::CoupledParams::turn_limit).
     pub offset: bool,
 }
 
@@ -46,7 +62,7 @@ impl Limited {
     /// Whether any limit acted.
     #[must_use]
     pub fn any(self) -> bool {
-        self.force || self.offset
+        self.force || self.torque || self.offset
     }
 }
 
@@ -55,7 +71,7 @@ impl Limited {
 pub struct WorldFault {
     /// What is wrong.
     pub fault: Fault,
-    /// The tool whose position it is, where it is one's.
+    /// The tool whose position or orientation it is, where it is one's.
     pub tool: Option<usize>,
 }
 
@@ -64,6 +80,9 @@ pub struct WorldFault {
 pub struct Output<'a> {
     /// Force on each tool `[N]`: what its device is to give to the hand, and to hold until the next sample.
     pub forces: &'a [Vector],
+    /// Torque on each tool about its mass centre, along the world's axes `[N m]`, to be held likewise; zero for a tool
+    /// that does not turn.
+    pub torques: &'a [Vector],
     /// Limits that acted.
     pub limited: Limited,
     /// What the tick has cost, and what did not fit in it.

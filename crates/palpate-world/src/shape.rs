@@ -1,6 +1,8 @@
 //! Shapes of tools and bodies.
 
-use crate::Vector;
+use std::sync::Arc;
+
+use crate::{Mesh, Vector};
 
 /// A shape, in the own axes of the tool or body that has it.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +18,11 @@ pub enum Shape {
         normal: Vector,
         /// Where the surface is along the normal `[m]`.
         offset: f64,
+    },
+    /// Several spheres, each of which has the whole law of a contact. For tools only.
+    Spheres {
+        /// At least one.
+        spheres: Vec<SphereAt>,
     },
     /// A block along the body's own axes.
     Box {
@@ -36,4 +43,15 @@ pub enum Shape {
         /// Half of its length, above 0 `[m]`.
         half_length: f64,
     },
+    /// A surface of triangles, in the body's own axes. For fixed bodies only.
+    Mesh(Arc<Mesh>),
+}
+
+/// A sphere of a tool that has several.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SphereAt {
+    /// Its centre, in the tool's own axes `[m]`.
+    pub centre: Vector,
+    /// Its radius, 0 for a point `[m]`.
+    pub radius: f64,
 }

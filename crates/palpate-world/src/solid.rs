@@ -25,6 +25,13 @@ pub(crate) enum Solid {
         radius: f64,
         half_length: f64,
     },
+    /// What is found at one of the contact points of a sphere with a mesh, by their number among all of the world: the mesh
+    /// itself is looked at once for all of them.
+    Mesh {
+        surface: usize,
+        point: usize,
+        reach: f64,
+    },
 }
 
 /// The nearest point of a surface.
@@ -36,12 +43,25 @@ pub(crate) struct Nearest {
     pub normal: Vector3,
 }
 
+impl Nearest {
+    /// Nothing is near.
+    pub fn far() -> Self {
+        Self {
+            distance: f64::INFINITY,
+            normal: Vector3::x(),
+        }
+    }
+}
+
 /// Distances below this have no direction `[m]`.
 const NO_DIRECTION: f64 = 1e-12;
 
-impl From<&Shape> for Solid {
-    fn from(shape: &Shape) -> Self {
-        match *shape {
+impl Solid {
+    /// The solid of a shape; `None` for several spheres and for a mesh.
+    pub fn of(shape: &Shape) -> Option<Self> {
+        Some(match *shape {
+            // What a mesh has at a contact's point is found out with the pair.
+            Shape::Spheres { .. } | Shape::Mesh(_) => return None,
             Shape::Sphere { radius } => Self::Ball { radius },
             Shape::HalfSpace { normal, offset } => Self::HalfSpace {
                 normal: Vector3::from(normal).normalize(),
@@ -64,7 +84,7 @@ impl From<&Shape> for Solid {
                 radius,
                 half_length,
             },
-        }
+        })
     }
 }
 
@@ -95,6 +115,7 @@ impl Solid {
                 radius,
                 half_length,
             } => from_cylinder(own, radius, half_length),
+            Self::Mesh { .. } => Nearest::far(),
         };
         Nearest {
             normal: placed.orientation * nearest.normal,
@@ -116,6 +137,7 @@ impl Solid {
                 radius,
                 half_length,
             } => radius.hypot(half_length),
+            Self::Mesh { reach, .. } => reach,
         }
     }
 }

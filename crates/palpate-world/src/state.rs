@@ -6,9 +6,9 @@ use crate::law::Mode;
 use crate::method::Memory;
 use crate::moving::Moving;
 use crate::pairs::Side;
-use crate::rigid::Vector3;
+use crate::rigid::{Rotation, Vector3};
 use crate::tracking::Tracking;
-use crate::{Quaternion, Vector};
+use crate::{NOT_TURNED, Quaternion, Vector};
 
 /// A world at a sample: made by [`WorldRenderer::start`](crate::WorldRenderer::start), changed by
 /// [`WorldRenderer::step`](crate::WorldRenderer::step).
@@ -29,9 +29,14 @@ pub(crate) struct Progress {
     pub room: Moving,
     pub tracking: Tracking,
     pub commands: Commands,
-    /// Force that the method asks for on each tool `[N]`.
+    /// Of torques; of no tool if none turns.
+    pub torque_commands: Commands,
+    /// Force that the method asks for on each tool `[N]`,
     pub intended: Vec<Vector3>,
+    /// and torque `[N m]`.
+    pub intended_torques: Vec<Vector3>,
     pub forces: Vec<Vector>,
+    pub torques: Vec<Vector>,
     pub tools: Vec<ToolState>,
     pub bodies: Vec<BodyState>,
     pub contacts: Vec<ContactState>,
@@ -77,7 +82,7 @@ impl WorldState {
 }
 
 /// A tool at a sample.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolState {
     /// Where its device is, by what the method knows `[m]`.
     pub position: Vector,
@@ -95,6 +100,50 @@ pub struct ToolState {
     pub force: Vector,
     /// Mass of the device with the hand, as far as the method has learned it, along each axis `[kg]`.
     pub mass: Option<Vector>,
+    /// How its device is turned, by what the method knows; not turned where the tool does not turn.
+    pub orientation: Quaternion,
+    /// Its device's angular velocity along the world's axes `[rad/s]`.
+    pub angular_velocity: Vector,
+    /// How the avatar is turned.
+    pub avatar_orientation: Quaternion,
+    /// Rotation vector along the world's axes that turns the device into the avatar `[rad]`.
+    pub turn_offset: Vector,
+    /// Angular momentum of the avatar less that of the device `[N m s]`.
+    pub momentum_offset: Vector,
+    /// Torque that is sent for this sample, about the mass centre, along the world's axes `[N m]`.
+    pub torque: Vector,
+    /// Moments of inertia of the device with the hand along the tool's axes, as far as the method has learned them
+    /// `[kg m^2]`.
+    pub inertia: Option<Vector>,
+}
+
+impl Default for ToolState {
+    fn default() -> Self {
+        let none = [0.0; 3];
+        Self {
+            position: none,
+            velocity: none,
+            avatar_position: none,
+            avatar_velocity: none,
+            offset: none,
+            velocity_offset: none,
+            force: none,
+            mass: None,
+            orientation: NOT_TURNED,
+            angular_velocity: none,
+            avatar_orientation: NOT_TURNED,
+            turn_offset: none,
+            momentum_offset: none,
+            torque: none,
+            inertia: None,
+        }
+    }
+}
+
+/// A rotation as a quaternion `[w, x, y, z]`.
+pub(crate) fn quaternion(rotation: &Rotation) -> Quaternion {
+    let q = rotation.quaternion();
+    [q.w, q.i, q.j, q.k]
 }
 
 /// A body at a sample.

@@ -2,20 +2,24 @@
 
 use palpate::Fault;
 
-use crate::rigid::Vector3;
-use crate::{Sample, WorldFault, WorldLoop};
+use crate::rigid::{Rotation, Vector3};
+use crate::{Quaternion, Sample, WorldFault, WorldLoop};
 
-/// What is known of the devices' positions.
+/// What is known of the devices' positions and orientations.
 #[derive(Clone, Debug)]
 pub(crate) struct Tracking {
     /// Whether an interval is in progress, which the next sample ends.
     pub in_progress: bool,
     /// Positions of the last sample that was used `[m]`, if one was.
     trusted: Vec<Vector3>,
+    /// Its orientations: not turned, of a tool that does not turn.
+    trusted_turn: Vec<Rotation>,
     is_trusted: bool,
     /// Positions of the last sample, if it was not used but finite.
     seen: Vec<Vector3>,
+    pub seen_turn: Vec<Rotation>,
     is_seen: bool,
+    turns: Vec<bool>,
     /// Time since the last sample that was used `[s]`.
     since: f64,
 }
@@ -25,13 +29,19 @@ pub(crate) struct Tracking {
 const NOMINAL_WITHIN: f64 = 1e-6;
 
 impl Tracking {
-    pub fn new(tools: usize) -> Self {
+    /// `turns`: of each tool, whether it turns.
+    pub fn new(turns: &[bool]) -> Self {
+        let tools = turns.len();
+        let not_turned = vec![Rotation::identity(); tools];
         Self {
             in_progress: false,
             trusted: vec![Vector3::zeros(); tools],
+            trusted_turn: not_turned.clone(),
             is_trusted: false,
             seen: vec![Vector3::zeros(); tools],
+            seen_turn: not_turned,
             is_seen: false,
+            turns: turns.to_vec(),
             since: 0.0,
         }
     }
@@ -56,17 +66,41 @@ impl Tracking {
                 });
             }
         }
-        let fast = |from: &[Vector3], time: f64| {
-            let limit = in_loop.speed_limit?;
+        for (tool, turns) in self.turns.iter().enumerate() {
+            if *turns && unit(sample.orientations.get(tool)).is_none() {
+                return Err(WorldFault {
+                    fault: Fault::OrientationNotUnit,
+                    tool: Some(tool),
+                });
+            }
+        }
+        // A tool that does not turn keeps the orientation it began with.
+        let turn_of = |tool: usize| {
+            let turned = unit(sample.orientations.get(tool)).filter(|_| self.turns[tool]);
+            turned.unwrap_or_else(Rotation::identity)
+        };
+        let fast = |from: &[Vector3], turned: &[Rotation], time: f64| {
             let mut pairs = from.iter().zip(sample.positions);
-            pairs.position(|(from, to)| (Vector3::from(*to) - from).norm() > limit * time)
+            let moved = in_loop.speed_limit.and_then(|limit| {
+                pairs.position(|(from, to)| (Vector3::from(*to) - from).norm() > limit * time)
+            });
+            moved.or_else(|| {
+                let limit = in_loop.turning_limit?;
+                let mut each = turned.iter().enumerate();
+                each.position(|(tool, from)| from.angle_to(&turn_of(tool)) > limit * time)
+            })
         };
         let leaps = if self.is_trusted {
-            fast(&self.trusted, self.since)
+            fast(&self.trusted, &self.trusted_turn, self.since)
         } else {
             None
         };
-        let confirmed = was_seen && fast(&self.seen, duration).is_none();
+        let confirmed = was_seen && fast(&self.seen, &self.seen_turn, duration).is_none();
+        let turns = &self.turns;
+        for (tool, seen) in self.seen_turn.iter_mut().enumerate() {
+            let turned = unit(sample.orientations.get(tool)).filter(|_| turns[tool]);
+            *seen = turned.unwrap_or_else(Rotation::identity);
+        }
         for (seen, position) in self.seen.iter_mut().zip(sample.positions) {
             *seen = Vector3::from(*position);
         }
@@ -84,6 +118,7 @@ impl Tracking {
     /// The last sample is used.
     pub fn trust(&mut self) {
         self.trusted.copy_from_slice(&self.seen);
+        self.trusted_turn.copy_from_slice(&self.seen_turn);
         self.is_trusted = true;
         self.since = 0.0;
         self.in_progress = true;
@@ -105,4 +140,15 @@ impl Tracking {
             Ok(elapsed)
         }
     }
+}
+
+/// How far the length of an orientation may be from 1.
+const LENGTH_TOLERANCE: f64 = 1e-3;
+
+/// The rotation of a quaternion of about length 1, brought to that length.
+fn unit(orientation: Option<&Quaternion>) -> Option<Rotation> {
+    let [w, x, y, z] = *orientation?;
+    let quaternion = nalgebra::Quaternion::new(w, x, y, z);
+    let is_unit = (quaternion.norm() - 1.0).abs() <= LENGTH_TOLERANCE;
+    is_unit.then(|| Rotation::new_normalize(quaternion))
 }

@@ -59,6 +59,7 @@ impl World {
             let mut of = Faults::new(&mut faults, Place::Tool(number), &subject);
             of.name(&tool.name, &mut names);
             of.shape(&tool.shape, true, false);
+            of.tool(&tool.shape);
         }
         for (number, body) in self.bodies.iter().enumerate() {
             let subject = format!("body {:?}", body.name);
@@ -171,6 +172,25 @@ impl<'a> Faults<'a> {
                 self.unit("normal", &normal);
                 self.finite("offset", &[offset]);
             }
+            Shape::Mesh(_) => {
+                if !fixed {
+                    self.fault("shape", "a mesh has to be a fixed body".into());
+                }
+            }
+            Shape::Spheres { ref spheres } => {
+                if !may_be_a_point {
+                    let message =
+                        "several spheres are the shape of a tool, and a body is one shape";
+                    self.fault("shape", message.into());
+                }
+                if spheres.is_empty() {
+                    self.fault("spheres", "there is no sphere; give at least one".into());
+                }
+                for sphere in spheres {
+                    self.finite("centre", &sphere.centre);
+                    self.at_least_zero("radius", sphere.radius);
+                }
+            }
             Shape::Box { half_extents } => {
                 for half in half_extents {
                     self.above_zero("half_extents", half);
@@ -187,6 +207,17 @@ impl<'a> Faults<'a> {
                 self.above_zero("radius", radius);
                 self.above_zero("half_length", half_length);
             }
+        }
+    }
+
+    /// The shapes that a tool may have.
+    fn tool(&mut self, shape: &Shape) {
+        match shape {
+            Shape::Sphere { .. } | Shape::Spheres { .. } | Shape::Box { .. } | Shape::Capsule { .. } => {}
+            _ => self.fault(
+                "shape",
+                "a tool has to be a sphere, of radius 0 or more, several spheres, a box or a capsule".into(),
+            ),
         }
     }
 

@@ -45,20 +45,28 @@ fn a_pair_that_has_a_law_and_no_contact_is_refused_and_one_without_a_law_is_not(
     assert_eq!(faults.len(), 1, "{faults:?}");
     assert_eq!(
         faults[0].to_string(),
-        "\"block\" and \"shelf\": there is no contact of a box with a box yet; a sphere may touch any shape, and a \
-         box a half-space. Give one of them another shape, or leave the pair without a law"
+        "\"block\" and \"shelf\": there is no contact of a box with a box yet: their edges and sides can touch where no \
+         corner does. A sphere, or a tool of several, may touch any shape, and a box and a capsule a half-space. Give \
+         one of them another shape, or leave the pair without a law"
     );
 }
 
 #[test]
-fn a_tool_that_is_no_sphere_and_more_points_than_fit_are_refused() {
+fn a_tool_that_is_a_cylinder_and_more_points_than_fit_are_refused() {
     let mut world = a_world();
     world.contacts[0].between[1] = Party::Named("floor".into());
-    world.tools[0].shape = Shape::Box {
-        half_extents: [0.01; 3],
+    world.tools[0].shape = Shape::Cylinder {
+        radius: 0.01,
+        half_length: 0.01,
     };
     let refused = faults(&world, WorldLoop::new(0.001), BasicParams::default());
     assert_eq!(refused[0].place, Place::Tool(0));
+    assert!(refused[0].to_string().contains("a box or a capsule"));
+    world.tools[0].shape = Shape::Spheres {
+        spheres: Vec::new(),
+    };
+    let refused = faults(&world, WorldLoop::new(0.001), BasicParams::default());
+    assert_eq!(refused[0].field, "spheres");
 
     let mut world = a_world();
     let ball = Shape::Sphere { radius: 0.01 };
@@ -89,6 +97,8 @@ fn every_parameter_of_loop_and_method_outside_its_range_is_said() {
         largest_gap: None,
         speed_limit: Some(0.0),
         force_limits: vec![f64::NAN, 1.0],
+        torque_limits: vec![0.0],
+        turning_limit: Some(-1.0),
         actuation: Actuation::default(),
         sub_steps: SubSteps {
             least: 0,
@@ -113,6 +123,8 @@ fn every_parameter_of_loop_and_method_outside_its_range_is_said() {
         "period",
         "speed_limit",
         "force_limits",
+        "torque_limits",
+        "turning_limit",
         "force_limits",
         "sub_steps",
         "device_mass",
@@ -131,4 +143,21 @@ fn an_actuation_outside_its_range_is_refused() {
     let refused = faults(&a_world(), in_loop, BasicParams::default());
     let fields: Vec<_> = refused.iter().map(|fault| fault.field).collect();
     assert_eq!(fields, ["actuation"; 2], "{refused:?}");
+}
+
+#[test]
+fn a_tool_that_turns_needs_an_inertia() {
+    let mut world = a_world();
+    world.tools[0].turns = true;
+    let told = |inertia| CoupledParams::new(vec![[0.1; 3]]).with_device_inertia(inertia);
+    for inertia in [
+        vec![],
+        vec![[1e-4, 0.0, 1e-4]],
+        vec![[1e-4, f64::INFINITY, 1e-4]],
+    ] {
+        let refused = faults(&world, WorldLoop::new(0.001), told(inertia));
+        assert_eq!(refused[0].field, "device_inertia", "{refused:?}");
+    }
+    let coupled = told(vec![[1e-4; 3]]);
+    assert!(WorldRenderer::new(&world, WorldLoop::new(0.001), coupled).is_ok());
 }

@@ -110,6 +110,7 @@ impl<S: Scalar> Actuator<S> {
     }
 
     /// The same with every command `by` `[s]` later, or earlier, but not before its sample.
+    #[must_use]
     pub fn later(&self, by: S) -> Self {
         let most = S::from_f64(LARGEST_DELAY as f64) * self.period;
         let delay = (self.delay + by).max(S::ZERO).min(most);
@@ -273,6 +274,7 @@ fn decay<S: Scalar>(lag: S, h: S) -> [S; 2] {
 
 impl<S: Scalar> UnderWay<S> {
     /// Before the first sample: no force.
+    #[must_use]
     pub fn nothing() -> Self {
         Self {
             commands: [Sent::default(); MOST_COMMANDS],
@@ -401,6 +403,7 @@ impl<'a, S: Scalar> Ahead<'a, S> {
     }
 
     /// Sum of the magnitudes of what is still to act before the command of this sample `[N]`.
+    #[must_use]
     pub fn magnitude(&self) -> S {
         let mut sum = S::ZERO;
         if !self.actuator.is_at_once && self.actuator.delay > S::ZERO {
@@ -439,6 +442,7 @@ impl<'a, S: Scalar> Ahead<'a, S> {
     }
 
     /// Whether the command of this sample begins with a sample.
+    #[must_use]
     pub fn is_whole(&self) -> bool {
         self.actuator.is_whole
     }

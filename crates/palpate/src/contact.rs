@@ -42,6 +42,7 @@ pub enum Side {
 impl Side {
     /// +1 for [`Side::Positive`], -1 for [`Side::Negative`].
     #[inline]
+    #[must_use]
     pub fn sign<S: Scalar>(self) -> S {
         match self {
             Self::Positive => S::ONE,
@@ -101,11 +102,13 @@ impl<S: Scalar> Contact<S> {
     }
 
     /// The same contact on another side.
+    #[must_use]
     pub fn on(self, side: Side) -> Self {
         Self { side, ..self }
     }
 
     /// The same contact, never pulling.
+    #[must_use]
     pub fn pushing_only(self) -> Self {
         Self {
             unilateral: true,

@@ -283,6 +283,7 @@ pub enum Unit {
 
 impl Unit {
     /// Its symbol, empty for a pure number.
+    #[must_use]
     pub const fn symbol(self) -> &'static str {
         match self {
             Self::One => "",
@@ -300,6 +301,7 @@ impl Unit {
     }
 
     /// What a key of this unit ends with, empty for a pure number.
+    #[must_use]
     pub const fn suffix(self) -> &'static str {
         match self {
             Self::One => "",
@@ -340,6 +342,7 @@ impl Range {
     }
 
     /// The range in words that follow "must be".
+    #[must_use]
     pub const fn allowed(self) -> &'static str {
         match self {
             Self::Finite => "finite",

@@ -37,6 +37,7 @@ impl<S: Scalar> Sample<S> {
 
     /// The same sample with a virtual force on the object `[N]`.
     #[inline]
+    #[must_use]
     pub fn with_virtual_force(self, virtual_force: S) -> Self {
         Self {
             virtual_force,
@@ -46,6 +47,7 @@ impl<S: Scalar> Sample<S> {
 
     /// The same sample, taken a measured time after the previous one `[s]`.
     #[inline]
+    #[must_use]
     pub fn after(self, elapsed: S) -> Self {
         Self {
             elapsed: Some(elapsed),
@@ -69,12 +71,15 @@ pub enum Fault {
     GapTooLong,
     /// The device moved faster than [`LoopParams::speed_limit`](crate::LoopParams::speed_limit).
     JumpTooFast,
+    /// The device orientation is no quaternion of length 1, or it is missing.
+    OrientationNotUnit,
     /// The force or the object's motion would not be a finite number.
     Overflow,
 }
 
 impl Fault {
     /// Short name in kebab case, as run files spell it.
+    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::PositionNotFinite => "position-not-finite",
@@ -82,6 +87,7 @@ impl Fault {
             Self::ElapsedNotPositive => "elapsed-not-positive",
             Self::GapTooLong => "gap-too-long",
             Self::JumpTooFast => "jump-too-fast",
+            Self::OrientationNotUnit => "orientation-not-unit",
             Self::Overflow => "overflow",
         }
     }
@@ -95,6 +101,9 @@ impl fmt::Display for Fault {
             Self::ElapsedNotPositive => "the time since the previous sample is not positive",
             Self::GapTooLong => "the time since the previous sample exceeds the largest gap",
             Self::JumpTooFast => "the device position jumped faster than the speed limit",
+            Self::OrientationNotUnit => {
+                "the device orientation is missing, or is no quaternion of length 1"
+            }
             Self::Overflow => "the force or the object's motion would not be a finite number",
         })
     }
@@ -117,6 +126,7 @@ pub enum Phase {
 
 impl Phase {
     /// Short name, as run files spell it.
+    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Free => "free",
@@ -144,6 +154,7 @@ pub struct Limited {
 impl Limited {
     /// Whether any limit acted.
     #[inline]
+    #[must_use]
     pub fn any(self) -> bool {
         self.pull || self.force || self.slew || self.guard
     }

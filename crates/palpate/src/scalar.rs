@@ -53,38 +53,50 @@ pub trait Scalar:
     /// Neither infinite nor NaN.
     fn is_finite(self) -> bool;
     /// Absolute value.
+    #[must_use]
     fn abs(self) -> Self;
     /// Square root.
+    #[must_use]
     fn sqrt(self) -> Self;
     /// Sine and cosine of an angle in radians.
     fn sin_cos(self) -> (Self, Self);
     /// Exponential.
+    #[must_use]
     fn exp(self) -> Self;
     /// `exp(self) - 1` without cancellation near 0.
+    #[must_use]
     fn exp_m1(self) -> Self;
     /// Arc sine in radians.
+    #[must_use]
     fn asin(self) -> Self;
     /// Angle of the point (`x`, `self`) in radians.
+    #[must_use]
     fn atan2(self, x: Self) -> Self;
     /// Length of the hypotenuse of the sides `self` and `other`.
+    #[must_use]
     fn hypot(self, other: Self) -> Self;
     /// Largest integer not above the number.
+    #[must_use]
     fn floor(self) -> Self;
     /// The number to the power `exponent`.
+    #[must_use]
     fn powf(self, exponent: Self) -> Self;
 
     /// The smaller of two numbers.
     #[inline]
+    #[must_use]
     fn min(self, other: Self) -> Self {
         if other < self { other } else { self }
     }
     /// The larger of two numbers.
     #[inline]
+    #[must_use]
     fn max(self, other: Self) -> Self {
         if other > self { other } else { self }
     }
     /// The number limited to `[-bound, bound]`, for `bound >= 0`.
     #[inline]
+    #[must_use]
     fn within(self, bound: Self) -> Self {
         self.min(bound).max(-bound)
     }

@@ -10,7 +10,10 @@ one. This package has the renderers and studies of the Rust library palpate; the
     r.step(-0.001)  # position of the device [m] in, force on the device [N] out
     f = r.step(0.002)
 
-All values are SI, along one axis. Where a name stands for a number in an array or a report, its unit is at
+`Renderer` is one contact along one axis, `World` is several devices, bodies and contacts in space, and
+`palpate.engines` renders contacts with the bodies of other physics engines.
+
+All values are SI. Where a name stands for a number in an array or a report, its unit is at
 the end of the name.
 """
 
@@ -19,10 +22,22 @@ from ._palpate import __version__
 from ._recording import FLAGS, RECORDED, Event, Recording, read_recording
 from ._render import render
 from ._renderer import Renderer
-from ._report import FAULTS, IDEAL, LIMITS, PHASES, TICK, Fields, Report, Runs
-from ._scene import Scene, compare, simulate
-from ._studies import heights, suite, tune
+from ._report import FAULTS, IDEAL, LIMITS, PHASES, TICK, Fields, Report, Runs, WorldRuns
+from ._scene import Bench, Scene, compare, simulate
+from ._studies import Map, advise, heights, map, suite, tune
 from ._values import Leak, Ledger, Output, Situation
+from ._world import World
+from ._world_values import (
+    BodyBook,
+    BodyState,
+    Books,
+    ContactBook,
+    ContactState,
+    DeviceBook,
+    Effort,
+    ToolState,
+    WorldOutput,
+)
 
 __all__ = [
     "FAULTS",
@@ -33,10 +48,19 @@ __all__ = [
     "PHASES",
     "RECORDED",
     "TICK",
+    "Bench",
+    "BodyBook",
+    "BodyState",
+    "Books",
+    "ContactBook",
+    "ContactState",
+    "DeviceBook",
+    "Effort",
     "Event",
     "Fields",
     "Leak",
     "Ledger",
+    "Map",
     "Method",
     "Output",
     "Recording",
@@ -46,9 +70,15 @@ __all__ = [
     "Scene",
     "Setting",
     "Situation",
+    "ToolState",
+    "World",
+    "WorldOutput",
+    "WorldRuns",
     "__version__",
+    "advise",
     "compare",
     "heights",
+    "map",
     "read_recording",
     "render",
     "simulate",

@@ -123,11 +123,7 @@ class Runs(Report):
 
     def method(self, name: str) -> Fields:
         """What the report says of one method."""
-        for method in self["methods"]:
-            if method["method"] == name:
-                return method  # type: ignore[no-any-return]
-        names = ", ".join(method["method"] for method in self["methods"])
-        raise KeyError(f"no run is by {name}; there are {names}")
+        return _named(self["methods"], name)
 
     def plot(self, ax: Any = None) -> Any:
         """Draws the held force of each method over time, with the ideal behind, by matplotlib.
@@ -155,3 +151,82 @@ class Runs(Report):
 
     def __reduce__(self) -> Any:
         return (type(self), (dict(self), str(self), self.ticks, self.ideal))
+
+
+class WorldRuns(Report):
+    """What some methods did in a world: their report, and every force.
+
+    The fields are those of `palpate simulate --json` for a world: `methods` is the list of what each method did,
+    in sum and for each device and axis.
+    """
+
+    __slots__ = ("edges", "forces", "ideal")
+
+    edges: NDArray[np.float64]
+    """The edges of the intervals over which forces are held [s], one more than there are intervals."""
+    forces: dict[str, NDArray[np.float64]]
+    """Force on each device over each interval [N], by the method's name: arrays of the shape (devices, intervals,
+    3)."""
+    ideal: NDArray[np.float64]
+    """Mean of the ideal's force over each interval [N], in the same shape."""
+
+    def __init__(
+        self,
+        fields: Mapping[str, Any] = {},
+        text: str = "",
+        edges: NDArray[np.float64] | None = None,
+        forces: Mapping[str, NDArray[np.float64]] = {},
+        ideal: NDArray[np.float64] | None = None,
+    ) -> None:
+        super().__init__(fields, text)
+        self.edges = np.empty(0) if edges is None else edges
+        self.forces = dict(forces)
+        self.ideal = np.empty((0, 0, 3)) if ideal is None else ideal
+
+    @classmethod
+    def _of_worlds(
+        cls, made: tuple[str, str, list[float], list[tuple[str, NDArray[np.float64]]], NDArray[np.float64]]
+    ) -> WorldRuns:
+        fields, text, edges, forces, ideal = made
+        return cls(json.loads(fields, object_hook=Fields), text, np.array(edges), dict(forces), ideal)
+
+    def method(self, name: str) -> Fields:
+        """What the report says of one method."""
+        return _named(self["methods"], name)
+
+    def plot(self, ax: Any = None, device: int = 0) -> Any:
+        """Draws the length of the force on a device over time, with the means of the ideal behind, by matplotlib.
+
+        Args:
+            ax: Axes to draw in. `None`: new ones.
+            device: Number of the device.
+
+        Returns:
+            The axes.
+
+        Raises:
+            ImportError: matplotlib is not there.
+        """
+        if ax is None:
+            from matplotlib import pyplot
+
+            ax = pyplot.subplots()[1]
+        starts = self.edges[:-1]
+        ideal = np.linalg.norm(self.ideal[device], axis=1)
+        ax.step(starts, ideal, where="post", color="0.7", linewidth=4, label="ideal, means")
+        for method, forces in self.forces.items():
+            ax.step(starts, np.linalg.norm(forces[device], axis=1), where="post", label=method)
+        ax.set(title=self["title"], xlabel="time [s]", ylabel="force on the device [N]")
+        ax.legend()
+        return ax
+
+    def __reduce__(self) -> Any:
+        return (type(self), (dict(self), str(self), self.edges, self.forces, self.ideal))
+
+
+def _named(methods: Sequence[Fields], name: str) -> Fields:
+    for method in methods:
+        if method["method"] == name:
+            return method
+    names = ", ".join(method["method"] for method in methods)
+    raise KeyError(f"no run is by {name}; there are {names}")

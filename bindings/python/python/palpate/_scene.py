@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import os
-from typing import Any, Callable, Iterable, Mapping, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, Sequence, Union, overload
 
 from . import _palpate
-from ._report import Report, Runs
+from ._report import Report, Runs, WorldRuns
 from ._values import Situation
+
+if TYPE_CHECKING:
+    from ._world import World
 
 Tables = Mapping[str, Any]
 """A table of a scene file: its keys, each with its value."""
@@ -138,25 +142,95 @@ MethodLike = Union[str, Callable[[Situation], float]]
 """Name of a method, or a method of one's own: the force on the object [N] at a sample in contact."""
 
 
-def simulate(scene: SceneLike, method: MethodLike | Sequence[MethodLike] | None = None) -> Runs:
-    """Simulates a scene in closed loop, as `palpate simulate` does, and judges each method.
+@overload
+def simulate(scene: World, method: str | Sequence[str] | None = None) -> WorldRuns: ...
+@overload
+def simulate(scene: Scene, method: MethodLike | Sequence[MethodLike] | None = None) -> Runs: ...
+@overload
+def simulate(scene: str | os.PathLike[str], method: MethodLike | Sequence[MethodLike] | None = None) -> Any: ...
+def simulate(
+    scene: SceneLike | World, method: MethodLike | Sequence[MethodLike] | None = None
+) -> Runs | WorldRuns:
+    """Simulates a scene or a world in closed loop, as `palpate simulate` does, and judges each method.
 
     Args:
-        scene: A scene, or the path of a scene file.
+        scene: A scene, a world, or the path of a scene file of either kind. A world is simulated from its start,
+            whatever it has been through; its devices are moved by the hands of its tables.
         method: Name of a method, of `palpate.METHODS`, several names, or `"all"`. `None`: the scene's own.
             A function is a method of your own, under the function's name: at each sample in contact it
             takes a `palpate.Situation` and gives the force on the object [N] to hold until the next. The
             object moves as the paper's: free or in contact throughout an interval, as its sample is.
+            Worlds take names only: `basic`, `virtual-damper`, `virtual-coupling` and `coupled`.
 
     Returns:
-        The report, and the ticks of each method as structured arrays.
+        The report; the ticks of each method, or for a world its forces, as arrays.
 
     Raises:
         ValueError: A scene that cannot be run, or not by this method.
         Exception: What a method of your own raises.
         OSError: A file that cannot be read.
     """
-    return Runs._of_runs(_palpate.simulate(_scene(scene), method))
+    from ._world import World
+
+    if isinstance(scene, (str, os.PathLike)):
+        text, name, folder = _palpate.read_scene(scene)
+        scene = World(scene) if _palpate.is_world(text) else Scene._of(text, name, folder)
+    if isinstance(scene, World):
+        return WorldRuns._of_worlds(_palpate.simulate_world(scene, method))
+    return Runs._of_runs(_palpate.simulate(scene, method))
+
+
+class Bench:
+    """A scene to try methods on, one after the other.
+
+        bench = palpate.Bench("experiments/fig2.toml")
+        bench.run("coupled")
+        bench.run(look_ahead)  # a function: a method of your own
+        print(bench.errors())  # mean-force error [%] of each run, the best first
+
+    Args:
+        scene: A scene, or the path of a scene file of one contact.
+
+    Raises:
+        ValueError: What is wrong with the scene, or a world.
+        OSError: A file that cannot be read.
+    """
+
+    scene: Scene
+    """The scene."""
+    runs: dict[str, Runs]
+    """The last run of each method, by its name."""
+
+    def __init__(self, scene: SceneLike) -> None:
+        self.scene = _scene(scene)
+        self.runs = {}
+
+    def run(self, method: MethodLike, name: str | None = None) -> Runs:
+        """Runs a method, as `palpate.simulate` does, and keeps what came of it.
+
+        Args:
+            method: Name of a method, or a method of your own.
+            name: Under which it is kept; `None`: its own.
+
+        Returns:
+            The report, and its ticks.
+
+        Raises:
+            ValueError: The scene cannot be run, or not by this method.
+            Exception: What a method of your own raises.
+        """
+        run = simulate(self.scene, method)
+        self.runs[name or run["methods"][0]["method"]] = run
+        return run
+
+    def errors(self) -> dict[str, float]:
+        """Mean-force error E of each run [%], the least first; infinite where the loop diverged."""
+        of = {name: run["methods"][0].get("mean_force_error_percent") for name, run in self.runs.items()}
+        known = {name: math.inf if error is None else float(error) for name, error in of.items()}
+        return dict(sorted(known.items(), key=lambda run: run[1]))
+
+    def __repr__(self) -> str:
+        return f"<palpate.Bench {self.scene.title!r}: {', '.join(self.runs) or 'no run'}>"
 
 
 def compare(scenes: SceneLike | Iterable[SceneLike], method: str | Sequence[str] = "all") -> Report:

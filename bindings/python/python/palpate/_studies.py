@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Iterable, Sequence
+import csv
+import json
+import math
+import os
+from typing import Any, Iterable, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from . import _palpate
-from ._report import Report
+from ._report import Fields, Report
 from ._scene import SceneLike, _scene, _scenes
 
 
@@ -73,7 +77,7 @@ def suite(
     """Judges methods on plants that are drawn at random, as `palpate suite` does.
 
     Args:
-        set: Family of plants: `"paper"`, `"desk"`, `"real"` or `"steps"`.
+        set: Family of plants: `"paper"`, `"desk"`, `"real"`, `"steps"` or `"calibrated"`.
         method: Name of a method, several names, or `"all"`. `None`: those that the set is for.
         seed: Seed of the draws.
         plants: Number of plants.
@@ -85,3 +89,140 @@ def suite(
         ValueError: A set or a method that there is not.
     """
     return Report._of(_palpate.run_suite(set, seed, plants, method))
+
+
+class Map(Report):
+    """What each method can render: the fields of `palpate map --json`, and every cell. In a notebook it is its figure."""
+
+    __slots__ = ("_csv", "_svg")
+
+    def __init__(self, fields: Mapping[str, Any] = {}, text: str = "", svg: str = "", csv: str = "") -> None:
+        super().__init__(fields, text)
+        self._svg = svg
+        self._csv = csv
+
+    @property
+    def rows(self) -> NDArray[np.void]:
+        """A record for each cell, plant and method, with the columns of the program's file (`docs/map.md` in palpate's
+        repository). What a cell has not is NaN."""
+        lines = [line for line in self._csv.splitlines() if not line.startswith("#")]
+        [names, *rows] = csv.reader(lines)
+        # The last column says how the map was made, on its first line.
+        names = names[:-1]
+        words = {"plant", "method"}
+        dtype = [(name, "U20" if name in words else "f8") for name in names]
+        values = [
+            tuple(cell if name in words else float(cell or "nan") for name, cell in zip(names, row)) for row in rows
+        ]
+        return np.array(values, dtype)
+
+    def to_csv(self) -> str:
+        """The text of the program's file of this map, for `palpate map merge` and others."""
+        return self._csv
+
+    def to_svg(self) -> str:
+        """The figure of the map."""
+        return self._svg
+
+    def _repr_svg_(self) -> str:
+        return self._svg
+
+    def __reduce__(self) -> Any:
+        return (type(self), (dict(self), str(self), self._svg, self._csv))
+
+
+def map(
+    method: str | Sequence[str] = "all",
+    *,
+    cells: int = 20,
+    viscous_friction: float | None = None,
+    encoder_quantum: float = 0.0,
+    told_mass: float = 1.0,
+    told_period: float = 1.0,
+    delay: float = 0.0,
+    lag: float = 0.0,
+    forces: str = "balanced",
+) -> Map:
+    """Computes what each method can render, over stiffness and mass of the object, as `palpate map` does.
+
+    Args:
+        method: Name of a method, of `palpate.METHODS`, several names, or `"all"`.
+        cells: Cells along each axis, 2 to 1000; the program's default is 100, which takes minutes.
+        viscous_friction: Of the damped device [N s/m]; `None`: that of the paper's.
+        encoder_quantum: Quantum of the device's position sensor [m].
+        told_mass: Mass of the device that the renderer is told, over the true one.
+        told_period: Period that the renderer is told, over the true one.
+        delay: Time from a sample to the beginning of its force [periods].
+        lag: Time constant of the actuator [periods].
+        forces: What drives device and object together: `"balanced"` or `"weight"`.
+
+    Returns:
+        The report: `methods` says on how much of the map each one is stable and faithful; `rows` has the cells.
+
+    Raises:
+        ValueError: A value that is not allowed.
+    """
+    given = {
+        "cells": cells,
+        "viscous_friction": viscous_friction,
+        "encoder_quantum": encoder_quantum,
+        "told_mass": told_mass,
+        "told_period": told_period,
+        "delay": delay,
+        "lag": lag,
+        "forces": forces,
+    }
+    fields, text, svg, table = _palpate.map(method, given)
+    return Map(json.loads(fields, object_hook=Fields), text, svg, table)
+
+
+def advise(
+    *,
+    period: float,
+    device_mass: float | None = None,
+    stiffness: float | None = None,
+    mass: float = math.inf,
+    method: str | Sequence[str] = "all",
+    viscous_friction: float = 0.0,
+    coulomb_friction: float = 0.0,
+    encoder_quantum: float | None = None,
+    delay: float | None = None,
+    lag: float | None = None,
+    device_file: str | os.PathLike[str] | None = None,
+) -> Report:
+    """Says what can be rendered on a device, and by which method, as `palpate advise` does.
+
+    Args:
+        period: Period T of the loop [s].
+        device_mass: Effective mass of the device [kg]; `None`: that of `device_file`.
+        stiffness: Stiffness K of the contact that one would like [N/m]; `None`: how stiff can it be?
+        mass: Mass M of the object [kg]; `math.inf`: a wall.
+        method: Name of a method, several names, or `"all"`.
+        viscous_friction: Of the device [N s/m].
+        coulomb_friction: Of the device [N].
+        encoder_quantum: Quantum of the position sensor [m]; `None`: that of `device_file`, or 0.
+        delay: Time from a sample to the beginning of its force [periods]; `None`: that of `device_file`, or 0.
+        lag: Time constant of the actuator [s]; `None`: that of `device_file`, or 0.
+        device_file: A device file of `palpate calibrate`.
+
+    Returns:
+        The report: `verdict`, and for each of `methods` how it renders the contact, the stiffest contact and the lightest
+        object.
+
+    Raises:
+        ValueError: A value that is not allowed, or a device file that cannot be read as one.
+        OSError: A device file that is not there.
+    """
+    given = {
+        "period": period,
+        "device_mass": device_mass,
+        "stiffness": stiffness,
+        "mass": mass,
+        "viscous_friction": viscous_friction,
+        "coulomb_friction": coulomb_friction,
+        "encoder_quantum": encoder_quantum,
+        "delay": delay,
+        "lag": lag,
+        "device_file": device_file,
+    }
+    return Report._of(_palpate.advise(method, given))

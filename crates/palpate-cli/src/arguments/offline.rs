@@ -183,7 +183,7 @@ pub struct SuiteArguments {
     /// What stands on the command line; first, since the fields are read in their order and taken out.
     #[command(flatten)]
     pub given: Given,
-    /// Family of plants: paper, desk, real or steps; worlds: several bodies in space
+    /// Family of plants: paper, desk, real, calibrated or steps; worlds: several bodies in space
     #[arg(long, value_name = "NAME", default_value = "paper", value_parser = plant_set)]
     pub set: PlantSet,
     /// Number of plants

@@ -10,9 +10,9 @@ use palpate_sim::closed_loop::{Bench, LoopError};
 use super::simulate::{explain, read_scene};
 use crate::arguments::{CompareArguments, Flags, TimingFlags};
 use crate::failure::Failure;
-use crate::plots;
 use crate::progress::Progress;
 use crate::results::{draw, print_report};
+use palpate_plot as plots;
 use palpate_study::compare::{COLUMNS, Comparison, SceneRows};
 use palpate_study::report::Subject;
 

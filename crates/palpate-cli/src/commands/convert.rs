@@ -22,7 +22,8 @@ pub struct ConvertArguments {
     /// What kind of table; parquet where built with the feature parquet
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t = Format::Csv)]
     pub to: Format,
-    /// File to write, - for standard output; events go to a CSV file beside it, NAME-events.csv
+    /// File to write, - for standard output; events go to a CSV file beside it, NAME-events.csv, and the bodies of a
+    /// world to NAME-bodies.csv
     /// [default: that of the recording, with .csv or .parquet]
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub out: Option<PathBuf>,
@@ -70,10 +71,15 @@ pub fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
             path.display()
         )));
     }
-    let events =
-        (recording.events > 0 && out != Path::new(STANDARD_OUTPUT)).then(|| events_beside(&out));
+    let events = (recording.events > 0 && out != Path::new(STANDARD_OUTPUT))
+        .then(|| table_beside(&out, "events"));
     if let Some(events) = &events {
         outputs.plan("the table of events", events)?;
+    }
+    let bodies = (recording.has_bodies && out != Path::new(STANDARD_OUTPUT))
+        .then(|| table_beside(&out, "bodies"));
+    if let Some(bodies) = &bodies {
+        outputs.plan("the table of bodies", bodies)?;
     }
     let mut wrote = String::new();
     if out == Path::new(STANDARD_OUTPUT) {
@@ -85,6 +91,12 @@ pub fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
                 return Err(Failure::System(format!("standard output: {error}")));
             }
             _ => {}
+        }
+        if recording.has_bodies {
+            crate::failure::tell(format_args!(
+                "{}: the bodies of the world left out; they go to a file beside --out FILE",
+                path.display()
+            ));
         }
         if recording.events > 0 {
             crate::failure::tell(format_args!(
@@ -105,6 +117,10 @@ pub fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
             outputs.write(events, |writer| recording.write_events_csv(writer))?;
             let count = counted(recording.events, "event");
             wrote += &format!("wrote {}: {count}\n", events.display());
+        }
+        if let Some(bodies) = &bodies {
+            outputs.write(bodies, |writer| recording.write_bodies_csv(writer))?;
+            wrote += &format!("wrote {}: the bodies of each tick\n", bodies.display());
         }
         drop(progress);
     }
@@ -134,10 +150,10 @@ fn beside(recording: &Path, to: Format) -> PathBuf {
     })
 }
 
-/// The name of the table of events beside that of ticks.
-fn events_beside(out: &Path) -> PathBuf {
+/// The name of another table beside that of ticks.
+fn table_beside(out: &Path, of: &str) -> PathBuf {
     let stem = out.file_stem().unwrap_or_default();
     let mut name = stem.to_owned();
-    name.push("-events.csv");
+    name.push(format!("-{of}.csv"));
     out.with_file_name(name)
 }

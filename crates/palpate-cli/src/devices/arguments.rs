@@ -9,7 +9,9 @@ use palpate_record::unit::LengthUnit;
 use super::inverse3::Inverse3Arguments;
 use crate::arguments::PartFlags;
 use crate::failure::Failure;
-use crate::values::{BoardName, Place, StartPose, length_unit, place, start_pose};
+use crate::values::{
+    BoardName, Place, StartPose, WorldAxes, length_unit, place, start_pose, world_axes,
+};
 
 /// Which device, and how the contact lies in it.
 #[derive(Args, Debug, Clone)]
@@ -57,12 +59,17 @@ pub struct DeviceArguments {
     /// Flags of the Inverse3.
     #[command(flatten)]
     pub inverse3: Inverse3Arguments,
-    /// Where the contact's coordinate is 0, in the frame of a device with several axes [m]
+    /// Where the contact's coordinate is 0, in the frame of a device with several axes; of a world: where its tool
+    /// is at position_m [m]
     #[arg(long, value_name = "X,Y[,Z]", value_parser = place, allow_hyphen_values = true)]
     pub origin: Option<Place>,
     /// Direction in which the contact's coordinate grows, in the same frame; of any length
     #[arg(long, value_name = "X,Y[,Z]", value_parser = place, allow_hyphen_values = true)]
     pub normal: Option<Place>,
+    /// Which axis of a world each axis of the device is, with - where it points the other way, such as x,z or x,-y,z
+    /// [default: x,y,z, as many as the device has]
+    #[arg(long, value_name = "AXES", value_parser = world_axes, allow_hyphen_values = true)]
+    pub world_axes: Option<WorldAxes>,
 }
 
 /// Devices, by the name that `--device` takes.

@@ -6,9 +6,8 @@ use palpate_device::{Capabilities, Device, DeviceError, Pose, Vector, Wrench, Ze
 use palpate_haply::inverse3::{
     ConnectError, Inspector, Inverse3, Inverse3Options, OpenError, Pace, SERVICE,
 };
-use palpate_scene::Scene;
 
-use super::placed::{Axis, FIRST_AXIS};
+use super::placed::FIRST_AXIS;
 use super::{DeviceArguments, DeviceName, Reconnecting, Reopen};
 use crate::failure::{Failure, tell};
 use crate::values::duration;
@@ -63,19 +62,19 @@ impl Inverse3Arguments {
     }
 }
 
-/// Opens it. Where the cursor is now is where the scene has its device at the start.
+/// Opens it, for a loop of `period` `[s]`; with where its cursor is now `[m]`.
 pub fn open<C: Clock>(
     arguments: &DeviceArguments,
-    scene: &Scene,
+    period: f64,
     clock: &C,
-) -> Result<(Box<dyn Device>, Axis), Failure> {
+) -> Result<(Box<dyn Device>, Vector), Failure> {
     if !C::RUNS {
         return Err(Failure::Arguments(
             "--fast is for devices without a motor: this one keeps its own time".into(),
         ));
     }
     let mut options = arguments.inverse3.options();
-    options.pace = Pace::for_period(duration("--period", scene.loop_params.period)?);
+    options.pace = Pace::for_period(duration("--period", period)?);
     let device = Inverse3::open(&options, clock.clone()).map_err(refused)?;
     // Only this one is gone on with.
     options.device_id = Some(device.device_id().to_owned());
@@ -85,7 +84,6 @@ pub fn open<C: Clock>(
         device.device_id(),
         round_trip * 1e3
     ));
-    let period = scene.loop_params.period;
     if round_trip > period {
         tell(format_args!(
             "warning: that is longer than the period of {:.2} ms: some ticks will find no sample, \
@@ -94,22 +92,17 @@ pub fn open<C: Clock>(
             (round_trip * 1.5 * 1e4).ceil() / 1e4
         ));
     }
-    let direction = direction(arguments);
-    let mut origin = device.opened_at();
-    for (origin, along) in origin.iter_mut().zip(direction) {
-        *origin -= along * scene.device.position;
-    }
-    let axis = (origin, FIRST_AXIS.1);
+    let opened_at = device.opened_at();
     let device = watched(device, !arguments.reconnect);
     if !arguments.reconnect {
-        return Ok((device, axis));
+        return Ok((device, opened_at));
     }
     let clock = clock.clone();
     let reopen: Reopen = Box::new(move || {
         let device = Inverse3::open(&options, clock.clone()).map_err(refused)?;
         Ok(watched(device, false))
     });
-    Ok((Box::new(Reconnecting::new(device, reopen)?), axis))
+    Ok((Box::new(Reconnecting::new(device, reopen)?), opened_at))
 }
 
 fn watched<C: Clock>(device: Inverse3<C>, says_why: bool) -> Box<dyn Device> {
@@ -122,7 +115,7 @@ fn watched<C: Clock>(device: Inverse3<C>, says_why: bool) -> Box<dyn Device> {
 }
 
 /// Of the contact's axis, of length 1; what is no direction is refused where it is placed.
-fn direction(arguments: &DeviceArguments) -> Vector {
+pub fn direction(arguments: &DeviceArguments) -> Vector {
     let Some(&[x, y, z]) = arguments.normal.as_ref().map(|place| &place.0[..]) else {
         return FIRST_AXIS.1;
     };

@@ -9,6 +9,7 @@ pub mod inverse3;
 mod placed;
 mod reconnecting;
 pub mod replayed;
+pub mod standing;
 #[cfg(unix)]
 pub mod two_diy;
 
@@ -16,9 +17,14 @@ pub use arguments::{DeviceArguments, DeviceName};
 
 use palpate::AlongAxis;
 use palpate_device::clock::Clock;
-use palpate_device::{Device, NullDevice};
+use palpate_device::{Device, NullDevice, Vector};
+use palpate_rt::WorldFrame;
 use palpate_scene::Scene;
-use palpate_sim::device::{PointerDevice, PointerHand, PointerParams, SimulatedDevice};
+use palpate_scene::world::WorldScene;
+use palpate_sim::device::{
+    PointerDevice, PointerHand, PointerParams, SimulatedDevice, SpatialDevice, SpatialHand,
+    SpatialPointer,
+};
 
 use crate::failure::{Failure, tell};
 #[cfg(unix)]
@@ -43,6 +49,11 @@ pub fn open<C: Clock>(
     guarding: &Guarding,
 ) -> Result<Opened, Failure> {
     arguments.check()?;
+    if arguments.world_axes.is_some() {
+        return Err(Failure::Arguments(
+            "--world-axes is for a world; a scene of one contact has --normal".into(),
+        ));
+    }
     let (device, usual): (Box<dyn Device>, _) = match arguments.device {
         DeviceName::Simulated => {
             let device = SimulatedDevice::of(scene, clock.clone()).map_err(Failure::input)?;
@@ -57,23 +68,106 @@ pub fn open<C: Clock>(
                 PointerDevice::new(params, &hand, clock.clone()).map_err(Failure::input)?;
             (Box::new(device), placed::FIRST_AXIS)
         }
-        DeviceName::Haply2diy => open_two_diy(arguments, scene, clock, guarding)?,
-        DeviceName::Inverse3 => inverse3::open(arguments, scene, clock)?,
+        DeviceName::Haply2diy => {
+            open_two_diy(arguments, scene.loop_params.period, clock, guarding)?
+        }
+        DeviceName::Inverse3 => {
+            let (device, mut origin) = inverse3::open(arguments, scene.loop_params.period, clock)?;
+            // Where the cursor is now is where the scene has its device at the start.
+            let direction = inverse3::direction(arguments);
+            for (origin, along) in origin.iter_mut().zip(direction) {
+                *origin -= along * scene.device.position;
+            }
+            (device, (origin, placed::FIRST_AXIS.1))
+        }
     };
+    warn_if_unguarded(device.as_ref(), arguments);
+    let axis = placed::axis(arguments, device.capabilities(), usual)?;
+    Ok(Opened { device, axis })
+}
+
+/// A device that is ready, and where it stands in a world.
+pub struct OpenedInWorld {
+    /// The device.
+    pub device: Box<dyn Device>,
+    /// Where it stands.
+    pub frame: WorldFrame,
+}
+
+/// Opens the device that `arguments` name, for the world that will be rendered on it, as [`open`] does for one contact.
+pub fn open_in_world<C: Clock>(
+    arguments: &DeviceArguments,
+    scene: &WorldScene,
+    clock: &C,
+    guarding: &Guarding,
+) -> Result<OpenedInWorld, Failure> {
+    open_in_world_with(arguments, scene, clock, guarding, None)
+}
+
+/// The same, with the hand that leads the device `pointer`; without one the device stays where it begins.
+pub fn open_in_world_with<C: Clock>(
+    arguments: &DeviceArguments,
+    scene: &WorldScene,
+    clock: &C,
+    guarding: &Guarding,
+    hand: Option<&SpatialHand>,
+) -> Result<OpenedInWorld, Failure> {
+    arguments.check()?;
+    let [own] = &scene.devices[..] else {
+        return Err(Failure::input(format_args!(
+            "the world has {} devices; a loop in real time has one so far, and `palpate pipe` renders a world of several",
+            scene.devices.len()
+        )));
+    };
+    let period = scene.timing.period;
+    let wrong = |error: palpate_testbed::InvalidParameter| Failure::input(error);
+    // The place of the device that is where its tool begins in the world.
+    let (device, usual): (Box<dyn Device>, Option<Vector>) = match arguments.device {
+        DeviceName::Simulated => {
+            let device = SpatialDevice::new(own, &scene.timing.actuator, clock.clone());
+            (Box::new(device.map_err(wrong)?), None)
+        }
+        DeviceName::Pointer => {
+            let hand = hand
+                .cloned()
+                .unwrap_or_else(|| SpatialHand::at(own.position));
+            let actuator = &scene.timing.actuator;
+            let device = SpatialPointer::new(own, actuator, &hand, clock.clone());
+            (Box::new(device.map_err(wrong)?), None)
+        }
+        DeviceName::Null | DeviceName::Replay => {
+            return Err(Failure::Arguments(
+                "--device: a world runs on simulated, pointer, haply-2diy and inverse3; null and replay have one axis"
+                    .into(),
+            ));
+        }
+        DeviceName::Haply2diy => {
+            let (device, (origin, _)) = open_two_diy(arguments, period, clock, guarding)?;
+            (device, Some(origin))
+        }
+        DeviceName::Inverse3 => {
+            let (device, origin) = inverse3::open(arguments, period, clock)?;
+            (device, Some(origin))
+        }
+    };
+    warn_if_unguarded(device.as_ref(), arguments);
+    let frame = standing::frame(arguments, device.capabilities(), usual, own.position)?;
+    Ok(OpenedInWorld { device, frame })
+}
+
+fn warn_if_unguarded(device: &dyn Device, arguments: &DeviceArguments) {
     if device.capabilities().holds_last_force && !arguments.is_guarded() {
         tell(
             "warning: --guardian off: if this program is killed or stopped while a force is on, the \
              device holds that force",
         );
     }
-    let axis = placed::axis(arguments, device.capabilities(), usual)?;
-    Ok(Opened { device, axis })
 }
 
 #[cfg(unix)]
 fn open_two_diy<C: Clock>(
     arguments: &DeviceArguments,
-    scene: &Scene,
+    period_seconds: f64,
     clock: &C,
     guarding: &Guarding,
 ) -> Result<(Box<dyn Device>, placed::Axis), Failure> {
@@ -82,7 +176,7 @@ fn open_two_diy<C: Clock>(
             "--fast is for devices without a motor: this one keeps its own time".into(),
         ));
     }
-    let period = duration("--period", scene.loop_params.period)?;
+    let period = duration("--period", period_seconds)?;
     let axis = two_diy::usual_axis(two_diy::generation(arguments));
     // Only this one is gone on with.
     let arguments = DeviceArguments {
@@ -107,7 +201,7 @@ fn open_two_diy<C: Clock>(
 #[cfg(not(unix))]
 fn open_two_diy<C: Clock>(
     _: &DeviceArguments,
-    _: &Scene,
+    _: f64,
     _: &C,
     _: &Guarding,
 ) -> Result<(Box<dyn Device>, placed::Axis), Failure> {

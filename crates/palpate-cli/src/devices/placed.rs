@@ -37,7 +37,7 @@ pub fn axis(
 }
 
 /// The place with as many axes as the device has.
-fn in_axes(place: &Place, device: &Capabilities) -> Result<Vector, String> {
+pub fn in_axes(place: &Place, device: &Capabilities) -> Result<Vector, String> {
     let (axes, given) = (device.axes, place.0.len());
     if axes == 1 {
         return Err(format!("the device `{}` has one axis", device.name));

@@ -6,7 +6,7 @@ use palpate_sim::replay::ReplaySetup;
 
 use crate::arguments::ReplayKind;
 use crate::failure::Failure;
-use crate::plots::Recorded;
+use palpate_plot::Recorded;
 
 /// The ticks of a recording, each with its one contact.
 #[derive(Default)]
@@ -62,7 +62,7 @@ impl Ticks {
 
     fn add(&mut self, row: Row) {
         self.all.push(row);
-        let Row { tick, contact } = row;
+        let Row { tick, contact, .. } = row;
         // What was sent counts, whether a position came with it or not.
         self.peak_force = self.peak_force.max(contact.force_on_device.abs());
         if !is_seen(&row) {

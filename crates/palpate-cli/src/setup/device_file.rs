@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use palpate::{Contact, LARGEST_DELAY, Mass};
 use palpate_calibrate::{Calibration, Quantity};
 use palpate_scene::Told;
+use palpate_study::calibrated;
 use palpate_study::text::digits;
 
 use crate::arguments::{ActuationFlags, Flags};
@@ -82,37 +83,9 @@ impl DeviceFile {
 
     /// What it says of delay, lag and gain; not what `flags` say beside it.
     pub fn told(&self, flags: &ActuationFlags) -> Told {
-        let taken = |quantity: Quantity| {
-            let is_taken = flags.beside(quantity).is_none();
-            self.calibration.known.get(&quantity).filter(|_| is_taken)
-        };
-        // Where the two are known only together, the sum is the better delay.
-        let delay = taken(Quantity::Delay).or_else(|| taken(Quantity::DelayPlusLag));
-        let [lag, gain] = [Quantity::Lag, Quantity::Gain].map(taken);
-        // Delay and lag of one fit err against each other. What counts is when the impulse arrives, which
-        // their sum says.
-        let of_sum = self
-            .calibration
-            .standard_deviation(Quantity::DelayPlusLag)
-            .filter(|_| delay.is_some() && lag.is_some());
-        let of_delay = of_sum.or_else(|| delay?.standard_deviation);
-        let of_lag = match of_sum {
-            Some(_) => Some(0.0),
-            None => lag.and_then(|lag| lag.standard_deviation),
-        };
-        let jitter = self.calibration.value(Quantity::CommandJitter);
-        let of_delay = match (of_delay, jitter.filter(|_| delay.is_some())) {
-            (Some(deviation), Some(jitter)) => Some(deviation.hypot(jitter)),
-            (deviation, jitter) => deviation.or(jitter),
-        };
-        Told {
-            delay: delay.map(|delay| delay.value),
-            delay_deviation: of_delay,
-            lag: lag.map(|lag| lag.value),
-            lag_deviation: of_lag,
-            gain: gain.map(|gain| gain.value),
-            gain_deviation: gain.and_then(|gain| gain.standard_deviation),
-        }
+        calibrated::told(&self.calibration, |quantity| {
+            flags.beside(quantity).is_none()
+        })
     }
 
     /// Says on standard error what is taken from the file, and what flags say in its place.

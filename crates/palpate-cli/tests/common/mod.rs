@@ -82,7 +82,7 @@ impl Folder {
             .current_dir(self.0.path())
             .args(arguments.split_whitespace())
             .write_stdin(input.as_ref())
-            .timeout(std::time::Duration::from_secs(60))
+            .timeout(std::time::Duration::from_secs(600))
             .output()
             .unwrap();
         Answer {

@@ -68,6 +68,7 @@ pub fn row(run: &Run, at: usize) -> Row {
                 .unwrap(),
             ..ContactTick::UNKNOWN
         },
+        ..Row::UNKNOWN
     }
 }
 

@@ -27,7 +27,7 @@ fn a_wall_holds_a_hand() {
     assert!(is_none(emulator.torques()));
     let ticks: Vec<_> = listener
         .filter_map(|told| match told {
-            Told::Tick(tick, contacts) => Row::of(tick, &contacts).next(),
+            Told::Tick(tick, contacts, _) => Row::of(tick, &contacts).next(),
             Told::Note(_) => None,
         })
         .collect();
@@ -52,7 +52,7 @@ fn a_wall_holds_a_hand() {
     depths.sort_by(f64::total_cmp);
     let deep = depths[depths.len() * 9 / 10];
     assert!((0.004..0.012).contains(&deep), "{deep}");
-    for Row { tick, contact } in fresh {
+    for Row { tick, contact, .. } in fresh {
         let asked = -contact.force_on_object;
         if tick.flags.has(Flags::SAFETY_LIMITED) || contact.force_on_device == 0.0 {
             continue;

@@ -89,6 +89,7 @@ pub enum MapError {
 
 impl Map {
     /// The value of a key of the receipt.
+    #[must_use]
     pub fn value(&self, key: &str) -> Option<&str> {
         self.receipt
             .iter()

@@ -13,13 +13,13 @@ use super::loss::Loss;
 use super::read::Entry;
 use super::unpack::unpack;
 use super::{
-    CONTACT_TOPIC, ContactTick, EVENT_TOPIC, Event, LONGEST_RECORD, MESSAGE_ENCODING, TICK_TOPIC,
-    Tick, schema,
+    BODY_TOPIC, BodyTick, CONTACT_TOPIC, ContactTick, EVENT_TOPIC, Event, LONGEST_RECORD,
+    MESSAGE_ENCODING, TICK_TOPIC, Tick, schema,
 };
 
 #[derive(Clone)]
 enum Channel {
-    /// Ticks or contacts, with where the columns stand in a message.
+    /// Ticks, contacts or bodies, with where the columns stand in a message.
     Rows(Arc<Layout>),
     Events,
     /// Somebody else's.
@@ -29,7 +29,7 @@ enum Channel {
 /// What is known from the chunks so far: which channel is which, and which ticks are there.
 #[derive(Clone)]
 pub(super) struct Content {
-    /// What the types of ticks and contacts say, by their numbers.
+    /// What the types of ticks, contacts and bodies say, by their numbers.
     layouts: BTreeMap<u16, Arc<Layout>>,
     channels: BTreeMap<u16, Channel>,
     /// The ticks where the file does not say how they are laid out.
@@ -51,7 +51,14 @@ impl Content {
             1 => [(1, of_ticks), (2, Channel::Events)].into(),
             _ => {
                 let of_contacts = Channel::Rows(Arc::new(Layout::of_contact()));
-                [(1, of_ticks), (2, of_contacts), (3, Channel::Events)].into()
+                let of_bodies = Channel::Rows(Arc::new(Layout::of_body()));
+                [
+                    (1, of_ticks),
+                    (2, of_contacts),
+                    (3, Channel::Events),
+                    (4, of_bodies),
+                ]
+                .into()
             }
         };
         Self {
@@ -126,16 +133,17 @@ impl Content {
         }
         match parse_record(opcode, record).map_err(|_| "it does not hold records".to_owned())? {
             Record::Schema { header, data }
-                if [schema::TICK, schema::CONTACT].contains(&header.name.as_str()) =>
+                if [schema::TICK, schema::CONTACT, schema::BODY]
+                    .contains(&header.name.as_str()) =>
             {
                 let layout = std::str::from_utf8(&data)
                     .map_err(|_| "it is no text".to_owned())
                     .and_then(|text| Layout::of_schema(&header.name, text))
                     .map_err(|why| {
-                        let of = if header.name == schema::TICK {
-                            "ticks"
-                        } else {
-                            "contacts"
+                        let of = match header.name.as_str() {
+                            schema::TICK => "ticks",
+                            schema::BODY => "bodies",
+                            _ => "contacts",
                         };
                         format!("the type of the {of}: {why}")
                     })?;
@@ -150,6 +158,9 @@ impl Content {
                     }
                     CONTACT_TOPIC => {
                         Channel::Rows(told().unwrap_or_else(|| Arc::new(Layout::of_contact())))
+                    }
+                    BODY_TOPIC => {
+                        Channel::Rows(told().unwrap_or_else(|| Arc::new(Layout::of_body())))
                     }
                     EVENT_TOPIC => Channel::Events,
                     _ => Channel::Other,
@@ -179,21 +190,28 @@ impl Content {
     fn row(&mut self, layout: &Layout, message: &[u8]) -> Result<Option<Entry>, String> {
         let row = layout.decode(message).ok_or(match layout.holds {
             Holds::Contact => "a message is not a contact",
+            Holds::Body => "a message is not a body",
             Holds::Tick | Holds::Both => "a message is not a tick",
         })?;
         let whole = match layout.holds {
             Holds::Tick => self.gather.tick(row.tick),
             Holds::Contact => self.gather.contact(row.contact)?,
-            Holds::Both => Some((row.tick, vec![row.contact])),
+            Holds::Body => self.gather.body(row.body),
+            Holds::Both => Some((row.tick, vec![row.contact], Vec::new())),
         };
         whole
-            .map(|(tick, contacts)| self.whole(tick, contacts))
+            .map(|(tick, contacts, bodies)| self.whole(tick, contacts, bodies))
             .transpose()
     }
 
-    fn whole(&mut self, tick: Tick, contacts: Vec<ContactTick>) -> Result<Entry, String> {
+    fn whole(
+        &mut self,
+        tick: Tick,
+        contacts: Vec<ContactTick>,
+        bodies: Vec<BodyTick>,
+    ) -> Result<Entry, String> {
         if self.loss.tick(tick.sequence) {
-            return Ok(Entry::Tick(tick, contacts));
+            return Ok(Entry::Tick(tick, contacts, bodies));
         }
         Err(format!(
             "tick {} does not come after the one before it",

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::cdr::{Reader, Writer};
 use super::state::{Flags, Phase};
-use super::{ContactTick, Row, Tick};
+use super::{BodyTick, ContactTick, Row, Tick};
 
 /// A column of a tick or of a contact. [`Tick::COLUMNS`] and [`ContactTick::COLUMNS`] have all of them: every
 /// file, the live page and the documentation are made from these lists.
@@ -70,7 +70,8 @@ impl Column {
     /// too.
     #[must_use]
     pub fn named(name: &str) -> Option<&'static Self> {
-        let mut all = Tick::COLUMNS.iter().chain(ContactTick::COLUMNS);
+        let contacts = Tick::COLUMNS.iter().chain(ContactTick::COLUMNS);
+        let mut all = contacts.chain(BodyTick::COLUMNS);
         all.find(|column| column.name == name)
     }
 
@@ -104,6 +105,7 @@ fn suffix(unit: &str) -> &'static str {
         "N" => "_n",
         "N m" => "_n_m",
         "J" => "_j",
+        "rad/s" => "_rad_per_s",
         _ => "",
     }
 }
@@ -237,26 +239,27 @@ mod tests {
     use super::*;
 
     fn all() -> Vec<&'static Column> {
-        Tick::COLUMNS.iter().chain(ContactTick::COLUMNS).collect()
+        let contacts = Tick::COLUMNS.iter().chain(ContactTick::COLUMNS);
+        contacts.chain(BodyTick::COLUMNS).collect()
     }
 
     #[test]
     fn the_name_of_a_column_ends_with_its_unit() {
         for column in all() {
             let Column { name, unit, .. } = *column;
-            let units = ["1", "s", "m", "m/s", "N", "N m", "J"];
+            let units = ["1", "s", "m", "m/s", "N", "N m", "J", "rad/s"];
             assert!(units.contains(&unit), "{name}");
             assert!(name.ends_with(suffix(unit)), "{name} in {unit}");
             assert_eq!(format!("{}{}", column.short_name(), suffix(unit)), name);
-            // A number has a unit, but in a quaternion, and nothing else has one.
-            let is_pure = name.starts_with("device_orientation_");
+            // A number has a unit, but in a quaternion or a unit vector, and nothing else has one.
+            let is_pure = name.contains("_orientation_") || name.starts_with("contact_normal_");
             assert_eq!(
                 unit == "1",
                 column.kind != Kind::Number || is_pure,
                 "{name}"
             );
         }
-        for columns in [Tick::COLUMNS, ContactTick::COLUMNS] {
+        for columns in [Tick::COLUMNS, ContactTick::COLUMNS, BodyTick::COLUMNS] {
             let names: BTreeSet<&str> = columns.iter().map(|column| column.name).collect();
             assert_eq!(names.len(), columns.len());
         }

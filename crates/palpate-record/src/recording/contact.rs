@@ -6,8 +6,9 @@ use super::state::{Flags, Phase};
 part_of_row! {
     /// What is seen of one contact at one tick.
     ///
-    /// Positions, velocities and forces are along the contact's normal and in the user's frame,
-    /// positive along it; NaN where there is no value. `docs/signs.md` draws the axis.
+    /// Positions, velocities and forces that are one number are along the contact's normal and in the user's frame,
+    /// positive along it; NaN where there is no value. `docs/signs.md` draws the axis. Those of a contact of a world
+    /// are vectors along the axes of the world.
     ContactTick as contact;
 
     sequence: u64, "1", several,
@@ -58,6 +59,18 @@ part_of_row! {
     held_leak: f64, "J", live,
         "accumulated leak of the force that was held; positive where energy was created",
         "leak_held_j";
+    point: [f64; 3], "m", several,
+        "where the force of a contact of a world acts, along the world's axes; NaN where no world is rendered",
+        "contact_point_1_m" @ 0, "contact_point_2_m" @ 1, "contact_point_3_m" @ 2;
+    normal: [f64; 3], "1", several,
+        "unit normal of a contact of a world, from the second of its pair to the first",
+        "contact_normal_1" @ 0, "contact_normal_2" @ 1, "contact_normal_3" @ 2;
+    force: [f64; 3], "N", several,
+        "force of a contact of a world on the first of its pair",
+        "contact_force_1_n" @ 0, "contact_force_2_n" @ 1, "contact_force_3_n" @ 2;
+    pair: u32, "1", several,
+        "number of the point of contact in a world, which stays the same from tick to tick; 0 where no world is rendered",
+        "pair";
     phase: Phase, "1", table,
         "what the coming interval was predicted to hold",
         "phase";

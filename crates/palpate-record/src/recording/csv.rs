@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::io::{self, Write};
 
 use super::export::{columns, names, receipt};
-use super::{Entry, Recording, Value, event};
+use super::{BodyTick, Column, Entry, Recording, Row, Value, event};
 use crate::run::{Cell, RunWriter};
 
 impl Recording {
@@ -18,24 +18,32 @@ impl Recording {
         let columns = columns(self);
         let mut rows = RunWriter::new(out, &receipt(self), &names(&columns))?;
         for row in self.rows().map_err(io::Error::other)? {
-            let row = row.map_err(io::Error::other)?;
-            let values: Vec<_> = columns.iter().map(|column| column.value(&row)).collect();
-            let texts: Vec<_> = values
-                .iter()
-                .map(|value| match value {
-                    Value::Number(_) => Cow::default(),
-                    other => other.text(),
-                })
-                .collect();
-            let cells: Vec<_> = values
-                .iter()
-                .zip(&texts)
-                .map(|(value, text)| match value {
-                    Value::Number(number) => Cell::Number(*number),
-                    _ => Cell::Text(text),
-                })
-                .collect();
-            rows.row(&cells)?;
+            write_row(&mut rows, &columns, &row.map_err(io::Error::other)?)?;
+        }
+        rows.finish()?;
+        Ok(())
+    }
+
+    /// Writes every body of every tick of a world as a [run file](crate::run).
+    ///
+    /// # Errors
+    /// There is no body; the recording cannot be read any more; what `out` says.
+    pub fn write_bodies_csv(&self, out: &mut dyn Write) -> io::Result<()> {
+        let receipt = [("recording", self.path().display().to_string())];
+        let time = Column::named("t_s").into_iter();
+        let columns: Vec<_> = BodyTick::COLUMNS.iter().chain(time).collect();
+        let mut rows = RunWriter::new(out, &receipt, &names(&columns))?;
+        for entry in self.entries().map_err(io::Error::other)? {
+            if let Entry::Tick(tick, _, bodies) = entry.map_err(io::Error::other)? {
+                for body in bodies {
+                    let row = Row {
+                        tick,
+                        body,
+                        ..Row::UNKNOWN
+                    };
+                    write_row(&mut rows, &columns, &row)?;
+                }
+            }
         }
         rows.finish()?;
         Ok(())
@@ -61,4 +69,30 @@ impl Recording {
         rows.finish()?;
         Ok(())
     }
+}
+
+/// Writes a line of a table.
+fn write_row<W: Write>(
+    rows: &mut RunWriter<W>,
+    columns: &[&'static Column],
+    row: &Row,
+) -> io::Result<()> {
+    let values: Vec<_> = columns.iter().map(|column| column.value(row)).collect();
+    let texts: Vec<_> = values
+        .iter()
+        .map(|value| match value {
+            Value::Number(_) => Cow::default(),
+            other => other.text(),
+        })
+        .collect();
+    let cells: Vec<_> = values
+        .iter()
+        .zip(&texts)
+        .map(|(value, text)| match value {
+            Value::Number(number) => Cell::Number(*number),
+            _ => Cell::Text(text),
+        })
+        .collect();
+    rows.row(&cells)?;
+    Ok(())
 }

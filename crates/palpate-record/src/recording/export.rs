@@ -5,7 +5,10 @@ use super::{Column, Recording};
 
 /// The columns of the rows.
 pub(super) fn columns(recording: &Recording) -> Vec<&'static Column> {
-    table(recording.format, recording.has_one_contact_each)
+    table(
+        recording.format,
+        recording.has_one_contact_each && !recording.has_bodies,
+    )
 }
 
 /// The names of columns.

@@ -1,30 +1,30 @@
 //! Ticks and their contacts, put together again.
 
-use super::{ContactTick, Tick};
+use super::{BodyTick, ContactTick, Tick};
 
-/// The tick whose contacts are being read.
+/// A tick with its contacts and its bodies.
+type Whole = (Tick, Vec<ContactTick>, Vec<BodyTick>);
+
+/// The tick whose contacts and bodies are being read.
 ///
-/// A tick stands before its contacts. One whose contacts are not all there is none: it is missing by its
-/// number.
+/// A tick stands before its contacts, and these before its bodies. One whose contacts or bodies are not all there
+/// is none: it is missing by its number.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Gather {
-    waiting: Option<(Tick, Vec<ContactTick>)>,
+    waiting: Option<Whole>,
 }
 
 impl Gather {
-    /// Takes the next tick; gives it back if it has no contact to wait for.
-    pub fn tick(&mut self, tick: Tick) -> Option<(Tick, Vec<ContactTick>)> {
-        self.waiting = Some((tick, Vec::new()));
+    /// Takes the next tick; gives it back if it has nothing to wait for.
+    pub fn tick(&mut self, tick: Tick) -> Option<Whole> {
+        self.waiting = Some((tick, Vec::new(), Vec::new()));
         self.complete()
     }
 
-    /// Takes a contact; gives its tick with all its contacts if it was the last one. A contact whose
+    /// Takes a contact; gives its tick with everything if it was the last to come. A contact whose
     /// tick is not there is passed over: it is missing with its tick.
-    pub fn contact(
-        &mut self,
-        contact: ContactTick,
-    ) -> Result<Option<(Tick, Vec<ContactTick>)>, String> {
-        let Some((tick, contacts)) = &mut self.waiting else {
+    pub fn contact(&mut self, contact: ContactTick) -> Result<Option<Whole>, String> {
+        let Some((tick, contacts, _)) = &mut self.waiting else {
             return Ok(None);
         };
         if contact.sequence != tick.sequence {
@@ -42,9 +42,20 @@ impl Gather {
         Ok(self.complete())
     }
 
-    fn complete(&mut self) -> Option<(Tick, Vec<ContactTick>)> {
-        self.waiting
-            .take_if(|(tick, contacts)| contacts.len() == tick.contacts as usize)
+    /// Takes a body, as [`contact`](Self::contact) does a contact.
+    pub fn body(&mut self, body: BodyTick) -> Option<Whole> {
+        let (_, _, bodies) = self
+            .waiting
+            .as_mut()
+            .filter(|(tick, ..)| body.sequence == tick.sequence)?;
+        bodies.push(body);
+        self.complete()
+    }
+
+    fn complete(&mut self) -> Option<Whole> {
+        self.waiting.take_if(|(tick, contacts, bodies)| {
+            contacts.len() == tick.contacts as usize && bodies.len() == tick.bodies as usize
+        })
     }
 }
 
@@ -72,12 +83,37 @@ mod tests {
     fn a_tick_is_whole_with_its_last_contact() {
         let mut gather = Gather::default();
         let free = gather.tick(tick(0, 0));
-        assert_eq!(free, Some((tick(0, 0), vec![])));
+        assert_eq!(free, Some((tick(0, 0), vec![], vec![])));
         assert_eq!(gather.tick(tick(1, 2)), None);
         assert_eq!(gather.contact(contact(1, 0)), Ok(None));
-        let whole = (tick(1, 2), vec![contact(1, 0), contact(1, 1)]);
+        let whole = (tick(1, 2), vec![contact(1, 0), contact(1, 1)], vec![]);
         assert_eq!(gather.contact(contact(1, 1)), Ok(Some(whole)));
         assert_eq!(gather.contact(contact(1, 2)), Ok(None), "it is whole");
+    }
+
+    #[test]
+    fn a_tick_of_a_world_is_whole_with_its_last_body() {
+        let body = |sequence, body| BodyTick {
+            sequence,
+            body,
+            ..BodyTick::default()
+        };
+        let of_world = |sequence| Tick {
+            bodies: 2,
+            ..tick(sequence, 1)
+        };
+        let mut gather = Gather::default();
+        assert_eq!(gather.tick(of_world(0)), None);
+        assert_eq!(gather.contact(contact(0, 0)), Ok(None));
+        assert_eq!(gather.body(body(0, 3)), None);
+        assert_eq!(gather.body(body(1, 3)), None, "of another tick");
+        let whole = (
+            of_world(0),
+            vec![contact(0, 0)],
+            vec![body(0, 3), body(0, 5)],
+        );
+        assert_eq!(gather.body(body(0, 5)), Some(whole));
+        assert_eq!(gather.body(body(0, 6)), None, "it is whole");
     }
 
     #[test]
@@ -87,7 +123,7 @@ mod tests {
         assert_eq!(gather.contact(contact(1, 0)), Ok(None));
         assert_eq!(gather.tick(tick(2, 1)), None);
         assert_eq!(gather.contact(contact(1, 1)), Ok(None), "too late");
-        let whole = (tick(2, 1), vec![contact(2, 0)]);
+        let whole = (tick(2, 1), vec![contact(2, 0)], vec![]);
         assert_eq!(gather.contact(contact(2, 0)), Ok(Some(whole)));
         assert_eq!(gather.tick(tick(3, 2)), None);
         let error = gather.contact(contact(3, 1)).unwrap_err();

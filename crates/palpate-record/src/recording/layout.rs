@@ -7,7 +7,7 @@ use super::cdr::Reader;
 use super::column::Column;
 use super::state::Flags;
 use super::table::FORMAT_1;
-use super::{ContactTick, Row, Tick, schema};
+use super::{BodyTick, ContactTick, Row, Tick, schema};
 
 /// The fields of a message, one after the other.
 #[derive(Debug)]
@@ -23,7 +23,9 @@ pub(super) enum Holds {
     Tick,
     /// One of the contacts of a tick.
     Contact,
-    /// Both, the contact being the only one: a message of format 1.
+    /// One of the bodies of a tick.
+    Body,
+    /// Tick and contact, the contact being the only one: a message of format 1.
     Both,
 }
 
@@ -44,6 +46,7 @@ impl Holds {
         match self {
             Self::Tick => of(Tick::COLUMNS),
             Self::Contact => of(ContactTick::COLUMNS),
+            Self::Body => of(BodyTick::COLUMNS),
             Self::Both => Column::named(name),
         }
     }
@@ -53,6 +56,7 @@ impl Holds {
         match self {
             Self::Tick | Self::Both => ["sequence", "t_s"],
             Self::Contact => ["sequence", "contact"],
+            Self::Body => ["sequence", "body"],
         }
     }
 }
@@ -70,13 +74,19 @@ impl Layout {
         Self::new(Holds::Contact, fields)
     }
 
+    /// As this version writes a body.
+    pub fn of_body() -> Self {
+        let fields = BodyTick::COLUMNS.iter().map(Field::Column).collect();
+        Self::new(Holds::Body, fields)
+    }
+
     /// As format 1 has a tick and its contact.
     pub fn of_format_1() -> Self {
         let columns = FORMAT_1.iter().filter_map(|name| Column::named(name));
         Self::new(Holds::Both, columns.map(Field::Column).collect())
     }
 
-    /// As the type of a message of this name says; why it is not that of a tick or of a contact. A tick
+    /// As the type of a message of this name says; why it is not that of a tick, a contact or a body. A tick
     /// that does not say how many contacts it has is one of format 1.
     pub fn of_schema(name: &str, text: &str) -> Result<Self, String> {
         let mut fields = Vec::new();
@@ -94,6 +104,7 @@ impl Layout {
         let has = |wanted: &str| fields.iter().any(|(_, name)| *name == wanted);
         let holds = match name {
             schema::CONTACT => Holds::Contact,
+            schema::BODY => Holds::Body,
             _ if has("contacts") => Holds::Tick,
             _ => Holds::Both,
         };
@@ -167,7 +178,7 @@ mod tests {
 
     /// The messages of a tick and of its second contact.
     fn messages() -> [Vec<u8>; 2] {
-        let Row { tick, contact } = row(7, 1);
+        let Row { tick, contact, .. } = row(7, 1);
         let [mut of_tick, mut of_contact] = [Vec::new(), Vec::new()];
         encode_tick(&tick, &mut of_tick);
         encode_contact(&contact, &mut of_contact);
@@ -210,7 +221,7 @@ mod tests {
         // The next stands at a multiple of eight.
         message.extend([0; 4]);
         message.extend((-0.5_f64).to_le_bytes());
-        let Row { tick, contact } = layout.decode(&message).unwrap();
+        let Row { tick, contact, .. } = layout.decode(&message).unwrap();
         assert_eq!(layout.holds, Holds::Both);
         assert_eq!((tick.sequence, tick.time, tick.contacts), (5, 0.25, 1));
         assert_eq!((contact.sequence, contact.penetration), (5, -0.5));

@@ -2,7 +2,7 @@
 //!
 //! A recording is an [MCAP](https://mcap.dev) file, so Foxglove and PlotJuggler show it as it is.
 //! Its first record is the [`Receipt`]: the configuration as text. After it come [`Tick`]s on the
-//! channel `/tick`, the [`ContactTick`]s of each tick on `/contact`, and [`Event`]s on `/event`, in chunks with
+//! channel `/tick`, the [`ContactTick`]s of each tick on `/contact`, the [`BodyTick`]s of a world on `/body`, and [`Event`]s on `/event`, in chunks with
 //! checksums; `docs/formats.md` has every byte. A live recording is called `NAME.part`. What [`RecordingWriter::flush`] has handed on
 //! outlives the program, and [`RecordingWriter::finish`] gives the file its name. Before it,
 //! [`RecordingWriter::count`] writes what the loop itself counted ([`LoopCount`]).
@@ -30,6 +30,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod body;
 mod cdr;
 mod chunk;
 mod column;
@@ -61,6 +62,7 @@ mod write;
 /// How damage begins that is of the file as a whole: nothing is left out for it.
 pub const WHOLE: &str = "the file as a whole";
 
+pub use body::BodyTick;
 pub use column::{Column, Kind, Shown, Value};
 pub use contact::ContactTick;
 pub use count::{LoopCount, LoopTime};
@@ -81,6 +83,7 @@ const READ: [u32; 2] = [1, VERSION];
 /// Topics of the channels.
 const TICK_TOPIC: &str = "/tick";
 const CONTACT_TOPIC: &str = "/contact";
+const BODY_TOPIC: &str = "/body";
 const EVENT_TOPIC: &str = "/event";
 /// How messages are encoded, and how their types are written down.
 const MESSAGE_ENCODING: &str = "cdr";

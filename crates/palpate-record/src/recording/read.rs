@@ -8,7 +8,7 @@ use std::vec;
 use thiserror::Error;
 
 use super::walk::{Refused, Step, Walk};
-use super::{ContactTick, Event, Gap, LoopCount, Receipt, Row, Tick};
+use super::{BodyTick, ContactTick, Event, Gap, LoopCount, Receipt, Row, Tick};
 
 /// Why a recording could not be read.
 #[derive(Debug, Error)]
@@ -35,10 +35,12 @@ pub enum RecordingError {
 const ENDED: &str = "ended";
 
 /// Something that was recorded.
+// A tick is most of what comes.
+#[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Entry {
-    /// A tick of the loop, with all its contacts in their order.
-    Tick(Tick, Vec<ContactTick>),
+    /// A tick of the loop, with all its contacts in their order, and the bodies of a world that move.
+    Tick(Tick, Vec<ContactTick>, Vec<BodyTick>),
     /// Something that happened at one.
     Event(Event),
 }
@@ -63,6 +65,8 @@ pub struct Recording {
     pub generation: u32,
     /// Whether each of the ticks has one contact, as a loop that touches one thing writes it.
     pub has_one_contact_each: bool,
+    /// Whether ticks have bodies, as a loop that renders a world writes them.
+    pub has_bodies: bool,
     /// Whether it was finished, and its end is there.
     pub finished: bool,
     /// How it ends if it is not finished, in words.
@@ -107,6 +111,7 @@ impl Recording {
             last: None,
             generation: 0,
             has_one_contact_each: true,
+            has_bodies: false,
             finished: false,
             tail: None,
             damage: Vec::new(),
@@ -256,8 +261,9 @@ impl Recording {
                     self.ended = Some(event.sequence);
                 }
             }
-            Entry::Tick(tick, contacts) => {
+            Entry::Tick(tick, contacts, bodies) => {
                 self.ticks += 1;
+                self.has_bodies |= !bodies.is_empty();
                 self.has_one_contact_each &= contacts.len() == 1;
                 self.first = self.first.or(Some(*tick));
                 self.last = Some(*tick);
@@ -317,7 +323,7 @@ impl Iterator for Rows {
                 return Some(Ok(row));
             }
             match self.entries.next()? {
-                Ok(Entry::Tick(tick, contacts)) => {
+                Ok(Entry::Tick(tick, contacts, _)) => {
                     self.of_tick = Row::of(tick, &contacts).collect::<Vec<_>>().into_iter();
                 }
                 Ok(Entry::Event(_)) => {}

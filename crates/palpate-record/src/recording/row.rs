@@ -1,6 +1,6 @@
 //! Rows of a recording, and the macro that makes them together with their columns.
 
-use super::{ContactTick, Tick};
+use super::{BodyTick, ContactTick, Tick};
 
 /// A line of a table: a tick, and one of its contacts.
 ///
@@ -12,6 +12,8 @@ pub struct Row {
     pub tick: Tick,
     /// The contact.
     pub contact: ContactTick,
+    /// A body, in the table of bodies; unknown in that of ticks and contacts.
+    pub body: BodyTick,
 }
 
 impl Row {
@@ -19,6 +21,7 @@ impl Row {
     pub const UNKNOWN: Self = Self {
         tick: Tick::UNKNOWN,
         contact: ContactTick::UNKNOWN,
+        body: BodyTick::UNKNOWN,
     };
 
     /// The rows of a tick: one for each contact, and a single one whose contact is unknown where there
@@ -26,7 +29,11 @@ impl Row {
     pub fn of(tick: Tick, contacts: &[ContactTick]) -> impl Iterator<Item = Self> {
         let none = contacts.is_empty().then_some(ContactTick::UNKNOWN);
         let contacts = contacts.iter().copied().chain(none);
-        contacts.map(move |contact| Self { tick, contact })
+        contacts.map(move |contact| Self {
+            tick,
+            contact,
+            ..Self::UNKNOWN
+        })
     }
 }
 

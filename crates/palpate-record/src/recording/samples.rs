@@ -1,6 +1,6 @@
 //! Rows to test with.
 
-use super::{ContactTick, Flags, Phase, Row, Tick};
+use super::{BodyTick, ContactTick, Flags, Phase, Row, Tick};
 
 /// A row of a tick with two contacts, in which every quantity has a value of its own.
 pub fn row(sequence: u64, contact: u32) -> Row {
@@ -23,11 +23,14 @@ pub fn row(sequence: u64, contact: u32) -> Row {
             device_round_trip: tick(22),
             generation: 3,
             contacts: 2,
+            bodies: 0,
+            created_energy: tick(23),
             flags: flags.with(Flags::MISSED_DEADLINE, true),
         },
         contact: ContactTick {
             sequence,
             contact,
+            pair: contact + 4,
             flags,
             device_position: of(31),
             object_position: of(32),
@@ -42,7 +45,24 @@ pub fn row(sequence: u64, contact: u32) -> Row {
             outside_work: of(41),
             original_leak: of(42),
             held_leak: of(43),
+            point: [of(44), of(45), of(46)],
+            normal: [of(47), of(48), of(49)],
+            force: [of(50), of(51), of(52)],
             phase: Phase::Leaves,
         },
+        body: BodyTick::UNKNOWN,
+    }
+}
+
+/// A body of a tick, in which every quantity has a value of its own.
+pub fn body(sequence: u64, body: u32) -> BodyTick {
+    let of = |quantity: u32| sequence as f64 * 1e-3 + f64::from(quantity + 100 * body) / 3.0;
+    BodyTick {
+        sequence,
+        body,
+        position: [of(61), of(62), of(63)],
+        orientation: [of(64), of(65), of(66), of(67)],
+        velocity: [of(68), of(69), of(70)],
+        angular_velocity: [of(71), of(72), of(73)],
     }
 }

@@ -5,12 +5,14 @@ use std::fmt::Write;
 
 use super::column::{Column, Kind};
 use super::state::{Flags, Phase};
-use super::{ContactTick, Tick, event};
+use super::{BodyTick, ContactTick, Tick, event};
 
 /// Name of the type of a tick.
 pub(super) const TICK: &str = "palpate_msgs/msg/Tick";
 /// Name of the type of a contact.
 pub(super) const CONTACT: &str = "palpate_msgs/msg/Contact";
+/// Name of the type of a body.
+pub(super) const BODY: &str = "palpate_msgs/msg/Body";
 /// Name of the type of an event.
 pub(super) const EVENT: &str = "palpate_msgs/msg/Event";
 
@@ -29,9 +31,21 @@ pub(super) fn contact() -> String {
     let mut text = String::from(
         "# One contact of a tick of a haptic loop, palpate recording format 2. SI units, each in the name of \
          its field.\n\
-         # Positions, velocities and forces are along the contact's normal; NaN where there is no value.\n",
+         # Positions, velocities and forces are along the contact's normal, but those of a contact of a world, which \
+         are along the world's axes; NaN where there is no value.\n",
     );
     push_columns(&mut text, ContactTick::COLUMNS, Flags::OF_CONTACT);
+    text
+}
+
+/// The type of a body.
+pub(super) fn body() -> String {
+    let mut text = String::from(
+        "# One body of a world at a tick of a haptic loop, palpate recording format 2. SI units, each in the name \
+         of its field.\n\
+         # Vectors are along the axes of the world; NaN where there is no value.\n",
+    );
+    push_columns(&mut text, BodyTick::COLUMNS, Flags::default());
     text
 }
 
@@ -102,8 +116,8 @@ fn line(text: &mut String, line: &str) {
 #[cfg(test)]
 mod tests {
     use super::super::Row;
-    use super::super::samples::row;
-    use super::super::stream::{encode_contact, encode_tick};
+    use super::super::samples::{body as body_of, row};
+    use super::super::stream::{encode_body, encode_contact, encode_tick};
     use super::*;
 
     /// What a program reads that knows the message type only: the names and values of its fields.
@@ -160,6 +174,7 @@ mod tests {
         let Row {
             tick: t,
             contact: c,
+            ..
         } = row(7, 1);
         let mut message = Vec::new();
         encode_tick(&t, &mut message);
@@ -193,6 +208,8 @@ mod tests {
                 ("device_round_trip_s", t.device_round_trip),
                 ("generation", 3.0),
                 ("contacts", 2.0),
+                ("bodies", 0.0),
+                ("created_energy_j", t.created_energy),
                 ("flags", 259.0),
             ],
         );
@@ -217,7 +234,40 @@ mod tests {
                 ("outside_work_j", c.outside_work),
                 ("leak_original_j", c.original_leak),
                 ("leak_held_j", c.held_leak),
+                ("contact_point_1_m", c.point[0]),
+                ("contact_point_2_m", c.point[1]),
+                ("contact_point_3_m", c.point[2]),
+                ("contact_normal_1", c.normal[0]),
+                ("contact_normal_2", c.normal[1]),
+                ("contact_normal_3", c.normal[2]),
+                ("contact_force_1_n", c.force[0]),
+                ("contact_force_2_n", c.force[1]),
+                ("contact_force_3_n", c.force[2]),
+                ("pair", 5.0),
                 ("phase", 3.0),
+            ],
+        );
+        let b = body_of(7, 2);
+        message.clear();
+        encode_body(&b, &mut message);
+        assert_fields(
+            &by_schema(&body(), &message),
+            &[
+                ("sequence", 7.0),
+                ("body", 2.0),
+                ("body_position_1_m", b.position[0]),
+                ("body_position_2_m", b.position[1]),
+                ("body_position_3_m", b.position[2]),
+                ("body_orientation_w", b.orientation[0]),
+                ("body_orientation_x", b.orientation[1]),
+                ("body_orientation_y", b.orientation[2]),
+                ("body_orientation_z", b.orientation[3]),
+                ("body_velocity_1_m_per_s", b.velocity[0]),
+                ("body_velocity_2_m_per_s", b.velocity[1]),
+                ("body_velocity_3_m_per_s", b.velocity[2]),
+                ("body_angular_velocity_1_rad_per_s", b.angular_velocity[0]),
+                ("body_angular_velocity_2_rad_per_s", b.angular_velocity[1]),
+                ("body_angular_velocity_3_rad_per_s", b.angular_velocity[2]),
             ],
         );
     }

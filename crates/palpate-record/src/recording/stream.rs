@@ -8,8 +8,8 @@ use mcap::write::NoSeek;
 use mcap::{McapError, McapResult, WriteOptions, Writer};
 
 use super::{
-    CONTACT_TOPIC, Column, ContactTick, EVENT_TOPIC, Event, LoopCount, MESSAGE_ENCODING, Receipt,
-    Row, SCHEMA_ENCODING, TICK_TOPIC, Tick, cdr, schema,
+    BODY_TOPIC, BodyTick, CONTACT_TOPIC, Column, ContactTick, EVENT_TOPIC, Event, LoopCount,
+    MESSAGE_ENCODING, Receipt, Row, SCHEMA_ENCODING, TICK_TOPIC, Tick, cdr, schema,
 };
 
 /// A chunk is ended at this size even if nobody asks [bytes]: about three seconds of one contact at 1 kHz.
@@ -25,6 +25,7 @@ pub(super) struct Stream<W: Write> {
     tick_channel: u16,
     contact_channel: u16,
     event_channel: u16,
+    body_channel: u16,
     /// How much the chunk holds that is not ended yet [bytes].
     in_chunk: usize,
     last_sequence: Option<u64>,
@@ -55,17 +56,19 @@ impl<W: Write> Stream<W> {
                 channel(TICK_TOPIC, schema::TICK, &schema::tick())?,
                 channel(CONTACT_TOPIC, schema::CONTACT, &schema::contact())?,
                 channel(EVENT_TOPIC, schema::EVENT, &schema::event())?,
+                channel(BODY_TOPIC, schema::BODY, &schema::body())?,
             );
             // A recording without a tick has its channels too.
             mcap.flush()?;
             Ok(channels)
         };
         match begin(&mut mcap) {
-            Ok((tick_channel, contact_channel, event_channel)) => Ok(Self {
+            Ok((tick_channel, contact_channel, event_channel, body_channel)) => Ok(Self {
                 mcap: Some(mcap),
                 tick_channel,
                 contact_channel,
                 event_channel,
+                body_channel,
                 in_chunk: 0,
                 last_sequence: None,
                 ticks: 0,
@@ -80,9 +83,14 @@ impl<W: Write> Stream<W> {
         }
     }
 
-    /// Adds a tick and its contacts. They stand in the same chunk, so that none is there without the
+    /// Adds a tick, its contacts and its bodies. They stand in the same chunk, so that none is there without the
     /// others.
-    pub fn append(&mut self, tick: &Tick, contacts: &[ContactTick]) -> io::Result<()> {
+    pub fn append(
+        &mut self,
+        tick: &Tick,
+        contacts: &[ContactTick],
+        bodies: &[BodyTick],
+    ) -> io::Result<()> {
         if let Some(last) = self.last_sequence.filter(|last| tick.sequence <= *last) {
             return Err(invalid(format!(
                 "tick {} does not come after tick {last}; numbers of ticks rise",
@@ -90,7 +98,7 @@ impl<W: Write> Stream<W> {
             )));
         }
         self.message.clear();
-        encode_tick(&tick.with(contacts), &mut self.message);
+        encode_tick(&tick.with(contacts, bodies), &mut self.message);
         self.write(self.tick_channel, tick.sequence, tick.time)?;
         for (number, contact) in (0..).zip(contacts) {
             let numbered = ContactTick {
@@ -101,6 +109,15 @@ impl<W: Write> Stream<W> {
             self.message.clear();
             encode_contact(&numbered, &mut self.message);
             self.write(self.contact_channel, tick.sequence, tick.time)?;
+        }
+        for body in bodies {
+            let numbered = BodyTick {
+                sequence: tick.sequence,
+                ..*body
+            };
+            self.message.clear();
+            encode_body(&numbered, &mut self.message);
+            self.write(self.body_channel, tick.sequence, tick.time)?;
         }
         self.last_sequence = Some(tick.sequence);
         self.ticks += 1;
@@ -191,7 +208,7 @@ impl<W: Write> Drop for Stream<W> {
 pub(super) fn encode_tick(tick: &Tick, message: &mut Vec<u8>) {
     let row = Row {
         tick: *tick,
-        contact: ContactTick::UNKNOWN,
+        ..Row::UNKNOWN
     };
     encode(Tick::COLUMNS, &row, message);
 }
@@ -199,10 +216,19 @@ pub(super) fn encode_tick(tick: &Tick, message: &mut Vec<u8>) {
 /// Appends the message of a contact, in the same way.
 pub(super) fn encode_contact(contact: &ContactTick, message: &mut Vec<u8>) {
     let row = Row {
-        tick: Tick::UNKNOWN,
         contact: *contact,
+        ..Row::UNKNOWN
     };
     encode(ContactTick::COLUMNS, &row, message);
+}
+
+/// Appends the message of a body, in the same way.
+pub(super) fn encode_body(body: &BodyTick, message: &mut Vec<u8>) {
+    let row = Row {
+        body: *body,
+        ..Row::UNKNOWN
+    };
+    encode(BodyTick::COLUMNS, &row, message);
 }
 
 fn encode(columns: &[Column], row: &Row, message: &mut Vec<u8>) {
@@ -270,8 +296,8 @@ mod tests {
     }
 
     fn append(stream: &mut Stream<Disk>, sequence: u64) -> io::Result<()> {
-        let Row { tick, contact } = row(sequence, 0);
-        stream.append(&tick, &[contact])
+        let Row { tick, contact, .. } = row(sequence, 0);
+        stream.append(&tick, &[contact], &[])
     }
 
     /// Records until something fails; how many ticks were flushed, and whether the end was written.

@@ -36,6 +36,7 @@ pub(super) const FORMAT_1: [&str; 25] = [
 
 /// All columns of a [`Row`](super::Row), in the order in which tables and the live page have them: first those of
 /// format 1, in its order, then what came later, of the tick and of the contact.
+#[must_use]
 pub fn columns() -> &'static [&'static Column] {
     static COLUMNS: LazyLock<Vec<&'static Column>> = LazyLock::new(|| {
         let first = FORMAT_1.iter().filter_map(|name| Column::named(name));

@@ -1,8 +1,8 @@
 //! What a recording has of a tick as a whole: its device, its timing and what was sent.
 
-use super::ContactTick;
 use super::row::part_of_row;
 use super::state::Flags;
+use super::{BodyTick, ContactTick};
 
 part_of_row! {
     /// What is seen from outside of one tick of a loop with a device, whatever it touches. What each
@@ -54,19 +54,26 @@ part_of_row! {
     contacts: u32, "1", several,
         "number of contacts: so many messages on `/contact` have the number of this tick",
         "contacts";
+    bodies: u32, "1", several,
+        "number of bodies that move, with the avatars of tools: so many messages on `/body` have the number of this tick; 0 where no world is rendered",
+        "bodies";
+    created_energy: f64, "J", several,
+        "energy that held forces created since the start, summed over all contacts, while the motors were on: what the limit of the safety counts",
+        "created_energy_j";
     flags: Flags, "1", live,
         "what is to be said of the tick, a bit each; what is to be said of any of its contacts is among it",
         "flags";
 }
 
 impl Tick {
-    /// The same tick, saying of its contacts how many they are, and what their flags say.
-    pub(super) fn with(self, contacts: &[ContactTick]) -> Self {
+    /// The same tick, saying of its contacts and bodies how many they are, and what the flags of the contacts say.
+    pub(super) fn with(self, contacts: &[ContactTick], bodies: &[BodyTick]) -> Self {
         let flags = contacts
             .iter()
             .fold(self.flags, |flags, contact| flags.with(contact.flags, true));
         Self {
             contacts: u32::try_from(contacts.len()).unwrap_or(u32::MAX),
+            bodies: u32::try_from(bodies.len()).unwrap_or(u32::MAX),
             flags,
             ..self
         }

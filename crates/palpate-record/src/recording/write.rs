@@ -10,7 +10,7 @@ use palpate_files::atomic::WriteError;
 use tempfile::TempPath;
 
 use super::stream::Stream;
-use super::{ContactTick, Event, LoopCount, Receipt, Tick};
+use super::{BodyTick, ContactTick, Event, LoopCount, Receipt, Tick};
 
 /// Flushed ticks reach the disk itself at least this often while they come.
 const SYNC_EVERY: Duration = Duration::from_secs(2);
@@ -96,7 +96,20 @@ impl RecordingWriter {
     /// Its number is not above that of the tick before; what the system says. After an error of the
     /// system nothing more can be added, and what was flushed before is readable.
     pub fn append(&mut self, tick: &Tick, contacts: &[ContactTick]) -> Result<(), WriteError> {
-        let outcome = self.stream.append(tick, contacts);
+        self.append_with_bodies(tick, contacts, &[])
+    }
+
+    /// Adds a tick as [`append`](Self::append) does, with the bodies of the world that move.
+    ///
+    /// # Errors
+    /// As [`append`](Self::append).
+    pub fn append_with_bodies(
+        &mut self,
+        tick: &Tick,
+        contacts: &[ContactTick],
+        bodies: &[BodyTick],
+    ) -> Result<(), WriteError> {
+        let outcome = self.stream.append(tick, contacts, bodies);
         outcome.map_err(|source| self.failed(source))
     }
 

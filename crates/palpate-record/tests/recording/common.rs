@@ -12,7 +12,7 @@ use palpate_record::recording::{
 pub fn row(sequence: u64) -> Row {
     let t = sequence as f64 / 1000.0;
     let of = |quantity: f64| quantity / 3.0 + t;
-    let Row { tick, contact } = row_of_format_1(sequence);
+    let Row { tick, contact, .. } = row_of_format_1(sequence);
     Row {
         tick: Tick {
             device_orientation: [of(12.0), of(13.0), f64::NAN, -0.0],
@@ -23,6 +23,7 @@ pub fn row(sequence: u64) -> Row {
             ..tick
         },
         contact,
+        ..Row::UNKNOWN
     }
 }
 
@@ -64,13 +65,15 @@ pub fn row_of_format_1(sequence: u64) -> Row {
             original_leak: of(9.0),
             held_leak: of(10.0),
             phase: Phase::ALL[usize::try_from(sequence % 5).unwrap()],
+            ..ContactTick::UNKNOWN
         },
+        ..Row::UNKNOWN
     }
 }
 
 /// Appends the row of a tick with this number.
 pub fn append(writer: &mut RecordingWriter, sequence: u64) -> Result<(), WriteError> {
-    let Row { tick, contact } = row(sequence);
+    let Row { tick, contact, .. } = row(sequence);
     writer.append(&tick, &[contact])
 }
 
@@ -165,7 +168,7 @@ pub fn content(recording: &Recording) -> (Vec<Row>, Vec<Event>) {
     let (mut rows, mut events) = (Vec::new(), Vec::new());
     for entry in recording.entries().unwrap() {
         match entry.unwrap() {
-            Entry::Tick(tick, contacts) => {
+            Entry::Tick(tick, contacts, _) => {
                 assert_eq!(contacts.len(), 1, "tick {}", tick.sequence);
                 rows.extend(Row::of(tick, &contacts));
             }

@@ -52,7 +52,7 @@ fn small(finished: bool) -> (Vec<u8>, Vec<usize>) {
 fn numbers(recording: &Recording) -> Vec<u64> {
     let mut numbers = Vec::new();
     for entry in recording.entries().unwrap() {
-        let Entry::Tick(tick, read) = entry.unwrap() else {
+        let Entry::Tick(tick, read, _) = entry.unwrap() else {
             continue;
         };
         let written = contacts(tick.sequence);
@@ -89,7 +89,7 @@ fn a_tick_does_not_grow_with_the_number_of_its_contacts() {
         let path = folder.path().join(format!("{number}.mcap"));
         let mut writer = RecordingWriter::create(&path, &receipt()).unwrap();
         for sequence in 0..100 {
-            let Row { tick, contact } = row(sequence);
+            let Row { tick, contact, .. } = row(sequence);
             writer.append(&tick, &vec![contact; number]).unwrap();
         }
         writer.finish().unwrap();

@@ -127,8 +127,8 @@ fn a_disk_that_fills_up_is_reported_and_what_was_flushed_is_readable() {
     let path = folder.path().join("tap.mcap");
     let program = std::env::current_exe().unwrap();
     let output = Command::new("sh")
-        // Without the trap the system ends the program; 64 blocks of 512 bytes.
-        .args(["-c", "trap '' XFSZ; ulimit -f 64; exec \"$0\" \"$@\""])
+        // Without the trap the system ends the program; 96 blocks of 512 bytes.
+        .args(["-c", "trap '' XFSZ; ulimit -f 96; exec \"$0\" \"$@\""])
         .arg(program)
         .args([
             "--exact",

@@ -1,7 +1,8 @@
 //! What is written is read.
 
 use palpate_record::recording::{
-    ContactTick, Entry, Event, Flags, Gap, Phase, Receipt, Recording, RecordingWriter, Tick,
+    BodyTick, ContactTick, Entry, Event, Flags, Gap, Phase, Receipt, Recording, RecordingWriter,
+    Tick,
 };
 use proptest::collection::{btree_set, vec};
 use proptest::prelude::*;
@@ -176,7 +177,7 @@ fn the_receipt_is_the_first_record() {
 }
 
 fn any_tick() -> impl Strategy<Value = Tick> {
-    (vec(any::<u64>(), 24), any::<u32>(), any::<u32>()).prop_map(|(bits, generation, flags)| {
+    (vec(any::<u64>(), 25), any::<u32>(), any::<u32>()).prop_map(|(bits, generation, flags)| {
         let of = |quantity: usize| f64::from_bits(bits[quantity]);
         let vector = |quantity: usize| [of(quantity), of(quantity + 1), of(quantity + 2)];
         Tick {
@@ -194,17 +195,20 @@ fn any_tick() -> impl Strategy<Value = Tick> {
             device_round_trip: of(23),
             generation,
             contacts: 0,
+            bodies: 0,
+            created_energy: of(24),
             flags: Flags(flags),
         }
     })
 }
 
 fn any_contact() -> impl Strategy<Value = ContactTick> {
-    (vec(any::<u64>(), 13), any::<u32>(), 0..5_usize).prop_map(|(bits, flags, phase)| {
+    (vec(any::<u64>(), 22), any::<u32>(), 0..5_usize).prop_map(|(bits, flags, phase)| {
         let of = |quantity: usize| f64::from_bits(bits[quantity]);
         ContactTick {
             sequence: 0,
             contact: 0,
+            pair: flags.rotate_left(7),
             flags: Flags(flags),
             device_position: of(0),
             object_position: of(1),
@@ -219,13 +223,40 @@ fn any_contact() -> impl Strategy<Value = ContactTick> {
             outside_work: of(10),
             original_leak: of(11),
             held_leak: of(12),
+            point: [of(13), of(14), of(15)],
+            normal: [of(16), of(17), of(18)],
+            force: [of(19), of(20), of(21)],
             phase: Phase::ALL[phase],
         }
     })
 }
 
-/// A tick and its contacts as they are read: numbered, and with the flags of all.
-fn numbered(tick: Tick, contacts: &[ContactTick]) -> (Tick, Vec<ContactTick>) {
+fn any_body() -> impl Strategy<Value = BodyTick> {
+    (vec(any::<u64>(), 13), any::<u32>()).prop_map(|(bits, body)| {
+        let of = |quantity: usize| f64::from_bits(bits[quantity]);
+        let vector = |quantity: usize| [of(quantity), of(quantity + 1), of(quantity + 2)];
+        BodyTick {
+            sequence: 0,
+            body,
+            position: vector(0),
+            orientation: [of(3), of(4), of(5), of(6)],
+            velocity: vector(7),
+            angular_velocity: vector(10),
+        }
+    })
+}
+
+/// A tick, its contacts and its bodies as they are read: numbered, and with the flags of all contacts.
+fn numbered(
+    tick: Tick,
+    contacts: &[ContactTick],
+    bodies: &[BodyTick],
+) -> (Tick, Vec<ContactTick>, Vec<BodyTick>) {
+    let of_body = |body: &BodyTick| BodyTick {
+        sequence: tick.sequence,
+        ..*body
+    };
+    let bodies: Vec<_> = bodies.iter().map(of_body).collect();
     let flags = contacts
         .iter()
         .fold(tick.flags.0, |flags, contact| flags | contact.flags.0);
@@ -236,10 +267,12 @@ fn numbered(tick: Tick, contacts: &[ContactTick]) -> (Tick, Vec<ContactTick>) {
     };
     let tick = Tick {
         contacts: u32::try_from(contacts.len()).unwrap(),
+        bodies: u32::try_from(bodies.len()).unwrap(),
         flags: Flags(flags),
         ..tick
     };
-    (tick, (0..).zip(contacts).map(of_tick).collect())
+    let contacts = (0..).zip(contacts).map(of_tick).collect();
+    (tick, contacts, bodies)
 }
 
 proptest! {
@@ -247,7 +280,7 @@ proptest! {
 
     #[test]
     fn every_recording_reads_back(
-        ticks in vec((any_tick(), vec(any_contact(), 0..4)), 0..20),
+        ticks in vec((any_tick(), vec(any_contact(), 0..4), vec(any_body(), 0..3)), 0..20),
         sequences in btree_set(any::<u64>(), 20),
         flushes in vec(any::<bool>(), 20),
         texts in proptest::collection::btree_map("[^\0]{1,9}", ".{0,40}", 0..4),
@@ -259,9 +292,9 @@ proptest! {
         let mut writer = RecordingWriter::create(&path, &receipt).unwrap();
         let mut written = Vec::new();
         let mut events = Vec::new();
-        for (i, ((tick, contacts), sequence)) in ticks.into_iter().zip(sequences).enumerate() {
+        for (i, ((tick, contacts, bodies), sequence)) in ticks.into_iter().zip(sequences).enumerate() {
             let tick = Tick { sequence, ..tick };
-            writer.append(&tick, &contacts).unwrap();
+            writer.append_with_bodies(&tick, &contacts, &bodies).unwrap();
             if let Some((kind, text)) = words.get(i) {
                 let event = Event { sequence, time: 0.5, kind: kind.clone(), text: text.clone() };
                 writer.event(&event).unwrap();
@@ -270,7 +303,7 @@ proptest! {
             if flushes[i] {
                 writer.flush().unwrap();
             }
-            written.push(numbered(tick, &contacts));
+            written.push(numbered(tick, &contacts, &bodies));
         }
         writer.finish().unwrap();
         let recording = Recording::open(&path).unwrap();
@@ -279,14 +312,14 @@ proptest! {
         let (mut read, mut said) = (Vec::new(), Vec::new());
         for entry in recording.entries().unwrap() {
             match entry.unwrap() {
-                Entry::Tick(tick, contacts) => read.push((tick, contacts)),
+                Entry::Tick(tick, contacts, bodies) => read.push((tick, contacts, bodies)),
                 Entry::Event(event) => said.push(event),
             }
         }
         prop_assert_eq!(said, events);
         // The shortest text that reads back to the same bits.
         prop_assert_eq!(format!("{read:?}"), format!("{written:?}"));
-        let written: Vec<Tick> = written.into_iter().map(|(tick, _)| tick).collect();
+        let written: Vec<Tick> = written.into_iter().map(|(tick, ..)| tick).collect();
         let first = written.first().map_or(0, |tick| tick.sequence);
         let last = written.last().map_or(0, |tick| tick.sequence);
         let steps = written.windows(2).filter(|pair| pair[1].sequence > pair[0].sequence + 1);

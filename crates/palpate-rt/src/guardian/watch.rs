@@ -90,6 +90,7 @@ impl Watch {
     }
 
     /// Watches until it is dismissed, or the loop is gone.
+    #[must_use]
     pub fn run(mut self) -> Outcome {
         let mut heard = Heard::Nothing;
         loop {

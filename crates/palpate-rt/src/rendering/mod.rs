@@ -1,11 +1,19 @@
 //! What the loop renders, and how that changes while it runs.
 
+mod frame;
+mod one_contact;
 mod rendered;
+mod renders;
+mod world;
 
 use palpate::{ParameterError, Running};
 
+pub use frame::{FrameError, WorldAxis, WorldFrame};
+pub use one_contact::OneContact;
 pub use palpate::{CHANGE_DURATION, ChangeError};
 pub use rendered::Rendered;
+pub use renders::{Answer, Fresh, Renders};
+pub use world::RenderedWorld;
 
 /// What a loop renders, in the loop's numbers.
 pub type Rendering = palpate::Rendering<f64>;
@@ -19,6 +27,7 @@ pub(crate) struct Change {
 
 /// The other end of the loop's parameters, for any thread: changes are handed over without either
 /// side ever waiting. Of several changes between two ticks the last counts.
+#[derive(Debug)]
 pub struct Parameters {
     input: triple_buffer::Input<Change>,
     current: Rendering,

@@ -22,16 +22,19 @@ impl Rendered {
     }
 
     /// Number of the parameters in force.
+    #[must_use]
     pub fn generation(&self) -> u32 {
         self.generation
     }
 
     /// What is rendered once a change that has come in is through.
+    #[must_use]
     pub fn rendering(&self) -> &Rendering {
         self.running.rendering()
     }
 
     /// Books up to the last sample.
+    #[must_use]
     pub fn ledger(&self) -> &Ledger<f64> {
         self.running.ledger()
     }

@@ -2,20 +2,20 @@
 
 use std::collections::HashSet;
 use std::ops::Range;
+use std::path::{Path, PathBuf};
 
 use palpate_world::{
-    Body, Contact, ContactLaw, Free, Motion, NOT_TURNED, Party, Place, Quaternion, Tool, Vector,
-    World,
+    Body, Contact, ContactLaw, Free, Motion, NOT_TURNED, Place, Quaternion, Shape, Vector, World,
 };
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::device::RawDevice;
+use super::pair::Pair;
 use super::per_axis::PerAxis;
 use super::place::WorldPlaces;
 use super::shape::{RawShape, unit};
-use super::{
-    Coupling, Tremor, WorldActuator, WorldDevice, WorldHand, WorldRender, WorldScene, WorldTiming,
-};
+use super::{Coupling, WorldActuator, WorldDevice, WorldRender, WorldScene, WorldTiming};
 use crate::fault::{SceneError, SceneErrors};
 use crate::recover;
 
@@ -56,23 +56,6 @@ struct RawLoop {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct RawDevice {
-    name: Spanned<String>,
-    mass_kg: Spanned<PerAxis>,
-    position_m: Option<Spanned<Vector>>,
-    velocity_m_per_s: Option<Spanned<Vector>>,
-    quantum_m: Option<Spanned<PerAxis>>,
-    hand_force_n: Option<Spanned<Vector>>,
-    hand_stiffness_n_per_m: Option<Spanned<f64>>,
-    hand_damping_n_s_per_m: Option<Spanned<f64>>,
-    hand_rest_m: Option<Spanned<Vector>>,
-    tremor_n: Option<Spanned<f64>>,
-    tremor_hz: Option<Spanned<f64>>,
-    tool: Spanned<RawShape>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 struct RawBody {
     name: Spanned<String>,
     #[serde(default)]
@@ -90,7 +73,7 @@ struct RawBody {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RawContact {
-    between: Spanned<[String; 2]>,
+    between: Spanned<Pair>,
     stiffness_n_per_m: Spanned<f64>,
     damping_n_s_per_m: Option<Spanned<f64>>,
     friction: Option<Spanned<f64>>,
@@ -106,6 +89,11 @@ struct RawRender {
     coupling_stiffness_n_per_m: Option<Spanned<f64>>,
     coupling_mass_kg: Option<Spanned<f64>>,
     force_limit_n: Option<Spanned<f64>>,
+    device_inertia_kg_m2: Option<Spanned<Vector>>,
+    rotational_damping_n_m_s_per_rad: Option<Spanned<f64>>,
+    coupling_rotational_stiffness_n_m_per_rad: Option<Spanned<f64>>,
+    coupling_inertia_kg_m2: Option<Spanned<f64>>,
+    torque_limit_n_m: Option<Spanned<f64>>,
 }
 
 #[derive(Deserialize, Default)]
@@ -130,6 +118,7 @@ pub struct WorldFile {
     name: String,
     source: String,
     places: WorldPlaces,
+    notes: Vec<String>,
 }
 
 impl WorldFile {
@@ -143,7 +132,7 @@ impl WorldFile {
         toml::from_str(source).is_ok_and(|Version { format }| format == WORLD_FORMAT)
     }
 
-    /// Reads a world from the text of a file called `name`.
+    /// Reads a world from the text of a file called `name`. Files of meshes are looked for beside that file.
     ///
     /// # Errors
     /// Every fault, each with its line and column and with what is allowed.
@@ -152,6 +141,8 @@ impl WorldFile {
         let mut reading = Reading {
             places: WorldPlaces::default(),
             faults: left.faults,
+            notes: Vec::new(),
+            folder: Path::new(name).parent().unwrap_or(Path::new("")).into(),
             damaged: left.damaged,
         };
         let scene = left.read.map(|raw| reading.scene(raw));
@@ -165,10 +156,17 @@ impl WorldFile {
                 name: name.into(),
                 source: source.into(),
                 places: reading.places,
+                notes: reading.notes,
             }),
             (Some(errors), _) => Err(errors),
             (None, None) => unreachable!("what cannot be read has a fault"),
         }
+    }
+
+    /// A line on each mesh that was read from a file of its own: its size, and what was left out of it.
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// A fault at a field of a part of the world.
@@ -180,28 +178,32 @@ impl WorldFile {
 }
 
 /// What has been read so far: where it stands, and what is wrong with it.
-struct Reading {
-    places: WorldPlaces,
+pub(super) struct Reading {
+    pub(super) places: WorldPlaces,
     faults: Vec<(Range<usize>, String)>,
+    /// What is said of meshes.
+    notes: Vec<String>,
+    /// Where files of meshes are looked for.
+    folder: PathBuf,
     /// Tables that keys at fault were taken out of.
     damaged: HashSet<String>,
 }
 
 /// The least value that a number may have.
 #[derive(Clone, Copy)]
-enum Least {
+pub(super) enum Least {
     Above0,
     AtLeast0,
     Any,
 }
 
 impl Reading {
-    fn fault(&mut self, span: Range<usize>, message: impl Into<String>) {
+    pub(super) fn fault(&mut self, span: Range<usize>, message: impl Into<String>) {
         self.faults.push((span, message.into()));
     }
 
     /// The numbers under a key, which are checked.
-    fn numbers(&mut self, key: &str, span: Range<usize>, values: &[f64], least: Least) {
+    pub(super) fn numbers(&mut self, key: &str, span: Range<usize>, values: &[f64], least: Least) {
         for &value in values {
             let (right, allowed) = match least {
                 Least::Above0 => (value > 0.0, "above 0"),
@@ -215,18 +217,23 @@ impl Reading {
         }
     }
 
-    fn number(&mut self, key: &str, value: Spanned<f64>, least: Least) -> f64 {
+    pub(super) fn number(&mut self, key: &str, value: Spanned<f64>, least: Least) -> f64 {
         self.numbers(key, value.span(), &[*value.get_ref()], least);
         value.into_inner()
     }
 
-    fn per_axis(&mut self, key: &str, value: Spanned<PerAxis>, least: Least) -> Vector {
+    pub(super) fn per_axis(&mut self, key: &str, value: Spanned<PerAxis>, least: Least) -> Vector {
         let PerAxis(vector) = *value.get_ref();
         self.numbers(key, value.span(), &vector, least);
         vector
     }
 
-    fn vector(&mut self, key: &str, value: Option<Spanned<Vector>>, default: Vector) -> Vector {
+    pub(super) fn vector(
+        &mut self,
+        key: &str,
+        value: Option<Spanned<Vector>>,
+        default: Vector,
+    ) -> Vector {
         value.map_or(default, |value| {
             self.numbers(key, value.span(), value.get_ref(), Least::Any);
             value.into_inner()
@@ -346,6 +353,17 @@ impl Reading {
             .device_mass_kg
             .map(|mass| self.per_axis("device_mass_kg", mass, Least::Above0));
         let true_mass = devices.iter().map(|device| device.mass);
+        let told_inertia = raw.device_inertia_kg_m2.map(|inertia| {
+            self.places
+                .take(Place::Method, "device_inertia", inertia.clone());
+            let key = "device_inertia_kg_m2";
+            self.numbers(key, inertia.span(), inertia.get_ref(), Least::Above0);
+            inertia.into_inner()
+        });
+        let inertia = devices.iter().map(|device| {
+            let turning = device.turning.as_ref();
+            turning.map(|turning| told_inertia.unwrap_or(turning.inertia))
+        });
         WorldRender {
             method: raw.method.map_or_else(
                 || "coupled".into(),
@@ -355,6 +373,13 @@ impl Reading {
             damping: raw
                 .damping_n_s_per_m
                 .map(|damping| self.number("damping_n_s_per_m", damping, Least::AtLeast0)),
+            device_inertia: inertia.collect(),
+            rotational_damping: raw.rotational_damping_n_m_s_per_rad.map(|damping| {
+                self.number("rotational_damping_n_m_s_per_rad", damping, Least::AtLeast0)
+            }),
+            torque_limit: raw
+                .torque_limit_n_m
+                .map(|limit| self.number("torque_limit_n_m", limit, Least::Above0)),
             force_limit: raw
                 .force_limit_n
                 .map(|limit| self.number("force_limit_n", limit, Least::Above0)),
@@ -365,69 +390,52 @@ impl Reading {
                 mass: raw
                     .coupling_mass_kg
                     .map(|value| self.number("coupling_mass_kg", value, Least::Above0)),
+                rotational_stiffness: raw.coupling_rotational_stiffness_n_m_per_rad.map(|value| {
+                    let key = "coupling_rotational_stiffness_n_m_per_rad";
+                    self.number(key, value, Least::Above0)
+                }),
+                inertia: raw
+                    .coupling_inertia_kg_m2
+                    .map(|value| self.number("coupling_inertia_kg_m2", value, Least::Above0)),
             },
             actuator: self.actuator([told.delay_s, told.lag_s, told.gain], actuator),
         }
     }
 
-    fn shape(&mut self, place: Place, raw: Spanned<RawShape>) -> palpate_world::Shape {
+    pub(super) fn shape(&mut self, place: Place, raw: Spanned<RawShape>) -> Shape {
         self.places.take(place, "shape", raw.clone());
         for (key, length) in raw.get_ref().lengths() {
-            // A tool may be a point.
+            // A tool may be a point, or have points.
             let least = match (place, raw.get_ref()) {
-                (Place::Tool(_), RawShape::Sphere { .. }) => Least::AtLeast0,
+                (Place::Tool(_), RawShape::Sphere { .. } | RawShape::Spheres(_)) => Least::AtLeast0,
                 _ => Least::Above0,
             };
             self.numbers(key, raw.span(), &[length], least);
         }
-        for field in ["radius", "half_extents", "half_length", "normal", "offset"] {
+        let fields = [
+            "radius",
+            "half_extents",
+            "half_length",
+            "normal",
+            "offset",
+            "spheres",
+            "centre",
+        ];
+        for field in fields {
             self.places.take(place, field, raw.clone());
         }
-        raw.into_inner().shape()
-    }
-
-    fn device(&mut self, index: usize, raw: Spanned<RawDevice>) -> (Tool, WorldDevice) {
-        let place = Place::Tool(index);
-        self.places.part(place, raw.span());
-        let raw = raw.into_inner();
-        let tool = Tool {
-            name: self.places.take(place, "name", raw.name),
-            shape: self.shape(place, raw.tool),
-        };
-        let position = self.vector("position_m", raw.position_m, [0.0; 3]);
-        let tremor = match (raw.tremor_n, raw.tremor_hz) {
-            (Some(amplitude), Some(frequency)) => Tremor {
-                amplitude: self.number("tremor_n", amplitude, Least::AtLeast0),
-                frequency_hz: self.number("tremor_hz", frequency, Least::Above0),
-            },
-            (None, None) => Tremor::default(),
-            (Some(key), None) | (None, Some(key)) => {
-                self.fault(key.span(), "a tremor needs both tremor_n and tremor_hz");
-                Tremor::default()
+        let span = raw.span();
+        match raw.into_inner().shape(&self.folder) {
+            Ok(read) => {
+                self.notes.extend(read.note);
+                read.shape
             }
-        };
-        let mut at_least_0 = |key: &str, value: Option<Spanned<f64>>| {
-            value.map_or(0.0, |value| self.number(key, value, Least::AtLeast0))
-        };
-        let stiffness = at_least_0("hand_stiffness_n_per_m", raw.hand_stiffness_n_per_m);
-        let damping = at_least_0("hand_damping_n_s_per_m", raw.hand_damping_n_s_per_m);
-        let hand = WorldHand {
-            force: self.vector("hand_force_n", raw.hand_force_n, [0.0; 3]),
-            stiffness,
-            damping,
-            rest: self.vector("hand_rest_m", raw.hand_rest_m, position),
-            tremor,
-        };
-        let device = WorldDevice {
-            mass: self.per_axis("mass_kg", raw.mass_kg, Least::Above0),
-            position,
-            velocity: self.vector("velocity_m_per_s", raw.velocity_m_per_s, [0.0; 3]),
-            quantum: raw.quantum_m.map_or([0.0; 3], |quantum| {
-                self.per_axis("quantum_m", quantum, Least::AtLeast0)
-            }),
-            hand,
-        };
-        (tool, device)
+            Err(message) => {
+                self.fault(span, message);
+                // For what else there is to find; the file is refused.
+                Shape::Sphere { radius: 1.0 }
+            }
+        }
     }
 
     fn body(&mut self, index: usize, raw: Spanned<RawBody>) -> Body {
@@ -505,7 +513,7 @@ impl Reading {
         let place = Place::Contact(index);
         self.places.part(place, raw.span());
         let raw = raw.into_inner();
-        let between = self.places.take(place, "between", raw.between);
+        let Pair(between) = self.places.take(place, "between", raw.between);
         let stiffness = self.places.take(place, "stiffness", raw.stiffness_n_per_m);
         // What is wrong with the stiffness is said once.
         let usual = if stiffness > 0.0 { stiffness } else { 1.0 };
@@ -513,10 +521,7 @@ impl Reading {
             value.map_or(default, |value| self.places.take(place, field, value))
         };
         Contact {
-            between: between.map(|name| match name.as_str() {
-                "*" => Party::Any,
-                _ => Party::Named(name),
-            }),
+            between,
             law: ContactLaw {
                 stiffness,
                 damping: or("damping", raw.damping_n_s_per_m, 0.0),

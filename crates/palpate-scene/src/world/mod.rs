@@ -1,6 +1,9 @@
 //! Worlds: several devices, bodies and contacts in space, as a user writes them in a scene file of format 2.
 
+mod device;
 mod file;
+mod mesh;
+mod pair;
 mod per_axis;
 mod place;
 mod rendering;
@@ -8,7 +11,7 @@ mod shape;
 
 pub use file::WorldFile;
 
-use palpate_world::{Vector, World};
+use palpate_world::{Quaternion, Vector, World};
 
 /// A closed loop of devices and a world, to simulate or to render.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,6 +43,38 @@ pub struct WorldDevice {
     pub quantum: Vector,
     /// The hand.
     pub hand: WorldHand,
+    /// How it turns; `None` for a device of three axes.
+    pub turning: Option<DeviceTurning>,
+}
+
+/// How a device of six axes turns, about the centre of mass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DeviceTurning {
+    /// Moments of inertia along the tool's axes, each above 0 `[kg m^2]`.
+    pub inertia: Vector,
+    /// Orientation at the start.
+    pub orientation: Quaternion,
+    /// Angular velocity at the start, along the world's axes `[rad/s]`.
+    pub angular_velocity: Vector,
+    /// Quantum of the measured angles, 0 for an ideal sensor `[rad]`.
+    pub quantum: f64,
+    /// The hand.
+    pub hand: TurningHand,
+}
+
+/// How a hand turns its device.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TurningHand {
+    /// Constant torque along the world's axes `[N m]`.
+    pub torque: Vector,
+    /// Stiffness of the hand's spring, at least 0 `[N m/rad]`.
+    pub stiffness: f64,
+    /// Damping of the hand, at least 0 `[N m s/rad]`.
+    pub damping: f64,
+    /// The orientation that the spring turns to.
+    pub rest: Quaternion,
+    /// Tremor, its amplitude in `[N m]`.
+    pub tremor: Tremor,
 }
 
 /// A hand that pushes, and that may pull its device to a place.
@@ -94,6 +129,10 @@ pub struct Coupling {
     pub stiffness: Option<f64>,
     /// Mass of the avatar `[kg]`.
     pub mass: Option<f64>,
+    /// Stiffness of its turning `[N m/rad]`.
+    pub rotational_stiffness: Option<f64>,
+    /// Moment of inertia of the avatar about any axis `[kg m^2]`.
+    pub inertia: Option<f64>,
 }
 
 /// What the renderer is asked and told.
@@ -104,12 +143,18 @@ pub struct WorldRender {
     /// Mass of each device along each axis as the renderer is told `[kg]`; the true ones where no file says
     /// another.
     pub device_mass: Vec<Vector>,
+    /// Moments of inertia of each device of six axes, as the renderer is told `[kg m^2]`; likewise.
+    pub device_inertia: Vec<Option<Vector>>,
     /// Damping of the methods that damp `[N s/m]`.
     pub damping: Option<f64>,
+    /// The same of turning `[N m s/rad]`.
+    pub rotational_damping: Option<f64>,
     /// The virtual coupling.
     pub coupling: Coupling,
     /// Largest force on each device, as a length `[N]`.
     pub force_limit: Option<f64>,
+    /// Largest torque on each device, as a length `[N m]`.
+    pub torque_limit: Option<f64>,
     /// The actuators as the renderer is told; the true ones where no file says another.
     pub actuator: WorldActuator,
 }

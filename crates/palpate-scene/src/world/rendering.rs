@@ -24,10 +24,11 @@ impl WorldScene {
             ..Actuation::default()
         };
         let in_loop = WorldLoop::new(self.timing.period).with_actuation(actuation);
-        match self.render.force_limit {
-            Some(limit) => in_loop.with_force_limits(vec![limit; self.devices.len()]),
-            None => in_loop,
-        }
+        let each =
+            |limit: Option<f64>| limit.map_or(Vec::new(), |limit| vec![limit; self.devices.len()]);
+        in_loop
+            .with_force_limits(each(self.render.force_limit))
+            .with_torque_limits(each(self.render.torque_limit))
     }
 
     /// The method of that name, with the scene's settings.
@@ -41,6 +42,7 @@ impl WorldScene {
             "virtual-damper" => match self.render.damping {
                 Some(damping) => Ok(BasicParams {
                     damping: vec![damping; tools],
+                    rotational_damping: vec![self.render.rotational_damping.unwrap_or(0.0); tools],
                 }
                 .into()),
                 None => Err(fault("virtual-damper needs damping_n_s_per_m")),
@@ -53,18 +55,42 @@ impl WorldScene {
                         "virtual-coupling needs coupling_stiffness_n_per_m, coupling_mass_kg and damping_n_s_per_m",
                     ));
                 };
-                Ok(VirtualCouplingParams {
+                let mut params = VirtualCouplingParams {
                     stiffness: vec![stiffness; tools],
                     damping: vec![damping; tools],
                     mass: vec![mass; tools],
+                    ..VirtualCouplingParams::default()
+                };
+                if self.devices.iter().any(|device| device.turning.is_some()) {
+                    let damping = self.render.rotational_damping;
+                    let all = (damping, coupling.rotational_stiffness, coupling.inertia);
+                    let (Some(damping), Some(stiffness), Some(inertia)) = all else {
+                        return Err(fault(
+                            "virtual-coupling of a device of six axes needs \
+                             coupling_rotational_stiffness_n_m_per_rad, coupling_inertia_kg_m2 and \
+                             rotational_damping_n_m_s_per_rad",
+                        ));
+                    };
+                    params.rotational_stiffness = vec![stiffness; tools];
+                    params.rotational_damping = vec![damping; tools];
+                    params.inertia = vec![inertia; tools];
                 }
-                .into())
+                Ok(params.into())
             }
             "coupled" => {
                 let quanta = self.devices.iter().flat_map(|device| device.quantum);
                 let quantum = quanta.fold(0.0, f64::max);
                 let params = CoupledParams::new(self.render.device_mass.clone());
-                Ok(params.with_encoder_quantum(quantum).into())
+                let turnings = self.devices.iter().filter_map(|device| device.turning);
+                let angle = turnings.map(|turning| turning.quantum).fold(0.0, f64::max);
+                let inertia = self.render.device_inertia.iter();
+                // What is said of a device of three axes is not looked at.
+                let inertia = inertia.map(|inertia| inertia.unwrap_or([1.0; 3])).collect();
+                let params = params
+                    .with_device_inertia(inertia)
+                    .with_encoder_quantum(quantum)
+                    .with_angle_quantum(angle);
+                Ok(params.into())
             }
             _ => {
                 let all = Self::METHODS.join(", ");

@@ -1,15 +1,20 @@
 //! Shapes as a file gives them.
 
-use palpate_world::{Shape, Vector};
+use std::path::Path;
+
+use palpate_world::{Shape, SphereAt, Vector};
 use serde::Deserialize;
 
+use super::mesh::{RawMesh, ReadMesh};
+
 /// A shape by its name; lengths as one measures them, from side to side.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(super) enum RawShape {
     Sphere {
         radius_m: f64,
     },
+    Spheres(Vec<RawSphere>),
     HalfSpace {
         normal: Vector,
         #[serde(default)]
@@ -26,6 +31,16 @@ pub(super) enum RawShape {
         radius_m: f64,
         length_m: f64,
     },
+    Mesh(RawMesh),
+}
+
+/// A sphere of a tool that has several.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawSphere {
+    centre_m: Vector,
+    #[serde(default)]
+    radius_m: f64,
 }
 
 impl RawShape {
@@ -33,7 +48,11 @@ impl RawShape {
     pub fn lengths(&self) -> Vec<(&'static str, f64)> {
         match *self {
             Self::Sphere { radius_m } => vec![("radius_m", radius_m)],
-            Self::HalfSpace { .. } => vec![],
+            Self::Spheres(ref spheres) => {
+                let radii = spheres.iter().map(|sphere| sphere.radius_m);
+                radii.map(|radius| ("radius_m", radius)).collect()
+            }
+            Self::HalfSpace { .. } | Self::Mesh(_) => vec![],
             Self::Box { size_m } => size_m.map(|length| ("size_m", length)).into(),
             Self::Capsule { radius_m, length_m } | Self::Cylinder { radius_m, length_m } => {
                 vec![("radius_m", radius_m), ("length_m", length_m)]
@@ -41,10 +60,21 @@ impl RawShape {
         }
     }
 
-    /// The shape. A normal may have any length above 0.
-    pub fn shape(self) -> Shape {
-        match self {
+    /// The shape, and what a user may want to know of it; files are looked for in `folder`. A normal may have any length
+    /// above 0.
+    pub fn shape(self, folder: &Path) -> Result<ReadMesh, String> {
+        let shape = match self {
+            Self::Mesh(mesh) => return mesh.read(folder),
             Self::Sphere { radius_m } => Shape::Sphere { radius: radius_m },
+            Self::Spheres(spheres) => Shape::Spheres {
+                spheres: spheres
+                    .into_iter()
+                    .map(|sphere| SphereAt {
+                        centre: sphere.centre_m,
+                        radius: sphere.radius_m,
+                    })
+                    .collect(),
+            },
             Self::HalfSpace { normal, offset_m } => Shape::HalfSpace {
                 normal: unit(normal),
                 offset: offset_m,
@@ -60,7 +90,8 @@ impl RawShape {
                 radius: radius_m,
                 half_length: 0.5 * length_m,
             },
-        }
+        };
+        Ok(ReadMesh { shape, note: None })
     }
 }
 

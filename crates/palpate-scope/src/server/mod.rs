@@ -133,6 +133,15 @@ impl Listening {
     }
 }
 
+/// Which page stands at the address that is printed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Home {
+    /// That of one contact.
+    Contact,
+    /// That of a world.
+    World,
+}
+
 /// A server on its thread. Dropping it ends it.
 pub struct Server {
     stop: Option<oneshot::Sender<()>>,
@@ -151,6 +160,7 @@ impl Server {
         listening: Listening,
         hub: Arc<Hub>,
         commands: SyncSender<Command>,
+        home: Home,
     ) -> Result<Self, ListenError> {
         let Listening {
             runtime,
@@ -163,6 +173,7 @@ impl Server {
             gate,
             hub,
             commands,
+            home,
             clients: AtomicUsize::new(0),
         });
         let thread = Builder::new()
@@ -197,6 +208,7 @@ struct Served {
     gate: Gate,
     hub: Arc<Hub>,
     commands: SyncSender<Command>,
+    home: Home,
     clients: AtomicUsize,
 }
 
@@ -286,7 +298,10 @@ fn route(
     host: &str,
 ) -> Result<Response<Body>, Refusal> {
     let path = request.uri().path();
-    let page = page::file(path);
+    let page = page::file(match (path, served.home) {
+        ("/", Home::World) => "/world.html",
+        _ => path,
+    });
     // Styles and scripts are the same for everybody, and say nothing of the loop.
     if matches!(path, "/" | "/live") {
         served.gate.has_token(request.uri())?;

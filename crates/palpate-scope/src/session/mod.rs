@@ -20,11 +20,8 @@ use palpate_scene::Scene;
 use palpate_scene::method::MethodName;
 
 use crate::hub::{ClientId, Hub};
-use crate::message::{
-    Column, DeviceSaid, LaneState, Method, RecordingState, RecordingStatus, Said, Set, Wish,
-};
+use crate::message::{DeviceSaid, LaneState, RecordingState, RecordingStatus, Said, Set, Wish};
 use crate::pace::Pace;
-use crate::rows::columns;
 use crate::settings::{self, Limits, Settings};
 
 pub use lane::Ended;
@@ -365,6 +362,10 @@ impl Running {
         };
         let (about, done) = match wish {
             Wish::Hand(target) => ("hand", self.lead(client, target)),
+            Wish::Tool(_) => (
+                "tool",
+                Err("one contact is led by `hand`, with one number".to_owned()),
+            ),
             Wish::Set(set) => ("set", self.set(&set)),
             Wish::Restart => ("restart", self.restart_if_allowed()),
             Wish::Rearm(lane) => ("rearm", self.rearm(lane)),
@@ -449,37 +450,14 @@ impl Running {
 
     fn greet(&self) {
         let capabilities = self.lanes.first().map(Lane::capabilities);
-        let scene = &self.setup.scene;
-        let (object, device) = (scene.object.position, scene.device.position);
-        let (low, high) = (object.min(device), object.max(device));
-        let margin = (0.75 * (high - low)).max(0.05);
-        let hello = Said::Hello {
-            protocol: 1,
-            version: env!("CARGO_PKG_VERSION"),
-            title: &scene.title,
-            columns: columns().map(Column::from).collect(),
-            methods: MethodName::ALL
-                .into_iter()
-                .map(|method| Method {
-                    name: method.name(),
-                    title: method.summary(),
-                    damping: method.uses(palpate_scene::method::SettingKey::DAMPING),
-                })
-                .collect(),
-            limits: self.limits,
-            device: DeviceSaid {
-                name: capabilities.map_or("", |device| &device.name),
-                axes: capabilities.map_or(1, |device| device.axes),
-                pointer: self.setup.hand.is_some(),
-                largest_force_n: capabilities.and_then(|device| device.largest_force),
-                lanes: self.setup.devices.most_lanes(),
-            },
-            side: match scene.contact.side {
-                palpate::Side::Positive => 1,
-                palpate::Side::Negative => -1,
-            },
-            view_m: [low - margin, high + margin],
+        let device = DeviceSaid {
+            name: capabilities.map_or("", |device| &device.name),
+            axes: capabilities.map_or(1, |device| device.axes),
+            pointer: self.setup.hand.is_some(),
+            largest_force_n: capabilities.and_then(|device| device.largest_force),
+            lanes: self.setup.devices.most_lanes(),
         };
+        let hello = Said::hello(&self.setup.scene, self.limits, device);
         self.hub.set_hello(hello.text());
         self.hub.set_state(self.state().text());
     }

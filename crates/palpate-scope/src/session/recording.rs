@@ -234,7 +234,7 @@ mod tests {
             .entries()
             .unwrap()
             .filter_map(|entry| match entry.unwrap() {
-                Entry::Tick(tick, _) => Some((tick.sequence, tick.generation)),
+                Entry::Tick(tick, _, _) => Some((tick.sequence, tick.generation)),
                 Entry::Event(_) => None,
             })
             .collect();

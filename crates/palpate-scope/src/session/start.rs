@@ -6,13 +6,13 @@ use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 
-use palpate::{AlongAxis, Side};
+use palpate::AlongAxis;
 use palpate_device::clock::MonotonicClock;
 use palpate_device::{Capabilities, Device};
 use palpate_record::recording::Receipt;
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
-use palpate_rt::{Rendering, SetupError, StopFlag};
+use palpate_rt::{SetupError, StopFlag};
 use palpate_scene::Scene;
 use palpate_scene::method::MethodName;
 use palpate_sim::device::PointerHand;
@@ -23,7 +23,7 @@ use super::{BEGINNINGS, Command, LaneEnd, NOTES, Running, STATES, SessionEnd, Wr
 use crate::hub::Hub;
 use crate::message::Said;
 use crate::pace::Pace;
-use crate::settings::{Limits, Settings};
+use crate::settings::{Limits, Settings, make_room};
 
 /// Where devices come from.
 pub trait Devices: Send {
@@ -397,16 +397,4 @@ impl Running {
         };
         self.hub.tell_all(note.text());
     }
-}
-
-/// An object that would begin inside the device begins where the two touch. A wall stays.
-fn make_room(rendering: &mut Rendering, device: f64) {
-    if rendering.contact.object_mass == palpate::Mass::Infinite {
-        return;
-    }
-    let place = &mut rendering.object.position;
-    *place = match rendering.contact.side {
-        Side::Positive => place.max(device),
-        Side::Negative => place.min(device),
-    };
 }

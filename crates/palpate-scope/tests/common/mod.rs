@@ -17,7 +17,7 @@ use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile};
-use palpate_scope::{Devices, Listening, Placed, Server, Session, SessionError, Setup};
+use palpate_scope::{Devices, Home, Listening, Placed, Server, Session, SessionError, Setup};
 use palpate_sim::device::{PointerDevice, PointerHand, PointerParams};
 use serde_json::Value;
 use tungstenite::client::IntoClientRequest;
@@ -174,7 +174,8 @@ impl Stage {
         let stop = StopFlag::new();
         let session = Session::start(setup, &stop)?;
         let (mut address, url) = (listening.address(), listening.url());
-        let server = Server::start(listening, session.hub(), session.commands()).unwrap();
+        let server =
+            Server::start(listening, session.hub(), session.commands(), Home::Contact).unwrap();
         address.set_ip("127.0.0.1".parse().unwrap());
         Ok(Self {
             address,

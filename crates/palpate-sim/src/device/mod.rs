@@ -1,7 +1,9 @@
 //! Simulated devices for a loop that runs in time.
 
+mod in_space;
 mod pointer;
 mod simulated;
 
+pub use in_space::{SpatialDevice, SpatialHand, SpatialPointer};
 pub use pointer::{PointerDevice, PointerHand, PointerParams};
 pub use simulated::SimulatedDevice;

@@ -1,6 +1,8 @@
 //! A scene as its judge takes it.
 
-use palpate_scene::world::{WorldDevice, WorldScene};
+use std::sync::Arc;
+
+use palpate_scene::world::{DeviceTurning, Tremor, WorldDevice, WorldScene};
 use palpate_testbed::hand::Sinusoid;
 use palpate_testbed::world as judge;
 use palpate_world::{Body, Motion, Shape};
@@ -53,42 +55,83 @@ pub fn as_judged(scene: &WorldScene) -> judge::WorldScene {
 
 fn judged_device(name: &str, tool: &Shape, device: &WorldDevice) -> judge::WorldDevice {
     let hand = &device.hand;
-    let tremor = |axis: usize| {
-        let turn = std::f64::consts::TAU * axis as f64 / 3.0;
+    judge::WorldDevice {
+        name: name.to_owned(),
+        mass: device.mass,
+        position: device.position,
+        velocity: device.velocity,
+        tool: match tool {
+            Shape::Spheres { spheres } => judge::Tool::Spheres(
+                spheres
+                    .iter()
+                    .map(|sphere| judge::SphereAt {
+                        centre: sphere.centre,
+                        radius: sphere.radius,
+                    })
+                    .collect(),
+            ),
+            solid => judge::Tool::Solid(judged_shape(solid)),
+        },
+        turning: device.turning.as_ref().map(judged_turning),
+        hand: judge::WorldHand {
+            force: hand.force,
+            stiffness: hand.stiffness,
+            damping: hand.damping,
+            rest: hand.rest,
+            tremor: judged_tremor(&hand.tremor),
+        },
+        quantum: device.quantum,
+    }
+}
+
+/// A sine along each axis, a third of a turn apart.
+fn judged_tremor(tremor: &Tremor) -> [Vec<Sinusoid>; 3] {
+    [0.0, 1.0, 2.0].map(|axis| {
         let wave = Sinusoid {
-            amplitude: hand.tremor.amplitude,
-            frequency_hz: hand.tremor.frequency_hz,
-            phase: -turn,
+            amplitude: tremor.amplitude,
+            frequency_hz: tremor.frequency_hz,
+            phase: -(std::f64::consts::TAU * axis / 3.0),
         };
         if wave.amplitude > 0.0 {
             vec![wave]
         } else {
             Vec::new()
         }
-    };
-    judge::WorldDevice {
-        name: name.to_owned(),
-        mass: device.mass,
-        position: device.position,
-        velocity: device.velocity,
-        tool_radius: match tool {
-            Shape::Sphere { radius } => *radius,
-            // No renderer takes another tool.
-            _ => 0.0,
-        },
-        hand: judge::WorldHand {
-            force: hand.force,
+    })
+}
+
+fn judged_turning(turning: &DeviceTurning) -> judge::Turning {
+    let hand = &turning.hand;
+    judge::Turning {
+        inertia: turning.inertia,
+        orientation: turning.orientation,
+        angular_velocity: turning.angular_velocity,
+        quantum: turning.quantum,
+        hand: judge::TurningHand {
+            torque: hand.torque,
             stiffness: hand.stiffness,
             damping: hand.damping,
             rest: hand.rest,
-            tremor: [tremor(0), tremor(1), tremor(2)],
+            tremor: judged_tremor(&hand.tremor),
         },
-        quantum: device.quantum,
     }
 }
 
-fn judged_body(body: &Body) -> judge::WorldBody {
-    let shape = match body.shape {
+/// The mesh as the judge has it.
+///
+/// # Panics
+/// Never: what makes a mesh of the renderer makes one of the judge.
+fn judged_mesh(mesh: &palpate_world::Mesh) -> Arc<judge::mesh::TriangleMesh> {
+    let judged = judge::mesh::TriangleMesh::new(&mesh.vertices(), mesh.faces());
+    Arc::new(judged.expect("a checked mesh has neither flat triangles nor edges of three"))
+}
+
+/// A shape of a body, or of a tool that is one solid.
+fn judged_shape(shape: &Shape) -> judge::Shape {
+    match *shape {
+        Shape::Mesh(ref mesh) => judge::Shape::Mesh(judged_mesh(mesh)),
+        // For tools only.
+        Shape::Spheres { .. } => judge::Shape::Sphere { radius: 0.0 },
         Shape::Sphere { radius } => judge::Shape::Sphere { radius },
         Shape::HalfSpace { normal, offset } => judge::Shape::HalfSpace { normal, offset },
         Shape::Box { half_extents } => judge::Shape::Box { half_extents },
@@ -106,7 +149,11 @@ fn judged_body(body: &Body) -> judge::WorldBody {
             radius,
             half_length,
         },
-    };
+    }
+}
+
+fn judged_body(body: &Body) -> judge::WorldBody {
+    let shape = judged_shape(&body.shape);
     let motion = match &body.motion {
         Motion::Fixed => None,
         Motion::Free(free) => Some(judge::Motion {

@@ -10,7 +10,7 @@ use palpate_testbed::world::{
     CheckedIdeal, JudgementError, PlantParams, WorldError as IdealError, WorldIdeal,
     WorldJudgement, WorldPlant,
 };
-use palpate_world::{Books, Sample, Vector, WorldError, WorldRenderer};
+use palpate_world::{Books, Quaternion, Sample, Vector, WorldError, WorldRenderer};
 
 pub use judged::as_judged;
 pub use rendered::as_rendered;
@@ -43,8 +43,12 @@ pub struct WorldRun {
     pub method: String,
     /// Force on each tool over each interval of the ideal's grid, as its actuator gave it: `[device][interval]` `[N]`.
     pub delivered: Vec<Vec<Vector>>,
+    /// Torque on each tool likewise `[N m]`.
+    pub delivered_torques: Vec<Vec<Vector>>,
     /// Position of each device at each sample: `[sample][device]` `[m]`.
     pub positions: Vec<Vec<Vector>>,
+    /// How each device is turned at each sample likewise, unit quaternions `[w, x, y, z]`.
+    pub orientations: Vec<Vec<Quaternion>>,
     /// How the delivered forces compare with the ideal's.
     pub judgement: WorldJudgement,
     /// The renderer's books of energy at the end.
@@ -155,7 +159,9 @@ impl WorldBench {
         let mut run = WorldRun {
             method: method.to_owned(),
             delivered: Vec::new(),
+            delivered_torques: Vec::new(),
             positions: Vec::new(),
+            orientations: Vec::new(),
             judgement: WorldJudgement {
                 sum: None,
                 devices: Vec::new(),
@@ -169,22 +175,27 @@ impl WorldBench {
         let period = self.params.period;
         while plant.time() < end - 0.5 * period {
             run.positions.push(plant.positions());
-            let measured = plant.measure();
-            let output = renderer.step(&mut state, &Sample::at(&measured));
+            run.orientations.push(plant.orientations());
+            let (measured, turned) = (plant.measure(), plant.measure_orientations());
+            let sample = Sample::at(&measured).turned(&turned);
+            let output = renderer.step(&mut state, &sample);
             run.refused += usize::from(output.fault.is_some());
             run.limited += usize::from(output.limited.any());
             run.coarse += usize::from(output.effort.unrefined > 0);
-            plant.hold(output.forces);
+            plant.hold_wrenches(output.forces, output.torques);
         }
         let devices = 0..self.judged.devices.len();
-        run.delivered = devices
-            .map(|device| {
-                let mut delivered = plant.delivered(device);
-                delivered.truncate(grid.intervals());
-                delivered
-            })
-            .collect();
-        run.judgement = WorldJudgement::of(&self.judged, &self.ideal, &run.delivered)?;
+        let within = |mut delivered: Vec<Vector>| {
+            delivered.truncate(grid.intervals());
+            delivered
+        };
+        for device in devices {
+            run.delivered.push(within(plant.delivered(device)));
+            let torques = within(plant.delivered_torque(device));
+            run.delivered_torques.push(torques);
+        }
+        let (forces, torques) = (&run.delivered, &run.delivered_torques);
+        run.judgement = WorldJudgement::of_wrenches(&self.judged, &self.ideal, forces, torques)?;
         run.books = state.books().clone();
         Ok(run)
     }

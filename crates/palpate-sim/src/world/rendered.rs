@@ -1,16 +1,35 @@
 //! A scene of the judge as a renderer takes it.
 
+use std::sync::Arc;
+
 use palpate_testbed::world as judge;
-use palpate_world::{Body, Contact, ContactLaw, Free, Motion, Party, Shape, Tool, World};
+use palpate_world::{
+    Body, Contact, ContactLaw, Free, Mesh, Motion, Party, Shape, SphereAt, Tool, World,
+};
 
 /// The world of a scene that the judge has drawn: its tools, bodies and laws, without its devices.
+///
+/// # Panics
+/// The scene has a mesh that the renderer refuses; no mesh of the judge's gallery is one.
 #[must_use]
 pub fn as_rendered(scene: &judge::WorldScene) -> World {
     let tools = scene.devices.iter().map(|device| {
-        let shape = Shape::Sphere {
-            radius: device.tool_radius,
+        let shape = match &device.tool {
+            judge::Tool::Solid(solid) => shape(solid),
+            judge::Tool::Spheres(spheres) => Shape::Spheres {
+                spheres: spheres
+                    .iter()
+                    .map(|sphere| SphereAt {
+                        centre: sphere.centre,
+                        radius: sphere.radius,
+                    })
+                    .collect(),
+            },
         };
-        Tool::new(&device.name, shape)
+        Tool {
+            turns: device.turning.is_some(),
+            ..Tool::new(&device.name, shape)
+        }
     });
     let name = |member| match member {
         judge::Member::Device(number) => Party::Named(scene.devices[number].name.clone()),
@@ -32,8 +51,12 @@ pub fn as_rendered(scene: &judge::WorldScene) -> World {
     }
 }
 
-fn body(body: &judge::WorldBody) -> Body {
-    let shape = match body.shape {
+fn shape(shape: &judge::Shape) -> Shape {
+    match *shape {
+        judge::Shape::Mesh(ref mesh) => {
+            let mesh = Mesh::new(&mesh.vertices(), &mesh.faces());
+            Shape::Mesh(Arc::new(mesh.expect("a mesh that the renderer takes")))
+        }
         judge::Shape::Sphere { radius } => Shape::Sphere { radius },
         judge::Shape::HalfSpace { normal, offset } => Shape::HalfSpace { normal, offset },
         judge::Shape::Box { half_extents } => Shape::Box { half_extents },
@@ -51,7 +74,11 @@ fn body(body: &judge::WorldBody) -> Body {
             radius,
             half_length,
         },
-    };
+    }
+}
+
+fn body(body: &judge::WorldBody) -> Body {
+    let shape = shape(&body.shape);
     let motion = body.motion.map_or(Motion::Fixed, |motion| {
         Motion::Free(Free {
             mass: motion.mass,

@@ -357,11 +357,13 @@ impl Advice {
     }
 
     /// The judgement that the verdict rests on.
+    #[must_use]
     pub fn chosen(&self) -> Option<(&'static str, Judged)> {
         recommended(self.judged())
     }
 
     /// The judgement that is nearest to the ideal, if that is not the chosen one.
+    #[must_use]
     pub fn nearer(&self) -> Option<(&'static str, Judged)> {
         let (_, chosen) = self.chosen()?;
         best(self.judged())

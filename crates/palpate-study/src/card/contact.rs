@@ -348,6 +348,7 @@ mod tests {
                 force_on_device: force,
                 ..ContactTick::UNKNOWN
             },
+            ..Row::UNKNOWN
         };
         let force = |i| match i {
             10..20 => -1.0,

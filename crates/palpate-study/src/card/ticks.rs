@@ -20,9 +20,13 @@ impl Ticks {
     pub fn read(recording: &Recording) -> Result<Self, RecordingError> {
         let mut ticks = Self::default();
         for entry in recording.entries()? {
-            if let Entry::Tick(tick, contacts) = entry? {
+            if let Entry::Tick(tick, contacts, _) = entry? {
                 let contact = contacts.first().copied().unwrap_or(ContactTick::UNKNOWN);
-                let row = Row { tick, contact };
+                let row = Row {
+                    tick,
+                    contact,
+                    ..Row::UNKNOWN
+                };
                 let count = |flag| u64::from(tick.flags.has(flag));
                 ticks.missed_deadlines += count(Flags::MISSED_DEADLINE);
                 ticks.limited += count(Flags::SAFETY_LIMITED);

@@ -86,6 +86,7 @@ impl From<Spread> for ErrorReport {
 
 impl HeightsReport {
     /// The report on `scenes`, whose renderers were told `told_mass_factor` times the device's mass.
+    #[must_use]
     pub fn new(told_mass_factor: f64, scenes: Vec<SceneReport>) -> Self {
         Self {
             format: FORMAT,
@@ -99,6 +100,7 @@ impl HeightsReport {
 
 impl SceneReport {
     /// What [`over_heights`](super::over_heights) gave for the scene called `title`.
+    #[must_use]
     pub fn new(title: &str, columns: &[Column], found: &[OverHeights]) -> Self {
         Self {
             title: title.into(),

@@ -81,6 +81,7 @@ impl Plant {
     pub const ALL: [Self; 2] = [Self::Undamped, Self::Damped];
 
     /// The name in files.
+    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Undamped => "undamped",
@@ -117,11 +118,13 @@ pub enum BounceError {
 
 impl Bounce {
     /// Whether the object is a wall.
+    #[must_use]
     pub fn is_wall(&self) -> bool {
         self.object_mass.is_infinite()
     }
 
     /// Force f_u of the hand on the device `[N]`.
+    #[must_use]
     pub fn user_force(&self) -> f64 {
         match self.forces {
             Forces::Balanced(acceleration) => {
@@ -132,6 +135,7 @@ impl Bounce {
     }
 
     /// Virtual force f_V on the object `[N]`; 0 for a wall, which no force moves.
+    #[must_use]
     pub fn virtual_force(&self) -> f64 {
         match self.forces {
             _ if self.is_wall() => 0.0,
@@ -141,6 +145,7 @@ impl Bounce {
     }
 
     /// The same bounce without the friction of the device, or with it.
+    #[must_use]
     pub fn on(self, plant: Plant) -> Self {
         match plant {
             Plant::Damped => self,
@@ -157,6 +162,7 @@ impl Bounce {
 
     /// This bounce as a scene, from a start height that differs by a share of the gap, judged over
     /// so many whole periods. What the renderer is told wrong is no part of it.
+    #[must_use]
     pub fn scene(&self, height: f64, periods: usize) -> Scene {
         let (samples, fraction) = samples_and_fraction(self.delay);
         let is_whole = fraction == 0.0;
@@ -227,6 +233,7 @@ impl Bounce {
 
 /// Settings that a map gives a method: its defaults, but for hfcr, which without a damping would be
 /// `hfcr-mod-st` once more.
+#[must_use]
 pub fn default_settings(method: MethodName) -> Settings {
     let defaults = Settings::default();
     if method == MethodName::Hfcr {

@@ -163,6 +163,7 @@ impl Entry {
     }
 
     /// The class from the worst start height.
+    #[must_use]
     pub fn class(&self) -> Class {
         classify(self.growth.worst)
     }

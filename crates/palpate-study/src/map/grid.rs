@@ -96,21 +96,25 @@ impl MapParams {
     }
 
     /// Columns of the map: one of walls, then those of the axis.
+    #[must_use]
     pub fn columns(&self) -> usize {
         self.cells + 1
     }
 
     /// Number of cells.
+    #[must_use]
     pub fn len(&self) -> usize {
         self.cells * self.columns()
     }
 
     /// Whether there is no cell at all.
+    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// The cell of an index: rows of equal kappa, the wall first, then by increasing Kc.
+    #[must_use]
     pub fn cell(&self, index: usize) -> Cell {
         let (row, column) = (index / self.columns(), index % self.columns());
         let kappa = self.on_axis(row);
@@ -143,6 +147,7 @@ impl MapParams {
     }
 
     /// The indices of a shard, counted from 1: neighbours, which cost alike, go to different ones.
+    #[must_use]
     pub fn shard(&self, shard: usize, of: usize) -> Vec<usize> {
         (shard.saturating_sub(1)..self.len())
             .step_by(of.max(1))
@@ -150,6 +155,7 @@ impl MapParams {
     }
 
     /// Entries of each cell.
+    #[must_use]
     pub fn entries(&self) -> usize {
         Plant::ALL.len() * self.methods.len()
     }

@@ -19,6 +19,7 @@ pub enum Class {
 }
 
 /// The class of a growth per collision; infinite is diverged.
+#[must_use]
 pub fn classify(growth: f64) -> Class {
     if growth <= STABLE_UP_TO {
         Class::Stable

@@ -20,6 +20,7 @@ mod limits;
 mod reach;
 pub mod receipt;
 pub mod report;
+mod rows;
 mod stay;
 mod trial;
 mod way;

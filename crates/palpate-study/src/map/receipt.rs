@@ -11,6 +11,7 @@ use palpate_record::map::{CELLS, LINES_PER_CELL, Map, SHARD};
 pub struct NoNumber(pub String);
 
 /// Everything a map follows from, and which part of it a file is.
+#[must_use]
 pub fn of(params: &MapParams, (number, of): (usize, usize)) -> Vec<(String, String)> {
     let methods: Vec<_> = params.methods.iter().map(|method| method.name()).collect();
     let device = &params.device;
@@ -66,6 +67,7 @@ pub fn of(params: &MapParams, (number, of): (usize, usize)) -> Vec<(String, Stri
 }
 
 /// The receipt on one line.
+#[must_use]
 pub fn line(receipt: &[(String, String)]) -> String {
     let entries: Vec<String> = receipt
         .iter()

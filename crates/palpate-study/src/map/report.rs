@@ -204,16 +204,19 @@ impl MapReport {
 }
 
 /// Whether the loop is stable from every start height.
+#[must_use]
 pub fn is_stable(row: &Row) -> bool {
     classify(row.growth[1]) == Class::Stable
 }
 
 /// Whether it is that, and near to the ideal.
+#[must_use]
 pub fn is_faithful(row: &Row) -> bool {
     is_stable(row) && row.error[1] < FAITHFUL_PERCENT
 }
 
 /// The contacts of a row that stay; none of an older map.
+#[must_use]
 pub fn stay(row: &Row) -> Option<Stay> {
     row.stay.map(|stay| Stay {
         resting: stay.resting,

@@ -56,16 +56,19 @@ pub struct Stay {
 
 impl Stay {
     /// Whether the object rests, or is a wall.
+    #[must_use]
     pub fn rests(&self) -> bool {
         self.resting.is_none_or(|swing| swing < RESTS_BELOW)
     }
 
     /// Whether the pressed contact is steady.
+    #[must_use]
     pub fn is_steady_pressed(&self) -> bool {
         self.pressed < RESTS_BELOW
     }
 
     /// All that a judgement follows from besides the scene, as keys and texts of a receipt.
+    #[must_use]
     pub fn criterion() -> Vec<(&'static str, String)> {
         let hands = HANDS
             .map(|(mass, stiffness, damping)| format!("{mass} kg {stiffness} N/m {damping} N s/m"));

@@ -13,6 +13,7 @@ use crate::text::{counted, digits};
 const MOST_GAPS: usize = 5;
 
 /// What is not as it should be with a recording, in sentences.
+#[must_use]
 pub fn shortcomings(recording: &Recording) -> Vec<String> {
     let mut words = Vec::new();
     if let Some(tail) = &recording.tail {
@@ -55,6 +56,7 @@ pub fn shortcomings(recording: &Recording) -> Vec<String> {
 }
 
 /// File, state, ticks, losses and size, in a line.
+#[must_use]
 pub fn in_a_line(recording: &Recording) -> String {
     let state = if recording.is_complete() {
         "complete"
@@ -83,6 +85,7 @@ pub fn in_a_line(recording: &Recording) -> String {
 
 /// That safety had the motors off for some of the time, and at the end of some of all ticks. Where the
 /// time is not known, the ticks stand for it.
+#[must_use]
 pub fn motors_off(time: Option<LoopTime>, ticks: u64, of: u64) -> String {
     let of_ticks = format!("{ticks} of {}", counted(of, "tick"));
     let percent = |part: f64, of: f64| digits(if of > 0.0 { 100.0 * part / of } else { 0.0 });

@@ -5,6 +5,7 @@ use palpate_scene::Scene;
 
 /// What a scene's actuator does and what its renderer is told, by key, where it is more than a delay of
 /// whole samples that is told as it is.
+#[must_use]
 pub fn of(scene: &Scene) -> Vec<(&'static str, f64)> {
     let actuation = scene.told_actuation();
     let mut lines = Vec::new();

@@ -20,6 +20,7 @@ pub struct DrawingReport {
 
 impl DrawingReport {
     /// The report on a drawing in the file at `path`.
+    #[must_use]
     pub fn new(path: &Path) -> Self {
         Self {
             files: [path.display().to_string()],

@@ -220,6 +220,7 @@ impl<'a> Subject<'a> {
 
 impl Report {
     /// The report on `runs` of a subject.
+    #[must_use]
     pub fn new(subject: &Subject, reference: &Reference, runs: &[Run]) -> Self {
         let period = subject.loop_params.period;
         let profile = &reference.profile;
@@ -307,6 +308,7 @@ impl Report {
     }
 
     /// The report as JSON.
+    #[must_use]
     pub fn json(&self) -> String {
         crate::json(self)
     }

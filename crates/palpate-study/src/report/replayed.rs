@@ -54,6 +54,7 @@ pub struct HandReport {
 
 impl Replayed {
     /// A hand whose device got so far from its recorded motion `[m]`, method by method.
+    #[must_use]
     pub fn hand(
         hand: &RecordedHand,
         force_recorded: bool,
@@ -81,6 +82,7 @@ impl Replayed {
     }
 
     /// What kind of replay it is, as a title begins.
+    #[must_use]
     pub fn title(&self) -> &'static str {
         match self {
             Self::Motion => "Motion replay",
@@ -153,6 +155,7 @@ impl Replayed {
     }
 
     /// For the receipt of a run file.
+    #[must_use]
     pub fn receipt(&self) -> Vec<(String, String)> {
         let hand = match self {
             Self::Motion => return vec![("replay".into(), "motion".into())],

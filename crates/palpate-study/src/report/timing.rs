@@ -4,6 +4,7 @@ use palpate_scene::{Dropped, Jitter, Timing};
 use serde_json::{Map, Value, json};
 
 /// Every imperfection, by key; empty for a perfect loop.
+#[must_use]
 pub fn of(timing: &Timing) -> Map<String, Value> {
     let mut named = Map::new();
     if timing.is_perfect() {

@@ -71,6 +71,7 @@ pub enum ColumnError {
 
 impl Column {
     /// A method with its defaults, under its own name.
+    #[must_use]
     pub fn of(method: MethodName) -> Self {
         Self {
             name: method.name().into(),

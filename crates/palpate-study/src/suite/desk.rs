@@ -7,10 +7,13 @@ use palpate_scene::{
     Transmission,
 };
 
+use palpate_calibrate::{ExcitationParams, Quantity};
+
 use super::COLLISIONS;
 use super::chance::Chance;
-use super::draw::{GRAVITY, RandomPlant, grip, tremor};
+use super::draw::{DrawError, GRAVITY, RandomPlant, grip, tremor};
 use super::set::truth;
+use crate::calibrated;
 
 /// Period of a desktop loop `[s]`.
 const PERIOD: f64 = 1e-3;
@@ -166,4 +169,42 @@ fn calibrate(scene: &mut Scene, chance: &mut Chance) {
         gain_deviation: Some(third * GAIN_ERROR),
         ..Told::default()
     };
+}
+
+/// Forces with which a device is calibrated `[N]`, one after the other until one does not decline: who
+/// calibrates is told to try a larger one where friction is near the force.
+const FORCES: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
+
+/// Largest tremor of the hand that a calibration lets pass `[m]`: hands of the suite tremble by 20 % of the force
+/// that they push with, also where they do not push.
+const TREMOR: f64 = 3e-3;
+
+/// Tells the renderer what a calibration of the device itself finds, and says in the plant's title with
+/// which force, and whether the calibration warns of a contact so stiff.
+pub(super) fn calibrate_itself(plant: &mut RandomPlant) -> Result<(), DrawError> {
+    let mut declined = String::new();
+    for largest_force in FORCES {
+        let params = ExcitationParams {
+            largest_force,
+            tremor: TREMOR,
+            ..ExcitationParams::new(plant.scene.loop_params.period)
+        };
+        match calibrated::calibrate(&plant.scene, &params) {
+            Ok(calibration) => {
+                let scene = &mut plant.scene;
+                scene.told = calibrated::told(&calibration, |_| true);
+                scene.told_device_mass = calibration.value(Quantity::DeviceMass);
+                scene.title += &format!(", calibrated with {largest_force} N");
+                if let palpate::Mass::Finite(object) = scene.contact.object_mass
+                    && let Some(stiffest) = calibration.stiffest_contact(object, PERIOD)
+                    && stiffest < scene.contact.stiffness
+                {
+                    scene.title += ", stiffer than its resonance allows";
+                }
+                return Ok(());
+            }
+            Err(error) => declined = error.to_string(),
+        }
+    }
+    Err(DrawError::Calibration(plant.index, declined))
 }

@@ -55,6 +55,9 @@ pub enum DrawError {
     /// A draw that cannot be put on the bench.
     #[error("plant {0}: {1}")]
     Bench(usize, LoopError),
+    /// A device that no force calibrates.
+    #[error("plant {0} cannot be calibrated: {1}")]
+    Calibration(usize, String),
 }
 
 impl RandomPlant {

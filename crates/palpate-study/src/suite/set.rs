@@ -22,6 +22,8 @@ pub enum Set {
     Desk,
     /// One plausible device with a transmission and a lag, varied, told the same.
     Real,
+    /// The same plausible devices, each told what its own calibration finds.
+    Calibrated,
     /// Desktop devices that are perfect but for one thing at a time.
     Steps,
 }
@@ -46,11 +48,19 @@ pub enum Telling {
     Truth,
     /// What a calibration finds: the truth with the errors that were drawn.
     Calibrated,
+    /// What a calibration of the device itself has found.
+    Measured,
 }
 
 impl Set {
     /// Every set.
-    pub const ALL: [Self; 4] = [Self::Paper, Self::Desk, Self::Real, Self::Steps];
+    pub const ALL: [Self; 5] = [
+        Self::Paper,
+        Self::Desk,
+        Self::Real,
+        Self::Calibrated,
+        Self::Steps,
+    ];
 
     /// Its name.
     #[must_use]
@@ -59,6 +69,7 @@ impl Set {
             Self::Paper => "paper",
             Self::Desk => "desk",
             Self::Real => "real",
+            Self::Calibrated => "calibrated",
             Self::Steps => "steps",
         }
     }
@@ -72,6 +83,9 @@ impl Set {
                 let tellings = [Telling::Nothing, Telling::Truth, Telling::Calibrated];
                 tellings.map(Condition::Told).to_vec()
             }
+            Self::Calibrated => [Telling::Truth, Telling::Measured]
+                .map(Condition::Told)
+                .to_vec(),
             Self::Steps => Step::ALL.map(Condition::Step).to_vec(),
         }
     }
@@ -79,12 +93,17 @@ impl Set {
     /// Plant number `index` of `seed`: always the same one.
     ///
     /// # Errors
-    /// None is known; the types say what would be one.
+    /// A device of the set of calibrated ones that no force calibrates.
     pub fn draw(self, seed: u64, index: usize) -> Result<RandomPlant, DrawError> {
         match self {
             Self::Paper => RandomPlant::draw(seed, index),
             Self::Desk => draw::colliding(seed, index, "Desk plant", desk::desk, &[]),
             Self::Real => draw::colliding(seed, index, "Plausible device", desk::real, &[]),
+            Self::Calibrated => {
+                let mut plant = Self::Real.draw(seed, index)?;
+                desk::calibrate_itself(&mut plant)?;
+                Ok(plant)
+            }
             Self::Steps => draw::colliding(
                 seed,
                 index,
@@ -166,7 +185,7 @@ impl Telling {
                 scene.told = truth(scene);
             }
             // What the scene itself says.
-            Self::Calibrated => {}
+            Self::Calibrated | Self::Measured => {}
         }
     }
 }
@@ -190,6 +209,7 @@ impl fmt::Display for Condition {
             Self::Told(Telling::Nothing) => f.write_str("told nothing"),
             Self::Told(Telling::Truth) => f.write_str("told the truth"),
             Self::Told(Telling::Calibrated) => f.write_str("told as calibrated"),
+            Self::Told(Telling::Measured) => f.write_str("told by its own calibration"),
             Self::Step(step) => f.write_str(step.in_words()),
         }
     }

@@ -25,6 +25,7 @@ pub struct Summary {
 
 /// Summary of `column` under the `condition` of this place in the set; `None` without a plant. In the
 /// paper's set a condition's place is its delay.
+#[must_use]
 pub fn summary(judged: &[Judged], column: usize, condition: usize) -> Option<Summary> {
     let trials = || {
         judged.iter().flat_map(move |one| {
@@ -67,6 +68,7 @@ pub fn summary(judged: &[Judged], column: usize, condition: usize) -> Option<Sum
 
 /// The value below which a `share` of the `sorted` values lies, on straight lines between
 /// neighbours; `None` of none.
+#[must_use]
 pub fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
     let place = share.clamp(0.0, 1.0) * sorted.len().checked_sub(1)? as f64;
     #[expect(

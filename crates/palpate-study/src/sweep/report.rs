@@ -87,6 +87,7 @@ pub struct ColumnReport {
 
 impl SweepReport {
     /// The report on what [`sweep`](super::sweep) gave for the scene called `title` at `values`.
+    #[must_use]
     pub fn new(
         title: &str,
         quantity: Quantity,

@@ -133,6 +133,7 @@ impl TuneReport {
     }
 
     /// What was tried, in words: `damping` or `damping cap`.
+    #[must_use]
     pub fn setting_in_words(&self) -> &'static str {
         words(self.setting)
     }

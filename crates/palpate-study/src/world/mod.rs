@@ -77,9 +77,13 @@ pub struct WorldMethodReport {
 pub struct WorldDeviceReport {
     /// Name of the device.
     pub name: String,
-    /// Errors over its axes; none if the ideal does not touch its tool.
+    /// Errors over its axes, those of the torque too; none if the ideal does not touch its tool.
     pub sum: Option<FidelityReport>,
-    /// Errors along x, y and z; none where the ideal has no force.
+    /// Errors of the force alone.
+    pub force: Option<FidelityReport>,
+    /// Errors of the torque alone; none for a device of three axes.
+    pub torque: Option<TorqueReport>,
+    /// Errors of the force along x, y and z; none where the ideal has no force.
     pub axes: [Option<FidelityReport>; 3],
     /// Largest length of the held force.
     pub peak_force_n: f64,
@@ -89,6 +93,18 @@ pub struct WorldDeviceReport {
     pub touches: usize,
     /// Largest error of a touch's impulse; none if no touch was rendered.
     pub largest_impulse_error_percent: Option<f64>,
+}
+
+/// How the torque on one device, about its mass centre, was rendered.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TorqueReport {
+    /// Errors over its axes; none if the ideal has no torque.
+    pub sum: Option<FidelityReport>,
+    /// Errors about x, y and z; none where the ideal has no torque.
+    pub axes: [Option<FidelityReport>; 3],
+    /// Largest length of the held torque.
+    pub peak_torque_n_m: f64,
 }
 
 /// Errors of held forces, in percent of the ideal's root mean square. An infinite one is `null`.
@@ -183,6 +199,12 @@ fn of_device(judged: &DeviceJudgement, name: &str, ideal_peak: f64) -> WorldDevi
     WorldDeviceReport {
         name: name.to_owned(),
         sum: judged.sum.map(Into::into),
+        force: judged.force.map(Into::into),
+        torque: judged.torque.as_ref().map(|torque| TorqueReport {
+            sum: torque.sum.map(Into::into),
+            axes: torque.axes.map(|axis| axis.map(Into::into)),
+            peak_torque_n_m: torque.peak_torque,
+        }),
         axes: judged.axes.map(|axis| axis.map(Into::into)),
         peak_force_n: judged.peak_force,
         peak_over_ideal_peak: (ideal_peak > 0.0).then(|| judged.peak_force / ideal_peak),

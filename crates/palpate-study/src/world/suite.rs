@@ -156,6 +156,7 @@ fn errors(world: &RandomWorld, period: f64, delay: usize) -> Result<[f64; 3], Wo
         error(
             BasicParams {
                 damping: vec![share * world.stiffness * period; devices],
+                ..BasicParams::default()
             }
             .into(),
         )

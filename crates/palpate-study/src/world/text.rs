@@ -22,6 +22,9 @@ impl fmt::Display for WorldReport {
         writeln!(f, "{}\n", whole(&self.method_table()))?;
         if self.methods.iter().any(|method| method.sum.is_some()) {
             writeln!(f, "{}", whole(&self.axis_table()))?;
+            if let Some(table) = self.torque_table() {
+                writeln!(f, "\n{}", whole(&table))?;
+            }
             writeln!(f, "\n{}", legend(&[E, FRE, LEAK]))?;
         } else {
             writeln!(f, "The ideal touches no tool in this window.")?;
@@ -107,6 +110,40 @@ impl WorldReport {
             }
         }
         table
+    }
+
+    /// The same about each axis of the devices that turn, if one does.
+    fn torque_table(&self) -> Option<Table> {
+        let header = [
+            "method",
+            "device",
+            "E % of the force",
+            "of the torque",
+            "about x",
+            "y",
+            "z",
+            "peak N m",
+        ];
+        let mut table = plain_table(CellAlignment::Left, &header);
+        let mut turns = false;
+        for method in &self.methods {
+            for device in &method.devices {
+                let Some(torque) = &device.torque else {
+                    continue;
+                };
+                turns = true;
+                let error = |it: Option<&FidelityReport>| {
+                    number(it.map(|it| it.mean_force_error_percent), percent)
+                };
+                let mut row = vec![Cell::new(&method.method), Cell::new(&device.name)];
+                row.push(error(device.force.as_ref()));
+                row.push(error(torque.sum.as_ref()));
+                row.extend(torque.axes.iter().map(|axis| error(axis.as_ref())));
+                row.push(number(Some(torque.peak_torque_n_m), |peak| short(peak, 4)));
+                table.add_row(row);
+            }
+        }
+        turns.then_some(table)
     }
 
     /// What the numbers above do not say.

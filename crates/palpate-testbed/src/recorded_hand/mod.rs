@@ -53,6 +53,7 @@ impl HandModel {
     pub const USUAL_DAMPING: f64 = 2.0;
 
     /// A hand on a device of this mass `[kg]` that holds on to its recorded motion as hands usually do.
+    #[must_use]
     pub fn holding_on(device_mass: f64) -> Self {
         Self {
             stiffness: Self::USUAL_STIFFNESS,
@@ -62,6 +63,7 @@ impl HandModel {
     }
 
     /// A hand whose force is the recorded one wherever the device of this mass `[kg]` goes.
+    #[must_use]
     pub fn force_on(device_mass: f64) -> Self {
         Self {
             device_mass,
@@ -261,22 +263,26 @@ impl RecordedHand {
     }
 
     /// How well the force is known.
+    #[must_use]
     pub fn uncertainty(&self) -> &HandUncertainty {
         &self.uncertainty
     }
 
     /// The device, and how the hand holds it.
+    #[must_use]
     pub fn model(&self) -> &HandModel {
         &self.model
     }
 
     /// Samples that had no position: there the force follows from those around them, and is known less
     /// well.
+    #[must_use]
     pub fn unmeasured(&self) -> usize {
         self.unmeasured
     }
 
     /// From the least to the greatest position of the recorded motion `[m]`.
+    #[must_use]
     pub fn span(&self) -> f64 {
         let positions = self.positions.iter().copied();
         let (least, greatest) = positions.fold((f64::INFINITY, f64::NEG_INFINITY), |ends, x| {
@@ -286,11 +292,13 @@ impl RecordedHand {
     }
 
     /// When samples were taken, since the first `[s]`.
+    #[must_use]
     pub fn times(&self) -> &[f64] {
         &self.times
     }
 
     /// Length of the recording `[s]`.
+    #[must_use]
     pub fn duration(&self) -> f64 {
         self.times[self.times.len() - 1]
     }
@@ -311,6 +319,7 @@ impl RecordedHand {
 
     /// The recorded motion without its noise at `time` since the first sample `[s]`: position `[m]`
     /// and velocity `[m/s]`.
+    #[must_use]
     pub fn motion(&self, time: f64) -> (f64, f64) {
         let piece = self.piece(time);
         let (position, velocity, _) = self.along(piece, time - self.times[piece]);
@@ -318,6 +327,7 @@ impl RecordedHand {
     }
 
     /// Step between the last two samples `[s]`.
+    #[must_use]
     pub fn last_step(&self) -> f64 {
         self.duration() - self.times[self.times.len() - 2]
     }

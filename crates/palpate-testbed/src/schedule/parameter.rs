@@ -22,6 +22,7 @@ pub enum ScheduleParameter {
 
 impl ScheduleParameter {
     /// The field that has it.
+    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Period => "period",

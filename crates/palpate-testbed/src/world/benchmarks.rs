@@ -1,11 +1,15 @@
-//! The benchmark scenes of worlds: a groove, a pushed block, a paddle, a pinch and a row of balls.
+//! The benchmark scenes of worlds: a groove, a pushed block, a paddle, a pinch, a row of balls, and meshes.
 //!
 //! All have a hand of 60 N/m and 1.5 N s/m, unequal masses along the axes, sensors of 2 µm, and a material damping
 //! in every contact: without it contacts ring for ever, and after a while an error of force is one of phase. Each
 //! duration ends before the ideal's motion depends on how it is computed.
 
+use std::sync::Arc;
+
+use super::mesh::{TriangleMesh, gallery};
 use super::scene::{
-    ContactLaw, Member, Motion, Pair, Shape, Vector, WorldBody, WorldDevice, WorldHand, WorldScene,
+    ContactLaw, Member, Motion, Pair, Shape, Tool, Vector, WorldBody, WorldDevice, WorldHand,
+    WorldScene,
 };
 
 /// How many starts a benchmark has.
@@ -65,6 +69,7 @@ pub fn benchmarks() -> Vec<Benchmark> {
         .flat_map(|degrees| [groove(degrees, 0.0), groove(degrees, 0.3)]);
     grooves
         .chain([pushed_block(), paddle(), pinch(), row()])
+        .chain([bumpy(33), bumpy(91), shaft(), pocket()])
         .collect()
 }
 
@@ -237,7 +242,7 @@ pub fn row() -> Benchmark {
         name: format!("ball-{}", number + 1),
         position: [0.041 * number as f64, y, z],
         motion: Some(Motion::of(&shape, 0.05)),
-        ..fixed(shape)
+        ..fixed(shape.clone())
     };
     let mut tool = device("tool", [-0.04, 0.0, 0.0], 0.01);
     tool.hand.force = [0.5, 0.0, 0.0];
@@ -275,6 +280,122 @@ pub fn row() -> Benchmark {
     }
 }
 
+/// W6: a sphere slides over a sphere with bumps and hollows of 12 cells² triangles.
+///
+/// Edges and corners of triangles, that stand out and that do not.
+#[must_use]
+pub fn bumpy(cells: u32) -> Benchmark {
+    let triangles = gallery::bumpy_sphere(0.04, 0.001, 12.0, cells);
+    let count = triangles.1.len();
+    let mut tool = device("tool", [0.012, 0.005, 0.0445], 0.004);
+    tool.hand.force = [0.0, 0.0, -1.0];
+    tool.hand.rest = [-0.012, -0.006, 0.04];
+    on_mesh(
+        format!("bumpy-{}k", (count + 500) / 1000),
+        format!("A sphere slides over bumps of {count} triangles"),
+        tool,
+        ("bumps", triangles, [1.0, 0.0, 0.0, 0.0]),
+        STIFFNESS,
+    )
+}
+
+/// W6: a sphere slides along a stepped shaft that lies on its side, down a step and into its corner.
+///
+/// Round and sharp edges, those that stand out and those of hollows.
+#[must_use]
+pub fn shaft() -> Benchmark {
+    let profile = [
+        [0.0, -0.03],
+        [0.015, -0.03],
+        [0.015, 0.0],
+        [0.012, 0.0],
+        [0.012, 0.02],
+        [0.0, 0.02],
+    ];
+    let mut tool = device("tool", [-0.006, 0.002, 0.0185], 0.003);
+    tool.hand.force = [0.4, 0.0, -1.0];
+    tool.hand.rest = [0.006, 0.001, 0.016];
+    // The z axis of the profile along x.
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    on_mesh(
+        "shaft".into(),
+        "A sphere slides along a stepped shaft".into(),
+        tool,
+        (
+            "shaft",
+            // Every number is right: there are triangles.
+            gallery::revolved(&profile, 96, 0.002).unwrap_or_default(),
+            [half, 0.0, half, 0.0],
+        ),
+        STIFFNESS,
+    )
+}
+
+/// W9: a probe of 2 mm is led around in a pocket 8 mm wide, pressed against its wall of 0.5 mm more deeply than that.
+///
+/// Narrow, thin walls.
+#[must_use]
+pub fn pocket() -> Benchmark {
+    let profile = [
+        [0.0, -0.01],
+        [0.0045, -0.01],
+        [0.0045, 0.0],
+        [0.004, 0.0],
+        [0.004, -0.009],
+        [0.0, -0.009],
+    ];
+    let mut tool = device("probe", [0.0015, 0.0, -0.006], 0.001);
+    tool.hand.force = [1.3, 0.4, -0.5];
+    tool.hand.rest = [0.002, 0.002, -0.006];
+    on_mesh(
+        "pocket".into(),
+        "A probe is pressed against the thin wall of a pocket".into(),
+        tool,
+        (
+            "pocket",
+            gallery::revolved(&profile, 64, 0.0005).unwrap_or_default(),
+            [1.0, 0.0, 0.0, 0.0],
+        ),
+        1500.0,
+    )
+}
+
+fn on_mesh(
+    name: String,
+    title: String,
+    tool: WorldDevice,
+    (body, (vertices, faces), orientation): (&str, gallery::Triangles, [f64; 4]),
+    stiffness: f64,
+) -> Benchmark {
+    // The gallery makes meshes only; a scene without its body would be refused.
+    let mesh = TriangleMesh::new(&vertices, &faces).ok();
+    Benchmark {
+        name,
+        title,
+        scene: WorldScene {
+            devices: vec![tool],
+            bodies: mesh
+                .map(|mesh| WorldBody {
+                    name: body.into(),
+                    orientation,
+                    ..fixed(Shape::Mesh(Arc::new(mesh)))
+                })
+                .into_iter()
+                .collect(),
+            pairs: vec![pair(
+                Member::Device(0),
+                Member::Body(0),
+                ContactLaw::spring(stiffness)
+                    .damped(3.0)
+                    .rough(0.3, 0.5 * stiffness),
+            )],
+        },
+        period: PERIOD,
+        duration: 0.3,
+        spread: [0.0, 0.001, 0.0],
+    }
+}
+
 /// K of the tools' contacts \[N/m\].
 const STIFFNESS: f64 = 4000.0;
 const PERIOD: f64 = 0.001;
@@ -285,7 +406,8 @@ fn device(name: &str, position: Vector, tool_radius: f64) -> WorldDevice {
         mass: [0.1, 0.16, 0.25],
         position,
         velocity: [0.0; 3],
-        tool_radius,
+        tool: Tool::sphere(tool_radius),
+        turning: None,
         hand: WorldHand {
             stiffness: 60.0,
             damping: 1.5,

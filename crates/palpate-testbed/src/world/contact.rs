@@ -2,7 +2,8 @@
 
 use thiserror::Error;
 
-use super::scene::{ContactLaw, InvalidScene, Member, Pair, Shape, WorldScene};
+use super::mesh::{MOST_CONTACTS, OnMesh};
+use super::scene::{ContactLaw, InvalidScene, Member, Pair, Shape, SphereAt, Tool, WorldScene};
 use super::surface::{Feature, feature, holds, nearest};
 use super::vector::{Rotation, Vec3};
 
@@ -14,8 +15,8 @@ pub enum WorldError {
     Parameter(#[from] InvalidScene),
     /// A pair of shapes for which there is no contact yet.
     #[error(
-        "pairs[{number}]: {reason}; a sphere can touch a sphere, half-space, box, capsule or cylinder, and a \
-         box a half-space"
+        "pairs[{number}]: {reason}; a sphere can touch a sphere, half-space, box, capsule, cylinder or mesh, and a \
+         box and a capsule a half-space"
     )]
     Pair {
         /// Number of the pair, from 0.
@@ -148,14 +149,23 @@ impl Contact {
         let centre = first.position + first.rotation.out(self.on_first);
         let velocity = first.velocity_at(centre);
         let relative = velocity - second.velocity_at(centre);
-        let (distance, normal, normal_rate) = match self.surface {
-            Shape::HalfSpace { normal, offset } => {
-                let normal = Vec3(normal);
+        let (distance, normal, normal_rate) = match (&self.surface, feature) {
+            (Shape::HalfSpace { normal, offset }, _) => {
+                let normal = Vec3(*normal);
                 (normal.dot(centre) - offset, normal, Vec3::ZERO)
             }
-            shape => {
+            (Shape::Mesh(mesh), Feature::OnMesh(at)) => {
                 let local = second.rotation.back(centre - second.position);
-                let near = nearest(&shape, feature, local);
+                let velocity = second.rotation.back(relative);
+                let (depth, normal, turned) =
+                    super::mesh::nearest(mesh, at, self.radius, local, velocity);
+                let normal = second.rotation.out(normal);
+                let rate = second.turning.cross(normal) + second.rotation.out(turned);
+                (self.radius - depth, normal, rate)
+            }
+            (shape, _) => {
+                let local = second.rotation.back(centre - second.position);
+                let near = nearest(shape, feature, local);
                 let normal = second.rotation.out(near.normal);
                 let turned = near.normal_rate(second.rotation.back(relative));
                 let rate = second.turning.cross(normal) + second.rotation.out(turned);
@@ -176,6 +186,26 @@ impl Contact {
             point_velocity: velocity - normal_rate * below + normal * (0.5 * rate),
             sliding: first.velocity_at(point) - second.velocity_at(point),
         }
+    }
+
+    /// What each of the contacts of a sphere with a mesh should be at, if they are at `now`; this is one of them. Another shape
+    /// has none.
+    pub fn wanted_of_mesh(
+        &self,
+        now: &[OnMesh; MOST_CONTACTS],
+        placed: &[Placed],
+        shift: Vec3,
+    ) -> Option<[OnMesh; MOST_CONTACTS]> {
+        let Shape::Mesh(mesh) = &self.surface else {
+            return None;
+        };
+        let centre = self.centre_in_second(placed) + shift;
+        Some(super::mesh::wanted(mesh, now, self.radius, centre))
+    }
+
+    /// Whether it is with a mesh.
+    pub fn is_with_mesh(&self) -> bool {
+        matches!(self.surface, Shape::Mesh(_))
     }
 
     fn centre_in_second(&self, placed: &[Placed]) -> Vec3 {
@@ -210,7 +240,9 @@ impl Contact {
 /// One side of a pair.
 struct Side {
     member: usize,
-    shape: Shape,
+    /// `None` for several spheres.
+    shape: Option<Shape>,
+    spheres: Vec<SphereAt>,
     is_device: bool,
     moves: bool,
     name: String,
@@ -223,8 +255,13 @@ impl Side {
                 let device = &scene.devices[number];
                 Self {
                     member: number,
-                    shape: Shape::Sphere {
-                        radius: device.tool_radius,
+                    shape: match &device.tool {
+                        Tool::Solid(shape) => Some(shape.clone()),
+                        Tool::Spheres(_) => None,
+                    },
+                    spheres: match &device.tool {
+                        Tool::Solid(_) => Vec::new(),
+                        Tool::Spheres(spheres) => spheres.clone(),
                     },
                     is_device: true,
                     moves: true,
@@ -235,7 +272,8 @@ impl Side {
                 let body = &scene.bodies[number];
                 Self {
                     member: scene.devices.len() + number,
-                    shape: body.shape,
+                    shape: Some(body.shape.clone()),
+                    spheres: Vec::new(),
                     is_device: false,
                     moves: body.motion.is_some(),
                     name: format!("the {} {:?}", kind(&body.shape), body.name),
@@ -252,6 +290,7 @@ fn kind(shape: &Shape) -> &'static str {
         Shape::Box { .. } => "box",
         Shape::Capsule { .. } => "capsule",
         Shape::Cylinder { .. } => "cylinder",
+        Shape::Mesh(_) => "mesh",
     }
 }
 
@@ -271,8 +310,9 @@ fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact
     }
     // The tool goes first, then a free sphere, so that the sphere is the first of the two.
     let rank = |side: &Side| match side.shape {
-        Shape::Sphere { .. } => 2 + u8::from(side.is_device),
-        Shape::Box { .. } => 1,
+        None => 3,
+        Some(Shape::Sphere { .. }) => 2 + u8::from(side.is_device),
+        Some(Shape::Box { .. } | Shape::Capsule { .. }) => 1,
         _ => 0,
     };
     let (first, second) = if rank(&one) >= rank(&other) {
@@ -280,38 +320,63 @@ fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact
     } else {
         (other, one)
     };
+    let no_contact = || {
+        format!(
+            "there is no contact between {} and {}",
+            first.name, second.name
+        )
+    };
+    let surface = second.shape.as_ref().ok_or_else(no_contact)?;
     let contact = |on_first: Vec3, radius: f64, law: ContactLaw| Contact {
         pair: number,
         first: first.member,
         second: second.member,
         on_first,
         radius,
-        surface: second.shape,
+        surface: surface.clone(),
         law,
     };
-    match (first.shape, second.shape) {
-        (Shape::Sphere { radius }, _) => Ok(vec![contact(Vec3::ZERO, radius, pair.law)]),
-        (Shape::Box { half_extents }, Shape::HalfSpace { .. }) => {
-            // A face that lies flat has the whole law.
-            let law = ContactLaw {
-                stiffness: pair.law.stiffness / 4.0,
-                damping: pair.law.damping / 4.0,
-                friction_stiffness: pair.law.friction_stiffness / 4.0,
-                ..pair.law
-            };
+    // The share of the law that one has of so many that lie flat together.
+    let shared = |count: f64| ContactLaw {
+        stiffness: pair.law.stiffness / count,
+        damping: pair.law.damping / count,
+        friction_stiffness: pair.law.friction_stiffness / count,
+        ..pair.law
+    };
+    match (&first.shape, surface) {
+        (&Some(Shape::Sphere { radius }), Shape::Mesh(_)) => {
+            let one = contact(Vec3::ZERO, radius, pair.law);
+            Ok(vec![one; MOST_CONTACTS])
+        }
+        (None, Shape::Mesh(_)) => Err(no_contact()),
+        (None, _) => Ok(first
+            .spheres
+            .iter()
+            .map(|sphere| contact(Vec3(sphere.centre), sphere.radius, pair.law))
+            .collect()),
+        (&Some(Shape::Sphere { radius }), _) => Ok(vec![contact(Vec3::ZERO, radius, pair.law)]),
+        (&Some(Shape::Box { half_extents }), Shape::HalfSpace { .. }) => {
+            let law = shared(4.0);
             let corner = |index: usize| {
                 Vec3(std::array::from_fn(|axis| {
                     let sign = if index >> axis & 1 == 0 { -1.0 } else { 1.0 };
                     sign * half_extents[axis]
                 }))
             };
-            Ok((0..8)
-                .map(|index| contact(corner(index), 0.0, law))
-                .collect())
+            let corners = (0..8).map(|index| contact(corner(index), 0.0, law));
+            Ok(corners.collect())
         }
-        _ => Err(format!(
-            "there is no contact between {} and {}",
-            first.name, second.name
-        )),
+        (
+            &Some(Shape::Capsule {
+                radius,
+                half_length,
+            }),
+            Shape::HalfSpace { .. },
+        ) => {
+            let law = shared(2.0);
+            let end = |side: f64| contact(Vec3([0.0, 0.0, side * half_length]), radius, law);
+            Ok(vec![end(-1.0), end(1.0)])
+        }
+        _ => Err(no_contact()),
     }
 }

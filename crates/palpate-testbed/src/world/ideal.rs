@@ -77,6 +77,13 @@ impl WorldIdeal {
                 profile.peaks.push(run.peaks[number]);
                 // From 0 again, so that a difference of large sums costs no digits.
                 run.state[sums..sums + 6].fill(0.0);
+                if scene.devices[number].turning.is_some() {
+                    let sums = system.layout.torque_sums(number);
+                    let of = |from: usize| Vec3::of(&run.state[from..]).0;
+                    profile.torque_impulses.push(of(sums));
+                    profile.torque_squares.push(of(sums + 3));
+                    run.state[sums..sums + 6].fill(0.0);
+                }
             }
             run.peaks.fill(0.0);
             states.push(run.world_state());

@@ -5,7 +5,7 @@ use thiserror::Error;
 use super::contact::WorldError;
 use super::ideal::WorldIdeal;
 use super::record::DeviceProfile;
-use super::scene::{Member, Vector, WorldScene};
+use super::scene::{Member, Vector, WorldDevice, WorldScene};
 use super::vector::Vec3;
 use crate::grid::Grid;
 use crate::metrics::collisions::{relative_error, separated};
@@ -15,7 +15,8 @@ use crate::metrics::{Fidelity, WindowMismatch};
 /// How well held forces render a world.
 ///
 /// Each [`Fidelity`] is of one component or of several: errors in sum are weighted by the mobility 1/m of the
-/// device's axis, ∫ e·W e over ∫ f·W f, so that axes of unequal masses count by the motion they make. Means over
+/// device's axis, torques by the mobility about the axis at t = 0, ∫ e·W e over ∫ f·W f, so that axes of unequal
+/// masses, and forces and torques, count by the motion they make. Means over
 /// intervals are the same projection for each weight: FRE² = floor² + E² holds for every one of them.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -30,8 +31,12 @@ pub struct WorldJudgement {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct DeviceJudgement {
-    /// All axes together; `None` if the tool is not touched.
+    /// All axes together, torques too; `None` if the tool is not touched.
     pub sum: Option<Fidelity>,
+    /// The forces alone.
+    pub force: Option<Fidelity>,
+    /// The torques alone; `None` for a device that does not turn.
+    pub torque: Option<TorqueJudgement>,
     /// Along each axis of the world; `None` where the ideal force is 0.
     pub axes: [Option<Fidelity>; 3],
     /// Each ideal touch that the held forces can show apart, in order.
@@ -40,6 +45,18 @@ pub struct DeviceJudgement {
     pub rendered_touches: usize,
     /// Largest held force \[N\].
     pub peak_force: f64,
+}
+
+/// How well the torque on one tool is rendered.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct TorqueJudgement {
+    /// All axes together; `None` if the ideal torque is 0.
+    pub sum: Option<Fidelity>,
+    /// About each axis of the world; `None` where the ideal torque is 0.
+    pub axes: [Option<Fidelity>; 3],
+    /// Largest held torque \[N m\].
+    pub peak_torque: f64,
 }
 
 /// An ideal touch of a tool, and the rendered one of the same number.
@@ -114,6 +131,25 @@ impl WorldJudgement {
         ideal: &WorldIdeal,
         held: &[Vec<Vector>],
     ) -> Result<Self, JudgementError> {
+        Self::of_wrenches(scene, ideal, held, &[])
+    }
+
+    /// The same with the torque held on each tool about its mass centre \[N m\]: `torques[device][interval]`. Where one is
+    /// missing, it counts as 0; that of a device that does not turn is not looked at.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`of`](Self::of).
+    ///
+    /// # Panics
+    ///
+    /// `ideal` is not of `scene` and has more devices.
+    pub fn of_wrenches(
+        scene: &WorldScene,
+        ideal: &WorldIdeal,
+        held: &[Vec<Vector>],
+        torques: &[Vec<Vector>],
+    ) -> Result<Self, JudgementError> {
         if held.len() != ideal.devices.len() {
             return Err(JudgementError::Devices {
                 given: held.len(),
@@ -129,12 +165,13 @@ impl WorldJudgement {
                     mismatch,
                 },
             )?;
-            let mass = scene.devices[number].mass;
+            let device = &scene.devices[number];
+            let torques = torques.get(number).map_or(&[][..], Vec::as_slice);
             devices.push(DeviceJudgement::of(
                 &ideal.grid,
-                mass,
+                device,
                 profile,
-                held,
+                [held, torques],
                 &mut sum,
             ));
         }
@@ -148,11 +185,12 @@ impl WorldJudgement {
 impl DeviceJudgement {
     fn of(
         grid: &Grid,
-        mass: Vector,
+        device: &WorldDevice,
         profile: &DeviceProfile,
-        held: &[Vector],
+        [held, torques]: [&[Vector]; 2],
         sum_of_all: &mut ErrorSums,
     ) -> Self {
+        let mass = device.mass;
         let period = grid.period();
         let mut axes = [ErrorSums::default(); 3];
         let mut sum = ErrorSums::default();
@@ -175,9 +213,16 @@ impl DeviceJudgement {
                 }
             }
         }
+        let force = sum.fidelity(period);
+        let torque = device.turning.as_ref().map(|turning| {
+            let weights = turning.mobility();
+            judged_torque(grid, weights, profile, torques, [&mut sum, sum_of_all])
+        });
         let (touches, rendered_touches) = touches(grid, profile, held);
         Self {
             sum: sum.fidelity(period),
+            force,
+            torque,
             axes: axes.map(|sums| sums.fidelity(period)),
             touches,
             rendered_touches,
@@ -186,6 +231,41 @@ impl DeviceJudgement {
                 .map(|force| Vec3(*force).norm())
                 .fold(0.0, larger),
         }
+    }
+}
+
+/// Judges torques whose weights are `weights`, and adds them to the sums.
+fn judged_torque(
+    grid: &Grid,
+    weights: Vector,
+    profile: &DeviceProfile,
+    torques: &[Vector],
+    mut sums: [&mut ErrorSums; 2],
+) -> TorqueJudgement {
+    let period = grid.period();
+    let (mut axes, mut own) = ([ErrorSums::default(); 3], ErrorSums::default());
+    let mut peak = 0.0_f64;
+    let profiles = profile.torque_impulses.iter().zip(&profile.torque_squares);
+    for (interval, (impulse, squared)) in profiles.enumerate() {
+        let duration = grid.duration(interval);
+        let torque = torques.get(interval).copied().unwrap_or_default();
+        peak = larger(peak, Vec3(torque).norm());
+        for axis in 0..3 {
+            let (impulse, squared) = (impulse[axis], squared[axis]);
+            axes[axis].add(torque[axis], impulse, squared, duration, period);
+            let weight = weights[axis];
+            let root = weight.sqrt();
+            let all = sums.iter_mut().map(|sum| &mut **sum).chain([&mut own]);
+            for sum in all {
+                let (torque, impulse) = (root * torque[axis], root * impulse);
+                sum.add(torque, impulse, weight * squared, duration, period);
+            }
+        }
+    }
+    TorqueJudgement {
+        sum: own.fidelity(period),
+        axes: axes.map(|sums| sums.fidelity(period)),
+        peak_torque: peak,
     }
 }
 

@@ -1,32 +1,42 @@
 //! The state of a system, one row of numbers.
 //!
-//! First comes what moves: position and velocity of each device; position, velocity, quaternion and angular momentum
+//! First comes what moves: position and velocity of each device, and where one turns, quaternion and angular momentum of
+//! each; position, velocity, quaternion and angular momentum
 //! of each free body; the bristle of each contact. After it come integrals over what moves.
 
 /// Where in the state what is.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layout {
     pub devices: usize,
+    /// Whether a device turns.
+    pub turns: bool,
     pub free_bodies: usize,
     pub contacts: usize,
 }
 
 /// Numbers of a device, a free body and a contact in the first part of the state.
 const DEVICE: usize = 6;
+const TURNING: usize = 7;
 const BODY: usize = 13;
 const BRISTLE: usize = 3;
 /// Of a device: ∫ f dt and ∫ f² dt along each axis, and the hand's work.
 const DEVICE_SUMS: usize = 7;
+/// And of its torque likewise, where one turns.
+const TORQUE_SUMS: usize = 6;
 /// Of a contact: ∫ N dt, ∫ of the force on its first member dt, and what it has dissipated.
 const CONTACT_SUMS: usize = 5;
 
 impl Layout {
+    fn device_size(&self) -> usize {
+        DEVICE + if self.turns { TURNING } else { 0 }
+    }
+
     pub fn device(&self, device: usize) -> usize {
-        DEVICE * device
+        self.device_size() * device
     }
 
     pub fn body(&self, free_body: usize) -> usize {
-        DEVICE * self.devices + BODY * free_body
+        self.device_size() * self.devices + BODY * free_body
     }
 
     pub fn bristle(&self, contact: usize) -> usize {
@@ -39,7 +49,12 @@ impl Layout {
     }
 
     pub fn device_sums(&self, device: usize) -> usize {
-        self.moving() + DEVICE_SUMS * device
+        let torque = if self.turns { TORQUE_SUMS } else { 0 };
+        self.moving() + (DEVICE_SUMS + torque) * device
+    }
+
+    pub fn torque_sums(&self, device: usize) -> usize {
+        self.device_sums(device) + DEVICE_SUMS
     }
 
     pub fn contact_sums(&self, contact: usize) -> usize {

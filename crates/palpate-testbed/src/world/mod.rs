@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! tool of a device   m x″ = f + F − k (x − x_rest) − b x′ + Σ tremor     along each axis
+//! of six axes        L′ = τ + T − k φ − b ω + Σ tremor          and the tool turns with it
 //! rigid body         M x″ = F + Σ f,   L′ = Σ r × f                      L the angular momentum
 //! contact            N = max(0, K p + B p′) while p > 0, along n, from the second member to the first
 //! friction           z′ = v_t + (n × n′) × z, cut to |z| ≤ μ N/k_t; force on the first member −k_t z
@@ -41,9 +42,11 @@ pub mod benchmarks;
 mod contact;
 mod dormand_prince;
 mod held_axis;
+mod held_turning;
 mod ideal;
 mod judgement;
 mod layout;
+pub mod mesh;
 mod modes;
 mod motion;
 mod overlap;
@@ -54,12 +57,14 @@ mod run;
 mod scene;
 mod self_check;
 mod surface;
+mod turning;
 mod vector;
 
 pub use contact::WorldError;
 pub use ideal::{TOLERANCE, WorldIdeal};
 pub use judgement::{
-    DeviceJudgement, JudgementError, RenderedTouch, TouchJudgement, WindowRule, WorldJudgement,
+    DeviceJudgement, JudgementError, RenderedTouch, TorqueJudgement, TouchJudgement, WindowRule,
+    WorldJudgement,
 };
 pub use overlap::Overlap;
 pub use plant::{PlantParams, WorldPlant};
@@ -67,7 +72,8 @@ pub use record::{
     BodyState, ContactState, DeviceProfile, DeviceState, Encounter, WorldBooks, WorldState,
 };
 pub use scene::{
-    ContactLaw, InvalidScene, Member, Motion, Pair, Shape, Vector, WorldBody, WorldDevice,
-    WorldHand, WorldScene,
+    ContactLaw, InvalidScene, Member, Motion, Pair, Shape, SphereAt, Tool, Vector, WorldBody,
+    WorldDevice, WorldHand, WorldScene,
 };
 pub use self_check::{CheckedIdeal, LARGEST_ERROR};
+pub use turning::{Turning, TurningHand};

@@ -3,7 +3,9 @@
 //! A mode holds a little beyond its end, so that a state at an event, known to round-off, is in one mode or
 //! in the other and not in each of the two by turns.
 
+use super::mesh::{MOST_CONTACTS, OnMesh};
 use super::motion::{Condition, Instant, Mode, System, slip_direction};
+use super::surface::Feature;
 use super::vector::{Vec3, turned};
 
 /// How far beyond its end a condition on lengths holds \[m\].
@@ -53,10 +55,49 @@ impl System {
 
     /// Whether all contacts are in their conditions.
     pub(super) fn all_hold(&self, conditions: &[Condition], now: &Instant) -> bool {
-        conditions
-            .iter()
-            .enumerate()
-            .all(|(number, condition)| self.holds(number, condition, now))
+        let each = || conditions.iter().enumerate();
+        each().all(|(number, condition)| self.holds(number, condition, now))
+            && self
+                .mesh_contacts()
+                .all(|first| self.moves_on_mesh(first, conditions, now).is_none())
+    }
+
+    /// Numbers of the first contact of each sphere with a mesh.
+    fn mesh_contacts(&self) -> impl Iterator<Item = usize> {
+        let mut last = None;
+        let contacts = self.contacts.iter().enumerate();
+        contacts.filter_map(move |(number, contact)| {
+            let is_first = contact.is_with_mesh() && last != Some(contact.pair);
+            last = Some(contact.pair);
+            is_first.then_some(number)
+        })
+    }
+
+    /// What the contacts of a sphere with a mesh should be at, if they are not there, but for the slack.
+    fn moves_on_mesh(
+        &self,
+        first: usize,
+        conditions: &[Condition],
+        now: &Instant,
+    ) -> Option<[OnMesh; MOST_CONTACTS]> {
+        let contact = &self.contacts[first];
+        let mut at = [OnMesh::Nothing; MOST_CONTACTS];
+        for (at, condition) in at.iter_mut().zip(&conditions[first..]) {
+            if let Feature::OnMesh(part) = condition.feature {
+                *at = part;
+            }
+        }
+        let wanted = contact.wanted_of_mesh(&at, &now.placed, Vec3::ZERO)?;
+        if wanted == at {
+            return None;
+        }
+        let is_first = at == [OnMesh::Nothing; MOST_CONTACTS];
+        // Along a direction that is hardly one of a mesh.
+        let near = [-SLACK, SLACK].into_iter().any(|slack| {
+            let shift = Vec3([0.531, 0.614, -0.584]) * slack;
+            contact.wanted_of_mesh(&at, &now.placed, shift) == Some(at)
+        });
+        (is_first || !near).then_some(wanted)
     }
 
     /// The conditions at the start: bristles are relaxed.
@@ -85,6 +126,23 @@ impl System {
         for _ in 0..ROUNDS {
             self.evaluate(time, state, conditions, now);
             let mut settled = true;
+            let firsts: Vec<usize> = self.mesh_contacts().collect();
+            for first in firsts {
+                let Some(wanted) = self.moves_on_mesh(first, conditions, now) else {
+                    continue;
+                };
+                for (number, at) in (first..).zip(wanted) {
+                    let condition = &mut conditions[number];
+                    let feature = Feature::OnMesh(at);
+                    if condition.feature != feature {
+                        self.change_to(feature, number, state, condition, now);
+                        settled = false;
+                    }
+                }
+            }
+            if !settled {
+                continue;
+            }
             for (number, condition) in conditions.iter_mut().enumerate() {
                 if !self.holds(number, condition, now) {
                     self.change(number, state, condition, now);
@@ -100,8 +158,25 @@ impl System {
     /// The condition of a contact that has left its own.
     fn change(&self, number: usize, state: &mut [f64], condition: &mut Condition, now: &Instant) {
         let contact = &self.contacts[number];
+        let feature = if contact.is_with_mesh() {
+            condition.feature
+        } else {
+            contact.feature(&now.placed)
+        };
+        self.change_to(feature, number, state, condition, now);
+    }
+
+    fn change_to(
+        &self,
+        feature: Feature,
+        number: usize,
+        state: &mut [f64],
+        condition: &mut Condition,
+        now: &Instant,
+    ) {
+        let contact = &self.contacts[number];
         let old_normal = now.touches[number].normal;
-        condition.feature = contact.feature(&now.placed);
+        condition.feature = feature;
         let touch = contact.touch(condition.feature, &now.placed);
         let law = &contact.law;
         let push = self.raw_normal_force(number, &touch);

@@ -85,6 +85,7 @@ impl System {
             .collect();
         let layout = Layout {
             devices: scene.devices.len(),
+            turns: scene.devices.iter().any(|device| device.turning.is_some()),
             free_bodies: free,
             contacts: contacts.len(),
         };
@@ -94,7 +95,20 @@ impl System {
             let place = layout.device(number);
             start_state[place..place + 3].copy_from_slice(&device.position);
             start_state[place + 3..place + 6].copy_from_slice(&device.velocity);
-            start.push(placed(device.position, [1.0, 0.0, 0.0, 0.0]));
+            let orientation = device
+                .turning
+                .as_ref()
+                .map_or([1.0, 0.0, 0.0, 0.0], |turning| turning.orientation);
+            let placed = placed(device.position, orientation);
+            start.push(placed);
+            if layout.turns {
+                start_state[place + 6..place + 10].copy_from_slice(&orientation);
+            }
+            if let Some(turning) = &device.turning {
+                let omega = Vec3(turning.angular_velocity);
+                let momentum = turning.angular_momentum(&placed.rotation, omega);
+                momentum.write(&mut start_state[place + 10..]);
+            }
         }
         for (body, rigid) in scene.bodies.iter().zip(&bodies) {
             let placed = placed(body.position, body.orientation);
@@ -153,6 +167,16 @@ impl System {
         for device in 0..self.devices.len() {
             let place = self.layout.device(device) + 3;
             scales[place..place + 3].fill(SPEED);
+            if self.layout.turns {
+                scales[place + 3..place + 10].fill(1.0);
+            }
+            if let Some(turning) = &self.devices[device].turning {
+                let largest = turning.inertia.iter().fold(0.0_f64, |a, b| a.max(*b));
+                let mass = self.devices[device].mass[0];
+                let reach = (largest / mass).sqrt();
+                scales[place + 3..place + 7].fill(LENGTH / reach);
+                scales[place + 7..place + 10].fill(mass * reach * SPEED);
+            }
         }
         for Rigid { motion, free } in self.bodies.iter().flatten() {
             let place = self.layout.body(*free);
@@ -172,6 +196,11 @@ impl System {
             let place = self.layout.device(device);
             placed.position = Vec3::of(&state[place..]);
             placed.velocity = Vec3::of(&state[place + 3..]);
+            if let Some(turning) = &self.devices[device].turning {
+                placed.rotation = Rotation::of_quaternion(quaternion(&state[place + 6..]));
+                let momentum = Vec3::of(&state[place + 10..]);
+                placed.turning = turning.angular_velocity(&placed.rotation, momentum);
+            }
         }
         for (rigid, placed) in self.bodies.iter().zip(&mut placed[devices..]) {
             let Some(Rigid { motion, free }) = rigid else {
@@ -204,7 +233,7 @@ impl System {
                 now.torques[member] += arm.cross(force);
             }
         }
-        self.accelerate(time, now);
+        self.accelerate(time, state, now);
         for (number, (contact, condition)) in self.contacts.iter().zip(conditions).enumerate() {
             now.slips[number] = if condition.mode == Mode::Slip {
                 let touch = &now.touches[number];
@@ -258,13 +287,22 @@ impl System {
         law.friction / law.friction_stiffness * rate
     }
 
-    fn accelerate(&self, time: f64, now: &mut Instant) {
+    fn accelerate(&self, time: f64, state: &[f64], now: &mut Instant) {
         let devices = self.devices.len();
         for (number, device) in self.devices.iter().enumerate() {
             let placed = &now.placed[number];
             let push = now.forces[number] + hand_force(device, time, placed);
             let linear = std::array::from_fn(|axis| push.0[axis] / device.mass[axis]);
             now.accelerations[number].linear = Vec3(linear);
+            if let Some(turning) = &device.turning {
+                let q = quaternion(&state[self.layout.device(number) + 6..]);
+                let omega = placed.turning;
+                let momentum = turning.angular_momentum(&placed.rotation, omega);
+                let torque = now.torques[number] + turning.hand_torque(time, q, omega)
+                    - omega.cross(momentum);
+                now.accelerations[number].angular =
+                    turning.angular_velocity(&placed.rotation, torque);
+            }
         }
         for (number, rigid) in self.bodies.iter().enumerate() {
             let Some(Rigid { motion, .. }) = rigid else {
@@ -303,6 +341,17 @@ impl System {
             force.write(&mut rates[sums..]);
             Vec3(force.0.map(|f| f * f)).write(&mut rates[sums + 3..]);
             rates[sums + 6] = hand_force(device, time, placed).dot(placed.velocity);
+            if let Some(turning) = &device.turning {
+                let q = quaternion(&state[place + 6..]);
+                let by_hand = turning.hand_torque(time, q, placed.turning);
+                let torque = now.torques[number];
+                rates[place + 6..place + 10].copy_from_slice(&quaternion_rate(q, placed.turning));
+                (torque + by_hand).write(&mut rates[place + 10..]);
+                rates[sums + 6] += by_hand.dot(placed.turning);
+                let sums = layout.torque_sums(number);
+                torque.write(&mut rates[sums..]);
+                Vec3(torque.0.map(|t| t * t)).write(&mut rates[sums + 3..]);
+            }
         }
         for (number, rigid) in self.bodies.iter().enumerate() {
             let Some(Rigid { free, .. }) = rigid else {
@@ -438,9 +487,14 @@ impl Instant {
             .iter()
             .zip(&self.placed)
             .map(|(device, placed)| {
+                let of_turning = device.turning.as_ref().map_or(0.0, |turning| {
+                    let momentum = turning.angular_momentum(&placed.rotation, placed.turning);
+                    0.5 * momentum.dot(placed.turning)
+                });
                 (0..3)
                     .map(|axis| 0.5 * device.mass[axis] * placed.velocity.0[axis].powi(2))
                     .sum::<f64>()
+                    + of_turning
             });
         let bodies = system.free_bodies().map(|(number, _, motion)| {
             let placed = &self.placed[system.devices.len() + number];
@@ -454,6 +508,11 @@ impl Instant {
     /// Sum of the contact forces on the tool of a device \[N\].
     pub fn contact_force(&self, device: usize) -> Vec3 {
         self.forces[device]
+    }
+
+    /// Sum of the contact torques on the tool of a device about its mass centre \[N m\].
+    pub fn contact_torque(&self, device: usize) -> Vec3 {
+        self.torques[device]
     }
 
     /// What a contact stores, K p²/2 + k_t |z|²/2 \[J\].

@@ -1,6 +1,6 @@
 //! How far the surfaces of a world overlap, wherever its tools and bodies are.
 
-use super::contact::WorldError;
+use super::contact::{Placed, WorldError};
 use super::motion::System;
 use super::scene::{Vector, WorldScene};
 use super::vector::{Rotation, Vec3};
@@ -30,10 +30,31 @@ impl Overlap {
     #[must_use]
     pub fn penetrations(&self, tools: &[Vector], bodies: &[(Vector, [f64; 4])]) -> Vec<f64> {
         let mut placed = self.system.start_places();
-        let (of_tools, of_bodies) = placed.split_at_mut(self.system.devices.len());
+        let of_tools = &mut placed[..self.system.devices.len()];
         for (placed, position) in of_tools.iter_mut().zip(tools) {
             placed.position = Vec3(*position);
         }
+        self.of_placed(placed, bodies)
+    }
+
+    /// The same for tools that turn too: a position and a unit quaternion of each.
+    #[must_use]
+    pub fn penetrations_of_poses(
+        &self,
+        tools: &[(Vector, [f64; 4])],
+        bodies: &[(Vector, [f64; 4])],
+    ) -> Vec<f64> {
+        let mut placed = self.system.start_places();
+        let devices = self.system.devices.len();
+        for (placed, (position, orientation)) in placed[..devices].iter_mut().zip(tools) {
+            placed.position = Vec3(*position);
+            placed.rotation = Rotation::of_quaternion(*orientation);
+        }
+        self.of_placed(placed, bodies)
+    }
+
+    fn of_placed(&self, mut placed: Vec<Placed>, bodies: &[(Vector, [f64; 4])]) -> Vec<f64> {
+        let of_bodies = &mut placed[self.system.devices.len()..];
         for (placed, (position, orientation)) in of_bodies.iter_mut().zip(bodies) {
             placed.position = Vec3(*position);
             placed.rotation = Rotation::of_quaternion(*orientation);

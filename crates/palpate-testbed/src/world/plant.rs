@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use super::contact::WorldError;
 use super::held_axis::HeldAxis;
+use super::held_turning::HeldTurning;
 use super::scene::{Vector, WorldScene};
 use crate::InvalidParameter;
 use crate::actuator::{Actuator, ActuatorParams};
@@ -45,7 +46,7 @@ impl PlantParams {
 /// [`hold`](Self::hold) it. Each axis moves exactly under the force that its actuator delivers.
 ///
 /// ```
-/// use palpate_testbed::world::{PlantParams, WorldDevice, WorldHand, WorldPlant, WorldScene};
+/// use palpate_testbed::world::{PlantParams, Tool, WorldDevice, WorldHand, WorldPlant, WorldScene};
 ///
 /// # fn main() -> Result<(), palpate_testbed::world::WorldError> {
 /// let device = WorldDevice {
@@ -53,7 +54,8 @@ impl PlantParams {
 ///     mass: [0.25; 3],
 ///     position: [0.0; 3],
 ///     velocity: [0.0; 3],
-///     tool_radius: 0.01,
+///     tool: Tool::sphere(0.01),
+///     turning: None,
 ///     hand: WorldHand::default(),
 ///     quantum: [2e-6; 3],
 /// };
@@ -74,8 +76,8 @@ pub struct WorldPlant {
     delay: (usize, f64),
     devices: Vec<PlantDevice>,
     /// Commands that do not act yet, and the one that does.
-    under_way: VecDeque<Vec<Vector>>,
-    acting: Vec<Vector>,
+    under_way: VecDeque<Vec<[Vector; 2]>>,
+    acting: Vec<[Vector; 2]>,
     samples: usize,
     durations: Vec<f64>,
 }
@@ -86,6 +88,8 @@ struct PlantDevice {
     actuators: [Actuator; 3],
     samplers: [Sampler; 3],
     impulses: Vec<Vector>,
+    turning: Option<HeldTurning>,
+    angular_impulses: Vec<Vector>,
 }
 
 impl WorldPlant {
@@ -115,9 +119,14 @@ impl WorldPlant {
                 actuators: [actuator; 3],
                 samplers: device.quantum.map(Sampler::Quantum),
                 impulses: Vec::new(),
+                turning: device
+                    .turning
+                    .as_ref()
+                    .map(|turning| HeldTurning::new(turning, params.actuator)),
+                angular_impulses: Vec::new(),
             });
         }
-        let none = vec![[0.0; 3]; devices.len()];
+        let none = vec![[[0.0; 3]; 2]; devices.len()];
         Ok(Self {
             params,
             delay,
@@ -159,6 +168,35 @@ impl WorldPlant {
         self.each(|device, axis| device.axes[axis].velocity())
     }
 
+    /// How the sensors say the tools are turned now: the rotation vector of each from the start, rounded to its
+    /// quantum, as a unit quaternion \[w, x, y, z\]; not turned for a device that does not turn.
+    #[must_use]
+    pub fn measure_orientations(&self) -> Vec<[f64; 4]> {
+        self.turned(HeldTurning::measured)
+    }
+
+    /// How the tools are turned now.
+    #[must_use]
+    pub fn orientations(&self) -> Vec<[f64; 4]> {
+        self.turned(HeldTurning::orientation)
+    }
+
+    fn turned(&self, of: impl Fn(&HeldTurning) -> [f64; 4]) -> Vec<[f64; 4]> {
+        let turnings = self.devices.iter().map(|device| device.turning.as_ref());
+        turnings
+            .map(|turning| turning.map_or([1.0, 0.0, 0.0, 0.0], &of))
+            .collect()
+    }
+
+    /// How fast the tools turn now, in world axes \[rad/s\].
+    #[must_use]
+    pub fn angular_velocities(&self) -> Vec<Vector> {
+        let turnings = self.devices.iter().map(|device| device.turning.as_ref());
+        turnings
+            .map(|turning| turning.map_or([0.0; 3], HeldTurning::angular_velocity))
+            .collect()
+    }
+
     fn each(&self, value: impl Fn(&PlantDevice, usize) -> f64) -> Vec<Vector> {
         self.devices
             .iter()
@@ -169,9 +207,16 @@ impl WorldPlant {
     /// Takes the force on each tool \[N\] computed from this sample, one for each device, and moves on to the next
     /// sample. What is missing counts as 0 N, what is too much is not looked at.
     pub fn hold(&mut self, forces: &[Vector]) {
-        let mut commands = forces.to_vec();
-        commands.resize(self.devices.len(), [0.0; 3]);
-        self.under_way.push_back(commands);
+        self.hold_wrenches(forces, &[]);
+    }
+
+    /// The same with a torque on each tool about its mass centre \[N m\], which a device that does not turn does not
+    /// take.
+    pub fn hold_wrenches(&mut self, forces: &[Vector], torques: &[Vector]) {
+        let of = |list: &[Vector], number: usize| list.get(number).copied().unwrap_or_default();
+        let devices = 0..self.devices.len();
+        let commands = devices.map(|number| [of(forces, number), of(torques, number)]);
+        self.under_way.push_back(commands.collect());
         let rest = self.delay.1;
         if rest > 0.0 {
             if self.samples == 0 {
@@ -189,11 +234,20 @@ impl WorldPlant {
         self.durations.push(0.0);
         for device in &mut self.devices {
             device.impulses.push([0.0; 3]);
+            device.angular_impulses.push([0.0; 3]);
         }
     }
 
     fn advance(&mut self, duration: f64) {
-        for (device, force) in self.devices.iter_mut().zip(&self.acting) {
+        for (device, [force, torque]) in self.devices.iter_mut().zip(&self.acting) {
+            if let Some(turning) = &mut device.turning
+                && let Some(angular_impulse) = device.angular_impulses.last_mut()
+            {
+                let delivered = turning.advance(*torque, duration);
+                for (sum, part) in angular_impulse.iter_mut().zip(delivered.0) {
+                    *sum += part;
+                }
+            }
             let Some(impulse) = device.impulses.last_mut() else {
                 continue;
             };
@@ -206,6 +260,16 @@ impl WorldPlant {
         }
         if let Some(last) = self.durations.last_mut() {
             *last += duration;
+        }
+    }
+
+    /// Forgets what was delivered up to now, but for the interval in progress: a loop without an end has no room for it.
+    pub fn forget_delivered(&mut self) {
+        let forgotten = self.durations.len().saturating_sub(1);
+        self.durations.drain(..forgotten);
+        for device in &mut self.devices {
+            device.impulses.drain(..forgotten);
+            device.angular_impulses.drain(..forgotten);
         }
     }
 
@@ -232,8 +296,21 @@ impl WorldPlant {
     /// There is no device of that number.
     #[must_use]
     pub fn delivered(&self, device: usize) -> Vec<Vector> {
-        self.devices[device]
-            .impulses
+        self.means(&self.devices[device].impulses)
+    }
+
+    /// Mean torque on the tool of a device \[N m\] likewise.
+    ///
+    /// # Panics
+    ///
+    /// There is no device of that number.
+    #[must_use]
+    pub fn delivered_torque(&self, device: usize) -> Vec<Vector> {
+        self.means(&self.devices[device].angular_impulses)
+    }
+
+    fn means(&self, impulses: &[Vector]) -> Vec<Vector> {
+        impulses
             .iter()
             .zip(&self.durations)
             .map(|(impulse, duration)| impulse.map(|j| j / duration))
@@ -273,7 +350,7 @@ fn whole_and_rest(params: &PlantParams) -> Result<(usize, f64), InvalidParameter
 mod tests {
     use super::*;
     use crate::hand::Sinusoid;
-    use crate::world::{WorldDevice, WorldHand, WorldIdeal};
+    use crate::world::{Tool, WorldDevice, WorldHand, WorldIdeal};
 
     fn scene() -> WorldScene {
         let sine = |amplitude, frequency_hz, phase| Sinusoid {
@@ -287,7 +364,8 @@ mod tests {
                 mass: [0.1, 0.16, 0.25],
                 position: [0.01, -0.02, 0.05],
                 velocity: [0.1, 0.0, -0.3],
-                tool_radius: 0.005,
+                tool: Tool::sphere(0.005),
+                turning: None,
                 hand: WorldHand {
                     force: [0.4, 0.0, -1.0],
                     stiffness: 60.0,
@@ -318,6 +396,34 @@ mod tests {
             }
             plant.hold(&[[0.0; 3]]);
         }
+    }
+
+    #[test]
+    fn what_is_forgotten_changes_nothing_of_what_comes() {
+        let actuated = PlantParams {
+            delay: 0.003,
+            actuator: ActuatorParams {
+                lag: 0.002,
+                gain: 0.9,
+            },
+            ..PlantParams::perfect(0.01)
+        };
+        let mut whole = WorldPlant::new(&scene(), actuated).unwrap();
+        let mut forgetful = whole.clone();
+        for sample in 0..20 {
+            let force = [[f64::from(sample) * 0.1, 0.5, -2.0]];
+            whole.hold(&force);
+            forgetful.hold(&force);
+            assert_eq!(whole.positions(), forgetful.positions());
+            assert_eq!(
+                whole.delivered(0).last(),
+                forgetful.delivered(0).last(),
+                "{sample}"
+            );
+            forgetful.forget_delivered();
+            assert_eq!(forgetful.delivered(0).len(), 1);
+        }
+        assert!(whole.delivered(0).len() > 20);
     }
 
     #[test]

@@ -3,7 +3,8 @@
 use super::contact::WorldError;
 use super::ideal::WorldIdeal;
 use super::scene::{
-    ContactLaw, Member, Motion, Pair, Shape, Vector, WorldBody, WorldDevice, WorldHand, WorldScene,
+    ContactLaw, Member, Motion, Pair, Shape, Tool, Vector, WorldBody, WorldDevice, WorldHand,
+    WorldScene,
 };
 use super::self_check::CheckedIdeal;
 use super::vector::Vec3;
@@ -190,7 +191,8 @@ fn draw(numbers: &mut Numbers, period: f64, hand_stiffness: f64) -> Drawn {
         mass: masses,
         position: parts.tool,
         velocity: [0.0; 3],
-        tool_radius,
+        tool: Tool::sphere(tool_radius),
+        turning: None,
         hand,
         quantum: [0.0; 3],
     };

@@ -11,6 +11,11 @@ pub struct DeviceProfile {
     pub squares: Vec<Vector>,
     /// Largest |f| in each interval \[N\].
     pub peaks: Vec<f64>,
+    /// ∫ τ dt over each interval of the torque about the tool's mass centre; empty for a device that does not turn
+    /// \[N m s\].
+    pub torque_impulses: Vec<Vector>,
+    /// ∫ τ² dt about each axis likewise \[N² m² s\].
+    pub torque_squares: Vec<Vector>,
 }
 
 /// One contact of a scene, from the time it begins to the time it ends.
@@ -49,6 +54,12 @@ pub struct DeviceState {
     pub force: Vector,
     /// Force of the hand on it \[N\].
     pub hand_force: Vector,
+    /// Unit quaternion \[w, x, y, z\]; not turned for a device that does not turn.
+    pub orientation: [f64; 4],
+    /// In world axes \[rad/s\].
+    pub angular_velocity: Vector,
+    /// Contact torque on its tool about the mass centre, in world axes \[N m\].
+    pub torque: Vector,
 }
 
 /// Where a body is.

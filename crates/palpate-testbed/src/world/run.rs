@@ -326,6 +326,15 @@ impl<'a> Run<'a> {
                 velocity: now.placed[number].velocity.0,
                 force: now.contact_force(number).0,
                 hand_force: hand_force(device, self.time, &now.placed[number]).0,
+                orientation: match device.turning {
+                    Some(_) => unit(quaternion(&self.state[system.layout.device(number) + 6..])),
+                    None => [1.0, 0.0, 0.0, 0.0],
+                },
+                angular_velocity: now.placed[number].turning.0,
+                torque: match device.turning {
+                    Some(_) => now.contact_torque(number).0,
+                    None => [0.0; 3],
+                },
             })
             .collect();
         let contacts = (0..system.contacts.len())
@@ -361,8 +370,7 @@ impl<'a> Run<'a> {
             .collect();
         for (number, place, _) in system.free_bodies() {
             let q = quaternion(&self.state[place + 6..]);
-            let length = q.iter().map(|part| part * part).sum::<f64>().sqrt();
-            bodies[number].orientation = q.map(|part| part / length);
+            bodies[number].orientation = unit(q);
             bodies[number].angular_momentum = Vec3::of(&self.state[place + 10..]).0;
         }
         bodies
@@ -394,4 +402,10 @@ impl<'a> Run<'a> {
                 .sum(),
         }
     }
+}
+
+/// The same rotation by a quaternion of length 1.
+fn unit(q: [f64; 4]) -> [f64; 4] {
+    let length = q.iter().map(|part| part * part).sum::<f64>().sqrt();
+    q.map(|part| part / length)
 }

@@ -1,5 +1,9 @@
 //! What is judged in: devices with their hands and tools, bodies, and the laws of their contacts.
 
+use std::sync::Arc;
+
+use super::mesh::TriangleMesh;
+use super::turning::Turning;
 use crate::InvalidParameter;
 use crate::error::{finite, positive};
 use crate::hand::Sinusoid;
@@ -7,7 +11,7 @@ use crate::hand::Sinusoid;
 /// Three numbers along the axes of the world's frame, for instance a position \[m\] or a force \[N\].
 pub type Vector = [f64; 3];
 
-/// A device in three axes, the hand that holds it, and the tool that it moves.
+/// A device in three axes or in six, the hand that holds it, and the tool that it moves.
 ///
 /// Along each axis m x″ = f + F − k (x − x_rest) − b x′ + Σ tremor, with the contact force f on the
 /// tool.
@@ -17,16 +21,44 @@ pub struct WorldDevice {
     pub name: String,
     /// Moved mass m along each axis, finite and above 0 \[kg\].
     pub mass: Vector,
-    /// Position of the tool's centre at t = 0 \[m\].
+    /// Position of the tool's centre, that of mass, at t = 0 \[m\].
     pub position: Vector,
     /// Velocity at t = 0 \[m/s\].
     pub velocity: Vector,
-    /// Radius of the tool, a sphere; 0 for a point \[m\].
-    pub tool_radius: f64,
+    /// The tool, about the centre of mass.
+    pub tool: Tool,
+    /// How a device of six axes turns; `None` for one of three, whose tool keeps the axes of the world.
+    pub turning: Option<Turning>,
     /// The hand.
     pub hand: WorldHand,
     /// Quantum of the position sensor along each axis, 0 for a perfect one \[m\].
     pub quantum: Vector,
+}
+
+/// The shape of a tool.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Tool {
+    /// A sphere, of radius 0 for a point; a box; or a capsule.
+    Solid(Shape),
+    /// Several spheres, each of which touches by the whole law of a pair.
+    Spheres(Vec<SphereAt>),
+}
+
+impl Tool {
+    /// A sphere of that radius \[m\], 0 for a point.
+    #[must_use]
+    pub fn sphere(radius: f64) -> Self {
+        Self::Solid(Shape::Sphere { radius })
+    }
+}
+
+/// A sphere of a tool that has several.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SphereAt {
+    /// Its centre in the tool's axes \[m\].
+    pub centre: Vector,
+    /// Its radius, 0 for a point \[m\].
+    pub radius: f64,
 }
 
 /// A hand in three axes: a force, a spring and a damper.
@@ -96,7 +128,7 @@ impl Motion {
 }
 
 /// The shape of a body.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
     /// All points within a radius, above 0 \[m\].
     Sphere {
@@ -129,16 +161,18 @@ pub enum Shape {
         /// Half of its length, above 0 \[m\].
         half_length: f64,
     },
+    /// A surface of triangles in the body's axes, for a fixed body.
+    Mesh(Arc<TriangleMesh>),
 }
 
 impl Shape {
     /// Moments of inertia \[kg m²\] about the centre along the body's axes, if `mass` \[kg\] fills it evenly;
-    /// infinite for a half-space, which has to be fixed.
+    /// infinite for a half-space and a mesh, which have to be fixed.
     #[must_use]
     pub fn inertia(&self, mass: f64) -> Vector {
         match *self {
             Self::Sphere { radius } => [0.4 * mass * radius * radius; 3],
-            Self::HalfSpace { .. } => [f64::INFINITY; 3],
+            Self::HalfSpace { .. } | Self::Mesh(_) => [f64::INFINITY; 3],
             Self::Box {
                 half_extents: [a, b, c],
             } => [b * b + c * c, a * a + c * c, a * a + b * b].map(|sum| mass * sum / 3.0),
@@ -263,30 +297,30 @@ impl WorldScene {
 }
 
 const NOT_NEGATIVE: &str = "finite and at least 0";
-const ABOVE_ZERO: &str = "finite and above 0";
+pub(super) const ABOVE_ZERO: &str = "finite and above 0";
 /// How far the length of a unit vector may be from 1.
 const LENGTH_TOLERANCE: f64 = 1e-6;
 
-fn all_finite(name: &str, values: &[f64]) -> Result<(), InvalidScene> {
+pub(super) fn all_finite(name: &str, values: &[f64]) -> Result<(), InvalidScene> {
     values
         .iter()
         .try_for_each(|value| finite(name.to_owned(), *value, "finite").map(|_| ()))
 }
 
-fn above_zero(name: &str, values: &[f64]) -> Result<(), InvalidScene> {
+pub(super) fn above_zero(name: &str, values: &[f64]) -> Result<(), InvalidScene> {
     values
         .iter()
         .try_for_each(|value| positive(name.to_owned(), *value, ABOVE_ZERO).map(|_| ()))
 }
 
-fn not_negative(name: &str, values: &[f64]) -> Result<(), InvalidScene> {
+pub(super) fn not_negative(name: &str, values: &[f64]) -> Result<(), InvalidScene> {
     values.iter().try_for_each(|&value| {
         let holds = value.is_finite() && value >= 0.0;
         InvalidParameter::unless(holds, name.to_owned(), value, NOT_NEGATIVE).map(|_| ())
     })
 }
 
-fn unit_length(name: &str, values: &[f64]) -> Result<(), InvalidScene> {
+pub(super) fn unit_length(name: &str, values: &[f64]) -> Result<(), InvalidScene> {
     let length = values.iter().map(|value| value * value).sum::<f64>().sqrt();
     let holds = (length - 1.0).abs() < LENGTH_TOLERANCE;
     InvalidParameter::unless(holds, name.to_owned(), length, "a vector of length 1").map(|_| ())
@@ -297,7 +331,30 @@ impl WorldDevice {
         above_zero(&format!("{name}.mass"), &self.mass)?;
         all_finite(&format!("{name}.position"), &self.position)?;
         all_finite(&format!("{name}.velocity"), &self.velocity)?;
-        not_negative(&format!("{name}.tool_radius"), &[self.tool_radius])?;
+        let tool = format!("{name}.tool");
+        match &self.tool {
+            Tool::Solid(Shape::Sphere { radius }) => not_negative(&tool, &[*radius])?,
+            Tool::Solid(Shape::Box { half_extents }) => above_zero(&tool, half_extents)?,
+            Tool::Solid(Shape::Capsule {
+                radius,
+                half_length,
+            }) => above_zero(&tool, &[*radius, *half_length])?,
+            Tool::Solid(_) => {
+                let allowed = "a sphere, a box, a capsule or several spheres";
+                InvalidParameter::unless(false, tool, f64::NAN, allowed)?;
+            }
+            Tool::Spheres(spheres) => {
+                let count = spheres.len() as f64;
+                InvalidParameter::unless(count > 0.0, tool.clone(), count, "at least one sphere")?;
+                for sphere in spheres {
+                    all_finite(&tool, &sphere.centre)?;
+                    not_negative(&tool, &[sphere.radius])?;
+                }
+            }
+        }
+        if let Some(turning) = &self.turning {
+            turning.check(&format!("{name}.turning"))?;
+        }
         not_negative(&format!("{name}.quantum"), &self.quantum)?;
         let hand = &self.hand;
         all_finite(&format!("{name}.hand.force"), &hand.force)?;
@@ -318,6 +375,7 @@ impl WorldBody {
         let shape = format!("{name}.shape");
         match self.shape {
             Shape::Sphere { radius } => above_zero(&shape, &[radius])?,
+            Shape::Mesh(_) => {}
             Shape::HalfSpace { normal, offset } => {
                 unit_length(&shape, &normal)?;
                 all_finite(&shape, &[offset])?;
@@ -338,10 +396,10 @@ impl WorldBody {
             return Ok(());
         };
         InvalidParameter::unless(
-            !matches!(self.shape, Shape::HalfSpace { .. }),
+            !matches!(self.shape, Shape::HalfSpace { .. } | Shape::Mesh(_)),
             format!("{name}.motion"),
             motion.mass,
-            "none, for a half-space is fixed",
+            "none, for a half-space or a mesh is fixed",
         )?;
         above_zero(&format!("{name}.motion.mass"), &[motion.mass])?;
         above_zero(&format!("{name}.motion.inertia"), &motion.inertia)?;

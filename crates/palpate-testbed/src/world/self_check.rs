@@ -75,6 +75,14 @@ fn errors(scene: &WorldScene, ideal: &WorldIdeal, other: &WorldIdeal) -> Vec<f64
                     apart += mobility * difference * difference / duration;
                     of_ideal += mobility * one.squares[interval][axis];
                 }
+                let Some(turning) = &device.turning else {
+                    continue;
+                };
+                for (axis, mobility) in turning.mobility().into_iter().enumerate() {
+                    let impulses = [one, two].map(|it| it.torque_impulses[interval][axis]);
+                    apart += mobility * (impulses[0] - impulses[1]).powi(2) / duration;
+                    of_ideal += mobility * one.torque_squares[interval][axis];
+                }
             }
             if apart == 0.0 {
                 0.0

@@ -5,6 +5,7 @@
 //! of each contact over a step and locates the instant at which another one comes nearer, so no step crosses
 //! a kink.
 
+use super::mesh::OnMesh;
 use super::scene::Shape;
 use super::vector::Vec3;
 
@@ -24,6 +25,8 @@ pub(super) enum Feature {
     Cap(i8),
     /// The edge between the round side and a flat end.
     Rim(i8),
+    /// Parts of a mesh.
+    OnMesh(OnMesh),
 }
 
 /// How a surface lies with respect to a point, in the body's axes.
@@ -85,8 +88,8 @@ impl Nearest {
 
 /// The nearest point on `feature` of `shape` to a `point` in the body's axes; a half-space is not asked here.
 pub(super) fn nearest(shape: &Shape, feature: Feature, point: Vec3) -> Nearest {
-    match (*shape, feature) {
-        (Shape::Box { half_extents }, Feature::Signs(signs)) => {
+    match (shape, feature) {
+        (&Shape::Box { half_extents }, Feature::Signs(signs)) => {
             let mut beyond = Vec3::ZERO;
             for i in 0..3 {
                 if signs[i] != 0 {
@@ -108,7 +111,7 @@ pub(super) fn nearest(shape: &Shape, feature: Feature, point: Vec3) -> Nearest {
             }
         }
         (
-            Shape::Capsule {
+            &Shape::Capsule {
                 radius,
                 half_length,
             },
@@ -124,13 +127,13 @@ pub(super) fn nearest(shape: &Shape, feature: Feature, point: Vec3) -> Nearest {
             }
         }
         (
-            Shape::Cylinder {
+            &Shape::Cylinder {
                 radius,
                 half_length,
             },
             feature,
         ) => on_cylinder(radius, half_length, feature, point),
-        (Shape::Sphere { radius }, _) => round(point, radius, Z, Curvature::Point),
+        (&Shape::Sphere { radius }, _) => round(point, radius, Z, Curvature::Point),
         _ => unreachable!("features of a shape are made by `feature`"),
     }
 }
@@ -180,6 +183,8 @@ fn on_cylinder(radius: f64, half_length: f64, feature: Feature, point: Vec3) -> 
 pub(super) fn feature(shape: &Shape, point: Vec3) -> Feature {
     match *shape {
         Shape::Sphere { .. } | Shape::HalfSpace { .. } => Feature::Whole,
+        // Which parts push depends on those that did: `System` asks the mesh itself.
+        Shape::Mesh(_) => Feature::OnMesh(OnMesh::Nothing),
         Shape::Box { half_extents } => {
             let sign = |value: f64| if value < 0.0 { -1 } else { 1 };
             let mut signs = [0_i8; 3];
@@ -227,7 +232,7 @@ pub(super) fn feature(shape: &Shape, point: Vec3) -> Feature {
 /// more than about `slack` \[m\].
 pub(super) fn holds(shape: &Shape, current: Feature, point: Vec3, slack: f64) -> bool {
     let found = feature(shape, point);
-    if found == current {
+    if found == current || matches!(current, Feature::OnMesh(_)) {
         return true;
     }
     // Another feature takes over where the point, moved by the slack, is still in its region.
@@ -337,7 +342,7 @@ mod tests {
 
     #[test]
     fn a_feature_holds_a_little_beyond_its_region() {
-        let shape = shapes()[1];
+        let shape = shapes()[1].clone();
         let face = feature(&shape, Vec3([0.31, 0.0, 0.0]));
         assert_eq!(face, Feature::Signs([1, 0, 0]));
         assert!(holds(&shape, face, Vec3([0.31, 0.2 + 5e-10, 0.0]), 1e-9));

@@ -3,7 +3,7 @@
 //! A half kick, a drift with return mapping of the bristle, a half kick: of low order, and written for spheres and
 //! one floor only. Its error goes to 0 with its step, so what it tends to is what the ideal has to be.
 
-use palpate_testbed::world::{ContactLaw, Member, Shape, Vector, WorldScene};
+use palpate_testbed::world::{ContactLaw, Member, Shape, Tool, Vector, WorldScene};
 
 use crate::{body, device, half_space, motion, pair, solve};
 
@@ -19,7 +19,7 @@ const DURATION: f64 = 0.12;
 /// A tool drops on a ball beside its middle; the ball turns, rolls and slips on the floor.
 fn scene() -> WorldScene {
     let mut tool = device(0.2, [-0.008, 0.004, 0.052]);
-    tool.tool_radius = RADIUS[0];
+    tool.tool = Tool::sphere(RADIUS[0]);
     tool.mass = [0.1, 0.16, 0.25];
     tool.velocity = [0.2, 0.05, -0.3];
     tool.hand.force = [0.3, 0.1, -1.0];

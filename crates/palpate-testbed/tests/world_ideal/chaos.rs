@@ -1,7 +1,9 @@
 //! Scenes that the ideal can and cannot predict.
 
 use palpate_testbed::grid::Grid;
-use palpate_testbed::world::{CheckedIdeal, ContactLaw, LARGEST_ERROR, Member, Shape, WorldScene};
+use palpate_testbed::world::{
+    CheckedIdeal, ContactLaw, LARGEST_ERROR, Member, Shape, Tool, WorldScene,
+};
 
 use crate::{body, device, motion, pair};
 
@@ -19,7 +21,7 @@ fn billiard(damping: f64) -> WorldScene {
         .collect();
     let mut tool = device(0.05, [0.001, 0.002, 0.0]);
     tool.velocity = [1.0, 0.3, 0.0];
-    tool.tool_radius = 0.003;
+    tool.tool = Tool::sphere(0.003);
     WorldScene {
         pairs: (0..3)
             .map(|ball| pair(Member::Device(0), Member::Body(ball), law))

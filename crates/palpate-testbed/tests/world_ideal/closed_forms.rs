@@ -98,7 +98,7 @@ fn a_free_top_precesses_about_its_angular_momentum() {
         radius: 0.03,
         half_length: 0.01,
     };
-    let mut top = body(shape, 0.2, [0.0; 3]);
+    let mut top = body(shape.clone(), 0.2, [0.0; 3]);
     let turning = [2.0, 0.0, 30.0];
     motion(&mut top).angular_velocity = turning;
     let inertia = shape.inertia(0.2);

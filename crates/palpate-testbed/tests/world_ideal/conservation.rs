@@ -1,6 +1,6 @@
 //! What must not change: energy, momentum and angular momentum.
 
-use palpate_testbed::world::{ContactLaw, Member, Shape, WorldIdeal, WorldScene, WorldState};
+use palpate_testbed::world::{ContactLaw, Member, Shape, Tool, WorldIdeal, WorldScene, WorldState};
 
 use crate::{body, device, half_space, motion, pair, solve};
 
@@ -77,7 +77,7 @@ fn bodies_that_collide_keep_energy_momentum_and_angular_momentum() {
         ("both", spring.rough(0.4, 2000.0).damped(1.0)),
     ] {
         for shape in shapes() {
-            let scene = crash(shape, law);
+            let scene = crash(shape.clone(), law);
             let ideal = solve(&scene, 0.005, 60);
             let (first, last) = (&ideal.states[0], ideal.states.last().unwrap());
             let before = momenta(&scene, first);
@@ -121,7 +121,7 @@ fn bodies_that_collide_keep_energy_momentum_and_angular_momentum() {
 #[test]
 fn the_hand_pays_for_what_a_push_takes() {
     let mut tool = device(0.2, [-0.05, 0.003, 0.03]);
-    tool.tool_radius = 0.01;
+    tool.tool = Tool::sphere(0.01);
     tool.mass = [0.1, 0.16, 0.25];
     tool.hand.force = [1.5, 0.0, -0.1];
     tool.hand.stiffness = 60.0;

@@ -11,8 +11,8 @@ mod refused;
 
 use palpate_testbed::grid::Grid;
 use palpate_testbed::world::{
-    ContactLaw, Member, Motion, Pair, Shape, Vector, WorldBody, WorldDevice, WorldHand, WorldIdeal,
-    WorldScene,
+    ContactLaw, Member, Motion, Pair, Shape, Tool, Vector, WorldBody, WorldDevice, WorldHand,
+    WorldIdeal, WorldScene,
 };
 
 const NOT_TURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
@@ -24,7 +24,8 @@ fn device(mass: f64, position: Vector) -> WorldDevice {
         mass: [mass; 3],
         position,
         velocity: [0.0; 3],
-        tool_radius: 0.0,
+        tool: Tool::sphere(0.0),
+        turning: None,
         hand: WorldHand::default(),
         quantum: [0.0; 3],
     }
@@ -44,7 +45,7 @@ fn half_space(normal: Vector, offset: f64) -> WorldBody {
 fn body(shape: Shape, mass: f64, position: Vector) -> WorldBody {
     WorldBody {
         name: "body".into(),
-        shape,
+        shape: shape.clone(),
         position,
         orientation: NOT_TURNED,
         motion: Some(Motion::of(&shape, mass)),

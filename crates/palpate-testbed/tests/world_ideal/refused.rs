@@ -1,7 +1,7 @@
 //! What has no ideal, and how that is said.
 
 use palpate_testbed::grid::Grid;
-use palpate_testbed::world::{ContactLaw, Member, Shape, WorldIdeal, WorldScene};
+use palpate_testbed::world::{ContactLaw, Member, Shape, Tool, WorldIdeal, WorldScene};
 
 use crate::{body, device, half_space, pair};
 
@@ -42,7 +42,6 @@ fn pairs_without_a_contact_are_named() {
             Body(1),
             "no contact between the box \"body\" and the box \"body\"",
         ),
-        (Body(3), Body(2), "the half-space \"plane\""),
         (Body(2), Body(0), "the capsule \"body\""),
         (Device(0), Device(1), "both tools"),
         (Device(0), Device(0), "cannot touch itself"),
@@ -66,8 +65,8 @@ fn parameters_outside_their_range_are_named() {
     let changes: [(Change, &str); 9] = [
         (|s| s.devices[1].mass[2] = 0.0, "devices[1].mass = 0"),
         (
-            |s| s.devices[0].tool_radius = -1.0,
-            "devices[0].tool_radius = -1",
+            |s| s.devices[0].tool = Tool::sphere(-1.0),
+            "devices[0].tool = -1",
         ),
         (
             |s| s.devices[0].hand.damping = f64::NAN,

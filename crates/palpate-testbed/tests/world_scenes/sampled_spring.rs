@@ -5,7 +5,7 @@
 
 use palpate_testbed::world::random_worlds::{RandomWorld, WorldKind, random_worlds};
 use palpate_testbed::world::{
-    Member, PlantParams, Shape, Vector, WorldJudgement, WorldPlant, WorldScene,
+    Member, PlantParams, Shape, Tool, Vector, WorldJudgement, WorldPlant, WorldScene,
 };
 
 const PERIOD: f64 = 0.001;
@@ -33,7 +33,10 @@ struct Balls<'a> {
 
 impl<'a> Balls<'a> {
     fn new(scene: &'a WorldScene) -> Self {
-        let mut radii = vec![scene.devices[0].tool_radius];
+        let mut radii = vec![match scene.devices[0].tool {
+            Tool::Solid(Shape::Sphere { radius }) => radius,
+            _ => panic!("a sphere"),
+        }];
         let mut places = vec![scene.devices[0].position];
         for body in &scene.bodies {
             radii.push(match body.shape {

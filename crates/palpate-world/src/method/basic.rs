@@ -3,8 +3,9 @@
 use super::one_per_tool;
 use crate::interval::advance;
 use crate::part::Drive;
-use crate::rigid::Vector3;
-use crate::state::{Progress, show_contacts};
+use crate::rigid::{Rotation, Vector3};
+use crate::state::{Progress, quaternion, show_contacts};
+use crate::turning::TurningDrive;
 use crate::{Effort, Place, Vector, WorldError, WorldRenderer};
 
 /// Parameters of basic rendering.
@@ -16,26 +17,31 @@ pub struct BasicParams {
     /// Virtual damper of each tool, at least 0 `[N s/m]`: while the tool touches something, its force is less by this
     /// times the velocity of the device's last step. Empty: none.
     pub damping: Vec<f64>,
+    /// Virtual damper of each tool's turning, at least 0 `[N m s/rad]`: its torque is likewise less by this times the
+    /// angular velocity of the device's last step. Empty: none.
+    pub rotational_damping: Vec<f64>,
 }
 
 impl BasicParams {
     pub(super) fn check(self, tools: usize) -> Result<Basic, Vec<WorldError>> {
         let mut faults = Vec::new();
-        faults.extend(one_per_tool("damping", self.damping.len(), tools).err());
-        for damping in &self.damping {
-            if !(*damping >= 0.0 && damping.is_finite()) {
-                let message = format!("damping is {damping}, and has to be at least 0");
-                faults.push(WorldError::new(
-                    Place::Method,
-                    "damping",
-                    "the method",
-                    message,
-                ));
+        let lists = [
+            ("damping", &self.damping),
+            ("rotational_damping", &self.rotational_damping),
+        ];
+        for (field, list) in lists {
+            faults.extend(one_per_tool(field, list.len(), tools).err());
+            for damping in list {
+                if !(*damping >= 0.0 && damping.is_finite()) {
+                    let message = format!("{field} is {damping}, and has to be at least 0");
+                    faults.push(WorldError::new(Place::Method, field, "the method", message));
+                }
             }
         }
         if faults.is_empty() {
             Ok(Basic {
                 damping: self.damping,
+                rotational_damping: self.rotational_damping,
             })
         } else {
             Err(faults)
@@ -47,17 +53,21 @@ impl BasicParams {
 #[derive(Clone, Debug)]
 pub(crate) struct Basic {
     damping: Vec<f64>,
+    rotational_damping: Vec<f64>,
 }
 
 impl Basic {
     pub fn begin(renderer: &WorldRenderer, state: &mut Progress, positions: &[Vector]) {
-        for (part, position) in state
+        let turned = &state.tracking.seen_turn;
+        for (part, (position, turned)) in state
             .now
             .parts
             .iter_mut()
-            .zip(positions)
+            .zip(positions.iter().zip(turned))
             .take(renderer.tools)
         {
+            part.rigid.orientation = *turned;
+            part.turning_drive = TurningDrive::none();
             part.rigid.position = Vector3::from(*position);
             part.rigid.velocity = Vector3::zeros();
             part.drive = Drive::constant(Vector3::zeros());
@@ -78,12 +88,19 @@ impl Basic {
             .iter()
             .zip(state.now.touches.iter().zip(&mut state.books.contacts))
         {
-            if point.first < renderer.tools {
-                let way = Vector3::from(positions[point.first])
-                    - state.now.parts[point.first].rigid.position;
-                let work = touch.force.dot(&way);
+            if let Some(tool) = point.tool(renderer.tools)
+                && let Some(sign) = point.sign_on(tool)
+            {
+                let part = &state.now.parts[tool];
+                let way = Vector3::from(positions[tool]) - part.rigid.position;
+                let mut work = touch.force.dot(&way) * sign;
+                if part.feels_torque {
+                    let by = step(&state.tracking.seen_turn[tool], &part.rigid.orientation);
+                    let arm = touch.place - part.rigid.position;
+                    work += arm.cross(&touch.force).dot(&by) * sign;
+                }
                 book.held += work;
-                state.books.devices[point.first].held += work;
+                state.books.devices[tool].held += work;
             }
         }
         state.now.begin();
@@ -94,23 +111,39 @@ impl Basic {
         // The tools are where their devices are now, and what that does to the contacts is their work.
         for (tool, position) in positions.iter().enumerate().take(renderer.tools) {
             let held = state.commands.passed(tool).sent;
+            let torque = state.torque_commands.passed_or_none(tool);
+            let turned = state.tracking.seen_turn[tool];
             let part = &mut state.now.parts[tool];
             let way = Vector3::from(*position) - part.rigid.position;
+            let turn = turned * part.rigid.orientation.inverse();
+            let by = step(&turned, &part.rigid.orientation);
+            let before = part.rigid.position;
             part.rigid.position += way;
+            part.rigid.orientation = turned;
+            part.rigid.spin = Vector3::zeros();
             part.drive.apparent_velocity = way / elapsed;
+            part.turning_drive.apparent_turning = by / elapsed;
+            let feels_torque = part.feels_torque;
             for (point, touch) in points.iter().zip(&mut state.now.touches) {
-                if point.first == tool && !touch.is_apart() {
-                    touch.slid = way - touch.normal * touch.normal.dot(&way);
+                if let Some(sign) = point.sign_on(tool)
+                    && !touch.is_apart()
+                {
+                    let mut way = way;
+                    if feels_torque {
+                        let arm = touch.place - before;
+                        way += turn * arm - arm;
+                    }
+                    touch.slid += (way - touch.normal * touch.normal.dot(&way)) * sign;
                 }
             }
             let book = &mut state.books.devices[tool];
-            book.port_work += held.dot(&way);
+            book.port_work += held.dot(&way) + torque.dot(&by);
             book.unforeseen = book.port_work - book.held;
         }
         state.now.begin();
         state.now.look(points);
         for (number, (book, point)) in state.books.contacts.iter_mut().zip(points).enumerate() {
-            if point.first < renderer.tools {
+            if point.tool(renderer.tools).is_some() {
                 let stored = state.now.stored(number, point);
                 let dissipated = state.now.touches[number].past.dissipated;
                 let work = book.stored - stored - dissipated;
@@ -126,19 +159,28 @@ impl Basic {
     pub fn plan(&self, renderer: &WorldRenderer, state: &mut Progress) -> Effort {
         show_contacts(&mut state.contacts, &state.now);
         for (tool, intended) in state.intended.iter_mut().enumerate() {
-            let mut force = Vector3::zeros();
+            let (mut force, mut torque) = (Vector3::zeros(), Vector3::zeros());
             let mut touches = false;
+            let part = &state.now.parts[tool];
             for (point, touch) in renderer.points.iter().zip(&state.now.touches) {
-                if point.first == tool && !touch.is_apart() {
-                    force += touch.force;
+                if let Some(sign) = point.sign_on(tool)
+                    && !touch.is_apart()
+                {
+                    let on_tool = touch.force * sign;
+                    force += on_tool;
+                    torque += (touch.place - part.rigid.position).cross(&on_tool);
                     touches = true;
                 }
             }
             if touches {
-                let damping = self.damping.get(tool).copied().unwrap_or_default();
-                force -= state.now.parts[tool].drive.apparent_velocity * damping;
+                let of = |list: &[f64]| list.get(tool).copied().unwrap_or_default();
+                force -= part.drive.apparent_velocity * of(&self.damping);
+                torque -= part.turning_drive.apparent_turning * of(&self.rotational_damping);
             }
             *intended = state.commands.for_force(&force);
+            if part.feels_torque {
+                state.intended_torques[tool] = state.torque_commands.for_force(&torque);
+            }
         }
         Effort::default()
     }
@@ -150,6 +192,14 @@ impl Basic {
             tool.avatar_position = tool.position;
             tool.velocity = part.drive.apparent_velocity.into();
             tool.avatar_velocity = tool.velocity;
+            tool.orientation = quaternion(&part.rigid.orientation);
+            tool.avatar_orientation = tool.orientation;
+            tool.angular_velocity = part.turning_drive.apparent_turning.into();
         }
     }
+}
+
+/// Rotation vector from an orientation to another, along the world's axes `[rad]`.
+fn step(to: &Rotation, from: &Rotation) -> Vector3 {
+    (to * from.inverse()).scaled_axis()
 }

@@ -1,21 +1,27 @@
 //! Coupled rendering: devices and world are predicted together, and the mean of the contact force is held.
 
+use super::coupled_turning::Turning;
 use crate::commands::Acting;
 use crate::interval::advance;
 use crate::moving::Moving;
 use crate::observer::{AxisForce, AxisMotion, AxisObserver, AxisPrior};
 use crate::part::Drive;
-use crate::rigid::{Rigid, Vector3};
-use crate::state::{Progress, show_contacts};
+use crate::rigid::{Rigid, Rotation, Vector3};
+use crate::state::{Progress, quaternion, show_contacts};
+use crate::turning_observer::TurningPrior;
 use crate::{Effort, Limited, Vector, WorldRenderer};
 
 /// Coupled rendering, with checked parameters.
 #[derive(Clone, Debug)]
 pub(crate) struct Coupled {
-    pub(super) priors: Vec<[AxisPrior; 3]>,
-    pub(super) offset_limit: f64,
-    pub(super) offset_return: f64,
-    pub(super) velocity_return: f64,
+    pub(crate) priors: Vec<[AxisPrior; 3]>,
+    /// Of each tool that turns.
+    pub(super) turning_priors: Vec<Option<TurningPrior>>,
+    pub(super) turn_limit: f64,
+    pub(super) turn_return: f64,
+    pub(crate) offset_limit: f64,
+    pub(crate) offset_return: f64,
+    pub(crate) velocity_return: f64,
 }
 
 /// What coupled rendering remembers.
@@ -33,6 +39,8 @@ pub(crate) struct Device {
     measured: Vector3,
     observers: [AxisObserver; 3],
     avatar: Avatar,
+    /// Of a tool that turns, with what was told of it.
+    turning: Option<(Turning, TurningPrior)>,
     /// The device as it is predicted: room.
     ahead: Axes,
     /// Whether something touched it in the interval that has ended.
@@ -101,12 +109,13 @@ impl Axes {
 }
 
 impl Device {
-    fn new(priors: &[AxisPrior; 3]) -> Self {
+    fn new(priors: &[AxisPrior; 3], turning: Option<&TurningPrior>, measured: Rotation) -> Self {
         let observers = priors.each_ref().map(AxisObserver::new);
         Self {
             measured: Vector3::zeros(),
             observers,
             avatar: Avatar::none(),
+            turning: turning.map(|prior| (Turning::new(prior, measured), *prior)),
             ahead: Axes(observers.each_ref().map(|observer| observer.motion)),
             touched: false,
         }
@@ -137,7 +146,7 @@ fn against(avatar: &Rigid, measured: &Vector3, device: &Axes) -> Avatar {
 impl CoupledMemory {
     pub fn new(coupled: &Coupled, period: f64) -> Self {
         Self {
-            devices: coupled.priors.iter().map(Device::new).collect(),
+            devices: coupled.devices().collect(),
             periods: [period; 3],
         }
     }
@@ -150,6 +159,12 @@ impl CoupledMemory {
 }
 
 impl Coupled {
+    /// What is known of the devices before the first sample.
+    fn devices(&self) -> impl Iterator<Item = Device> {
+        let priors = self.priors.iter().zip(&self.turning_priors);
+        priors.map(|(axes, turning)| Device::new(axes, turning.as_ref(), Rotation::identity()))
+    }
+
     pub fn begin(
         &self,
         renderer: &WorldRenderer,
@@ -160,12 +175,16 @@ impl Coupled {
         memory.periods = [renderer.in_loop.period; 3];
         let devices = memory.devices.iter_mut().zip(&self.priors).zip(positions);
         for (tool, ((device, priors), position)) in devices.enumerate() {
+            let turned = state.tracking.seen_turn[tool];
             *device = Device {
                 measured: Vector3::from(*position),
-                ..Device::new(priors)
+                ..Device::new(priors, self.turning_priors[tool].as_ref(), turned)
             };
             let (axes, avatar) = (device.axes(), device.avatar);
             place(&mut state.now, tool, &device.measured, &axes, &avatar);
+            if let Some((turning, prior)) = &device.turning {
+                turning.place(&mut state.now.parts[tool], prior);
+            }
         }
         state.now.look(&renderer.points);
         state.books.observe(&state.now, &renderer.points);
@@ -201,6 +220,11 @@ impl Coupled {
                 &device.ahead,
                 &device.avatar,
             );
+            if let Some((turning, prior)) = &mut device.turning {
+                let acted = state.torque_commands.passed(tool);
+                turning.see(prior, &state.tracking.seen_turn[tool], &acted, elapsed);
+                turning.place(&mut state.now.parts[tool], prior);
+            }
         }
         // The interval anew, from where it began, with what the sample tells of it.
         state.now.look(points);
@@ -211,7 +235,11 @@ impl Coupled {
         state.books.pass(&state.now, points, tools);
         for (tool, device) in memory.devices.iter_mut().enumerate() {
             let acted = state.commands.passed(tool);
-            let (impulse, touched) = impulse_on(&state.now, renderer, tool);
+            let Impulse {
+                linear: impulse,
+                angular: angular_impulse,
+                touched,
+            } = impulse_on(&state.now, renderer, tool);
             let start = device.ahead;
             // What a limit took from a force is not owed to anybody: the avatar goes where the whole force would have
             // brought the device.
@@ -221,19 +249,37 @@ impl Coupled {
 
             let way = end.of(|axis| axis.offset) - start.of(|axis| axis.offset);
             let mean = impulse / elapsed;
+            let mean_torque = angular_impulse / elapsed;
+            let turned = device.turning.as_mut().map(|(turning, prior)| {
+                let acted = state.torque_commands.passed(tool);
+                let measured = state.tracking.seen_turn[tool];
+                let by = (measured * turning.measured.inverse()).scaled_axis();
+                let work = turning.conclude(prior, part, &acted, &measured, elapsed);
+                (work, acted, by)
+            });
+            let path = turned
+                .as_ref()
+                .map_or(Vector3::zeros(), |(work, ..)| work.path);
             let book = &mut state.books.devices[tool];
             for (point, (touch, contact)) in points
                 .iter()
                 .zip(state.now.touches.iter().zip(&mut state.books.contacts))
             {
-                if point.first == tool {
-                    let held = touch.past.impulse.dot(&way) / elapsed;
+                if let Some(sign) = point.sign_on(tool) {
+                    let impulse = touch.past.impulse.dot(&way) * sign;
+                    let held = (impulse + touch.past.angular_impulse.dot(&path)) / elapsed;
                     contact.held += held;
                     book.held += held;
                 }
             }
             let moved = Vector3::from(positions[tool]) - device.measured;
             book.port_work += acted.sent.dot(&moved);
+            if let Some((work, acted, by)) = &turned {
+                book.port_work += acted.sent.dot(by);
+                book.offset += part.turning_error - work.by_hand;
+                book.velocity_offset += work.gained_more;
+                book.unpaid += (mean_torque - acted.intended).dot(&work.path);
+            }
             book.unforeseen = book.port_work - book.held;
             let [before, after] = [&device.avatar, &avatar].map(|avatar| avatar.velocity_offset);
             let kinetic = |device: &Axes, w: &Vector3| {
@@ -251,16 +297,27 @@ impl Coupled {
             device.measured = Vector3::from(positions[tool]);
             device.touched = touched;
             // What was owed to the device may still be on its way.
-            if !touched && !state.commands.is_expected(tool) {
+            let is_expected =
+                state.commands.is_expected(tool) || state.torque_commands.is_expected(tool);
+            if !touched && !is_expected {
                 let external = start.of(|axis| axis.external);
                 let back = self.walk_back(device, elapsed);
                 let book = &mut state.books.devices[tool];
                 book.walked_back += start.weighted(|axis| external[axis] * back[axis]);
+                if let Some((turning, _)) = &mut device.turning {
+                    let kept = 1.0 - (elapsed / self.velocity_return).min(1.0);
+                    let torque = turning.now().external / turning.now().mobility;
+                    let back = turning.walk_back(self.turn_return * elapsed, kept);
+                    book.walked_back += torque.dot(&back);
+                }
             }
             let norm = device.avatar.offset.norm();
             if norm > self.offset_limit {
                 device.avatar.offset *= self.offset_limit / norm;
                 limited.offset = true;
+            }
+            if let Some((turning, _)) = &mut device.turning {
+                limited.offset |= turning.limit_offset(self.turn_limit);
             }
         }
         effort
@@ -293,6 +350,7 @@ impl Coupled {
         let points = &renderer.points;
         let period = memory.likely_period();
         let pieces = state.commands.look_ahead(period);
+        state.torque_commands.look_ahead(period);
         let mut effort = Effort::default();
         state.ahead.copy_from(&state.now);
         for (tool, device) in memory.devices.iter_mut().enumerate() {
@@ -304,6 +362,10 @@ impl Coupled {
                 &device.ahead,
                 &device.avatar,
             );
+            if let Some((turning, prior)) = &mut device.turning {
+                turning.ahead = *turning.now();
+                turning.place(&mut state.ahead.parts[tool], prior);
+            }
         }
         state.ahead.look(points);
         show_contacts(&mut state.contacts, &state.ahead);
@@ -325,6 +387,11 @@ impl Coupled {
                     .ahead
                     .under(&state.commands.coming(tool, piece), duration);
                 state.ahead.parts[tool].drive = device.ahead.drive();
+                if let Some((turning, prior)) = &mut device.turning {
+                    let coming = state.torque_commands.coming(tool, piece);
+                    turning.go_on(prior, &coming, duration);
+                    turning.drive(&mut state.ahead.parts[tool]);
+                }
             }
         }
         state.ahead.begin();
@@ -332,7 +399,23 @@ impl Coupled {
         effort = effort.and(passed);
         for (tool, (device, intended)) in memory.devices.iter().zip(&mut state.intended).enumerate()
         {
-            let (impulse, touched) = impulse_on(&state.ahead, renderer, tool);
+            let Impulse {
+                linear: impulse,
+                angular,
+                touched,
+            } = impulse_on(&state.ahead, renderer, tool);
+            if let Some((turning, _)) = &device.turning {
+                let mut mean = Vector3::zeros();
+                if touched {
+                    mean = (angular + turning.owed(&state.ahead, tool)) / period;
+                }
+                let torque = state.torque_commands.command(tool, &mean, period);
+                state.intended_torques[tool] = if touched || torque.norm() > LEAST_TORQUE {
+                    torque
+                } else {
+                    Vector3::zeros()
+                };
+            }
             if !touched {
                 // What a lag still carries is taken back, as far as it can be felt.
                 let force = state.commands.command(tool, &Vector3::zeros(), period);
@@ -360,19 +443,35 @@ impl Coupled {
 }
 
 /// Forces below this are none, where nothing touches a tool `[N]`.
-const LEAST_FORCE: f64 = 1e-6;
+pub(crate) const LEAST_FORCE: f64 = 1e-6;
 
-/// Impulse of the contacts on a tool over the interval `[N s]`, and whether anything touched it.
-fn impulse_on(moving: &Moving, renderer: &WorldRenderer, tool: usize) -> (Vector3, bool) {
-    let mut sum = Vector3::zeros();
-    let mut touched = false;
+/// Torques below this are none, where nothing touches a tool `[N m]`.
+const LEAST_TORQUE: f64 = 1e-8;
+
+/// What the contacts have done to a tool over an interval.
+struct Impulse {
+    /// `[N s]`
+    linear: Vector3,
+    /// About its mass centre; of a tool that turns `[N m s]`.
+    angular: Vector3,
+    /// Whether anything touched it.
+    touched: bool,
+}
+
+fn impulse_on(moving: &Moving, renderer: &WorldRenderer, tool: usize) -> Impulse {
+    let mut sum = Impulse {
+        linear: Vector3::zeros(),
+        angular: Vector3::zeros(),
+        touched: false,
+    };
     for (point, touch) in renderer.points.iter().zip(&moving.touches) {
-        if point.first == tool {
-            sum += touch.past.impulse;
-            touched |= !touch.is_apart() || touch.past.impulse != Vector3::zeros();
+        if let Some(sign) = point.sign_on(tool) {
+            sum.linear += touch.past.impulse * sign;
+            sum.angular += touch.past.angular_impulse;
+            sum.touched |= !touch.is_apart() || touch.past.impulse != Vector3::zeros();
         }
     }
-    (sum, touched)
+    sum
 }
 
 impl CoupledMemory {
@@ -393,6 +492,16 @@ impl CoupledMemory {
             tool.avatar_position = (position + offset).into();
             tool.avatar_velocity = (velocity + velocity_offset).into();
             tool.mass = Some(axes.of(|axis| 1.0 / axis.mobility).into());
+            if let Some((turning, prior)) = &device.turning {
+                let motion = turning.now();
+                let avatar = turning.avatar();
+                tool.orientation = quaternion(&motion.orientation);
+                tool.angular_velocity = motion.turning(&prior.moments).into();
+                tool.avatar_orientation = quaternion(&avatar);
+                tool.turn_offset = turning.offset.scaled_axis().into();
+                tool.momentum_offset = (turning.momentum_offset / motion.mobility).into();
+                tool.inertia = Some((prior.moments / motion.mobility).into());
+            }
         }
     }
 }

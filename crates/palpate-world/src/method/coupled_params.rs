@@ -2,7 +2,9 @@
 
 use super::coupled::Coupled;
 use crate::observer::{AxisPrior, Prior};
-use crate::{Place, Vector, WorldError};
+use crate::rigid::Vector3;
+use crate::turning_observer::TurningPrior;
+use crate::{Place, Tool, Vector, WorldError};
 
 /// Parameters of coupled rendering.
 ///
@@ -17,14 +19,24 @@ pub struct CoupledParams {
     /// Mass of each tool's device along each of the world's axes, within a factor of 2 `[kg]`. The hand's share is
     /// learned. Infinite where no force moves the device: along an axis that it does not have, or in a recording.
     pub device_mass: Vec<Vector>,
+    /// Moments of inertia of each tool's device about its mass centre, along the tool's axes, within a factor of 2,
+    /// finite `[kg m^2]`. Those of a tool that does not turn are not looked at; empty if none turns.
+    pub device_inertia: Vec<Vector>,
     /// Quantum of the position sensors `[m]`, 0 if they are not known to have one.
     pub encoder_quantum: f64,
+    /// Quantum of the measured orientations `[rad]`, 0 if they are not known to have one.
+    pub angle_quantum: f64,
     /// Largest distance of an avatar from its device `[m]`.
     pub offset_limit: f64,
     /// Speed at which the offset of a tool that touches nothing goes back to zero `[m/s]`.
     pub offset_return: f64,
-    /// Time in which the velocity offset of a tool that touches nothing is given up `[s]`.
+    /// Time in which the velocity offset of a tool that touches nothing is given up, and that of its angular momentum
+    /// `[s]`.
     pub velocity_return: f64,
+    /// Largest angle between an avatar and its device `[rad]`.
+    pub turn_limit: f64,
+    /// Speed at which the avatar of a tool that touches nothing turns back to its device `[rad/s]`.
+    pub turn_return: f64,
     /// What is known of devices and hands before the first sample.
     pub prior: Prior,
 }
@@ -35,10 +47,14 @@ impl CoupledParams {
     pub fn new(device_mass: Vec<Vector>) -> Self {
         Self {
             device_mass,
+            device_inertia: Vec::new(),
             encoder_quantum: 0.0,
+            angle_quantum: 0.0,
             offset_limit: 0.01,
             offset_return: 0.001,
             velocity_return: 0.1,
+            turn_limit: 0.3,
+            turn_return: 0.03,
             prior: Prior::default(),
         }
     }
@@ -52,13 +68,32 @@ impl CoupledParams {
         }
     }
 
+    /// The same with moments of inertia of each device `[kg m^2]`.
+    #[must_use]
+    pub fn with_device_inertia(self, device_inertia: Vec<Vector>) -> Self {
+        Self {
+            device_inertia,
+            ..self
+        }
+    }
+
+    /// The same with orientations of `angle_quantum` `[rad]`.
+    #[must_use]
+    pub fn with_angle_quantum(self, angle_quantum: f64) -> Self {
+        Self {
+            angle_quantum,
+            ..self
+        }
+    }
+
     /// The same with another knowledge of devices and hands.
     #[must_use]
     pub fn with_prior(self, prior: Prior) -> Self {
         Self { prior, ..self }
     }
 
-    pub(super) fn check(self, tools: usize) -> Result<Coupled, Vec<WorldError>> {
+    pub(crate) fn check(self, all: &[Tool]) -> Result<Coupled, Vec<WorldError>> {
+        let tools = all.len();
         let mut faults = Vec::new();
         let mut fault = |field: &'static str, message: String| {
             faults.push(WorldError::new(Place::Method, field, "the method", message));
@@ -81,9 +116,29 @@ impl CoupledParams {
                 );
             }
         }
+        if all.iter().any(|tool| tool.turns) && self.device_inertia.len() != tools {
+            fault(
+                "device_inertia",
+                format!(
+                    "device_inertia has {} entries for {tools} tools, of which one turns; give three moments for each",
+                    self.device_inertia.len()
+                ),
+            );
+        }
+        for (tool, moments) in all.iter().zip(&self.device_inertia) {
+            for moment in moments {
+                if tool.turns && !(*moment > 0.0 && moment.is_finite()) {
+                    fault(
+                        "device_inertia",
+                        format!("device_inertia is {moment}, and has to be above 0 and finite"),
+                    );
+                }
+            }
+        }
         let positive = [
             ("offset_limit", self.offset_limit),
             ("velocity_return", self.velocity_return),
+            ("turn_limit", self.turn_limit),
         ];
         for (field, value) in positive {
             let is_positive = value > 0.0;
@@ -98,16 +153,24 @@ impl CoupledParams {
             damping_rate,
             spring_rate,
             jerk,
+            angular_velocity,
+            angular_acceleration,
+            angular_jerk,
         } = self.prior;
         let not_negative = [
             ("encoder_quantum", self.encoder_quantum),
+            ("angle_quantum", self.angle_quantum),
             ("offset_return", self.offset_return),
+            ("turn_return", self.turn_return),
             ("prior.velocity", velocity),
             ("prior.acceleration", acceleration),
             ("prior.mobility", mobility),
             ("prior.damping_rate", damping_rate),
             ("prior.spring_rate", spring_rate),
             ("prior.jerk", jerk),
+            ("prior.angular_velocity", angular_velocity),
+            ("prior.angular_acceleration", angular_acceleration),
+            ("prior.angular_jerk", angular_jerk),
         ];
         for (field, value) in not_negative {
             if !(value >= 0.0 && value.is_finite()) {
@@ -122,7 +185,15 @@ impl CoupledParams {
         }
         let of_axis = |mass: f64| AxisPrior::new(mass, self.encoder_quantum, self.prior);
         let priors = self.device_mass.iter().map(|mass| mass.map(of_axis));
+        let turning_priors = all.iter().enumerate().map(|(number, tool)| {
+            let moments = self.device_inertia.get(number).filter(|_| tool.turns)?;
+            let moments = Vector3::from(*moments);
+            Some(TurningPrior::new(moments, self.angle_quantum, self.prior))
+        });
         Ok(Coupled {
+            turning_priors: turning_priors.collect(),
+            turn_limit: self.turn_limit,
+            turn_return: self.turn_return,
             priors: priors.collect(),
             offset_limit: self.offset_limit,
             offset_return: self.offset_return,

@@ -4,16 +4,18 @@
 //! folder.
 
 mod basic;
-mod coupled;
+pub(crate) mod coupled;
 mod coupled_params;
+mod coupled_turning;
 mod virtual_coupling;
 
 pub use basic::BasicParams;
 pub use coupled_params::CoupledParams;
 pub use virtual_coupling::VirtualCouplingParams;
 
+use crate::rigid::Vector3;
 use crate::state::Progress;
-use crate::{Effort, Limited, Place, Vector, WorldError, WorldRenderer};
+use crate::{Effort, Limited, Place, Tool, Vector, WorldError, WorldRenderer};
 use basic::Basic;
 use coupled::{Coupled, CoupledMemory};
 use virtual_coupling::{VirtualCoupling, VirtualCouplingMemory};
@@ -41,9 +43,9 @@ impl WorldMethod {
         }
     }
 
-    pub(crate) fn check(self, tools: usize) -> Result<Checked, Vec<WorldError>> {
+    pub(crate) fn check(self, tools: &[Tool]) -> Result<Checked, Vec<WorldError>> {
         match self {
-            Self::Basic(params) => params.check(tools).map(Checked::Basic),
+            Self::Basic(params) => params.check(tools.len()).map(Checked::Basic),
             Self::VirtualCoupling(params) => params.check(tools).map(Checked::VirtualCoupling),
             Self::Coupled(params) => params.check(tools).map(Checked::Coupled),
         }
@@ -85,6 +87,16 @@ pub(crate) enum Memory {
 }
 
 impl Checked {
+    /// Inverse moments of inertia of a tool that turns, as the method has them at the start `[1/(kg m^2)]`.
+    pub fn angular_mobility(&self, tool: usize) -> Vector3 {
+        match self {
+            Self::Basic(_) => Vector3::zeros(),
+            Self::VirtualCoupling(coupling) => coupling.angular_mobility(tool),
+            Self::Coupled(coupled) => coupled.turning_priors[tool]
+                .map_or(Vector3::zeros(), |prior| prior.moments.map(f64::recip)),
+        }
+    }
+
     pub fn memory(&self, renderer: &WorldRenderer) -> Memory {
         match self {
             Self::Basic(_) => Memory::Basic,

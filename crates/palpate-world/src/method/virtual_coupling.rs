@@ -2,15 +2,16 @@
 
 use crate::interval::advance;
 use crate::part::Drive;
-use crate::rigid::Vector3;
-use crate::state::{Progress, show_contacts};
-use crate::{Effort, Place, Vector, WorldError, WorldRenderer};
+use crate::rigid::{Rotation, Vector3};
+use crate::state::{Progress, quaternion, show_contacts};
+use crate::turning::TurningDrive;
+use crate::{Effort, Place, Tool, Vector, WorldError, WorldRenderer};
 
 /// Parameters of rendering by a virtual coupling.
 ///
 /// The world meets an avatar that has a mass of its own. A spring and a damper pull it to the device as that was at
 /// the sample; their force at the sample, turned round, is held on the device.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct VirtualCouplingParams {
     /// Stiffness of each tool's spring, above 0 `[N/m]`.
     pub stiffness: Vec<f64>,
@@ -18,9 +19,16 @@ pub struct VirtualCouplingParams {
     pub damping: Vec<f64>,
     /// Mass of each tool's avatar, above 0 `[kg]`.
     pub mass: Vec<f64>,
+    /// The same for turning, of each tool if one turns, else empty: stiffness above 0 `[N m/rad]`,
+    pub rotational_stiffness: Vec<f64>,
+    /// damping, at least 0 `[N m s/rad]`,
+    pub rotational_damping: Vec<f64>,
+    /// and the moment of inertia of the avatar about any axis, above 0 `[kg m^2]`.
+    pub inertia: Vec<f64>,
 }
 
-/// The coupling of one tool.
+/// The coupling of one tool, or of its turning: then stiffness `[N m/rad]`, damping `[N m s/rad]` and a moment of
+/// inertia `[kg m^2]`.
 #[derive(Clone, Copy, Debug)]
 struct Coupling {
     stiffness: f64,
@@ -29,21 +37,44 @@ struct Coupling {
 }
 
 impl VirtualCouplingParams {
-    pub(super) fn check(self, tools: usize) -> Result<VirtualCoupling, Vec<WorldError>> {
+    pub(super) fn check(self, all: &[Tool]) -> Result<VirtualCoupling, Vec<WorldError>> {
+        let tools = all.len();
         let mut faults = Vec::new();
+        let turning = if all.iter().any(|tool| tool.turns) {
+            tools
+        } else {
+            0
+        };
         let lists = [
-            ("stiffness", &self.stiffness, true),
-            ("damping", &self.damping, false),
-            ("mass", &self.mass, true),
+            ("stiffness", &self.stiffness, true, tools),
+            ("damping", &self.damping, false, tools),
+            ("mass", &self.mass, true, tools),
+            (
+                "rotational_stiffness",
+                &self.rotational_stiffness,
+                true,
+                turning,
+            ),
+            (
+                "rotational_damping",
+                &self.rotational_damping,
+                false,
+                turning,
+            ),
+            ("inertia", &self.inertia, true, turning),
         ];
-        for (field, list, above_zero) in lists {
+        for (field, list, above_zero, asked) in lists {
             let mut fault = |message: String| {
                 faults.push(WorldError::new(Place::Method, field, "the method", message));
             };
-            if list.len() != tools {
-                let count = list.len();
+            let count = list.len();
+            if count != asked && asked > 0 {
                 fault(format!(
                     "{field} has {count} entries for {tools} tools; give one for each"
+                ));
+            } else if count != asked && count != tools {
+                fault(format!(
+                    "{field} has {count} entries, and no tool turns; give none"
                 ));
             }
             for value in list {
@@ -61,14 +92,22 @@ impl VirtualCouplingParams {
         if !faults.is_empty() {
             return Err(faults);
         }
-        let each = self.stiffness.iter().zip(&self.damping).zip(&self.mass);
-        let couplings = each.map(|((&stiffness, &damping), &mass)| Coupling {
-            stiffness,
-            damping,
-            mass,
-        });
+        let coupling = |lists: [&[f64]; 3], tool: usize| Coupling {
+            stiffness: lists[0][tool],
+            damping: lists[1][tool],
+            mass: lists[2][tool],
+        };
+        let linear = [&self.stiffness[..], &self.damping, &self.mass];
+        let turned = [
+            &self.rotational_stiffness[..],
+            &self.rotational_damping,
+            &self.inertia,
+        ];
         Ok(VirtualCoupling {
-            couplings: couplings.collect(),
+            couplings: (0..tools).map(|tool| coupling(linear, tool)).collect(),
+            turning: (0..tools)
+                .map(|tool| all[tool].turns.then(|| coupling(turned, tool)))
+                .collect(),
         })
     }
 }
@@ -77,6 +116,8 @@ impl VirtualCouplingParams {
 #[derive(Clone, Debug)]
 pub(crate) struct VirtualCoupling {
     couplings: Vec<Coupling>,
+    /// Of each tool that turns.
+    turning: Vec<Option<Coupling>>,
 }
 
 /// What rendering by a virtual coupling remembers.
@@ -91,6 +132,9 @@ struct Device {
     position: Vector3,
     /// Of its last step `[m/s]`.
     velocity: Vector3,
+    orientation: Rotation,
+    /// Of its last step `[rad/s]`.
+    turning: Vector3,
 }
 
 impl VirtualCouplingMemory {
@@ -98,6 +142,8 @@ impl VirtualCouplingMemory {
         let device = Device {
             position: Vector3::zeros(),
             velocity: Vector3::zeros(),
+            orientation: Rotation::identity(),
+            turning: Vector3::zeros(),
         };
         Self {
             devices: vec![device; tools],
@@ -118,11 +164,24 @@ impl VirtualCouplingMemory {
             tool.avatar_velocity = rigid.velocity.into();
             tool.offset = (rigid.position - device.position).into();
             tool.velocity_offset = (rigid.velocity - device.velocity).into();
+            tool.orientation = quaternion(&device.orientation);
+            tool.angular_velocity = device.turning.into();
+            tool.avatar_orientation = quaternion(&rigid.orientation);
+            let apart = rigid.orientation * device.orientation.inverse();
+            tool.turn_offset = apart.scaled_axis().into();
         }
     }
 }
 
 impl VirtualCoupling {
+    /// Inverse moments of inertia of a tool's avatar `[1/(kg m^2)]`.
+    pub fn angular_mobility(&self, tool: usize) -> Vector3 {
+        let coupling = self.turning.get(tool).copied().flatten();
+        coupling.map_or(Vector3::zeros(), |coupling| {
+            Vector3::repeat(1.0 / coupling.mass)
+        })
+    }
+
     pub fn begin(
         &self,
         renderer: &WorldRenderer,
@@ -139,6 +198,14 @@ impl VirtualCoupling {
             part.rigid.position = device.position;
             part.rigid.velocity = Vector3::zeros();
             part.mobility.linear = Vector3::repeat(1.0 / coupling.mass);
+        }
+        for (tool, device) in memory.devices.iter_mut().enumerate() {
+            device.orientation = state.tracking.seen_turn[tool];
+            device.turning = Vector3::zeros();
+            let part = &mut state.now.parts[tool];
+            part.rigid.orientation = device.orientation;
+            part.rigid.spin = Vector3::zeros();
+            part.mobility.angular = self.angular_mobility(tool);
         }
         state.now.look(&renderer.points);
         state.books.observe(&state.now, &renderer.points);
@@ -161,18 +228,24 @@ impl VirtualCoupling {
             let way = Vector3::from(positions[tool]) - device.position;
             device.position += way;
             device.velocity = way / elapsed;
+            let turned = state.tracking.seen_turn[tool];
+            let by = (turned * device.orientation.inverse()).scaled_axis();
+            device.orientation = turned;
+            device.turning = by / elapsed;
             let book = &mut state.books.devices[tool];
             for (point, (touch, contact)) in points
                 .iter()
                 .zip(state.now.touches.iter().zip(&mut state.books.contacts))
             {
-                if point.first == tool {
-                    let held = touch.past.impulse.dot(&way) / elapsed;
+                if let Some(sign) = point.sign_on(tool) {
+                    let impulse = touch.past.impulse.dot(&way) * sign;
+                    let held = (impulse + touch.past.angular_impulse.dot(&by)) / elapsed;
                     contact.held += held;
                     book.held += held;
                 }
             }
-            book.port_work += state.commands.passed(tool).sent.dot(&way);
+            book.port_work += state.commands.passed(tool).sent.dot(&way)
+                + state.torque_commands.passed_or_none(tool).dot(&by);
             book.unforeseen = book.port_work - book.held;
         }
         effort
@@ -201,6 +274,24 @@ impl VirtualCoupling {
                 ..Drive::constant(pull / mass)
             };
             *intended = state.commands.for_force(&-pull);
+        }
+        let devices = memory.devices.iter().zip(&self.turning);
+        for (tool, (device, coupling)) in devices.enumerate() {
+            let Some(coupling) = coupling else {
+                continue;
+            };
+            let part = &mut state.now.parts[tool];
+            let slowed = device.turning - part.rigid.spin / coupling.mass;
+            part.turning_drive = TurningDrive {
+                torque: slowed * coupling.damping,
+                damping_rate: coupling.damping / coupling.mass,
+                stiffness: coupling.stiffness,
+                aim: device.orientation,
+                ..TurningDrive::none()
+            };
+            let apart = (device.orientation * part.rigid.orientation.inverse()).scaled_axis();
+            let pull = apart * coupling.stiffness + slowed * coupling.damping;
+            state.intended_torques[tool] = state.torque_commands.for_force(&-pull);
         }
         Effort::default()
     }

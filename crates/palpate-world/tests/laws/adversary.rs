@@ -49,12 +49,14 @@ fn methods() -> [WorldMethod; 3] {
     [
         BasicParams {
             damping: vec![2.0; 2],
+            ..BasicParams::default()
         }
         .into(),
         VirtualCouplingParams {
             stiffness: vec![3000.0; 2],
             damping: vec![1.0; 2],
             mass: vec![0.05; 2],
+            ..VirtualCouplingParams::default()
         }
         .into(),
         coupled.into(),
@@ -102,7 +104,7 @@ proptest! {
             let renderer = WorldRenderer::new(&crowded(), in_loop, method).unwrap();
             let mut state = renderer.start();
             for (positions, elapsed) in &samples {
-                let sample = Sample { positions, elapsed: *elapsed };
+                let sample = Sample { positions, orientations: &[], elapsed: *elapsed };
                 let output = renderer.step(&mut state, &sample);
                 for force in output.forces {
                     let norm = force.iter().map(|f| f * f).sum::<f64>().sqrt();

@@ -124,6 +124,7 @@ fn methods() -> [(&'static str, WorldMethod); 4] {
                 stiffness: vec![2000.0; 2],
                 damping: vec![2.0; 2],
                 mass: vec![0.1; 2],
+                ..VirtualCouplingParams::default()
             }
             .into(),
         ),

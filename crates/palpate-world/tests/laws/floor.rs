@@ -219,6 +219,7 @@ fn as_it_comes_and_told_another_mass_it_is_near_that_mean() {
             stiffness: vec![3000.0],
             damping: vec![1.0],
             mass: vec![0.05],
+            ..VirtualCouplingParams::default()
         };
         let coupling = errors(law, in_loop, same, coupling);
         println!(

@@ -188,6 +188,7 @@ impl PredictionName {
     ];
 
     /// The name, as files, flags and reports spell it.
+    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::LastStep => "last-step",
@@ -198,6 +199,7 @@ impl PredictionName {
     }
 
     /// The choice of that name.
+    #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|choice| choice.name() == name)
     }

@@ -136,6 +136,7 @@ pub enum EntryHold {
 
 impl EntryHold {
     /// The choice's name, as files, flags and reports spell it.
+    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Crossing => "crossing",
@@ -145,6 +146,7 @@ impl EntryHold {
     }
 
     /// The choice of that name.
+    #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         let all = [Self::Crossing, Self::Sample, Self::Midpoint];
         all.into_iter().find(|choice| choice.name() == name)
@@ -196,6 +198,7 @@ impl<S> Default for HfcrParams<S> {
 
 impl<S> HfcrParams<S> {
     /// Only the modified force: `hfcr-mod` of the program.
+    #[must_use]
     pub fn modified_force_only() -> Self {
         Self {
             smooth_transition: false,

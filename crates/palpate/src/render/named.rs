@@ -113,32 +113,38 @@ pub fn all_settings() -> impl Iterator<Item = &'static Setting> + Clone {
 
 impl MethodName {
     /// The name on the command line and in files.
+    #[must_use]
     pub fn name(self) -> &'static str {
         self.info().name
     }
 
     /// What it is, in a few words.
+    #[must_use]
     pub fn summary(self) -> &'static str {
         self.info().summary
     }
 
     /// The method that is called `name`.
+    #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|method| method.name() == name)
     }
 
     /// The method's setting of that key, if it has one.
+    #[must_use]
     pub fn setting(self, key: SettingKey) -> Option<&'static Setting> {
         let mut settings = self.info().settings.iter();
         settings.find(|setting| setting.key == key)
     }
 
     /// Whether the method can use a setting of that key.
+    #[must_use]
     pub fn uses(self, key: SettingKey) -> bool {
         self.setting(key).is_some()
     }
 
     /// The first of the settings that this method has no use for.
+    #[must_use]
     pub fn unused(self, settings: &Settings) -> Option<&'static Setting> {
         let given = settings.iter().map(|(setting, _)| setting);
         given.into_iter().find(|setting| !self.uses(setting.key))

@@ -61,6 +61,7 @@ pub enum SehEstimate {
 
 impl SehEstimate {
     /// The estimate's name, as files, flags and reports spell it.
+    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Ab2 => "ab2",
@@ -70,6 +71,7 @@ impl SehEstimate {
     }
 
     /// The estimate of that name.
+    #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         let all = [Self::Ab2, Self::Differences, Self::Ab3];
         all.into_iter().find(|estimate| estimate.name() == name)

@@ -21,6 +21,7 @@ impl SettingKey {
     }
 
     /// The key, such as `damping_n_s_per_m`.
+    #[must_use]
     pub fn as_str(self) -> &'static str {
         self.0
     }
@@ -85,6 +86,7 @@ pub enum SettingValues {
 
 impl Setting {
     /// Its unit; none of words and switches.
+    #[must_use]
     pub fn unit(&self) -> Option<Unit> {
         match self.values {
             SettingValues::Number { unit, .. } | SettingValues::NumberOrAuto { unit, .. } => {
@@ -95,6 +97,7 @@ impl Setting {
     }
 
     /// The range of a number; none of words and switches.
+    #[must_use]
     pub fn range(&self) -> Option<Range> {
         match self.values {
             SettingValues::Number { range, .. } | SettingValues::NumberOrAuto { range, .. } => {
@@ -112,6 +115,7 @@ impl Setting {
     }
 
     /// The value that a word says; none for a word that it does not know.
+    #[must_use]
     pub fn word(&self, given: &str) -> Option<ParameterValue<f64>> {
         match self.values {
             SettingValues::Words { words, earlier } => {
@@ -128,6 +132,7 @@ impl Setting {
     }
 
     /// Whether it can be derived.
+    #[must_use]
     pub fn takes_auto(&self) -> bool {
         matches!(self.values, SettingValues::NumberOrAuto { .. })
     }
@@ -276,11 +281,13 @@ impl Settings {
     }
 
     /// The value that was given for `key`.
+    #[must_use]
     pub fn get(&self, key: SettingKey) -> Option<ParameterValue<f64>> {
         self.given[Self::index(key)?]
     }
 
     /// The number that was given for `key`, in the unit of its key.
+    #[must_use]
     pub fn number(&self, key: SettingKey) -> Option<f64> {
         match self.get(key)? {
             ParameterValue::Number(number) => Some(number),
@@ -289,6 +296,7 @@ impl Settings {
     }
 
     /// The word that was given for `key`.
+    #[must_use]
     pub fn word(&self, key: SettingKey) -> Option<&'static str> {
         match self.get(key)? {
             ParameterValue::Word(word) => Some(word),
@@ -297,6 +305,7 @@ impl Settings {
     }
 
     /// Whether the switch of `key` is on; none where it was not given.
+    #[must_use]
     pub fn switch(&self, key: SettingKey) -> Option<bool> {
         match self.get(key)? {
             ParameterValue::Switch(on) => Some(on),
@@ -305,6 +314,7 @@ impl Settings {
     }
 
     /// Whether a value was given for `key`.
+    #[must_use]
     pub fn has(&self, key: SettingKey) -> bool {
         self.get(key).is_some()
     }

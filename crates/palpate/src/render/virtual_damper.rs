@@ -91,6 +91,7 @@ pub enum DamperObject {
 
 impl DamperObject {
     /// The choice's name, as files, flags and reports spell it.
+    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::SpringAndDamper => "spring-and-damper",
@@ -100,6 +101,7 @@ impl DamperObject {
     }
 
     /// The choice of that name.
+    #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         let all = [Self::SpringAndDamper, Self::Spring, Self::HeldForce];
         all.into_iter().find(|choice| choice.name() == name)

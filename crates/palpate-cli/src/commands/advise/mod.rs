@@ -1,11 +1,11 @@
 //! `palpate advise`: can this be rendered, and by what?
 
 mod arguments;
-mod picture;
 
 pub use arguments::AdviseArguments;
 
 use palpate_calibrate::{Calibration, Quantity};
+use palpate_plot::shown_of;
 use palpate_scene::SetupError;
 use palpate_study::advise::{Advice, FAITHFUL_PERCENT};
 use palpate_study::map::{Bounce, BounceDevice, BounceError, MapParams};
@@ -35,14 +35,14 @@ pub fn run(arguments: &AdviseArguments) -> Result<(), Failure> {
         advice.bounded_by_a_resonance(stiffest);
     }
     if let Some(path) = &arguments.picture.plot {
-        let shown = picture::shown(methods);
+        let shown = shown_of(methods);
         let progress = Progress::new(shown.len());
         progress.begin("looking for the reach");
         let reach = bounce.reach(&shown, FAITHFUL_PERCENT, || {});
         let reach = reach.map_err(|error| refused(&error))?;
         drop(progress);
         let size = arguments.picture.size;
-        draw(&outputs, path, &picture::figure(&advice, &reach), size)?;
+        draw(&outputs, path, &palpate_plot::advice(&advice, &reach), size)?;
         advice.wrote(path);
     }
     print_report(&advice, arguments.json)

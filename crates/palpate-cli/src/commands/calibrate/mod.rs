@@ -5,10 +5,10 @@ mod device;
 #[cfg(all(test, unix))]
 mod emulated_tests;
 mod motion;
-mod picture;
 mod report;
 mod settling;
 mod shaker;
+mod shown;
 mod stream;
 
 use std::path::Path;
@@ -164,10 +164,10 @@ fn write(
         outputs.write(path, |writer| writer.write_all(text.as_bytes()))?;
         report.wrote(path);
     }
-    let shown = picture::shown(motion, measured, arguments.period);
+    let shown = shown::part(motion, measured, arguments.period);
     let picture = &arguments.results.picture;
     if let Some(path) = &picture.plot {
-        let figure = picture::figure(&shown, &measured.fitted.calibration);
+        let figure = palpate_plot::calibration(&shown, &measured.fitted.calibration);
         draw(outputs, path, &figure, picture.size)?;
         report.wrote(path);
     }

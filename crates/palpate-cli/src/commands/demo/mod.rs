@@ -11,16 +11,16 @@ use palpate_scene::Timing;
 use palpate_scene::method::{MethodName, Settings};
 use palpate_sim::replay::ReplaySetup;
 
-use super::figure::fig2;
+use super::figure;
 use super::render::render;
 use crate::arguments::DemoArguments;
 use crate::failure::Failure;
 use crate::hand;
-use crate::plots::{Devices, RunsFigure};
 use crate::progress::Progress;
 use crate::results::print;
 use made::Made;
 use palpate_figure::{Picture, Size};
+use palpate_plot::{Devices, RunsFigure, paper};
 use palpate_study::report::{Report, Subject};
 use serde::Serialize;
 
@@ -52,7 +52,11 @@ pub fn run(arguments: &DemoArguments) -> Result<(), Failure> {
         arguments.overwriting.outputs(),
     )?;
 
-    let (mut scene_report, scene_figure) = fig2(&[(MethodName::Coupled, "coupled rendering")])?;
+    let (mut scene_report, scene_figure) = {
+        let scene = figure::scene("fig2.toml")?;
+        paper::fig2(&scene, &[(MethodName::Coupled, "coupled rendering")])
+            .map_err(Failure::input)?
+    };
     scene_report.wrote(&made.path(SCENE_PLOT));
 
     let trace = hand::taps();

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
 
-use crate::arguments::Flags;
+use crate::arguments::{Flags, Given};
 use crate::commands::run::{RealtimeArguments, SafetyArguments};
 use crate::devices::DeviceArguments;
 use crate::values::number;
@@ -13,7 +13,10 @@ use crate::values::number;
 /// Arguments of `live`.
 #[derive(Args, Debug)]
 pub struct LiveArguments {
-    /// Scene file (TOML): contact, loop, method and device [default: a light block at 100 Hz]
+    /// What stands on the command line; first, since whatever is read from it is gone for those behind.
+    #[command(flatten)]
+    pub given: Given,
+    /// Scene file (TOML): contact, loop, method and device; or a world [default: a light block at 100 Hz]
     #[arg(value_name = "SCENE.toml", value_hint = ValueHint::FilePath)]
     pub scene: Option<PathBuf>,
     /// Record from the first tick on (MCAP); of two methods each has its own file. What the page

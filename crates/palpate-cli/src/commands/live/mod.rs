@@ -2,6 +2,7 @@
 
 mod arguments;
 mod device;
+mod world;
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -11,16 +12,18 @@ use palpate_rt::{SetupError, StopFlag};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile};
 use palpate_scope::{
-    LaneEnd, ListenError, Listening, Server, Session, SessionError, Setup, Written,
+    Home, LaneEnd, ListenError, Listening, Server, Session, SessionError, Setup, Written,
 };
 
 pub use arguments::LiveArguments;
 use device::{Named, most_lanes};
 
+use super::run::report::Subject;
 use super::run::{
     Asked, Report, guarding, limits, outcome, receipt, request, scene_text,
     tell_what_a_loop_has_not,
 };
+use super::simulate::{AnyScene, read_any};
 use crate::devices::guarding::GuardianReport;
 use crate::devices::{DeviceName, replayed};
 use crate::failure::{Failure, tell};
@@ -38,11 +41,16 @@ const LOOK_EVERY: Duration = Duration::from_millis(50);
 
 /// Runs a loop, serves a page on it, and says in the end how it went.
 pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
+    if let Some(path) = &arguments.scene
+        && let AnyScene::World(file) = read_any(path)?
+    {
+        return world::run(arguments, path, &file);
+    }
     let (scene, path, methods) = read(arguments)?;
     let listening = listen(arguments)?;
     let spin = duration("--spin", arguments.realtime.spin)?;
     let clock = MonotonicClock::new().with_spin(spin);
-    let guarding = guarding(&arguments.safety, &scene)?;
+    let guarding = guarding(&arguments.safety, scene.loop_params.period)?;
     let devices = Named::new(&arguments.device, &scene, &clock, &guarding)?;
     let lasts = (arguments.duration < f64::INFINITY)
         .then(|| duration("--duration", arguments.duration))
@@ -77,7 +85,7 @@ pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
         SessionError::Other(text) => Failure::System(text),
     })?;
     let where_it_is = where_it_is(&listening);
-    server = Server::start(listening, session.hub(), session.commands())
+    server = Server::start(listening, session.hub(), session.commands(), Home::Contact)
         .map_err(|error| Failure::System(error.to_string()))?;
     print(&format!("{where_it_is}ctrl-C ends it\n"))?;
     for answer in session
@@ -239,8 +247,11 @@ fn report(lane: LaneEnd, guardian: Option<GuardianReport>, asked: &Asked) -> Res
         None => (None, None),
     };
     let report = Report::new(
-        &lane.scene,
-        lane.scene.method,
+        Subject {
+            title: &lane.scene.title,
+            method: lane.scene.method.name(),
+            period: lane.scene.loop_params.period,
+        },
         &lane.capabilities,
         &lane.end,
         &lane.answers,

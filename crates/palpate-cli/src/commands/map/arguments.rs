@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand, ValueEnum, ValueHint};
+use palpate_plot::map::Quantity;
 
 use crate::arguments::{Overwriting, SizeFlag};
 use crate::values::{Methods, methods, number, periods};
@@ -133,7 +135,7 @@ pub struct MapResults {
     #[command(flatten)]
     pub size: SizeFlag,
     /// What the figure shows, separated by commas [default: growth,error; a page holds no more]
-    #[arg(long, value_enum, value_delimiter = ',')]
+    #[arg(long, value_parser = quantity(), value_delimiter = ',')]
     pub show: Vec<Quantity>,
     /// The map as Parquet, too, where built with the feature parquet
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
@@ -146,19 +148,16 @@ pub struct MapResults {
     pub json: bool,
 }
 
-/// A quantity of a map.
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
-    /// Growth of the energy per collision
-    Growth,
-    /// Mean-force error E
-    Error,
-    /// Force rendering error over the hold floor
-    OverFloor,
-    /// How far the force swings of an object that lies on the device by its weight
-    Resting,
-    /// How far the force swings of a contact that is pressed
-    Pressed,
+/// Reads the name of a quantity.
+fn quantity() -> impl TypedValueParser<Value = Quantity> {
+    let named = |quantity: Quantity| PossibleValue::new(quantity.name()).help(quantity.meaning());
+    PossibleValuesParser::new(Quantity::ALL.map(named)).map(|name| {
+        let is_named = |quantity: &Quantity| quantity.name() == name;
+        Quantity::ALL
+            .into_iter()
+            .find(is_named)
+            .expect("it is one of the possible values")
+    })
 }
 
 /// Part `number` of `of`.

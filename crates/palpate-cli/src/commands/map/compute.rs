@@ -8,10 +8,10 @@ use std::time::Instant;
 
 use palpate_files::atomic::{Existing, check};
 use palpate_files::journal::{Journal, JournalError};
-use palpate_record::map::{Format, Map, Row, StaySwing};
+use palpate_record::map::{Format, Map, Row};
 use palpate_study::map::receipt;
 use palpate_study::map::report::Speed;
-use palpate_study::map::{Done, MapParams, MethodResult, Summary, compute};
+use palpate_study::map::{Done, MapParams, compute};
 
 use super::arguments::{Shard, WorkArguments};
 use super::files::Files;
@@ -115,7 +115,7 @@ pub fn run(
     let (mut ticks, mut fault) = (0, None);
     let ended = compute(params, &cells, threads, &STOP, |result| {
         ticks += result.ticks;
-        let rows = rows(params, &result);
+        let rows = result.rows(params);
         if let Err(error) = journal.append(&line_of(&rows)) {
             fault = Some(error);
             return ControlFlow::Break(());
@@ -205,33 +205,6 @@ pub fn unusable(error: JournalError) -> Failure {
         )),
         JournalError::Damaged { .. } => Failure::input(error),
     }
-}
-
-fn rows(params: &MapParams, result: &palpate_study::map::CellResult) -> Vec<Row> {
-    let cell = params.cell(result.index);
-    let both = |summary: Summary| [summary.median, summary.worst];
-    result
-        .methods
-        .iter()
-        .map(|MethodResult { bounce, stay }| Row {
-            cell: cell.index as u64,
-            kappa: cell.kappa,
-            object_kappa: cell.object_kappa,
-            stiffness: cell.bounce.stiffness,
-            object_mass: cell.bounce.object_mass,
-            plant: bounce.plant.name().to_owned(),
-            method: bounce.method.name().to_owned(),
-            growth: both(bounce.growth),
-            error: both(bounce.error),
-            error_over_floor: both(bounce.error_over_floor),
-            hold_floor: both(bounce.hold_floor),
-            classes: bounce.classes.map(|count| count as u64),
-            stay: Some(StaySwing {
-                resting: stay.resting,
-                pressed: stay.pressed,
-            }),
-        })
-        .collect()
 }
 
 /// All rows of a cell on one line of a journal.

@@ -7,10 +7,10 @@ use palpate_files::outputs::Outputs;
 use palpate_record::map::Map;
 
 use super::arguments::MapResults;
-use super::picture;
 use crate::failure::Failure;
 use crate::results::{draw, plan_picture};
 use crate::values::Methods;
+use palpate_plot::map;
 use palpate_study::map::report::MapReport;
 
 /// The files of a map, and the leave to write them.
@@ -156,7 +156,11 @@ impl Files {
             if is_kept(path) {
                 kept.push(path.clone());
             } else {
-                let figure = picture::figure(map, &results.show, methods)?;
+                let figure = map::figure(
+                    map,
+                    &results.show,
+                    methods.map(|Methods(methods)| &methods[..]),
+                )?;
                 draw(&self.outputs, path, &figure, results.size)?;
                 report.wrote(path);
             }

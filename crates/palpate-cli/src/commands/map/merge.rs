@@ -8,8 +8,9 @@ use palpate_record::map::{Map, merge};
 use super::arguments::MergeArguments;
 use super::deliver;
 use super::files::Files;
-use super::picture;
 use crate::failure::Failure;
+use crate::values::Methods;
+use palpate_plot::map;
 
 /// Joins parts into a whole map.
 pub fn run(arguments: &MergeArguments) -> Result<(), Failure> {
@@ -38,8 +39,8 @@ pub fn run(arguments: &MergeArguments) -> Result<(), Failure> {
     }
     let map = merge(parts).map_err(Failure::input)?;
     let methods = arguments.method.as_ref();
-    picture::quantities(&map, &results.show)?;
-    picture::columns(&map, methods)?;
+    map::quantities(&map, &results.show)?;
+    map::columns(&map, methods.map(|Methods(methods)| &methods[..]))?;
     files.write_map(&map)?;
     deliver((results, methods), &map, &files, None)
 }

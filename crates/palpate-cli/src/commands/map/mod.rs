@@ -4,7 +4,6 @@ mod arguments;
 mod compute;
 mod files;
 mod merge;
-mod picture;
 
 pub use arguments::MapArguments;
 

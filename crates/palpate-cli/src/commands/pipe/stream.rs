@@ -156,6 +156,7 @@ impl Stream {
                     force_on_device: force,
                     ..answered(&output, self.rendered.ledger())
                 },
+                ..recording::Row::UNKNOWN
             },
             softened: verdict.bounded.soft_start,
             fault,

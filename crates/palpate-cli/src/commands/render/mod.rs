@@ -14,11 +14,11 @@ use super::hand_replay::{Recorded, ReplayRuns, close_loop};
 use crate::arguments::{RenderArguments, ReplayKind};
 use crate::failure::{Failure, tell};
 use crate::inside;
-use crate::plots::RunsFigure;
 use crate::progress::Progress;
 use crate::recorded::trace::{STANDARD_INPUT, how_to_cut, read_trace};
 use crate::results::deliver;
 use crate::setup::{check_contact, receipt, wrong_on_bench, wrong_setup};
+use palpate_plot::RunsFigure;
 use palpate_study::report::{Replayed, Report, Subject, told_lines};
 
 /// Renders a recorded motion by the methods that were named.

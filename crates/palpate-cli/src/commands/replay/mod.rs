@@ -16,13 +16,13 @@ use super::hand_replay::{Recorded, ReplayRuns, close_loop};
 use super::simulate::in_file;
 use crate::arguments::{Flags, PartFlags, ReplayFlags, ReplayKind, Results};
 use crate::failure::Failure;
-use crate::plots::RunsFigure;
 use crate::progress::Progress;
 use crate::recorded::ticks::Ticks;
 use crate::recorded::trace::how_to_cut;
 use crate::recorded::{open, whole_or_said};
 use crate::results::deliver;
 use crate::setup::{receipt, wrong_flag, wrong_on_bench, wrong_setup};
+use palpate_plot::RunsFigure;
 use palpate_study::recording::{NoScene, scene_of};
 use palpate_study::report::{FromRecording, Replayed, Report, Subject, told_lines};
 

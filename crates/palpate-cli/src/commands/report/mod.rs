@@ -13,13 +13,12 @@ use palpate_study::card::{CalibrationRun, Card, CardError, Sources, utc};
 use arguments::MOST_RECORDINGS;
 pub use arguments::ReportArguments;
 
-use crate::card::page;
 use crate::commands::calibrate::read_device_file;
 use crate::failure::Failure;
-use crate::plots::SHOWN;
 use crate::progress::Progress;
 use crate::recorded::{open, whole_or_said};
 use crate::results::print_report;
+use palpate_plot::{SHOWN, card};
 
 /// Makes the card, the page, and the session before them if there is one.
 pub fn run(arguments: &ReportArguments) -> Result<(), Failure> {
@@ -78,7 +77,9 @@ pub fn run(arguments: &ReportArguments) -> Result<(), Failure> {
             .map(|(path, run)| (path.as_str(), run.clone())),
     )?;
     if let Some(out) = &arguments.out {
-        let text = page::html(&card)?;
+        let text = card::html(&card).map_err(|error| {
+            Failure::System(format!("a figure of the page cannot be drawn: {error}"))
+        })?;
         outputs.write(out, |writer| writer.write_all(text.as_bytes()))?;
         card.wrote(out);
     }

@@ -6,7 +6,7 @@ use std::path::Path;
 use palpate_scene::SceneFile;
 
 use super::ReportArguments;
-use crate::arguments::{ActuationFlags, Flags};
+use crate::arguments::{ActuationFlags, Flags, Given};
 use crate::commands::run::{SessionArguments, run_session};
 use crate::commands::simulate::read_scene;
 use crate::failure::{Failure, tell};
@@ -75,6 +75,7 @@ pub fn record(
             },
             ..Flags::default()
         },
+        given: Given::default(),
     };
     let scene = &file.scene;
     tell(format_args!(

@@ -4,14 +4,14 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
 
-use crate::arguments::Flags;
+use crate::arguments::{Flags, Given};
 use crate::devices::DeviceArguments;
 use crate::values::{number, range};
 
 /// Arguments of `run`.
 #[derive(Args, Debug)]
 pub struct RunArguments {
-    /// Scene file (TOML): contact, loop, method, and the device and hand that are simulated
+    /// Scene file (TOML): contact, loop, method, and the device and hand that are simulated; or a world
     #[arg(value_name = "SCENE.toml", value_hint = ValueHint::FilePath)]
     pub scene: PathBuf,
     /// Write a recording (MCAP); a file that is there is not overwritten
@@ -25,7 +25,7 @@ pub struct RunArguments {
 /// Arguments of `record`.
 #[derive(Args, Debug)]
 pub struct RecordArguments {
-    /// Scene file (TOML): contact, loop, method, and the device and hand that are simulated
+    /// Scene file (TOML): contact, loop, method, and the device and hand that are simulated; or a world
     #[arg(value_name = "SCENE.toml", value_hint = ValueHint::FilePath)]
     pub scene: PathBuf,
     /// Recording to write (MCAP); a file that is there is not overwritten
@@ -39,6 +39,9 @@ pub struct RecordArguments {
 /// What is run, and on what.
 #[derive(Args, Debug)]
 pub struct SessionArguments {
+    /// What stands on the command line; first, since whatever is read from it is gone for those behind.
+    #[command(flatten)]
+    pub given: Given,
     /// How long [s], deadlines that were missed included; inf: until ctrl-C, which ends it at any time
     #[arg(long, value_name = "s", default_value = "10", value_parser = number)]
     pub duration: f64,

@@ -1,19 +1,20 @@
 //! `palpate run` and `palpate record`: a loop in real time, on a device.
 
 mod arguments;
+mod driving;
 pub mod outcome;
 mod receipt;
 pub mod report;
 pub mod scene_text;
+pub mod world;
 
 use std::path::Path;
-use std::time::Duration;
 
+use palpate_device::Capabilities;
 use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
-use palpate_device::{Capabilities, Device};
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
-use palpate_rt::{ControlLoop, LoopThread, Recorder, SetupError, StopFlag};
+use palpate_rt::{ControlLoop, SetupError};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile, Timing};
 
@@ -28,10 +29,12 @@ pub use report::TimingReport;
 use crate::devices::guarding::Guarding;
 use crate::devices::{DeviceName, Opened, open, replayed};
 use crate::failure::{Failure, tell};
-use crate::progress::Progress;
-use crate::recorded::open as open_recording;
 use crate::results::print_report;
 use crate::values::duration;
+use driving::{Ran, drive, most_periods};
+use report::Subject;
+
+use super::simulate::{AnyScene, read_any};
 
 /// Runs a loop, and records it if it is to.
 pub fn run(arguments: &RunArguments) -> Result<(), Failure> {
@@ -56,7 +59,10 @@ fn session(
     record: Option<&Path>,
     arguments: &SessionArguments,
 ) -> Result<(), Failure> {
-    let file = super::simulate::read_scene(path)?;
+    let file = match read_any(path)? {
+        AnyScene::Contact(file) => *file,
+        AnyScene::World(file) => return world::run_session(&file, (path, record), arguments),
+    };
     run_session(&file, (path, record), arguments, &|report| {
         print_report(report, arguments.json)
     })
@@ -140,7 +146,7 @@ type Told<'a> = &'a dyn Fn(&Report) -> Result<(), Failure>;
 
 impl Session<'_> {
     fn on<C: Clock>(&self, clock: &C, request: Request) -> Result<(), Failure> {
-        let guarding = guarding(&self.arguments.safety, self.scene)?;
+        let guarding = guarding(&self.arguments.safety, self.scene.loop_params.period)?;
         let arguments = &self.arguments.device;
         let Opened { device, axis } = open(arguments, self.scene, clock, &guarding)?;
         let limits = limits(device.capabilities(), &self.arguments.safety);
@@ -153,46 +159,28 @@ impl Session<'_> {
         let control = ControlLoop::new(device, clock.clone(), rendering, limits)
             .map_err(wrong)?
             .along(axis);
-        let most = self.most_periods(control.period())?;
-        let (tap, recorder) = match self.record {
+        let most = most_periods(self.arguments.duration, control.period())?;
+        let record = match self.record {
             Some(out) => {
                 let receipt = receipt(&capabilities, &limits, &request);
                 let receipt = scene_text::put(receipt, self.scene, self.path)?;
-                Recorder::begin(out, &receipt)
-                    .map_err(|error| Failure::System(error.to_string()))?
+                Some((out, receipt))
             }
-            None => Recorder::without_file()
-                .map_err(|error| Failure::System(format!("no thread to listen: {error}")))?,
+            None => None,
         };
-        // Nobody waits for a loop that runs as fast as it can.
-        let tap = if C::RUNS { tap } else { tap.waiting() };
-        let stop = StopFlag::on_signals()
-            .map_err(|error| Failure::System(format!("no signals: {error}")))?;
-        let progress = Progress::new(1);
-        progress.begin("running; ctrl-C ends it");
-        let running = LoopThread::start(control.tapped(tap), request, &stop, most)
-            .map_err(|error| Failure::System(format!("no thread for the loop: {error}")))?;
-        let refused = running
-            .answers()
-            .iter()
-            .filter(|answer| !answer.is_granted());
-        for answer in refused {
-            tell(format_args!("warning: {answer}"));
-        }
-        let answers = running.answers().to_vec();
-        tell_of_losses(&running, &recorder, &guarding);
-        let end = running.join();
-        // What the run was is told whether or not it could be written.
-        let (account, unwritten) = recorder.finish();
-        let unwritten = unwritten.map(|error| Failure::System(error.to_string()));
-        drop(progress);
-        let recording = match (&unwritten, self.record) {
-            (None, Some(path)) => Some(open_recording(path)?),
-            _ => None,
-        };
+        let Ran {
+            end,
+            answers,
+            account,
+            recording,
+            unwritten,
+        } = drive(control, record, request, most, &guarding)?;
         let report = Report::new(
-            self.scene,
-            self.method,
+            Subject {
+                title: &self.scene.title,
+                method: self.method.name(),
+                period: self.scene.loop_params.period,
+            },
             &capabilities,
             &end,
             &answers,
@@ -213,52 +201,12 @@ impl Session<'_> {
             replayed::whole_or_said(&self.arguments.device),
         )
     }
-
-    fn most_periods(&self, period: Duration) -> Result<Option<u64>, Failure> {
-        let seconds = self.arguments.duration;
-        if seconds == f64::INFINITY {
-            return Ok(None);
-        }
-        let periods = duration("--duration", seconds)?
-            .as_nanos()
-            .div_ceil(period.as_nanos());
-        Ok(Some(u64::try_from(periods).unwrap_or(u64::MAX)))
-    }
 }
 
-/// How often it is looked whether the loop has ended, or can no longer be written down.
-const LOOK_EVERY: Duration = Duration::from_millis(10);
-
-/// Waits for the end of the loop. A recording that cannot be written and a guardian that is lost are told
-/// at once: the rest of a session would be for nothing, and nobody would know.
-fn tell_of_losses<D: Device, C: Clock>(
-    running: &LoopThread<D, C>,
-    recorder: &Recorder,
-    guarding: &Guarding,
-) {
-    let mut is_told = false;
-    let mut is_guardian_told = false;
-    while !running.has_ended() {
-        if let Some((_, lost)) = guarding.lost().filter(|_| !is_guardian_told) {
-            is_guardian_told = true;
-            tell(format_args!(
-                "warning: {lost}; the loop commands no force until the device is opened anew"
-            ));
-        }
-        if let Some(why) = recorder.failure().filter(|_| !is_told) {
-            is_told = true;
-            tell(format_args!(
-                "warning: {why}; the loop goes on, and is not recorded any more"
-            ));
-        }
-        std::thread::sleep(LOOK_EVERY);
-    }
-}
-
-/// Guardians for a loop of `scene`: they wait for as long as its supervisor.
-pub fn guarding(arguments: &SafetyArguments, scene: &Scene) -> Result<Guarding, Failure> {
+/// Guardians for a loop of `period` `[s]`: they wait for as long as its supervisor.
+pub fn guarding(arguments: &SafetyArguments, period: f64) -> Result<Guarding, Failure> {
     let limits = limits(&Capabilities::unknown("any", 1), arguments);
-    let period = duration("--period", scene.loop_params.period)?;
+    let period = duration("--period", period)?;
     Ok(Guarding::new(limits.stall_after(period)))
 }
 

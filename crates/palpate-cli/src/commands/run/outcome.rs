@@ -4,7 +4,7 @@ use palpate_device::Device;
 use palpate_device::clock::Clock;
 use palpate_record::recording::Recording;
 use palpate_rt::safety::Trip;
-use palpate_rt::{Ending, LoopEnd};
+use palpate_rt::{Ending, LoopEnd, Renders};
 
 use crate::failure::Failure;
 use crate::recorded::whole_or_said;
@@ -24,8 +24,8 @@ pub struct Asked {
 /// Whether the loop did what it was asked to: `Err` is the gravest thing that went wrong, in the order
 /// of a panic, a recording that could not be written, a lost device, a recording that is not whole, an
 /// end before its time, and motors that were off at the end or for most of the time.
-pub fn of<D: Device, C: Clock>(
-    end: &LoopEnd<D, C>,
+pub fn of<D: Device, C: Clock, R: Renders>(
+    end: &LoopEnd<D, C, R>,
     asked: &Asked,
     unwritten: Option<Failure>,
     recording: Option<&Recording>,
@@ -61,7 +61,10 @@ pub fn with_motion(
     }
 }
 
-fn motors<D: Device, C: Clock>(end: &LoopEnd<D, C>, asked: &Asked) -> Result<(), Failure> {
+fn motors<D: Device, C: Clock, R: Renders>(
+    end: &LoopEnd<D, C, R>,
+    asked: &Asked,
+) -> Result<(), Failure> {
     let stays = |trip: &Trip| match trip {
         Trip::DeviceLost => !asked.device_may_end,
         other => !other.is_passing(),

@@ -8,9 +8,8 @@ use palpate_device::clock::Clock;
 use palpate_device::{Capabilities, Device};
 use palpate_record::recording::{Event, LoopTime, Recording};
 use palpate_rt::realtime::Answer;
-use palpate_rt::{Account, Durations, LoopEnd, LoopStatistics};
-use palpate_scene::Scene;
-use palpate_scene::method::MethodName;
+use palpate_rt::{Account, Durations, LoopEnd, LoopStatistics, RenderedWorld, Renders};
+use palpate_world::Books;
 use serde::Serialize;
 
 use crate::devices::guarding::GuardianReport;
@@ -150,12 +149,44 @@ impl From<&LoopStatistics> for TimingReport {
     }
 }
 
+/// What was run.
+#[derive(Clone, Copy, Debug)]
+pub struct Subject<'a> {
+    /// Title of the scene.
+    pub title: &'a str,
+    /// Name of the method.
+    pub method: &'static str,
+    /// Period of the loop `[s]`.
+    pub period: f64,
+}
+
+/// Sums of a loop's books `[J]`.
+#[derive(Clone, Copy, Debug)]
+pub struct Energies {
+    leak_held: f64,
+    port_work: f64,
+    outside_work: f64,
+}
+
+impl Energies {
+    /// Of a world: summed over its devices, contacts and bodies.
+    pub fn of_world<D: Device, C: Clock>(
+        end: &LoopEnd<D, C, RenderedWorld>,
+        books: &Books,
+    ) -> Self {
+        Self {
+            leak_held: end.control.rendered().created_energy(),
+            port_work: -books.devices.iter().map(|book| book.port_work).sum::<f64>(),
+            outside_work: books.bodies.iter().map(|book| book.outside).sum(),
+        }
+    }
+}
+
 impl Report {
-    pub fn new<D: Device, C: Clock>(
-        scene: &Scene,
-        method: MethodName,
+    pub fn new<D: Device, C: Clock, R: Renders>(
+        subject: Subject<'_>,
         device: &Capabilities,
-        end: &LoopEnd<D, C>,
+        end: &LoopEnd<D, C, R>,
         answers: &[Answer],
         account: &Account,
         recording: Option<&Recording>,
@@ -163,10 +194,10 @@ impl Report {
         let last = account.last.unwrap_or_default().contact;
         Self {
             format: FORMAT,
-            title: scene.title.clone(),
-            method: method.name(),
+            title: subject.title.to_owned(),
+            method: subject.method,
             device: device.name.clone(),
-            period_s: scene.loop_params.period,
+            period_s: subject.period,
             ending: end.ending.text(),
             realtime: answers
                 .iter()
@@ -209,6 +240,16 @@ impl Report {
 }
 
 impl Report {
+    /// The same, with these energies in place of those of one contact.
+    pub fn with_energies(self, energies: Energies) -> Self {
+        Self {
+            leak_held_j: energies.leak_held,
+            port_work_j: energies.port_work,
+            outside_work_j: energies.outside_work,
+            ..self
+        }
+    }
+
     /// The same, with what is to be said of the device's guardian.
     pub fn guarded(self, guardian: Option<GuardianReport>) -> Self {
         Self { guardian, ..self }

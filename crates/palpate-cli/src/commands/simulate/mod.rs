@@ -11,15 +11,14 @@ use palpate_scene::{
     HandForceAt, Measure, Scene, SceneError, SceneFile, SceneParameter, SetupError, beside,
 };
 use palpate_sim::closed_loop::{Bench, LoopError};
-use palpate_sim::run::Run;
 
 use crate::arguments::{Flags, SimulateArguments, TimingFlags};
 use crate::failure::{Failure, tell};
 use crate::inside;
-use crate::plots::{Devices, RunsFigure};
 use crate::progress::Progress;
 use crate::results::deliver;
 use crate::setup::{receipt, wrong_flag, wrong_setup};
+use palpate_plot::{Devices, RunsFigure};
 use palpate_study::report::{Report, Subject, actuator_of};
 
 /// Simulates a scene by the methods that were named, or by its own.
@@ -148,19 +147,6 @@ fn plant_receipt(scene: &Scene) -> Vec<(String, String)> {
     lines
 }
 
-/// Runs every method of `methods` on a scene that is known to be sound.
-pub fn simulate<'a>(
-    scene: &'a Scene,
-    methods: &[MethodName],
-) -> Result<(Bench<'a>, Vec<Run>), Failure> {
-    let bench = Bench::new(scene).map_err(Failure::input)?;
-    let runs = methods
-        .iter()
-        .map(|&method| bench.run(method).map_err(Failure::input))
-        .collect::<Result<_, _>>()?;
-    Ok((bench, runs))
-}
-
 /// A scene file of any format.
 pub(super) enum AnyScene {
     /// One contact along one axis.
@@ -174,6 +160,9 @@ pub(super) fn read_any(path: &Path) -> Result<AnyScene, Failure> {
     let text = read_text(path)?;
     if WorldFile::is_one(&text) {
         let file = WorldFile::parse(&name, &text).map_err(Failure::inputs)?;
+        for note in file.notes() {
+            tell(note);
+        }
         return Ok(AnyScene::World(Box::new(file)));
     }
     let file = SceneFile::parse_with(&name, &text, &mut beside(path)).map_err(Failure::inputs)?;

@@ -1,7 +1,7 @@
 //! What a line of the input of a world is: the positions of all devices, a header, or neither.
 
 use palpate_record::unit::LengthUnit;
-use palpate_world::Vector;
+use palpate_world::{NOT_TURNED, Quaternion, Vector};
 
 use super::super::line::Refusal;
 
@@ -14,8 +14,16 @@ pub struct Format {
     pub unit: LengthUnit,
     /// Whether the unit was said by a flag.
     pub is_unit_given: bool,
-    /// Names of the devices, in the order in which their positions stand in a line.
-    pub devices: Vec<String>,
+    /// The devices, in the order in which their positions stand in a line.
+    pub devices: Vec<DeviceColumns>,
+}
+
+/// A device as far as the columns say it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DeviceColumns {
+    pub name: String,
+    /// Whether it has six axes: an orientation behind the position, a torque behind the force.
+    pub turns: bool,
 }
 
 /// A line that was understood.
@@ -25,6 +33,8 @@ pub struct Sample {
     pub time: Option<f64>,
     /// Position of each device `[m]`.
     pub positions: Vec<Vector>,
+    /// How each is turned, `[w, x, y, z]`.
+    pub orientations: Vec<Quaternion>,
 }
 
 impl Format {
@@ -32,13 +42,18 @@ impl Format {
     pub fn columns(&self) -> Vec<String> {
         let unit = self.unit.position_column().trim_start_matches("position_");
         let time = self.time.then(|| "t_s".to_owned());
-        let positions = named(&self.devices, |axis| format!("{axis}_{unit}"));
+        let positions = named(
+            &self.devices,
+            |axis| format!("{axis}_{unit}"),
+            &["qw", "qx", "qy", "qz"],
+        );
         time.into_iter().chain(positions).collect()
     }
 
     /// The columns of the output.
     pub fn forces(&self) -> Vec<String> {
-        named(&self.devices, |axis| format!("f{axis}_n"))
+        let torques = ["tx_n_m", "ty_n_m", "tz_n_m"];
+        named(&self.devices, |axis| format!("f{axis}_n"), &torques)
     }
 
     /// Whether a line is the header of these columns.
@@ -73,8 +88,9 @@ impl Format {
             (true, Some((&time, positions))) => (Some(time), positions),
             _ => (None, numbers.as_slice()),
         };
-        let (positions, rest) = positions.as_chunks::<3>();
-        if positions.len() != self.devices.len() || !rest.is_empty() {
+        let of = |device: &DeviceColumns| if device.turns { 7 } else { 3 };
+        let asked: usize = self.devices.iter().map(of).sum();
+        if positions.len() != asked {
             return Err(Refusal::Stream(format!(
                 "`{text}` has {} columns, and a line is {shape}: write decimals with a point, as in \
                  0.001{}",
@@ -89,21 +105,39 @@ impl Format {
         if time.is_some_and(|time| !time.is_finite()) {
             return Err(Refusal::Line("the time is not a finite number".into()));
         }
-        let metres = |position: &Vector| position.map(|part| self.unit.metres(part));
-        Ok(Sample {
+        let mut sample = Sample {
             time,
-            positions: positions.iter().map(metres).collect(),
-        })
+            positions: Vec::with_capacity(self.devices.len()),
+            orientations: Vec::with_capacity(self.devices.len()),
+        };
+        let mut numbers = positions.iter().copied();
+        // As many as were counted above.
+        let mut next = || numbers.next().unwrap_or(f64::NAN);
+        for device in &self.devices {
+            let position: Vector = std::array::from_fn(|_| next());
+            let metres = position.map(|part| self.unit.metres(part));
+            sample.positions.push(metres);
+            sample.orientations.push(if device.turns {
+                std::array::from_fn(|_| next())
+            } else {
+                NOT_TURNED
+            });
+        }
+        Ok(sample)
     }
 }
 
-/// A column for each axis of each device; of several devices with the device's name.
-fn named(devices: &[String], column: impl Fn(char) -> String) -> Vec<String> {
+/// A column for each axis of each device, and `more` for one that turns; of several devices with the device's name.
+fn named(devices: &[DeviceColumns], column: impl Fn(char) -> String, more: &[&str]) -> Vec<String> {
     let columns = devices.iter().flat_map(|device| {
-        let column = &column;
-        ['x', 'y', 'z'].map(|axis| match devices {
-            [_] => column(axis),
-            _ => format!("{device}.{}", column(axis)),
+        let more = more
+            .iter()
+            .filter(|_| device.turns)
+            .map(ToString::to_string);
+        let own = ['x', 'y', 'z'].map(&column).into_iter().chain(more);
+        own.map(|column| match devices {
+            [_] => column,
+            _ => format!("{}.{column}", device.name),
         })
     });
     columns.collect()
@@ -118,7 +152,13 @@ mod tests {
             time,
             unit: LengthUnit::Metre,
             is_unit_given: false,
-            devices: devices.iter().map(|&name| name.to_owned()).collect(),
+            devices: devices
+                .iter()
+                .map(|&name| DeviceColumns {
+                    name: name.to_owned(),
+                    turns: false,
+                })
+                .collect(),
         }
     }
 
@@ -136,6 +176,25 @@ mod tests {
         };
         let sample = millimetres.parse("1,2,3").unwrap();
         assert_eq!(sample.positions, [[0.001, 0.002, 0.003]]);
+    }
+
+    #[test]
+    fn a_device_of_six_axes_has_an_orientation_and_a_torque() {
+        let mut format = of(&["tool", "finger"], false);
+        format.devices[0].turns = true;
+        let sample = format.parse("1,2,3,0.8,0.6,0,0,4,5,6").unwrap();
+        assert_eq!(sample.positions, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
+        assert_eq!(sample.orientations, [[0.8, 0.6, 0.0, 0.0], NOT_TURNED]);
+        let columns = "tool.x_m,tool.y_m,tool.z_m,tool.qw,tool.qx,tool.qy,tool.qz,finger.x_m,finger.y_m,finger.z_m";
+        assert_eq!(format.columns().join(","), columns);
+        assert_eq!(
+            format.forces()[3..7],
+            ["tool.tx_n_m", "tool.ty_n_m", "tool.tz_n_m", "finger.fx_n"]
+        );
+        assert!(matches!(
+            format.parse("1,2,3,4,5,6"),
+            Err(Refusal::Stream(_))
+        ));
     }
 
     #[test]

@@ -15,7 +15,7 @@ use super::serving::answer_all;
 use super::{PipeArguments, limits, limits_in_words, soft_start};
 use crate::failure::Failure;
 use crate::worlds::{self, Names, wrong_world};
-use line::Format;
+use line::{DeviceColumns, Format};
 use stream::{Memory, Stream};
 pub use summary::WorldSummary;
 
@@ -48,16 +48,26 @@ fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<Stream, Failure
     let force_limit = given.unwrap_or(defaults.largest_force);
     let force_limit = Some(force_limit).filter(|limit| limit.is_finite());
     scene.render.force_limit = force_limit;
+    // As the force: none where its limit was switched off.
+    let usual = force_limit.map(|_| defaults.largest_torque);
+    let torque_limit = scene.render.torque_limit.or(usual);
+    scene.render.torque_limit = torque_limit;
     let soft_start = soft_start(arguments, &defaults)?;
     let renderer = scene
         .renderer(method)
         .map_err(|faults| wrong_world(flags, file, &faults))?;
     let period = scene.timing.period;
     let safety = || {
-        Safety::new(limits(force_limit, soft_start, defaults), period)
-            .map_err(|error| Failure::Arguments(error.to_string()))
+        let limits = SafetyParams {
+            largest_torque: torque_limit.unwrap_or(f64::MAX),
+            ..limits(force_limit, soft_start, defaults)
+        };
+        Safety::new(limits, period).map_err(|error| Failure::Arguments(error.to_string()))
     };
-    let devices = scene.world.tools.iter().map(|tool| tool.name.clone());
+    let devices = scene.world.tools.iter().map(|tool| DeviceColumns {
+        name: tool.name.clone(),
+        turns: tool.turns,
+    });
     let format = Format {
         time: arguments.stream.time,
         unit: arguments.stream.unit.unwrap_or_default(),
@@ -87,7 +97,11 @@ fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<Stream, Failure
         is_header_asked: arguments.stream.header,
         output: Box::new(io::stdout()),
         messages: Some(messages),
-        summary: WorldSummary::new(force_limit, soft_start),
+        summary: WorldSummary::new(
+            force_limit,
+            torque_limit.filter(|_| scene.world.tools.iter().any(|tool| tool.turns)),
+            soft_start,
+        ),
         memory: Memory::default(),
     })
 }

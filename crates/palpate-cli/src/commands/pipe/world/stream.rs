@@ -7,7 +7,7 @@ use palpate::Fault;
 use palpate_device::Wrench;
 use palpate_record::unit::HandMotion;
 use palpate_rt::safety::{self, Safety};
-use palpate_world::{Sample, Vector, WorldRenderer, WorldState};
+use palpate_world::{NOT_TURNED, Sample, Vector, WorldRenderer, WorldState};
 
 use super::super::line::Refusal;
 use super::super::messages::Messages;
@@ -72,9 +72,16 @@ impl Stream {
         unread: Option<String>,
     ) -> Result<(), Stopped> {
         // The renderer is told that a sample came and is lost.
-        let (time, positions) = sample.map_or_else(
-            || (None, vec![[f64::NAN; 3]; self.format.devices.len()]),
-            |sample| (sample.time, sample.positions),
+        let devices = self.format.devices.len();
+        let (time, positions, orientations) = sample.map_or_else(
+            || {
+                (
+                    None,
+                    vec![[f64::NAN; 3]; devices],
+                    vec![NOT_TURNED; devices],
+                )
+            },
+            |sample| (sample.time, sample.positions, sample.orientations),
         );
         let elapsed = match (time, self.memory.last_time) {
             (Some(now), Some(last)) => Some(now - last),
@@ -82,34 +89,42 @@ impl Stream {
         };
         let sample = Sample {
             positions: &positions,
+            orientations: &orientations,
             elapsed,
         };
         let output = self.renderer.step(&mut self.state, &sample);
         let (fault, limited) = (output.fault, output.limited);
-        let is_limited = limited.force;
-        let mut forces = output.forces.to_vec();
+        let is_limited = limited.force || limited.torque;
+        let wrenches = output.forces.iter().zip(output.torques);
+        let wrenches = wrenches.map(|(&force, &torque)| Wrench { force, torque });
+        let mut wrenches: Vec<Wrench> = wrenches.collect();
         if fault.is_none() {
             self.follow(number, &positions, elapsed.unwrap_or(self.period))?;
         }
         let mut softened = false;
         let mut shortened = is_limited;
-        for ((safety, force), position) in self.safety.iter_mut().zip(&mut forces).zip(&positions) {
+        for ((safety, wrench), position) in
+            self.safety.iter_mut().zip(&mut wrenches).zip(&positions)
+        {
             let verdict = safety.judge(&safety::Rendered {
                 elapsed,
                 // A position that the renderer has refused is not looked at.
                 position: if fault.is_none() { *position } else { [0.0; 3] },
                 coordinate: 0.0,
-                wrench: Wrench::of_force(*force),
+                wrench: *wrench,
                 created_energy: 0.0,
                 refused: fault.is_some(),
                 stalled: false,
             });
             softened |= verdict.bounded.soft_start;
             shortened |= verdict.bounded.force;
-            *force = verdict.wrench.force;
+            *wrench = verdict.wrench;
         }
-        for (tool, force) in forces.iter().enumerate() {
-            self.renderer.report_sent(&mut self.state, tool, *force);
+        for (tool, wrench) in wrenches.iter().enumerate() {
+            self.renderer
+                .report_sent(&mut self.state, tool, wrench.force);
+            self.renderer
+                .report_sent_torque(&mut self.state, tool, wrench.torque);
         }
         // As for one contact: a time that was refused is kept, or all lines after a clock that was set would
         // be refused.
@@ -122,9 +137,9 @@ impl Stream {
         self.summary.softened += u64::from(softened);
         if shortened && !self.memory.is_limited {
             self.memory.is_limited = true;
-            let limit = self.safety[0].params().largest_force;
+            let limit = self.limit_in_words();
             self.tell(format_args!(
-                "line {number}: a contact asks for more than the limit of {limit} N; further limited \
+                "line {number}: a contact asks for more than the limit of {limit}; further limited \
                  forces are counted, and the summary has their number"
             ));
         }
@@ -132,8 +147,22 @@ impl Stream {
             self.memory.is_begun = true;
             self.tell_if_inside(number);
         }
-        self.answer(&forces);
+        self.answer(&wrenches);
         Ok(())
+    }
+
+    /// The limits of each device.
+    fn limit_in_words(&self) -> String {
+        let limits = self.safety[0].params();
+        let turns = self.format.devices.iter().any(|device| device.turns);
+        if turns {
+            format!(
+                "{} N or {} N m",
+                limits.largest_force, limits.largest_torque
+            )
+        } else {
+            format!("{} N", limits.largest_force)
+        }
     }
 
     /// Refuses a motion that no hand makes, unless a flag said the unit.
@@ -157,7 +186,7 @@ impl Stream {
 
     fn in_words(&self, fault: &palpate_world::WorldFault) -> String {
         match fault.tool {
-            Some(tool) => format!("{}: {}", self.format.devices[tool], fault.fault),
+            Some(tool) => format!("{}: {}", self.format.devices[tool].name, fault.fault),
             None => match fault.fault {
                 Fault::Overflow => {
                     "the world has left every scale; a body may fall for ever".into()
@@ -195,11 +224,16 @@ impl Stream {
         }
     }
 
-    /// Puts the forces into the line of the output.
-    fn answer(&mut self, forces: &[Vector]) {
+    /// Puts the forces, and the torques of devices that turn, into the line of the output.
+    fn answer(&mut self, wrenches: &[Wrench]) {
         let text = &mut self.memory.text;
         text.clear();
-        for (place, force) in forces.iter().flatten().enumerate() {
+        let devices = wrenches.iter().zip(&self.format.devices);
+        let numbers = devices.flat_map(|(wrench, device)| {
+            let torque = wrench.torque.into_iter().filter(|_| device.turns);
+            wrench.force.into_iter().chain(torque)
+        });
+        for (place, force) in numbers.enumerate() {
             let separator = if place > 0 { "," } else { "" };
             // Never a minus zero. A string takes every character.
             let _ = write!(text, "{separator}{}", force + 0.0);
@@ -256,7 +290,7 @@ impl Answering for Stream {
         if std::mem::replace(&mut self.memory.is_ended, true) || self.summary.samples == 0 {
             return Ok(());
         }
-        let none = vec![[0.0; 3]; self.format.devices.len()];
+        let none = vec![Wrench::NONE; self.format.devices.len()];
         self.answer(&none);
         self.write_text()
     }

@@ -25,6 +25,8 @@ pub struct WorldSummary {
     pub softened: u64,
     /// Largest force on each device; none: no limit.
     force_limit_n: Option<f64>,
+    /// Largest torque on each device that turns; none: no limit, or no such device.
+    torque_limit_n_m: Option<f64>,
     soft_start_s: f64,
     /// Energy that friction and damping of all contacts took.
     dissipated_j: f64,
@@ -36,7 +38,11 @@ pub struct WorldSummary {
 
 impl WorldSummary {
     /// Nothing has been done yet.
-    pub fn new(force_limit_n: Option<f64>, soft_start_s: f64) -> Self {
+    pub fn new(
+        force_limit_n: Option<f64>,
+        torque_limit_n_m: Option<f64>,
+        soft_start_s: f64,
+    ) -> Self {
         Self {
             format: FORMAT,
             samples: 0,
@@ -44,6 +50,7 @@ impl WorldSummary {
             limited: 0,
             softened: 0,
             force_limit_n,
+            torque_limit_n_m,
             soft_start_s,
             dissipated_j: 0.0,
             port_work_j: 0.0,

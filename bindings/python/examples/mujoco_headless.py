@@ -1,0 +1,64 @@
+"""A door on a hinge, a box on a floor, and a hand that pushes both with one finger, in MuJoCo without a window.
+
+    pip install palpate[mujoco]
+    python mujoco_headless.py
+
+The finger's contacts are palpate's, hinge and floor are MuJoCo's. At the end the program says what the door and the
+box were given, what the device gave, and what energy the held force gave to the hand beyond the contacts' work.
+"""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from palpate.engines import SimulatedDevice
+from palpate.engines.mujoco import Contact
+
+MODEL = """
+<mujoco>
+  <option timestep="0.001" integrator="implicitfast"/>
+  <worldbody>
+    <geom name="floor" type="plane" size="1 1 0.1"/>
+    <body name="door" pos="0 0.2 0.1">
+      <joint name="hinge" type="hinge" axis="0 0 1" damping="0.001"/>
+      <geom type="box" pos="0.1 0 0" size="0.1 0.005 0.08" mass="0.2"/>
+    </body>
+    <body name="box" pos="0.15 0.1 0.03">
+      <freejoint/>
+      <geom type="box" size="0.03 0.03 0.03" mass="0.1" friction="0.3"/>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+
+def main(seconds: float = 1.5) -> dict[str, float]:
+    """Pushes for so long [s], and says what came of it."""
+    model = mujoco.MjModel.from_xml_string(MODEL)
+    data = mujoco.MjData(model)
+    period = 0.002
+    contact = Contact(
+        model, data, tool=0.01, bodies=["door", "box"], stiffness=2000.0, friction=0.3, device_mass=0.2, period=period
+    )
+    # A hand that goes along y, against the box and with it against the door.
+    device = SimulatedDevice([0.2] * 3, [0.15, 0.05, 0.03], 200.0, 4.0, [0.15, 0.05, 0.03], [0, 0, 0], period)
+    given = 0.0
+    for tick in range(round(seconds / period)):
+        device.rest[1] = 0.05 + 0.12 * min(1.0, tick * period / seconds)
+        force = contact.step(device.position)
+        given -= period * force[1]
+        device.hold(force)
+    books, _ = contact.books
+    return {
+        "angle of the door [rad]": float(data.joint("hinge").qpos[0]),
+        "way of the box along y [m]": float(data.body("box").xpos[1] - 0.1),
+        "impulse given by the device along y [N s]": given,
+        "energy beyond the contacts' work [J]": sum(book.leak for book in books),
+        "largest force now [N]": float(np.abs(force).max()),
+    }
+
+
+if __name__ == "__main__":
+    for what, number in main().items():
+        print(f"{what:45} {number:.4g}")

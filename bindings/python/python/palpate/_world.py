@@ -1,0 +1,263 @@
+"""`World`: several devices, bodies and contacts in space."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Iterable, Mapping, NoReturn, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _palpate
+from ._scene import Tables
+from ._world_values import (
+    BodyBook,
+    BodyState,
+    Books,
+    ContactBook,
+    ContactState,
+    DeviceBook,
+    Effort,
+    ToolState,
+    WorldOutput,
+)
+
+
+class World(_palpate.World):
+    """Several devices, bodies and contacts, rendered by one method, sample by sample.
+
+        world = palpate.World("experiments/worlds/paddle.toml")
+        force = world.step([0.0, 0.0, 0.001])
+
+    A file is one of format 2. Without a file the tables of one are given, with its keys and units
+    (`docs/worlds.md` in palpate's repository lists them):
+
+        world = palpate.World(
+            loop={"period_s": 0.001},
+            devices=[{"name": "tool", "mass_kg": 0.2, "tool": {"sphere": {"radius_m": 0.01}}}],
+            bodies=[{"name": "ball", "mass_kg": 0.1, "position_m": [0, 0, 0.05],
+                     "shape": {"sphere": {"radius_m": 0.03}}}],
+            contacts=[{"between": ["tool", "ball"], "stiffness_n_per_m": 2000.0}],
+        )
+
+    A world is made for motors. So it has the limits of `palpate pipe`: the force on each device is limited to
+    20 N as a length, and where a start or a recovery finds a tool inside a body, the force comes in over 0.2 s.
+    `force_limit=math.inf, soft_start=0` switches that off.
+
+    Args:
+        path: A file. `None`: the world is in the tables.
+        title: A line for tables and figures.
+        loop: The loop, with `period_s`.
+        devices: A table for each device, with its tool.
+        bodies: A table for each body.
+        contacts: A table for each law.
+        render: Which method renders where none is named, its settings, and the told masses.
+        told: Delay, lag and gain as the renderer is told them.
+        measure: The window of `palpate.simulate`.
+        method: Name of a method for worlds. `None`: that of the file, else `coupled`.
+        force_limit: Largest length of the force on each device [N]; `math.inf`: no limit. `None`: that of the
+            file, else 20.
+        soft_start: Time over which a force comes in where a start or a recovery finds contact, at most 60 [s].
+
+    Raises:
+        ValueError: Everything that is wrong with the world, a line for each.
+        OSError: A file that cannot be read.
+    """
+
+    def __new__(
+        cls,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        title: str | None = None,
+        loop: Tables | None = None,
+        devices: Sequence[Tables] | None = None,
+        bodies: Sequence[Tables] | None = None,
+        contacts: Sequence[Tables] | None = None,
+        render: Tables | None = None,
+        told: Tables | None = None,
+        measure: Tables | None = None,
+        method: str | None = None,
+        force_limit: float | None = None,
+        soft_start: float = 0.2,
+    ) -> World:
+        tables: dict[str, Any] = {
+            "title": title,
+            "loop": loop,
+            "device": devices,
+            "body": bodies,
+            "contact": contacts,
+            "render": render,
+            "told": told,
+            "measure": measure,
+        }
+        made_by = {"method": method, "force_limit": force_limit, "soft_start": soft_start}
+        if path is None:
+            tables = {key: value for key, value in tables.items() if value is not None}
+            return cls._of(_palpate.to_toml({"format": 2, **_as_lists(tables)}), None, "", made_by)
+        given = [key for key, value in tables.items() if value is not None]
+        if given:
+            raise ValueError(f"{given[0]} stands in the file: give either a path or tables; replace() changes tables")
+        return cls._of(*_palpate.read_scene(path), made_by)
+
+    @classmethod
+    def _of(cls, text: str, name: str | None, folder: str | os.PathLike[str], made_by: Mapping[str, Any]) -> World:
+        made = super().__new__(
+            cls, text, name, folder, made_by["method"], made_by["force_limit"], made_by["soft_start"]
+        )
+        made._made_by = dict(made_by)
+        made._devices, made._bodies = made.names()
+        return made
+
+    _made_by: dict[str, Any]
+    _devices: list[str]
+    _bodies: list[str]
+
+    @classmethod
+    def parse(cls, text: str, folder: str | os.PathLike[str] = "") -> World:
+        """The world of the text of a file."""
+        return cls._of(text, "world", folder, {"method": None, "force_limit": None, "soft_start": 0.2})
+
+    def step(self, position: ArrayLike, elapsed: float | None = None) -> NDArray[np.float64]:
+        """One tick: takes a sample of all devices, gives the forces to hold until the next.
+
+        Args:
+            position: Position of the device [m], three numbers; of several devices a row for each, in the order
+                of `devices`.
+            elapsed: Measured time since the last sample [s]; `None`: one period.
+
+        Returns:
+            The force on the device [N], three numbers; of several devices a row for each. It is what the device
+            is to give to the hand. A sample that cannot be used gives 0, and `output.fault` says why.
+
+        Raises:
+            ValueError: Not three numbers for each device.
+        """
+        given = np.asarray(position, dtype=np.float64)
+        if len(self._devices) == 1:
+            if given.shape != (3,) and given.shape != (1, 3):
+                raise ValueError(f"position has the shape {given.shape}, but must have (3,): x, y, z of {self._devices[0]}")
+            return self.tick(given.reshape(1, 3), elapsed).reshape(given.shape)
+        if given.shape != (len(self._devices), 3):
+            names = ", ".join(self._devices)
+            raise ValueError(
+                f"position has the shape {given.shape}, but must have ({len(self._devices)}, 3): a row for each of {names}"
+            )
+        return self.tick(given, elapsed)
+
+    def report_sent(self, force: ArrayLike, device: str | None = None) -> None:
+        """Says what was really sent for the last sample, where that is not what `step` answered.
+
+        Args:
+            force: Force on the device [N], three numbers.
+            device: Name of the device; not needed where there is one.
+
+        Raises:
+            ValueError: No such device, or not three numbers.
+        """
+        if device is None and len(self._devices) == 1:
+            device = self._devices[0]
+        if device not in self._devices:
+            raise ValueError(f"device is {device!r}, but must be one of {', '.join(self._devices)}")
+        given = np.asarray(force, dtype=np.float64)
+        if given.shape != (3,):
+            raise ValueError(f"force has the shape {given.shape}, but must have (3,)")
+        self.tell_sent(self._devices.index(device), given.tolist())
+
+    @property
+    def devices(self) -> dict[str, ToolState]:
+        """The tool of each device at the last sample, by its name."""
+        states = {}
+        for name, (vectors, mass) in zip(self._devices, _palpate.world_tools(self)):
+            known = None if mass is None else np.array(mass)
+            states[name] = ToolState._make([*map(np.array, vectors), known])
+        return states
+
+    @property
+    def bodies(self) -> dict[str, BodyState]:
+        """Each body at the last sample, by its name; fixed ones too."""
+        states = zip(self._bodies, _palpate.world_bodies(self))
+        return {name: BodyState(*map(np.array, state)) for name, state in states}
+
+    @property
+    def contacts(self) -> tuple[ContactState, ...]:
+        """Each point at which two can touch, at the last sample, whether they do or not."""
+        return tuple(
+            ContactState((between[0], between[1]), mode, np.array(point), np.array(normal), depth, np.array(force), np.array(bristle))
+            for between, mode, point, normal, depth, force, bristle in _palpate.world_contacts(self)
+        )
+
+    @property
+    def books(self) -> Books:
+        """The books of energy as of the last sample."""
+        contacts, bodies, devices = _palpate.world_books(self)
+        return Books(
+            tuple(ContactBook((between[0], between[1]), *entries) for between, entries in contacts),
+            {name: BodyBook(*entries) for name, entries in zip(self._bodies, bodies)},
+            {name: DeviceBook(*entries) for name, entries in zip(self._devices, devices)},
+        )
+
+    @property
+    def output(self) -> WorldOutput | None:
+        """What was answered to the last sample; `None` before the first."""
+        told = self.told()
+        if told is None:
+            return None
+        forces, limited, effort, fault, faulty = told
+        return WorldOutput(forces, tuple(limited), Effort(*effort), fault, faulty)
+
+    def add(
+        self,
+        *,
+        devices: Iterable[Tables] = (),
+        bodies: Iterable[Tables] = (),
+        contacts: Iterable[Tables] = (),
+    ) -> World:
+        """A new world with these beside its own, at its start. Of two laws for the same pair the last counts."""
+        tables = self.to_dict()
+        for key, more in (("device", devices), ("body", bodies), ("contact", contacts)):
+            tables[key] = [*tables.get(key, []), *more]
+        return self._of(_palpate.to_toml(_as_lists(tables)), None, "", self._made_by)
+
+    def replace(
+        self,
+        *,
+        method: str | None = None,
+        force_limit: float | None = None,
+        soft_start: float | None = None,
+        **tables: Any,
+    ) -> World:
+        """A new world with other values, at its start: of `title`, `loop`, `render`, `told` and `measure`, by
+        key, and `devices`, `bodies` and `contacts` as wholes; and with another method or other limits.
+
+            world.replace(loop={"period_s": 0.004}, method="basic")
+        """
+        changed = self.to_dict()
+        names = {"devices": "device", "bodies": "body", "contacts": "contact"}
+        for key, value in tables.items():
+            before = changed.get(key)
+            if isinstance(value, Mapping) and isinstance(before, Mapping):
+                value = {**before, **value}
+            changed[names.get(key, key)] = value
+        limits = {"method": method, "force_limit": force_limit, "soft_start": soft_start}
+        made_by = {key: self._made_by[key] if value is None else value for key, value in limits.items()}
+        return self._of(_palpate.to_toml(_as_lists(changed)), None, "", made_by)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The tables of the world, with the keys of its file."""
+        return _palpate.from_toml(self.parts()[0])
+
+    def to_toml(self) -> str:
+        """The world as the text of a file."""
+        return self.parts()[0]
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("a World has a state and is not pickled; pickle its to_toml(), and make one anew by World.parse")
+
+    def __repr__(self) -> str:
+        return f"<palpate.World {self.title!r} of {', '.join(self._devices)}: {self.method}>"
+
+
+def _as_lists(tables: Mapping[str, Any]) -> dict[str, Any]:
+    """Rows of tables as lists, which TOML wants."""
+    rows = ("device", "body", "contact")
+    return {key: list(value) if key in rows else value for key, value in tables.items()}

@@ -1,0 +1,23 @@
+"""Contacts with the bodies of other physics engines.
+
+An engine keeps its bodies. palpate renders the contacts of a device's tool with them: nothing but forces goes
+into the engine, nothing but states comes out of it, and no body is put anywhere.
+
+`palpate.engines.mujoco` does that for MuJoCo. `EngineContact` is what an adapter for another engine is made of.
+"""
+
+from __future__ import annotations
+
+from ._contact import EngineBody, EngineContact, EngineOutput, PlacedShape, PointOfContact, PortBook, body_row
+from ._device import SimulatedDevice
+
+__all__ = [
+    "EngineBody",
+    "EngineContact",
+    "EngineOutput",
+    "PlacedShape",
+    "PointOfContact",
+    "PortBook",
+    "SimulatedDevice",
+    "body_row",
+]

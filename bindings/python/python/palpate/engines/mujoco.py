@@ -1,0 +1,334 @@
+"""Contacts with the bodies of MuJoCo: `pip install palpate[mujoco]`.
+
+    import mujoco
+    from palpate.engines.mujoco import Contact
+
+    contact = Contact(model, data, tool=0.01, bodies=["ball"], stiffness=400.0, device_mass=0.25, period=0.01)
+    while True:
+        force = contact.step(position)  # reads your device, steps the engine, and gives the force to command
+
+The engine keeps the bodies, with its other contacts, its joints and its robots. Only the contacts of the tool are
+palpate's. Their wrenches go into `data.xfrc_applied`, on top of what stands there, and are taken out of it after
+the engine's step.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._contact import BODY_COLUMNS, EngineBody, EngineContact, PlacedShape
+try:
+    import mujoco
+except ImportError as _missing:
+    raise ImportError("palpate.engines.mujoco needs MuJoCo: pip install 'palpate[mujoco]'") from _missing
+
+__all__ = ["Contact"]
+
+_GEOM = mujoco.mjtGeom
+_KINDS = {
+    int(_GEOM.mjGEOM_PLANE): ("half-space", 0),
+    int(_GEOM.mjGEOM_SPHERE): ("sphere", 1),
+    int(_GEOM.mjGEOM_CAPSULE): ("capsule", 2),
+    int(_GEOM.mjGEOM_CYLINDER): ("cylinder", 2),
+    int(_GEOM.mjGEOM_BOX): ("box", 3),
+}
+
+
+class Contact(EngineContact):
+    """Contacts of a tool with bodies of a MuJoCo model.
+
+    The engine is stepped by this: a period is one or more of its steps. It is stepped first, with the wrenches that
+    avatars and bodies exert on each other meanwhile, and then the force is known that the device holds while that time
+    passes.
+
+    The tool is a sphere that MuJoCo does not know, or a sphere geom of a mocap body. Such a geom is taken out of the
+    engine's collisions, and its mocap body follows the avatar, for a viewer to show.
+
+    Args:
+        model: A compiled model. Its lengths are in metres, its masses in kilograms.
+        data: Its state.
+        tool: Radius of the tool [m], 0 for a point; or name of a sphere geom of a mocap body. Of several devices a
+            sequence of these.
+        bodies: Names or numbers of the bodies that it touches, `"world"` for what is fixed. Of each, every geom counts
+            that can collide: spheres, boxes, capsules, cylinders and planes.
+        stiffness: K of the contacts [N/m].
+        device_mass: Effective mass of the device, right within a factor of 2 [kg]: one number, or three for its axes;
+            of several devices a row of three for each.
+        period: Time from sample to sample [s], a whole number of the model's time steps. `None`: one step.
+        damping: Material damping B [N s/m].
+        friction: Coefficient of friction.
+        friction_stiffness: Stiffness of the bristle of friction [N/m]; `None`: that of the contact.
+        encoder_quantum: Quantum of the position sensors [m]; 0: not known to have one.
+        delay: Time from a sample to the beginning of its force [s]. The engine is then ahead of the sample by it.
+        lag: Time constant of the actuators [s].
+        gain: Delivered over commanded force.
+        force_limit: Largest length of the force on the device [N]; `math.inf`: no limit.
+        soft_start: Time over which a force comes in where a start or a recovery finds contact, at most 60 [s].
+
+    Raises:
+        ValueError: Everything that is wrong, by the names of the model.
+    """
+
+    model: mujoco.MjModel
+    data: mujoco.MjData
+    steps: int
+    """Steps of the engine in a period."""
+
+    def __new__(
+        cls,
+        model: mujoco.MjModel,
+        data: mujoco.MjData,
+        *,
+        tool: float | str | Sequence[float | str],
+        bodies: Sequence[str | int],
+        stiffness: float,
+        device_mass: ArrayLike,
+        period: float | None = None,
+        damping: float = 0.0,
+        friction: float = 0.0,
+        friction_stiffness: float | None = None,
+        encoder_quantum: float = 0.0,
+        delay: float = 0.0,
+        lag: float = 0.0,
+        gain: float = 1.0,
+        force_limit: float = 20.0,
+        soft_start: float = 0.2,
+    ) -> Contact:
+        h = float(model.opt.timestep)
+        steps = 1 if period is None else _whole(period, h)
+        several = [tool] if isinstance(tool, (str, int, float, np.number)) else list(tool)
+        geoms = [_tool_geom(model, name) if isinstance(name, str) else None for name in several]
+        tools: dict[str, float] = {}
+        for number, (given, geom) in enumerate(zip(several, geoms)):
+            name = given if isinstance(given, str) else "tool" if len(several) == 1 else f"tool {number}"
+            tools[name] = float(model.geom_size[geom][0]) if geom is not None else float(given)
+        if isinstance(bodies, (str, int)):
+            raise ValueError(f"bodies is {bodies!r}, but must be a list, such as [{bodies!r}]")
+        numbers = [_body(model, body) for body in bodies]
+        for number in numbers:
+            if numbers.count(number) > 1:
+                raise ValueError(f"bodies names {_name(model, 'body', number)} twice")
+        excluded = {int(model.geom_bodyid[geom]) for geom in geoms if geom is not None}
+        if excluded & set(numbers):
+            raise ValueError(f"bodies names {_name(model, 'body', (excluded & set(numbers)).pop())}, which carries the tool")
+        made = super().__new__(
+            cls,
+            tools=tools,
+            bodies=[_described(model, number) for number in numbers],
+            period=steps * h,
+            device_mass=device_mass,
+            stiffness=stiffness,
+            damping=damping,
+            friction=friction,
+            friction_stiffness=friction_stiffness,
+            # Of the integrators only Runge-Kutta moves by the mean velocity.
+            end_velocity=int(model.opt.integrator) != int(mujoco.mjtIntegrator.mjINT_RK4),
+            encoder_quantum=encoder_quantum,
+            delay=delay,
+            lag=lag,
+            gain=gain,
+            force_limit=force_limit,
+            soft_start=soft_start,
+        )
+        assert isinstance(made, Contact)
+        made.model, made.data, made.steps = model, data, steps
+        made._numbers = numbers
+        made._mocap = [None if geom is None else int(model.body_mocapid[model.geom_bodyid[geom]]) for geom in geoms]
+        made._room(model)
+        for geom in geoms:
+            if geom is not None:
+                model.geom_contype[geom] = model.geom_conaffinity[geom] = 0
+        return made
+
+    _numbers: list[int]
+    _mocap: list[int | None]
+    _applied: NDArray[np.float64]
+    """The wrenches that the engine was last told, a row for each body [N], [N m]."""
+    _theirs: NDArray[np.float64]
+    _pushes: bool
+    _time: float
+    """The engine's time after the last step [s]."""
+
+    def _room(self, model: mujoco.MjModel) -> None:
+        count = len(self._numbers)
+        self._applied = np.zeros((count, 6))
+        self._theirs = np.zeros((count, 6))
+        self._pushes = False
+        self._time = float(self.data.time)
+        self._rows = np.zeros((count, BODY_COLUMNS))
+        self._jacobian = np.zeros((6, model.nv))
+        self._rate = np.zeros((6, model.nv))
+        self._answers = np.zeros((6, model.nv))
+
+    def step(self, position: ArrayLike, elapsed: float | None = None) -> NDArray[np.float64]:
+        """One period: takes a sample of the devices, steps the engine through the period, and gives the force on the
+        device [N] to hold over it.
+
+        Args:
+            position: Position of the device in the axes of the model [m], three numbers; of several devices a row for
+                each.
+            elapsed: Measured time since the last sample [s]; `None`: one period.
+
+        Returns:
+            Three numbers; of several devices a row for each. After a sample that cannot be used they are 0, and
+            `output.fault` says why; the engine is stepped all the same.
+
+        Raises:
+            ValueError: Not three numbers for each device.
+        """
+        self.sample(position, elapsed)
+        for _ in range(self.steps):
+            self.push()
+            mujoco.mj_step(self.model, self.data)
+            self.pull()
+        return self.hold()
+
+    def sample(self, position: ArrayLike, elapsed: float | None = None) -> None:
+        """A period begins: takes a sample of all devices, as `step` does. Where the engine's time has gone back since the
+        last step, after `mj_resetData` for instance, this begins anew as `reset` does."""
+        if self.data.time < self._time:
+            self.reset()
+        super().sample(position, elapsed)
+
+    def push(self) -> None:
+        """Before a step of the engine: writes the wrenches of the contacts into `data.xfrc_applied`, on top of what
+        stands there. For a program that steps the engine itself, between `sample` and `hold`:
+
+            contact.sample(position)
+            for _ in range(contact.steps):
+                contact.push()
+                mujoco.mj_step(model, data)
+                contact.pull()
+            force = contact.hold()
+
+        Several contacts, each with its own device, may push before a step.
+        """
+        if self._pushes:
+            raise ValueError("push() comes once before each step of the engine, and pull() after it")
+        self._theirs[:] = self.data.xfrc_applied[self._numbers]
+        # With the last wrenches the engine's other contacts are as they are when pressed.
+        self.data.xfrc_applied[self._numbers] = self._theirs + self._applied
+        mujoco.mj_forward(self.model, self.data)
+        for place, number in enumerate(self._numbers):
+            self._look(place, number)
+        if self.data.time < self._time:
+            # The engine has put itself back within the period, as it does after a state that is no number.
+            self._rows[:] = np.nan
+        self._applied[:] = self.meet(float(self.model.opt.timestep), self._rows)
+        self.data.xfrc_applied[self._numbers] = self._theirs + self._applied
+        self._pushes = True
+
+    def pull(self) -> None:
+        """After a step of the engine: takes the wrenches of the contacts out of `data.xfrc_applied`, and moves the
+        mocap bodies of the tools to where the avatars are."""
+        if not self._pushes:
+            raise ValueError("pull() comes after push() and a step of the engine")
+        self.data.xfrc_applied[self._numbers] = self._theirs
+        self._pushes = False
+        self._time = max(self._time, float(self.data.time))
+        if any(mocap is not None for mocap in self._mocap):
+            for mocap, place in zip(self._mocap, self.avatars()):
+                if mocap is not None and np.isfinite(place).all():
+                    self.data.mocap_pos[mocap] = place
+
+    def reset(self) -> None:
+        """Begins anew: nothing sampled, nothing touched, the books empty. For after `mj_resetData`, or after a body
+        was put elsewhere."""
+        super().reset()
+        self._applied[:] = 0.0
+        self._pushes = False
+        self._time = float(self.data.time)
+
+    def _look(self, place: int, number: int) -> None:
+        """Writes how a body is and answers into its row."""
+        model, data = self.model, self.data
+        row = self._rows[place]
+        row[7:] = 0.0
+        row[0:3] = data.xipos[number]
+        row[3:7] = data.xquat[number]
+        if number == 0 or model.nv == 0 or model.body_weldid[number] == 0:
+            return
+        jacobian, rate, answers = self._jacobian, self._rate, self._answers
+        mujoco.mj_jacBodyCom(model, data, jacobian[:3], jacobian[3:], number)
+        mujoco.mj_jacDot(model, data, rate[:3], rate[3:], data.xipos[number], number)
+        mujoco.mj_solveM(model, data, answers, jacobian)
+        mobility = jacobian @ answers.T
+        row[7:13] = jacobian @ data.qvel
+        row[13:19] = jacobian @ data.qacc + rate @ data.qvel - mobility @ self._applied[place]
+        row[19:55] = mobility.ravel()
+
+
+def _whole(period: float, h: float) -> int:
+    steps = round(period / h) if period > 0 and np.isfinite(period) else 0
+    if steps < 1 or abs(period / h - steps) > 1e-6 * steps:
+        raise ValueError(
+            f"period is {period} s, but must be a whole number of the model's time steps of {h} s: set model.opt.timestep"
+        )
+    return steps
+
+
+def _name(model: mujoco.MjModel, of: str, number: int) -> str:
+    name = mujoco.mj_id2name(model, _OBJECTS[of], number)
+    return f"{of} {name!r}" if name else f"{of} {number}"
+
+
+_OBJECTS = {"body": mujoco.mjtObj.mjOBJ_BODY, "geom": mujoco.mjtObj.mjOBJ_GEOM}
+
+
+def _number(model: mujoco.MjModel, of: str, name: str) -> int:
+    number = int(mujoco.mj_name2id(model, _OBJECTS[of], name))
+    if number < 0:
+        count = model.nbody if of == "body" else model.ngeom
+        names = [mujoco.mj_id2name(model, _OBJECTS[of], number) for number in range(count)]
+        raise ValueError(f"the model has no {of} {name!r}; it has {', '.join(repr(name) for name in names if name)}")
+    return number
+
+
+def _body(model: mujoco.MjModel, body: str | int) -> int:
+    if isinstance(body, str):
+        return _number(model, "body", body)
+    if not 0 <= body < model.nbody:
+        raise ValueError(f"bodies has {body}, but the model's bodies are 0 to {model.nbody - 1}")
+    return int(body)
+
+
+def _tool_geom(model: mujoco.MjModel, name: str) -> int:
+    geom = _number(model, "geom", name)
+    if int(model.geom_type[geom]) != int(_GEOM.mjGEOM_SPHERE):
+        raise ValueError(f"tool: geom {name!r} is no sphere, and a tool has to be one")
+    if int(model.body_mocapid[model.geom_bodyid[geom]]) < 0:
+        raise ValueError(f"tool: geom {name!r} has to belong to a mocap body, which follows the device")
+    if any(geom in pair for pair in zip(model.pair_geom1, model.pair_geom2)):
+        raise ValueError(f"tool: geom {name!r} stands in a <pair>, so that the engine would render its contact too")
+    return geom
+
+
+def _described(model: mujoco.MjModel, number: int) -> EngineBody:
+    name = _name(model, "body", number)
+    first = int(model.body_geomadr[number])
+    geoms = range(first, first + int(model.body_geomnum[number])) if first >= 0 else range(0)
+    shapes = []
+    for geom in geoms:
+        if not (model.geom_contype[geom] or model.geom_conaffinity[geom]):
+            continue
+        kind = int(model.geom_type[geom])
+        if kind not in _KINDS:
+            is_called = _GEOM(kind).name.removeprefix("mjGEOM_").lower()
+            raise ValueError(
+                f"{name}: {_name(model, 'geom', geom)} is of type {is_called}; a tool can touch planes, spheres, capsules, "
+                "cylinders and boxes. Give the geom contype=0 and conaffinity=0, and one of these beside it"
+            )
+        word, lengths = _KINDS[kind]
+        # The reference point is the centre of mass: the torques of xfrc_applied are about it.
+        place = model.geom_pos[geom] - model.body_ipos[number]
+        shapes.append(
+            PlacedShape(
+                word, tuple(float(x) for x in model.geom_size[geom][:lengths]), place.tolist(), model.geom_quat[geom].tolist()
+            )
+        )
+    if not shapes:
+        raise ValueError(f"{name} has no geom that can collide, so that a tool cannot touch it")
+    return EngineBody(name, shapes)

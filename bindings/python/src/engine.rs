@@ -1,0 +1,379 @@
+//! `EngineContact`: contacts with the bodies of another physics engine, which Python steps.
+
+use numpy::{PyArray2, PyReadonlyArray2};
+use palpate::Actuation;
+use palpate_device::Wrench;
+use palpate_rt::safety::{self, Safety};
+use palpate_world::engine::{
+    BodyNow, BodyWrench, EngineBody, EngineRenderer, EngineState, PlacedShape, Stepping,
+};
+use palpate_world::{
+    ContactLaw, CoupledParams, Quaternion, Sample, Shape, Tool, Vector, WorldError, WorldLoop,
+};
+use pyo3::prelude::*;
+
+use crate::names::refused;
+use crate::renderer::safety;
+use crate::world::rows;
+
+/// What a shape is called, its lengths, and where it is in its body's axes.
+type GivenShape = (String, Vec<f64>, Vector, Quaternion);
+/// Numbers of a row that says a body: position, orientation, velocity, angular velocity, acceleration, angular
+/// acceleration, and its mobility row by row.
+const BODY: usize = 55;
+
+/// Tools, bodies, their law and the loop, as the Python files hand them over.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Description {
+    tools: Vec<(String, f64)>,
+    bodies: Vec<(String, Vec<GivenShape>)>,
+    stiffness: f64,
+    damping: f64,
+    friction: f64,
+    friction_stiffness: f64,
+    end_velocity: bool,
+    period: f64,
+    device_mass: Vec<Vector>,
+    encoder_quantum: f64,
+    delay: f64,
+    lag: f64,
+    gain: f64,
+    force_limit: f64,
+    soft_start: f64,
+}
+
+/// Contacts of tools with an engine's bodies, and their state.
+#[pyclass(subclass, module = "palpate._palpate")]
+pub struct EngineContact {
+    renderer: EngineRenderer,
+    state: EngineState,
+    tools: Vec<String>,
+    bodies: usize,
+    safety: Vec<Safety>,
+    /// Largest force `[N]`, none if infinite, and soft start `[s]`.
+    limits: (Option<f64>, f64),
+    sampled: Option<Sampled>,
+    last: Option<Answer>,
+}
+
+/// The sample that a period began with.
+struct Sampled {
+    positions: Vec<Vector>,
+    elapsed: Option<f64>,
+}
+
+/// What a sample was answered.
+struct Answer {
+    forces: Vec<Vector>,
+    limited: Vec<&'static str>,
+    effort: (u32, u32, u32, bool),
+    fault: Option<&'static str>,
+}
+
+/// Forces, limits, effort and fault.
+type Told<'py> = (
+    Bound<'py, PyArray2<f64>>,
+    Vec<&'static str>,
+    (u32, u32, u32, bool),
+    Option<&'static str>,
+);
+/// Numbers of tool and body, mode, point, normal, penetration and force.
+type ContactNow = (usize, usize, &'static str, Vector, Vector, f64, Vector);
+/// Entries of the books of contacts, and of devices.
+type BooksNow = (Vec<[f64; 7]>, Vec<[f64; 2]>);
+
+fn wrong(faults: &[WorldError]) -> PyErr {
+    let lines: Vec<_> = faults.iter().map(ToString::to_string).collect();
+    refused(lines.join("\n"))
+}
+
+fn shape((kind, lengths, position, orientation): GivenShape) -> PyResult<PlacedShape> {
+    let shape = match (kind.as_str(), lengths.as_slice()) {
+        ("sphere", &[radius]) => Shape::Sphere { radius },
+        ("box", &[x, y, z]) => Shape::Box {
+            half_extents: [x, y, z],
+        },
+        ("capsule", &[radius, half_length]) => Shape::Capsule {
+            radius,
+            half_length,
+        },
+        ("cylinder", &[radius, half_length]) => Shape::Cylinder {
+            radius,
+            half_length,
+        },
+        ("half-space", &[]) => Shape::HalfSpace {
+            normal: [0.0, 0.0, 1.0],
+            offset: 0.0,
+        },
+        _ => {
+            return Err(refused(format!(
+                "there is no shape \"{kind}\" with {} lengths",
+                lengths.len()
+            )));
+        }
+    };
+    Ok(PlacedShape {
+        shape,
+        position,
+        orientation,
+    })
+}
+
+fn body(row: &[f64]) -> BodyNow {
+    let three = |from: usize| [row[from], row[from + 1], row[from + 2]];
+    let mut mobility = [[0.0; 6]; 6];
+    for (numbers, row) in mobility.iter_mut().zip(row[19..].chunks_exact(6)) {
+        numbers.copy_from_slice(row);
+    }
+    BodyNow {
+        position: three(0),
+        orientation: [row[3], row[4], row[5], row[6]],
+        velocity: three(7),
+        angular_velocity: three(10),
+        acceleration: three(13),
+        angular_acceleration: three(16),
+        mobility,
+    }
+}
+
+#[pymethods]
+impl EngineContact {
+    /// Contacts that are described by a dictionary; the Python files have its keys.
+    #[new]
+    fn new(given: Description) -> PyResult<Self> {
+        let tools: Vec<_> = given
+            .tools
+            .iter()
+            .map(|(name, radius)| Tool::new(name, Shape::Sphere { radius: *radius }))
+            .collect();
+        let law = ContactLaw {
+            stiffness: given.stiffness,
+            damping: given.damping,
+            friction: given.friction,
+            friction_stiffness: given.friction_stiffness,
+        };
+        let bodies = given
+            .bodies
+            .into_iter()
+            .map(|(name, shapes)| {
+                let shapes = shapes.into_iter().map(shape).collect::<PyResult<_>>()?;
+                Ok(EngineBody { name, shapes, law })
+            })
+            .collect::<PyResult<Vec<_>>>()?;
+        let stepping = if given.end_velocity {
+            Stepping::EndVelocity
+        } else {
+            Stepping::MeanVelocity
+        };
+        let force_limit = (given.force_limit != f64::INFINITY).then_some(given.force_limit);
+        let in_loop = WorldLoop::new(given.period).with_actuation(Actuation {
+            delay: given.delay,
+            lag: given.lag,
+            gain: given.gain,
+            ..Actuation::default()
+        });
+        let in_loop = match force_limit {
+            Some(limit) => in_loop.with_force_limits(vec![limit; tools.len()]),
+            None => in_loop,
+        };
+        let params =
+            CoupledParams::new(given.device_mass).with_encoder_quantum(given.encoder_quantum);
+        let renderer = EngineRenderer::new(&tools, &bodies, stepping, in_loop, params)
+            .map_err(|faults| wrong(&faults))?;
+        let mut contact = Self {
+            state: renderer.start(),
+            renderer,
+            bodies: bodies.len(),
+            tools: given.tools.into_iter().map(|(name, _)| name).collect(),
+            safety: Vec::new(),
+            limits: (force_limit, given.soft_start),
+            sampled: None,
+            last: None,
+        };
+        contact.forget()?;
+        Ok(contact)
+    }
+
+    /// A period begins: a row of three coordinates for each device.
+    #[pyo3(signature = (positions, elapsed=None))]
+    fn take(&mut self, positions: PyReadonlyArray2<'_, f64>, elapsed: Option<f64>) -> PyResult<()> {
+        let positions = positions.as_array();
+        if positions.shape() != [self.tools.len(), 3] {
+            return Err(refused(format!(
+                "position has the shape {:?}, but must have ({}, 3)",
+                positions.shape(),
+                self.tools.len()
+            )));
+        }
+        let rows = positions.outer_iter();
+        let positions: Vec<Vector> = rows.map(|row| [row[0], row[1], row[2]]).collect();
+        let sample = Sample {
+            elapsed,
+            ..Sample::at(&positions)
+        };
+        self.renderer.sample(&mut self.state, &sample);
+        self.sampled = Some(Sampled { positions, elapsed });
+        Ok(())
+    }
+
+    /// A step of the engine of `h` `[s]`, whose bodies are as each row says: the wrenches to hold on them, a row for
+    /// each.
+    fn meet<'py>(
+        &mut self,
+        py: Python<'py>,
+        h: f64,
+        bodies: PyReadonlyArray2<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let bodies = bodies.as_array();
+        if bodies.shape() != [self.bodies, BODY] {
+            return Err(refused(format!(
+                "bodies has the shape {:?}, but must have ({}, {BODY})",
+                bodies.shape(),
+                self.bodies
+            )));
+        }
+        let rows = bodies.outer_iter();
+        let bodies: Vec<BodyNow> = rows.map(|row| body(&row.to_vec())).collect();
+        let mut wrenches = vec![BodyWrench::default(); bodies.len()];
+        self.renderer
+            .advance(&mut self.state, h, &bodies, &mut wrenches);
+        let rows: Vec<Vec<f64>> = wrenches
+            .iter()
+            .map(|wrench| [wrench.force, wrench.torque].concat())
+            .collect();
+        Ok(PyArray2::from_vec2(py, &rows)?)
+    }
+
+    /// The period ends: a row of force for each device.
+    fn answer<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let Some(Sampled { positions, elapsed }) = self.sampled.take() else {
+            return Err(refused(
+                "there is no sample to answer: sample() comes first",
+            ));
+        };
+        let output = self.renderer.hold(&mut self.state);
+        let (fault, effort, limited) = (output.fault, output.effort, output.limited);
+        let mut forces = output.forces.to_vec();
+        let (mut is_limited, mut is_softened) = (limited.force, false);
+        for ((safety, force), position) in self.safety.iter_mut().zip(&mut forces).zip(&positions) {
+            let verdict = safety.judge(&safety::Rendered {
+                elapsed,
+                // A position that the renderer has refused is not looked at.
+                position: if fault.is_none() { *position } else { [0.0; 3] },
+                coordinate: 0.0,
+                wrench: Wrench::of_force(*force),
+                created_energy: 0.0,
+                refused: fault.is_some(),
+                stalled: false,
+            });
+            is_limited |= verdict.bounded.force;
+            is_softened |= verdict.bounded.soft_start;
+            *force = verdict.wrench.force.map(|component| component + 0.0);
+        }
+        for (tool, force) in forces.iter().enumerate() {
+            self.renderer.report_sent(&mut self.state, tool, *force);
+        }
+        let acted = [
+            (is_limited, "force"),
+            (limited.offset, "offset"),
+            (is_softened, "soft-start"),
+        ];
+        let held = rows(py, &forces)?;
+        self.last = Some(Answer {
+            forces,
+            limited: acted
+                .into_iter()
+                .filter_map(|(acted, name)| acted.then_some(name))
+                .collect(),
+            effort: (
+                effort.sub_steps,
+                effort.refined,
+                effort.unrefined,
+                effort.too_fast,
+            ),
+            fault: fault.map(|fault| fault.fault.name()),
+        });
+        Ok(held)
+    }
+
+    /// Says what was really sent to a device for the last sample `[N]`.
+    fn tell_sent(&mut self, tool: usize, force: Vector) {
+        self.renderer.report_sent(&mut self.state, tool, force);
+    }
+
+    /// Begins anew: nothing sampled, nothing touched, the books empty.
+    fn forget(&mut self) -> PyResult<()> {
+        let (force_limit, soft_start) = self.limits;
+        let period = self.renderer.in_loop().period;
+        self.safety = self
+            .tools
+            .iter()
+            .map(|_| safety(force_limit, soft_start, period))
+            .collect::<PyResult<_>>()?;
+        self.state = self.renderer.start();
+        self.sampled = None;
+        self.last = None;
+        Ok(())
+    }
+
+    /// What was answered to the last sample: None before the first.
+    fn told<'py>(&self, py: Python<'py>) -> PyResult<Option<Told<'py>>> {
+        let Some(answer) = &self.last else {
+            return Ok(None);
+        };
+        Ok(Some((
+            rows(py, &answer.forces)?,
+            answer.limited.clone(),
+            answer.effort,
+            answer.fault,
+        )))
+    }
+
+    /// Where the avatars are at the end of the period, a row for each.
+    fn avatars<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        rows(py, &self.state.avatars())
+    }
+
+    /// What is known of each tool: seven vectors and its mass.
+    fn tools_now(&self) -> Vec<([Vector; 7], Option<Vector>)> {
+        let tools = self.state.tools().iter();
+        tools.map(crate::world_state::tool).collect()
+    }
+
+    /// Each point of contact.
+    fn contacts_now(&self) -> Vec<ContactNow> {
+        let contacts = self.state.contacts().iter();
+        contacts
+            .map(|contact| {
+                let mode = crate::world_state::mode(contact.mode);
+                (
+                    contact.tool,
+                    contact.body,
+                    mode,
+                    contact.point,
+                    contact.normal,
+                    contact.penetration,
+                    contact.force,
+                )
+            })
+            .collect()
+    }
+
+    /// The books of energy.
+    fn books_now(&self) -> BooksNow {
+        let books = self.state.books();
+        (
+            books
+                .contacts
+                .iter()
+                .map(crate::world_state::contact_book)
+                .collect(),
+            books
+                .devices
+                .iter()
+                .map(|book| [book.port_work, book.held])
+                .collect(),
+        )
+    }
+}

@@ -1,0 +1,166 @@
+//! What can be read from the state of a world: tuples of numbers, which the Python files give names to.
+
+use palpate_world::{
+    BodyBook, BodyState, ContactBook, ContactState, DeviceBook, Mode, Side, ToolState, Vector,
+};
+use pyo3::prelude::*;
+
+use crate::world::PyWorld;
+
+/// Position, orientation, velocity and angular velocity of a body.
+type BodyNow = (Vector, [f64; 4], Vector, Vector);
+/// Position, velocity, position and velocity of the avatar, offset, velocity offset, force, and mass if it is known.
+type ToolNow = ([Vector; 7], Option<Vector>);
+/// The two sides, mode, point, normal, penetration, force and bristle.
+type ContactNow = (
+    [String; 2],
+    &'static str,
+    Vector,
+    Vector,
+    f64,
+    Vector,
+    Vector,
+);
+/// Entries of the books of contacts, with their sides; of bodies; and of devices.
+type BooksNow = (Vec<([String; 2], [f64; 7])>, Vec<[f64; 5]>, Vec<[f64; 7]>);
+
+impl PyWorld {
+    fn side(&self, side: Side) -> String {
+        let world = &self.scene().world;
+        match side {
+            Side::Tool(number) => world.tools[number].name.clone(),
+            Side::Body(number) => world.bodies[number].name.clone(),
+        }
+    }
+}
+
+/// Each body at the last sample.
+#[pyfunction]
+pub fn world_bodies(world: PyRef<'_, PyWorld>) -> Vec<BodyNow> {
+    let bodies = world.state.bodies().iter();
+    bodies
+        .map(|body| {
+            let BodyState {
+                position,
+                orientation,
+                velocity,
+                angular_velocity,
+                ..
+            } = *body;
+            (position, orientation, velocity, angular_velocity)
+        })
+        .collect()
+}
+
+/// Each tool at the last sample.
+#[pyfunction]
+pub fn world_tools(world: PyRef<'_, PyWorld>) -> Vec<ToolNow> {
+    world.state.tools().iter().map(tool).collect()
+}
+
+/// A tool in numbers.
+pub fn tool(tool: &ToolState) -> ToolNow {
+    let ToolState {
+        position,
+        velocity,
+        avatar_position,
+        avatar_velocity,
+        offset,
+        velocity_offset,
+        force,
+        mass,
+        ..
+    } = *tool;
+    let vectors = [
+        position,
+        velocity,
+        avatar_position,
+        avatar_velocity,
+        offset,
+        velocity_offset,
+        force,
+    ];
+    (vectors, mass)
+}
+
+/// What a contact does, in a word.
+pub fn mode(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Free => "free",
+        Mode::Sticks => "sticks",
+        Mode::Slides => "slides",
+        Mode::Parts => "parts",
+    }
+}
+
+/// Entries of the book of a contact.
+pub fn contact_book(book: &ContactBook) -> [f64; 7] {
+    [
+        book.stored,
+        book.dissipated,
+        book.work,
+        book.work_on_avatar,
+        book.held,
+        book.observed,
+        book.step_error,
+    ]
+}
+
+/// Each point of contact at the last sample.
+#[pyfunction]
+pub fn world_contacts(world: PyRef<'_, PyWorld>) -> Vec<ContactNow> {
+    let contacts = world.state.contacts().iter();
+    contacts
+        .map(|contact| {
+            let ContactState {
+                between,
+                mode,
+                point,
+                normal,
+                penetration,
+                force,
+                bristle,
+                ..
+            } = *contact;
+            let mode = self::mode(mode);
+            let between = between.map(|side| world.side(side));
+            (between, mode, point, normal, penetration, force, bristle)
+        })
+        .collect()
+}
+
+/// The books of energy as of the last sample.
+#[pyfunction]
+pub fn world_books(world: PyRef<'_, PyWorld>) -> BooksNow {
+    let books = world.state.books();
+    let contacts = world.state.contacts().iter().zip(&books.contacts);
+    let of_contact = |(contact, book): (&ContactState, &ContactBook)| {
+        let entries = contact_book(book);
+        (contact.between.map(|side| world.side(side)), entries)
+    };
+    let of_body = |book: &BodyBook| {
+        [
+            book.kinetic,
+            book.potential,
+            book.work,
+            book.outside,
+            book.step_error,
+        ]
+    };
+    let of_device = |book: &DeviceBook| {
+        [
+            book.port_work,
+            book.held,
+            book.unforeseen,
+            book.offset,
+            book.velocity_offset,
+            book.unpaid,
+            book.walked_back,
+        ]
+    };
+    (
+        contacts.map(of_contact).collect(),
+        books.bodies.iter().map(of_body).collect(),
+        books.devices.iter().map(of_device).collect(),
+    )
+}

@@ -1,0 +1,400 @@
+"""Contacts with the bodies of MuJoCo."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import runpy
+import subprocess
+import sys
+import types
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+
+import palpate
+from conftest import ROOT
+from palpate.engines import EngineContact, SimulatedDevice
+
+mujoco = pytest.importorskip("mujoco", reason="pip install palpate[mujoco]")
+
+from palpate.engines import table  # noqa: E402
+from palpate.engines.mujoco import Contact  # noqa: E402
+
+FREE: dict[str, Any] = {"force_limit": math.inf, "soft_start": 0}
+
+
+def load(world: str, h: float = 0.001, integrator: str = "RK4", gravity: str = "0 0 0") -> tuple[Any, Any]:
+    xml = (
+        f'<mujoco><option timestep="{h}" integrator="{integrator}" gravity="{gravity}"><flag eulerdamp="disable"/></option>'
+        f"<worldbody>{world}</worldbody></mujoco>"
+    )
+    model = mujoco.MjModel.from_xml_string(xml)
+    return model, mujoco.MjData(model)
+
+
+BLOCK = (
+    '<body name="block" pos="1 2 3" quat="0.8 0.6 0 0"><freejoint/><inertial pos="0.1 0 0.05" mass="1" diaginertia="0.01 0.02 '
+    '0.025"/><geom type="box" size="0.2 0.1 0.1"/></body>'
+)
+
+
+class Told(Contact):
+    """Contacts that give one wrench for ever: what is tested is the way into the engine."""
+
+    wrench: Any = None
+
+    def meet(self, h: float, bodies: Any) -> Any:
+        self.seen = bodies.copy()
+        return np.array([self.wrench])
+
+
+def told(model: Any, data: Any, wrench: Any, body: str = "block") -> Told:
+    contact = Told(model, data, tool=0.01, bodies=[body], stiffness=100.0, device_mass=0.2, **FREE)
+    assert isinstance(contact, Told)
+    contact.wrench = wrench
+    return contact
+
+
+def test_a_newton_on_a_kilogram_for_a_second_is_half_a_metre() -> None:
+    model, data = load(BLOCK)
+    contact = told(model, data, [1, 0, 0, 0, 0, 0])
+    mujoco.mj_forward(model, data)
+    start = data.xipos[1].copy()
+    for _ in range(1000):
+        contact.step([0, 0, 0])
+    np.testing.assert_allclose(data.xipos[1] - start, [0.5, 0, 0], atol=1e-9)
+    np.testing.assert_allclose(data.qvel, [1, 0, 0, 0, 0, 0], atol=1e-9)
+    # What is the user's stays, and ours is gone.
+    assert (data.xfrc_applied == 0).all()
+
+
+def test_a_wrench_off_the_centre_turns_a_rotated_body_as_its_mobility_says() -> None:
+    model, data = load(BLOCK, h=1e-4)
+    force, arm = np.array([0.3, -0.2, 1.0]), np.array([0.05, 0.1, -0.02])
+    wrench = np.concatenate([force, np.cross(arm, force)])
+    data.qvel[:] = [0.1, 0.2, 0.3, 0.4, -0.5, 0.6]
+    contact = told(model, data, wrench)
+    contact.step([0, 0, 0])
+    row = contact.seen[0]
+    before, acceleration, mobility = row[7:13], row[13:19], row[19:].reshape(6, 6)
+    np.testing.assert_allclose(mobility, mobility.T, atol=1e-9)
+    turned = data.ximat[1].reshape(3, 3)
+    inverse = turned @ np.diag(1 / model.body_inertia[1]) @ turned.T
+    np.testing.assert_allclose(mobility[3:, 3:], inverse, rtol=1e-3, atol=0.1)
+    np.testing.assert_allclose(mobility[:3, :3], np.eye(3), atol=1e-9)
+    jacobian = np.zeros((6, model.nv))
+    mujoco.mj_forward(model, data)
+    mujoco.mj_jacBodyCom(model, data, jacobian[:3], jacobian[3:], 1)
+    gained = jacobian @ data.qvel - before
+    np.testing.assert_allclose(gained / 1e-4, acceleration + mobility @ wrench, rtol=2e-3, atol=2e-2)
+
+
+def test_a_door_answers_at_its_handle_by_its_moment_of_inertia() -> None:
+    model, data = load(
+        '<body name="door"><joint type="hinge" axis="0 0 1"/><geom type="box" pos="0.4 0 0" size="0.4 0.02 1" mass="3"/></body>'
+    )
+    contact = told(model, data, [0, 0, 0, 0, 0, 0], "door")
+    contact.step([0, 0, 0])
+    mobility = contact.seen[0][19:].reshape(6, 6)
+    # At the handle, 0.4 m beyond the centre of mass, along y.
+    at = np.array([0, 1, 0, 0, 0, 0.4])
+    moment = 3 * (0.8**2 + 0.04**2) / 12 + 3 * 0.4**2
+    assert abs(at @ mobility @ at / (0.8**2 / moment) - 1) < 1e-9
+    assert np.linalg.matrix_rank(mobility) == 1
+
+
+def test_bodies_and_devices_are_given_the_same_impulse_whatever_the_joint() -> None:
+    """A tool pushes a door near its edge."""
+    model, data = load(
+        '<body name="door"><joint type="hinge" axis="0 0 1"/><geom type="box" pos="0.4 0 0" size="0.4 0.02 1" mass="0.3"/></body>',
+        h=0.0005,
+    )
+    contact = Contact(model, data, tool=0.01, bodies=["door"], stiffness=2000.0, device_mass=0.3, period=0.002, **FREE)
+    device = SimulatedDevice([0.3] * 3, [0.7, -0.04, 0], 0.0, 0.0, [0, 0, 0], [0, 2.0, 0], 0.002)
+    torque = 0.0
+    for _ in range(150):
+        force = contact.step(device.position)
+        [point] = contact.contacts
+        torque -= 0.002 * np.cross([device.position[0], device.position[1], 0], force)[2]
+        device.hold(force)
+    moment = 0.3 * (0.8**2 + 0.04**2) / 12 + 0.3 * 0.4**2
+    assert data.qvel[0] > 1.0 and abs(torque / (moment * data.qvel[0]) - 1) < 0.03, (torque, moment * data.qvel[0])
+
+
+def test_a_tool_rests_on_what_is_fixed_and_follows_the_avatar() -> None:
+    model, data = load(
+        '<geom name="floor" type="plane" size="1 1 1"/><geom name="wall" type="box" pos="0.3 0 0" size="0.1 1 1"/>'
+        '<body name="hand" mocap="true" pos="0 0 1"><geom name="tip" type="sphere" size="0.02"/></body>'
+    )
+    contact = Contact(model, data, tool="tip", bodies=["world"], stiffness=1000.0, device_mass=0.2, **FREE)
+    assert model.geom_contype[2] == model.geom_conaffinity[2] == 0
+    assert [point.between for point in contact.contacts] == [("tip", "body 'world'")] * 2
+    device = SimulatedDevice([0.2] * 3, [0.17, 0, 0.021], 0.0, 3.0, [0, 0, 0], [1.0, 0, -2.0], 0.001)
+    for _ in range(1500):
+        force = contact.step(device.position)
+        device.hold(force)
+    np.testing.assert_allclose(force, [-1, 0, 2], atol=0.01)
+    np.testing.assert_allclose(data.mocap_pos[0], device.position, atol=1e-4)
+    assert contact.devices["tip"].mass is not None and contact.output is not None and contact.output.fault is None
+
+
+def test_what_stands_in_xfrc_applied_stays_there() -> None:
+    model, data = load('<body name="ball"><freejoint/><geom type="sphere" size="0.02" mass="0.1"/></body>')
+    contact = Contact(model, data, tool=0.01, bodies=["ball"], stiffness=1000.0, device_mass=0.2, **FREE)
+    own = [0, 0, 0.5, 0, 0, 0]
+    data.xfrc_applied[1] = own
+    for _ in range(20):
+        contact.step([0, 0, 0.029])
+        assert data.xfrc_applied[1].tolist() == own
+    assert data.qvel[2] < 0  # 1 N of the tool against it at first
+    contact.sample([0, 0, 0.029])
+    with pytest.raises(ValueError, match="pull\\(\\) comes after push"):
+        contact.pull()
+    contact.push()
+    with pytest.raises(ValueError, match="push\\(\\) comes once"):
+        contact.push()
+    mujoco.mj_step(model, data)
+    contact.pull()
+    contact.hold()
+    with pytest.raises(ValueError, match="sample\\(\\) comes first"):
+        contact.hold()
+
+
+def test_several_tools_and_several_contacts_share_a_body() -> None:
+    """Two fingers pinch a ball of 50 g, as two tools of one contact and as two contacts: it stays."""
+    ball = '<body name="ball"><freejoint/><geom type="sphere" size="0.02" mass="0.05"/></body>'
+    law: dict[str, Any] = {"bodies": ["ball"], "stiffness": 2000.0, "device_mass": 0.2, "friction": 0.8, "damping": 1.0, **FREE}
+    for is_one in (True, False):
+        model, data = load(ball, gravity="0 0 -9.81", integrator="implicitfast")
+        fingers = [SimulatedDevice([0.2] * 3, [x, 0, 0], 60.0, 3.0, [x, 0, 0], [-30 * x, 0, 0.25], 0.001) for x in (-0.0299, 0.0299)]
+        together = Contact(model, data, tool=[0.01, 0.01], **law) if is_one else None
+        apart = [] if is_one else [Contact(model, data, tool=0.01, **law) for _ in fingers]
+        for _ in range(500):
+            places = [finger.position for finger in fingers]
+            if together is not None:
+                forces = together.step(places)
+            else:
+                for one, place in zip(apart, places):
+                    one.sample(place)
+                for one in apart:
+                    one.push()
+                mujoco.mj_step(model, data)
+                for one in reversed(apart):
+                    one.pull()
+                forces = np.array([one.hold() for one in apart])
+            for finger, force in zip(fingers, forces):
+                finger.hold(force)
+        assert (data.xfrc_applied == 0).all()
+        # It gives way by the bristles and the fingers, and does not fall.
+        assert abs(data.qpos[2]) < 0.02 and np.abs(data.qvel[:3]).max() < 0.02, (is_one, data.qpos, data.qvel)
+        assert abs(forces[0][0]) > 0.5 and abs(forces[0][0] + forces[1][0]) < 0.05
+
+
+def test_bad_samples_give_no_force_and_the_engine_goes_on() -> None:
+    model, data = load('<body name="ball"><freejoint/><geom type="sphere" size="0.02" mass="0.1"/></body>')
+    contact = Contact(model, data, tool=0.01, bodies=["ball"], stiffness=1000.0, device_mass=0.2)
+    contact.step([0, 0, 0.0299])
+    assert contact.step([0, math.nan, 0]).tolist() == [0, 0, 0]
+    assert contact.output is not None and contact.output.fault == "position-not-finite"
+    assert abs(data.time - 0.002) < 1e-12 and (data.xfrc_applied == 0).all()
+    # After it the force comes in softly, and is limited.
+    assert np.linalg.norm(contact.step([0, 0, 0.0299])) < 0.1
+    for _ in range(400):
+        data.qpos[:3] = 0
+        data.qvel[:] = 0
+        force = contact.step([0, 0, 0.001])
+    assert abs(np.linalg.norm(force) - 20) < 1e-6 and contact.output.limited == ("force",)
+    contact.reset()
+    assert contact.output is None and contact.step([0, 0, 1.0]).tolist() == [0, 0, 0]
+    books, ports = contact.books
+    assert books[0].between == ("tool", "body 'ball'") and ports["tool"].port_work == 0
+
+
+def test_an_engine_that_was_put_back_is_met_anew(tmp_path: Any, monkeypatch: Any) -> None:
+    # MuJoCo writes a log where it runs.
+    monkeypatch.chdir(tmp_path)
+    model, data = load('<body name="ball"><freejoint/><geom type="sphere" size="0.02" mass="0.1"/></body>')
+    contact = Contact(model, data, tool=0.01, bodies=["ball"], stiffness=1000.0, device_mass=0.2, period=0.002)
+    for _ in range(50):
+        contact.step([0, 0, 0.025])
+    assert data.time > 0.09 and data.qpos[2] < -1e-3
+    mujoco.mj_resetData(model, data)
+    # At once there is an overlap of 5 mm, and the force comes in softly.
+    force = contact.step([0, 0, 0.025])
+    assert contact.output is not None and contact.output.limited == ("soft-start",) and 0 <= force[2] < 0.2
+    # MuJoCo puts itself back after a state that is no number: no contact in that period.
+    contact.sample([0, 0, 0.025])
+    contact.push()
+    data.qvel[2] = math.nan
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        mujoco.mj_step(model, data)
+    contact.pull()
+    contact.push()
+    mujoco.mj_step(model, data)
+    contact.pull()
+    assert contact.hold().tolist() == [0, 0, 0] and contact.output.fault == "overflow"
+    assert np.isfinite(contact.step([0, 0, 0.1])).all() and contact.output.fault is None
+
+
+def test_what_a_tool_cannot_touch_is_said_by_its_name() -> None:
+    model, data = load(
+        '<geom name="floor" type="plane" size="1 1 1"/><body name="egg"><freejoint/><geom name="shell" type="ellipsoid" '
+        'size="0.1 0.1 0.2"/></body><body name="ghost"><freejoint/><geom size="0.1" contype="0" conaffinity="0"/></body>'
+        '<body name="ball"><freejoint/><geom name="rubber" size="0.1"/></body>'
+    )
+    good: dict[str, Any] = {"tool": 0.01, "bodies": ["ball"], "stiffness": 100.0, "device_mass": 0.2}
+    for changed, said in [
+        ({"bodies": ["bal"]}, "the model has no body 'bal'; it has 'world', 'egg', 'ghost', 'ball'"),
+        ({"bodies": "ball"}, "bodies is 'ball', but must be a list"),
+        ({"bodies": ["ball", 3]}, "bodies names body 'ball' twice"),
+        ({"bodies": [7]}, "bodies has 7, but the model's bodies are 0 to 3"),
+        ({"bodies": []}, "there is no body of the engine to touch"),
+        ({"bodies": ["egg"]}, "body 'egg': geom 'shell' is of type ellipsoid"),
+        ({"bodies": ["ghost"]}, "body 'ghost' has no geom that can collide"),
+        ({"tool": "rubber"}, "geom 'rubber' has to belong to a mocap body"),
+        ({"tool": "floor"}, "geom 'floor' is no sphere"),
+        ({"tool": -0.1}, 'tool "tool": radius is -0.1, and has to be at least 0'),
+        ({"period": 0.0015}, "period is 0.0015 s, but must be a whole number of the model's time steps of 0.001 s"),
+        ({"stiffness": 0}, "stiffness is 0, and has to be above 0"),
+        ({"device_mass": [0.1, 0.2]}, r"device_mass has the shape \(2,\)"),
+        ({"device_mass": 0}, "device_mass is 0, and has to be above 0"),
+        ({"soft_start": -1}, "soft_start is -1 s, but must be 0 to 60"),
+    ]:
+        with pytest.raises(ValueError, match=said):
+            Contact(model, data, **{**good, **changed})
+    with pytest.raises(ValueError, match=r"position has the shape \(2,\), but must have \(3,\)"):
+        Contact(model, data, **good).step([0, 0])
+
+
+def test_an_adapter_of_ones_own_needs_no_engine_of_ours() -> None:
+    """A ball that a loop of Python moves: the same momentum on both sides."""
+    contact = EngineContact(
+        tools={"tip": 0.0},
+        bodies=[palpate.engines.EngineBody("ball", [palpate.engines.PlacedShape("sphere", (0.02,))])],
+        period=0.004,
+        device_mass=0.2,
+        stiffness=800.0,
+        **FREE,
+    )
+    mobility = np.diag([10.0] * 3 + [1e4] * 3)
+    place, speed, device = 0.025, 0.0, SimulatedDevice([0.2] * 3, [0, 0, 0], 0, 0, [0, 0, 0], [0, 0, 1.0], 0.004)
+    given = taken = 0.0
+    for _ in range(60):
+        contact.sample(device.position)
+        for _ in range(2):
+            row = palpate.engines.body_row([0, 0, place], [1, 0, 0, 0], [0, 0, speed], [0] * 3, [0] * 3, [0] * 3, mobility)
+            [wrench] = contact.meet(0.002, row[None])
+            speed += 0.002 * 10 * wrench[2]
+            place += 0.002 * speed
+            given += 0.002 * wrench[2]
+        force = contact.hold()
+        taken += 0.004 * force[2]
+        device.hold(force)
+    assert given > 0.02 and abs(given + taken) < 0.01 * given
+    assert contact.contacts[0].between == ("tip", "ball")
+
+
+@pytest.mark.parametrize("period, stiffness", table.RATES)
+def test_with_palpate_the_force_is_the_mean_of_the_ideal_one(period: float, stiffness: float) -> None:
+    """Required: E of 5 % at most; the aim was 2 %. The engine's own contact is far from that in the same scenes."""
+    for scene in table.scenes(period, stiffness):
+        ideal = palpate.simulate(scene.world)
+        samples = ideal.ideal.shape[1]
+        for told in (1.0, 1.5):
+            error, _ = table.judged(table.with_palpate(scene, 4, "RK4", told, samples)[0], ideal)
+            assert error < 2, (scene.name, told, error)
+        alone, over = table.judged(table.with_engine(scene, 4, "RK4", 0.0, samples)[0], ideal)
+        assert alone > 10 and over > 1.5, (scene.name, alone)
+
+
+def test_the_table_says_every_way(capsys: Any, monkeypatch: Any) -> None:
+    monkeypatch.setattr(table, "RATES", [(0.01, 400.0)])
+    monkeypatch.setattr(table, "DAMPING_RATIOS", (0.0, 0.05))
+    monkeypatch.setattr("sys.argv", ["table", "--steps", "2", "--told", "1", "--integrators", "Euler"])
+    table.main()
+    said = capsys.readouterr().out
+    for scene in ("ball", "ball on floor", "box on floor"):
+        for way in ("engine", "engine, tuned", "palpate"):
+            assert f"| {scene} | 10 | 400 | 2 | Euler | {way} |" in said
+    assert "damping ratio 0.05" in said
+
+
+def test_without_mujoco_the_message_says_how_to_get_it() -> None:
+    code = "import sys; sys.modules['mujoco'] = None; import palpate.engines; import palpate.engines.mujoco"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 1 and "palpate.engines.mujoco needs MuJoCo: pip install 'palpate[mujoco]'" in done.stderr
+
+
+def example(name: str) -> dict[str, Any]:
+    return runpy.run_path(str(ROOT / "bindings/python/examples" / name))
+
+
+def test_the_example_without_a_window_opens_the_door() -> None:
+    found = example("mujoco_headless.py")["main"]()
+    assert found["angle of the door [rad]"] > 0.2 and found["way of the box along y [m]"] > 0.03
+    assert abs(found["energy beyond the contacts' work [J]"]) < 1e-3
+
+
+def test_the_example_with_a_window_follows_the_mouse() -> None:
+    """With a window that is none: the mouse drags the tool down onto the ball."""
+    names = example("mujoco_mouse.py")
+    model, data, contact, device = names["set_up"]()
+
+    class Window:
+        frames = 0
+        texts: Any = None
+        perturb = types.SimpleNamespace(select=mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, "hand"), active=1, refpos=None)
+        lock = contextlib.nullcontext
+
+        def is_running(self) -> bool:
+            self.frames += 1
+            self.perturb.refpos = [-0.06, -0.1 + 0.1 * min(1, self.frames / 20), 0.06]
+            return self.frames < 60
+
+        def set_texts(self, texts: Any) -> None:
+            self.texts = texts
+
+        def sync(self) -> None:
+            pass
+
+    window = Window()
+    names["drive"](window, model, data, contact, device)
+    np.testing.assert_allclose(data.mocap_pos[0], device.position, atol=2e-3)
+    assert device.position[1] > -0.03 and window.texts[3].endswith(" N")
+    assert contact.output is not None and contact.output.fault is None
+
+
+@pytest.mark.parametrize("period, stiffness", table.RATES)
+def test_a_delay_that_is_told_costs_nothing(period: float, stiffness: float) -> None:
+    """Each force acts a period late. Told, the engine is ahead by that; not told, the error is that of the delay."""
+    scene = table.scenes(period, stiffness)[0]
+    ideal = palpate.simulate(scene.world)
+    errors = []
+    for delay in (period, 0.0):
+        model = scene.model(4, "RK4")
+        data = mujoco.MjData(model)
+        while data.time < delay - 1e-9:
+            mujoco.mj_step(model, data)
+        contact = Contact(
+            model,
+            data,
+            tool="tool",
+            bodies=["body"],
+            stiffness=stiffness,
+            device_mass=table.DEVICE_MASS,
+            period=period,
+            delay=delay,
+            **FREE,
+        )
+        device, late, forces = scene.device(), np.zeros(3), []
+        for _ in range(ideal.ideal.shape[1]):
+            answer = contact.step(device.position)
+            forces.append(late)
+            device.hold(late)
+            late = answer
+        errors.append(table.judged(np.array(forces), ideal)[0])
+    assert errors[0] < 2 and errors[1] > 50, errors

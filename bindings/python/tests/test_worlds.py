@@ -1,0 +1,171 @@
+"""`World`, and worlds in `simulate`."""
+
+from __future__ import annotations
+
+import json
+import math
+import pickle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import palpate
+from conftest import ROOT
+
+WORLDS = ["paddle", "pinch", "groove-90-rough"]
+PADDLE = "experiments/worlds/paddle.toml"
+
+
+def ball(**changes: Any) -> palpate.World:
+    tables: dict[str, Any] = {
+        "loop": {"period_s": 0.001},
+        "devices": [{"name": "tool", "mass_kg": 0.2, "tool": {"sphere": {"radius_m": 0.01}}}],
+        "bodies": [{"name": "ball", "mass_kg": 0.1, "position_m": [0, 0, 0.039], "shape": {"sphere": {"radius_m": 0.03}}}],
+        "contacts": [{"between": ["tool", "ball"], "stiffness_n_per_m": np.float32(2000.0)}],
+        "force_limit": math.inf,
+        "soft_start": 0,
+    }
+    return palpate.World(**{**tables, **changes})
+
+
+@pytest.mark.parametrize("world", WORLDS)
+def test_a_world_is_simulated_to_the_numbers_of_the_program(program: Any, root: Path, world: str) -> None:
+    path = f"experiments/worlds/{world}.toml"
+    ours = palpate.simulate(path, method="all")
+    assert ours == program.json("simulate", path, "--method", "all")
+    assert isinstance(ours, palpate.WorldRuns) and ours["format"] == "palpate world 1"
+    again = palpate.simulate(palpate.World(path).replace(method="basic"))
+    assert [*again.forces] == ["basic"]
+    # E from the arrays is that of the report, whose ideal has what a held force cannot show too.
+    masses = np.array([device["mass_kg"] for device in palpate.World(path).to_dict()["device"]])[:, None, :]
+    off, of = [np.sum(x**2 / masses) for x in (ours.forces["coupled"] - ours.ideal, ours.ideal)]
+    told = ours.method("coupled").sum
+    shown = 1 - (told.hold_floor_percent / 100) ** 2
+    assert abs(100 * math.sqrt(shown * off / of) - told.mean_force_error_percent) < 1e-6
+    assert ours.edges.shape == (ours.ideal.shape[1] + 1,)
+
+
+@pytest.mark.parametrize("world", WORLDS)
+@pytest.mark.parametrize("method", ["coupled", "basic"])
+def test_a_world_answers_as_the_pipe_does(program: Any, root: Path, world: str, method: str) -> None:
+    path = f"experiments/worlds/{world}.toml"
+    own = palpate.World(path, method=method)
+    start = np.array([device["position_m"] for device in own.to_dict()["device"]])
+    ticks = np.arange(80)[:, None, None]
+    # Into the groove.
+    down = 2.5e-4 if "groove" in world else 2e-5
+    motion = start + 1e-4 * np.sin(0.1 * ticks) * np.array([0.3, 0.2, 1.0]) - down * ticks
+    lines = "".join(",".join(repr(x) for x in row) + "\n" for row in motion.reshape(80, -1).tolist())
+    said = program("pipe", path, "--method", method, "--unit", "m", given=lines).splitlines()
+    theirs = np.array([[float(x) for x in line.split(",")] for line in said[:80]])
+    given = motion[:, 0] if len(start) == 1 else motion
+    ours = np.array([own.step(position) for position in given])
+    assert ours.reshape(80, -1).tolist() == theirs.tolist()
+    assert np.abs(ours).max() > 0
+
+
+def test_what_a_world_has_can_be_read_after_a_sample() -> None:
+    world = ball()
+    assert world.output is None and world.period == 0.001 and world.method == "coupled"
+    assert [*world.devices] == ["tool"] and world.bodies["ball"].position.tolist() == [0, 0, 0.039]
+    for _ in range(5):
+        force = world.step((0.0, 0.0, 0.0))
+    assert force.shape == (3,) and force.dtype == np.float64
+    body, [contact] = world.bodies["ball"], world.contacts
+    assert body.velocity[2] > 0 and body.orientation.tolist() == [1, 0, 0, 0] and (body.angular_velocity == 0).all()
+    assert contact.between == ("tool", "ball") and contact.normal.tolist() == [0, 0, -1]
+    output = world.output
+    assert output is not None and output.fault is None and output.limited == () and output.effort.sub_steps >= 16
+    books = world.books
+    [book] = books.contacts
+    # The contact begins with what a sample found: nothing was stored at the start.
+    assert abs(book.stored - (book.observed - book.work - book.dissipated + book.step_error)) < 1e-12
+    assert abs(book.leak - (book.held - book.work_on_avatar)) < 1e-15 and book.stored > 0
+    assert abs(books.bodies["ball"].kinetic - 0.5 * 0.1 * body.velocity @ body.velocity) < 1e-15
+    # The device did not move: no work at its port.
+    assert books.devices["tool"].port_work == 0.0
+    world.reset()
+    assert world.output is None and world.bodies["ball"].velocity.tolist() == [0, 0, 0]
+
+
+def test_forces_are_limited_as_the_pipe_limits_them() -> None:
+    deep = ball(force_limit=None, soft_start=0.2)
+    first = deep.step([0, 0, 0.03])
+    assert np.linalg.norm(first) < 1 and deep.output is not None and "soft-start" in deep.output.limited
+    at_once = ball(force_limit=5).step([0, 0, 0.02])
+    assert abs(np.linalg.norm(at_once) - 5) < 1e-9
+    assert np.linalg.norm(ball().step([0, 0, 0.02])) > 20
+
+
+def test_a_sample_that_cannot_be_used_gives_no_force() -> None:
+    world = ball()
+    world.step([0, 0, 0])
+    assert world.step([0, math.nan, 0]).tolist() == [0, 0, 0]
+    assert world.output is not None and (world.output.fault, world.output.fault_device) == ("position-not-finite", "tool")
+    assert world.output.fault in palpate.FAULTS
+    for wrong in ([0, 0], [[0, 0, 0], [0, 0, 0]], 0.0):
+        with pytest.raises(ValueError, match="must have"):
+            world.step(wrong)
+    with pytest.raises(ValueError, match="device is 'other', but must be one of tool"):
+        world.report_sent([0, 0, 0], "other")
+    world.report_sent([0, 0, 0])
+
+
+def test_a_world_is_made_of_tables_step_by_step(root: Path) -> None:
+    world = ball(title="two").add(
+        bodies=({"name": "floor", "fixed": True, "shape": {"half_space": {"normal": [0, 0, 1], "offset_m": 0.0}}} for _ in [0]),
+        contacts=[{"between": ["*", "floor"], "stiffness_n_per_m": 4000}],
+    )
+    assert [*world.bodies] == ["ball", "floor"] and len(world.contacts) == 3 and world.title == "two"
+    read = palpate.World.parse(world.to_toml())
+    assert read.to_dict() == world.to_dict() and repr(read) == "<palpate.World 'two' of tool: coupled>"
+    slower = world.replace(loop={"period_s": 0.004, "delay_s": 0.001}, method="basic")
+    assert slower.period == 0.004 and slower.method == "basic" and slower.title == "two"
+    pinched = palpate.World("experiments/worlds/pinch.toml")
+    assert pinched.step(np.zeros((2, 3), np.float32)).shape == (2, 3)
+    with pytest.raises(TypeError, match="to_toml"):
+        pickle.dumps(world)
+
+
+def test_every_fault_of_a_world_is_said(root: Path, tmp_path: Path) -> None:
+    with pytest.raises(ValueError) as raised:
+        ball(loop={"period_s": -1}, contacts=[{"between": ["tool", "bal"], "stiffness_n_per_m": 0}])
+    said = str(raised.value)
+    for part in ["period_s is -1, and has to be above 0", '"bal" is neither a tool nor a body', "stiffness is 0, and has to be above 0"]:
+        assert part in said
+    path = tmp_path / "wrong.toml"
+    path.write_text((ROOT / PADDLE).read_text().replace("mass_kg = 0.1\n", "mass_kg = 0.0\n"))
+    for use in (palpate.World, palpate.simulate):
+        with pytest.raises(ValueError, match=r"wrong.toml:\d+:\d+: body \"ball\": mass is 0"):
+            use(path)
+    with pytest.raises(ValueError, match='no method "hfcr" for worlds'):
+        palpate.World(PADDLE, method="hfcr")
+    with pytest.raises(ValueError, match="virtual-damper needs damping_n_s_per_m"):
+        palpate.simulate(PADDLE, method=["basic", "virtual-damper"])
+    with pytest.raises(TypeError, match="runs on scenes of one contact"):
+        palpate.simulate(PADDLE, method=lambda now: 0.0)
+    with pytest.raises(ValueError, match="title stands in the file"):
+        palpate.World(PADDLE, title="a")
+    with pytest.raises(FileNotFoundError):
+        palpate.World(tmp_path / "none.toml")
+
+
+def test_a_report_of_a_world_can_be_kept_and_drawn(root: Path) -> None:
+    rep = palpate.simulate(PADDLE)
+    again = pickle.loads(pickle.dumps(rep))
+    assert again == rep and (again.forces["coupled"] == rep.forces["coupled"]).all() and again.edges.tolist() == rep.edges.tolist()
+    assert json.loads(rep.to_json())["methods"][0]["method"] == "coupled"
+    assert "paddle" in rep._repr_html_() and str(again) == str(rep)
+    with pytest.raises(KeyError, match="there are coupled"):
+        rep.method("basic")
+    pytest.importorskip("matplotlib").use("agg")
+    ax = rep.plot()
+    assert [line.get_label() for line in ax.lines] == ["ideal, means", "coupled"]
+
+
+def test_a_device_of_six_axes_is_not_stepped_yet(root: Path) -> None:
+    box = palpate.World("experiments/worlds/box.toml")
+    with pytest.raises(ValueError, match="has six axes, and step\\(\\) takes devices of three so far; palpate pipe takes it"):
+        box.step([0, 0, 0])

@@ -1,0 +1,195 @@
+//! A lane: the program's loop on a virtual device, on a clock that somebody else moves.
+
+use palpate_device::clock::{Clock as _, SteppedClock};
+use palpate_record::recording::Row;
+use palpate_rt::safety::{OscillationParams, SafetyParams, Trip};
+use palpate_rt::{ControlLoop, Listener, Note, Parameters, Rendering, Told, tap};
+use palpate_scope::message::Said;
+use palpate_scope::rows::Rows;
+use palpate_sim::device::{PointerDevice, PointerHand, PointerParams};
+
+/// Ticks, contacts and notes that one call of [`Lane::advance`] may make.
+const ROOM: usize = 1 << 14;
+/// Most ticks of one call: each needs room for itself and its contact, and may have notes.
+const MOST_TICKS: u64 = (ROOM / 4) as u64;
+/// Most notes that one call tells; more are counted.
+const MOST_NOTES: usize = 16;
+
+/// A loop, its device, and what has not been shown of it yet.
+pub struct Lane {
+    control: ControlLoop<PointerDevice<SteppedClock>, SteppedClock>,
+    parameters: Parameters,
+    clock: SteppedClock,
+    listener: Listener,
+    period: f64,
+    ticks: u64,
+    rows: Rows,
+    frames: u32,
+    trip: Option<Tripped>,
+    /// Where the device was seen last `[m]`.
+    position: Option<f64>,
+}
+
+/// What holds the force at none.
+#[derive(Clone, Debug)]
+pub struct Tripped {
+    /// Why, in words.
+    pub why: String,
+    /// The method whose held forces are the reason, if a method's are.
+    pub method: Option<&'static str>,
+}
+
+impl Lane {
+    /// A loop that renders `rendering` on a device in `hand`. `cuts_off`: whether a contact that creates energy is cut
+    /// off, as by `palpate live`.
+    ///
+    /// # Errors
+    /// A parameter outside its range, in words.
+    pub fn start(
+        params: PointerParams,
+        hand: &PointerHand,
+        rendering: Rendering,
+        cuts_off: bool,
+    ) -> Result<Self, String> {
+        let clock = SteppedClock::new();
+        let device = PointerDevice::new(params, hand, clock.clone()).map_err(in_words)?;
+        let mut limits = SafetyParams::default();
+        if !cuts_off {
+            limits.oscillation = OscillationParams {
+                energy: f64::INFINITY,
+                ..limits.oscillation
+            };
+        }
+        let (tap, listener) = tap(ROOM);
+        let mut control = ControlLoop::new(device, clock.clone(), rendering, limits)
+            .map_err(in_words)?
+            .tapped(tap);
+        let parameters = control
+            .parameters()
+            .ok_or("the loop has given its parameters away")?;
+        let period = rendering.loop_params.period;
+        Ok(Self {
+            control,
+            parameters,
+            clock,
+            listener,
+            period,
+            ticks: 0,
+            rows: Rows::new(period),
+            frames: 0,
+            trip: None,
+            position: None,
+        })
+    }
+
+    /// Time of the run that it has reached `[s]`.
+    pub fn time(&self) -> f64 {
+        self.clock.now().as_secs_f64()
+    }
+
+    /// Ticks up to this time `[s]`, and tells what has happened in `notes`, of the lane of this number.
+    pub fn advance(&mut self, until: f64, number: usize, notes: &mut Vec<String>) -> u32 {
+        let mut made = 0;
+        while self.ticks as f64 * self.period <= until && u64::from(made) < MOST_TICKS {
+            self.control.tick();
+            self.ticks += 1;
+            made += 1;
+        }
+        self.listen(number, notes);
+        made
+    }
+
+    fn listen(&mut self, number: usize, notes: &mut Vec<String>) {
+        let (mut told, mut untold) = (0, 0);
+        for heard in self.listener.by_ref() {
+            match heard {
+                Told::Tick(tick, contacts, _) => {
+                    if let Some(row) = Row::of(tick, &contacts).next() {
+                        self.position = Some(row.contact.device_position);
+                        self.rows.add(&row);
+                    }
+                }
+                Told::Note(noted) => {
+                    match noted.note {
+                        Note::Tripped(trip) => {
+                            self.trip = Some(Tripped {
+                                why: trip.to_string(),
+                                method: None,
+                            });
+                        }
+                        Note::Oscillated { method, .. } => {
+                            self.trip = Some(Tripped {
+                                why: Trip::Oscillation.to_string(),
+                                method: Some(method),
+                            });
+                        }
+                        _ => {}
+                    }
+                    if told == MOST_NOTES {
+                        untold += 1;
+                        continue;
+                    }
+                    told += 1;
+                    let event = noted.event();
+                    notes.push(note(number, event.time, &event.kind, &event.text));
+                }
+            }
+        }
+        if untold > 0 {
+            let text = format!("and {untold} more at once");
+            notes.push(note(number, self.time(), "untold", &text));
+        }
+        if self.control.trip().is_none() {
+            self.trip = None;
+        }
+    }
+
+    /// What holds the force at none, if something does.
+    pub fn trip(&self) -> Option<&Tripped> {
+        self.trip.as_ref()
+    }
+
+    /// Lets the force come back.
+    pub fn rearm(&self) {
+        let rearm = self.control.rearm();
+        rearm.store(true, std::sync::atomic::Ordering::Release);
+    }
+
+    /// Renders something else from the next tick on.
+    ///
+    /// # Errors
+    /// What cannot change while the loop runs, in words.
+    pub fn change(&mut self, rendering: Rendering) -> Result<(), String> {
+        self.parameters
+            .change(rendering)
+            .map(|_| ())
+            .map_err(in_words)
+    }
+
+    /// Where its device was seen last `[m]`.
+    pub fn position(&self) -> Option<f64> {
+        self.position.filter(|position| position.is_finite())
+    }
+
+    /// The rows that have not been taken yet, as a frame of samples; none if there are none.
+    pub fn frame(&mut self, number: u8, run: u32) -> Option<Vec<u8>> {
+        let frame = self.rows.take_frame(number, run)?;
+        let bytes = frame.numbered(self.frames);
+        self.frames = self.frames.wrapping_add(1);
+        Some(bytes)
+    }
+}
+
+fn note(lane: usize, t_s: f64, kind: &str, text: &str) -> String {
+    Said::Note {
+        lane,
+        t_s,
+        kind,
+        text,
+    }
+    .text()
+}
+
+fn in_words(error: impl std::fmt::Display) -> String {
+    error.to_string()
+}

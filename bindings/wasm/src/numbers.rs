@@ -1,0 +1,112 @@
+//! Every number of a run, bit by bit: what a build for a browser and one for this machine are compared by.
+
+use std::fmt::Write as _;
+
+use palpate_scene::SceneFile;
+use palpate_scene::method::MethodName;
+use palpate_scene::world::{WorldFile, WorldScene};
+use palpate_sim::closed_loop::Bench;
+use palpate_sim::world::as_judged;
+use palpate_testbed::actuator::ActuatorParams;
+use palpate_testbed::world::{PlantParams, WorldPlant};
+use palpate_world::Sample;
+
+/// What the methods of a world that need a setting are given where its file gives none: damping `[N s/m]`, stiffness
+/// `[N/m]` and mass `[kg]` of the coupling.
+const USUAL: (f64, f64, f64) = (1.0, 1000.0, 0.05);
+
+/// Runs a scene or a world by every method over its window, and writes for each tick the device, the force and the
+/// books of energy as the bits of their numbers.
+///
+/// # Errors
+/// What is wrong with the text, with line and column; what cannot be run.
+pub fn numbers(source: &str) -> Result<String, String> {
+    if WorldFile::is_one(source) {
+        let file = WorldFile::parse("world", source).map_err(|errors| errors.to_string())?;
+        of_world(file.scene)
+    } else {
+        of_scene(source)
+    }
+}
+
+fn of_scene(source: &str) -> Result<String, String> {
+    let scene = SceneFile::parse("scene", source)
+        .map_err(|errors| errors.to_string())?
+        .scene;
+    let bench = Bench::new(&scene).map_err(|error| error.to_string())?;
+    let mut text = String::new();
+    for method in MethodName::ALL {
+        let run = bench.run(method).map_err(|error| error.to_string())?;
+        for tick in &run.ticks {
+            let ledger = &tick.ledger;
+            let values = [
+                tick.time,
+                tick.device_position,
+                tick.output.force_on_device,
+                tick.held_force_on_object,
+                ledger.stored,
+                ledger.port_work,
+                ledger.original_leak.accumulated,
+                ledger.held_leak.accumulated,
+            ];
+            line(&mut text, method.name(), &values);
+        }
+        line(&mut text, method.name(), &[run.force.peak_force]);
+    }
+    Ok(text)
+}
+
+fn of_world(mut scene: WorldScene) -> Result<String, String> {
+    let (damping, stiffness, mass) = USUAL;
+    let render = &mut scene.render;
+    render.damping.get_or_insert(damping);
+    render.coupling.stiffness.get_or_insert(stiffness);
+    render.coupling.mass.get_or_insert(mass);
+    let actuator = scene.timing.actuator;
+    let params = PlantParams {
+        period: scene.timing.period,
+        delay: actuator.delay,
+        actuator: ActuatorParams {
+            lag: actuator.lag,
+            gain: actuator.gain,
+        },
+    };
+    let judged = as_judged(&scene);
+    let mut text = String::new();
+    for method in WorldScene::METHODS {
+        let renderer = scene.renderer(method).map_err(|errors| {
+            let errors: Vec<_> = errors.iter().map(ToString::to_string).collect();
+            errors.join("; ")
+        })?;
+        let mut plant = WorldPlant::new(&judged, params).map_err(|error| error.to_string())?;
+        let mut state = renderer.start();
+        while plant.time() < scene.duration - 0.5 * scene.timing.period {
+            let (measured, turned) = (plant.measure(), plant.measure_orientations());
+            let sample = Sample::at(&measured).turned(&turned);
+            let output = renderer.step(&mut state, &sample);
+            let mut values: Vec<f64> = measured.iter().flatten().copied().collect();
+            values.extend(output.forces.iter().flatten());
+            values.extend(output.torques.iter().flatten());
+            plant.hold_wrenches(output.forces, output.torques);
+            for body in state.bodies() {
+                values.extend(body.position);
+                values.extend(body.orientation);
+            }
+            let books = &state.books().contacts;
+            values.extend(books.iter().map(|book| book.stored));
+            values.extend(books.iter().map(|book| book.leak()));
+            line(&mut text, method, &values);
+        }
+    }
+    Ok(text)
+}
+
+/// A line: what it is of, and the bits of its numbers.
+fn line(text: &mut String, of: &str, values: &[f64]) {
+    text.push_str(of);
+    for value in values {
+        // Writing to a string does not fail.
+        let _ = write!(text, " {:016x}", value.to_bits());
+    }
+    text.push('\n');
+}

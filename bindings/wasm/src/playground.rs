@@ -1,0 +1,321 @@
+//! One or two loops in the same hand, and what a page asks of them.
+
+use palpate_rt::safety::SafetyParams;
+use palpate_scene::method::MethodName;
+use palpate_scene::{Scene, SceneFile};
+use palpate_scope::message::{DeviceSaid, Heard, LaneState, Said, Set, Wish, hear};
+use palpate_scope::{Limits, Settings, make_room};
+use palpate_sim::device::{PointerHand, PointerParams};
+use serde::{Deserialize, Serialize};
+
+use crate::lane::Lane;
+
+/// Most lanes: two methods beside each other.
+const LANES: usize = 2;
+/// How far the hand may be led `[m]`.
+const REACH: f64 = 1.0;
+/// Mass of the virtual device `[kg]`.
+const DEVICE_MASS: [f64; 2] = [0.01, 5.0];
+/// Delay of the virtual device `[s]`.
+const DEVICE_DELAY: [f64; 2] = [0.0, 0.02];
+
+/// The virtual device, as far as a page can change it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DeviceChoice {
+    /// Mass `[kg]`.
+    pub mass_kg: f64,
+    /// Time from a sample to the beginning of its force `[s]`. The renderer is told.
+    pub delay_s: f64,
+    /// Whether a contact that creates energy is cut off, as by `palpate live`.
+    pub cut_off: bool,
+}
+
+/// What is wrong with a message.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Refused {
+    /// The type of the message.
+    pub about: &'static str,
+    /// What is wrong, and what is allowed.
+    pub why: String,
+}
+
+impl Refused {
+    /// As a page is told.
+    #[must_use]
+    pub fn text(&self) -> String {
+        Said::Refused {
+            about: self.about,
+            text: &self.why,
+        }
+        .text()
+    }
+}
+
+/// Loops in simulated time, and what may be changed of them.
+pub struct Playground {
+    scene: Scene,
+    settings: Settings,
+    limits: Limits,
+    device: DeviceChoice,
+    hand: PointerHand,
+    lanes: Vec<Lane>,
+    /// How often the loops have begun.
+    runs: u32,
+    notes: Vec<String>,
+}
+
+impl Playground {
+    /// Opens a scene of one contact, rendered by its method and, beside it, by the plain spring. The hand holds
+    /// the device where it is.
+    ///
+    /// # Errors
+    /// What is wrong with the scene, with line and column.
+    pub fn open(source: &str) -> Result<Self, String> {
+        let scene = SceneFile::parse("scene", source)
+            .map_err(|errors| errors.to_string())?
+            .scene;
+        let methods = [MethodName::Basic, scene.method];
+        let settings = Settings::of(&scene, &methods);
+        let mut playground = Self {
+            limits: Limits::around(&settings, &scene),
+            settings,
+            device: DeviceChoice {
+                mass_kg: scene.device.mass,
+                delay_s: scene.delay as f64 * scene.loop_params.period + scene.timing.delay_seconds,
+                cut_off: false,
+            },
+            hand: PointerHand::at(scene.device.position),
+            scene,
+            lanes: Vec::new(),
+            runs: 0,
+            notes: Vec::new(),
+        };
+        playground.scene.delay = 0;
+        playground.lanes = playground.begin(&playground.settings, playground.device, false)?;
+        Ok(playground)
+    }
+
+    /// The scene with the device as it was chosen.
+    fn scene_on(&self, device: DeviceChoice) -> Scene {
+        let mut scene = self.scene.clone();
+        scene.device.mass = device.mass_kg;
+        scene.timing.delay_seconds = device.delay_s;
+        scene
+    }
+
+    /// Loops from their first tick on; `goes_on`: with their devices where they are.
+    fn begin(
+        &self,
+        settings: &Settings,
+        device: DeviceChoice,
+        goes_on: bool,
+    ) -> Result<Vec<Lane>, String> {
+        let scene = self.scene_on(device);
+        let usual = PointerParams::of(&scene);
+        let first = self.lanes.first().and_then(Lane::position);
+        let renderings = settings.renderings(&scene)?;
+        let lanes = renderings.into_iter().enumerate();
+        lanes
+            .map(|(number, mut rendering)| {
+                let own = self.lanes.get(number).and_then(Lane::position);
+                let at = own.or(first).filter(|_| goes_on);
+                if let Some(at) = at {
+                    make_room(&mut rendering, at);
+                }
+                let params = PointerParams {
+                    position: at.unwrap_or(usual.position),
+                    ..usual
+                };
+                Lane::start(params, &self.hand, rendering, device.cut_off)
+            })
+            .collect()
+    }
+
+    /// What is said first.
+    #[must_use]
+    pub fn hello(&self) -> String {
+        let device = DeviceSaid {
+            name: "pointer",
+            axes: 1,
+            pointer: true,
+            largest_force_n: Some(SafetyParams::default().largest_force),
+            lanes: LANES,
+        };
+        Said::hello(&self.scene, self.limits, device).text()
+    }
+
+    /// What is rendered now, and on which device.
+    #[must_use]
+    pub fn state(&self) -> String {
+        #[derive(Serialize)]
+        struct State<'a> {
+            #[serde(flatten)]
+            said: Said<'a>,
+            device: DeviceChoice,
+        }
+        let lanes = self.settings.lanes.iter().zip(&self.lanes);
+        let said = Said::State {
+            stiffness_n_per_m: self.settings.stiffness,
+            mass_kg: self.settings.mass,
+            virtual_force_n: self.settings.virtual_force,
+            period_s: self.settings.period,
+            told: self.settings.told(&self.scene_on(self.device)),
+            lanes: lanes
+                .map(|(choice, lane)| LaneState {
+                    choice: *choice,
+                    running: true,
+                    trip: lane.trip().map(|trip| trip.why.clone()),
+                    trip_method: lane.trip().and_then(|trip| trip.method),
+                })
+                .collect(),
+            recording: None,
+            hand_m: self.hand.target(),
+        };
+        let device = self.device;
+        serde_json::to_string(&State { said, device }).unwrap_or_default()
+    }
+
+    /// Does what a message asks for: those of `palpate live` but recordings, and
+    /// `{"type": "device", "mass_kg": , "delay_s": , "cut_off": }`.
+    ///
+    /// # Errors
+    /// What is wrong with it, and what is allowed.
+    pub fn hear(&mut self, text: &str) -> Result<(), Refused> {
+        #[derive(Deserialize)]
+        #[serde(tag = "type", rename_all = "snake_case")]
+        enum Own {
+            Device(DeviceChoice),
+        }
+        let refused = |about| move |why| Refused { about, why };
+        if is_about_device(text) {
+            return serde_json::from_str(text)
+                .map_err(|error| error.to_string())
+                .and_then(|Own::Device(device)| self.set_device(device))
+                .map_err(refused("device"));
+        }
+        match hear(text) {
+            Heard::Wish(Wish::Hand(target)) => self.lead(target).map_err(refused("hand")),
+            Heard::Wish(Wish::Set(set)) => self.set(&set).map_err(refused("set")),
+            Heard::Wish(Wish::Restart) => self.restart().map_err(refused("restart")),
+            Heard::Wish(Wish::Rearm(lane)) => self.rearm(lane).map_err(refused("rearm")),
+            Heard::Wish(Wish::Record(_)) => Err(Refused {
+                about: "record",
+                why: "the playground records nothing; palpate live does".into(),
+            }),
+            Heard::Wish(Wish::Tool(_)) => Err(Refused {
+                about: "tool",
+                why: "one contact has a hand along one axis".into(),
+            }),
+            Heard::Refused(about, why) => Err(Refused { about, why }),
+            Heard::Unknown(why) => Err(Refused {
+                about: "unknown",
+                why: why.into(),
+            }),
+        }
+    }
+
+    fn lead(&self, target: Option<f64>) -> Result<(), String> {
+        match target {
+            None => self.hand.let_go(),
+            Some(target) if target.abs() <= REACH => self.hand.move_to(target),
+            Some(target) => {
+                return Err(format!(
+                    "position_m is {target}; allowed: -{REACH} to {REACH}, or null"
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn set(&mut self, set: &Set) -> Result<(), String> {
+        let new = self.settings.with(set, &self.limits, LANES)?;
+        let renderings = new.renderings(&self.scene_on(self.device))?;
+        let is_another_loop =
+            new.period != self.settings.period || new.lanes.len() != self.settings.lanes.len();
+        if is_another_loop {
+            return self.begin_with(new, self.device, true);
+        }
+        for (lane, rendering) in self.lanes.iter_mut().zip(renderings) {
+            lane.change(rendering)?;
+        }
+        self.settings = new;
+        Ok(())
+    }
+
+    fn set_device(&mut self, device: DeviceChoice) -> Result<(), String> {
+        for (name, value, [least, most]) in [
+            ("mass_kg", device.mass_kg, DEVICE_MASS),
+            ("delay_s", device.delay_s, DEVICE_DELAY),
+        ] {
+            if !(least..=most).contains(&value) {
+                return Err(format!("{name} is {value}; allowed: {least} to {most}"));
+            }
+        }
+        self.begin_with(self.settings.clone(), device, true)
+    }
+
+    /// Loops, object, device and hand are where the scene has them.
+    fn restart(&mut self) -> Result<(), String> {
+        self.hand.move_to(self.scene.device.position);
+        self.begin_with(self.settings.clone(), self.device, false)
+    }
+
+    /// Begins anew with these, or changes nothing.
+    fn begin_with(
+        &mut self,
+        settings: Settings,
+        device: DeviceChoice,
+        goes_on: bool,
+    ) -> Result<(), String> {
+        let lanes = self.begin(&settings, device, goes_on)?;
+        self.lanes = lanes;
+        self.settings = settings;
+        self.device = device;
+        self.runs = self.runs.wrapping_add(1);
+        Ok(())
+    }
+
+    fn rearm(&self, lane: usize) -> Result<(), String> {
+        let lanes = self.lanes.len();
+        let rearmed = self.lanes.get(lane).map(Lane::rearm);
+        rearmed.ok_or_else(|| format!("lane is {lane}; allowed: 0 to {}", lanes - 1))
+    }
+
+    /// Ticks all lanes up to this time of the run `[s]`, as far as one call goes; the number of ticks.
+    pub fn advance(&mut self, until: f64) -> u32 {
+        let notes = &mut self.notes;
+        let lanes = self.lanes.iter_mut().enumerate();
+        lanes
+            .map(|(number, lane)| lane.advance(until, number, notes))
+            .sum()
+    }
+
+    /// Time of the run that all lanes have reached `[s]`.
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        let times = self.lanes.iter().map(Lane::time);
+        times.fold(f64::INFINITY, f64::min)
+    }
+
+    /// The rows of a lane that have not been taken yet, as a frame of samples.
+    pub fn frame(&mut self, lane: u32) -> Option<Vec<u8>> {
+        let number = u8::try_from(lane).ok()?;
+        let runs = self.runs;
+        self.lanes.get_mut(usize::from(number))?.frame(number, runs)
+    }
+
+    /// What has happened since this was asked last, as messages.
+    pub fn take_notes(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.notes)
+    }
+}
+
+fn is_about_device(text: &str) -> bool {
+    #[derive(Deserialize)]
+    struct Typed<'a> {
+        #[serde(borrow)]
+        r#type: std::borrow::Cow<'a, str>,
+    }
+    serde_json::from_str::<Typed<'_>>(text).is_ok_and(|typed| typed.r#type == "device")
+}

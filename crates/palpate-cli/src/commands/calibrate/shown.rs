@@ -1,0 +1,30 @@
+//! The part of a motion that a report and a figure show.
+
+use palpate_calibrate::Measured;
+
+use super::motion::Motion;
+use palpate_study::card::MotionCard;
+
+/// How much of the motion is drawn `[s]`: steps of the force have to be seen.
+const SHOWN: f64 = 0.25;
+
+/// Positions, forces and what the fit foresees of the positions, over a part in the middle.
+pub fn part(motion: &Motion, measured: &Measured, period: f64) -> MotionCard {
+    let excited = motion.excited();
+    let middle = usize::midpoint(excited.start, excited.end);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a number of samples"
+    )]
+    let half = (0.5 * SHOWN / period).ceil() as usize;
+    let shown = middle.saturating_sub(half).max(excited.start)..(middle + half).min(excited.end);
+    let start = motion.positions[0];
+    let moved = |of: &[f64]| of[shown.clone()].iter().map(|x| x - start).collect();
+    MotionCard {
+        t_s: shown.clone().map(|i| i as f64 * period).collect(),
+        measured_m: moved(&motion.positions),
+        fitted_m: moved(&measured.foreseen),
+        command_n: motion.forces[shown.clone()].to_vec(),
+    }
+}

@@ -1,0 +1,177 @@
+//! `palpate live` with a world: its page shows it in three dimensions.
+
+use std::path::Path;
+
+use palpate_device::clock::MonotonicClock;
+use palpate_rt::{SetupError, StopFlag};
+use palpate_scene::world::WorldFile;
+use palpate_scope::{
+    Home, MOST_LANES, Server, SessionError, WorldLane, WorldLaneEnd, WorldSession, WorldSetup,
+};
+use palpate_sim::device::SpatialHand;
+
+use super::super::run::report::{Energies, Report, Subject};
+use super::super::run::world::{FLAGS, rendered};
+use super::super::run::{Asked, guarding, limits, outcome, request};
+use super::{LOOK_EVERY, LiveArguments, add, listen, where_it_is};
+use crate::devices::guarding::GuardianReport;
+use crate::devices::{DeviceName, OpenedInWorld, open_in_world_with};
+use crate::failure::{Failure, tell};
+use crate::results::print;
+use crate::values::duration;
+use crate::worlds::{self, wrong_world};
+
+/// Runs one loop or two on the world of `file`, which is at `path`, and serves a page on them.
+pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(), Failure> {
+    let mut known: Vec<&str> = FLAGS
+        .into_iter()
+        .filter(|flag| !["record", "fast", "json"].contains(flag))
+        .collect();
+    known.extend(["stall_after", "listen", "allow_host"]);
+    worlds::only(&arguments.given, &known, path)?;
+    let scene = &file.scene;
+    let methods = worlds::methods(&arguments.flags, scene);
+    let is_virtual = matches!(
+        arguments.device.device,
+        DeviceName::Pointer | DeviceName::Simulated
+    );
+    let most = if is_virtual { MOST_LANES } else { 1 };
+    if methods.is_empty() || methods.len() > most {
+        return Err(Failure::Arguments(format!(
+            "--method: {} methods; allowed: one{}",
+            methods.len(),
+            if is_virtual {
+                ", or two side by side"
+            } else {
+                ", since this device can be in one loop only"
+            }
+        )));
+    }
+    let methods: Vec<&'static str> = methods.into_iter().map(worlds::known).collect();
+    for method in &methods {
+        scene
+            .renderer(method)
+            .map_err(|faults| wrong_world(&arguments.flags, file, &faults))?;
+    }
+    let period = scene.timing.period;
+    let listening = listen(arguments)?;
+    let spin = duration("--spin", arguments.realtime.spin)?;
+    let clock = MonotonicClock::new().with_spin(spin);
+    let guarding = guarding(&arguments.safety, period)?;
+    let lasts = (arguments.duration < f64::INFINITY)
+        .then(|| duration("--duration", arguments.duration))
+        .transpose()?;
+    let hand = (arguments.device.device == DeviceName::Pointer)
+        .then(|| scene.devices.first())
+        .flatten()
+        .map(|device| SpatialHand::at(device.position));
+    let opener = {
+        let (device, safety) = (arguments.device.clone(), arguments.safety.clone());
+        let (file, hand, guarding) = (file.clone(), hand.clone(), guarding.clone());
+        let methods = methods.clone();
+        move |number: usize| -> Result<WorldLane, Failure> {
+            let method = methods.get(number).copied().unwrap_or("coupled");
+            let OpenedInWorld { device, frame } =
+                open_in_world_with(&device, &file.scene, &clock, &guarding, hand.as_ref())?;
+            let limits = limits(device.capabilities(), &safety);
+            let world = rendered(
+                &file,
+                method,
+                (&frame, device.capabilities()),
+                limits.largest_force,
+            )
+            .map_err(|faults| Failure::input(&faults[0]))?
+            .map_err(Failure::input)?;
+            Ok(WorldLane {
+                device,
+                world,
+                limits,
+            })
+        }
+    };
+    // What is wrong with the first device is said at once, with its exit code.
+    let mut first = Some(opener(0)?);
+    let setup = WorldSetup {
+        scene: scene.clone(),
+        methods: methods.clone(),
+        open: Box::new(move |number| match first.take().filter(|_| number == 0) {
+            Some(opened) => Ok(opened),
+            None => opener(number).map_err(|failure| failure.message()),
+        }),
+        hand,
+        clock,
+        request: request(&arguments.realtime),
+        duration: lasts,
+    };
+    let stop =
+        StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
+    // Declared first, so that it goes last: whatever goes wrong below, the force is off before clients
+    // are told goodbye.
+    let server;
+    let session = WorldSession::start(setup, &stop).map_err(|error| match error {
+        SessionError::Setup(SetupError::Safety(error)) => Failure::Arguments(error.to_string()),
+        SessionError::Setup(error) => Failure::input(format_args!("{}: {error}", path.display())),
+        SessionError::Other(text) => Failure::System(text),
+    })?;
+    let where_it_is = where_it_is(&listening);
+    server = Server::start(listening, session.hub(), session.commands(), Home::World)
+        .map_err(|error| Failure::System(error.to_string()))?;
+    print(&format!("{where_it_is}ctrl-C ends it\n"))?;
+    for answer in session
+        .answers()
+        .iter()
+        .filter(|answer| !answer.is_granted())
+    {
+        tell(format_args!("warning: {answer}"));
+    }
+    while !session.has_ended() {
+        std::thread::sleep(LOOK_EVERY);
+    }
+    let end = session.join();
+    drop(server);
+    let asked = Asked {
+        duration: arguments.duration,
+        device_may_end: false,
+        lost: "the device was lost before the end",
+    };
+    let mut ended = Ok(());
+    for lane in end.lanes {
+        let guardian = guarding.report(&arguments.device, &lane.capabilities);
+        add(
+            &mut ended,
+            report(&lane, (&scene.title, period), guardian, &asked),
+        );
+    }
+    let failed = end
+        .failed
+        .map(|text| Failure::System(format!("no loop ran at the end: {text}")));
+    add(&mut ended, failed.map_or(Ok(()), Err));
+    ended
+}
+
+/// Says how a lane went.
+fn report(
+    lane: &WorldLaneEnd,
+    (title, period): (&str, f64),
+    guardian: Option<GuardianReport>,
+    asked: &Asked,
+) -> Result<(), Failure> {
+    let books = lane.end.control.rendered().state().books();
+    let subject = Subject {
+        title,
+        method: lane.method,
+        period,
+    };
+    let report = Report::new(
+        subject,
+        &lane.capabilities,
+        &lane.end,
+        &lane.answers,
+        &lane.account,
+        None,
+    )
+    .with_energies(Energies::of_world(&lane.end, books))
+    .guarded(guardian);
+    print(&format!("\n{report}"))?;
+    outcome::of(&lane.end, asked, None, None)
+}

@@ -1,0 +1,238 @@
+//! `palpate run` and `record` with a world, on each device that takes one.
+
+mod common;
+
+use common::{Folder, experiment_text, number, parse};
+use palpate_haply_emulator::inverse3::{Body, Emulator, EmulatorOptions, holding};
+use palpate_record::recording::{Entry, Recording};
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    for (place, name) in [
+        ("worlds-on-devices", "block-at-wall"),
+        ("worlds-on-devices", "ball-on-table"),
+        ("worlds", "pinch"),
+    ] {
+        let text = experiment_text(&format!("{place}/{name}"));
+        folder.write(&format!("{name}.toml"), text);
+    }
+    folder
+}
+
+#[test]
+fn a_world_is_run_recorded_and_read_back() {
+    let folder = folder();
+    let command = "record ball-on-table.toml ball.mcap --fast --duration 2 --json";
+    let report = parse(&folder.succeed(command));
+    assert_eq!(report["method"], "coupled");
+    assert_eq!(report["trip"], serde_json::Value::Null);
+    assert!(number(&report, "peak_force_n") > 0.5, "{report}");
+    assert!(number(&report, "leak_held_j").abs() < 0.005, "{report}");
+    let recording = &report["recording"];
+    assert!(
+        recording["complete"] == true && recording["ticks"] == 2000,
+        "{report}"
+    );
+
+    let info = parse(&folder.succeed("info ball.mcap --json"));
+    assert!(
+        info["complete"] == true && info["ticks_lost"] == 0,
+        "{info}"
+    );
+    assert!(info["flags"]["contact"].as_u64().unwrap() > 1000, "{info}");
+    let world = folder.succeed("info ball.mcap --text world");
+    assert_eq!(world, experiment_text("worlds-on-devices/ball-on-table"));
+    let frame = folder.succeed("info ball.mcap --text frame");
+    assert!(frame.contains("axes = [\"x\", \"y\", \"z\"]"), "{frame}");
+
+    let path = folder.path("ball.mcap");
+    let mut in_hand = 0;
+    for entry in Recording::open(&path).unwrap().entries().unwrap() {
+        let Entry::Tick(tick, contacts, bodies) = entry.unwrap() else {
+            continue;
+        };
+        assert_eq!(tick.contacts as usize, contacts.len());
+        // The ball, and the avatar of the tool behind ball and table.
+        let numbers: Vec<u32> = bodies.iter().map(|body| body.body).collect();
+        assert_eq!(numbers, [0, 2]);
+        assert!(bodies[0].position.iter().all(|x| x.is_finite()));
+        let [_, _, up] = tick.delivered_force;
+        in_hand += usize::from(up > 0.5);
+        for contact in &contacts {
+            let square: f64 = contact.normal.iter().map(|n| n * n).sum();
+            assert!((square - 1.0).abs() < 1e-9 && contact.force[2].is_finite());
+        }
+    }
+    assert!(
+        in_hand > 1000,
+        "{in_hand} ticks with the ball's force in the hand"
+    );
+
+    folder.succeed("convert ball.mcap");
+    let table = folder.read("ball.csv");
+    let head = table
+        .lines()
+        .find(|line| line.starts_with("sequence"))
+        .unwrap();
+    for column in ["contact_force_3_n", "bodies", "created_energy_j", "pair"] {
+        assert!(head.contains(column), "{head}");
+    }
+    let bodies = folder.read("ball-bodies.csv");
+    let head = bodies
+        .lines()
+        .find(|line| line.starts_with("sequence"))
+        .unwrap();
+    assert!(head.contains("body_position_3_m"), "{head}");
+    assert_eq!(
+        bodies
+            .lines()
+            .filter(|line| !line.starts_with("sequence"))
+            .count(),
+        4000
+    );
+}
+
+#[test]
+fn the_pointer_holds_a_world_and_flags_of_one_contact_are_refused() {
+    let folder = folder();
+    let command = "run ball-on-table.toml --device pointer --fast --duration 0.5 --method basic";
+    let said = folder.succeed(command);
+    assert!(
+        said.contains("basic on the device `pointer` at 1000 Hz"),
+        "{said}"
+    );
+    for (command, words) in [
+        ("run ball-on-table.toml --stiffness 100", "--stiffness"),
+        ("run ball-on-table.toml --safe-range 0,1", "--safe-range"),
+        ("run ball-on-table.toml --normal 0,0,1", "--normal"),
+        ("run ball-on-table.toml --device null", "have one axis"),
+        ("run ball-on-table.toml --world-axes x,x,y", "each once"),
+        ("run ball-on-table.toml --world-axes x,z", "for the 3 axes"),
+        ("run ball-on-table.toml --method basic,coupled", "--method"),
+    ] {
+        let answer = folder.palpate(command);
+        assert_eq!(answer.code, 2, "{command}: {answer:?}");
+        assert!(answer.stderr.contains(words), "{command}: {answer:?}");
+    }
+    let answer = folder.palpate("run pinch.toml --fast");
+    assert_eq!(answer.code, 3, "{answer:?}");
+    assert!(
+        answer.stderr.contains("the world has 2 devices"),
+        "{answer:?}"
+    );
+    folder.write("wall.toml", experiment_text("wall"));
+    let answer = folder.palpate("run wall.toml --world-axes x,y,z --fast");
+    assert_eq!(answer.code, 2, "{answer:?}");
+}
+
+/// A world that pushes back with more than a limit: the limit is the length of the vector.
+#[test]
+fn a_limit_of_the_force_holds_in_every_direction() {
+    let folder = folder();
+    let text = folder.read("ball-on-table.toml");
+    let pressed = text.replace(
+        "hand_force_n = [0.0, 0.0, -1.0]",
+        "hand_force_n = [0.7, 0.4, -3.0]",
+    );
+    assert_ne!(pressed, text);
+    folder.write("pressed.toml", pressed);
+    let command = "record pressed.toml pressed.mcap --fast --duration 1 --safe-force 0.8 --oscillation inf --json";
+    let report = parse(&folder.succeed(command));
+    let peak = number(&report, "peak_force_n");
+    assert!((peak - 0.8).abs() < 1e-9, "{report}");
+    let recording = Recording::open(&folder.path("pressed.mcap")).unwrap();
+    let mut limited_aslant = 0;
+    for row in recording.rows().unwrap() {
+        let [x, y, z] = row.unwrap().tick.delivered_force;
+        let length = (x * x + y * y + z * z).sqrt();
+        assert!(length < 0.8 + 1e-9, "{length} N");
+        limited_aslant += usize::from(length > 0.79 && z < 0.79);
+    }
+    assert!(limited_aslant > 10, "{limited_aslant} ticks");
+}
+
+#[test]
+fn an_inverse3_presses_a_ball_on_a_table() {
+    let folder = folder();
+    // The service's z is up too. A hand pulls it 9 mm down to where the ball is.
+    let mut body = Body {
+        start: [0.01, 0.02, 0.1],
+        ..Body::default()
+    };
+    body.hands[2] = holding(0.088, 150.0, 4.0);
+    let emulator = Emulator::start(&EmulatorOptions {
+        body,
+        ..EmulatorOptions::default()
+    })
+    .unwrap();
+    let answer = folder.palpate(&format!(
+        "record ball-on-table.toml ball.mcap --device inverse3 --service {} --priority 0 \
+         --service-priority 0 --stall-after 50 --duration 2 --json",
+        emulator.url()
+    ));
+    assert_eq!(answer.code, 0, "{answer:?}");
+    let report = parse(&answer.stdout);
+    assert_eq!(report["device"], "Haply Inverse3");
+    assert!(number(&report, "peak_force_n") > 0.3, "{report}");
+    let pushed: Vec<_> = emulator
+        .received()
+        .iter()
+        .filter_map(|message| message.force)
+        .collect();
+    assert_eq!(pushed.last(), Some(&[0.0; 3]));
+    // The ball is under the tool, 4 mm beside its middle: it pushes up, and a little to the side.
+    assert!(pushed.iter().any(|[_, _, z]| *z > 0.3));
+    assert!(pushed.iter().any(|[_, y, _]| y.abs() > 0.005));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_2diy_pushes_a_block_against_a_wall() {
+    use palpate_haply::two_diy::{Board, Generation};
+    use palpate_haply_emulator::two_diy::{self, Hand, PortSettings, Settings};
+    let folder = folder();
+    // It begins where the tool does, and a soft hand leads it 32 mm away from its base.
+    let settings = Settings {
+        angles: Some([130.0, 50.0]),
+        hand: Hand::Holds {
+            place: [0.019, 0.1169 + 0.032],
+            sway: [0.0; 2],
+            period: 1.0,
+            stiffness: 40.0,
+            damping: 4.0,
+        },
+        hand_waits: true,
+        port: PortSettings::Socket {
+            path: folder.path("haply"),
+        },
+        ..Settings::of(Generation::Three, Board::M0)
+    };
+    let emulator = two_diy::Emulator::start(&settings).unwrap();
+    let answer = folder.palpate(
+        "record block-at-wall.toml block.mcap --device haply-2diy --port haply --board m0 \
+         --origin 0.019,0.1169 --start-pose 130,50 --priority 0 --stall-after 50 --duration 3 --json",
+    );
+    assert_eq!(answer.code, 0, "{answer:?}");
+    let report = parse(&answer.stdout);
+    assert!(number(&report, "peak_force_n") > 0.3, "{report}");
+    assert_eq!(emulator.torques(), [0.0; 2]);
+    let recording = Recording::open(&folder.path("block.mcap")).unwrap();
+    let mut block = Vec::new();
+    let mut back = 0;
+    for entry in recording.entries().unwrap() {
+        if let Entry::Tick(tick, _, bodies) = entry.unwrap() {
+            block.push(bodies[0].position[1]);
+            assert!(tick.device_axes[2].is_nan());
+            back += usize::from(tick.commanded_force[1] < -0.3);
+        }
+    }
+    let last = block.last().unwrap();
+    assert!(
+        block[0].abs() < 1e-4 && *last > 0.005,
+        "{} to {last} m",
+        block[0]
+    );
+    // The wall is 30 mm away, and half of the block is 15 mm.
+    assert!(block.iter().all(|y| *y < 0.017), "through the wall");
+    assert!(back > 20, "{back} ticks with a force against the hand");
+}

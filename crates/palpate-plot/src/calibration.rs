@@ -1,0 +1,98 @@
+//! The motion of a calibration: measured against fitted, what is left, and what was found.
+
+use palpate_calibrate::{Calibration, Quantity};
+use palpate_figure::{Figure, Kind, Panel, Role, Row, Series};
+use palpate_study::card::MotionCard;
+use palpate_study::text::digits;
+
+/// Positions, what the fit left of them, and commands; without a title.
+#[must_use]
+pub fn motion(motion: &MotionCard) -> Figure {
+    let curve = |name: &str, kind, role, y: Vec<f64>| Series {
+        name: name.into(),
+        kind,
+        role,
+        x: motion.t_s.clone(),
+        y,
+    };
+    let in_millimetres = |of: &[f64]| of.iter().map(|x| 1e3 * x).collect();
+    let left = motion
+        .measured_m
+        .iter()
+        .zip(&motion.fitted_m)
+        .map(|(measured, fitted)| 1e6 * (measured - fitted))
+        .collect();
+    let row = |y_label: &str, series| Row {
+        y_label: y_label.into(),
+        panels: vec![Panel { series }],
+        ..Row::default()
+    };
+    Figure {
+        x_label: "time [s]".into(),
+        rows: vec![
+            row(
+                "position [mm]",
+                vec![
+                    curve(
+                        "measured",
+                        Kind::Points,
+                        Role::Recorded,
+                        in_millimetres(&motion.measured_m),
+                    ),
+                    curve(
+                        "fitted",
+                        Kind::Line,
+                        Role::Compared(0),
+                        in_millimetres(&motion.fitted_m),
+                    ),
+                ],
+            ),
+            row(
+                "measured - fitted [um]",
+                vec![curve("measured - fitted", Kind::Line, Role::Recorded, left)],
+            ),
+            row(
+                "command [N]",
+                vec![curve(
+                    "command",
+                    Kind::Step,
+                    Role::Compared(0),
+                    motion.command_n.clone(),
+                )],
+            ),
+        ],
+        ..Figure::default()
+    }
+}
+
+/// Positions, forces and what the fit left of the positions.
+#[must_use]
+pub fn calibration(shown: &MotionCard, calibration: &Calibration) -> Figure {
+    Figure {
+        title: finding(calibration),
+        subtitle:
+            "Positions under random force steps, and each as the fit foresees it from those before"
+                .into(),
+        ..motion(shown)
+    }
+}
+
+/// What was found, in a line.
+fn finding(calibration: &Calibration) -> String {
+    let said = |quantity, unit: f64, name: &str, symbol: &str| {
+        let value = calibration.value(quantity)? * unit;
+        let deviation = calibration.standard_deviation(quantity)? * unit;
+        Some(format!(
+            "{name} {} ± {} {symbol}",
+            digits(value),
+            digits(deviation)
+        ))
+    };
+    let found = [
+        said(Quantity::DeviceMass, 1e3, "mass", "g"),
+        said(Quantity::DelayPlusLag, 1e3, "delay and lag", "ms"),
+        said(Quantity::Resonance, 1.0, "resonance", "Hz"),
+    ];
+    let found: Vec<String> = found.into_iter().flatten().collect();
+    found.join(", ")
+}

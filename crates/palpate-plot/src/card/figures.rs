@@ -1,0 +1,212 @@
+//! The figures of a card, each as SVG that stands in a page.
+
+use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series, Size, SizeError, svg};
+use palpate_study::advise::Reach;
+use palpate_study::card::{ContactCard, Distribution, MethodReachCard, MotionCard, ReachCard};
+
+use super::escape::escaped;
+
+/// Height of an empty bin, as the logarithm of a count: below that of one tick.
+const EMPTY: f64 = -0.4;
+
+/// Numbers the figures of a page, so that names within them are told apart.
+#[derive(Default)]
+pub struct Figures {
+    drawn: usize,
+}
+
+impl Figures {
+    /// A figure of so many millimetres, with what it shows for those who do not see it.
+    fn draw(&mut self, figure: &Figure, size: &str, says: &str) -> Result<String, SizeError> {
+        let size: Size = size.parse()?;
+        let drawn = svg(figure, size)?;
+        self.drawn += 1;
+        let own = format!("figure-{}-panel-", self.drawn);
+        let begin = drawn.find("<svg").unwrap_or(0);
+        // In a page the namespace is known, and names are those of the whole page.
+        let inner = drawn[begin..]
+            .replace(" xmlns=\"http://www.w3.org/2000/svg\"", "")
+            .replace("\"panel-", &format!("\"{own}"))
+            .replace("#panel-", &format!("#{own}"));
+        let says = format!("<svg role=\"img\" aria-label=\"{}\"", escaped(says));
+        Ok(inner.trim_end().replacen("<svg", &says, 1))
+    }
+
+    /// How often durations come, one curve for each recording.
+    pub fn histogram(
+        &mut self,
+        name: &str,
+        of: &[(String, &Distribution)],
+    ) -> Result<String, SizeError> {
+        let is_logarithmic = of.iter().all(|(_, one)| one.histogram.is_logarithmic);
+        let (scale, unit) = if is_logarithmic {
+            (1e6, "us")
+        } else {
+            (1e3, "ms")
+        };
+        let place = |seconds: f64| {
+            if is_logarithmic {
+                (scale * seconds.max(1e-7)).log10()
+            } else {
+                scale * seconds
+            }
+        };
+        let mut series: Vec<Series> = of
+            .iter()
+            .enumerate()
+            .map(|(number, (recording, one))| {
+                let edges = one.histogram.edges_s.iter().map(|edge| place(*edge));
+                let first = one.histogram.edges_s.first().map(|edge| place(*edge));
+                let counts = one.histogram.counts.iter().map(|count| match count {
+                    0 => EMPTY,
+                    count => (*count as f64).log10(),
+                });
+                Series {
+                    name: if of.len() > 1 {
+                        recording.clone()
+                    } else {
+                        String::new()
+                    },
+                    kind: Kind::Step,
+                    role: Role::Compared(number),
+                    x: first.into_iter().chain(edges).collect(),
+                    y: std::iter::once(EMPTY)
+                        .chain(counts)
+                        .chain([EMPTY])
+                        .collect(),
+                }
+            })
+            .collect();
+        if let [(_, one)] = of {
+            let most = one.histogram.counts.iter().max().copied().unwrap_or(1);
+            let top = (most.max(1) as f64).log10();
+            series.push(Series {
+                name: "99 % are below".into(),
+                kind: Kind::Line,
+                role: Role::Mark,
+                x: vec![place(one.p99); 2],
+                y: vec![EMPTY, top],
+            });
+        }
+        let figure = Figure {
+            x_label: format!("{name} [{unit}]"),
+            x_decades: is_logarithmic,
+            rows: vec![Row {
+                y_label: "ticks".into(),
+                y_decades: true,
+                limits: Limits::Data,
+                panels: vec![Panel { series }],
+            }],
+            ..Figure::default()
+        };
+        self.draw(&figure, "85x50", &format!("Histogram: {name}"))
+    }
+
+    /// Measured against fitted.
+    pub fn calibration(&mut self, motion: &MotionCard) -> Result<String, SizeError> {
+        let figure = crate::motion(motion);
+        self.draw(&figure, "110x92", "Calibration: measured against fitted")
+    }
+
+    /// How stiff over the object's mass.
+    pub fn reach(&mut self, reach: &ReachCard) -> Result<String, SizeError> {
+        // In grams, and newtons per millimetre.
+        let masses = reach
+            .object_masses_kg
+            .iter()
+            .map(|mass| (1e3 * mass).log10());
+        let masses: Vec<f64> = masses.collect();
+        let row = |label: &str, of: fn(&MethodReachCard) -> &Vec<Reach>, is_named: bool| Row {
+            y_label: label.into(),
+            y_decades: true,
+            limits: Limits::Data,
+            panels: vec![Panel {
+                series: (reach.methods.iter().enumerate())
+                    .map(|(number, method)| Series {
+                        name: if is_named {
+                            method.method.into()
+                        } else {
+                            String::new()
+                        },
+                        kind: Kind::Line,
+                        role: Role::Compared(number),
+                        x: masses.clone(),
+                        y: (of(method).iter())
+                            .map(|limit| {
+                                limit.value.map_or(f64::NAN, |value| (1e-3 * value).log10())
+                            })
+                            .collect(),
+                    })
+                    .collect(),
+            }],
+        };
+        let figure = Figure {
+            x_label: "object mass [g]".into(),
+            x_decades: true,
+            rows: vec![
+                row("good below [N/mm]", |of| &of.good_n_per_m, true),
+                row("stable below [N/mm]", |of| &of.stable_n_per_m, false),
+            ],
+            ..Figure::default()
+        };
+        self.draw(
+            &figure,
+            "110x92",
+            "Stiffest contact over the mass of the object",
+        )
+    }
+
+    /// Positions, forces and energy of a contact.
+    pub fn contact(&mut self, contact: &ContactCard) -> Result<String, SizeError> {
+        let begins = contact.begins_s;
+        let curve = |name: &str, quantity: &str, kind, role, unit: f64| {
+            let curve = contact.curve(quantity)?;
+            Some(Series {
+                name: name.into(),
+                kind,
+                role,
+                x: curve.t_s.iter().map(|time| 1e3 * (time - begins)).collect(),
+                y: curve.values.iter().map(|value| unit * value).collect(),
+            })
+        };
+        let row = |label: &str, series: Vec<Option<Series>>| Row {
+            y_label: label.into(),
+            limits: Limits::Data,
+            panels: vec![Panel {
+                series: series.into_iter().flatten().collect(),
+            }],
+            ..Row::default()
+        };
+        let method = contact.method;
+        let own = Role::Compared(0);
+        let figure = Figure {
+            x_label: "time [ms]".into(),
+            rows: vec![
+                row(
+                    "position [mm]",
+                    vec![
+                        curve("object", "object_m", Kind::Line, own, 1e3),
+                        curve("device", "device_m", Kind::Line, Role::Device, 1e3),
+                    ],
+                ),
+                row(
+                    "force [N]",
+                    vec![
+                        curve("ideal", "ideal_force_n", Kind::Line, Role::Reference, 1.0),
+                        curve(method, "force_n", Kind::Step, own, 1.0),
+                    ],
+                ),
+                row(
+                    "created [mJ]",
+                    vec![curve("", "created_j", Kind::Line, own, 1e3)],
+                ),
+            ],
+            ..Figure::default()
+        };
+        self.draw(
+            &figure,
+            "110x92",
+            "A contact: positions, force and created energy",
+        )
+    }
+}

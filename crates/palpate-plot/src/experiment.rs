@@ -1,0 +1,129 @@
+//! The paper's Figs. 4 and 5: methods below each other.
+
+use palpate_figure::{Grid, Kind, Limits, Panel, Role, Row, Series, Sheet};
+use palpate_scene::Scene;
+use palpate_sim::run::{Reference, Run, Tick};
+use palpate_study::text::percent;
+
+use crate::series::{
+    FINE, JOULE_TO_MILLIJOULE, METRE_TO_MILLIMETRE, end_of_motors, ideal_device, ideal_force,
+    ideal_object,
+};
+use crate::{finding, role};
+
+/// The paper's Figs. 4 and 5: a row for each method, with positions beside the force, and the leaks
+/// of all of them below. `fine` is the loop that the paper takes for the truth.
+#[must_use]
+pub fn method_by_method(
+    scene: &Scene,
+    reference: &Reference,
+    methods: &[(&str, &Run)],
+    fine: (&str, &Run),
+) -> Sheet {
+    let centre = scene.centre_offset();
+    // What follows the end of the motors is the hand alone.
+    let seen = |run: &Run| -> Vec<Tick> {
+        let end = run.left_box_at.unwrap_or(f64::INFINITY);
+        let before = |tick: &&Tick| tick.time <= end;
+        run.ticks.iter().filter(before).copied().collect()
+    };
+    let series = |run: &Run, name: &str, role, kind, scale: f64, value: fn(&Tick) -> f64| {
+        let ticks = seen(run);
+        Series {
+            name: name.into(),
+            kind,
+            role,
+            x: ticks.iter().map(|tick| tick.time).collect(),
+            y: ticks.iter().map(|tick| scale * value(tick)).collect(),
+        }
+    };
+    let positions = |&(name, run): &(&str, &Run)| {
+        let device: fn(&Tick) -> f64 = |tick| tick.true_device_position;
+        let object: fn(&Tick) -> f64 = |tick| tick.output.object_position;
+        let (mm, line) = (METRE_TO_MILLIMETRE, Kind::Line);
+        let mut all = vec![ideal_object(reference, centre), ideal_device(reference)];
+        all.push(series(run, "device", Role::Device, line, mm, device));
+        let mut object = series(run, name, role(run.method), line, mm, object);
+        object.y.iter_mut().for_each(|place| *place += mm * centre);
+        all.push(object);
+        all
+    };
+    let forces = |&(name, run): &(&str, &Run)| {
+        let held: fn(&Tick) -> f64 = |tick| tick.held_force_on_object;
+        let mut all = vec![
+            ideal_force(reference),
+            series(fine.1, fine.0, FINE, Kind::Step, 1.0, held),
+            series(run, name, role(run.method), Kind::Step, 1.0, held),
+        ];
+        all.extend(end_of_motors(run));
+        all
+    };
+    let rows = |y_label: &str, limits, panel: &dyn Fn(&(&str, &Run)) -> Vec<Series>| {
+        let row = |method| Row {
+            y_label: y_label.into(),
+            limits,
+            panels: vec![Panel {
+                series: panel(method),
+            }],
+            ..Row::default()
+        };
+        methods.iter().map(row).collect()
+    };
+    let accuracy = |&(name, run): &(&str, &Run)| match run.force.fidelity {
+        Some(fidelity) => format!("{name}: FRE {} %", percent(fidelity.force_rendering_error)),
+        None => name.into(),
+    };
+    let end = |(_, run): &(&str, &Run)| match run.left_box_at {
+        Some(time) => format!("left the safety box at {time:.2} s"),
+        None => String::new(),
+    };
+    let leaks = methods.iter().map(|&(name, run)| {
+        let leak: fn(&Tick) -> f64 = |tick| tick.ledger.held_leak.accumulated;
+        let scale = JOULE_TO_MILLIJOULE;
+        series(run, name, role(run.method), Kind::Line, scale, leak)
+    });
+    let object = if centre == 0.0 {
+        "object"
+    } else {
+        "the object's centre"
+    };
+    let (names, runs): (Vec<&str>, Vec<&Run>) = methods.iter().copied().unzip();
+    Sheet {
+        title: finding::of_runs(&runs, &names).unwrap_or_default(),
+        subtitle: scene.title.clone(),
+        footnote: Some(format!(
+            "Left: {object} and device. Right: force on the object; FRE: its error to the ideal force. \
+             Bottom: energy that the held force created, accumulated. A curve ends where the device \
+             leaves the safety box and the motors are switched off."
+        )),
+        x_label: "time [s]".into(),
+        lines: vec![
+            vec![
+                Grid {
+                    heads: methods.iter().map(accuracy).collect(),
+                    same_scale: true,
+                    rows: rows("position [mm]", Limits::Calm { times: 5.5 }, &positions),
+                    ..Grid::default()
+                },
+                Grid {
+                    heads: methods.iter().map(end).collect(),
+                    same_scale: true,
+                    rows: rows("force [N]", Limits::Calm { times: 2.5 }, &forces),
+                    ..Grid::default()
+                },
+            ],
+            vec![Grid {
+                rows: vec![Row {
+                    y_label: "leak [mJ]".into(),
+                    limits: Limits::Data,
+                    panels: vec![Panel {
+                        series: leaks.collect(),
+                    }],
+                    ..Row::default()
+                }],
+                ..Grid::default()
+            }],
+        ],
+        ..Sheet::default()
+    }
+}

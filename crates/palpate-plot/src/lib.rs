@@ -1,0 +1,52 @@
+#![doc = include_str!("../README.md")]
+
+mod advice;
+mod calibration;
+pub mod card;
+mod compared;
+mod experiment;
+mod finding;
+pub mod map;
+mod multiples;
+mod overlay;
+pub mod paper;
+mod recorded;
+mod runs;
+mod series;
+mod sheet;
+mod steps;
+mod suite;
+mod tune;
+
+pub use advice::{advice, shown_of};
+pub use calibration::{calibration, motion};
+pub use compared::compared;
+pub use experiment::method_by_method;
+pub use recorded::Recorded;
+pub use runs::{Devices, RunsFigure};
+pub use steps::step_by_step;
+pub use suite::suite;
+pub use tune::tune;
+
+use palpate_figure::Role;
+use palpate_scene::method::MethodName;
+use palpate_sim::run::RunMethod;
+
+/// Those that a figure shows of many methods where nobody has named any: the plain spring, the usual
+/// remedy, the paper's method, and the default here.
+pub const SHOWN: [MethodName; 4] = [
+    MethodName::Basic,
+    MethodName::VirtualDamper,
+    MethodName::Hfcr,
+    MethodName::Coupled,
+];
+
+/// A method looks the same in every figure.
+#[must_use]
+pub fn role(method: impl Into<RunMethod>) -> Role {
+    let method = match method.into() {
+        RunMethod::BuiltIn(method) => method,
+        RunMethod::Own(_) => return Role::Compared(10),
+    };
+    Role::Compared(method.info().colour.into())
+}

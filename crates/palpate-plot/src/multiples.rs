@@ -1,0 +1,74 @@
+//! Many runs: a panel for each, with the ideal behind, all on the same axes.
+
+use palpate_figure::{Grid, Limits, Panel, Role, Row, Series};
+use palpate_sim::run::Run;
+use palpate_study::text::{digits, percent};
+
+use crate::runs::{Devices, RunsFigure};
+use crate::series::{
+    JOULE_TO_MILLIJOULE, device_position, end_of_motors, held_force, ideal_force, object_position,
+};
+
+/// Panels side by side.
+const COLUMNS: usize = 3;
+/// How every run looks: a panel has one.
+const RENDERED: Role = Role::Compared(0);
+
+/// The panels of a figure, and what its small print says of them.
+pub(super) fn lines(figure: &RunsFigure) -> (Vec<Vec<Grid>>, String) {
+    let lines = figure.runs.chunks(COLUMNS).map(|runs| {
+        let row = |y_label: &str, panel: &dyn Fn(&Run) -> Vec<Series>| {
+            let mut panels: Vec<Panel> = runs
+                .iter()
+                .map(|run| Panel { series: panel(run) })
+                .collect();
+            // Panels of the last line are as wide as those above.
+            panels.resize_with(COLUMNS, Panel::default);
+            Row {
+                y_label: y_label.into(),
+                limits: Limits::default(),
+                panels,
+                ..Row::default()
+            }
+        };
+        vec![Grid {
+            columns: runs.iter().map(head).collect(),
+            rows: vec![
+                row("position [mm]", &|run| positions(figure, run)),
+                row("force on object [N]", &|run| forces(figure, run)),
+            ],
+            ..Grid::default()
+        }]
+    });
+    let note = "FRE: error of the held force to the ideal force. mJ: sum of the absolute energies that the \
+                held force created or took away."
+        .into();
+    (lines.collect(), note)
+}
+
+/// Name, error and leak of a run.
+fn head(run: &Run) -> String {
+    let error = run.force.fidelity.map_or_else(String::new, |fidelity| {
+        format!("FRE {} %, ", percent(fidelity.force_rendering_error))
+    });
+    let leak = JOULE_TO_MILLIJOULE * run.last().ledger.held_leak.absolute;
+    format!("{}: {error}{} mJ", run.method, digits(leak))
+}
+
+fn positions(figure: &RunsFigure, run: &Run) -> Vec<Series> {
+    let mut all = figure.ideal_positions();
+    if figure.devices != Devices::Recorded {
+        all.push(device_position(run, "device", Role::Device));
+    }
+    all.extend(figure.recorded_object());
+    all.push(object_position(run, "rendered", RENDERED));
+    all
+}
+
+fn forces(figure: &RunsFigure, run: &Run) -> Vec<Series> {
+    let mut all = vec![ideal_force(figure.reference)];
+    all.extend(figure.recorded_force());
+    all.push(held_force(run, "rendered", RENDERED));
+    all.extend(end_of_motors(run));
+    all
+}

@@ -1,0 +1,79 @@
+//! A few runs over each other: positions, force, and the energy that the held force created.
+
+use palpate_figure::{Grid, Limits, Panel, Role, Row, Series};
+
+use crate::role;
+use crate::runs::{Devices, RunsFigure};
+use crate::series::{
+    device_position, end_of_motors, held_force, held_leak, ideal_force, object_position,
+};
+
+/// The panels of a figure, and what its small print says of them.
+pub(super) fn lines(figure: &RunsFigure) -> (Vec<Vec<Grid>>, String) {
+    let runs = figure.runs;
+    let named = || {
+        runs.iter()
+            .map(|run| (run, run.method.name(), role(run.method)))
+    };
+    let mut positions = figure.ideal_positions();
+    let (mut note, mut beside) = (String::new(), Vec::new());
+    match (figure.devices, runs) {
+        (Devices::Recorded, _) => {}
+        (_, [run]) => {
+            positions.push(device_position(run, "device", Role::Device));
+            // One device is shown beside the recorded one.
+            positions.extend(figure.recorded_device());
+        }
+        _ => {
+            note = "Thin lines: the device under each method. ".into();
+            beside.extend(named().enumerate().map(|(number, (run, _, role))| {
+                let name = if number == 0 { "device (thin)" } else { "" };
+                device_position(run, name, thin(role))
+            }));
+        }
+    }
+    positions.extend(named().map(|(run, name, role)| object_position(run, name, role)));
+    positions.extend(beside);
+    positions.extend(figure.recorded_object());
+
+    let mut forces = vec![ideal_force(figure.reference)];
+    forces.extend(named().map(|(run, name, role)| held_force(run, name, role)));
+    forces.extend(runs.iter().filter_map(end_of_motors));
+    forces.extend(figure.recorded_force());
+
+    let mut leaks: Vec<Series> = named()
+        .map(|(run, name, role)| held_leak(run, name, role))
+        .collect();
+    leaks.extend(figure.recorded_leak());
+    // What a loop that ran away leaked is no measure of what was recorded.
+    let ran_away = runs.iter().any(|run| run.diverged == Some(true));
+    let leak_limits = match figure.recorded {
+        Some(_) if !ran_away => Limits::Data,
+        _ => Limits::Calm { times: 3.0 },
+    };
+
+    let row = |y_label: &str, limits, series| Row {
+        y_label: y_label.into(),
+        limits,
+        panels: vec![Panel { series }],
+        ..Row::default()
+    };
+    let grid = Grid {
+        rows: vec![
+            row("position [mm]", Limits::default(), positions),
+            row("force on object [N]", Limits::default(), forces),
+            row("held leak [mJ]", leak_limits, leaks),
+        ],
+        ..Grid::default()
+    };
+    note += "Leak: energy created by the held force, accumulated.";
+    (vec![vec![grid]], note)
+}
+
+/// What moves with a method: the same look, thinner.
+fn thin(role: Role) -> Role {
+    match role {
+        Role::Compared(number) => Role::Beside(number),
+        other => other,
+    }
+}

@@ -1,0 +1,113 @@
+//! Figs. 4 and 5: the paper's experiments on a virtual pantograph.
+
+use std::fmt::Write;
+
+use comfy_table::CellAlignment;
+use palpate_figure::Sheet;
+use palpate_scene::method::MethodName;
+use palpate_scene::{Measure, Scene};
+use palpate_sim::closed_loop::{Bench, LoopError, error_against};
+use palpate_sim::run::Run;
+use palpate_study::report::{Report, Subject};
+use palpate_study::text::{lines, number, percent, plain_table};
+
+use crate::method_by_method;
+
+/// What the paper measured on its device: FRE in percent, or that the method failed.
+pub type Measured = [(MethodName, &'static str); 3];
+/// Of its first experiment.
+pub const MEASURED_1: Measured = [
+    (MethodName::Hfcr, "17.1"),
+    (MethodName::PopcRef, "51.1"),
+    (MethodName::VirtualDamper, "84.9"),
+];
+/// Of its second experiment.
+pub const MEASURED_2: Measured = [
+    (MethodName::Hfcr, "52.2"),
+    (MethodName::PopcRef, "failed"),
+    (MethodName::VirtualDamper, "failed"),
+];
+
+/// Period of the loop that the paper takes for the truth `[s]`.
+const FINE_PERIOD: f64 = 0.001;
+
+/// The report of an experiment, its figure, and the table beside what the paper measured.
+pub type Compared = (Report, Sheet, String);
+
+/// The paper's five methods and coupled rendering on one of its experiments, against the ideal and, as
+/// the paper does, against the basic model at 1 kHz.
+///
+/// # Errors
+/// A scene that cannot be simulated.
+pub fn experiment(scene: &Scene, measured: &Measured) -> Result<Compared, LoopError> {
+    const METHODS: [(MethodName, &str); 6] = [
+        (MethodName::Basic, "basic model"),
+        (MethodName::Seh, "SEH"),
+        (MethodName::VirtualDamper, "virtual damper"),
+        (MethodName::PopcRef, "POPC-REF"),
+        (MethodName::Hfcr, "HFCR"),
+        (MethodName::Coupled, "coupled (ours)"),
+    ];
+    let bench = Bench::new(scene)?;
+    let runs = bench.run_all(&METHODS.map(|(method, _)| method))?;
+    let mut fine = scene.clone();
+    fine.loop_params.period = FINE_PERIOD;
+    let window = bench.reference().profile.intervals() as f64 * scene.loop_params.period;
+    fine.measure = Measure::Duration(window);
+    let fine_runs = Bench::new(&fine)?.run_all(&[MethodName::Basic])?;
+    let columns: Vec<_> = METHODS
+        .iter()
+        .zip(&runs)
+        .map(|((_, name), run)| (*name, run))
+        .collect();
+    // The paper takes this loop for the truth: how far it is off the ideal belongs beside its name.
+    let off = fine_runs[0]
+        .force
+        .fidelity
+        .map_or_else(String::new, |fidelity| {
+            format!(
+                ", itself {:.0} % off the ideal",
+                fidelity.force_rendering_error
+            )
+        });
+    let fine_name = format!("basic at 1 kHz{off}");
+    let fine = (&*fine_name, &fine_runs[0]);
+    let figure = method_by_method(scene, bench.reference(), &columns, fine);
+    let report = Report::new(&Subject::of(scene), bench.reference(), &runs);
+    let comparison = beside_the_paper(&runs, &fine_runs[0], measured);
+    Ok((report, figure, comparison))
+}
+
+/// FRE against the ideal and against the basic model at 1 kHz, beside what the paper measured.
+fn beside_the_paper(runs: &[Run], fine: &Run, measured: &Measured) -> String {
+    let header = [
+        "method",
+        "FRE % to ideal",
+        "to basic at 1 kHz",
+        "paper, on its device",
+    ];
+    let mut table = plain_table(CellAlignment::Left, &header);
+    for run in runs {
+        let fidelity = run.force.fidelity;
+        let found = measured.iter().find(|(method, _)| run.method == *method);
+        table.add_row([
+            run.method.name().into(),
+            number(fidelity.map(|f| f.force_rendering_error), percent),
+            number(error_against(run, fine), percent),
+            comfy_table::Cell::new(found.map_or("-", |(_, value)| value))
+                .set_alignment(CellAlignment::Right),
+        ]);
+    }
+    let mut text = String::new();
+    let to_ideal = fine.force.fidelity.map(|f| f.force_rendering_error);
+    let _ = write!(
+        text,
+        "\nBeside the paper (its device, user and tuning were others)\n\n{}\n\nThe basic model at 1 kHz \
+         is itself {} % off the ideal{}.\n",
+        lines(&table),
+        to_ideal.map_or_else(|| "-".into(), percent),
+        fine.jammed_at
+            .map_or_else(String::new, |time| format!(", and jams at {time:.2} s")),
+    );
+    text
+}

@@ -1,0 +1,149 @@
+//! Fig. 1: device and object in their two modes.
+
+use palpate_figure::{Beside, Drawing, Pen, drawing};
+
+/// What sets the two modes apart on the page.
+struct Mode {
+    /// Middle of its column \[px\].
+    middle: f64,
+    head: &'static str,
+    condition: &'static str,
+    equations: [&'static str; 3],
+    /// Height of the object's end that meets the device, η, and of the device, ξ \[px\].
+    heights: (f64, f64),
+}
+
+/// Length of the contact spring without a force \[px\].
+const FREE_LENGTH: f64 = 130.0;
+const OBJECT: (f64, f64) = (110.0, 46.0);
+const DEVICE: (f64, f64) = (150.0, 30.0);
+const FILLS: (&str, &str) = ("#fbe3cf", "#d5e6f2");
+
+/// The two modes beside each other, free motion and contact.
+#[must_use]
+pub fn drawing() -> Drawing {
+    let mut page = Drawing::new(860.0, 560.0);
+    let modes = [
+        Mode {
+            middle: 225.0,
+            head: "(a) free motion",
+            condition: "p = ξ − η ≤ 0",
+            equations: ["f = 0", "object: M η″ = f_V", "device: m ξ″ = f_u"],
+            heights: (320.0, 375.0),
+        },
+        Mode {
+            middle: 635.0,
+            head: "(b) contact",
+            condition: "p = ξ − η > 0",
+            equations: [
+                "f = K (ξ − η)",
+                "object: M η″ = f_V + f",
+                "device: m ξ″ = f_u − f",
+            ],
+            heights: (385.0, 330.0),
+        },
+    ];
+    for mode in &modes {
+        draw(&mut page, mode);
+    }
+    // From mode to mode.
+    page.arrow((395.0, 245.0), (465.0, 245.0), Pen::THIN);
+    page.words("device and", (430.0, 216.0), Beside::Middle, drawing::SMALL);
+    page.words(
+        "object meet",
+        (430.0, 232.0),
+        Beside::Middle,
+        drawing::SMALL,
+    );
+    page.arrow((465.0, 275.0), (395.0, 275.0), Pen::THIN);
+    page.words("they part", (430.0, 296.0), Beside::Middle, drawing::SMALL);
+    page
+}
+
+fn draw(page: &mut Drawing, mode: &Mode) {
+    let x = mode.middle;
+    let (eta, xi) = mode.heights;
+    let pressed = (eta - xi).max(0.0);
+    page.words(mode.head, (x, 30.0), Beside::Middle, drawing::HEAD);
+    page.words(mode.condition, (x, 54.0), Beside::Middle, drawing::WORDS);
+
+    // The object hangs its spring down; the end without a force is the object's place, η.
+    let object = eta - FREE_LENGTH - 0.5 * OBJECT.1;
+    let end = eta - pressed;
+    page.spring((x, object + 0.5 * OBJECT.1), (x, end), 5, 30.0, Pen::BODY);
+    page.line(&[(x - 26.0, end), (x + 26.0, end)], Pen::BODY);
+    page.words(
+        "K",
+        (x - 24.0, 0.5 * (object + 23.0 + end) + 5.0),
+        Beside::Left,
+        drawing::WORDS,
+    );
+    page.block((x, object), OBJECT, FILLS.0);
+    page.words(
+        "object, M",
+        (x, object + 5.0),
+        Beside::Middle,
+        drawing::WORDS,
+    );
+    page.block((x, xi + 0.5 * DEVICE.1), DEVICE, FILLS.1);
+    page.words("device, m", (x, xi + 20.0), Beside::Middle, drawing::WORDS);
+
+    // Positions, on an axis of their own.
+    let axis = x + 105.0;
+    page.arrow((axis, 450.0), (axis, 92.0), Pen::THIN);
+    page.words(
+        "position",
+        (axis + 7.0, 100.0),
+        Beside::Right,
+        drawing::SMALL,
+    );
+    for (height, name, reach) in [(eta, "η", 28.0), (xi, "ξ", 76.0)] {
+        page.line(&[(x + reach, height), (axis + 6.0, height)], Pen::THOUGHT);
+        let place = (axis + 12.0, height + 5.0);
+        page.coloured(
+            name,
+            place,
+            Beside::Right,
+            drawing::WORDS,
+            Some(Pen::MOTION.colour),
+        );
+    }
+    if pressed > 0.0 {
+        page.length((axis + 42.0, eta), (axis + 42.0, xi), Pen::MOTION);
+        let place = (axis + 48.0, 0.5 * (eta + xi) + 5.0);
+        page.coloured(
+            "p",
+            place,
+            Beside::Right,
+            drawing::WORDS,
+            Some(Pen::MOTION.colour),
+        );
+    }
+
+    // Forces, with the name beside the tail of each.
+    let force = |page: &mut Drawing, from: (f64, f64), to: (f64, f64), name: &str| {
+        page.arrow(from, to, Pen::FORCE);
+        let place = (from.0 - 9.0, 0.5 * (from.1 + to.1) + 5.0);
+        let colour = Some(Pen::FORCE.colour);
+        page.coloured(name, place, Beside::Left, drawing::WORDS, colour);
+    };
+    let (top, below) = (object - 0.5 * OBJECT.1, xi + DEVICE.1);
+    force(page, (x, top - 50.0), (x, top - 2.0), "f_V");
+    force(page, (x, below + 50.0), (x, below + 2.0), "f_u, the hand");
+    if pressed > 0.0 {
+        let beside = x - 0.5 * OBJECT.0 - 16.0;
+        force(page, (beside, object + 23.0), (beside, object - 23.0), "f");
+        let beside = x - 0.5 * DEVICE.0 - 16.0;
+        let middle = xi + 0.5 * DEVICE.1;
+        force(page, (beside, middle - 23.0), (beside, middle + 23.0), "−f");
+    }
+    for (line, equation) in mode.equations.iter().enumerate() {
+        let baseline = 492.0 + 22.0 * line as f64;
+        page.words(
+            equation,
+            (x - 90.0, baseline),
+            Beside::Right,
+            drawing::WORDS,
+        );
+    }
+}

@@ -1,0 +1,67 @@
+//! Fig. 2: the block on the light device, step by step.
+
+use palpate_figure::Figure;
+use palpate_scene::Scene;
+use palpate_scene::method::{MethodName, SettingKey, Settings};
+use palpate_sim::closed_loop::{Bench, LoopError};
+use palpate_study::report::{Report, Subject};
+
+use crate::step_by_step;
+
+/// Dampings of HFCR that are beside each other over many collisions `[N s/m]`, and what they are.
+const DAMPINGS: [(f64, &str); 4] = [
+    (0.0, "b = 0"),
+    (0.0125, "b = 0.0125"),
+    (0.03, "b = 0.03"),
+    (0.05, "b = 0.05 N s/m"),
+];
+
+/// Fig. 2 of `scene`: from the basic model to HFCR, and then what is shown `besides`.
+///
+/// # Errors
+/// A scene that cannot be simulated.
+pub fn fig2(
+    scene: &Scene,
+    besides: &[(MethodName, &'static str)],
+) -> Result<(Report, Figure), LoopError> {
+    const STEPS: [(MethodName, &str); 4] = [
+        (MethodName::Basic, "basic model"),
+        (MethodName::HfcrMod, "modified force"),
+        (MethodName::HfcrModSt, "+ smooth transitions"),
+        (MethodName::Hfcr, "+ leak dissipation"),
+    ];
+    let columns = [&STEPS, besides].concat();
+    let methods: Vec<MethodName> = columns.iter().map(|(method, _)| *method).collect();
+    let bench = Bench::new(scene)?;
+    let runs = bench.run_all(&methods)?;
+    let steps: Vec<_> = columns
+        .iter()
+        .zip(&runs)
+        .map(|((_, name), run)| (*name, run))
+        .collect();
+    let figure = step_by_step(&scene.title, bench.reference(), &steps);
+    let report = Report::new(&Subject::of(scene), bench.reference(), &runs);
+    Ok((report, figure))
+}
+
+/// Fig. 2 of `scene`, which has many collisions: HFCR with several dampings.
+///
+/// # Errors
+/// A scene that cannot be simulated.
+pub fn fig2_long(scene: &Scene) -> Result<(Report, Figure, String), LoopError> {
+    let mut runs = Vec::with_capacity(DAMPINGS.len());
+    for (damping, _) in DAMPINGS {
+        let mut damped = scene.clone();
+        let settings = Settings::default().with(SettingKey::DAMPING, damping);
+        damped.settings.insert(MethodName::Hfcr, settings);
+        let bench = Bench::new(&damped)?;
+        runs.push(bench.run(MethodName::Hfcr)?);
+    }
+    let steps: Vec<_> = DAMPINGS.iter().map(|(_, name)| *name).zip(&runs).collect();
+    let bench = Bench::new(scene)?;
+    let figure = step_by_step(&scene.title, bench.reference(), &steps);
+    let report = Report::new(&Subject::of(scene), bench.reference(), &runs);
+    let dampings = DAMPINGS.map(|(damping, _)| damping.to_string()).join(", ");
+    let below = format!("\nFrom top to bottom b = {dampings} N s/m.\n");
+    Ok((report, figure, below))
+}

@@ -1,0 +1,136 @@
+//! The figure of some runs, and of what was recorded beside them.
+
+use palpate_figure::{Kind, Role, Series};
+use palpate_sim::run::{Reference, Run};
+use palpate_study::report::Replayed;
+
+use crate::Recorded;
+use crate::series::{JOULE_TO_MILLIJOULE, METRE_TO_MILLIMETRE, ideal_device, ideal_object};
+
+/// Whose motion the device's is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Devices {
+    /// Recorded: the same for all runs, and for the ideal.
+    Recorded,
+    /// Of each run, under its own force and that of a recorded hand.
+    InARecordedHand,
+    /// Of each run, under its own force.
+    OfEachRun,
+}
+
+/// Runs of one scene or recording, to be drawn.
+#[derive(Debug)]
+pub struct RunsFigure<'a> {
+    /// What the runs are of.
+    pub of: String,
+    /// Their ideal.
+    pub reference: &'a Reference,
+    /// One for each method.
+    pub runs: &'a [Run],
+    /// Whose motion the device's is.
+    pub devices: Devices,
+    /// What was recorded.
+    pub recorded: Option<&'a Recorded>,
+}
+
+impl<'a> RunsFigure<'a> {
+    /// The runs of a replay, and what was `recorded`.
+    #[must_use]
+    pub fn of_replay(
+        replayed: &Replayed,
+        title: &str,
+        (reference, runs): (&'a Reference, &'a [Run]),
+        recorded: Option<&'a Recorded>,
+    ) -> Self {
+        let (of, devices) = match replayed.known_to() {
+            None => (title.to_owned(), Devices::Recorded),
+            Some(known) => (
+                format!("{title}, the hand's force known to {known}"),
+                Devices::InARecordedHand,
+            ),
+        };
+        Self {
+            of,
+            reference,
+            runs,
+            devices,
+            recorded,
+        }
+    }
+}
+
+impl RunsFigure<'_> {
+    /// How far the object's centre lies from its place `[m]`.
+    fn centre(&self) -> f64 {
+        self.runs.first().map_or(0.0, |run| run.centre_offset)
+    }
+
+    /// The ideal's positions, and the device where it is the same for all.
+    pub(super) fn ideal_positions(&self) -> Vec<Series> {
+        let object = ideal_object(self.reference, self.centre());
+        let mut device = ideal_device(self.reference);
+        if self.devices == Devices::Recorded {
+            device.name = "device, as recorded".into();
+            device.role = Role::Device;
+        }
+        vec![object, device]
+    }
+
+    /// The object as it was recorded.
+    pub(super) fn recorded_object(&self) -> Option<Series> {
+        let positions = |recorded: &Recorded| {
+            let places = &recorded.object_position;
+            curve(
+                recorded,
+                "recorded",
+                places,
+                METRE_TO_MILLIMETRE,
+                Kind::Line,
+            )
+        };
+        self.recorded.map(positions)
+    }
+
+    /// The device as it was recorded, where the runs have others.
+    pub(super) fn recorded_device(&self) -> Option<Series> {
+        let positions = |recorded: &Recorded| {
+            let places = &recorded.device_position;
+            curve(recorded, "", places, METRE_TO_MILLIMETRE, Kind::Line)
+        };
+        let has_own = self.devices != Devices::Recorded;
+        self.recorded.filter(|_| has_own).map(positions)
+    }
+
+    /// The force as it was recorded.
+    pub(super) fn recorded_force(&self) -> Option<Series> {
+        let forces = |recorded: &Recorded| {
+            curve(
+                recorded,
+                "recorded",
+                &recorded.force_on_object,
+                1.0,
+                Kind::Step,
+            )
+        };
+        self.recorded.map(forces)
+    }
+
+    /// The energy that the recorded force created.
+    pub(super) fn recorded_leak(&self) -> Option<Series> {
+        let leaks = |recorded: &Recorded| {
+            let leaks = &recorded.held_leak;
+            curve(recorded, "recorded", leaks, JOULE_TO_MILLIJOULE, Kind::Line)
+        };
+        self.recorded.map(leaks)
+    }
+}
+
+fn curve(recorded: &Recorded, name: &str, values: &[f64], scale: f64, kind: Kind) -> Series {
+    Series {
+        name: name.into(),
+        kind,
+        role: Role::Recorded,
+        x: recorded.time.clone(),
+        y: values.iter().map(|value| scale * value).collect(),
+    }
+}

@@ -1,0 +1,48 @@
+//! Runs of one scene or recording as a figure: few in one panel each, many in a panel of their own.
+
+use palpate_figure::Sheet;
+use palpate_sim::run::Run;
+
+use crate::runs::{Devices, RunsFigure};
+use crate::{finding, multiples, overlay};
+
+/// Most runs that one panel shows; more are not told apart.
+pub const MOST_IN_A_PANEL: usize = 4;
+
+impl RunsFigure<'_> {
+    /// Position, force and energy of all runs in one panel each; of more than four, a panel for each run.
+    #[must_use]
+    pub fn sheet(&self) -> Sheet {
+        let (lines, note) = if self.runs.len() > MOST_IN_A_PANEL {
+            multiples::lines(self)
+        } else {
+            overlay::lines(self)
+        };
+        let named = self.runs.iter().map(|run| (run.method.name(), run));
+        let (names, runs): (Vec<&str>, Vec<&Run>) = named.unzip();
+        let ideal = match self.devices {
+            Devices::Recorded => {
+                "Motion replay: the device moves as recorded, whatever the force. Ideal: the object in \
+                 continuous time, on that motion."
+            }
+            Devices::InARecordedHand => {
+                "Hand replay: the device moves under the new force and the hand's, as estimated from the \
+                 recording. Ideal: object and device in continuous time, in that hand."
+            }
+            Devices::OfEachRun => "Ideal: object and device in continuous time.",
+        };
+        let recorded = match self.recorded {
+            Some(_) => " Recorded: what the recorded loop did.",
+            None => "",
+        };
+        Sheet {
+            title: finding::of_runs(&runs, &names).unwrap_or_default(),
+            subtitle: self.of.clone(),
+            footnote: Some(format!("{ideal}{recorded} {note}")),
+            x_label: "time [s]".into(),
+            same_scales: true,
+            lines,
+            ..Sheet::default()
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! How far methods are off on random plants.
+
+use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
+use palpate_study::suite::{Column, Judged, Set};
+
+/// How each column looks: a method with its defaults as everywhere else.
+fn role(columns: &[Column], number: usize) -> Role {
+    let of_methods = columns
+        .iter()
+        .all(|column| *column == Column::of(column.method));
+    if of_methods {
+        crate::role(columns[number].method)
+    } else {
+        Role::Compared(number)
+    }
+}
+
+/// Logarithm of the largest error E that is drawn: the force is then lost in any case.
+const LARGEST_DRAWN: f64 = 3.0;
+
+/// The distribution of E of those `columns` that are `drawn`, a panel for each condition.
+#[must_use]
+pub fn suite(
+    set: Set,
+    seed: u64,
+    columns: &[Column],
+    drawn: &[usize],
+    judged: &[Judged],
+) -> Figure {
+    let conditions = set.conditions();
+    let of_set = match set {
+        Set::Paper => String::new(),
+        other => format!(" of the set {other}"),
+    };
+    let panel = |condition: usize| Panel {
+        series: (drawn.iter().copied())
+            .map(|number| {
+                let mut errors: Vec<f64> = judged
+                    .iter()
+                    .flat_map(|one| &one.trials)
+                    .filter(|trial| trial.column == number && trial.condition == condition)
+                    .map(|trial| trial.fidelity.mean_force_error.log10())
+                    .collect();
+                errors.sort_by(f64::total_cmp);
+                let all = errors.len() as f64;
+                // From nothing at the least error to all at the largest, or at the edge.
+                let within = errors.partition_point(|error| *error <= LARGEST_DRAWN);
+                let shares = (0..=within).map(|below| 100.0 * below as f64 / all);
+                Series {
+                    name: columns[number].name.clone(),
+                    kind: Kind::Step,
+                    role: role(columns, number),
+                    y: shares.collect(),
+                    x: errors[..within]
+                        .first()
+                        .into_iter()
+                        .chain(&errors[..within])
+                        .copied()
+                        .collect(),
+                }
+            })
+            .collect(),
+    };
+    Figure {
+        title: finding(set, columns, drawn, judged),
+        subtitle: format!("{} random plants{of_set}, seed {seed}", judged.len()),
+        footnote: Some(
+            "Share of the plants on which E, the error of the mean force of each period, is at most so large: \
+             the further left, the better. Errors above 1000 % are not drawn."
+                .into(),
+        ),
+        x_label: "mean-force error E [%]".into(),
+        x_decades: true,
+        columns: conditions.iter().map(ToString::to_string).collect(),
+        rows: vec![Row {
+            y_label: "plants [%]".into(),
+            y_decades: false,
+            limits: Limits::Data,
+            panels: (0..conditions.len()).map(panel).collect(),
+        }],
+    }
+}
+
+/// On how many of the plants each column's force is within E < 20 %, for the two best: without a delay in
+/// the paper's set, under the last condition of the others.
+fn finding(set: Set, columns: &[Column], drawn: &[usize], judged: &[Judged]) -> String {
+    const FAITHFUL_PERCENT: f64 = 20.0;
+    let conditions = set.conditions();
+    let condition = match set {
+        Set::Paper => 0,
+        Set::Desk | Set::Real | Set::Calibrated | Set::Steps => conditions.len() - 1,
+    };
+    let mut shares: Vec<(&str, f64)> = (drawn.iter().copied())
+        .map(|number| {
+            let of_column = judged.iter().flat_map(|one| &one.trials);
+            let faithful = of_column
+                .filter(|trial| trial.column == number && trial.condition == condition)
+                .filter(|trial| trial.fidelity.mean_force_error < FAITHFUL_PERCENT)
+                .count();
+            (
+                &*columns[number].name,
+                100.0 * faithful as f64 / judged.len() as f64,
+            )
+        })
+        .collect();
+    shares.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let best: Vec<String> = (shares.iter().take(2))
+        .map(|(name, share)| format!("{name} on {share:.0} %"))
+        .collect();
+    format!(
+        "E below {FAITHFUL_PERCENT} % with {}: {} of the plants",
+        conditions[condition],
+        best.join(", ")
+    )
+}

@@ -1,0 +1,218 @@
+//! Where a device stands in a world.
+
+use std::fmt;
+
+use palpate_device::Vector;
+
+/// Where a device stands in a world: which axis of the world each of its axes is, in which direction, and which
+/// place of the device's frame is which place of the world.
+///
+/// ```text
+///      world z
+///        |                 A device in the plane, upright before its user: its x is the world's x,
+///        |   device y      its y is the world's z. Along the world's y the tool stays where it
+///        |     ^           begins, and the device gives no force.
+///        |     |
+///        |     o---> device x
+///        +----------------- world x
+/// ```
+///
+/// Axes of the world that no axis of the device stands for keep the tool in its place, and the force along them
+/// reaches no motor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorldFrame {
+    origin: Vector,
+    place: Vector,
+    axes: [Option<WorldAxis>; 3],
+}
+
+/// An axis of the world, with the direction in which a device goes along it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WorldAxis {
+    /// 0 for x, 1 for y, 2 for z.
+    pub axis: usize,
+    /// Whether the device's axis points the other way.
+    pub is_reversed: bool,
+}
+
+/// The name of an axis of the world.
+fn name(axis: usize) -> &'static str {
+    ["x", "y", "z"].get(axis).copied().unwrap_or_default()
+}
+
+/// Why a device cannot stand in a world like this.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FrameError {
+    /// There is no such axis.
+    #[error("axis {0} of the world; allowed: 0 for x, 1 for y, 2 for z")]
+    NoAxis(usize),
+    /// Two axes of the device are one of the world.
+    #[error("two axes of the device are the same axis of the world, {}", name(*.0))]
+    Twice(usize),
+    /// A place that is no number.
+    #[error("a place of the frame is not a finite number")]
+    NotFinite,
+}
+
+impl WorldFrame {
+    /// The device's axes are the world's, and so are its places.
+    #[must_use]
+    pub fn the_same() -> Self {
+        Self {
+            origin: [0.0; 3],
+            place: [0.0; 3],
+            axes: [0, 1, 2].map(|axis| Some(WorldAxis::along(axis))),
+        }
+    }
+
+    /// Each axis of the device is that of the world which stands in its place in `axes`; `origin` in the device's
+    /// frame `[m]` is `place` in the world `[m]`. Along the axes of the world that are not named the tool stays at
+    /// `place`.
+    ///
+    /// # Errors
+    /// An axis that is not there or stands twice; a place that is not finite.
+    pub fn new(
+        axes: [Option<WorldAxis>; 3],
+        origin: Vector,
+        place: Vector,
+    ) -> Result<Self, FrameError> {
+        let mut is_taken = [false; 3];
+        for WorldAxis { axis, .. } in axes.into_iter().flatten() {
+            let taken = is_taken.get_mut(axis).ok_or(FrameError::NoAxis(axis))?;
+            if std::mem::replace(taken, true) {
+                return Err(FrameError::Twice(axis));
+            }
+        }
+        if !origin.iter().chain(&place).all(|x| x.is_finite()) {
+            return Err(FrameError::NotFinite);
+        }
+        Ok(Self {
+            origin,
+            place,
+            axes,
+        })
+    }
+
+    /// Whether an axis of the device stands for this axis of the world.
+    #[must_use]
+    pub fn has(&self, axis: usize) -> bool {
+        self.axes.iter().flatten().any(|own| own.axis == axis)
+    }
+
+    /// The place in the world of a `position` of the device `[m]`.
+    #[must_use]
+    pub fn in_world(&self, position: Vector) -> Vector {
+        let mut place = self.place;
+        for ((axis, x), origin) in self.axes.iter().zip(position).zip(self.origin) {
+            if let Some(along) = axis
+                && let Some(there) = place.get_mut(along.axis)
+            {
+                *there += along.sign() * (x - origin);
+            }
+        }
+        place
+    }
+
+    /// A force of the world `[N]`, along the device's axes; what no axis stands for is left out.
+    #[must_use]
+    pub fn on_device(&self, force: Vector) -> Vector {
+        self.axes.map(|axis| {
+            let part = axis.and_then(|along| Some(along.sign() * force.get(along.axis)?));
+            part.unwrap_or(0.0)
+        })
+    }
+
+    /// A force of the device `[N]`, along the world's axes.
+    #[must_use]
+    pub fn of_device(&self, force: Vector) -> Vector {
+        let mut in_world = [0.0; 3];
+        for (axis, x) in self.axes.iter().zip(force) {
+            if let Some(along) = axis
+                && let Some(there) = in_world.get_mut(along.axis)
+            {
+                *there = along.sign() * x;
+            }
+        }
+        in_world
+    }
+}
+
+impl fmt::Display for WorldFrame {
+    /// As lines of `key = value` with the unit in the key, which TOML reads.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let written = |along: &WorldAxis| {
+            let sign = if along.is_reversed { "-" } else { "" };
+            format!("\"{sign}{}\"", name(along.axis))
+        };
+        let axes: Vec<String> = self.axes.iter().flatten().map(written).collect();
+        let vector = |[x, y, z]: Vector| format!("[{x}, {y}, {z}]");
+        writeln!(f, "axes = [{}]", axes.join(", "))?;
+        writeln!(f, "device_place_m = {}", vector(self.origin))?;
+        writeln!(f, "world_place_m = {}", vector(self.place))
+    }
+}
+
+impl WorldAxis {
+    /// An axis of the world in its own direction: 0 for x, 1 for y, 2 for z.
+    #[must_use]
+    pub fn along(axis: usize) -> Self {
+        Self {
+            axis,
+            is_reversed: false,
+        }
+    }
+
+    /// The same axis in the other direction.
+    #[must_use]
+    pub fn reversed(self) -> Self {
+        Self {
+            is_reversed: !self.is_reversed,
+            ..self
+        }
+    }
+
+    fn sign(self) -> f64 {
+        if self.is_reversed { -1.0 } else { 1.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_device_upright_in_the_plane_has_no_force_along_the_third_axis() {
+        let axes = [
+            Some(WorldAxis::along(0).reversed()),
+            Some(WorldAxis::along(2)),
+            None,
+        ];
+        let frame = WorldFrame::new(axes, [0.0, 0.15, 9.0], [0.5, 0.25, 1.0]).unwrap();
+        assert_eq!(frame.in_world([0.0, 0.15, 7.0]), [0.5, 0.25, 1.0]);
+        assert_eq!(frame.in_world([0.125, 0.65, 7.0]), [0.375, 0.25, 1.5]);
+        assert_eq!(frame.on_device([1.0, 2.0, 3.0]), [-1.0, 3.0, 0.0]);
+        assert_eq!(frame.of_device([-1.0, 3.0, 5.0]), [1.0, 0.0, 3.0]);
+        assert!(frame.has(0) && !frame.has(1) && frame.has(2));
+        let same = WorldFrame::the_same();
+        assert_eq!(same.in_world([1.0, 2.0, 3.0]), [1.0, 2.0, 3.0]);
+        assert_eq!(same.on_device([1.0, 2.0, 3.0]), [1.0, 2.0, 3.0]);
+    }
+
+    #[test]
+    fn a_frame_that_cannot_be_says_why() {
+        let along = |axis| Some(WorldAxis::along(axis));
+        let refused = |axes, place| WorldFrame::new(axes, [0.0; 3], place).unwrap_err();
+        let twice = refused([along(1), along(1), None], [0.0; 3]);
+        assert_eq!(
+            twice.to_string(),
+            "two axes of the device are the same axis of the world, y"
+        );
+        assert_eq!(
+            refused([along(3), None, None], [0.0; 3]),
+            FrameError::NoAxis(3)
+        );
+        let nan = refused([along(0), None, None], [0.0, f64::NAN, 0.0]);
+        assert_eq!(nan, FrameError::NotFinite);
+    }
+}

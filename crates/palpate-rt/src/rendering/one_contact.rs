@@ -1,0 +1,146 @@
+//! One contact along an axis of the device's space, as the loop renders it.
+
+use palpate::{AlongAxis, Output, ParameterError};
+use palpate_device::Vector;
+use palpate_record::recording::{ContactTick, Flags};
+
+use super::renders::{Answer, Fresh, Renders};
+use super::{Parameters, Rendered, Rendering, parameters};
+use crate::delivered::Delivered;
+use crate::wire::{answered, booked};
+
+/// One contact along an axis of the device's space, with its parameters and its books.
+#[derive(Debug)]
+pub struct OneContact {
+    axis: AlongAxis<f64, 3>,
+    rendered: Rendered,
+    parameters: Option<Parameters>,
+    delivered: Delivered,
+    /// The last sample that was rendered: position of the device, and the answer.
+    last: Option<(Vector, Output<f64>)>,
+    said: ContactTick,
+}
+
+impl OneContact {
+    /// A contact along the first axis of the device.
+    pub(crate) fn new(rendering: Rendering) -> Result<Self, ParameterError> {
+        let (parameters, rendered) = parameters(rendering)?;
+        Ok(Self {
+            axis: AlongAxis::new([0.0; 3], [1.0, 0.0, 0.0])?,
+            rendered,
+            parameters: Some(parameters),
+            delivered: Delivered::default(),
+            last: None,
+            said: ContactTick::default(),
+        })
+    }
+
+    /// Places the contact along another axis.
+    pub(crate) fn place_along(&mut self, axis: AlongAxis<f64, 3>) {
+        self.axis = axis;
+    }
+
+    /// Whether the renderer is told of more than a delay of whole samples. Then it works out what acts
+    /// on the device from what was sent; else what was held is what acts.
+    fn is_told_how_forces_act(&self) -> bool {
+        let told = &self.rendered.rendering().loop_params;
+        !told.actuation.is_of_whole_samples(told.period)
+    }
+
+    /// The part of a force along the contact's axis `[N]`.
+    fn along_axis(&self, force: Vector) -> f64 {
+        dot(force, self.axis.vector(1.0))
+    }
+}
+
+impl Renders for OneContact {
+    fn period(&self) -> f64 {
+        self.rendered.rendering().loop_params.period
+    }
+
+    fn method(&self) -> &'static str {
+        self.rendered.rendering().method()
+    }
+
+    fn parameters(&mut self) -> Option<Parameters> {
+        self.parameters.take()
+    }
+
+    fn take_change(&mut self) -> Option<(u32, Rendering)> {
+        let generation = self.rendered.take_change()?;
+        Some((generation, *self.rendered.rendering()))
+    }
+
+    fn generation(&self) -> u32 {
+        self.rendered.generation()
+    }
+
+    fn step(&mut self, sample: &Fresh) -> Answer {
+        if let Some(mean) = sample.held
+            && !self.is_told_how_forces_act()
+        {
+            let held = -self.along_axis(mean);
+            self.rendered.report_held(held);
+        }
+        let coordinate = self.axis.coordinate(sample.position);
+        let before = self.rendered.ledger().held_leak;
+        let output = self.rendered.step(coordinate, sample.elapsed);
+        let after = self.rendered.ledger().held_leak;
+        self.delivered.close(&before, &after, sample.was_off);
+        self.last = Some((sample.position, output));
+        Answer {
+            force: self.axis.vector(output.force_on_device),
+            coordinate,
+            fault: output.fault,
+        }
+    }
+
+    fn report_written(&mut self, held: Vector, sent: Option<Vector>) {
+        if self.is_told_how_forces_act() {
+            let sent = self.along_axis(sent.unwrap_or(held));
+            self.rendered.report_sent(-sent);
+        }
+    }
+
+    fn account(&mut self, sequence: u64, delivered: Vector) {
+        let ledger = self.rendered.ledger();
+        let said = match &self.last {
+            Some((_, output)) => answered(output, ledger),
+            // Nothing was rendered yet.
+            None => booked(
+                ContactTick {
+                    point: [f64::NAN; 3],
+                    normal: [f64::NAN; 3],
+                    force: [f64::NAN; 3],
+                    ..ContactTick::default()
+                },
+                ledger,
+            ),
+        };
+        let position = self.last.as_ref().map(|(position, _)| *position);
+        self.said = ContactTick {
+            sequence,
+            device_position: position.map_or(f64::NAN, |at| self.axis.coordinate(at)),
+            force_on_device: self.along_axis(delivered),
+            outside_work: said.outside_work + self.delivered.withheld,
+            held_leak: self.delivered.leak,
+            ..said
+        };
+    }
+
+    fn contacts(&self) -> &[ContactTick] {
+        std::slice::from_ref(&self.said)
+    }
+
+    fn flags(&self) -> Flags {
+        self.said.flags
+    }
+
+    fn created_energy(&self) -> f64 {
+        self.delivered.leak
+    }
+}
+
+fn dot(a: Vector, b: Vector) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

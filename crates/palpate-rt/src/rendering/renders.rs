@@ -1,0 +1,84 @@
+//! What the loop asks of what it renders: a position in, a force out.
+
+use palpate::Fault;
+use palpate_device::Vector;
+use palpate_record::recording::{BodyTick, ContactTick, Flags};
+
+use super::{Parameters, Rendering};
+
+/// What a loop renders. [`OneContact`](super::OneContact) and [`RenderedWorld`](super::RenderedWorld) are the two that
+/// there are. Nothing here may allocate, lock or panic: all of it is part of a tick.
+///
+/// Positions and forces are in the frame of the device.
+pub trait Renders: Send {
+    /// Nominal time from sample to sample `[s]`.
+    fn period(&self) -> f64;
+
+    /// Name of the method that renders now.
+    fn method(&self) -> &'static str;
+
+    /// The other end of the parameters, for whoever asks first; `None` where nothing can change.
+    fn parameters(&mut self) -> Option<Parameters> {
+        None
+    }
+
+    /// Takes a change of parameters, if one has come in: its number, and what is rendered then.
+    fn take_change(&mut self) -> Option<(u32, Rendering)> {
+        None
+    }
+
+    /// Number of the parameters in force.
+    fn generation(&self) -> u32 {
+        0
+    }
+
+    /// Renders a fresh sample.
+    fn step(&mut self, sample: &Fresh) -> Answer;
+
+    /// Hears which force the device holds from now on by its own account `[N]`, and which one was sent to its motors
+    /// where the device says that apart.
+    fn report_written(&mut self, held: Vector, sent: Option<Vector>);
+
+    /// Makes ready what is to be said of tick number `sequence`, at which the device holds `delivered` `[N]`.
+    fn account(&mut self, sequence: u64, delivered: Vector);
+
+    /// The contacts, as [`account`](Self::account) has made them ready.
+    fn contacts(&self) -> &[ContactTick];
+
+    /// The bodies of a world that move, as [`account`](Self::account) has made them ready.
+    fn bodies(&self) -> &[BodyTick] {
+        &[]
+    }
+
+    /// What is to be said of the last sample, besides what is said of each contact.
+    fn flags(&self) -> Flags {
+        Flags::default()
+    }
+
+    /// Energy that held forces created since the start while the motors were on `[J]`, as of the last sample.
+    fn created_energy(&self) -> f64;
+}
+
+/// A fresh sample of the device, for the renderer.
+#[derive(Clone, Copy, Debug)]
+pub struct Fresh {
+    /// Where the device is `[m]`.
+    pub position: Vector,
+    /// Time since the last fresh sample `[s]`; `None` for the first.
+    pub elapsed: Option<f64>,
+    /// Mean of the force that the device held since the last sample `[N]`; `None` before the first force.
+    pub held: Option<Vector>,
+    /// Whether a trip kept the motors off since the last sample.
+    pub was_off: bool,
+}
+
+/// What a renderer answers to a sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Answer {
+    /// Force for the device `[N]`, before the limits of the safety.
+    pub force: Vector,
+    /// Where the device is along the axis of a contact `[m]`; 0 where there is no axis.
+    pub coordinate: f64,
+    /// Why the sample was refused, if it was.
+    pub fault: Option<Fault>,
+}

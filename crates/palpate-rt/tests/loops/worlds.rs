@@ -1,0 +1,301 @@
+//! A world in the loop: what it makes of a device in space, and what keeps its forces safe.
+
+use std::path::Path;
+
+use palpate_device::clock::SteppedClock;
+use palpate_device::{Device, ScriptedDevice, Step, Vector};
+use palpate_record::recording::Flags;
+use palpate_rt::safety::{OscillationParams, SafetyParams, Trip};
+use palpate_rt::{ControlLoop, RenderedWorld, SetupError, Told, WorldAxis, WorldFrame, tap};
+use palpate_scene::world::{WorldFile, WorldScene};
+use palpate_sim::device::SpatialDevice;
+use palpate_sim::world::WorldBench;
+
+use crate::wide;
+
+type InSpace = ControlLoop<SpatialDevice<SteppedClock>, SteppedClock, RenderedWorld>;
+type Scripted = ControlLoop<ScriptedDevice<SteppedClock>, SteppedClock, RenderedWorld>;
+
+/// A scene of `experiments/worlds`.
+fn scene(name: &str) -> WorldScene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../../experiments/worlds")
+        .join(name);
+    #[allow(clippy::disallowed_methods, reason = "set-up")]
+    let text = std::fs::read_to_string(&path).unwrap();
+    WorldFile::parse(name, &text).unwrap().scene
+}
+
+fn rendered(scene: &WorldScene, method: &'static str, frame: WorldFrame) -> RenderedWorld {
+    let renderer = scene.renderer(method).unwrap();
+    RenderedWorld::new(&scene.world, renderer, method, frame).unwrap()
+}
+
+fn in_space(scene: &WorldScene, method: &'static str, limits: SafetyParams) -> InSpace {
+    let clock = SteppedClock::new();
+    let device = &scene.devices[0];
+    let device = SpatialDevice::new(device, &scene.timing.actuator, clock.clone()).unwrap();
+    let world = rendered(scene, method, WorldFrame::the_same());
+    ControlLoop::of_world(device, clock, world, limits).unwrap()
+}
+
+/// A table of 1000 N/m, touched from above by a point without friction: 1 N for each millimetre that it is below
+/// z = 0.
+const TABLE: &str = r#"
+format = 2
+[loop]
+period_s = 0.001
+[[device]]
+name = "tool"
+mass_kg = 0.2
+tool = { sphere = { radius_m = 0.0 } }
+[[body]]
+name = "table"
+fixed = true
+shape = { half_space = { normal = [0.0, 0.0, 1.0], offset_m = 0.0 } }
+[[contact]]
+between = ["tool", "table"]
+stiffness_n_per_m = 1000.0
+[render]
+method = "basic"
+"#;
+
+fn table() -> WorldScene {
+    WorldFile::parse("table.toml", TABLE).unwrap().scene
+}
+
+/// The table under a device that follows `script`, by the plain spring force.
+fn scripted(script: Vec<Step>, frame: WorldFrame, limits: SafetyParams) -> Scripted {
+    let clock = SteppedClock::new();
+    let device = ScriptedDevice::new(clock.clone(), 3, script);
+    let world = rendered(&table(), "basic", frame);
+    ControlLoop::of_world(device, clock, world, limits).unwrap()
+}
+
+fn length([x, y, z]: Vector) -> f64 {
+    (x * x + y * y + z * z).sqrt()
+}
+
+#[test]
+fn it_is_the_loop_of_the_simulator_in_three_dimensions() {
+    for name in [
+        "pushed-block.toml",
+        "paddle.toml",
+        "row.toml",
+        "groove-90-rough.toml",
+    ] {
+        let scene = scene(name);
+        let bench = WorldBench::new(&scene).unwrap();
+        for method in ["basic", "coupled"] {
+            let expected = bench.run(method, &scene.renderer(method).unwrap()).unwrap();
+            let mut control = in_space(&scene, method, wide());
+            let scale = expected.delivered[0]
+                .iter()
+                .fold(0.1, |most: f64, force| most.max(length(*force)));
+            let mut worst: f64 = 0.0;
+            // A force begins with its sample: the simulator's next position is what it makes of it.
+            for (sample, positions) in expected.positions.iter().enumerate().take(60) {
+                let place = control.device().position();
+                let tick = control.tick().tick;
+                let now = control.device().position();
+                let off: Vector = std::array::from_fn(|axis| now[axis] - positions[0][axis]);
+                worst = worst.max(length(off));
+                assert!(
+                    sample == 0 || place != now,
+                    "{name}: the device stands still"
+                );
+                assert!(length(tick.commanded_force) <= 10.0 * scale);
+            }
+            println!("{name}, {method}: at most {worst:.1e} m from the simulator's motion");
+            assert!(worst < 1e-6, "{name}, {method}: {worst} m");
+        }
+    }
+}
+
+#[test]
+fn a_force_limit_is_the_length_of_a_vector() {
+    // Into a corner: 9 N along each axis would be 15.6 N.
+    let mut corner = table();
+    for (axis, name) in ["wall-x", "wall-y"].iter().enumerate() {
+        let mut wall = corner.world.bodies[0].clone();
+        wall.name = (*name).into();
+        let mut normal = [0.0; 3];
+        normal[axis] = 1.0;
+        wall.shape = palpate_world::Shape::HalfSpace {
+            normal,
+            offset: 0.0,
+        };
+        corner.world.bodies.push(wall);
+    }
+    for contact in &mut corner.world.contacts {
+        contact.between = [palpate_world::Party::Any, palpate_world::Party::Any];
+    }
+    let limits = SafetyParams {
+        largest_force: 5.0,
+        soft_start: 0.0,
+        ..wide()
+    };
+    let pressed = |limits| {
+        let clock = SteppedClock::new();
+        let script = vec![Step::At([-9e-3, -9e-3, -9e-3])];
+        let device = ScriptedDevice::new(clock.clone(), 3, script);
+        let world = rendered(&corner, "basic", WorldFrame::the_same());
+        let mut control = ControlLoop::of_world(device, clock, world, limits).unwrap();
+        control.tick().tick
+    };
+    let free = pressed(SafetyParams {
+        largest_force: 1e3,
+        ..limits
+    });
+    let [x, y, z] = free.commanded_force;
+    assert!(
+        [x, y, z].iter().all(|force| (force - 9.0).abs() < 1e-9),
+        "{x} {y} {z} N"
+    );
+    let limited = pressed(limits);
+    let force = limited.commanded_force;
+    assert!((length(force) - 5.0).abs() < 1e-12, "{force:?}");
+    // In its direction.
+    assert!(force.iter().all(|part| (part - force[0]).abs() < 1e-12));
+    assert!(limited.flags.has(Flags::SAFETY_LIMITED));
+}
+
+#[test]
+fn a_force_comes_in_softly_and_every_trip_takes_it_off() {
+    let pressed = Step::At([0.0, 0.0, -2e-3]);
+    let nan = Step::At([0.0, f64::NAN, 0.0]);
+    let far = Step::At([0.0, 0.0, 0.3]);
+    let box_of = SafetyParams {
+        workspace: Some([[-0.1; 3], [0.1; 3]]),
+        largest_speed: 1e4,
+        oscillation: OscillationParams {
+            energy: f64::INFINITY,
+            window: 0.2,
+        },
+        ..SafetyParams::default()
+    };
+    for (fault, trip, comes_back) in [
+        (nan, Trip::NotANumber, true),
+        (far, Trip::OutsideWorkspace, false),
+        (Step::Stale, Trip::StaleSample, true),
+        (
+            Step::Fails(palpate_device::DeviceErrorKind::Refused),
+            Trip::DeviceRefused,
+            false,
+        ),
+    ] {
+        let mut script = vec![pressed; 400];
+        script.extend([fault; 4]);
+        script.push(pressed);
+        let mut control = scripted(script, WorldFrame::the_same(), box_of);
+        let first = control.tick().tick.commanded_force;
+        assert_eq!(length(first), 0.0, "the force comes in from 0");
+        let forces: Vec<f64> = (1..400)
+            .map(|_| length(control.tick().tick.commanded_force))
+            .collect();
+        assert!(forces.is_sorted() && (forces[398] - 2.0).abs() < 1e-9);
+        control.tick();
+        for _ in 0..3 {
+            let tick = control.tick().tick;
+            assert_eq!(tick.delivered_force, [0.0; 3], "{trip}");
+            assert_eq!(control.trip(), Some(trip));
+        }
+        for _ in 0..400 {
+            control.tick();
+        }
+        let last = length(control.tick().tick.commanded_force);
+        let expected = if comes_back { 2.0 } else { 0.0 };
+        assert!((last - expected).abs() < 1e-9, "{trip}: {last} N");
+    }
+}
+
+#[test]
+fn a_device_in_the_plane_pushes_along_its_own_axes() {
+    // Upright: its y is the world's z, and its origin is 20 mm above the table.
+    let axes = [Some(WorldAxis::along(0)), Some(WorldAxis::along(2)), None];
+    let frame = WorldFrame::new(axes, [0.0, 0.1, 0.0], [0.0, 0.3, 0.02]).unwrap();
+    let script = vec![Step::At([0.0, 0.1 - 0.023, 0.0])];
+    let mut control = scripted(script, frame, wide());
+    let tick = control.tick().tick;
+    assert!((tick.commanded_force[1] - 3.0).abs() < 1e-9);
+    assert!(tick.commanded_force[0] == 0.0 && tick.commanded_force[2] == 0.0);
+}
+
+#[test]
+fn a_tick_tells_its_contacts_and_the_bodies_that_move() {
+    let (tap, mut listener) = tap(1000);
+    let mut control = in_space(&scene("pushed-block.toml"), "coupled", wide()).tapped(tap);
+    let mut row = control.tick();
+    for _ in 0..99 {
+        row = control.tick();
+    }
+    // The block on the table by four corners, and perhaps the tool.
+    assert!(
+        (4..=9).contains(&row.tick.contacts),
+        "{}",
+        row.tick.contacts
+    );
+    assert_eq!(row.tick.bodies, 2, "the block, and the tool's avatar");
+    let Some(Told::Tick(tick, contacts, bodies)) = listener.by_ref().last() else {
+        panic!("the last thing told is a tick");
+    };
+    assert_eq!(tick.sequence, 99);
+    assert_eq!(contacts.len(), row.tick.contacts as usize);
+    let lifted: f64 = contacts
+        .iter()
+        .map(|contact| contact.force[2] * contact.normal[2].signum())
+        .sum();
+    assert!((lifted.abs() - 0.4905).abs() < 0.2, "{lifted} N");
+    let numbers: Vec<u32> = bodies.iter().map(|body| body.body).collect();
+    // The table is fixed; the avatar stands behind both bodies.
+    assert_eq!(numbers, [0, 2]);
+    let place = control.device().position();
+    assert!(
+        length(std::array::from_fn(
+            |axis| bodies[1].position[axis] - place[axis]
+        )) < 1e-3
+    );
+}
+
+#[test]
+fn forces_that_create_energy_trip_and_exact_ones_do_not() {
+    // A ball on a paddle by the spring force at the sample gains energy with every bounce.
+    let mut juggled = scene("paddle.toml");
+    juggled.timing.period = 0.004;
+    let runs = |method| {
+        let mut control = in_space(&juggled, method, SafetyParams::default());
+        let mut most: f64 = 0.0;
+        for _ in 0..750 {
+            let tick = control.tick().tick;
+            most = most.max(tick.created_energy);
+            if control.trip().is_some() {
+                break;
+            }
+        }
+        println!("{method}: created up to {:.2} mJ", 1e3 * most);
+        (control.trip(), most)
+    };
+    let (trip, created) = runs("coupled");
+    assert_eq!(trip, None);
+    assert!(created < 0.05, "{created} J");
+    let (_, by_basic) = runs("basic");
+    assert!(by_basic > 4.0 * created.max(1e-4), "{by_basic} J");
+    let _ = Trip::Oscillation;
+}
+
+#[test]
+fn a_loop_of_two_devices_is_refused() {
+    let pinch = scene("pinch.toml");
+    let renderer = pinch.renderer("coupled").unwrap();
+    let refused = RenderedWorld::new(&pinch.world, renderer, "coupled", WorldFrame::the_same());
+    assert_eq!(refused.unwrap_err(), SetupError::Devices(2));
+}
+
+#[test]
+fn the_device_in_space_gives_what_it_was_told() {
+    let scene = scene("paddle.toml");
+    let clock = SteppedClock::new();
+    let mut device = SpatialDevice::new(&scene.devices[0], &scene.timing.actuator, clock).unwrap();
+    let held = device.write([1.0, -2.0, 0.5].into()).unwrap();
+    assert_eq!(held.force, [1.0, -2.0, 0.5]);
+}

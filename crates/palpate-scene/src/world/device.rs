@@ -1,0 +1,195 @@
+//! Devices as a file gives them.
+
+use palpate_world::{NOT_TURNED, Place, Quaternion, Tool, Vector};
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::file::{Least, Reading};
+use super::per_axis::PerAxis;
+use super::shape::{RawShape, unit};
+use super::{DeviceTurning, Tremor, TurningHand, WorldDevice, WorldHand};
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawDevice {
+    name: Spanned<String>,
+    mass_kg: Spanned<PerAxis>,
+    position_m: Option<Spanned<Vector>>,
+    velocity_m_per_s: Option<Spanned<Vector>>,
+    quantum_m: Option<Spanned<PerAxis>>,
+    hand_force_n: Option<Spanned<Vector>>,
+    hand_stiffness_n_per_m: Option<Spanned<f64>>,
+    hand_damping_n_s_per_m: Option<Spanned<f64>>,
+    hand_rest_m: Option<Spanned<Vector>>,
+    tremor_n: Option<Spanned<f64>>,
+    tremor_hz: Option<Spanned<f64>>,
+    inertia_kg_m2: Option<Spanned<Vector>>,
+    orientation: Option<Spanned<Quaternion>>,
+    angular_velocity_rad_per_s: Option<Spanned<Vector>>,
+    quantum_rad: Option<Spanned<f64>>,
+    hand_torque_n_m: Option<Spanned<Vector>>,
+    hand_rotational_stiffness_n_m_per_rad: Option<Spanned<f64>>,
+    hand_rotational_damping_n_m_s_per_rad: Option<Spanned<f64>>,
+    hand_rest_orientation: Option<Spanned<Quaternion>>,
+    tremor_n_m: Option<Spanned<f64>>,
+    tool: Spanned<RawShape>,
+}
+
+impl Reading {
+    pub(super) fn device(&mut self, index: usize, raw: Spanned<RawDevice>) -> (Tool, WorldDevice) {
+        let place = Place::Tool(index);
+        self.places.part(place, raw.span());
+        let mut raw = raw.into_inner();
+        let tremor_torque = raw.tremor_n_m.take();
+        let tremor = match (raw.tremor_n.take(), raw.tremor_hz.take()) {
+            (None, Some(frequency)) if tremor_torque.is_some() => Tremor {
+                amplitude: 0.0,
+                frequency_hz: self.number("tremor_hz", frequency, Least::Above0),
+            },
+            (Some(amplitude), Some(frequency)) => Tremor {
+                amplitude: self.number("tremor_n", amplitude, Least::AtLeast0),
+                frequency_hz: self.number("tremor_hz", frequency, Least::Above0),
+            },
+            (None, None) => Tremor::default(),
+            (Some(key), None) | (None, Some(key)) => {
+                self.fault(key.span(), "a tremor needs both tremor_n and tremor_hz");
+                Tremor::default()
+            }
+        };
+        let turning = self.turning(place, &mut raw, tremor_torque, tremor.frequency_hz);
+        let tool = Tool {
+            name: self.places.take(place, "name", raw.name),
+            shape: self.shape(place, raw.tool),
+            turns: turning.is_some(),
+        };
+        let position = self.vector("position_m", raw.position_m, [0.0; 3]);
+        let mut at_least_0 = |key: &str, value: Option<Spanned<f64>>| {
+            value.map_or(0.0, |value| self.number(key, value, Least::AtLeast0))
+        };
+        let stiffness = at_least_0("hand_stiffness_n_per_m", raw.hand_stiffness_n_per_m);
+        let damping = at_least_0("hand_damping_n_s_per_m", raw.hand_damping_n_s_per_m);
+        let hand = WorldHand {
+            force: self.vector("hand_force_n", raw.hand_force_n, [0.0; 3]),
+            stiffness,
+            damping,
+            rest: self.vector("hand_rest_m", raw.hand_rest_m, position),
+            tremor,
+        };
+        let device = WorldDevice {
+            mass: self.per_axis("mass_kg", raw.mass_kg, Least::Above0),
+            position,
+            velocity: self.vector("velocity_m_per_s", raw.velocity_m_per_s, [0.0; 3]),
+            quantum: raw.quantum_m.map_or([0.0; 3], |quantum| {
+                self.per_axis("quantum_m", quantum, Least::AtLeast0)
+            }),
+            hand,
+            turning,
+        };
+        (tool, device)
+    }
+
+    /// How a device of six axes turns: one that has an inertia.
+    fn turning(
+        &mut self,
+        place: Place,
+        raw: &mut RawDevice,
+        tremor: Option<Spanned<f64>>,
+        frequency_hz: f64,
+    ) -> Option<DeviceTurning> {
+        let stiffness = raw.hand_rotational_stiffness_n_m_per_rad.take();
+        let damping = raw.hand_rotational_damping_n_m_s_per_rad.take();
+        let quantum = raw.quantum_rad.take();
+        let orientation = raw.orientation.take();
+        let rest = raw.hand_rest_orientation.take();
+        let torque = raw.hand_torque_n_m.take();
+        let angular_velocity = raw.angular_velocity_rad_per_s.take();
+        let Some(inertia) = raw.inertia_kg_m2.take() else {
+            let spans = [
+                ("hand_rotational_stiffness_n_m_per_rad", &stiffness),
+                ("hand_rotational_damping_n_m_s_per_rad", &damping),
+                ("quantum_rad", &quantum),
+                ("tremor_n_m", &tremor),
+            ]
+            .map(|(key, value)| (key, value.as_ref().map(Spanned::span)));
+            let more = [
+                ("orientation", orientation.as_ref().map(Spanned::span)),
+                ("hand_rest_orientation", rest.as_ref().map(Spanned::span)),
+                ("hand_torque_n_m", torque.as_ref().map(Spanned::span)),
+                (
+                    "angular_velocity_rad_per_s",
+                    angular_velocity.as_ref().map(Spanned::span),
+                ),
+            ];
+            for (key, span) in spans.into_iter().chain(more) {
+                if let Some(span) = span {
+                    let message = format!(
+                        "{key} is of a device of six axes, which has inertia_kg_m2, three moments"
+                    );
+                    self.fault(span, message);
+                }
+            }
+            return None;
+        };
+        self.numbers(
+            "inertia_kg_m2",
+            inertia.span(),
+            inertia.get_ref(),
+            Least::Above0,
+        );
+        let tremor = tremor.map_or(0.0, |tremor| {
+            if frequency_hz == 0.0 {
+                let message = "a tremor needs both tremor_n_m and tremor_hz";
+                self.fault(tremor.span(), message);
+            }
+            self.number("tremor_n_m", tremor, Least::AtLeast0)
+        });
+        let mut at_least_0 = |key: &str, value: Option<Spanned<f64>>| {
+            value.map_or(0.0, |value| self.number(key, value, Least::AtLeast0))
+        };
+        let stiffness = at_least_0("hand_rotational_stiffness_n_m_per_rad", stiffness);
+        let damping = at_least_0("hand_rotational_damping_n_m_s_per_rad", damping);
+        let quantum = at_least_0("quantum_rad", quantum);
+        let orientation = self.orientation(place, "orientation", orientation, NOT_TURNED);
+        Some(DeviceTurning {
+            inertia: inertia.into_inner(),
+            orientation,
+            angular_velocity: self.vector("angular_velocity_rad_per_s", angular_velocity, [0.0; 3]),
+            quantum,
+            hand: TurningHand {
+                torque: self.vector("hand_torque_n_m", torque, [0.0; 3]),
+                stiffness,
+                damping,
+                rest: self.orientation(place, "hand_rest_orientation", rest, orientation),
+                tremor: Tremor {
+                    amplitude: tremor,
+                    frequency_hz,
+                },
+            },
+        })
+    }
+
+    /// A quaternion of any length above 0, brought to length 1.
+    fn orientation(
+        &mut self,
+        place: Place,
+        key: &'static str,
+        value: Option<Spanned<Quaternion>>,
+        default: Quaternion,
+    ) -> Quaternion {
+        let Some(value) = value else {
+            return default;
+        };
+        let span = value.span();
+        let given = self.places.take(place, key, value);
+        let length = given.iter().map(|part| part * part).sum::<f64>().sqrt();
+        let has_direction = length > 0.0 && length.is_finite();
+        if !has_direction {
+            let message = format!(
+                "{key} has length {length}, and has to be a quaternion [w, x, y, z] with a length above 0"
+            );
+            self.fault(span, message);
+            return default;
+        }
+        unit(given)
+    }
+}

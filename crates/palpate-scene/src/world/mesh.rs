@@ -1,0 +1,264 @@
+//! Meshes as a scene file gives them: from a file of a CAD program, by their triangles, or by a formula.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use palpate_testbed::world::mesh::gallery;
+use palpate_world::{Mesh, Shape, Vector};
+use serde::Deserialize;
+
+/// Largest file of a mesh that is read `[byte]`.
+const LARGEST_FILE: u64 = 256 << 20;
+/// Most squares along an edge of the cube of a bumpy sphere: more have more triangles than a mesh may have.
+const MOST_CELLS: u32 = 288;
+
+/// Keys of a mesh: one of `file`, `vertices_m` with `faces`, `bumpy_sphere` and `revolved`.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawMesh {
+    file: Option<String>,
+    unit: Option<Unit>,
+    scale: Option<f64>,
+    vertices_m: Option<Vec<Vector>>,
+    faces: Option<Vec<[u32; 3]>>,
+    bumpy_sphere: Option<RawBumpySphere>,
+    revolved: Option<RawRevolved>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawBumpySphere {
+    radius_m: f64,
+    height_m: f64,
+    waves: f64,
+    cells: u32,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawRevolved {
+    profile_m: Vec<[f64; 2]>,
+    segments: u32,
+    longest_m: Option<f64>,
+}
+
+/// Unit of the numbers in a file.
+#[derive(Clone, Copy, Debug, Deserialize)]
+enum Unit {
+    #[serde(rename = "m")]
+    Metre,
+    #[serde(rename = "cm")]
+    Centimetre,
+    #[serde(rename = "mm")]
+    Millimetre,
+    #[serde(rename = "um")]
+    Micrometre,
+    #[serde(rename = "in")]
+    Inch,
+}
+
+impl Unit {
+    /// Its length `[m]`.
+    fn length(self) -> f64 {
+        match self {
+            Self::Metre => 1.0,
+            Self::Centimetre => 1e-2,
+            Self::Millimetre => 1e-3,
+            Self::Micrometre => 1e-6,
+            Self::Inch => 0.0254,
+        }
+    }
+}
+
+/// A mesh, and what a user may want to know of it.
+pub(super) struct ReadMesh {
+    pub shape: Shape,
+    /// Of a mesh from a file: its size, and what was left out of it.
+    pub note: Option<String>,
+}
+
+impl RawMesh {
+    /// The mesh; files are looked for in `folder`.
+    pub fn read(&self, folder: &Path) -> Result<ReadMesh, String> {
+        let sources = [
+            self.file.is_some(),
+            self.vertices_m.is_some() || self.faces.is_some(),
+            self.bumpy_sphere.is_some(),
+            self.revolved.is_some(),
+        ];
+        if sources.into_iter().filter(|given| *given).count() != 1 {
+            return Err(
+                "a mesh needs one of file, vertices_m with faces, bumpy_sphere and revolved".into(),
+            );
+        }
+        if self.file.is_none() && (self.unit.is_some() || self.scale.is_some()) {
+            return Err("unit and scale are of a mesh's file, and there is none".into());
+        }
+        let in_scene = |(vertices, faces): &gallery::Triangles| {
+            let mesh = Mesh::new(vertices, faces).map_err(|error| error.to_string())?;
+            Ok(ReadMesh {
+                shape: Shape::Mesh(Arc::new(mesh)),
+                note: None,
+            })
+        };
+        if let Some(file) = &self.file {
+            return self.of_file(folder, file);
+        }
+        if let Some(bumpy) = &self.bumpy_sphere {
+            return in_scene(&bumpy.triangles()?);
+        }
+        if let Some(revolved) = &self.revolved {
+            return in_scene(&revolved.triangles()?);
+        }
+        match (&self.vertices_m, &self.faces) {
+            (Some(vertices), Some(faces)) => in_scene(&(vertices.clone(), faces.clone())),
+            _ => Err("a mesh by its triangles needs both vertices_m and faces".into()),
+        }
+    }
+
+    fn of_file(&self, folder: &Path, file: &str) -> Result<ReadMesh, String> {
+        let unit = self.unit.ok_or(
+            "a mesh file does not say its unit: give unit = \"mm\", or one of \"m\", \"cm\", \"um\", \"in\"",
+        )?;
+        let scale = self.scale.unwrap_or(1.0);
+        if !(scale > 0.0 && scale.is_finite()) {
+            return Err(format!("scale is {scale}, and has to be above 0"));
+        }
+        let (vertices, faces) = triangles(&folder.join(file))?;
+        let length = unit.length() * scale;
+        let vertices: Vec<Vector> = vertices
+            .iter()
+            .map(|vertex| vertex.map(|x| f64::from(x) * length))
+            .collect();
+        let mesh = Mesh::new(&vertices, &faces).map_err(|error| format!("{file}: {error}"))?;
+        Ok(ReadMesh {
+            note: Some(format!("{file}: {}", in_words(&mesh))),
+            shape: Shape::Mesh(Arc::new(mesh)),
+        })
+    }
+}
+
+impl RawBumpySphere {
+    fn triangles(&self) -> Result<gallery::Triangles, String> {
+        let Self {
+            radius_m,
+            height_m,
+            waves,
+            cells,
+        } = *self;
+        if !(radius_m > 0.0 && radius_m.is_finite() && waves.is_finite()) {
+            return Err("a bumpy sphere needs a radius_m above 0, and waves".into());
+        }
+        if !(height_m >= 0.0 && height_m < radius_m) {
+            return Err(format!(
+                "height_m is {height_m}, and has to be at least 0 and below the radius"
+            ));
+        }
+        if !(1..=MOST_CELLS).contains(&cells) {
+            return Err(format!("cells is {cells}, and has to be 1 to {MOST_CELLS}"));
+        }
+        Ok(gallery::bumpy_sphere(radius_m, height_m, waves, cells))
+    }
+}
+
+impl RawRevolved {
+    fn triangles(&self) -> Result<gallery::Triangles, String> {
+        let longest = self.longest_m.unwrap_or(f64::INFINITY);
+        if longest <= 0.0 || longest.is_nan() {
+            return Err(format!("longest_m is {longest}, and has to be above 0"));
+        }
+        let length: f64 = self
+            .profile_m
+            .windows(2)
+            .map(|pair| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]))
+            .sum();
+        let rings = self.profile_m.len() as f64 + length / longest;
+        let triangles = 2.0 * rings * f64::from(self.segments);
+        if triangles > Mesh::MOST_TRIANGLES as f64 || triangles.is_nan() {
+            return Err(format!(
+                "the profile makes about {triangles:.0} triangles, and at most {} are taken; give fewer segments or a \
+                 larger longest_m",
+                Mesh::MOST_TRIANGLES
+            ));
+        }
+        gallery::revolved(&self.profile_m, self.segments, longest).ok_or_else(|| {
+            "profile_m needs at least three points [distance from the axis, z], the first and the last with distance 0 \
+             and the others above 0, and segments has to be at least 3"
+                .into()
+        })
+    }
+}
+
+/// Vertices in the file's unit, and triangles by the numbers of their corners.
+type Numbers = (Vec<[f32; 3]>, Vec<[u32; 3]>);
+
+/// What an STL or OBJ file has. Files that it names, such as of colours, are not read.
+fn triangles(path: &Path) -> Result<Numbers, String> {
+    let shown = path.display();
+    let fault = |error: std::io::Error| format!("{shown}: {error}");
+    let size = std::fs::metadata(path).map_err(fault)?.len();
+    if size > LARGEST_FILE {
+        return Err(format!(
+            "{shown} has {size} bytes, and at most {LARGEST_FILE} are read"
+        ));
+    }
+    let bytes = std::fs::read(path).map_err(fault)?;
+    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
+    let loader = mesh_loader::Loader::default();
+    let nothing_else = |_: &Path| Err(std::io::ErrorKind::NotFound.into());
+    let scene = match extension.to_str() {
+        Some("stl") => loader.load_stl_from_slice(&bytes, path),
+        Some("obj") => loader.load_obj_from_slice_with_reader(&bytes, path, nothing_else),
+        _ => {
+            return Err(format!(
+                "{shown}: a mesh is read from a file with the ending .stl or .obj"
+            ));
+        }
+    };
+    let scene = scene.map_err(|error| {
+        let said = error.to_string();
+        // The loader may say the path by itself.
+        if said.contains(&*shown.to_string()) {
+            said
+        } else {
+            format!("{shown}: {said}")
+        }
+    })?;
+    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+    for mesh in scene.meshes {
+        let first = u32::try_from(vertices.len()).map_err(|_| format!("{shown}: too large"))?;
+        vertices.extend(mesh.vertices);
+        faces.extend(
+            mesh.faces
+                .iter()
+                .map(|face| face.map(|k| k.saturating_add(first))),
+        );
+    }
+    Ok((vertices, faces))
+}
+
+/// A mesh's size in words, and what is unusual about it.
+fn in_words(mesh: &Mesh) -> String {
+    let (mut least, mut most) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for vertex in mesh.vertices() {
+        for axis in 0..3 {
+            least[axis] = least[axis].min(vertex[axis]);
+            most[axis] = most[axis].max(vertex[axis]);
+        }
+    }
+    let [x, y, z] = [0, 1, 2].map(|axis| 1e3 * (most[axis] - least[axis]));
+    let mut words = format!(
+        "{} triangles, {x:.4} x {y:.4} x {z:.4} mm",
+        mesh.faces().len()
+    );
+    if mesh.dropped() > 0 {
+        words += &format!(
+            "; {} that have no area or are there twice were left out",
+            mesh.dropped()
+        );
+    }
+    if !mesh.is_closed() {
+        words += "; it has open edges, so that it is touched from the front of its triangles only";
+    }
+    words
+}

@@ -1,0 +1,242 @@
+//! Meshes in scene files: what is read, and what is said of what cannot be.
+#![allow(missing_docs)]
+
+use std::fs;
+use std::path::Path;
+
+use palpate_scene::world::WorldFile;
+use palpate_world::{Mesh, Shape};
+
+/// A scene beside the files of a folder, with one body of this shape.
+fn read(folder: &Path, shape: &str) -> Result<WorldFile, Vec<String>> {
+    let source = format!(
+        r#"
+format = 2
+title = "a part"
+[loop]
+period_s = 0.001
+[[device]]
+name = "tool"
+mass_kg = 0.25
+tool = {{ sphere = {{ radius_m = 0.01 }} }}
+[[body]]
+name = "part"
+fixed = true
+shape = {shape}
+[[contact]]
+between = "*"
+stiffness_n_per_m = 4000.0
+"#
+    );
+    let name = folder.join("scene.toml").display().to_string();
+    WorldFile::parse(&name, &source)
+        .map_err(|errors| errors.iter().map(ToString::to_string).collect())
+}
+
+fn mesh(file: &WorldFile) -> &Mesh {
+    match &file.scene.world.bodies[0].shape {
+        Shape::Mesh(mesh) => mesh,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// A corner of a cube, 10 on each side, outwards.
+const CORNERS: [[f32; 3]; 4] = [
+    [0.0, 0.0, 0.0],
+    [10.0, 0.0, 0.0],
+    [0.0, 10.0, 0.0],
+    [0.0, 0.0, 10.0],
+];
+const FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+
+fn ascii_stl() -> String {
+    let mut text = "solid part from a CAD program\n".to_owned();
+    for face in FACES {
+        text += "facet normal 0 0 0\nouter loop\n";
+        for corner in face {
+            let [x, y, z] = CORNERS[corner];
+            text += &format!("vertex {x} {y} {z:e}\n");
+        }
+        text += "endloop\nendfacet\n";
+    }
+    text + "endsolid part from a CAD program\n"
+}
+
+fn binary_stl() -> Vec<u8> {
+    let mut bytes = vec![b' '; 80];
+    // Some programs begin a binary file as a text one.
+    bytes[..5].copy_from_slice(b"solid");
+    bytes.extend(4_u32.to_le_bytes());
+    for face in FACES {
+        bytes.extend([0; 12]);
+        for x in face.iter().flat_map(|&corner| CORNERS[corner]) {
+            bytes.extend(x.to_le_bytes());
+        }
+        bytes.extend([0; 2]);
+    }
+    bytes
+}
+
+fn obj() -> String {
+    let mut text = "mtllib part.mtl\no part\n".to_owned();
+    for [x, y, z] in CORNERS {
+        text += &format!("v {x} {y} {z}\n");
+    }
+    for [a, b, c] in FACES {
+        text += &format!("f {}//1 {}//1 {}//1\n", a + 1, b + 1, c + 1);
+    }
+    text
+}
+
+#[test]
+fn files_of_cad_programs_are_read_in_the_unit_that_is_given() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("text.stl"), ascii_stl()).unwrap();
+    fs::write(folder.join("binary.STL"), binary_stl()).unwrap();
+    fs::write(folder.join("part.obj"), obj()).unwrap();
+    fs::create_dir(folder.join("parts")).unwrap();
+    fs::write(folder.join("parts/text.stl"), ascii_stl()).unwrap();
+    for name in ["text.stl", "binary.STL", "part.obj", "parts/text.stl"] {
+        for (keys, side) in [
+            ("unit = \"mm\"", 0.01),
+            ("unit = \"m\"", 10.0),
+            ("unit = \"in\", scale = 0.1", 0.0254),
+        ] {
+            let shape = format!("{{ mesh = {{ file = \"{name}\", {keys} }} }}");
+            let file = read(folder, &shape).unwrap();
+            let mesh = mesh(&file);
+            assert_eq!(
+                (mesh.faces().len(), mesh.vertices().len()),
+                (4, 4),
+                "{name}"
+            );
+            assert!(mesh.is_closed());
+            let expected = side * side * side / 6.0;
+            assert!(
+                (mesh.volume() / expected - 1.0).abs() < 1e-6,
+                "{name} {keys}"
+            );
+            let mm = 1e3 * side;
+            assert_eq!(
+                file.notes(),
+                [format!(
+                    "{name}: 4 triangles, {mm:.4} x {mm:.4} x {mm:.4} mm"
+                )]
+            );
+        }
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_mesh_file_is_said_with_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let bad_number = ascii_stl().replacen("10", "ten", 1);
+    let not_a_number = ascii_stl().replacen("1e1", "nan", 1);
+    let turned = obj().replacen("f 1//1 3//1 2//1", "f 1//1 2//1 3//1", 1);
+    let no_such_corner = obj().replacen("f 1//1", "f 9//1", 1);
+    let truncated = &binary_stl()[..150];
+    for (name, bytes) in [
+        ("bad.stl", bad_number.as_bytes()),
+        ("nan.stl", not_a_number.as_bytes()),
+        ("turned.obj", turned.as_bytes()),
+        ("corner.obj", no_such_corner.as_bytes()),
+        ("short.stl", truncated),
+        ("empty.stl", b"".as_slice()),
+        ("none.stl", b"solid none\nendsolid none\n".as_slice()),
+        ("none.obj", b"# nothing\n".as_slice()),
+        ("part.step", b"ISO-10303-21;\n".as_slice()),
+    ] {
+        fs::write(folder.join(name), bytes).unwrap();
+    }
+    for (name, expected) in [
+        ("bad.stl", ""),
+        ("nan.stl", "is not three finite numbers"),
+        ("turned.obj", "triangles 0 and"),
+        ("corner.obj", ""),
+        ("short.stl", ""),
+        ("empty.stl", ""),
+        ("none.stl", "no triangle"),
+        ("none.obj", "no triangle"),
+        ("part.step", "with the ending .stl or .obj"),
+        ("missing.stl", "No such file"),
+    ] {
+        let shape = format!("{{ mesh = {{ file = \"{name}\", unit = \"mm\" }} }}");
+        let said = read(folder, &shape).map(|_| ()).unwrap_err();
+        assert_eq!(said.len(), 1, "{said:?}");
+        assert!(
+            said[0].contains(name) && said[0].contains(expected),
+            "{name}: {said:?}"
+        );
+    }
+}
+
+#[test]
+fn keys_of_a_mesh_are_checked() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("part.stl"), ascii_stl()).unwrap();
+    for (keys, expected) in [
+        ("file = \"part.stl\"", "a mesh file does not say its unit"),
+        (
+            "file = \"part.stl\", unit = \"ft\"",
+            "unknown variant `ft`, expected one of `m`, `cm`",
+        ),
+        (
+            "file = \"part.stl\", unit = \"mm\", scale = 0.0",
+            "scale is 0, and has to be above 0",
+        ),
+        ("unit = \"mm\"", "a mesh needs one of file"),
+        (
+            "vertices_m = [[0, 0, 0]]",
+            "needs both vertices_m and faces",
+        ),
+        (
+            "vertices_m = [[0, 0, 0]], faces = [[0, 0, 1]]",
+            "triangle 0 has corner 1",
+        ),
+        (
+            "bumpy_sphere = { radius_m = 0.04, height_m = 0.05, waves = 3.0, cells = 4 }",
+            "height_m is 0.05",
+        ),
+        (
+            "bumpy_sphere = { radius_m = 0.04, height_m = 0.0, waves = 3.0, cells = 400 }",
+            "cells is 400, and has to be 1 to 288",
+        ),
+        (
+            "revolved = { profile_m = [[0, 0], [0.01, 0]], segments = 8 }",
+            "at least three points",
+        ),
+        (
+            "revolved = { profile_m = [[0, 0], [0.01, 0], [0, 0.01]], segments = 100000, longest_m = 1e-4 }",
+            "give fewer segments",
+        ),
+        ("teapot = 1", "unknown key teapot"),
+    ] {
+        let said = read(folder, &format!("{{ mesh = {{ {keys} }} }}"));
+        let said = said.map(|_| ()).unwrap_err().join("; ");
+        assert!(said.contains(expected), "{keys}: {said}");
+    }
+}
+
+/// An open mesh is read, and it is said what that means; what has no area is left out, and counted.
+#[test]
+fn open_meshes_and_flat_triangles_are_noted() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0 0\nf 1 2 3 4\nf 1 2 5\n";
+    fs::write(folder.join("plate.obj"), text).unwrap();
+    let file = read(folder, "{ mesh = { file = \"plate.obj\", unit = \"cm\" } }").unwrap();
+    assert_eq!(
+        file.notes(),
+        [
+            "plate.obj: 2 triangles, 10.0000 x 10.0000 x 0.0000 mm; 1 that have no area or are there twice were left \
+          out; it has open edges, so that it is touched from the front of its triangles only"
+        ]
+    );
+    let inline =
+        "{ mesh = { vertices_m = [[0, 0, 0], [1, 0, 0], [1, 1, 0]], faces = [[0, 1, 2]] } }";
+    let file = read(folder, inline).unwrap();
+    assert!(file.notes().is_empty() && !mesh(&file).is_closed());
+}

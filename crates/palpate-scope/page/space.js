@@ -1,0 +1,369 @@
+// A world in three dimensions: its shapes, where they are, and the forces of its contacts. z is up, as in a scene file.
+
+import {
+  AmbientLight,
+  BoxGeometry,
+  BufferAttribute,
+  BufferGeometry,
+  CapsuleGeometry,
+  Color,
+  CylinderGeometry,
+  DirectionalLight,
+  EdgesGeometry,
+  GridHelper,
+  Group,
+  LineBasicMaterial,
+  LineSegments,
+  Mesh,
+  MeshLambertMaterial,
+  PerspectiveCamera,
+  Plane,
+  PlaneGeometry,
+  Quaternion,
+  Raycaster,
+  Scene,
+  SphereGeometry,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
+} from "./vendor/three/three.js";
+import { theme } from "./theme.js";
+
+/** How long the arrow of a force is [m/N], for a world of a tenth of a metre. */
+const ARROW_M_PER_N = 0.02;
+const MOST_ARROWS = 65;
+const UP = new Vector3(0, 0, 1);
+const SEGMENTS = 32;
+const BODY = "#c58b3b";
+
+export class Space {
+  /** @param {HTMLCanvasElement} canvas @throws where the browser has no WebGL */
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.camera = new PerspectiveCamera(35, 1, 1e-3, 100);
+    this.camera.up.copy(UP);
+    this.lanes = [];
+    this.centre = new Vector3();
+    this.reach = 0.1;
+    this.azimuth = -2.1;
+    this.elevation = 0.45;
+    this.distance = 0.4;
+    this.hand = null;
+    new ResizeObserver(() => this.layOut()).observe(canvas.parentElement);
+  }
+
+  /** Makes the shapes anew: `world` as hello tells it. */
+  begin(world, lanes) {
+    this.world = world;
+    this.lanes = Array.from({ length: lanes }, (_, lane) => new LaneScene(world, lane));
+    const places = [...world.tools, ...world.bodies.filter(({ shape }) => !("half_space" in shape))];
+    const low = new Vector3(Infinity, Infinity, Infinity);
+    const high = low.clone().negate();
+    for (const { position_m, shape } of places) {
+      const around = extent(shape);
+      const at = new Vector3(...position_m);
+      low.min(at.clone().subScalar(around));
+      high.max(at.clone().addScalar(around));
+    }
+    this.centre.copy(low).add(high).multiplyScalar(0.5);
+    this.reach = Math.max(0.02, 0.5 * high.distanceTo(low));
+    this.distance = 4.2 * this.reach;
+    for (const lane of this.lanes) {
+      lane.fit(this.centre, this.reach);
+    }
+    this.layOut();
+  }
+
+  get triangles() {
+    return this.renderer.info.render.triangles;
+  }
+
+  layOut() {
+    const { clientWidth, clientHeight } = this.canvas;
+    if (clientWidth > 0 && clientHeight > 0) {
+      this.renderer.setSize(clientWidth, clientHeight, false);
+      this.camera.aspect = clientWidth / Math.max(1, this.lanes.length) / clientHeight;
+      this.camera.updateProjectionMatrix();
+    }
+  }
+
+  place() {
+    const flat = Math.cos(this.elevation) * this.distance;
+    this.camera.position
+      .set(flat * Math.cos(this.azimuth), flat * Math.sin(this.azimuth), Math.sin(this.elevation) * this.distance)
+      .add(this.centre);
+    this.camera.lookAt(this.centre);
+    this.camera.updateMatrixWorld();
+  }
+
+  /** Takes a frame of a world. */
+  take(frame) {
+    this.lanes[frame.lane]?.take(frame);
+  }
+
+  draw() {
+    this.place();
+    const { renderer } = this;
+    const { clientWidth, clientHeight } = this.canvas;
+    const width = clientWidth / Math.max(1, this.lanes.length);
+    renderer.setScissorTest(true);
+    this.lanes.forEach((lane, number) => {
+      lane.showHand(this.hand);
+      renderer.setViewport(number * width, 0, width, clientHeight);
+      renderer.setScissor(number * width, 0, width, clientHeight);
+      renderer.setClearColor(new Color(theme.panel));
+      renderer.render(lane.scene, this.camera);
+    });
+  }
+
+  /** The ray of a place on the canvas, in pixels from its corner. */
+  ray(x, y) {
+    const width = this.canvas.clientWidth / Math.max(1, this.lanes.length);
+    const within = ((x % width) + width) % width;
+    const at = new Vector2((2 * within) / width - 1, 1 - (2 * y) / this.canvas.clientHeight);
+    this.place();
+    const caster = new Raycaster();
+    caster.setFromCamera(at, this.camera);
+    return caster.ray;
+  }
+
+  /** Where the ray of a place meets the plane through `through` that faces the camera [m]; null if it does not. */
+  meet(x, y, through) {
+    const facing = this.camera.getWorldDirection(new Vector3());
+    const plane = new Plane().setFromNormalAndCoplanarPoint(facing, new Vector3(...through));
+    const met = this.ray(x, y).intersectPlane(plane, new Vector3());
+    return met ? met.toArray() : null;
+  }
+
+  /** A step away from whoever looks [m], from `from`. */
+  deeper(from, metres) {
+    const facing = this.camera.getWorldDirection(new Vector3());
+    return new Vector3(...from).addScaledVector(facing, metres).toArray();
+  }
+
+  turn(byAzimuth, byElevation) {
+    this.azimuth += byAzimuth;
+    this.elevation = Math.max(-0.2, Math.min(1.5, this.elevation + byElevation));
+  }
+
+  zoom(factor) {
+    this.distance = Math.max(1.2 * this.reach, Math.min(40 * this.reach, this.distance * factor));
+  }
+
+  /** Where the newest picture shows a tool, on the canvas in pixels; for tests, and for a finger that aims at it. */
+  toolOnCanvas(lane = 0) {
+    const tool = this.lanes[lane]?.tools[0]?.position;
+    if (!tool) {
+      return null;
+    }
+    this.place();
+    const width = this.canvas.clientWidth / this.lanes.length;
+    const at = tool.clone().project(this.camera);
+    return [((at.x + 1) / 2 + lane) * width, ((1 - at.y) / 2) * this.canvas.clientHeight];
+  }
+}
+
+/** What one lane shows. */
+class LaneScene {
+  constructor(world, lane) {
+    this.scene = new Scene();
+    const sun = new DirectionalLight(0xffffff, 2.2);
+    sun.position.set(-1, -2, 3);
+    this.scene.add(new AmbientLight(0xffffff, 1.4), sun);
+    this.bodies = world.bodies.map((body) => {
+      const colour = body.fixed ? theme.solid : BODY;
+      const mesh = solid(body.shape, colour, body.fixed);
+      mesh.position.set(...body.position_m);
+      const [w, x, y, z] = body.orientation;
+      mesh.quaternion.set(x, y, z, w);
+      this.scene.add(mesh);
+      return mesh;
+    });
+    // What the world meets in the device's place.
+    this.tools = world.tools.map((tool) => {
+      const mesh = solid(tool.shape, theme.lanes[lane], false);
+      mesh.position.set(...tool.position_m);
+      this.scene.add(mesh);
+      return mesh;
+    });
+    const wish = new SphereGeometry(1, 12, 8);
+    this.wish = new LineSegments(new EdgesGeometry(wish, 1), new LineBasicMaterial({ color: theme.quiet }));
+    this.wish.visible = false;
+    this.scene.add(this.wish);
+    this.arrows = new Arrows(theme.alarm);
+    this.felt = new Arrows(theme.lanes[lane]);
+    this.scene.add(this.arrows.group, this.felt.group);
+  }
+
+  fit(centre, reach) {
+    for (const mesh of this.bodies) {
+      mesh.userData.fit?.(centre, reach);
+    }
+    this.wish.scale.setScalar(0.05 * reach);
+    this.arrows.metresPerNewton = (ARROW_M_PER_N * reach) / 0.05;
+    this.felt.metresPerNewton = this.arrows.metresPerNewton;
+    this.arrows.thickness = 0.012 * reach;
+    this.felt.thickness = 0.02 * reach;
+  }
+
+  showHand(hand) {
+    this.wish.visible = hand !== null;
+    if (hand) {
+      this.wish.position.set(...hand);
+    }
+  }
+
+  take({ bodies, contacts, force }) {
+    for (const { body, position, orientation } of bodies) {
+      const mesh = body < this.bodies.length ? this.bodies[body] : this.tools[body - this.bodies.length];
+      if (mesh) {
+        const [w, x, y, z] = orientation;
+        mesh.position.set(...position);
+        mesh.quaternion.set(x, y, z, w);
+      }
+    }
+    this.arrows.show(contacts);
+    const [tool] = this.tools;
+    this.felt.show(tool ? [{ point: tool.position.toArray(), force }] : []);
+  }
+}
+
+/** Arrows for forces, made once. */
+class Arrows {
+  constructor(colour) {
+    this.group = new Group();
+    this.metresPerNewton = ARROW_M_PER_N;
+    this.thickness = 1e-3;
+    // One unit long along y, from 0.
+    const shaft = new CylinderGeometry(0.5, 0.5, 1, 8).translate(0, 0.5, 0);
+    const head = new CylinderGeometry(0, 1.6, 4, 12).translate(0, 2, 0);
+    const material = new MeshLambertMaterial({ color: colour });
+    this.arrows = Array.from({ length: MOST_ARROWS }, () => {
+      const arrow = { shaft: new Mesh(shaft, material), head: new Mesh(head, material) };
+      arrow.shaft.visible = false;
+      arrow.head.visible = false;
+      this.group.add(arrow.shaft, arrow.head);
+      return arrow;
+    });
+    this.along = new Vector3();
+    this.turned = new Quaternion();
+  }
+
+  show(forces) {
+    this.shown = 0;
+    this.arrows.forEach(({ shaft, head }, number) => {
+      const { point, force } = forces[number] ?? {};
+      const length = force ? Math.hypot(...force) * this.metresPerNewton : 0;
+      const isSeen = length > 0.2 * this.thickness;
+      shaft.visible = isSeen;
+      head.visible = isSeen;
+      if (isSeen) {
+        this.shown += 1;
+        this.along.set(...force).normalize();
+        this.turned.setFromUnitVectors(new Vector3(0, 1, 0), this.along);
+        for (const mesh of [shaft, head]) {
+          mesh.position.set(...point);
+          mesh.quaternion.copy(this.turned);
+        }
+        shaft.scale.set(this.thickness, length, this.thickness);
+        head.position.addScaledVector(this.along, length);
+        head.scale.setScalar(this.thickness);
+      }
+    });
+  }
+}
+
+/** How far a shape reaches from its middle [m]. */
+function extent(shape) {
+  const [[kind, keys]] = Object.entries(shape);
+  switch (kind) {
+    case "box":
+      return 0.5 * Math.hypot(...keys.size_m);
+    case "capsule":
+    case "cylinder":
+      return keys.radius_m + 0.5 * keys.length_m;
+    case "mesh":
+      return Math.sqrt(corners(keys).reduce((most, [x, y, z]) => Math.max(most, x * x + y * y + z * z), 0));
+    default:
+      return keys.radius_m ?? 0.005;
+  }
+}
+
+/** A shape as something to draw, with its edges where it has some. */
+function solid(shape, colour, isFixed) {
+  const [[kind, keys]] = Object.entries(shape);
+  if (kind === "half_space") {
+    return surface(keys, colour);
+  }
+  const material = new MeshLambertMaterial({ color: colour });
+  const group = new Group();
+  const geometry = {
+    // A point is drawn as a small ball.
+    sphere: () => new SphereGeometry(keys.radius_m || 0.002, SEGMENTS, SEGMENTS / 2),
+    box: () => new BoxGeometry(...keys.size_m),
+    capsule: () => new CapsuleGeometry(keys.radius_m, keys.length_m, 8, SEGMENTS).rotateX(Math.PI / 2),
+    cylinder: () => new CylinderGeometry(keys.radius_m, keys.radius_m, keys.length_m, SEGMENTS).rotateX(Math.PI / 2),
+    mesh: () => triangles(keys),
+    other: () => new SphereGeometry(0.005, 8, 4),
+  }[kind]();
+  group.add(new Mesh(geometry, material));
+  const edges = new LineBasicMaterial({ color: theme.quiet });
+  if (kind === "box" || kind === "cylinder" || kind === "mesh") {
+    group.add(new LineSegments(new EdgesGeometry(geometry, 30), edges));
+  } else if (kind === "sphere" && keys.radius_m && !isFixed) {
+    // A ball that turns shows it.
+    group.add(new LineSegments(rings(keys.radius_m * 1.002), edges));
+  }
+  return group;
+}
+
+/** The corners of a mesh [m]. */
+function corners({ vertices_m: flat }) {
+  return Array.from({ length: flat.length / 3 }, (_, k) => flat.slice(3 * k, 3 * k + 3));
+}
+
+/** The triangles of a mesh, each with corners of its own: a facet is flat. */
+function triangles(keys) {
+  const places = corners(keys);
+  const flat = new Float32Array(keys.faces.flatMap((face) => face.flatMap((corner) => places[corner])));
+  const geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(flat, 3));
+  geometry.computeVertexNormals();
+  return geometry;
+}
+
+/** Two great circles of a ball. */
+function rings(radius) {
+  const points = [];
+  for (let k = 0; k < 48; k += 1) {
+    for (const end of [k, k + 1]) {
+      const [c, s] = [Math.cos((end * Math.PI) / 24), Math.sin((end * Math.PI) / 24)];
+      points.push([c * radius, 0, s * radius]);
+    }
+  }
+  const turned = points.map(([x, , z]) => [0, x, z]);
+  const flat = new Float32Array([...points, ...turned].flat());
+  return new BufferGeometry().setAttribute("position", new BufferAttribute(flat, 3));
+}
+
+/** The surface of a half-space, as far as the world reaches, with a grid. */
+function surface({ normal, offset_m }, colour) {
+  const group = new Group();
+  const inner = new Group();
+  group.add(inner);
+  group.userData.fit = (centre, reach) => {
+    inner.clear();
+    const n = new Vector3(...normal);
+    const size = 5 * reach;
+    const material = new MeshLambertMaterial({ color: colour, transparent: true, opacity: 0.55, side: 2, depthWrite: false });
+    const plane = new Mesh(new PlaneGeometry(size, size), material);
+    plane.quaternion.setFromUnitVectors(UP, n);
+    const grid = new GridHelper(size, 10, theme.rule, theme.rule);
+    grid.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), n);
+    inner.add(plane, grid);
+    // The foot of the world's middle on the surface.
+    inner.position.copy(centre).addScaledVector(n, offset_m - n.dot(centre));
+  };
+  return group;
+}

@@ -1,0 +1,221 @@
+//! A lane of a world: one loop on a device, and what the page is shown of it.
+
+use std::time::Duration;
+
+use palpate_device::Capabilities;
+use palpate_device::Device;
+use palpate_device::clock::MonotonicClock;
+use palpate_record::recording::{BodyTick, ContactTick, Flags, Tick};
+use palpate_rt::realtime::{Answer, Request};
+use palpate_rt::safety::Trip;
+use palpate_rt::{
+    Account, ControlLoop, Durations, Listener, LoopThread, Note, Noted, RenderedWorld, StopFlag,
+    Told, tap,
+};
+
+use super::{WorldEnded, WorldLane, WorldLaneEnd, shown};
+use crate::message::{LaneStatus, Spread};
+use crate::rows::{Frame, Rows};
+use crate::session::SessionError;
+
+/// Ticks of one contact that may wait for the scope.
+const ROOM: usize = 1 << 15;
+
+/// What a lane's loop is run with.
+pub struct Run<'a> {
+    pub clock: &'a MonotonicClock,
+    pub request: Request,
+    pub stop: &'a StopFlag,
+    pub duration: Option<Duration>,
+}
+
+/// One loop on a device, and what the scope knows of it.
+pub struct Lane {
+    pub method: &'static str,
+    pub capabilities: Capabilities,
+    pub answers: Vec<Answer>,
+    thread: Option<LoopThread<Box<dyn Device>, MonotonicClock, RenderedWorld>>,
+    listener: Listener,
+    rows: Rows,
+    newest: Option<(Tick, Vec<ContactTick>, Vec<BodyTick>)>,
+    is_shown: bool,
+    trip: Option<String>,
+    account: Account,
+    ticks: u64,
+    next: u64,
+    missing: u64,
+    missed_deadlines: u64,
+    without_sample: u64,
+    lateness: Durations,
+    tick: Durations,
+    end: Option<WorldEnded>,
+}
+
+impl Lane {
+    /// Starts the loop of a lane that is open.
+    pub fn start(
+        method: &'static str,
+        opened: WorldLane,
+        run: &Run<'_>,
+    ) -> Result<Self, SessionError> {
+        let WorldLane {
+            device,
+            world,
+            limits,
+        } = opened;
+        let capabilities = device.capabilities().clone();
+        let (tap, listener) = tap(ROOM);
+        let control = ControlLoop::of_world(device, *run.clock, world, limits)?.tapped(tap);
+        let period = control.period();
+        let periods = |lasts: Duration| lasts.as_nanos().div_ceil(period.as_nanos().max(1));
+        let most = run.duration.map(periods);
+        let most = most.map(|most| u64::try_from(most).unwrap_or(u64::MAX));
+        let thread = LoopThread::start(control, run.request, run.stop, most)
+            .map_err(|error| SessionError::Other(format!("no thread for the loop: {error}")))?;
+        Ok(Self {
+            method,
+            capabilities,
+            answers: thread.answers().to_vec(),
+            thread: Some(thread),
+            listener,
+            rows: Rows::new(period.as_secs_f64()),
+            newest: None,
+            is_shown: true,
+            trip: None,
+            account: Account::default(),
+            ticks: 0,
+            next: 0,
+            missing: 0,
+            missed_deadlines: 0,
+            without_sample: 0,
+            lateness: Durations::new(),
+            tick: Durations::new(),
+            end: None,
+        })
+    }
+
+    /// Listens to all that the loop has told; whatever happened is given to `note`. Whether the loop has ended just now.
+    pub fn listen(&mut self, mut note: impl FnMut(&Noted)) -> bool {
+        let has_ended = self.thread.as_ref().is_some_and(LoopThread::has_ended);
+        while let Some(told) = self.listener.next() {
+            match told {
+                Told::Tick(tick, contacts, bodies) => self.take(tick, contacts, bodies),
+                Told::Note(noted) => {
+                    match noted.note {
+                        Note::Tripped(trip) => self.trip = Some(trip.to_string()),
+                        Note::Oscillated { .. } => self.trip = Some(Trip::Oscillation.to_string()),
+                        Note::MissedDeadlines(number) => self.missed_deadlines += number,
+                        _ => {}
+                    }
+                    self.account.event(noted.event());
+                    note(&noted);
+                }
+            }
+        }
+        if has_ended && let Some(thread) = self.thread.take() {
+            self.end = Some(thread.join());
+        }
+        has_ended
+    }
+
+    fn take(&mut self, tick: Tick, contacts: Vec<ContactTick>, bodies: Vec<BodyTick>) {
+        self.missing += tick.sequence.saturating_sub(self.next);
+        self.next = tick.sequence + 1;
+        self.ticks += 1;
+        self.without_sample += u64::from(tick.flags.has(Flags::DEVICE_FAULT));
+        let duration = |seconds: f64| Duration::try_from_secs_f64(seconds.max(0.0));
+        if let Ok(lateness) = duration(tick.lateness) {
+            self.lateness.add(lateness);
+        }
+        if let Ok(took) = duration(tick.tick_duration) {
+            self.tick.add(took);
+        }
+        if !tick.flags.has(Flags::SAFETY_TRIPPED) {
+            self.trip = None;
+        }
+        self.account.tick(&tick, &contacts);
+        self.rows.add(&shown::row(&tick, &contacts));
+        self.newest = Some((tick, contacts, bodies));
+        self.is_shown = false;
+    }
+
+    /// Frames that have not been shown yet: the rows of the charts, and the newest state of the world.
+    pub fn frames(&mut self, number: u8, run: u32) -> impl Iterator<Item = Frame> + use<> {
+        let rows = self.rows.take_frame(number, run);
+        let world = self
+            .newest
+            .as_ref()
+            .filter(|_| !self.is_shown)
+            .map(|(tick, contacts, bodies)| shown::frame((number, run), tick, contacts, bodies));
+        self.is_shown = true;
+        rows.into_iter().chain(world)
+    }
+
+    /// Whether its loop runs.
+    pub fn is_running(&self) -> bool {
+        self.thread.is_some()
+    }
+
+    /// What holds the force at none, if something does.
+    pub fn trip(&self) -> Option<&str> {
+        self.trip.as_deref()
+    }
+
+    /// Ends a trip that stays.
+    pub fn rearm(&self) {
+        if let Some(thread) = &self.thread {
+            thread.rearm();
+        }
+    }
+
+    /// How the loop has ended, if it has.
+    pub fn end(&self) -> Option<&WorldEnded> {
+        self.end.as_ref()
+    }
+
+    /// Waits for a loop that was told to stop, and hears all it had to say.
+    pub fn finish(&mut self) {
+        if let Some(thread) = self.thread.take() {
+            self.end = Some(thread.join());
+        }
+        self.listen(|_| {});
+    }
+
+    /// How it has ended, for a report.
+    pub fn into_end(self) -> Option<WorldLaneEnd> {
+        let mut account = self.account;
+        account.counted(&self.listener.counted());
+        Some(WorldLaneEnd {
+            method: self.method,
+            capabilities: self.capabilities,
+            end: self.end?,
+            answers: self.answers,
+            account,
+        })
+    }
+
+    /// How the loop has kept time.
+    pub fn status(&self) -> LaneStatus {
+        let spread = |durations: &Durations| Spread {
+            median: durations.quantile(0.5).as_secs_f64(),
+            p99: durations.quantile(0.99).as_secs_f64(),
+            longest: durations.longest().as_secs_f64(),
+        };
+        let cuts = match (&self.thread, &self.end) {
+            (Some(thread), _) => thread.cuts(),
+            (None, Some(end)) => end.cuts,
+            (None, None) => 0,
+        };
+        let made = self.end.as_ref().map_or(0, |end| end.statistics.ticks);
+        LaneStatus {
+            t_s: self.newest.as_ref().map_or(0.0, |(tick, ..)| tick.time),
+            ticks: self.ticks,
+            missed_deadlines: self.missed_deadlines,
+            without_sample: self.without_sample,
+            supervisor_cuts: cuts,
+            lateness_s: spread(&self.lateness),
+            tick_s: spread(&self.tick),
+            untold: self.missing + made.saturating_sub(self.next),
+        }
+    }
+}

@@ -1,0 +1,223 @@
+//! What a page is told of a world: its shapes once, its places sixty times a second.
+
+use palpate_device::{Capabilities, Vector};
+use palpate_record::recording::{BodyTick, ContactTick, Row, Tick};
+use palpate_scene::world::WorldScene;
+use palpate_world::{Motion, Shape};
+use serde_json::{Value, json};
+
+use super::lane::Lane;
+use crate::rows::{Frame, columns};
+
+/// The columns that a world has a value for; the page draws no curve of another.
+const KNOWN: [&str; 7] = [
+    "lateness_s",
+    "penetration_m",
+    "force_on_device_n",
+    "stored_energy_j",
+    "leak_held_j",
+    "tick_duration_s",
+    "flags",
+];
+
+/// What every client is greeted with.
+pub fn hello(
+    scene: &WorldScene,
+    device: Option<&Capabilities>,
+    pointer: bool,
+    lanes: usize,
+) -> String {
+    let columns: Vec<Value> = columns()
+        .map(|column| {
+            let is_known = KNOWN.contains(&column.name);
+            let unit = if column.unit == "1" { "" } else { column.unit };
+            json!({ "name": if is_known { column.name } else { "" }, "unit": unit })
+        })
+        .collect();
+    let tools = scene.world.tools.iter().zip(&scene.devices);
+    let tools: Vec<Value> = tools
+        .map(|(tool, device)| {
+            json!({ "name": tool.name, "shape": shape(&tool.shape), "position_m": device.position })
+        })
+        .collect();
+    let bodies: Vec<Value> = scene
+        .world
+        .bodies
+        .iter()
+        .map(|body| {
+            json!({
+                "name": body.name,
+                "shape": shape(&body.shape),
+                "fixed": matches!(body.motion, Motion::Fixed),
+                "position_m": body.position,
+                "orientation": body.orientation,
+            })
+        })
+        .collect();
+    json!({
+        "type": "hello",
+        "protocol": 1,
+        "version": env!("CARGO_PKG_VERSION"),
+        "title": scene.title,
+        "columns": columns,
+        "methods": [],
+        "device": {
+            "name": device.map_or("", |device| &device.name),
+            "axes": device.map_or(3, |device| device.axes),
+            "pointer": pointer,
+            "largest_force_n": device.and_then(|device| device.largest_force),
+            "lanes": lanes,
+        },
+        "world": { "tools": tools, "bodies": bodies },
+    })
+    .to_string()
+}
+
+/// The state that is told whenever it changes.
+pub fn state(scene: &WorldScene, lanes: &[Lane], hand: Option<Vector>) -> String {
+    let lanes: Vec<Value> = lanes
+        .iter()
+        .map(|lane| {
+            json!({
+                "method": lane.method,
+                "damping_n_s_per_m": null,
+                "running": lane.is_running(),
+                "trip": lane.trip(),
+                "trip_method": null,
+            })
+        })
+        .collect();
+    json!({
+        "type": "state",
+        "period_s": scene.timing.period,
+        "lanes": lanes,
+        "recording": null,
+        "hand_m": hand,
+    })
+    .to_string()
+}
+
+/// Most triangles of a mesh that the page draws: without a GPU more of them take most of its time.
+pub const MOST_TRIANGLES: usize = 20_000;
+
+/// A shape as a scene file has it, and a mesh by its triangles; one that the page cannot draw is told as `other`.
+fn shape(shape: &Shape) -> Value {
+    match shape {
+        Shape::Sphere { radius } => json!({ "sphere": { "radius_m": radius } }),
+        Shape::HalfSpace { normal, offset } => {
+            json!({ "half_space": { "normal": normal, "offset_m": offset } })
+        }
+        Shape::Box { half_extents } => {
+            json!({ "box": { "size_m": half_extents.map(|half| 2.0 * half) } })
+        }
+        Shape::Capsule {
+            radius,
+            half_length,
+        } => json!({ "capsule": { "radius_m": radius, "length_m": 2.0 * half_length } }),
+        Shape::Cylinder {
+            radius,
+            half_length,
+        } => json!({ "cylinder": { "radius_m": radius, "length_m": 2.0 * half_length } }),
+        Shape::Mesh(mesh) if mesh.faces().len() <= MOST_TRIANGLES => {
+            // As coarse as the page's own numbers: half the bytes.
+            #[expect(clippy::cast_possible_truncation, reason = "for the eye")]
+            let vertices: Vec<f32> = mesh
+                .vertices()
+                .iter()
+                .flatten()
+                .map(|&x| x as f32)
+                .collect();
+            json!({ "mesh": { "vertices_m": vertices, "faces": mesh.faces() } })
+        }
+        _ => json!({ "other": {} }),
+    }
+}
+
+/// A tick of a world as a row of the charts: the length of the force on the device, the deepest contact, the sum of
+/// what contacts store, and what held forces created.
+pub fn row(tick: &Tick, contacts: &[ContactTick]) -> Row {
+    let square: f64 = tick.delivered_force.iter().map(|x| x * x).sum();
+    let deepest = contacts.iter().map(|contact| contact.penetration);
+    let contact = ContactTick {
+        force_on_device: square.sqrt(),
+        penetration: deepest.fold(0.0, f64::max),
+        stored_energy: contacts.iter().map(|contact| contact.stored_energy).sum(),
+        held_leak: tick.created_energy,
+        ..ContactTick::UNKNOWN
+    };
+    Row {
+        tick: *tick,
+        contact,
+        ..Row::UNKNOWN
+    }
+}
+
+/// Kind of a frame that holds a world.
+const WORLD: u8 = 2;
+
+/// The newest state of a world, as `docs/scope.md` lays it out.
+pub fn frame(
+    (lane, run): (u8, u32),
+    tick: &Tick,
+    contacts: &[ContactTick],
+    bodies: &[BodyTick],
+) -> Frame {
+    let count = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
+    let mut bytes = vec![WORLD, lane, 0, 0];
+    bytes.extend(count(bodies.len()).to_le_bytes());
+    // The frame's number stands here.
+    bytes.extend(0_u32.to_le_bytes());
+    bytes.extend(run.to_le_bytes());
+    bytes.extend(tick.time.to_le_bytes());
+    bytes.extend(count(contacts.len()).to_le_bytes());
+    let mut put = |value: f64| {
+        #[expect(clippy::cast_possible_truncation, reason = "seven digits are shown")]
+        let single = value as f32;
+        bytes.extend(single.to_le_bytes());
+    };
+    tick.delivered_force.into_iter().for_each(&mut put);
+    for body in bodies {
+        put(f64::from(body.body));
+        body.position.into_iter().for_each(&mut put);
+        body.orientation.into_iter().for_each(&mut put);
+    }
+    for contact in contacts {
+        contact.point.into_iter().for_each(&mut put);
+        contact.force.into_iter().for_each(&mut put);
+    }
+    Frame::new(lane, bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frame_of_a_world_has_the_length_that_it_tells() {
+        let body = BodyTick {
+            body: 3,
+            position: [1.0, 2.0, 3.0],
+            orientation: [1.0, 0.0, 0.0, 0.0],
+            ..BodyTick::default()
+        };
+        let contact = ContactTick {
+            point: [4.0, 5.0, 6.0],
+            force: [7.0, 8.0, 9.0],
+            ..ContactTick::default()
+        };
+        let tick = Tick {
+            time: 0.5,
+            delivered_force: [0.25, 0.5, 0.75],
+            ..Tick::default()
+        };
+        let bytes = frame((1, 7), &tick, &[contact; 2], &[body]).numbered(5);
+        let word = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
+        let single = |at: usize| f32::from_bits(word(at));
+        assert_eq!(bytes[..2], [2, 1]);
+        assert_eq!([word(4), word(8), word(12), word(24)], [1, 5, 7, 2]);
+        assert_eq!(single(28), 0.25);
+        assert_eq!([single(40), single(44)], [3.0, 1.0], "body and its x");
+        assert_eq!(single(72), 4.0, "the first contact");
+        assert_eq!(bytes.len(), 40 + 32 + 2 * 24);
+    }
+}

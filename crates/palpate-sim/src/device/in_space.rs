@@ -1,0 +1,324 @@
+//! The device of a world, which moves along three axes, each by itself.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use palpate_device::clock::Clock;
+use palpate_device::{Capabilities, Cut, Device, DeviceError, Pose, Vector, Wrench, ZeroWriter};
+use palpate_scene::ActuatorParams;
+use palpate_scene::world::{WorldActuator, WorldDevice};
+use palpate_testbed::InvalidParameter;
+use palpate_testbed::actuator::Actuator;
+use palpate_testbed::device::Device as Moved;
+use palpate_testbed::hand::{Hand, Intention, Sinusoid};
+use palpate_testbed::held_mass::HeldMass;
+use palpate_testbed::hold::DelayedHold;
+use palpate_testbed::measure::Sampler;
+
+use super::{PointerDevice, PointerHand, PointerParams};
+
+/// Most forces that begin later: those of the longest delay that a scene can state.
+const MOST_LATER: usize = DelayedHold::LONGEST_DELAY + 1;
+
+/// The device of a world with its hand, moved by the time that passes on the loop's clock. Along each axis it is a mass
+/// in a hand, as the scene says; its axes are those of the world.
+#[derive(Clone, Debug)]
+pub struct SpatialDevice<C> {
+    clock: C,
+    capabilities: Capabilities,
+    axes: [Axis; 3],
+    moved_until: Option<Duration>,
+    /// Force on the device that the motors hold `[N]`.
+    held: Vector,
+    /// Force that was written last `[N]`.
+    written: Vector,
+    /// Time from a write to the beginning of its force.
+    late: Duration,
+    /// Forces that begin later, with the instant of each, oldest first.
+    later: VecDeque<(Duration, Vector)>,
+    cut: Cut,
+}
+
+/// One axis: the mass in its hand, its motor and its sensor.
+#[derive(Clone, Debug)]
+struct Axis {
+    mass: HeldMass,
+    motor: Actuator,
+    sensor: Sampler,
+}
+
+impl<C: Clock> SpatialDevice<C> {
+    /// A device and its hand, with motors that give what is commanded as `actuator` says.
+    ///
+    /// # Errors
+    /// A quantity of the device, the hand or the motors outside its range.
+    pub fn new(
+        device: &WorldDevice,
+        actuator: &WorldActuator,
+        clock: C,
+    ) -> Result<Self, InvalidParameter> {
+        let axis = |number: usize| -> Result<Axis, InvalidParameter> {
+            let hand = &device.hand;
+            let (force, mass) = (hand.force[number], device.mass[number]);
+            let tremor = (hand.tremor.amplitude > 0.0).then(|| Sinusoid {
+                amplitude: hand.tremor.amplitude,
+                frequency_hz: hand.tremor.frequency_hz,
+                phase: -std::f64::consts::TAU * number as f64 / 3.0,
+            });
+            let hand = if hand.stiffness > 0.0 || hand.damping > 0.0 {
+                Hand::Impedance {
+                    mass: 0.0,
+                    stiffness: hand.stiffness,
+                    damping: hand.damping,
+                    intention: Intention::constant(hand.rest[number]),
+                    force,
+                    tremor,
+                }
+            } else {
+                Hand::ConstantForce { force, tremor }
+            };
+            Ok(Axis {
+                mass: HeldMass::new(mass, hand)?
+                    .starting_at(device.position[number], device.velocity[number])?,
+                motor: Actuator::new(ActuatorParams {
+                    gain: actuator.gain,
+                    lag: actuator.lag,
+                })?,
+                sensor: sensor(device.quantum[number])?,
+            })
+        };
+        Ok(Self {
+            clock,
+            capabilities: capabilities("simulated", device),
+            axes: [axis(0)?, axis(1)?, axis(2)?],
+            moved_until: None,
+            held: [0.0; 3],
+            written: [0.0; 3],
+            late: Duration::try_from_secs_f64(actuator.delay).unwrap_or_default(),
+            later: VecDeque::with_capacity(MOST_LATER),
+            cut: Cut::none(),
+        })
+    }
+
+    /// True position `[m]`, at the last call.
+    #[must_use]
+    pub fn position(&self) -> Vector {
+        self.axes.each_ref().map(|axis| axis.mass.position())
+    }
+
+    /// Moves on to now, and returns that.
+    fn move_on(&mut self) -> Duration {
+        let now = self.clock.now();
+        let mut from = *self.moved_until.get_or_insert(now);
+        if let Some(cut) = self.cut.between(from, now) {
+            self.hold(from, cut);
+            self.held = [0.0; 3];
+            self.later.clear();
+            from = cut;
+        }
+        self.hold(from, now);
+        self.moved_until = Some(now);
+        now
+    }
+
+    /// Moves under what is held, and under what begins on the way.
+    fn hold(&mut self, mut from: Duration, until: Duration) {
+        while let Some(&(begins, force)) = self.later.front()
+            && begins <= until
+        {
+            self.advance(begins.saturating_sub(from));
+            from = from.max(begins);
+            self.held = force;
+            self.later.pop_front();
+        }
+        self.advance(until.saturating_sub(from));
+    }
+
+    fn advance(&mut self, duration: Duration) {
+        let duration = duration.as_secs_f64();
+        if duration > 0.0 {
+            for (axis, force) in self.axes.iter_mut().zip(self.held) {
+                // The testbed has the force on the object, which is the other one.
+                axis.motor.drive(&mut axis.mass, -force, duration);
+            }
+        }
+    }
+}
+
+impl<C: Clock> Device for SpatialDevice<C> {
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    fn read(&mut self) -> Result<Pose, DeviceError> {
+        let time = self.move_on();
+        let axes = self.axes.each_ref();
+        let position = axes.map(|axis| axis.sensor.sample(axis.mass.position()));
+        Ok(Pose::at(position, time))
+    }
+
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+        let now = self.move_on();
+        self.cut.is_over();
+        self.written = wrench.force;
+        if self.late > Duration::ZERO {
+            if self.later.len() == MOST_LATER {
+                self.later.pop_front();
+            }
+            self.later.push_back((now + self.late, wrench.force));
+        } else {
+            self.held = wrench.force;
+        }
+        Ok(Wrench::of_force(self.held))
+    }
+
+    fn last_sent(&self) -> Option<Wrench> {
+        Some(Wrench::of_force(self.written))
+    }
+
+    fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
+        Some(self.cut.writer(&self.clock))
+    }
+}
+
+/// Where a pointer's hand wants to be in a world, set by any thread at any time.
+#[derive(Clone, Debug)]
+pub struct SpatialHand([PointerHand; 3]);
+
+impl SpatialHand {
+    /// A hand that holds its device where it wants it `[m]`.
+    #[must_use]
+    pub fn at(target: Vector) -> Self {
+        Self(target.map(PointerHand::at))
+    }
+
+    /// Wants to be at `target` `[m]`, and takes hold of the device if it had let go. A coordinate that is not finite
+    /// changes nothing.
+    pub fn move_to(&self, target: Vector) {
+        for (hand, target) in self.0.iter().zip(target) {
+            hand.move_to(target);
+        }
+    }
+
+    /// Lets go of the device.
+    pub fn let_go(&self) {
+        for hand in &self.0 {
+            hand.let_go();
+        }
+    }
+
+    /// Where it wants to be `[m]`; `None` if it holds nothing.
+    #[must_use]
+    pub fn target(&self) -> Option<Vector> {
+        let [x, y, z] = self.0.each_ref().map(PointerHand::target);
+        Some([x?, y?, z?])
+    }
+}
+
+/// A device in a [`SpatialHand`]: along each axis of the world a [`PointerDevice`] with the mass that the device has
+/// along it.
+#[derive(Clone, Debug)]
+pub struct SpatialPointer<C> {
+    capabilities: Capabilities,
+    axes: [PointerDevice<C>; 3],
+}
+
+impl<C: Clock> SpatialPointer<C> {
+    /// The device of a world in a pointer's hand: its masses, sensors and place at the start are the scene's, and so is
+    /// the delay, lag and gain of its motors. The hand is that of [`PointerParams::default`].
+    ///
+    /// # Errors
+    /// A quantity outside its range.
+    pub fn new(
+        device: &WorldDevice,
+        actuator: &WorldActuator,
+        hand: &SpatialHand,
+        clock: C,
+    ) -> Result<Self, InvalidParameter> {
+        let axis = |number: usize| {
+            let params = PointerParams {
+                device_mass: device.mass[number],
+                encoder_quantum: device.quantum[number],
+                position: device.position[number],
+                delay_seconds: actuator.delay,
+                actuator: ActuatorParams {
+                    gain: actuator.gain,
+                    lag: actuator.lag,
+                },
+                ..PointerParams::default()
+            };
+            PointerDevice::new(params, &hand.0[number], clock.clone())
+        };
+        Ok(Self {
+            capabilities: capabilities("pointer", device),
+            axes: [axis(0)?, axis(1)?, axis(2)?],
+        })
+    }
+}
+
+impl<C: Clock> Device for SpatialPointer<C> {
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    fn read(&mut self) -> Result<Pose, DeviceError> {
+        // The three clocks are read within microseconds: by less than the quantum of any sensor.
+        let [x, y, z] = self.axes.each_mut().map(Device::read);
+        let (x, y, z) = (x?, y?, z?);
+        Ok(Pose::at(
+            [x.position[0], y.position[0], z.position[0]],
+            z.time,
+        ))
+    }
+
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+        let mut held = [0.0; 3];
+        for ((axis, force), held) in self.axes.iter_mut().zip(wrench.force).zip(&mut held) {
+            let [given, ..] = axis.write([force, 0.0, 0.0].into())?.force;
+            *held = given;
+        }
+        Ok(Wrench::of_force(held))
+    }
+
+    fn last_sent(&self) -> Option<Wrench> {
+        let mut sent = [0.0; 3];
+        for (axis, sent) in self.axes.iter().zip(&mut sent) {
+            let [given, ..] = axis.last_sent()?.force;
+            *sent = given;
+        }
+        Some(Wrench::of_force(sent))
+    }
+
+    fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
+        let [x, y, z] = self.axes.each_mut().map(Device::zero_writer);
+        Some(Box::new(AllZero([x?, y?, z?])))
+    }
+}
+
+/// Commands no force along all axes.
+struct AllZero([Box<dyn ZeroWriter>; 3]);
+
+impl ZeroWriter for AllZero {
+    fn write_zero(&mut self) {
+        for axis in &mut self.0 {
+            axis.write_zero();
+        }
+    }
+}
+
+fn capabilities(name: &str, device: &WorldDevice) -> Capabilities {
+    let [x, y, z] = device.mass;
+    Capabilities {
+        effective_mass: (x == y && y == z).then_some(x),
+        encoder_quantum: Some(device.quantum.into_iter().fold(0.0, f64::max)),
+        ..Capabilities::unknown(name, 3)
+    }
+}
+
+fn sensor(quantum: f64) -> Result<Sampler, InvalidParameter> {
+    if quantum > 0.0 {
+        Sampler::quantum(quantum)
+    } else {
+        Ok(Sampler::Ideal)
+    }
+}

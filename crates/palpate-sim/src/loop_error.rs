@@ -1,0 +1,37 @@
+//! What keeps a scene from being run.
+
+use palpate_scene::SetupError;
+use palpate_testbed::InvalidParameter;
+
+use crate::run::MOST_PERIODS;
+
+/// Why a scene cannot be run.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LoopError {
+    /// The method cannot be set up.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// The bench refuses a value.
+    #[error(transparent)]
+    Bench(#[from] InvalidParameter),
+    /// The ideal does not collide as often as the window asks.
+    #[error(
+        "the window asks for {asked} collisions, but the ideal has only {found}; \
+         state a duration instead"
+    )]
+    TooFewCollisions {
+        /// Collisions asked for.
+        asked: usize,
+        /// Collisions of the ideal.
+        found: usize,
+    },
+    /// A run is to vary what the ideal depends on.
+    #[error(
+        "the scene differs from the bench's in more than the settings of methods, the guard, what the \
+         renderer is told and, if the loop is perfect, the delay; make a bench of its own for it"
+    )]
+    AnotherScene,
+    /// The window is too long.
+    #[error("the window has {0} periods; at most {MOST_PERIODS} fit")]
+    TooLong(f64),
+}

@@ -1,0 +1,101 @@
+//! What a calibration tells a renderer, and calibrating the device of a scene in simulated time.
+
+use std::time::Duration;
+
+use palpate_calibrate::{
+    Calibration, Declined, Excitation, ExcitationError, ExcitationParams, Phase, Quantity, Stop,
+    measure,
+};
+use palpate_device::clock::SteppedClock;
+use palpate_device::{Device, DeviceError, Wrench};
+use palpate_scene::{Scene, Told};
+use palpate_sim::device::SimulatedDevice;
+use palpate_testbed::InvalidParameter;
+
+/// Why the device of a scene has no calibration.
+#[derive(Debug, thiserror::Error)]
+pub enum NotCalibrated {
+    /// A parameter of the excitation is out of its range.
+    #[error(transparent)]
+    Params(#[from] ExcitationError),
+    /// A quantity of the device or the hand is out of its range.
+    #[error(transparent)]
+    Plant(#[from] InvalidParameter),
+    /// The device does not answer.
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+    /// The excitation stopped before its end.
+    #[error("the excitation stopped: {0}")]
+    Stopped(Stop),
+    /// The fit says nothing of the motion.
+    #[error(transparent)]
+    Declined(#[from] Declined),
+}
+
+/// Calibrates the device of `scene` as `palpate calibrate` does a real one, in simulated time: its hand
+/// holds it, does not push, and trembles as it does in the scene; there is no object. The jitter of
+/// commands is left out.
+///
+/// # Errors
+/// A device that cannot be simulated, an excitation that stops, a motion that says nothing.
+pub fn calibrate(scene: &Scene, params: &ExcitationParams) -> Result<Calibration, NotCalibrated> {
+    let at_rest = Scene {
+        user_force: 0.0,
+        ..scene.clone()
+    };
+    let clock = SteppedClock::new();
+    let mut device = SimulatedDevice::of(&at_rest, clock.clone())?;
+    let mut excitation = Excitation::new(*params)?;
+    let (mut positions, mut forces) = (Vec::new(), Vec::new());
+    let period = Duration::from_secs_f64(params.period);
+    loop {
+        match excitation.phase() {
+            Phase::Running => {}
+            Phase::Done => break,
+            Phase::Stopped(why) => return Err(NotCalibrated::Stopped(why)),
+        }
+        let [position, ..] = device.read()?.position;
+        let force = excitation.next(position);
+        device.write(Wrench::of_force([force, 0.0, 0.0]))?;
+        positions.push(position);
+        forces.push(force);
+        clock.advance(period);
+    }
+    let measured = measure(params, excitation.excited(), &positions, &forces)?;
+    Ok(measured.fitted.calibration)
+}
+
+/// What a calibration says of delay, lag and gain, of the quantities that are `taken` from it.
+#[must_use]
+pub fn told(calibration: &Calibration, taken: impl Fn(Quantity) -> bool) -> Told {
+    let known = |quantity: Quantity| {
+        let known = calibration.known.get(&quantity);
+        known.filter(|_| taken(quantity))
+    };
+    // Where the two are known only together, the sum is the better delay.
+    let delay = known(Quantity::Delay).or_else(|| known(Quantity::DelayPlusLag));
+    let [lag, gain] = [Quantity::Lag, Quantity::Gain].map(known);
+    // Delay and lag of one fit err against each other. What counts is when the impulse arrives, which
+    // their sum says.
+    let of_sum = calibration
+        .standard_deviation(Quantity::DelayPlusLag)
+        .filter(|_| delay.is_some() && lag.is_some());
+    let of_delay = of_sum.or_else(|| delay?.standard_deviation);
+    let of_lag = match of_sum {
+        Some(_) => Some(0.0),
+        None => lag.and_then(|lag| lag.standard_deviation),
+    };
+    let jitter = calibration.value(Quantity::CommandJitter);
+    let of_delay = match (of_delay, jitter.filter(|_| delay.is_some())) {
+        (Some(deviation), Some(jitter)) => Some(deviation.hypot(jitter)),
+        (deviation, jitter) => deviation.or(jitter),
+    };
+    Told {
+        delay: delay.map(|delay| delay.value),
+        delay_deviation: of_delay,
+        lag: lag.map(|lag| lag.value),
+        lag_deviation: of_lag,
+        gain: gain.map(|gain| gain.value),
+        gain_deviation: gain.and_then(|gain| gain.standard_deviation),
+    }
+}

@@ -1,0 +1,36 @@
+//! Results as the lines of a map.
+
+use palpate_record::map::{Row, StaySwing};
+
+use super::cell::{CellResult, MethodResult, Summary};
+use super::grid::MapParams;
+
+impl CellResult {
+    /// The lines of this cell in the map of `params`: for each plant, one for each method.
+    #[must_use]
+    pub fn rows(&self, params: &MapParams) -> Vec<Row> {
+        let cell = params.cell(self.index);
+        let both = |summary: Summary| [summary.median, summary.worst];
+        self.methods
+            .iter()
+            .map(|MethodResult { bounce, stay }| Row {
+                cell: cell.index as u64,
+                kappa: cell.kappa,
+                object_kappa: cell.object_kappa,
+                stiffness: cell.bounce.stiffness,
+                object_mass: cell.bounce.object_mass,
+                plant: bounce.plant.name().to_owned(),
+                method: bounce.method.name().to_owned(),
+                growth: both(bounce.growth),
+                error: both(bounce.error),
+                error_over_floor: both(bounce.error_over_floor),
+                hold_floor: both(bounce.hold_floor),
+                classes: bounce.classes.map(|count| count as u64),
+                stay: Some(StaySwing {
+                    resting: stay.resting,
+                    pressed: stay.pressed,
+                }),
+            })
+            .collect()
+    }
+}

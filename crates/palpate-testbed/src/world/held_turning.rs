@@ -1,0 +1,107 @@
+//! How a device turns in its hand, under a torque that is held.
+
+use super::dormand_prince::Step;
+use super::scene::Vector;
+use super::turning::{Turning, rotation_vector, turned_by};
+use super::vector::{Rotation, Vec3, quaternion_rate};
+use crate::actuator::ActuatorParams;
+
+/// Longest step of the integration \[s\]: the fastest hand of a loop turns a device by a small part of a turn in it.
+const LONGEST_STEP: f64 = 6.25e-5;
+/// Longest step in lags of the actuator.
+const STEP_IN_LAGS: f64 = 0.125;
+
+/// A device that turns, between measuring and actuating: quaternion and angular momentum, integrated in steps of
+/// order 5.
+#[derive(Debug, Clone)]
+pub(super) struct HeldTurning {
+    turning: Turning,
+    actuator: ActuatorParams,
+    state: [f64; 7],
+    /// Torque that the actuator gives now \[N m\].
+    torque: Vec3,
+    time: f64,
+    step: Step,
+}
+
+impl HeldTurning {
+    /// Of a checked device, and a checked actuator that gives no torque yet.
+    pub fn new(turning: &Turning, actuator: ActuatorParams) -> Self {
+        let rotation = Rotation::of_quaternion(turning.orientation);
+        let momentum = turning.angular_momentum(&rotation, Vec3(turning.angular_velocity));
+        let mut state = [0.0; 7];
+        state[..4].copy_from_slice(&turning.orientation);
+        momentum.write(&mut state[4..]);
+        Self {
+            turning: turning.clone(),
+            actuator,
+            state,
+            torque: Vec3::ZERO,
+            time: 0.0,
+            step: Step::of_size(7),
+        }
+    }
+
+    /// Unit quaternion \[w, x, y, z\].
+    pub fn orientation(&self) -> [f64; 4] {
+        let q = [0, 1, 2, 3].map(|i: usize| self.state[i]);
+        let length = q.iter().map(|part| part * part).sum::<f64>().sqrt();
+        q.map(|part| part / length)
+    }
+
+    /// What the sensor says: the rotation vector from the start, rounded to the quantum.
+    pub fn measured(&self) -> [f64; 4] {
+        let quantum = self.turning.quantum;
+        if quantum == 0.0 {
+            return self.orientation();
+        }
+        let start = self.turning.orientation;
+        let vector = rotation_vector(start, self.orientation());
+        let rounded = vector.0.map(|angle| (angle / quantum).round() * quantum);
+        turned_by(Vec3(rounded), start)
+    }
+
+    /// In world axes \[rad/s\].
+    pub fn angular_velocity(&self) -> Vector {
+        let rotation = Rotation::of_quaternion(self.orientation());
+        let momentum = Vec3::of(&self.state[4..]);
+        self.turning.angular_velocity(&rotation, momentum).0
+    }
+
+    /// Moves on for `duration` \[s\] while a torque on the tool is commanded \[N m\]; the delivered angular impulse
+    /// \[N m s\].
+    pub fn advance(&mut self, command: Vector, duration: f64) -> Vec3 {
+        let ActuatorParams { gain, lag } = self.actuator;
+        let aim = Vec3(command) * gain;
+        let (mut excess, mut longest) = (Vec3::ZERO, LONGEST_STEP);
+        if lag > 0.0 {
+            excess = self.torque - aim;
+            longest = longest.min(STEP_IN_LAGS * lag);
+        }
+        let left = |time: f64| {
+            if lag > 0.0 { (-time / lag).exp() } else { 0.0 }
+        };
+        let steps = (duration / longest).ceil().max(1.0);
+        let length = duration / steps;
+        let begin = self.time;
+        let mut done = 0.0;
+        while done < duration - 0.5 * length {
+            let turning = &self.turning;
+            let start = self.state;
+            self.step
+                .take(done, &start, length, false, |time, state, rates| {
+                    let q = [state[0], state[1], state[2], state[3]];
+                    let rotation = Rotation::of_quaternion(q);
+                    let omega = turning.angular_velocity(&rotation, Vec3::of(&state[4..]));
+                    let by_hand = turning.hand_torque(begin + time, q, omega);
+                    rates[..4].copy_from_slice(&quaternion_rate(q, omega));
+                    (aim + excess * left(time) + by_hand).write(&mut rates[4..]);
+                });
+            self.state.copy_from_slice(self.step.end());
+            done += length;
+        }
+        self.time += duration;
+        self.torque = aim + excess * left(duration);
+        aim * duration + excess * (lag * (1.0 - left(duration)))
+    }
+}

@@ -1,0 +1,10 @@
+//! Surfaces of triangles, and what a sphere touches of them.
+
+pub mod gallery;
+mod parts;
+mod search;
+mod triangles;
+
+pub(super) use parts::{OnMesh, nearest};
+pub(super) use search::{MOST_CONTACTS, wanted};
+pub use triangles::{InvalidMesh, TriangleMesh};

@@ -1,0 +1,208 @@
+//! A surface of triangles: its parts, and a grid to find them by.
+
+use std::collections::HashMap;
+use std::fmt;
+
+use thiserror::Error;
+
+use crate::world::scene::Vector;
+use crate::world::vector::Vec3;
+
+/// A triangle mesh that is not one.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("triangle {triangle} of the mesh: {reason}")]
+pub struct InvalidMesh {
+    /// Number of the triangle, from 0.
+    pub triangle: usize,
+    /// What is wrong with it.
+    pub reason: &'static str,
+}
+
+/// An edge: its ends, and the faces on its sides.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Edge {
+    pub ends: [usize; 2],
+    pub faces: Vec<usize>,
+}
+
+/// A surface of triangles; seen from outside, their corners run counter-clockwise.
+#[derive(Clone, PartialEq)]
+pub struct TriangleMesh {
+    pub(super) vertices: Vec<Vec3>,
+    pub(super) faces: Vec<[usize; 3]>,
+    /// Unit normals of the faces.
+    pub(super) normals: Vec<Vec3>,
+    pub(super) edges: Vec<Edge>,
+    /// Edge k of a face goes from its corner k to the next.
+    pub(super) edges_of: Vec<[usize; 3]>,
+    pub(super) edges_at: Vec<Vec<usize>>,
+    pub(super) faces_at: Vec<Vec<usize>>,
+    /// A ball around each face: its centre and radius \[m\].
+    balls: Vec<(Vec3, f64)>,
+    side: f64,
+    cells: HashMap<[i64; 3], Vec<usize>>,
+}
+
+impl fmt::Debug for TriangleMesh {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let sum: f64 = self.vertices.iter().flat_map(|vertex| vertex.0).sum();
+        f.debug_struct("TriangleMesh")
+            .field("vertices", &self.vertices.len())
+            .field("faces", &self.faces.len())
+            .field("sum_of_coordinates", &sum)
+            .finish_non_exhaustive()
+    }
+}
+
+impl TriangleMesh {
+    /// A mesh of `vertices` \[m\] and faces, each by the numbers of its corners from 0.
+    ///
+    /// # Errors
+    ///
+    /// A corner that there is not, a face without an area, an edge of more than two faces or of two that run along it the
+    /// same way.
+    pub fn new(vertices: &[Vector], faces: &[[u32; 3]]) -> Result<Self, InvalidMesh> {
+        let faces: Vec<[usize; 3]> = faces.iter().map(|f| f.map(|c| c as usize)).collect();
+        let vertices: Vec<Vec3> = vertices.iter().map(|&vertex| Vec3(vertex)).collect();
+        let mut numbers: HashMap<[usize; 2], usize> = HashMap::new();
+        let mut mesh = Self {
+            normals: Vec::with_capacity(faces.len()),
+            edges: Vec::new(),
+            edges_of: Vec::with_capacity(faces.len()),
+            edges_at: vec![Vec::new(); vertices.len()],
+            faces_at: vec![Vec::new(); vertices.len()],
+            balls: Vec::with_capacity(faces.len()),
+            side: 1.0,
+            cells: HashMap::new(),
+            vertices,
+            faces,
+        };
+        let mut lengths = 0.0;
+        for (number, face) in mesh.faces.iter().enumerate() {
+            let invalid = |reason| InvalidMesh {
+                triangle: number,
+                reason,
+            };
+            if face.iter().any(|&corner| corner >= mesh.vertices.len()) {
+                return Err(invalid("a corner is no vertex of the mesh"));
+            }
+            let [a, b, c] = face.map(|corner| mesh.vertices[corner]);
+            let normal = (b - a).cross(c - a).direction();
+            let normal = normal.filter(|normal| normal.norm().is_finite());
+            mesh.normals.push(normal.ok_or(invalid("it has no area"))?);
+            let middle = (a + b + c) * (1.0 / 3.0);
+            let radius = [a, b, c].map(|corner| (corner - middle).norm());
+            let radius = radius.into_iter().fold(0.0, f64::max);
+            mesh.balls.push((middle, radius * (1.0 + 1e-9)));
+            lengths += (b - a).norm() + (c - b).norm() + (a - c).norm();
+            let mut of_face = [0; 3];
+            for k in 0..3 {
+                let (from, to) = (face[k], face[(k + 1) % 3]);
+                mesh.faces_at[from].push(number);
+                let edge = *numbers
+                    .entry([from.min(to), from.max(to)])
+                    .or_insert(mesh.edges.len());
+                of_face[k] = edge;
+                if edge == mesh.edges.len() {
+                    mesh.edges_at[from].push(edge);
+                    mesh.edges_at[to].push(edge);
+                    mesh.edges.push(Edge {
+                        ends: [from, to],
+                        faces: vec![number],
+                    });
+                    continue;
+                }
+                let edge = &mut mesh.edges[edge];
+                if edge.faces.len() == 2 || edge.ends != [to, from] {
+                    return Err(invalid(
+                        "an edge has a third face, or one the other way round",
+                    ));
+                }
+                edge.faces.push(number);
+            }
+            mesh.edges_of.push(of_face);
+        }
+        // Cells of about three edges.
+        mesh.side = (3.0 * lengths / (3.0 * mesh.faces.len().max(1) as f64)).max(1e-9);
+        for number in 0..mesh.faces.len() {
+            let places = mesh.faces[number].map(|corner| mesh.vertices[corner].0);
+            let most = |pick: fn(f64, f64) -> f64| {
+                Vec3(std::array::from_fn(|axis| {
+                    pick(pick(places[0][axis], places[1][axis]), places[2][axis])
+                }))
+            };
+            for cell in mesh.cells_between(most(f64::min), most(f64::max)) {
+                mesh.cells.entry(cell).or_default().push(number);
+            }
+        }
+        Ok(mesh)
+    }
+
+    /// Its vertices \[m\].
+    #[must_use]
+    pub fn vertices(&self) -> Vec<Vector> {
+        self.vertices.iter().map(|vertex| vertex.0).collect()
+    }
+
+    /// Its faces, each by the numbers of its corners.
+    #[must_use]
+    pub fn faces(&self) -> Vec<[u32; 3]> {
+        let number = |corner: usize| u32::try_from(corner).unwrap_or(u32::MAX);
+        self.faces.iter().map(|face| face.map(number)).collect()
+    }
+
+    fn cell(&self, place: Vec3) -> [i64; 3] {
+        #[expect(clippy::cast_possible_truncation, reason = "a cell of a small mesh")]
+        place.0.map(|x| (x / self.side).floor() as i64)
+    }
+
+    fn cells_between(&self, low: Vec3, high: Vec3) -> impl Iterator<Item = [i64; 3]> + use<> {
+        let (low, high) = (self.cell(low), self.cell(high));
+        (low[0]..=high[0]).flat_map(move |x| {
+            (low[1]..=high[1]).flat_map(move |y| (low[2]..=high[2]).map(move |z| [x, y, z]))
+        })
+    }
+
+    /// The faces of which a part may be within `reach` \[m\] of a place, each once, in order.
+    pub(super) fn near(&self, place: Vec3, reach: f64) -> Vec<usize> {
+        let corner = Vec3([reach; 3]);
+        let is_near = |&face: &usize| {
+            let (middle, radius) = self.balls[face];
+            let off = place - middle;
+            off.dot(off) <= (reach + radius) * (reach + radius)
+        };
+        let cells = 8.0 * (reach / self.side + 1.0).powi(3);
+        if cells > self.faces.len() as f64 {
+            return (0..self.faces.len()).filter(is_near).collect();
+        }
+        let cells = self.cells_between(place - corner, place + corner);
+        let mut found: Vec<usize> = cells
+            .filter_map(|cell| self.cells.get(&cell))
+            .flatten()
+            .copied()
+            .filter(is_near)
+            .collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
+    /// Length of about three of its edges \[m\].
+    pub(super) fn cell_side(&self) -> f64 {
+        self.side
+    }
+
+    /// Into `face`, at right angles to its edge `edge`.
+    pub(super) fn inward(&self, face: usize, edge: usize) -> Vec3 {
+        let [from, to] = self.edges[edge].ends;
+        let along = self.vertices[to] - self.vertices[from];
+        let across = self.normals[face].cross(along);
+        // The second face runs along the edge the other way.
+        let sign = if self.edges[edge].faces[0] == face {
+            1.0
+        } else {
+            -1.0
+        };
+        across * sign
+    }
+}

@@ -1,0 +1,152 @@
+//! Time per tick on a mesh: `cargo bench -p palpate-world --bench mesh_tick`.
+//!
+//! A tool is pressed onto a ball with bumps and hollows of 100 000 triangles, radius 100 mm, and led around on it. Every
+//! tick of a run is timed by itself; each time is the least of several runs, which are all the same: whatever is more is
+//! other programs.
+#![allow(clippy::print_stdout)] // a benchmark prints
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use palpate_world::{
+    BasicParams, Body, Contact, ContactLaw, CoupledParams, Mesh, Motion, Party, Sample, Shape,
+    Tool, Vector, World, WorldLoop, WorldMethod, WorldRenderer,
+};
+
+const PERIOD: f64 = 0.001;
+const TICKS: usize = 3000;
+const RUNS: usize = 5;
+const MASS: f64 = 0.15;
+const RADIUS: f64 = 0.1;
+
+/// A cube of `cells` by `cells` squares on each side, blown up to a ball.
+fn bumps(cells: u32) -> Mesh {
+    let row = cells + 1;
+    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+    let sides = (0..3).flat_map(|axis| [(axis, -1.0), (axis, 1.0)]);
+    for (side, (axis, far)) in (0_u32..).zip(sides) {
+        let first = side * row * row;
+        for (i, j) in (0..row).flat_map(|i| (0..row).map(move |j| (i, j))) {
+            // Equal angles, so that the triangles have about one size.
+            let tangent = |k: u32| {
+                let share = 2.0 * f64::from(k) / f64::from(cells) - 1.0;
+                (std::f64::consts::FRAC_PI_4 * share).tan()
+            };
+            let mut out = [far; 3];
+            out[(axis + 1) % 3] = tangent(i);
+            out[(axis + 2) % 3] = tangent(j);
+            let length = out.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let out = out.map(|x| x / length);
+            let bump: f64 = out.iter().map(|x| (25.0 * x).sin()).product();
+            vertices.push(out.map(|x| x * (RADIUS + 0.001 * bump)));
+        }
+        for (i, j) in (0..cells).flat_map(|i| (0..cells).map(move |j| (i, j))) {
+            let [a, d] = [first + i * row + j, first + i * row + j + 1];
+            let [b, c] = [a + row, d + row];
+            for [x, y, z] in [[a, b, c], [a, c, d]] {
+                faces.push(if far > 0.0 { [x, y, z] } else { [x, z, y] });
+            }
+        }
+    }
+    // Vertices of two sides are one.
+    Mesh::new(&vertices, &faces).expect("a closed mesh by formula")
+}
+
+/// A device that a hand presses towards the ball's middle and leads around it, in steps under held forces.
+struct Device {
+    position: Vector,
+    velocity: Vector,
+}
+
+impl Device {
+    fn hold(&mut self, force: Vector, time: f64) {
+        let rest = [
+            0.05 * (3.0 * time).sin(),
+            0.06 * (2.0 * time).sin(),
+            0.088 - 0.02 * (2.5 * time).sin().powi(2),
+        ];
+        for _ in 0..20 {
+            for axis in 0..3 {
+                let hand = 150.0 * (rest[axis] - self.position[axis]) - 3.0 * self.velocity[axis];
+                self.velocity[axis] += (force[axis] + hand) / MASS * PERIOD / 20.0;
+                self.position[axis] += self.velocity[axis] * PERIOD / 20.0;
+            }
+        }
+    }
+}
+
+fn main() {
+    // Under `cargo test` a benchmark only has to build and run.
+    if !std::env::args().any(|argument| argument == "--bench") {
+        return;
+    }
+    let began = Instant::now();
+    let mesh = Arc::new(bumps(91));
+    println!(
+        "{} triangles, made ready in {:.0} ms",
+        mesh.faces().len(),
+        1e3 * began.elapsed().as_secs_f64()
+    );
+    println!("microseconds per tick: median, p99, max; sub-steps per tick: median, p99, max");
+    let methods: [WorldMethod; 2] = [
+        BasicParams::default().into(),
+        CoupledParams::new(vec![[MASS; 3]])
+            .with_encoder_quantum(2e-6)
+            .into(),
+    ];
+    for method in methods {
+        for radius in [0.0, 0.003, 0.008] {
+            let name = format!("{}, tool of {} mm", method.name(), 1e3 * radius);
+            let world = World {
+                tools: vec![Tool::new("tool", Shape::Sphere { radius })],
+                bodies: vec![Body::new("bumps", Shape::Mesh(mesh.clone()), Motion::Fixed)],
+                contacts: vec![Contact {
+                    between: [Party::Any, Party::Any],
+                    law: ContactLaw::spring(2000.0)
+                        .with_damping(2.0)
+                        .with_friction(0.3),
+                }],
+            };
+            let renderer = WorldRenderer::new(&world, WorldLoop::new(PERIOD), method.clone());
+            let Ok(renderer) = renderer else {
+                println!("{name}: refused");
+                continue;
+            };
+            let mut times = vec![f64::INFINITY; TICKS];
+            let mut steps = vec![0; TICKS];
+            let (mut touched, mut left_out) = (0, 0);
+            for _ in 0..RUNS {
+                let mut state = renderer.start();
+                let mut device = Device {
+                    position: [0.0, 0.0, RADIUS + radius + 0.004],
+                    velocity: [0.0; 3],
+                };
+                touched = 0;
+                for (tick, (time, steps)) in times.iter_mut().zip(&mut steps).enumerate() {
+                    let positions = [device.position.map(|x| (x / 2e-6).round() * 2e-6)];
+                    let before = Instant::now();
+                    let output = renderer.step(&mut state, &Sample::at(&positions));
+                    *time = time.min(before.elapsed().as_secs_f64() * 1e6);
+                    *steps = output.effort.sub_steps;
+                    left_out = left_out.max(output.effort.left_out);
+                    let force = output.forces[0];
+                    touched += usize::from(force != [0.0; 3]);
+                    device.hold(force, tick as f64 * PERIOD);
+                }
+            }
+            times.sort_by(f64::total_cmp);
+            steps.sort_unstable();
+            let at = |part: usize| (TICKS - 1) * part / 100;
+            println!(
+                "{name:26} {:8.2} {:8.2} {:8.2}   {:5} {:5} {:5}   in contact {} %, left out {left_out}",
+                times[at(50)],
+                times[at(99)],
+                times[at(100)],
+                steps[at(50)],
+                steps[at(99)],
+                steps[at(100)],
+                100 * touched / TICKS
+            );
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! Time per tick of a tool of six axes: `cargo bench -p palpate-world --bench six_axes_tick`.
+//!
+//! A hand presses a box onto a table, tilts it and moves it across: eight points of contact, up to four at once. Every
+//! tick of a run is timed by itself; each time is the least of several runs, which are all the same: whatever is more is
+//! other programs.
+#![allow(clippy::print_stdout)] // a benchmark prints
+
+use std::time::Instant;
+
+use palpate_world::{
+    BasicParams, Body, Contact, ContactLaw, CoupledParams, Motion, Party, Quaternion, Sample,
+    Shape, Tool, Vector, World, WorldLoop, WorldMethod, WorldRenderer,
+};
+
+const PERIOD: f64 = 0.001;
+const TICKS: usize = 2000;
+const RUNS: usize = 5;
+const MASS: f64 = 0.15;
+const INERTIA: f64 = 1.5e-4;
+
+fn world(friction: f64) -> World {
+    let table = Shape::HalfSpace {
+        normal: [0.0, 0.0, 1.0],
+        offset: 0.0,
+    };
+    let block = Shape::Box {
+        half_extents: [0.03, 0.02, 0.015],
+    };
+    World {
+        tools: vec![Tool::new("tool", block).turning()],
+        bodies: vec![Body::new("table", table, Motion::Fixed)],
+        contacts: vec![Contact {
+            between: [Party::Any, Party::Any],
+            law: ContactLaw::spring(5000.0)
+                .with_damping(4.0)
+                .with_friction(friction),
+        }],
+    }
+}
+
+/// A round device in a hand that presses it down, moves it across and tilts it, in steps under a held wrench.
+struct Device {
+    position: Vector,
+    velocity: Vector,
+    orientation: Quaternion,
+    turning: Vector,
+}
+
+impl Device {
+    fn start() -> Self {
+        Self {
+            position: [0.0, 0.0, 0.03],
+            velocity: [0.0; 3],
+            orientation: [1.0, 0.0, 0.0, 0.0],
+            turning: [0.0; 3],
+        }
+    }
+
+    fn hold(&mut self, force: Vector, torque: Vector, time: f64) {
+        let step = PERIOD / 20.0;
+        for _ in 0..20 {
+            let rest = [0.004 * (9.0 * time).sin(), 0.0, 0.008];
+            // The way to the aim, as a rotation vector of small angles.
+            let aim = [0.05 * (7.0 * time).sin(), 0.08 * (5.0 * time).cos(), 0.0];
+            let [w, x, y, z] = self.orientation;
+            for (axis, angle) in [x, y, z].into_iter().enumerate() {
+                let hand = 300.0 * (rest[axis] - self.position[axis]) - 3.0 * self.velocity[axis];
+                self.velocity[axis] += (force[axis] + hand) / MASS * step;
+                self.position[axis] += self.velocity[axis] * step;
+                let hand = 0.5 * (aim[axis] - 2.0 * angle) - 0.005 * self.turning[axis];
+                self.turning[axis] += (torque[axis] + hand) / INERTIA * step;
+            }
+            let [a, b, c] = self.turning.map(|rate| 0.5 * rate * step);
+            let turned = [
+                w - a * x - b * y - c * z,
+                x + a * w + b * z - c * y,
+                y + b * w + c * x - a * z,
+                z + c * w + a * y - b * x,
+            ];
+            let length = turned.iter().map(|part| part * part).sum::<f64>().sqrt();
+            self.orientation = turned.map(|part| part / length);
+        }
+    }
+}
+
+fn main() {
+    // Under `cargo test` a benchmark only has to build and run.
+    if !std::env::args().any(|argument| argument == "--bench") {
+        return;
+    }
+    println!("microseconds per tick: median, p99, max; sub-steps per tick: median, p99, max");
+    let methods: [WorldMethod; 2] = [
+        BasicParams::default().into(),
+        CoupledParams::new(vec![[MASS; 3]])
+            .with_device_inertia(vec![[INERTIA, 1.3 * INERTIA, 1.4 * INERTIA]])
+            .with_encoder_quantum(2e-6)
+            .with_angle_quantum(3.5e-5)
+            .into(),
+    ];
+    for method in methods {
+        for friction in [0.0, 0.5] {
+            let name = format!("{}, friction {friction}", method.name());
+            let renderer =
+                WorldRenderer::new(&world(friction), WorldLoop::new(PERIOD), method.clone());
+            let Ok(renderer) = renderer else {
+                println!("{name}: refused");
+                continue;
+            };
+            let mut times = vec![f64::INFINITY; TICKS];
+            let mut steps = vec![0; TICKS];
+            for _ in 0..RUNS {
+                let mut state = renderer.start();
+                let mut device = Device::start();
+                for (tick, (time, steps)) in times.iter_mut().zip(&mut steps).enumerate() {
+                    let positions = [device.position.map(|x| (x / 2e-6).round() * 2e-6)];
+                    let orientations = [device.orientation];
+                    let sample = Sample::at(&positions).turned(&orientations);
+                    let before = Instant::now();
+                    let output = renderer.step(&mut state, &sample);
+                    *time = time.min(before.elapsed().as_secs_f64() * 1e6);
+                    *steps = output.effort.sub_steps;
+                    let (force, torque) = (output.forces[0], output.torques[0]);
+                    device.hold(force, torque, tick as f64 * PERIOD);
+                }
+            }
+            times.sort_by(f64::total_cmp);
+            steps.sort_unstable();
+            let at = |part: usize| (TICKS - 1) * part / 100;
+            println!(
+                "{name:28} {:8.2} {:8.2} {:8.2}   {:5} {:5} {:5}",
+                times[at(50)],
+                times[at(99)],
+                times[at(100)],
+                steps[at(50)],
+                steps[at(99)],
+                steps[at(100)]
+            );
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! The image of an engine's body: what an avatar meets, over one step of the engine.
+
+use nalgebra::{Matrix6, Quaternion, UnitQuaternion, Vector6};
+
+use super::body::{BodyNow, BodyWrench, Stepping};
+use crate::rigid::{Rigid, Rotation, Vector3};
+
+/// The image of a body in motion.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Image {
+    pub position: Vector3,
+    pub orientation: Rotation,
+    /// Velocity of the reference point `[m/s]` and angular velocity `[rad/s]`.
+    pub twist: Vector6<f64>,
+    /// The same as expected at the end of the sub-step: what the damping of contacts sees.
+    pub ahead: Vector6<f64>,
+    /// Force `[N]` and torque about the reference point `[N m]` of the contacts.
+    pub load: Vector6<f64>,
+    /// Their impulse since the step began `[N s]`, `[N m s]`.
+    pub impulse: Vector6<f64>,
+    /// How far it has moved and turned since the step began `[m]`, `[rad]`.
+    way: Vector6<f64>,
+    gained: Vector6<f64>,
+    acceleration: Vector6<f64>,
+    pub mobility: Matrix6<f64>,
+}
+
+/// By how much an image is off its body: translation `[m]` and rotation vector `[rad]`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ImageOffset(pub Vector6<f64>);
+
+impl ImageOffset {
+    pub fn none() -> Self {
+        Self(Vector6::zeros())
+    }
+}
+
+fn six(linear: &[f64; 3], angular: &[f64; 3]) -> Vector6<f64> {
+    Vector6::new(
+        linear[0], linear[1], linear[2], angular[0], angular[1], angular[2],
+    )
+}
+
+pub(super) fn linear(six: &Vector6<f64>) -> Vector3 {
+    Vector3::new(six[0], six[1], six[2])
+}
+
+pub(super) fn angular(six: &Vector6<f64>) -> Vector3 {
+    Vector3::new(six[3], six[4], six[5])
+}
+
+impl Image {
+    /// Of a body that is nowhere and that nothing moves.
+    pub fn nowhere() -> Self {
+        let none = Vector6::zeros();
+        Self {
+            position: Vector3::repeat(f64::MAX.sqrt()),
+            orientation: Rotation::identity(),
+            twist: none,
+            ahead: none,
+            load: none,
+            impulse: none,
+            way: none,
+            gained: none,
+            acceleration: none,
+            mobility: Matrix6::zeros(),
+        }
+    }
+
+    /// Of a body at the beginning of a step.
+    pub fn of(body: &BodyNow, offset: &ImageOffset) -> Self {
+        let [w, x, y, z] = body.orientation;
+        let turned = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
+        let twist = six(&body.velocity, &body.angular_velocity);
+        Self {
+            position: Vector3::from(body.position) + linear(&offset.0),
+            orientation: Rotation::from_scaled_axis(angular(&offset.0)) * turned,
+            twist,
+            ahead: twist,
+            acceleration: six(&body.acceleration, &body.angular_acceleration),
+            mobility: Matrix6::from_fn(|row, column| body.mobility[row][column]),
+            ..Self::nowhere()
+        }
+    }
+
+    pub fn push(&mut self, half: f64) {
+        self.gained = (self.acceleration + self.mobility * self.load) * half;
+        self.twist += self.gained;
+        self.impulse += self.load * half;
+    }
+
+    pub fn drift(&mut self, h: f64) {
+        let way = self.twist * h;
+        self.position += linear(&way);
+        self.orientation = Rotation::from_scaled_axis(angular(&way)) * self.orientation;
+        self.way += way;
+        self.ahead = self.twist + self.gained;
+    }
+
+    pub fn velocity_at(&self, twist: &Vector6<f64>, place: &Vector3) -> Vector3 {
+        linear(twist) + angular(twist).cross(&(place - self.position))
+    }
+
+    /// Adds the force of a contact at `place`.
+    pub fn pushed_at(&mut self, force: &Vector3, place: &Vector3) {
+        let torque = (place - self.position).cross(force);
+        self.load += six(&(*force).into(), &torque.into());
+    }
+
+    /// Acceleration along `direction` by a unit force along it at `place` `[1/kg]`.
+    pub fn mobility_at(&self, direction: &Vector3, place: &Vector3) -> f64 {
+        let torque = (place - self.position).cross(direction);
+        let wrench = six(&(*direction).into(), &torque.into());
+        wrench.dot(&(self.mobility * wrench))
+    }
+
+    /// Where a shape that is fixed to it is.
+    pub fn place(&self, position: &Vector3, orientation: &Rotation) -> Rigid {
+        Rigid {
+            position: self.position + self.orientation * position,
+            orientation: self.orientation * orientation,
+            velocity: Vector3::zeros(),
+            spin: Vector3::zeros(),
+        }
+    }
+
+    /// The mean wrench over the step of `h` `[s]` that ends here.
+    pub fn wrench(&self, h: f64) -> BodyWrench {
+        let mean = self.impulse / h;
+        BodyWrench {
+            force: linear(&mean).into(),
+            torque: angular(&mean).into(),
+        }
+    }
+
+    /// How much farther it has come in the step of `h` `[s]` than the body does that `stepping` moves under the mean
+    /// wrench.
+    pub fn ahead_of(&self, body: &BodyNow, stepping: Stepping, h: f64) -> Vector6<f64> {
+        let before = six(&body.velocity, &body.angular_velocity);
+        let gained = self.acceleration * h + self.mobility * self.impulse;
+        let velocity = match stepping {
+            Stepping::MeanVelocity => before + gained * 0.5,
+            Stepping::EndVelocity => before + gained,
+        };
+        self.way - velocity * h
+    }
+}

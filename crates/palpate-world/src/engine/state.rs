@@ -1,0 +1,173 @@
+//! What is remembered from period to period, and what can be read from it.
+
+use palpate::Fault;
+
+use super::image::ImageOffset;
+use super::meeting::Meeting;
+use crate::commands::Commands;
+use crate::observer::{AxisMotion, AxisObserver, AxisPrior};
+use crate::rigid::Vector3;
+use crate::tracking::Tracking;
+use crate::{ContactBook, Effort, Limited, Mode, ToolState, Vector, WorldFault};
+
+/// Contacts with an engine's bodies at a sample: made by [`EngineRenderer::start`](super::EngineRenderer::start).
+#[derive(Clone, Debug)]
+pub struct EngineState {
+    pub(super) meeting: Meeting,
+    /// Room for what a sub-step begins with.
+    pub(super) before: Meeting,
+    pub(super) offsets: Vec<ImageOffset>,
+    /// Whether a tool touched the body in the period.
+    pub(super) is_body_touched: Vec<bool>,
+    pub(super) devices: Vec<Device>,
+    pub(super) tracking: Tracking,
+    pub(super) commands: Commands,
+    pub(super) intended: Vec<Vector3>,
+    pub(super) forces: Vec<Vector>,
+    /// How long the engine has been stepped since the sample `[s]`.
+    pub(super) advanced: f64,
+    pub(super) fault: Option<WorldFault>,
+    pub(super) limited: Limited,
+    pub(super) effort: Effort,
+    pub(super) tools: Vec<ToolState>,
+    pub(super) contacts: Vec<EngineContact>,
+    pub(super) books: EngineBooks,
+}
+
+/// What is known of a device and of its avatar.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Device {
+    /// Where the last sample has found it `[m]`.
+    pub measured: Vector3,
+    pub observers: [AxisObserver; 3],
+    /// The device where the period of the next command begins.
+    pub ahead: [AxisMotion; 3],
+    /// o: position of the avatar less that of the device `[m]`, at the beginning of the period.
+    pub offset: Vector3,
+    /// w: velocity of the avatar less that of the device `[m/s]`.
+    pub velocity_offset: Vector3,
+    pub period: Option<Period>,
+}
+
+/// What a period was planned to be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Period {
+    /// How long it was `[s]`.
+    pub duration: f64,
+    /// Mean force of the contacts `[N]`, and by how much its impulse came early `[N s^2]`.
+    pub mean: Vector3,
+    pub lead: Vector3,
+    /// What the device was to be held by `[N]`.
+    pub held: Vector3,
+    /// Whether something touched the tool.
+    pub touched: bool,
+}
+
+impl Device {
+    pub fn new(priors: &[AxisPrior; 3], measured: Vector3) -> Self {
+        let observers = priors.each_ref().map(AxisObserver::new);
+        Self {
+            measured,
+            observers,
+            ahead: observers.each_ref().map(|observer| observer.motion),
+            offset: Vector3::zeros(),
+            velocity_offset: Vector3::zeros(),
+            period: None,
+        }
+    }
+
+    pub fn of(&self, quantity: impl Fn(&AxisMotion) -> f64) -> Vector3 {
+        Vector3::from(self.ahead.each_ref().map(quantity))
+    }
+}
+
+/// The answer to a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EngineOutput<'a> {
+    /// Force on each tool `[N]`: what its device is to give to the hand, and to hold until the next sample.
+    pub forces: &'a [Vector],
+    /// Limits that acted.
+    pub limited: Limited,
+    /// What the period has cost, over all steps of the engine, and what did not fit in it.
+    pub effort: Effort,
+    /// Why there was no contact, if there was none: a sample or a state that cannot be used. All forces are then 0.
+    pub fault: Option<WorldFault>,
+}
+
+/// A point at which a tool may touch a body, at the end of the last period.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EngineContact {
+    /// Number of the tool.
+    pub tool: usize,
+    /// Number of the body.
+    pub body: usize,
+    /// Whether they touch, and how.
+    pub mode: Mode,
+    /// Where the force acts `[m]`.
+    pub point: Vector,
+    /// Unit vector from the body to the tool.
+    pub normal: Vector,
+    /// How far avatar and image overlap, 0 where they do not `[m]`.
+    pub penetration: f64,
+    /// Force on the tool `[N]`.
+    pub force: Vector,
+}
+
+/// Energy at the port of a device, over all periods that have ended `[J]`; positive: to the hand.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PortBook {
+    /// Work of the force that was held on the device as it was measured.
+    pub port_work: f64,
+    /// Work of the mean force of its contacts on the device.
+    pub held: f64,
+}
+
+/// The books of contacts with an engine's bodies.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct EngineBooks {
+    /// Of each point of contact, in the order of [`EngineState::contacts`]. `observed` is what the stored energy changed
+    /// by because a sample moved an avatar, or the engine a body, to another place than was expected.
+    pub contacts: Vec<ContactBook>,
+    /// Of each device.
+    pub devices: Vec<PortBook>,
+}
+
+impl EngineState {
+    /// What is known of each tool at the last sample.
+    #[must_use]
+    pub fn tools(&self) -> &[ToolState] {
+        &self.tools
+    }
+
+    /// Where each avatar is at the end of the period `[m]`: what an engine may show as the tool.
+    #[must_use]
+    pub fn avatars(&self) -> Vec<Vector> {
+        let tools = self.meeting.tools.iter();
+        tools.map(|tool| tool.rigid.position.into()).collect()
+    }
+
+    /// Each point at which a tool may touch a body, whether it does or not.
+    #[must_use]
+    pub fn contacts(&self) -> &[EngineContact] {
+        &self.contacts
+    }
+
+    /// The books of energy.
+    #[must_use]
+    pub fn books(&self) -> &EngineBooks {
+        &self.books
+    }
+
+    pub(super) fn output(&self) -> EngineOutput<'_> {
+        EngineOutput {
+            forces: &self.forces,
+            limited: self.limited,
+            effort: self.effort,
+            fault: self.fault,
+        }
+    }
+
+    pub(super) fn fail(&mut self, fault: Fault) {
+        self.fault = Some(WorldFault { fault, tool: None });
+    }
+}

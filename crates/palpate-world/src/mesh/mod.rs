@@ -1,0 +1,12 @@
+//! Triangle meshes: checked once, then asked for what a sphere touches.
+
+mod build;
+mod cluster;
+mod gather;
+mod surface;
+mod topology;
+mod tree;
+mod triangle;
+
+pub use build::{Mesh, MeshError};
+pub(crate) use surface::{POINTS_PER_MESH, Surface};

@@ -1,0 +1,571 @@
+//! A sphere and the mesh that it touches.
+//!
+//! While the sphere's centre is in front of the surface, the sphere touches it wherever the distance of the centre has
+//! a minimum that the centre sees: a face that it stands over, an edge or a corner that stands out. When the centre has
+//! gone through a triangle, it is *behind* it, and stays there until it comes back through the surface: it is pushed to
+//! the place of the surface that it reaches by going downhill in distance from triangle to triangle, never to one that
+//! is merely nearer through a wall.
+
+use std::sync::Arc;
+
+use super::build::Mesh;
+use super::cluster::{MOST_PUSHES, Push, SHARP, way_out};
+use super::gather::{About, Gathered, Near};
+use super::topology::NONE;
+use super::triangle::{Region, crossing, nearest};
+use crate::rigid::{Rigid, Vector3};
+
+/// At how many places a sphere may touch a mesh at once.
+pub(crate) const POINTS_PER_MESH: usize = 4;
+/// A sphere that goes further than this and its diameter between two looks has not gone the straight way `[m]`.
+const LEAP: f64 = 0.02;
+/// Triangles that a place behind the surface goes over between two looks, at most.
+const MOST_WALKED: usize = 32;
+/// Triangles along a way that are looked at for the first that it goes through, at most.
+const MOST_CROSSED: u32 = 4096;
+/// Angles and shares smaller than this are none.
+const SLACK: f64 = 1e-9;
+
+/// Where the surface pushes: its nearest point's distance from the sphere's centre, below 0 behind it `[m]`, and the
+/// unit vector out of it, in the mesh's axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Found {
+    pub distance: f64,
+    pub normal: Vector3,
+}
+
+/// On which side of the surface the centre is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Standing {
+    /// Not known: it has not been looked at.
+    Unknown,
+    /// Inside, and it was so when it was first seen: nothing pushes until the whole sphere has come out, which is at
+    /// least `way` from `place` `[m]`.
+    Inside { place: Vector3, way: f64 },
+    /// In front, and where it was then.
+    Front { centre: Vector3 },
+    /// Behind this triangle or one that it was led to from there.
+    Behind { triangle: u32 },
+}
+
+/// What a sphere and a mesh remember from one look to the next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Memory {
+    standing: Standing,
+    found: [Option<Found>; POINTS_PER_MESH],
+    /// The centre is at least so far from the surface `[m]`.
+    clearance: f64,
+}
+
+/// A sphere and a mesh.
+#[derive(Clone, Debug)]
+pub(crate) struct Surface {
+    mesh: Arc<Mesh>,
+    /// Numbers of the sphere's and the mesh's parts.
+    first: usize,
+    second: usize,
+    radius: f64,
+    gathered: Gathered,
+    memory: Memory,
+    left_out: u32,
+}
+
+/// What pushes a sphere at a look.
+struct Pushes {
+    all: [Push; MOST_PUSHES],
+    count: usize,
+    left_out: u32,
+}
+
+impl Pushes {
+    fn none() -> Self {
+        let nothing = Push {
+            normal: Vector3::zeros(),
+            depth: 0.0,
+        };
+        Self {
+            all: [nothing; MOST_PUSHES],
+            count: 0,
+            left_out: 0,
+        }
+    }
+
+    /// Takes one more; of too many, the deepest stay.
+    fn add(&mut self, push: Push) {
+        if self.count < MOST_PUSHES {
+            self.all[self.count] = push;
+            self.count += 1;
+            return;
+        }
+        self.left_out += 1;
+        let least = self
+            .all
+            .iter_mut()
+            .min_by(|a, b| a.depth.total_cmp(&b.depth));
+        if let Some(least) = least
+            && least.depth < push.depth
+        {
+            *least = push;
+        }
+    }
+
+    fn take_deepest(&mut self) -> Option<Push> {
+        let numbers = 0..self.count;
+        let deepest = numbers.max_by(|&a, &b| self.all[a].depth.total_cmp(&self.all[b].depth))?;
+        Some(self.take(deepest))
+    }
+
+    fn take(&mut self, number: usize) -> Push {
+        let push = self.all[number];
+        self.count -= 1;
+        self.all[number] = self.all[self.count];
+        push
+    }
+}
+
+impl Surface {
+    pub fn new(mesh: Arc<Mesh>, first: usize, second: usize, radius: f64) -> Self {
+        Self {
+            mesh,
+            first,
+            second,
+            radius,
+            gathered: Gathered::none(),
+            memory: Memory {
+                standing: Standing::Unknown,
+                found: [None; POINTS_PER_MESH],
+                clearance: 0.0,
+            },
+            left_out: 0,
+        }
+    }
+
+    /// Numbers of the sphere's and the mesh's parts.
+    pub fn parts(&self) -> [usize; 2] {
+        [self.first, self.second]
+    }
+
+    /// The sphere may be anywhere now.
+    pub fn forget(&mut self) {
+        self.memory.standing = Standing::Unknown;
+        self.memory.found = [None; POINTS_PER_MESH];
+    }
+
+    /// Takes over what another of the same sphere and mesh remembers, without allocating.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.memory = other.memory;
+    }
+
+    /// What pushes at the contact point of this number, as of the last look.
+    pub fn found(&self, point: usize) -> Option<&Found> {
+        self.memory.found[point].as_ref()
+    }
+
+    /// The centre is at least so far from the surface, as of the last look `[m]`.
+    pub fn clearance(&self) -> f64 {
+        self.memory.clearance
+    }
+
+    /// Largest number of triangles or contacts that a look since the last call has left out.
+    pub fn take_left_out(&mut self) -> u32 {
+        std::mem::take(&mut self.left_out)
+    }
+
+    /// Distance of the surface from the sphere's centre, on whatever side `[m]`.
+    pub fn distance(&self, sphere: &Rigid, placed: &Rigid) -> f64 {
+        let nearest = nearest_of(&self.mesh, &centre_in(sphere, placed));
+        nearest.map_or(f64::INFINITY, |(distance, _)| distance)
+    }
+
+    /// Looks at the surface from where the sphere is now.
+    pub fn look(&mut self, sphere: &Rigid, placed: &Rigid) {
+        let centre = centre_in(sphere, placed);
+        let mut pushes = Pushes::none();
+        let is_behind = self.is_behind(&centre);
+        self.memory.clearance = 0.0;
+        if is_behind {
+            self.push_from_behind(&centre, &mut pushes);
+        }
+        match self.memory.standing {
+            Standing::Front { .. } => self.push_from_front(&centre, &mut pushes),
+            Standing::Inside { place, way } => {
+                self.memory.clearance = self.radius + (way - (centre - place).norm()).max(0.0);
+            }
+            Standing::Unknown | Standing::Behind { .. } => {}
+        }
+        self.left_out = self.left_out.max(pushes.left_out);
+        self.meet(&centre, pushes);
+    }
+
+    /// Finds out on which side the centre is, and remembers it. Whether it is behind a triangle.
+    fn is_behind(&mut self, centre: &Vector3) -> bool {
+        let standing = match self.memory.standing {
+            Standing::Behind { triangle } => Standing::Behind { triangle },
+            Standing::Front { centre: before } => {
+                let way = (centre - before).norm();
+                let crossed = if way < self.memory.clearance {
+                    Some(None)
+                } else if way > LEAP + 2.0 * self.radius || way.is_nan() {
+                    None
+                } else {
+                    Some(self.crossed(&before, centre))
+                };
+                match crossed {
+                    None => first_seen(&self.mesh, centre, self.radius, false),
+                    Some(Some(triangle)) => Standing::Behind { triangle },
+                    Some(None) => Standing::Front { centre: *centre },
+                }
+            }
+            Standing::Inside { place, way } if (centre - place).norm() < way => {
+                Standing::Inside { place, way }
+            }
+            Standing::Inside { .. } => first_seen(&self.mesh, centre, self.radius, true),
+            Standing::Unknown => first_seen(&self.mesh, centre, self.radius, false),
+        };
+        self.memory.standing = standing;
+        matches!(standing, Standing::Behind { .. })
+    }
+
+    /// The first triangle that a way goes through from its front to its back.
+    fn crossed(&mut self, from: &Vector3, to: &Vector3) -> Option<u32> {
+        if from == to {
+            return None;
+        }
+        let mesh = &*self.mesh;
+        let mut first: Option<(f64, u32)> = None;
+        let mut look_at = |triangle: u32| {
+            let normal = &mesh.topology.normals[triangle as usize];
+            let corners = mesh.corners(triangle);
+            if normal.dot(&(from - corners[0])) <= 0.0 {
+                return;
+            }
+            if let Some(share) = crossing(corners, normal, from, to)
+                && first.is_none_or(|(other, _)| share < other)
+            {
+                first = Some((share, triangle));
+            }
+        };
+        let way = (to - from).norm();
+        let about = self.gathered.about(mesh, to, self.radius);
+        if about.off + way <= about.reach && about.left_out == 0 {
+            for near in about.near {
+                if near.distance - about.off <= way {
+                    look_at(near.triangle);
+                }
+            }
+        } else {
+            let middle = (from + to) * 0.5;
+            let reach = 0.5 * way * (1.0 + SLACK) + f64::MIN_POSITIVE;
+            let mut left = MOST_CROSSED;
+            let is_all = mesh.tree.within(&middle, reach, |triangle| {
+                look_at(triangle);
+                left -= 1;
+                left > 0
+            });
+            self.left_out = self.left_out.max(u32::from(!is_all));
+        }
+        first.map(|(_, triangle)| triangle)
+    }
+
+    /// The minima of the distance in front of the surface that are nearer than the radius.
+    fn push_from_front(&mut self, centre: &Vector3, pushes: &mut Pushes) {
+        let mesh = &*self.mesh;
+        let radius = self.radius;
+        let About {
+            near,
+            off,
+            reach,
+            left_out,
+        } = self.gathered.about(mesh, centre, radius);
+        let mut clearance = f64::INFINITY;
+        // What is seen first hides what lies behind it.
+        let mut seen: [(Push, u32); MOST_PUSHES] = [(
+            Push {
+                normal: Vector3::zeros(),
+                depth: 0.0,
+            },
+            0,
+        ); MOST_PUSHES];
+        let mut count = 0;
+        for found in near {
+            if found.distance - off > radius {
+                clearance = clearance.min(found.distance - off);
+                continue;
+            }
+            let (place, region) = nearest(mesh.corners(found.triangle), centre);
+            let out = centre - place;
+            let distance = out.norm();
+            clearance = clearance.min(distance);
+            if distance >= radius {
+                continue;
+            }
+            let Some(normal) = minimum(mesh, found.triangle, region, &out, distance) else {
+                continue;
+            };
+            let push = Push {
+                normal,
+                depth: radius - distance,
+            };
+            if count < MOST_PUSHES {
+                seen[count] = (push, found.triangle);
+                count += 1;
+            } else {
+                pushes.left_out += 1;
+                let least = seen
+                    .iter_mut()
+                    .min_by(|(a, _), (b, _)| a.depth.total_cmp(&b.depth));
+                if let Some(least) = least
+                    && least.0.depth < push.depth
+                {
+                    *least = (push, found.triangle);
+                }
+            }
+        }
+        let seen = &seen[..count];
+        let first = seen
+            .iter()
+            .max_by(|(a, _), (b, _)| a.depth.total_cmp(&b.depth));
+        if let Some((first, _)) = first {
+            for (push, triangle) in seen {
+                let beside = push.normal.dot(&first.normal) > SHARP;
+                if beside || is_seen(mesh, near, centre, push, *triangle, radius) {
+                    pushes.add(*push);
+                }
+            }
+        }
+        pushes.left_out = pushes.left_out.max(left_out);
+        self.memory.clearance = clearance.min((reach - off).max(0.0));
+    }
+
+    /// The way from a centre behind the surface to the place that it was led to. It may find the centre in front.
+    fn push_from_behind(&mut self, centre: &Vector3, pushes: &mut Pushes) {
+        let Standing::Behind { triangle } = self.memory.standing else {
+            return;
+        };
+        let mesh = &*self.mesh;
+        let (triangle, place, region) = downhill(mesh, triangle, centre);
+        let off = centre - place;
+        if side(mesh, triangle, region, &off).is_none_or(|side| side > 0.0) {
+            self.memory.standing = Standing::Front { centre: *centre };
+            return;
+        }
+        self.memory.standing = Standing::Behind { triangle };
+        let distance = off.norm();
+        pushes.add(Push {
+            normal: if distance > SLACK * self.mesh.reach() {
+                -off / distance
+            } else {
+                self.mesh.topology.normals[triangle as usize]
+            },
+            depth: self.radius + distance,
+        });
+    }
+
+    /// Puts what pushes together, and gives each its point: the one that was most like it before.
+    fn meet(&mut self, centre: &Vector3, mut pushes: Pushes) {
+        let before = self.memory.found;
+        let mut now = [None; POINTS_PER_MESH];
+        let mut waiting = [None; POINTS_PER_MESH];
+        let mut count = 0;
+        while let Some(deepest) = pushes.take_deepest() {
+            let mut group = [deepest; MOST_PUSHES];
+            let mut size = 1;
+            let mut number = 0;
+            while number < pushes.count {
+                if pushes.all[number].normal.dot(&deepest.normal) > SHARP {
+                    group[size] = pushes.take(number);
+                    size += 1;
+                } else {
+                    number += 1;
+                }
+            }
+            if count == POINTS_PER_MESH {
+                self.left_out += 1;
+                break;
+            }
+            let way = if size == 1 {
+                deepest.normal * deepest.depth
+            } else {
+                way_out(&group[..size])
+            };
+            let depth = way.norm();
+            waiting[count] = Some(Found {
+                distance: self.radius - depth,
+                normal: if size > 1 && depth > 0.0 {
+                    way / depth
+                } else {
+                    deepest.normal
+                },
+            });
+            count += 1;
+        }
+        for found in waiting.iter_mut().flatten() {
+            // The likest that is still free.
+            let likeness = |place: usize| {
+                let other: &Option<Found> = &before[place];
+                other.map_or(0.0, |other| other.normal.dot(&found.normal))
+            };
+            let free = (0..POINTS_PER_MESH).filter(|&place| now[place].is_none());
+            let best = free.max_by(|&a, &b| likeness(a).total_cmp(&likeness(b)).then(b.cmp(&a)));
+            if let Some(place) = best {
+                now[place] = Some(*found);
+            }
+        }
+        self.memory.found = now;
+        if let Standing::Front { centre: last } = &mut self.memory.standing {
+            *last = *centre;
+        }
+    }
+}
+
+/// The sphere's centre in the mesh's axes.
+fn centre_in(sphere: &Rigid, placed: &Rigid) -> Vector3 {
+    let off = sphere.position - placed.position;
+    placed.orientation.inverse_transform_vector(&off)
+}
+
+/// Where a centre is that nothing is known of, or that was inside.
+fn first_seen(mesh: &Mesh, centre: &Vector3, radius: f64, was_inside: bool) -> Standing {
+    let Some((distance, triangle)) = nearest_of(mesh, centre) else {
+        return Standing::Unknown;
+    };
+    let (place, region) = nearest(mesh.corners(triangle), centre);
+    let is_inside = side(mesh, triangle, region, &(centre - place)).is_some_and(|side| side <= 0.0);
+    let inside = |way| Standing::Inside {
+        place: *centre,
+        way,
+    };
+    if is_inside {
+        inside(distance + radius)
+    } else if was_inside && distance < radius {
+        inside(radius - distance)
+    } else {
+        Standing::Front { centre: *centre }
+    }
+}
+
+/// Distance of the surface `[m]`, and the triangle there; `None` from what is no place.
+fn nearest_of(mesh: &Mesh, centre: &Vector3) -> Option<(f64, u32)> {
+    let mut best: Option<(f64, u32)> = None;
+    mesh.tree.nearest(centre, |number| {
+        let (place, _) = nearest(mesh.corners(number), centre);
+        let square = (centre - place).norm_squared();
+        if best.is_none_or(|(other, _)| square < other) {
+            best = Some((square, number));
+        }
+        best.map_or(f64::INFINITY, |(square, _)| square)
+    });
+    best.filter(|(square, _)| square.is_finite())
+        .map(|(square, triangle)| (square.sqrt(), triangle))
+}
+
+/// Above 0 in front of the surface, where `off` leads from its nearest point to the centre. `None` beyond the border of an
+/// open mesh.
+fn side(mesh: &Mesh, triangle: u32, region: Region, off: &Vector3) -> Option<f64> {
+    let normals = &mesh.topology.normals;
+    let own = normals[triangle as usize];
+    match region {
+        Region::Inside => Some(own.dot(off)),
+        Region::Edge(k) => match mesh.topology.neighbours[triangle as usize][k] {
+            NONE => None,
+            other => Some((own + normals[other as usize]).dot(off)),
+        },
+        Region::Corner(k) => {
+            let corner = mesh.faces[triangle as usize][k];
+            Some(mesh.topology.vertex_normals[corner as usize].dot(off))
+        }
+    }
+}
+
+/// The normal of a contact at a triangle's nearest point, by `out` from the centre, if the distance to the surface has a
+/// minimum there and the centre is in front. A minimum on an edge or corner is that of one of its triangles only.
+fn minimum(
+    mesh: &Mesh,
+    triangle: u32,
+    region: Region,
+    out: &Vector3,
+    distance: f64,
+) -> Option<Vector3> {
+    let topology = &mesh.topology;
+    let own = &topology.normals[triangle as usize];
+    match region {
+        Region::Inside => (own.dot(out) > 0.0).then_some(*own),
+        _ if distance <= 0.0 => None,
+        Region::Edge(k) => {
+            let other = topology.neighbours[triangle as usize][k];
+            if other == NONE {
+                return (own.dot(out) >= 0.0).then(|| out / distance);
+            }
+            let other_normal = &topology.normals[other as usize];
+            let corners = mesh.corners(triangle);
+            let along = corners[(k + 1) % 3] - corners[k];
+            // Into the other triangle, across the edge.
+            let into = along.cross(other_normal);
+            let is_minimum = into.dot(out) <= SLACK * along.norm() * distance;
+            let in_front = (own + other_normal).dot(out) > 0.0;
+            (is_minimum && in_front && triangle < other).then(|| out / distance)
+        }
+        Region::Corner(k) => {
+            let corner = mesh.faces[triangle as usize][k];
+            let around = topology.around(corner);
+            if around.first() != Some(&triangle)
+                || topology.vertex_normals[corner as usize].dot(out) <= 0.0
+            {
+                return None;
+            }
+            let tip = mesh.vertices[corner as usize];
+            let ends = around.iter().flat_map(|&number| mesh.corners(number));
+            let is_minimum = ends.into_iter().all(|end| {
+                let along = end - tip;
+                along.dot(out) <= SLACK * along.norm() * distance
+            });
+            is_minimum.then(|| out / distance)
+        }
+    }
+}
+
+/// Whether nothing lies between the centre and the place where `triangle` pushes.
+fn is_seen(
+    mesh: &Mesh,
+    near: &[Near],
+    centre: &Vector3,
+    push: &Push,
+    triangle: u32,
+    radius: f64,
+) -> bool {
+    let place = centre - push.normal * (radius - push.depth);
+    let own = mesh.faces[triangle as usize];
+    !near.iter().any(|other| {
+        let corners = &mesh.faces[other.triangle as usize];
+        if corners.iter().any(|corner| own.contains(corner)) {
+            return false;
+        }
+        let normal = &mesh.topology.normals[other.triangle as usize];
+        crossing(mesh.corners(other.triangle), normal, centre, &place).is_some()
+    })
+}
+
+/// From a triangle to the ones around it, as long as they are nearer to the centre.
+fn downhill(mesh: &Mesh, from: u32, centre: &Vector3) -> (u32, Vector3, Region) {
+    let look_at = |number: u32| {
+        let (place, region) = nearest(mesh.corners(number), centre);
+        ((centre - place).norm_squared(), number, place, region)
+    };
+    let mut best = look_at(from);
+    for _ in 0..MOST_WALKED {
+        let here = best.1;
+        for corner in mesh.faces[here as usize] {
+            for &number in mesh.topology.around(corner) {
+                let other = look_at(number);
+                if other.0 < best.0 {
+                    best = other;
+                }
+            }
+        }
+        if best.1 == here {
+            break;
+        }
+    }
+    let (_, triangle, place, region) = best;
+    (triangle, place, region)
+}

@@ -1,0 +1,321 @@
+//! Contact with the bodies of another engine: the forces are those of a world that palpate moves itself.
+
+use palpate::Fault;
+use palpate_world::engine::{
+    BodyNow, BodyWrench, EngineBody, EngineRenderer, EngineState, PlacedShape, Stepping,
+};
+use palpate_world::{
+    Body, Contact, ContactLaw, CoupledParams, Free, Motion, NOT_TURNED, Party, Prior, Sample,
+    Shape, Tool, Vector, World, WorldLoop, WorldRenderer,
+};
+
+const DEVICE: Vector = [0.1, 0.16, 0.25];
+const HAND: Vector = [0.05, 0.0, 0.8];
+const MASS: f64 = 0.06;
+const RADIUS: f64 = 0.02;
+const WEIGHT: f64 = -9.81;
+
+/// A device that is moved exactly by a held force and the hand's.
+#[derive(Clone, Copy)]
+struct Device {
+    position: Vector,
+    velocity: Vector,
+}
+
+impl Device {
+    fn under(&mut self, force: Vector, h: f64) {
+        for axis in 0..3 {
+            let a = (HAND[axis] + force[axis]) / DEVICE[axis];
+            self.position[axis] += h * (self.velocity[axis] + 0.5 * h * a);
+            self.velocity[axis] += h * a;
+        }
+    }
+}
+
+/// A ball in an engine of its own: only a wrench moves it.
+struct Engine {
+    now: BodyNow,
+    stepping: Stepping,
+}
+
+impl Engine {
+    fn new(stepping: Stepping) -> Self {
+        let moment = 0.4 * MASS * RADIUS * RADIUS;
+        let mut now = BodyNow::fixed([0.002, -0.001, 0.035]);
+        now.acceleration = [0.0, 0.0, WEIGHT];
+        for axis in 0..3 {
+            now.mobility[axis][axis] = 1.0 / MASS;
+            now.mobility[axis + 3][axis + 3] = 1.0 / moment;
+        }
+        Self { now, stepping }
+    }
+
+    fn step(&mut self, wrench: &BodyWrench, h: f64) {
+        for axis in 0..3 {
+            let a =
+                self.now.acceleration[axis] + self.now.mobility[axis][axis] * wrench.force[axis];
+            let before = self.now.velocity[axis];
+            let after = before + h * a;
+            self.now.position[axis] += h * match self.stepping {
+                Stepping::MeanVelocity => 0.5 * (before + after),
+                Stepping::EndVelocity => after,
+            };
+            self.now.velocity[axis] = after;
+            // A ball looks the same however it is turned.
+            self.now.angular_velocity[axis] +=
+                h * self.now.mobility[axis + 3][axis + 3] * wrench.torque[axis];
+        }
+    }
+}
+
+fn params() -> CoupledParams {
+    CoupledParams::new(vec![DEVICE]).with_prior(Prior::of_a_known_mass())
+}
+
+fn tool() -> Tool {
+    Tool::new("tool", Shape::Sphere { radius: 0.005 })
+}
+
+fn engine_renderer(law: ContactLaw, period: f64, stepping: Stepping) -> EngineRenderer {
+    let ball = EngineBody {
+        name: "ball".into(),
+        shapes: vec![PlacedShape {
+            shape: Shape::Sphere { radius: RADIUS },
+            position: [0.0; 3],
+            orientation: NOT_TURNED,
+        }],
+        law,
+    };
+    EngineRenderer::new(
+        &[tool()],
+        &[ball],
+        stepping,
+        WorldLoop::new(period),
+        params(),
+    )
+    .unwrap()
+}
+
+/// Forces on the device, sample by sample, with the ball in an engine of its own that steps `steps` times a period.
+fn with_engine(
+    law: ContactLaw,
+    (period, steps): (f64, u32),
+    stepping: Stepping,
+    samples: usize,
+) -> (Vec<Vector>, EngineState, Vector) {
+    let renderer = engine_renderer(law, period, stepping);
+    let mut state = renderer.start();
+    let mut engine = Engine::new(stepping);
+    let mut device = Device {
+        position: [0.0; 3],
+        velocity: [0.0; 3],
+    };
+    let h = period / f64::from(steps);
+    let (mut forces, mut given) = (Vec::new(), [0.0; 3]);
+    for _ in 0..samples {
+        renderer.sample(&mut state, &Sample::at(&[device.position]));
+        let mut wrenches = [BodyWrench::default()];
+        for _ in 0..steps {
+            renderer.advance(&mut state, h, &[engine.now], &mut wrenches);
+            engine.step(&wrenches[0], h);
+            for (sum, force) in given.iter_mut().zip(wrenches[0].force) {
+                *sum += h * force;
+            }
+        }
+        let output = renderer.hold(&mut state);
+        assert_eq!(output.fault, None);
+        forces.push(output.forces[0]);
+        device.under(forces[forces.len() - 1], period);
+    }
+    (forces, state, given)
+}
+
+/// The same with the ball in a world that palpate moves.
+fn with_world(law: ContactLaw, period: f64, samples: usize) -> Vec<Vector> {
+    let ball = Free::of_mass(MASS).pulled_by([0.0, 0.0, WEIGHT * MASS]);
+    let world = World {
+        tools: vec![tool()],
+        bodies: vec![
+            Body::new("ball", Shape::Sphere { radius: RADIUS }, Motion::Free(ball))
+                .at([0.002, -0.001, 0.035]),
+        ],
+        contacts: vec![Contact {
+            between: [Party::Any, Party::Any],
+            law,
+        }],
+    };
+    let renderer = WorldRenderer::new(&world, WorldLoop::new(period), params()).unwrap();
+    let mut state = renderer.start();
+    let mut device = Device {
+        position: [0.0; 3],
+        velocity: [0.0; 3],
+    };
+    let mut forces = Vec::new();
+    for _ in 0..samples {
+        let output = renderer.step(&mut state, &Sample::at(&[device.position]));
+        forces.push(output.forces[0]);
+        device.under(forces[forces.len() - 1], period);
+    }
+    forces
+}
+
+/// Root mean square of the difference over that of `right`, in percent.
+fn difference(forces: &[Vector], right: &[Vector]) -> f64 {
+    let (mut off, mut sum) = (0.0, 0.0);
+    for (one, other) in forces.iter().zip(right) {
+        for axis in 0..3 {
+            off += (one[axis] - other[axis]).powi(2) / DEVICE[axis];
+            sum += other[axis].powi(2) / DEVICE[axis];
+        }
+    }
+    assert!(sum > 0.0);
+    100.0 * (off / sum).sqrt()
+}
+
+/// A ball is juggled: with a ball in an engine of its own the forces are those of a world, whose held forces are the
+/// means of the ideal ones.
+#[test]
+#[allow(clippy::print_stdout)] // what was measured
+fn an_engine_s_ball_gives_the_forces_of_a_world() {
+    let soft = ContactLaw::spring(400.0);
+    let hard = ContactLaw::spring(4000.0);
+    let rough = hard.with_friction(0.4).with_damping(1.0);
+    for (name, law, period, steps, stepping, allowed) in [
+        (
+            "400 N/m, 10 ms, 1 step",
+            soft,
+            0.01,
+            1,
+            Stepping::MeanVelocity,
+            0.2,
+        ),
+        (
+            "400 N/m, 10 ms, 10 steps",
+            soft,
+            0.01,
+            10,
+            Stepping::MeanVelocity,
+            0.1,
+        ),
+        (
+            "400 N/m, 10 ms, 10 Euler steps",
+            soft,
+            0.01,
+            10,
+            Stepping::EndVelocity,
+            1.0,
+        ),
+        (
+            "4000 N/m, 1 ms, 1 step",
+            hard,
+            0.001,
+            1,
+            Stepping::MeanVelocity,
+            0.1,
+        ),
+        (
+            "4000 N/m, 1 ms, 4 steps, rough",
+            rough,
+            0.001,
+            4,
+            Stepping::MeanVelocity,
+            0.1,
+        ),
+    ] {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a count"
+        )]
+        let samples = (0.3 / period) as usize;
+        let (forces, ..) = with_engine(law, (period, steps), stepping, samples);
+        let error = difference(&forces, &with_world(law, period, samples));
+        println!("{name}: {error:.3} %");
+        assert!(error < allowed, "{name}: {error} %");
+    }
+}
+
+/// What the ball is given, the device is given, with the opposite sign.
+#[test]
+fn body_and_device_are_given_the_same_impulse() {
+    let (period, law) = (0.01, ContactLaw::spring(400.0));
+    // Until the ball has left the tool and what was owed is paid.
+    let (forces, state, given) = with_engine(law, (period, 4), Stepping::MeanVelocity, 24);
+    let held: f64 = forces.iter().map(|force| force[2] * period).sum();
+    assert!(given[2] > 0.05, "{given:?}");
+    assert!(
+        (held + given[2]).abs() < 0.02 * given[2],
+        "{held} {given:?}"
+    );
+    let [book] = &state.books().contacts[..] else {
+        panic!("one contact");
+    };
+    let left = book.observed - book.work - book.dissipated + book.step_error;
+    assert!((book.stored - left).abs() < 1e-12, "{book:?}");
+    let turned_over = book.work_on_avatar.abs() + book.held.abs();
+    assert!(book.step_error.abs() < 1e-3 * turned_over, "{book:?}");
+}
+
+/// Bad numbers give no force, whatever they are in, and a good sample goes on.
+#[test]
+fn bad_samples_and_bad_states_give_no_force() {
+    let renderer = engine_renderer(ContactLaw::spring(4000.0), 0.001, Stepping::MeanVelocity);
+    let good = BodyNow::fixed([0.0, 0.0, 0.02]);
+    let mut bad = good;
+    bad.mobility[2][2] = f64::NAN;
+    let nowhere = BodyNow::fixed([0.0, 0.0, f64::NAN]);
+    let mut state = renderer.start();
+    for (position, body, fault) in [
+        ([0.0; 3], good, None),
+        ([f64::NAN; 3], good, Some(Fault::PositionNotFinite)),
+        ([0.0; 3], bad, Some(Fault::Overflow)),
+        ([0.0; 3], good, None),
+        ([0.0; 3], nowhere, Some(Fault::Overflow)),
+        ([0.0; 3], good, None),
+    ] {
+        let mut wrenches = [BodyWrench {
+            force: [f64::NAN; 3],
+            torque: [f64::NAN; 3],
+        }];
+        renderer.sample(&mut state, &Sample::at(&[position]));
+        renderer.advance(&mut state, 0.001, &[body], &mut wrenches);
+        let output = renderer.hold(&mut state);
+        assert_eq!(output.fault.map(|it| it.fault), fault);
+        let is_held = output.forces[0][2] < -10.0;
+        assert_eq!(is_held, fault.is_none(), "{output:?}");
+        assert_eq!(wrenches[0].force[2] > 10.0, fault.is_none(), "{wrenches:?}");
+    }
+}
+
+#[test]
+fn what_cannot_be_rendered_is_said_with_its_name() {
+    let law = ContactLaw::spring(-1.0);
+    let shapes = vec![PlacedShape {
+        shape: Shape::Box {
+            half_extents: [0.1, 0.0, 0.1],
+        },
+        position: [0.0; 3],
+        orientation: NOT_TURNED,
+    }];
+    let body = EngineBody {
+        name: "door".into(),
+        shapes,
+        law,
+    };
+    let of = |bodies: &[EngineBody], params| {
+        let in_loop = WorldLoop::new(0.001);
+        let made = EngineRenderer::new(&[tool()], bodies, Stepping::MeanVelocity, in_loop, params);
+        let faults = made.unwrap_err();
+        let faults: Vec<_> = faults.iter().map(ToString::to_string).collect();
+        faults.join("\n")
+    };
+    let said = of(&[body], CoupledParams::new(vec![[0.0; 3]]));
+    for part in [
+        "body \"door\": half_extents is 0, and has to be above 0",
+        "body \"door\": stiffness is -1, and has to be above 0",
+        "device_mass is 0",
+    ] {
+        assert!(said.contains(part), "{said}");
+    }
+    assert!(of(&[], params()).contains("there is no body of the engine to touch"));
+}

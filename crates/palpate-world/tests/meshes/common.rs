@@ -1,0 +1,158 @@
+//! Meshes by formula, and a device in a hand that is held between samples.
+
+use std::sync::Arc;
+
+use palpate_world::{
+    Body, Contact, ContactLaw, CoupledParams, Mesh, Motion, Output, Party, Sample, Shape, Tool,
+    Vector, World, WorldLoop, WorldRenderer, WorldState,
+};
+
+pub const PERIOD: f64 = 0.001;
+
+/// A patch of a surface over a square of half the side `half`, `cells` by `cells` squares of two triangles each; the
+/// diagonals turn from square to square, so that corners are of all kinds.
+pub fn patch(half: f64, cells: u32, place: impl Fn(f64, f64) -> Vector) -> Mesh {
+    let at = |k: u32| half * (2.0 * f64::from(k) / f64::from(cells) - 1.0);
+    let row = cells + 1;
+    let vertices: Vec<Vector> = (0..row * row)
+        .map(|k| place(at(k % row), at(k / row)))
+        .collect();
+    let mut faces = Vec::new();
+    for (i, j) in (0..cells).flat_map(|i| (0..cells).map(move |j| (i, j))) {
+        let [a, b] = [j * row + i, j * row + i + 1];
+        let [c, d] = [b + row, a + row];
+        if (i + j) % 2 == 0 {
+            faces.extend([[a, b, c], [a, c, d]]);
+        } else {
+            faces.extend([[a, b, d], [b, c, d]]);
+        }
+    }
+    Mesh::new(&vertices, &faces).unwrap()
+}
+
+/// Two meshes as one.
+pub fn both(one: &Mesh, other: &Mesh) -> Mesh {
+    let mut vertices = one.vertices();
+    let first = u32::try_from(vertices.len()).unwrap();
+    vertices.extend(other.vertices());
+    let mut faces = one.faces().to_vec();
+    faces.extend(
+        other
+            .faces()
+            .iter()
+            .map(|face| face.map(|corner| corner + first)),
+    );
+    Mesh::new(&vertices, &faces).unwrap()
+}
+
+/// A block along the axes, each face cut into `cells` by `cells` squares.
+pub fn block(half: Vector, cells: u32) -> Mesh {
+    let mut all: Option<Mesh> = None;
+    for axis in 0..3 {
+        for side in [-1.0, 1.0] {
+            let face = patch(1.0, cells, |u, v| {
+                let mut place = [0.0; 3];
+                place[axis] = side * half[axis];
+                // So that the normal points outwards.
+                let [one, other] = if side > 0.0 { [u, v] } else { [v, u] };
+                place[(axis + 1) % 3] = one * half[(axis + 1) % 3];
+                place[(axis + 2) % 3] = other * half[(axis + 2) % 3];
+                place
+            });
+            all = Some(all.map_or(face.clone(), |all| both(&all, &face)));
+        }
+    }
+    all.unwrap()
+}
+
+pub fn fixed(name: &str, mesh: Mesh) -> Body {
+    Body::new(name, Shape::Mesh(Arc::new(mesh)), Motion::Fixed)
+}
+
+pub fn plane(name: &str, normal: Vector, offset: f64) -> Body {
+    Body::new(name, Shape::HalfSpace { normal, offset }, Motion::Fixed)
+}
+
+pub fn world(radius: f64, bodies: Vec<Body>, law: ContactLaw) -> World {
+    World {
+        tools: vec![Tool::new("tool", Shape::Sphere { radius })],
+        bodies,
+        contacts: vec![Contact {
+            between: [Party::Any, Party::Any],
+            law,
+        }],
+    }
+}
+
+/// A device of 0.15 kg that a hand pulls about.
+pub struct Hand {
+    pub position: Vector,
+    pub velocity: Vector,
+    /// Where its spring pulls to at a time `[m]`.
+    pub rest: Box<dyn Fn(f64) -> Vector>,
+}
+
+pub const MASS: f64 = 0.15;
+
+impl Hand {
+    pub fn at(position: Vector, rest: impl Fn(f64) -> Vector + 'static) -> Self {
+        Self {
+            position,
+            velocity: [0.0; 3],
+            rest: Box::new(rest),
+        }
+    }
+
+    fn hold(&mut self, force: Vector, time: f64) {
+        let rest = (self.rest)(time);
+        for _ in 0..20 {
+            for axis in 0..3 {
+                let pull = 300.0 * (rest[axis] - self.position[axis]) - 6.0 * self.velocity[axis];
+                self.velocity[axis] += (force[axis] + pull) / MASS * PERIOD / 20.0;
+                self.position[axis] += self.velocity[axis] * PERIOD / 20.0;
+            }
+        }
+    }
+}
+
+pub fn coupled(world: &World) -> WorldRenderer {
+    let method = CoupledParams::new(vec![[MASS; 3]]);
+    WorldRenderer::new(world, WorldLoop::new(PERIOD), method).unwrap()
+}
+
+/// Runs a loop for so many samples; `look` is called with each answer.
+pub fn run(
+    renderer: &WorldRenderer,
+    mut hand: Hand,
+    samples: u32,
+    mut look: impl FnMut(u32, &Hand, &Output<'_>),
+) -> WorldState {
+    let mut state = renderer.start();
+    for sample in 0..samples {
+        let output = renderer.step(&mut state, &Sample::at(&[hand.position]));
+        assert_eq!(output.fault, None);
+        look(sample, &hand, &output);
+        let force = output.forces[0];
+        hand.hold(force, f64::from(sample) * PERIOD);
+    }
+    state
+}
+
+/// Forces of the same hand in two worlds, and the largest difference between them `[N]`.
+pub fn compare(one: &World, other: &World, hand: impl Fn() -> Hand, samples: u32) -> (f64, f64) {
+    let mut forces = Vec::new();
+    let mut largest = 0.0_f64;
+    run(&coupled(one), hand(), samples, |_, _, output| {
+        forces.push(output.forces[0]);
+    });
+    let mut apart = 0.0_f64;
+    run(&coupled(other), hand(), samples, |sample, _, output| {
+        let force = output.forces[0];
+        for axis in 0..3 {
+            largest = largest.max(force[axis].abs());
+            apart = apart.max((force[axis] - forces[sample as usize][axis]).abs());
+        }
+        assert_eq!(output.effort.left_out, 0);
+    });
+    (largest, apart)
+}

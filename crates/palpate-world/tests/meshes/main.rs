@@ -1,0 +1,6 @@
+//! Laws of contact with triangle meshes, each beside the shape that the mesh is one of.
+
+mod common;
+mod refusals;
+mod sides;
+mod surfaces;

@@ -1,0 +1,101 @@
+//! Meshes that are refused, and what is said of them.
+
+use std::sync::Arc;
+
+use palpate_world::{
+    BasicParams, Body, ContactLaw, Free, Mesh, MeshError, Motion, Shape, Vector, WorldLoop,
+    WorldRenderer,
+};
+
+use super::common::{block, fixed, world};
+
+const SQUARE: [Vector; 4] = [
+    [0.0, 0.0, 0.0],
+    [1.0, 0.0, 0.0],
+    [1.0, 1.0, 0.0],
+    [0.0, 1.0, 0.0],
+];
+
+#[test]
+fn what_is_wrong_with_a_mesh_is_named() {
+    let refused = |vertices: &[Vector], faces: &[[u32; 3]]| {
+        Mesh::new(vertices, faces).unwrap_err().to_string()
+    };
+    let message = refused(&SQUARE, &[[0, 1, 2], [0, 2, 4]]);
+    assert_eq!(
+        message,
+        "triangle 1 has corner 4, and there are 4 vertices, counted from 0"
+    );
+    let mut bad = SQUARE;
+    bad[2][1] = f64::NAN;
+    assert_eq!(
+        refused(&bad, &[[0, 1, 2]]),
+        "vertex 2 of the mesh is not three finite numbers"
+    );
+    assert_eq!(
+        refused(&SQUARE, &[[0, 1, 1], [0, 0, 0]]),
+        "the mesh has no triangle with an area; it needs at least one"
+    );
+    assert!(refused(&SQUARE, &[]).contains("no triangle"));
+    assert!(
+        refused(&SQUARE, &[[0, 1, 2], [0, 3, 2]]).starts_with("triangles 0 and 1 share an edge")
+    );
+    let mut vertices = SQUARE.to_vec();
+    vertices.push([0.5, 0.5, 1.0]);
+    let message = refused(&vertices, &[[0, 1, 2], [0, 2, 3], [0, 2, 4]]);
+    assert!(
+        message.contains("share an edge; at most two may"),
+        "{message}"
+    );
+    let many = vec![[0, 1, 2]; Mesh::MOST_TRIANGLES + 1];
+    assert_eq!(
+        Mesh::new(&SQUARE, &many),
+        Err(MeshError::TooMany(1_000_001))
+    );
+}
+
+#[test]
+fn triangles_without_an_area_and_doubles_are_dropped_and_counted() {
+    let mesh = Mesh::new(
+        &[SQUARE.as_slice(), &[[0.5, 0.5, 0.0]]].concat(),
+        &[[0, 1, 2], [1, 2, 0], [0, 4, 2], [0, 2, 3], [3, 3, 1]],
+    );
+    let mesh = mesh.unwrap();
+    assert_eq!((mesh.faces().len(), mesh.dropped()), (2, 3));
+    assert!(!mesh.is_closed());
+}
+
+#[test]
+fn a_closed_mesh_that_is_inside_out_is_turned() {
+    let block = block([0.1, 0.2, 0.3], 2);
+    let turned: Vec<_> = block.faces().iter().map(|&[a, b, c]| [a, c, b]).collect();
+    let mesh = Mesh::new(&block.vertices(), &turned).unwrap();
+    assert!(mesh.is_closed());
+    assert!((mesh.volume() - 0.048).abs() < 1e-12, "{}", mesh.volume());
+}
+
+#[test]
+fn a_mesh_has_to_be_fixed_and_to_meet_a_sphere() {
+    let mesh = Arc::new(block([0.01; 3], 2));
+    let free = Body::new("part", Shape::Mesh(mesh), Motion::Free(Free::of_mass(0.1)));
+    let law = ContactLaw::spring(1000.0);
+    let faults = |world| {
+        WorldRenderer::new(&world, WorldLoop::new(0.001), BasicParams::default()).unwrap_err()
+    };
+    let said = faults(world(0.01, vec![free], law))[0].to_string();
+    assert_eq!(said, "body \"part\": a mesh has to be a fixed body");
+    let ball = Free::of_mass(0.1);
+    let cube = Body::new(
+        "cube",
+        Shape::Box {
+            half_extents: [0.01; 3],
+        },
+        Motion::Free(ball),
+    );
+    let both = world(0.01, vec![fixed("part", block([0.01; 3], 2)), cube], law);
+    let said = faults(both)[0].to_string();
+    assert!(
+        said.contains("there is no contact of a mesh with a box yet"),
+        "{said}"
+    );
+}

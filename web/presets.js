@@ -1,0 +1,87 @@
+// What can be set, as one plain object; the presets are such objects.
+//
+// Of a setting that a preset leaves out, the value of `START` counts.
+
+/** A block that lies on the device by its weight: the scene of `palpate live`. */
+export const START = {
+  methods: ["basic", "coupled"],
+  damping_n_s_per_m: [null, null],
+  stiffness_n_per_m: 600,
+  mass_kg: 0.1,
+  virtual_force_n: -0.981,
+  period_s: 0.01,
+  device_mass_kg: 0.25,
+  delay_s: 0,
+  cut_off: false,
+  hand_m: 0,
+};
+
+export const PRESETS = [
+  {
+    id: "light",
+    name: "Light cube, 50 Hz",
+    about: "50 g that lie on the device, at 50 Hz. The plain spring keeps giving the cube energy: it never comes to rest.",
+    settings: { mass_kg: 0.05, virtual_force_n: -0.4905, stiffness_n_per_m: 200, period_s: 0.02 },
+  },
+  {
+    id: "late",
+    name: "Late by 5 ms",
+    about: "Each force begins 5 ms after its sample, at 500 Hz. The plain spring does not know; coupled rendering is told.",
+    settings: { mass_kg: 0.1, virtual_force_n: -0.981, period_s: 0.002, delay_s: 0.005, stiffness_n_per_m: 2000 },
+  },
+  {
+    id: "wall",
+    name: "Stiff wall, light device",
+    about: "A wall of 6000 N/m at 100 Hz, pressed with a device of 50 g: the plain spring buzzes.",
+    settings: {
+      mass_kg: null,
+      virtual_force_n: 0,
+      stiffness_n_per_m: 6000,
+      device_mass_kg: 0.05,
+      hand_m: 0.035,
+    },
+  },
+  {
+    id: "fast",
+    name: "Light cube, 1 kHz",
+    about: "The same cube, rendered twenty times as often: the plain spring creates hardly any energy.",
+    settings: { mass_kg: 0.05, virtual_force_n: -0.4905, stiffness_n_per_m: 200, period_s: 0.001 },
+  },
+];
+
+/** The messages to the loop that give it these settings, in an order in which none depends on what was before. */
+export function messagesOf(settings) {
+  const { methods, damping_n_s_per_m: dampings, stiffness_n_per_m, mass_kg, virtual_force_n, period_s } = settings;
+  const { device_mass_kg, delay_s, cut_off } = settings;
+  const device = { type: "device", mass_kg: device_mass_kg, cut_off };
+  return [
+    // A delay may be too long for the period before.
+    { ...device, delay_s: 0 },
+    {
+      type: "set",
+      stiffness_n_per_m,
+      mass_kg,
+      virtual_force_n,
+      period_s,
+      lanes: methods.map((method, lane) => ({ method, damping_n_s_per_m: dampings[lane] ?? null })),
+    },
+    ...(delay_s > 0 ? [{ ...device, delay_s }] : []),
+  ];
+}
+
+/** The settings that a state of the loop tells. */
+export function settingsOf(state) {
+  const { stiffness_n_per_m, mass_kg, virtual_force_n, period_s, device, lanes, hand_m } = state;
+  return {
+    methods: lanes.map(({ method }) => method),
+    damping_n_s_per_m: lanes.map(({ damping_n_s_per_m }) => damping_n_s_per_m),
+    stiffness_n_per_m,
+    mass_kg,
+    virtual_force_n,
+    period_s,
+    device_mass_kg: device.mass_kg,
+    delay_s: device.delay_s,
+    cut_off: device.cut_off,
+    hand_m,
+  };
+}

@@ -1,0 +1,35 @@
+// Whether the loop keeps up with real time, in words.
+
+import { digits } from "./page/si.js";
+
+const ENOUGH = 0.97;
+// What is too slow for a moment is not said: a browser compiles and collects now and then.
+const FOR_S = 1.5;
+const REPORTS = 3;
+
+export class TooSlow {
+  constructor() {
+    this.slow = 0;
+  }
+
+  forget() {
+    this.slow = 0;
+  }
+
+  /** What is to be said of a report of the loop's pace; null if it keeps up. */
+  about({ ratio, overS }) {
+    this.slow = ratio < ENOUGH && overS >= FOR_S ? this.slow + 1 : 0;
+    if (this.slow < REPORTS) {
+      return null;
+    }
+    return (
+      `This machine is too slow for these settings: simulated time goes at ${digits(ratio, 2)} of real time. ` +
+      "What is shown is slower than it would be, but computed for the rate that is set. A lower rate or one method needs less."
+    );
+  }
+}
+
+export function paceInWords({ ratio, busy, ticksPerS }) {
+  const percent = `${Math.max(1, Math.round(100 * busy))} % of a processor`;
+  return `${digits(ratio, 3)} × real time, ${Math.round(ticksPerS)} ticks per second, ${percent}`;
+}
