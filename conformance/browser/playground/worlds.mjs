@@ -52,7 +52,13 @@ test("a tool is dragged as it is seen, keys move it, and beside it the view turn
   await open.page.mouse.down();
   await open.page.mouse.move(x, y - 40, { steps: 4 });
   await open.page.mouse.up();
-  const lifted = await open.until("the hand is led", (z) => palpate.worlds.now.targets_m[0][2] > z + 0.001 && palpate.worlds.now.targets_m[0], start[2]);
+  // The loop hears of a drag bit by bit: only where it is led to in the end says what the key adds.
+  const settled = () => {
+    const { drag, targets, now } = palpate.worlds;
+    return !drag && targets[0].every((x, axis) => x === now.targets_m[0][axis]) && now.targets_m[0];
+  };
+  const lifted = await open.until("the drag has come to the loop", settled);
+  assert.ok(lifted[2] > start[2] + 0.001, `led from ${start} to ${lifted}`);
   await open.page.keyboard.press("ArrowDown");
   await open.until("a key moves it", (z) => palpate.worlds.now.targets_m[0][2] < z - 5e-4, lifted[2]);
   const yaw = await open.get(() => palpate.worlds.camera.yaw);
