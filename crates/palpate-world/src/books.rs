@@ -3,7 +3,7 @@
 /// Energy at the contact of a pair, over all intervals that have ended `[J]`.
 ///
 /// ```text
-/// stored = stored at the start + observed - work - dissipated + step_error
+/// stored = stored at the start + observed + handed - work - dissipated + step_error
 /// leak   = held - work_on_avatar
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,6 +21,9 @@ pub struct ContactBook {
     /// What the stored energy changed by because a sample put the avatar to another place than it was expected at, or
     /// a limit did.
     pub observed: f64,
+    /// What came from the other points of the same pair, where two boxes touch by another face than before: the sum over
+    /// the pair is 0.
+    pub handed: f64,
     /// What finite sub-steps have made (positive) or lost.
     pub step_error: f64,
 }

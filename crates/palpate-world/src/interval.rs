@@ -1,5 +1,6 @@
 //! One interval of a world: bounded work, and finer where a contact changes its mode.
 
+use crate::blocks::Blocks;
 use crate::moving::Moving;
 use crate::pairs::Point;
 use crate::part::Part;
@@ -118,6 +119,15 @@ fn whole(count: f64) -> u32 {
 /// Material damping of this rate `[1/s]` counts as a frequency of 1 rad/s.
 const DAMPING_PER_FREQUENCY: f64 = 2.0;
 
+/// How far two boxes may come nearer to each other within `h` `[s]`, and as much again `[m]`.
+fn reach_of_blocks(first: &Part, second: &Part, blocks: &Blocks, h: f64) -> f64 {
+    let relative = (first.rigid.velocity - second.rigid.velocity).norm();
+    let pushed = (first.drive.acceleration - second.drive.acceleration).norm();
+    let [one, other] = blocks.reaches();
+    let turns = first.twist.turning.norm() * one + second.twist.turning.norm() * other;
+    (relative + turns + pushed * h) * 2.0 * h
+}
+
 /// A bound of the largest angular frequency among the contacts that touch, or may within `h` `[s]` `[rad/s]`: over a
 /// contact's two sides, the sum of the stiffness times mobility of all contacts there, and the stiffest spring of a drive.
 fn fastest(moving: &Moving, points: &[Point], h: f64) -> f64 {
@@ -128,6 +138,10 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> f64 {
             return true;
         }
         let (first, second) = (&moving.parts[point.first], &moving.parts[point.second]);
+        if let Solid::Between { blocks, point, .. } = point.solid {
+            let found = moving.blocks[blocks].found(point);
+            return -found.penetration < reach_of_blocks(first, second, &moving.blocks[blocks], h);
+        }
         let centre = point.centre_of(&first.rigid);
         let relative: Vector3 = first.rigid.velocity - second.rigid.velocity;
         let pushed = (first.drive.acceleration - second.drive.acceleration).norm();

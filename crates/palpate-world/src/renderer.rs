@@ -3,6 +3,7 @@
 use nalgebra::{Quaternion, UnitQuaternion};
 use palpate::Fault;
 
+use crate::blocks::Blocks;
 use crate::books::{BodyBook, Books, ContactBook, DeviceBook};
 use crate::commands::Commands;
 use crate::mesh::Surface;
@@ -29,6 +30,7 @@ pub struct WorldRenderer {
     /// Tools, then bodies, as they are at the start.
     parts: Vec<Part>,
     surfaces: Vec<Surface>,
+    blocks: Vec<Blocks>,
     method: Checked,
 }
 
@@ -72,8 +74,8 @@ impl WorldRenderer {
             }
         }
         let points = points(world, &mobilities);
-        let ((points, surfaces), method) = match (points, method) {
-            (Ok(points), Ok(method)) if faults.is_empty() => (points, method),
+        let (found, method) = match (points, method) {
+            (Ok(found), Ok(method)) if faults.is_empty() => (found, method),
             (points, method) => {
                 faults.extend(points.err().into_iter().flatten());
                 faults.extend(method.err().into_iter().flatten());
@@ -82,11 +84,12 @@ impl WorldRenderer {
         };
         Ok(Self {
             in_loop,
-            points,
+            points: found.points,
             tools,
             turns: world.tools.iter().map(|tool| tool.turns).collect(),
             parts,
-            surfaces,
+            surfaces: found.surfaces,
+            blocks: found.blocks,
             method,
         })
     }
@@ -106,6 +109,7 @@ impl WorldRenderer {
             tools: self.tools,
             touches: vec![Touch::apart(); self.points.len()],
             surfaces: self.surfaces.clone(),
+            blocks: self.blocks.clone(),
         };
         let side = |number: usize| match number.checked_sub(self.tools) {
             None => Side::Tool(number),

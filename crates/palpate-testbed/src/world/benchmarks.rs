@@ -1,10 +1,14 @@
-//! The benchmark scenes of worlds: a groove, a pushed block, a paddle, a pinch, a row of balls, and meshes.
+//! The benchmark scenes of worlds: a groove, a pushed block, a paddle, a pinch, a row of balls, a stack of boxes, and meshes.
 //!
 //! All have a hand of 60 N/m and 1.5 N s/m, unequal masses along the axes, sensors of 2 µm, and a material damping
 //! in every contact: without it contacts ring for ever, and after a while an error of force is one of phase. Each
 //! duration ends before the ideal's motion depends on how it is computed.
 
+mod stack;
+
 use std::sync::Arc;
+
+pub use stack::stack;
 
 use super::mesh::{TriangleMesh, gallery};
 use super::scene::{
@@ -68,7 +72,7 @@ pub fn benchmarks() -> Vec<Benchmark> {
         .into_iter()
         .flat_map(|degrees| [groove(degrees, 0.0), groove(degrees, 0.3)]);
     grooves
-        .chain([pushed_block(), paddle(), pinch(), row()])
+        .chain([pushed_block(), paddle(), pinch(), row(), stack()])
         .chain([bumpy(33), bumpy(91), shaft(), pocket()])
         .collect()
 }

@@ -39,6 +39,7 @@
 //! ```
 
 pub mod benchmarks;
+mod boxes;
 mod contact;
 mod dormand_prince;
 mod held_axis;

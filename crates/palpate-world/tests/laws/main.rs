@@ -5,6 +5,7 @@
 
 mod adversary;
 mod books;
+mod boxes;
 mod closed_form;
 mod common;
 mod conservation;
