@@ -110,25 +110,16 @@ impl System {
                 .map(|condition| condition.mode != Mode::Free)
                 .collect();
             let order = order_after(&now.touches[all.clone()], &touched, &new);
-            let old: Vec<_> = all
-                .clone()
-                .map(|number| {
-                    (
-                        conditions[number].mode,
-                        now.bristles[number],
-                        now.slips[number],
-                    )
-                })
-                .collect();
-            for (from, (mode, bristle, slip)) in old.into_iter().enumerate() {
+            let old: Vec<_> = all.clone().map(|number| now.bristles[number]).collect();
+            for (from, bristle) in old.into_iter().enumerate() {
                 let to = first + order[from];
-                conditions[to].mode = mode;
                 now.bristles[to] = bristle;
-                now.slips[to] = slip;
                 bristle.write(&mut state[self.layout.bristle(to)..]);
             }
         }
         for number in all {
+            // A corner's push may have jumped: its bristle stays as it is, unless it is longer than that holds.
+            conditions[number].mode = Mode::Stick;
             self.change_to(feature, number, state, &mut conditions[number], now);
         }
     }
