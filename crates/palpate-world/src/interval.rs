@@ -161,6 +161,25 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> f64 {
             _ => point.solid.nearest(&second.rigid, &centre).distance < reach,
         }
     };
+    let of_links = |number: usize| {
+        let links = moving
+            .links
+            .iter()
+            .flat_map(|link| link.rates(&moving.parts));
+        let here = links.filter(|(side, ..)| *side == Some(number));
+        here.fold((0.0, 0.0), |sum, (_, square, rate)| {
+            (sum.0 + square, sum.1 + rate)
+        })
+    };
+    for link in &moving.links {
+        let (mut square, mut damping) = (0.0, 0.0);
+        for (side, ..) in link.rates(&moving.parts) {
+            let of_side = side.map_or((0.0, 0.0), of_links);
+            (square, damping) = (square + of_side.0, damping + of_side.1);
+        }
+        most_square = most_square.max(square);
+        most_damping = most_damping.max(damping);
+    }
     let mut near = 0_u64;
     for (number, point) in points.iter().enumerate() {
         if is_near(number, point) {
@@ -173,6 +192,8 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> f64 {
         let point = &points[number];
         let (mut square, mut damping) = (0.0, 0.0);
         for side in [point.first, point.second] {
+            let held = of_links(side);
+            (square, damping) = (square + held.0, damping + held.1);
             let mobility = moving.parts[side].mobility.linear.max();
             for other in nearby().map(|other| &points[other]) {
                 let lever = if other.first == side {

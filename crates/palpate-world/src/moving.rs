@@ -2,6 +2,7 @@
 
 use crate::blocks::Blocks;
 use crate::law::{Mode, carried};
+use crate::link::Link;
 use crate::mesh::Surface;
 use crate::pairs::Point;
 use crate::part::{Part, Twist};
@@ -116,6 +117,8 @@ pub(crate) struct Moving {
     pub surfaces: Vec<Surface>,
     /// The pairs of boxes.
     pub blocks: Vec<Blocks>,
+    /// The springs of the joints.
+    pub links: Vec<Link>,
 }
 
 impl Moving {
@@ -127,6 +130,7 @@ impl Moving {
             surface.copy_from(other);
         }
         self.blocks.copy_from_slice(&other.blocks);
+        self.links.copy_from_slice(&other.links);
     }
 
     pub fn is_finite(&self) -> bool {
@@ -145,6 +149,9 @@ impl Moving {
     pub fn begin(&mut self) {
         for touch in &mut self.touches {
             touch.past = Past::default();
+        }
+        for link in &mut self.links {
+            link.begin();
         }
         for part in &mut self.parts {
             part.begin();
@@ -171,8 +178,10 @@ impl Moving {
     pub fn changed_from(&self, other: &Self) -> bool {
         let mut modes = self.touches.iter().zip(&other.touches);
         let mut blocks = self.blocks.iter().zip(&other.blocks);
+        let mut links = self.links.iter().zip(&other.links);
         modes.any(|(one, other)| one.mode != other.mode)
             || blocks.any(|(one, other)| one.changed_from(other))
+            || links.any(|(one, other)| one.changed_from(other))
     }
 
     /// Energy stored in the contact at a point `[J]`.
@@ -206,6 +215,9 @@ impl Moving {
             touch.book(&relative, tool_of(&self.parts, point, self.tools), half);
             touch.slid += (relative - touch.normal * touch.normal.dot(&relative)) * half;
         }
+        for link in &mut self.links {
+            link.book(&self.parts, half);
+        }
         for part in self.moving_parts() {
             part.drift(h);
         }
@@ -222,6 +234,10 @@ impl Moving {
             touch.watch_damping(point, &relative, first, second);
             touch.book(&relative, tool_of(&self.parts, point, self.tools), half);
             touch.relative = relative;
+        }
+        for link in &mut self.links {
+            link.watch_damping(&self.parts);
+            link.book(&self.parts, half);
         }
     }
 
@@ -287,6 +303,9 @@ impl Moving {
                 touch.part(point);
             }
         }
+        for link in &mut self.links {
+            link.meet(&mut self.parts);
+        }
     }
 
     /// What the contacts' damping takes from where everything is now.
@@ -297,6 +316,9 @@ impl Moving {
                 let relative = touch.relative;
                 touch.watch_damping(point, &relative, first, second);
             }
+        }
+        for link in &mut self.links {
+            link.watch_damping(&self.parts);
         }
     }
 }

@@ -29,6 +29,17 @@ impl Books {
             }
             book.stored = stored;
         }
+        for (number, book) in self.joints.iter_mut().enumerate() {
+            let before = *book;
+            book.stored = 0.0;
+            for link in moving.links.iter().filter(|link| link.joint == number) {
+                book.stored += link.stored;
+                book.work += link.work;
+                book.dissipated += link.dissipated;
+            }
+            let given = book.work - before.work + book.dissipated - before.dissipated;
+            book.step_error += book.stored - before.stored + given;
+        }
         for (book, part) in self.bodies.iter_mut().zip(&moving.parts[tools..]) {
             let kinetic = part.mobility.kinetic_energy(&part.rigid);
             // Of its constant force, as the sub-steps have it and by where they have brought it.

@@ -4,8 +4,9 @@ use nalgebra::{Quaternion, UnitQuaternion};
 use palpate::Fault;
 
 use crate::blocks::Blocks;
-use crate::books::{BodyBook, Books, ContactBook, DeviceBook};
+use crate::books::{BodyBook, Books, ContactBook, DeviceBook, JointBook};
 use crate::commands::Commands;
+use crate::link::{Link, links_of};
 use crate::mesh::Surface;
 use crate::method::{Checked, Memory, WorldMethod};
 use crate::moving::{Moving, Touch};
@@ -31,6 +32,8 @@ pub struct WorldRenderer {
     parts: Vec<Part>,
     surfaces: Vec<Surface>,
     blocks: Vec<Blocks>,
+    links: Vec<Link>,
+    joints: usize,
     method: Checked,
 }
 
@@ -73,6 +76,7 @@ impl WorldRenderer {
                 mobility.angular = method.angular_mobility(tool);
             }
         }
+        let links = links(world, &parts);
         let points = points(world, &mobilities);
         let (found, method) = match (points, method) {
             (Ok(found), Ok(method)) if faults.is_empty() => (found, method),
@@ -90,6 +94,8 @@ impl WorldRenderer {
             parts,
             surfaces: found.surfaces,
             blocks: found.blocks,
+            links,
+            joints: world.joints.len(),
             method,
         })
     }
@@ -110,6 +116,7 @@ impl WorldRenderer {
             touches: vec![Touch::apart(); self.points.len()],
             surfaces: self.surfaces.clone(),
             blocks: self.blocks.clone(),
+            links: self.links.clone(),
         };
         let side = |number: usize| match number.checked_sub(self.tools) {
             None => Side::Tool(number),
@@ -153,6 +160,7 @@ impl WorldRenderer {
                         ..BodyBook::default()
                     })
                     .collect(),
+                joints: self.joints_at_start(),
                 devices: vec![DeviceBook::default(); self.tools],
             },
             now,
@@ -160,6 +168,17 @@ impl WorldRenderer {
         let memory = self.method.memory(self);
         self.publish(&mut progress, &memory);
         WorldState { progress, memory }
+    }
+
+    /// Books of the joints, whose springs may be stretched at the start.
+    fn joints_at_start(&self) -> Vec<JointBook> {
+        let mut books = vec![JointBook::default(); self.joints];
+        let mut parts = self.parts.clone();
+        for mut link in self.links.iter().copied() {
+            link.meet(&mut parts);
+            books[link.joint].stored += link.stored;
+        }
+        books
     }
 
     /// Says what was really sent to a tool for the last output `[N]`, where it is not the output's: a motor clips it,
@@ -306,6 +325,21 @@ impl WorldRenderer {
             tool.torque = *torque;
         }
     }
+}
+
+/// The springs of all joints of a checked world.
+fn links(world: &World, parts: &[Part]) -> Vec<Link> {
+    let number = |name: &String| {
+        let place = world.bodies.iter().position(|body| body.name == *name);
+        place.map(|body| world.tools.len() + body)
+    };
+    let joints = world.joints.iter().enumerate();
+    joints
+        .flat_map(|(joint, of)| {
+            let sides = [number(&of.body), of.against.as_ref().and_then(number)];
+            links_of(of, joint, sides, parts)
+        })
+        .collect()
 }
 
 fn part_of(body: &Body) -> Part {

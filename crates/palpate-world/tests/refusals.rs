@@ -16,6 +16,7 @@ fn a_world() -> World {
         half_extents: [0.01; 3],
     };
     World {
+        joints: Vec::new(),
         tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.01 })],
         bodies: vec![
             Body::new("floor", half_space, Motion::Fixed),

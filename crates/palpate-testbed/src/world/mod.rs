@@ -45,6 +45,7 @@ mod dormand_prince;
 mod held_axis;
 mod held_turning;
 mod ideal;
+mod joints;
 mod judgement;
 mod layout;
 pub mod mesh;
@@ -63,6 +64,7 @@ mod vector;
 
 pub use contact::WorldError;
 pub use ideal::{TOLERANCE, WorldIdeal};
+pub use joints::{Freedom, WorldJoint};
 pub use judgement::{
     DeviceJudgement, JudgementError, RenderedTouch, TorqueJudgement, TouchJudgement, WindowRule,
     WorldJudgement,

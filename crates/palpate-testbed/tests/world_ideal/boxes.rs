@@ -18,6 +18,7 @@ fn falling(below: WorldBody, law: ContactLaw) -> WorldScene {
     moves.angular_velocity = [3.0, -2.0, 4.0];
     moves.force = [0.0, 0.0, -0.981];
     WorldScene {
+        joints: Vec::new(),
         devices: vec![],
         bodies: vec![falls, below],
         pairs: vec![pair(Member::Body(0), Member::Body(1), law)],
@@ -95,6 +96,7 @@ fn two_boxes_keep_energy_momentum_and_angular_momentum() {
                 0.4,
             );
             let scene = WorldScene {
+                joints: Vec::new(),
                 devices: vec![],
                 bodies: vec![one, other],
                 pairs: vec![pair(Member::Body(0), Member::Body(1), law)],

@@ -7,6 +7,7 @@ mod chaos;
 mod closed_forms;
 mod conservation;
 mod friction;
+mod joints;
 mod one_dimension;
 mod refused;
 

@@ -20,6 +20,7 @@ fn refused(scene: &WorldScene) -> String {
 
 fn scene() -> WorldScene {
     WorldScene {
+        joints: Vec::new(),
         devices: vec![device(0.1, [0.0; 3]), device(0.1, [0.1, 0.0, 0.0])],
         bodies: vec![
             body(BOX, 0.1, [0.0, 0.1, 0.0]),

@@ -44,10 +44,8 @@ fn a_large_box_pushes_as_a_half_space() {
         .at([0.02, 0.01, -0.3])
         .turned(about_z(0.3));
     let floor = plane("table", [0.0, 0.0, 1.0]);
-    let renderers = [table, floor].map(|below| {
-        let law = law;
-        renderer(&world(0.005, vec![falls.clone(), below], law))
-    });
+    let renderers =
+        [table, floor].map(|below| renderer(&world(0.005, vec![falls.clone(), below], law)));
     let mut states = renderers.each_ref().map(WorldRenderer::start);
     let (mut apart, mut pushed) = (0.0_f64, 0);
     for _ in 0..400 {
@@ -142,7 +140,7 @@ fn two_free_boxes_conserve_momentum_angular_momentum_and_energy() {
 }
 
 /// R I Rᵀ ω of an evenly filled box.
-fn spin_of(q: [f64; 4], omega: Vector, mass: f64, size: Vector) -> Vector {
+pub fn spin_of(q: [f64; 4], omega: Vector, mass: f64, size: Vector) -> Vector {
     let [w, x, y, z] = q;
     let axes = [
         [

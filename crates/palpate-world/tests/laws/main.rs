@@ -13,5 +13,6 @@ mod engine;
 mod floor;
 mod grasp;
 mod ideal;
+mod joints;
 mod resting;
 mod six_axes;
