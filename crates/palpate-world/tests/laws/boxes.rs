@@ -1,7 +1,7 @@
 //! Boxes on boxes: stiffness, conservation, books, and a stack that rests.
 
 use palpate_world::{
-    Body, ContactLaw, CoupledParams, Free, Motion, Sample, Shape, Vector, World, WorldLoop,
+    Body, ContactLaw, CoupledParams, Free, Motion, Sample, Shape, Tool, Vector, World, WorldLoop,
     WorldRenderer, WorldState,
 };
 
@@ -68,6 +68,77 @@ fn a_large_box_pushes_as_a_half_space() {
     );
     assert!(apart < 1e-12, "{apart}");
     assert!(pushed > 100, "{pushed}");
+}
+
+/// The box of a device of six axes, led along the same way over a fixed box and over a half-space: the same force and torque.
+#[test]
+fn a_turning_tool_feels_a_fixed_box_as_a_half_space_and_a_free_box_by_its_face() {
+    let law = ContactLaw::spring(5000.0)
+        .with_damping(4.0)
+        .with_friction(0.4);
+    let tool = Shape::Box {
+        half_extents: [0.03, 0.02, 0.015],
+    };
+    let half_extents = [0.5, 0.4, 0.3];
+    let table = Body::new("table", Shape::Box { half_extents }, Motion::Fixed);
+    let table = table.at([0.02, 0.01, -0.3]).turned(about_z(0.3));
+    // Heavy and without weight, so it hardly moves.
+    let heavy = block("table", half_extents.map(|x| 2.0 * x), Free::of_mass(1e9));
+    let heavy = heavy.at([0.02, 0.01, -0.3]).turned(about_z(0.3));
+    let states = [table, plane("table", [0.0, 0.0, 1.0]), heavy].map(|below| {
+        let mut world = world(0.0, vec![below], law);
+        world.tools = vec![Tool::new("tool", tool.clone()).turning()];
+        let method = CoupledParams::new(vec![[0.15; 3]]).with_device_inertia(vec![[1e-4; 3]]);
+        let renderer = WorldRenderer::new(&world, WorldLoop::new(0.001), method).unwrap();
+        let state = renderer.start();
+        (renderer, state)
+    });
+    let mut states = states;
+    let (mut apart, mut most, mut corners) = ([0.0_f64; 2], [0.0_f64; 2], [false; 9]);
+    for sample in 0..400 {
+        let t = 0.001 * f64::from(sample);
+        let place = [
+            0.02 * t,
+            0.01 * (20.0 * t).sin(),
+            0.0165 + 0.002 * (30.0 * t).cos(),
+        ];
+        let (a, b) = (0.5 * 0.12 * (17.0 * t).sin(), 0.5 * 0.09 * (23.0 * t).cos());
+        let size = (1.0 + a * a + b * b).sqrt();
+        let turned = [1.0 / size, a / size, b / size, 0.0];
+        let felt = states.each_mut().map(|(renderer, state)| {
+            let output = renderer.step(state, &Sample::at(&[place]).turned(&[turned]));
+            assert_eq!(output.fault, None);
+            let wrench = [output.forces[0], output.torques[0]];
+            let touching = state
+                .contacts()
+                .iter()
+                .filter(|contact| contact.penetration > 0.0);
+            (wrench, touching.count())
+        });
+        corners[felt[0].1] = true;
+        let [on_box, on_plane, on_heavy] = felt.map(|(wrench, _)| wrench);
+        for kind in 0..2 {
+            for axis in 0..3 {
+                let plain = on_plane[kind][axis];
+                most[kind] = most[kind].max(plain.abs());
+                for other in [on_box, on_heavy] {
+                    apart[kind] = apart[kind].max((other[kind][axis] - plain).abs());
+                }
+            }
+        }
+    }
+    println!(
+        "a turning box on a box and on a half-space: {:.1e} of {:.1} N and {:.1e} of {:.3} N m apart",
+        apart[0], most[0], apart[1], most[1]
+    );
+    assert!(
+        apart[0] < 1e-6 * most[0] && apart[1] < 1e-6 * most[1],
+        "{apart:?} {most:?}"
+    );
+    assert!(
+        most[0] > 5.0 && corners[..4].iter().all(|seen| *seen),
+        "{most:?} {corners:?}"
+    );
 }
 
 /// Two boxes that fly into each other and tumble: momentum and angular momentum stay to round-off, energy but for the steps.
