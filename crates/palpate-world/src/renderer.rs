@@ -80,6 +80,10 @@ impl WorldRenderer {
                 return Err(faults);
             }
         };
+        let mut points = points;
+        for point in &mut points {
+            point.is_held = method.holds_contacts() && point.tool(tools).is_some();
+        }
         Ok(Self {
             in_loop,
             points,

@@ -10,6 +10,7 @@ mod common;
 mod conservation;
 mod engine;
 mod floor;
+mod god_object;
 mod grasp;
 mod ideal;
 mod resting;
