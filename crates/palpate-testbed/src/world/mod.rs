@@ -46,6 +46,7 @@ mod held_turning;
 mod ideal;
 mod judgement;
 mod layout;
+mod led;
 pub mod mesh;
 mod modes;
 mod motion;
@@ -66,6 +67,7 @@ pub use judgement::{
     DeviceJudgement, JudgementError, RenderedTouch, TorqueJudgement, TouchJudgement, WindowRule,
     WorldJudgement,
 };
+pub use led::LedPath;
 pub use overlap::Overlap;
 pub use plant::{PlantParams, WorldPlant};
 pub use record::{
