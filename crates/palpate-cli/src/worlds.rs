@@ -29,7 +29,7 @@ pub fn only(given: &Given, known: &[&str], path: &Path) -> Result<(), Failure> {
 }
 
 /// The methods by their names: those that were named, or the scene's own. All are those for which the scene has
-/// every setting.
+/// every setting and shapes that they know.
 pub fn methods<'a>(flags: &'a Flags, scene: &'a WorldScene) -> Vec<&'a str> {
     match &flags.method {
         None => vec![&scene.render.method],

@@ -141,8 +141,13 @@ impl WorldScene {
     /// The method of that name, with the scene's settings.
     ///
     /// # Errors
-    /// There is no method of that name, or it lacks a setting.
+    /// There is no method of that name, it lacks a setting, or it does not know a tool's shape.
     pub fn method(&self, name: &str) -> Result<WorldMethod, WorldError> {
+        if name == "god-object" {
+            for tool in &self.world.tools {
+                GodObjectParams::can_render(tool)?;
+            }
+        }
         let turns = self.devices.iter().any(|device| device.turning.is_some());
         if let Some(method) = self.settings().method(name, self.devices.len(), turns)? {
             return Ok(method);

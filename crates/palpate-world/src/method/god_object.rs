@@ -27,6 +27,31 @@ pub struct GodObjectParams {
 }
 
 impl GodObjectParams {
+    /// Whether a god-object can stand for this tool.
+    ///
+    /// # Errors
+    /// The tool turns, or is no sphere, point or several spheres.
+    pub fn can_render(tool: &Tool) -> Result<(), WorldError> {
+        let is_made_of_spheres = matches!(tool.shape, Shape::Sphere { .. } | Shape::Spheres { .. });
+        if is_made_of_spheres && !tool.turns {
+            return Ok(());
+        }
+        let why = if tool.turns {
+            "turns"
+        } else {
+            "has another shape"
+        };
+        Err(WorldError::new(
+            Place::Method,
+            "method",
+            "the method",
+            format!(
+                "god-object renders tools that are a sphere, a point or several spheres and do not turn; {:?} {why}",
+                tool.name
+            ),
+        ))
+    }
+
     pub(super) fn check(self, tools: &[Tool]) -> Result<GodObject, Vec<WorldError>> {
         let mut faults = Vec::new();
         for (field, list, above_zero) in [
@@ -50,27 +75,7 @@ impl GodObjectParams {
                 }
             }
         }
-        for tool in tools {
-            let is_made_of_spheres =
-                matches!(tool.shape, Shape::Sphere { .. } | Shape::Spheres { .. });
-            if !is_made_of_spheres || tool.turns {
-                let message = format!(
-                    "god-object renders tools that are a sphere, a point or several spheres and do not turn; {:?} {}",
-                    tool.name,
-                    if tool.turns {
-                        "turns"
-                    } else {
-                        "has another shape"
-                    }
-                );
-                faults.push(WorldError::new(
-                    Place::Method,
-                    "method",
-                    "the method",
-                    message,
-                ));
-            }
-        }
+        faults.extend(tools.iter().filter_map(|tool| Self::can_render(tool).err()));
         if faults.is_empty() {
             let couplings = self.stiffness.into_iter().zip(self.damping);
             Ok(GodObject {
