@@ -60,6 +60,7 @@ pub fn compared(comparison: &Comparison) -> DotFigure {
 }
 
 /// The force errors of a comparison of worlds.
+#[must_use]
 pub fn compared_worlds(comparison: &WorldComparison) -> DotFigure {
     let of_scene = |scene| {
         let scene: &WorldRows = scene;

@@ -137,7 +137,7 @@ fn on_a_recorded_motion_the_ideal_is_that_of_the_motion_and_coupled_is_nearer_to
             }
         }
         assert!(
-            !((force[2] - expected).abs() > 1e-8),
+            expected.is_nan() || (force[2] - expected).abs() < 1e-8,
             "{sample}: {} {expected}",
             force[2]
         );

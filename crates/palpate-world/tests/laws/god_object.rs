@@ -54,6 +54,7 @@ fn the_proxy_stays_on_a_floor_and_at_the_edge_of_a_groove() {
     let above = [0.0, 0.0, 0.01];
     let force = lead(&floor, &mut state, above, [0.0, 0.0, 0.0051], 50);
     assert_eq!(force, [0.0; 3]);
+    near(state.tools()[0].avatar_position, [0.0, 0.0, 0.0051], 1e-15);
     let force = lead(&floor, &mut state, above, [0.02, 0.0, 0.003], 200);
     near(force, [0.0, 0.0, K * 0.002], 1e-9);
     near(state.tools()[0].avatar_position, [0.02, 0.0, 0.005], 1e-12);
