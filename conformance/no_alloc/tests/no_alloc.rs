@@ -137,8 +137,8 @@ fn a_renderer_is_made_started_and_stepped_without_allocating() {
 #[test]
 fn a_mesh_is_touched_without_allocating() {
     use palpate_world::{
-        BasicParams, Body, Contact, ContactLaw, CoupledParams, Mesh, Motion, Party, Sample, Shape,
-        Tool, World, WorldLoop, WorldMethod, WorldRenderer,
+        BasicParams, Body, Contact, ContactLaw, CoupledParams, GodObjectParams, Mesh, Motion,
+        Party, Sample, Shape, Tool, World, WorldLoop, WorldMethod, WorldRenderer,
     };
     // Egg box of 2 mm on 100 mm, of triangles of 1 mm.
     let cells = 100;
@@ -165,8 +165,13 @@ fn a_mesh_is_touched_without_allocating() {
                     .with_friction(0.5),
             }],
         };
-        let methods: [WorldMethod; 2] = [
+        let methods: [WorldMethod; 3] = [
             BasicParams::default().into(),
+            GodObjectParams {
+                stiffness: vec![2000.0],
+                damping: vec![1.0],
+            }
+            .into(),
             CoupledParams::new(vec![[0.15; 3]]).into(),
         ];
         for method in methods {

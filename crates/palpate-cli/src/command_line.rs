@@ -64,7 +64,8 @@ pub struct Arguments {
 pub enum Command {
     /// Render a recorded motion
     #[command(override_usage = "\
-palpate render <TRACE.csv> --stiffness <N/m> --mass <kg|inf> --period <s> [OPTIONS]")]
+palpate render <TRACE.csv> --stiffness <N/m> --mass <kg|inf> --period <s> [OPTIONS]
+       palpate render <WORLD.toml> --input <RECORDING.csv> [OPTIONS]")]
     #[command(long_about = "\
 Render a recorded motion.
 
@@ -82,13 +83,18 @@ each sample until the next; without the column it is taken to have been off. The
 the hand is known. Nothing in a recording says what the hand would have done elsewhere. It is taken to \
 hold on to its motion with --hand-stiffness and --hand-damping. With 0 for both, its force stays what \
 it was, and a push that it did not have carries the device off for good. What carries even the ideal \
-device 1 m away is refused. Times count from the first sample.")]
+device 1 m away is refused. Times count from the first sample.
+
+In a world, --input has the motion of its devices in the columns t,x,y,z (x,y,z again for each further \
+device), in seconds and metres along the world's axes. Motion replay only. --out writes the force that \
+each method commands at each sample.")]
     #[command(after_help = "\
 Examples:
   palpate render tap.csv --stiffness 400 --mass 0.1 --period 0.01 --force -0.981 --out run.csv
   palpate render tap.csv --stiffness 400 --mass inf --period 0.001 --method all --plot tap.svg
   palpate render tap.csv --stiffness 400 --mass 0.1 --period 0.01 --replay hand --device-mass 0.2
-  record | palpate render - --stiffness 400 --mass 0.1 --period 0.01 --json")]
+  record | palpate render - --stiffness 400 --mass 0.1 --period 0.01 --json
+  palpate render experiments/worlds/paddle.toml --input motion.csv --method basic,coupled")]
     Render(RenderArguments),
     /// Simulate a scene in closed loop, and compare it with its ideal
     #[command(long_about = "\
@@ -113,12 +119,16 @@ Compare methods on many scenes, in one table.
 Every method runs on every scene in closed loop, with the settings that the scene has for it or its \
 defaults. E is the part of the force error that a method can avoid, FRE/floor the whole of it over \
 the least that any force held in that loop can have, peak/ideal the strongest force over that of the \
-ideal. A method that cannot be set up on a scene says why.")]
+ideal. A method that cannot be set up on a scene says why.
+
+Worlds are compared with worlds. Where the scene has no setting for virtual-damper, virtual-coupling or \
+god-object, the settings that tune tries are tried, and the one of the least E is taken.")]
     #[command(after_help = "\
 Examples:
   palpate compare experiments/fig2.toml experiments/experiment1.toml
   palpate compare experiments/fig2.toml --method basic,virtual-damper,hfcr --json
-  palpate compare experiments/users/*.toml --out table.csv")]
+  palpate compare experiments/users/*.toml --out table.csv
+  palpate compare experiments/worlds/paddle.toml experiments/worlds/pushed-block.toml")]
     Compare(CompareArguments),
     /// Render live: positions in, forces on the device out, line by line
     #[command(override_usage = "\
@@ -382,12 +392,16 @@ Find the damping of a method that suits a scene, and draw the whole curve.
 What is varied is B of virtual-damper, b of hfcr, or the cap of popc and popc-ref. Each value is \
 simulated from 21 start heights around the scene's own (the gap changed by up to 5 %), since a \
 value that is best at one height may be bad at the next; the best is the one of least median. The flag of the damping that is looked for \
-has no place here; --from and --to say where to look.")]
+has no place here; --from and --to say where to look.
+
+On a world it is the damping of virtual-damper, virtual-coupling or god-object, for the latter two with \
+each of several couplings, judged on the scene as it is.")]
     #[command(after_help = "\
 Examples:
   palpate tune experiments/fig2.toml --method virtual-damper --plot damper.svg
   palpate tune experiments/experiment2.toml --method hfcr --to 2 --least leak
-  palpate tune experiments/experiment1.toml --method popc-ref --from 0.05 --to 15 --steps 300 --json")]
+  palpate tune experiments/experiment1.toml --method popc-ref --from 0.05 --to 15 --steps 300 --json
+  palpate tune experiments/worlds/paddle.toml --method god-object --plot god-object.svg")]
     Tune(TuneArguments),
     /// Judge methods on plants drawn at random
     #[command(long_about = "\

@@ -20,6 +20,7 @@ use palpate_testbed::InvalidParameter;
 
 use crate::arguments::{Flags, TimingFlags, flag_of_setting};
 use crate::failure::Failure;
+use crate::values::AnyMethods;
 use device_file::DeviceFile;
 pub use device_file::read_calibration;
 use palpate_study::report::{Subject, parameters_of, timing_of};
@@ -134,12 +135,20 @@ impl TimingFlags {
     }
 }
 
+/// Says that a method cannot render one contact.
+pub fn only_for_worlds(name: &str) -> Failure {
+    Failure::Arguments(format!(
+        "--method: {name} renders worlds only, and this is one contact; the methods are {}",
+        MethodName::ALL.map(MethodName::name).join(", ")
+    ))
+}
+
 impl Flags {
     /// Methods to run, `default` if none is named.
     pub fn methods(&self, default: MethodName) -> Vec<MethodName> {
         self.method
             .as_ref()
-            .map_or_else(|| vec![default], |methods| methods.0.clone())
+            .map_or_else(|| vec![default], AnyMethods::of_contact)
     }
 
     /// Settings that were given.
@@ -152,9 +161,12 @@ impl Flags {
         self.settings() != Settings::default()
     }
 
-    /// Refuses a setting that one of the methods has no use for, or that means something else for each
+    /// Refuses a method that renders worlds only, a setting that one of the methods has no use for, or that means something else for each
     /// of two.
     pub fn check_settings(&self, methods: &[MethodName]) -> Result<(), Failure> {
+        if let Some(name) = self.method.as_ref().and_then(AnyMethods::of_worlds_only) {
+            return Err(only_for_worlds(name));
+        }
         for (setting, _) in self.settings().iter() {
             let flag = flag_of_setting(setting);
             if let Some(method) = methods.iter().find(|method| !method.uses(setting.key)) {

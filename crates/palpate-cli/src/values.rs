@@ -7,9 +7,11 @@ use palpate::Side;
 use palpate_record::unit::LengthUnit;
 use palpate_rt::WorldAxis;
 use palpate_scene::method::{MethodName, method_named};
+use palpate_scene::world::WorldScene;
 use palpate_scene::{GuardMode, HandForceAt};
 use palpate_study::suite::Set;
 use palpate_study::sweep::Quantity;
+use palpate_study::world::suite::WorldSet;
 use palpate_testbed::hold::DelayedHold;
 
 use crate::failure::Failure;
@@ -18,11 +20,55 @@ use crate::failure::Failure;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Methods(pub Vec<MethodName>);
 
-impl Methods {
-    /// Whether these are all.
-    pub fn are_all(&self) -> bool {
-        self.0 == MethodName::ALL
+/// The methods that a command is to run on a contact or on a world.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AnyMethods {
+    /// Whether all are meant.
+    pub are_all: bool,
+    /// Those that were named.
+    pub names: Vec<&'static str>,
+}
+
+impl AnyMethods {
+    /// Those that render one contact.
+    pub fn of_contact(&self) -> Vec<MethodName> {
+        let names = self.names.iter();
+        names.filter_map(|name| MethodName::named(name)).collect()
     }
+
+    /// One that renders worlds only.
+    pub fn of_worlds_only(&self) -> Option<&'static str> {
+        let mut names = self.names.iter().copied();
+        names.find(|name| MethodName::named(name).is_none())
+    }
+}
+
+/// `all`, or names separated by commas, of methods that render a contact or a world.
+pub fn any_methods(text: &str) -> Result<AnyMethods, String> {
+    if text == "all" {
+        return Ok(AnyMethods {
+            are_all: true,
+            names: MethodName::ALL.map(MethodName::name).into(),
+        });
+    }
+    let mut names = Vec::new();
+    for name in text.split(',').map(str::trim) {
+        let mut of_worlds = WorldScene::METHODS.into_iter();
+        let name = match of_worlds.find(|known| *known == name) {
+            Some(name) => name,
+            None => method_named(name)
+                .map_err(|error| error.to_string())?
+                .name(),
+        };
+        if names.contains(&name) {
+            return Err(format!("{name} is named twice"));
+        }
+        names.push(name);
+    }
+    Ok(AnyMethods {
+        are_all: false,
+        names,
+    })
 }
 
 /// The values of a quantity.
@@ -97,14 +143,16 @@ pub fn quantity(text: &str) -> Result<Quantity, String> {
 
 /// A family of random plants.
 pub fn plant_set(text: &str) -> Result<PlantSet, String> {
-    if text == WORLDS {
-        return Ok(PlantSet::Worlds);
+    let mut worlds = WorldSet::ALL.into_iter();
+    if let Some(set) = worlds.find(|set| set.name() == text) {
+        return Ok(PlantSet::Worlds(set));
     }
     let mut sets = Set::ALL.into_iter();
     let set = sets.find(|set| set.name() == text);
     set.map(PlantSet::Contact).ok_or_else(|| {
         let names = Set::ALL.map(Set::name).join(", ");
-        format!("the sets are {names}, {WORLDS}")
+        let worlds = WorldSet::ALL.map(WorldSet::name).join(", ");
+        format!("the sets are {names}, {worlds}")
     })
 }
 
@@ -114,11 +162,8 @@ pub enum PlantSet {
     /// One contact along one axis.
     Contact(Set),
     /// Several bodies in space.
-    Worlds,
+    Worlds(WorldSet),
 }
-
-/// Name of the set of worlds.
-const WORLDS: &str = "worlds";
 
 /// A unit of positions.
 pub fn length_unit(text: &str) -> Result<LengthUnit, String> {

@@ -29,15 +29,15 @@ pub fn only(given: &Given, known: &[&str], path: &Path) -> Result<(), Failure> {
 }
 
 /// The methods by their names: those that were named, or the scene's own. All are those for which the scene has
-/// every setting.
+/// every setting and shapes that they know.
 pub fn methods<'a>(flags: &'a Flags, scene: &'a WorldScene) -> Vec<&'a str> {
     match &flags.method {
         None => vec![&scene.render.method],
-        Some(methods) if methods.are_all() => {
+        Some(methods) if methods.are_all => {
             let all = WorldScene::METHODS.into_iter();
             all.filter(|name| scene.method(name).is_ok()).collect()
         }
-        Some(methods) => methods.0.iter().map(|method| method.name()).collect(),
+        Some(methods) => methods.names.clone(),
     }
 }
 

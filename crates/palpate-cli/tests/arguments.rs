@@ -109,6 +109,7 @@ fn with_what_examples_read(command: &str) -> Folder {
     if command != "convert" {
         folder.write("tap.csv", trace_text(&taps(0.001, 0.5)));
     }
+    folder.write("motion.csv", "t,x,y,z\n0,0,0,0.1\n0.05,0,0,0.1\n");
     folder.write("hand.csv", trace_text(&taps(0.001, 0.5)));
     recordings::record(&folder.path("tap.mcap"));
     folder

@@ -112,7 +112,7 @@ fn suite() {
         &worlds,
         &[
             "E: error of the mean force",
-            "Best damper: the virtual damper",
+            "Best: with the setting of the least E",
         ],
     );
 }

@@ -110,7 +110,7 @@ fn a_world_that_cannot_be_judged_or_rendered_says_why() {
         2,
         &["--stiffness", "is a world"],
     );
-    folder.fail("compare ball.toml", 3, &["format is 2, a world"]);
+    folder.fail("heights ball.toml", 3, &["format is 2, a world"]);
 }
 
 #[test]
@@ -170,4 +170,154 @@ fn errors_of_forces_and_torques_stand_apart_for_a_device_of_six_axes() {
     assert!(error(&report, "basic") > 5.0);
     let text = folder.palpate(&format!("simulate {file} --method coupled"));
     assert!(text.stdout.contains("of the torque"), "{}", text.stdout);
+}
+
+/// The row of a method in the first scene of a comparison.
+fn row<'a>(comparison: &'a Value, method: &str) -> &'a Value {
+    let rows = comparison["scenes"][0]["methods"].as_array().unwrap();
+    rows.iter().find(|it| it["method"] == method).unwrap()
+}
+
+#[test]
+fn compare_takes_the_best_setting_where_the_scene_has_none_and_the_scenes_where_it_has_one() {
+    let folder = Folder::new();
+    folder.write("ball.toml", BALL);
+    let compared = folder.json("compare ball.toml --out table.csv --plot dots.svg");
+    assert_eq!(schema::check(&compared), "world-compare");
+    let e = |method: &str| {
+        row(&compared, method)["mean_force_error_percent"]
+            .as_f64()
+            .unwrap()
+    };
+    let simulated = folder.json("simulate ball.toml --method basic,coupled");
+    for method in ["basic", "coupled"] {
+        assert_eq!(e(method), error(&simulated, method));
+        assert_eq!(row(&compared, method)["tuned"], Value::Null);
+    }
+    // The least of those tried is what tune finds, and a damping of 0 is among them.
+    for method in ["virtual-damper", "virtual-coupling", "god-object"] {
+        let tuned = folder.json(&format!("tune ball.toml --method {method}"));
+        assert_eq!(schema::check(&tuned), "world-tune");
+        assert_eq!(tuned["best"]["mean_force_error_percent"], e(method));
+        assert_eq!(
+            tuned["best"]["settings"],
+            row(&compared, method)["settings"]
+        );
+        let curve = tuned["curve"].as_array().unwrap();
+        assert_eq!(row(&compared, method)["tuned"], curve.len());
+        let errors = curve
+            .iter()
+            .filter_map(|it| it["mean_force_error_percent"].as_f64());
+        assert_eq!(errors.fold(f64::INFINITY, f64::min), e(method));
+    }
+    assert!(e("virtual-damper") <= e("basic") && e("coupled") < 0.1 * e("virtual-damper"));
+    assert_eq!(folder.read("table.csv").lines().count(), 6);
+    let figure = folder.read("dots.svg");
+    assert!(figure.contains("god-object") && figure.contains("coupled has the least force"));
+
+    folder.write(
+        "said.toml",
+        BALL.replace("[measure]", "damping_n_s_per_m = 1.25\n[measure]"),
+    );
+    let said = folder.json("compare said.toml --method virtual-damper");
+    let damper = row(&said, "virtual-damper");
+    assert_eq!(damper["tuned"], Value::Null);
+    assert_eq!(damper["settings"]["damping_n_s_per_m"], 1.25);
+}
+
+#[test]
+fn tune_tries_the_dampings_that_are_named_and_refuses_what_has_nothing_to_tune() {
+    let folder = Folder::new();
+    folder.write("ball.toml", BALL);
+    let asked = "tune ball.toml --method virtual-damper --from 1 --to 2 --steps 3 --plot curve.svg";
+    let report = folder.json(asked);
+    let curve = report["curve"].as_array().unwrap();
+    let dampings: Vec<_> = curve
+        .iter()
+        .map(|it| &it["settings"]["damping_n_s_per_m"])
+        .collect();
+    assert_eq!(dampings, [1.0, 1.5, 2.0]);
+    assert!(folder.read("curve.svg").contains("virtual-damper with B"));
+    let text = folder.succeed("tune ball.toml --method god-object");
+    assert!(text.contains("coupling_stiffness_n_per_m = "), "{text}");
+    assert!(
+        text.lines().all(|line| line.chars().count() <= 80),
+        "{text}"
+    );
+    folder.fail(
+        "tune ball.toml",
+        2,
+        &["coupled has nothing to tune on a world"],
+    );
+    folder.fail(
+        "tune ball.toml --method virtual-damper --delay 1",
+        2,
+        &["--delay", "is a world"],
+    );
+    folder.fail(
+        "tune ball.toml --method virtual-damper --steps 3",
+        2,
+        &["--steps"],
+    );
+    folder.write("fig2.toml", common::experiment_text("fig2"));
+    folder.fail(
+        "simulate fig2.toml --method god-object",
+        2,
+        &["renders worlds only"],
+    );
+    folder.fail(
+        "compare fig2.toml ball.toml",
+        2,
+        &["compare them in two tables"],
+    );
+    folder.fail(
+        "compare ball.toml --method hfcr",
+        2,
+        &["hfcr does not render worlds"],
+    );
+}
+
+#[test]
+fn a_recorded_motion_is_rendered_in_a_world() {
+    let folder = Folder::new();
+    folder.write("ball.toml", BALL);
+    let mut motion = String::from("t,x,y,z\n");
+    for sample in 0..=300 {
+        let time = 0.001 * f64::from(sample);
+        let z = 0.08 - 0.013 * (1.0 - (40.0 * time).cos()) / 2.0;
+        motion += &format!("{},0.002,0,{z}\n", 7.0 + time);
+    }
+    folder.write("motion.csv", motion);
+    let report =
+        folder.json("render ball.toml --input motion.csv --method basic,coupled --out forces.csv");
+    assert_eq!(schema::check(&report), "world");
+    assert_eq!(report["samples"], 300);
+    let (basic, coupled) = (error(&report, "basic"), error(&report, "coupled"));
+    assert!(coupled < 0.5 * basic, "{basic} {coupled}");
+    let forces = folder.read("forces.csv");
+    assert_eq!(forces.lines().count(), 1 + 2 * 300);
+    assert!(
+        forces.starts_with(
+            "method,device,t_s,x_m,y_m,z_m,fx_n,fy_n,fz_n\nbasic,tool,0,0.002,0,0.08,"
+        )
+    );
+
+    folder.fail("render ball.toml", 2, &["--input RECORDING.csv"]);
+    folder.write("wrong.csv", "t,x,y\n0,0,0\n1,0,0\n");
+    folder.fail(
+        "render ball.toml --input wrong.csv",
+        3,
+        &["wrong.csv:1", "4 columns in all"],
+    );
+    folder.fail(
+        "render ball.toml --input motion.csv --plot x.svg",
+        2,
+        &["--plot", "is a world"],
+    );
+    folder.write("fig2.toml", common::experiment_text("fig2"));
+    folder.fail(
+        "render fig2.toml --input motion.csv",
+        2,
+        &["is one contact"],
+    );
 }

@@ -2,6 +2,7 @@
 
 use palpate_figure::{Dot, DotFigure, DotPanel};
 use palpate_study::compare::{Comparison, MethodRow, Outcome, SceneRows};
+use palpate_study::world::compare::{WorldComparison, WorldOutcome, WorldRow, WorldRows};
 
 /// FRE above which a dot stands at the edge `[%]`: the force is lost in any case.
 const LARGEST: f64 = 1000.0;
@@ -56,6 +57,37 @@ impl<'a> ComparedScene<'a> {
 pub fn compared(comparison: &Comparison) -> DotFigure {
     let scenes: Vec<_> = comparison.scenes.iter().map(ComparedScene::of).collect();
     figure(&scenes)
+}
+
+/// The force errors of a comparison of worlds.
+#[must_use]
+pub fn compared_worlds(comparison: &WorldComparison) -> DotFigure {
+    let of_scene = |scene| {
+        let scene: &WorldRows = scene;
+        ComparedScene {
+            title: &scene.title,
+            hold_floor: scene.hold_floor_percent,
+            methods: scene.methods.iter().map(of_world).collect(),
+        }
+    };
+    let scenes: Vec<_> = comparison.scenes.iter().map(of_scene).collect();
+    DotFigure {
+        ring_label: "refused samples or ran away".into(),
+        ..figure(&scenes)
+    }
+}
+
+fn of_world(method: &WorldRow) -> ComparedMethod {
+    let run = match &method.result {
+        WorldOutcome::Ran(run) => Some(run),
+        WorldOutcome::Cannot { .. } => None,
+    };
+    ComparedMethod {
+        name: method.method,
+        error: run.and_then(|run| run.force_rendering_error_percent),
+        holds_together: run.is_some_and(|run| run.is_whole()),
+        ran: run.is_some(),
+    }
 }
 
 /// A panel for each scene, a line of it for each method.

@@ -17,16 +17,18 @@ mod sheet;
 mod steps;
 mod suite;
 mod tune;
+mod tune_world;
 
 pub use advice::{advice, shown_of};
 pub use calibration::{calibration, motion};
-pub use compared::compared;
+pub use compared::{compared, compared_worlds};
 pub use experiment::method_by_method;
 pub use recorded::Recorded;
 pub use runs::{Devices, RunsFigure};
 pub use steps::step_by_step;
 pub use suite::suite;
 pub use tune::tune;
+pub use tune_world::tune_world;
 
 use palpate_figure::Role;
 use palpate_scene::method::MethodName;

@@ -13,6 +13,9 @@
 //! ```
 
 mod growing;
+mod led;
+
+pub use led::{WorldTrace, WorldTraceError, read_world};
 #[cfg(test)]
 mod tests;
 

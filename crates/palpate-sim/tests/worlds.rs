@@ -4,6 +4,7 @@
 
 use palpate_scene::world::WorldFile;
 use palpate_sim::world::{WorldBench, WorldRun};
+use palpate_testbed::world::LedPath;
 
 /// A tool that a constant force presses into a groove of two planes: nothing about the device is unknown but what
 /// its observer has to find.
@@ -100,6 +101,53 @@ fn the_judge_and_the_renderer_see_the_same_world() {
             assert!((held - mean).abs() < 1e-3 * largest, "{held} {mean}");
         }
     }
+}
+
+/// A tool that is led into a floor and along it, and out again, by a hand that no force moves.
+#[test]
+fn on_a_recorded_motion_the_ideal_is_that_of_the_motion_and_coupled_is_nearer_to_it_than_basic() {
+    let source = GROOVE.replace("normal = [0.6, 0.0, 0.8]", "normal = [0.0, 0.0, 1.0]");
+    let source = source.replace(
+        "normal = [-0.6, 0.0, 0.8]",
+        "normal = [0.0, 0.0, 1.0], offset_m = -1.0",
+    );
+    let scene = WorldFile::parse("scene.toml", &source).unwrap().scene.led();
+    let times: Vec<f64> = (0..=400).map(|sample| f64::from(sample) * 0.0005).collect();
+    let place = |time: &f64| {
+        let turn = std::f64::consts::TAU * 5.0 * time;
+        vec![[0.1 * time, 0.0, 0.012 - 0.006 * (1.0 - turn.cos()) / 2.0]]
+    };
+    let positions: Vec<_> = times.iter().map(place).collect();
+    let path = LedPath::new(times.clone(), positions).unwrap();
+    let bench = WorldBench::led(&scene, path).unwrap();
+    let ideal = bench.ideal();
+    // K p + B p' of straight lines, over each sample of two of them.
+    let mean = ideal.devices[0].mean_forces(&ideal.grid);
+    assert_eq!(mean.len(), 200);
+    for (sample, force) in mean.iter().enumerate() {
+        let mut expected = 0.0;
+        for line in 0..2 {
+            let [from, to] = [0, 1].map(|end| place(&times[2 * sample + line + end])[0][2]);
+            let (depth, rate) = (0.01 - 0.5 * (from + to), (from - to) / 0.0005);
+            // A line that crosses the surface is not looked at.
+            if (from < 0.01) != (to < 0.01) {
+                expected = f64::NAN;
+            } else if depth > 0.0 {
+                expected += 0.5 * (4000.0 * depth + rate);
+            }
+        }
+        assert!(
+            expected.is_nan() || (force[2] - expected).abs() < 1e-8,
+            "{sample}: {} {expected}",
+            force[2]
+        );
+        assert!(force[0].abs() < 1e-9 && force[1].abs() < 1e-9);
+    }
+    let run = |method| bench.run(method, &scene.renderer(method).unwrap()).unwrap();
+    let [coupled, basic] = ["coupled", "basic"].map(run);
+    let (coupled, basic) = (error(&coupled), error(&basic));
+    println!("led: E basic {basic} %, coupled {coupled} %");
+    assert!(coupled < 0.5 * basic && basic > 1.0, "{coupled} {basic}");
 }
 
 /// The committed worlds of three axes, each by its file's name; `six_axes.rs` has the others.

@@ -134,6 +134,9 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> f64 {
     let mut most_square: f64 = 0.0;
     let mut most_damping: f64 = 0.0;
     let is_near = |number: usize, point: &Point| {
+        if point.is_held {
+            return false;
+        }
         if !moving.touches[number].is_apart() {
             return true;
         }

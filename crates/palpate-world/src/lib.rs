@@ -44,7 +44,7 @@ pub use interval::{Effort, SubSteps};
 pub use joint::{Joint, JointKind, JointLaw};
 pub use law::Mode;
 pub use mesh::{Mesh, MeshError};
-pub use method::{BasicParams, CoupledParams, VirtualCouplingParams, WorldMethod};
+pub use method::{BasicParams, CoupledParams, GodObjectParams, VirtualCouplingParams, WorldMethod};
 pub use observer::Prior;
 pub use pairs::{MOST_POINTS, Side};
 pub use params::WorldLoop;

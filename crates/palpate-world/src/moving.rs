@@ -53,7 +53,46 @@ pub(crate) struct Past {
     pub handed: f64,
 }
 
+/// A contact whose force is held over an interval.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Held {
+    /// Where the force acts `[m]`.
+    pub place: Vector3,
+    /// Unit vector from the second to the first.
+    pub normal: Vector3,
+    /// `[N]`
+    pub normal_force: f64,
+    /// Force on the first `[N]`.
+    pub force: Vector3,
+    pub slides: bool,
+}
+
 impl Touch {
+    /// Holds a force from now on.
+    pub fn hold(&mut self, held: Held) {
+        *self = Self {
+            mode: if held.slides {
+                Mode::Slides
+            } else {
+                Mode::Sticks
+            },
+            place: held.place,
+            normal: held.normal,
+            normal_force: held.normal_force,
+            force: held.force,
+            past: self.past,
+            ..Self::apart()
+        };
+    }
+
+    /// Holds no force any more.
+    pub fn let_go(&mut self) {
+        *self = Self {
+            past: self.past,
+            ..Self::apart()
+        };
+    }
+
     pub fn apart() -> Self {
         let none = Vector3::zeros();
         Self {
@@ -261,6 +300,17 @@ impl Moving {
         }
         for (touch, point) in self.touches.iter_mut().zip(points) {
             let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
+            if point.is_held {
+                if !touch.is_apart() {
+                    touch.relative =
+                        relative(first, &first.twist, second, &second.twist, &touch.place);
+                    for (side, force) in [(point.first, touch.force), (point.second, -touch.force)]
+                    {
+                        self.parts[side].load(&force, &touch.place);
+                    }
+                }
+                continue;
+            }
             let of_sphere = |nearest: Nearest| {
                 let penetration = point.radius - nearest.distance;
                 let below = point.radius - 0.5 * penetration;
@@ -382,6 +432,9 @@ impl Touch {
 
     /// Power of the material's damping at a relative velocity: (N - K p) p'.
     fn watch_damping(&mut self, point: &Point, relative: &Vector3, first: &Part, second: &Part) {
+        if point.is_held {
+            return;
+        }
         let apparent =
             first.apparent_velocity_at(&self.place) - second.apparent_velocity_at(&self.place);
         let rate = -self.normal.dot(&(relative + apparent));

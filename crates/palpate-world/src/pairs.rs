@@ -33,6 +33,8 @@ pub(crate) struct Point {
     pub radius: f64,
     pub solid: Solid,
     pub law: PointLaw,
+    /// Whether the method says which force this contact holds over an interval: the sub-steps do not compute it.
+    pub is_held: bool,
     /// Of both sides, the largest squared lever of a force across the surface times the inverse moment of inertia
     /// `[1/kg]`.
     pub across: [f64; 2],
@@ -175,6 +177,7 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
                     law: quarter(law),
                     across: [0.0; 2],
                     along: [0.0; 2],
+                    is_held: false,
                 }));
                 blocks.push(pair);
                 continue;
@@ -305,6 +308,7 @@ impl Touching {
             radius: self.radius,
             solid,
             law: PointLaw::share(law, self.share),
+            is_held: false,
             across: [0.0; 2],
             along: [0.0; 2],
         }

@@ -20,8 +20,13 @@ impl Books {
         for (number, (book, point)) in self.contacts.iter_mut().zip(points).enumerate() {
             let past = &moving.touches[number].past;
             let stored = moving.stored(number, point);
-            book.step_error += stored - book.stored + past.dissipated + past.work - past.handed;
-            book.handed += past.handed;
+            if point.is_held {
+                // The force is held, so nothing is stored.
+                book.observed += past.work;
+            } else {
+                book.step_error += stored - book.stored + past.dissipated + past.work - past.handed;
+                book.handed += past.handed;
+            }
             book.dissipated += past.dissipated;
             book.work += past.work;
             if point.tool(tools).is_some() {

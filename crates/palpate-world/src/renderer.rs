@@ -78,7 +78,7 @@ impl WorldRenderer {
         }
         let links = links(world, &parts);
         let points = points(world, &mobilities);
-        let (found, method) = match (points, method) {
+        let (mut found, method) = match (points, method) {
             (Ok(found), Ok(method)) if faults.is_empty() => (found, method),
             (points, method) => {
                 faults.extend(points.err().into_iter().flatten());
@@ -86,6 +86,9 @@ impl WorldRenderer {
                 return Err(faults);
             }
         };
+        for point in &mut found.points {
+            point.is_held = method.holds_contacts() && point.tool(tools).is_some();
+        }
         Ok(Self {
             in_loop,
             points: found.points,

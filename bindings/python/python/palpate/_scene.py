@@ -160,7 +160,7 @@ def simulate(
             A function is a method of your own, under the function's name: at each sample in contact it
             takes a `palpate.Situation` and gives the force on the object [N] to hold until the next. The
             object moves as the paper's: free or in contact throughout an interval, as its sample is.
-            Worlds take names only: `basic`, `virtual-damper`, `virtual-coupling` and `coupled`.
+            Worlds take names only: `basic`, `virtual-damper`, `virtual-coupling`, `god-object` and `coupled`.
 
     Returns:
         The report; the ticks of each method, or for a world its forces, as arrays.

@@ -6,7 +6,7 @@ use palpate_scene::GuardMode;
 
 use super::actuation::ActuationFlags;
 use super::setting_flags::{SettingFlags, method_help};
-use crate::values::{Methods, guard, limit, methods, number, side};
+use crate::values::{AnyMethods, any_methods, guard, limit, number, side};
 
 /// What is not perfect about the loop of a scene.
 #[derive(Args, Debug, Default)]
@@ -163,11 +163,11 @@ pub struct Flags {
     #[arg(
         long,
         value_name = "NAMES",
-        value_parser = methods,
+        value_parser = any_methods,
         help = method_help(),
         help_heading = "Method"
     )]
-    pub method: Option<Methods>,
+    pub method: Option<AnyMethods>,
     #[command(flatten)]
     pub settings: SettingFlags,
 

@@ -11,16 +11,23 @@ use super::{
     Flags, Given, Overwriting, PartFlags, PlotFlags, ReplayFlags, SizeFlag, TimeFlags, TimingFlags,
 };
 use crate::values::{
-    Methods, Numbers, PlantSet, force_place, length_unit, methods, number, numbers, plant_set,
-    quantity,
+    AnyMethods, Methods, Numbers, PlantSet, any_methods, force_place, length_unit, methods, number,
+    numbers, plant_set, quantity,
 };
 
 /// Arguments of `render`.
 #[derive(Args, Debug)]
 pub struct RenderArguments {
-    /// Recorded motion: CSV with the columns t_s,position_m; - for standard input
+    /// What stands on the command line; first, since the fields are read in their order and taken out.
+    #[command(flatten)]
+    pub given: Given,
+    /// Recorded motion: CSV with the columns t_s,position_m; - for standard input. With --input the scene file of a
+    /// world
     #[arg(value_name = "TRACE.csv", value_hint = ValueHint::FilePath)]
     pub trace: PathBuf,
+    /// Recorded motion of the devices of a world: CSV with the columns t,x,y,z; x,y,z again for each further device
+    #[arg(long, value_name = "RECORDING.csv", value_hint = ValueHint::FilePath)]
+    pub input: Option<PathBuf>,
     /// Unit of the positions in the trace: m, cm, mm or um; m also means that a motion too long or too
     /// fast for a hand is right [default: that of the column's name]
     #[arg(long, value_name = "UNIT", value_parser = length_unit)]
@@ -107,8 +114,8 @@ pub struct CompareArguments {
     #[arg(value_name = "SCENE.toml", value_hint = ValueHint::FilePath, required = true)]
     pub scenes: Vec<PathBuf>,
     /// Methods: all, or one or more, separated by commas [default: all]
-    #[arg(long, value_name = "NAMES", value_parser = methods)]
-    pub method: Option<Methods>,
+    #[arg(long, value_name = "NAMES", value_parser = any_methods)]
+    pub method: Option<AnyMethods>,
     /// Write the table to a CSV file
     #[arg(long, value_name = "TABLE.csv", value_hint = ValueHint::FilePath)]
     pub out: Option<PathBuf>,
@@ -126,6 +133,9 @@ pub struct CompareArguments {
 /// Arguments of `tune`.
 #[derive(Args, Debug)]
 pub struct TuneArguments {
+    /// What stands on the command line; first, since the fields are read in their order and taken out.
+    #[command(flatten)]
+    pub given: Given,
     /// Scene file (TOML); experiments/ has the paper's
     #[arg(value_name = "SCENE.toml", value_hint = ValueHint::FilePath)]
     pub scene: PathBuf,
@@ -159,10 +169,9 @@ pub struct CurveArguments {
     /// Largest value [N s/m] [default: 4 K T for B, K T for b, 8 K T for a cap]
     #[arg(long, value_name = "N s/m", value_parser = number, allow_hyphen_values = true)]
     pub to: Option<f64>,
-    /// Number of values, evenly spaced
-    #[arg(long, value_name = "COUNT", default_value_t = 400,
-          value_parser = clap::value_parser!(u32).range(2..=100_000))]
-    pub steps: u32,
+    /// Number of values, evenly spaced [default: 400; on a world 25]
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    pub steps: Option<u32>,
     /// What is to be least
     #[arg(long, value_enum, default_value_t = Least::Error)]
     pub least: Least,
@@ -183,7 +192,8 @@ pub struct SuiteArguments {
     /// What stands on the command line; first, since the fields are read in their order and taken out.
     #[command(flatten)]
     pub given: Given,
-    /// Family of plants: paper, desk, real, calibrated or steps; worlds: several bodies in space
+    /// Family of plants: paper, desk, real, calibrated or steps; several bodies in space: worlds, held
+    /// by a hand, or worlds-free
     #[arg(long, value_name = "NAME", default_value = "paper", value_parser = plant_set)]
     pub set: PlantSet,
     /// Number of plants

@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use palpate::{ParameterValue, SettingValues, Unit, all_settings};
 use palpate_scene::method::{MethodName, Setting, SettingKey, Settings};
+use palpate_scene::world::WorldScene;
 
 /// What was given for settings of methods.
 #[derive(Clone, Copy, Debug, Default)]
@@ -18,10 +19,11 @@ pub fn flag_of_setting(setting: &Setting) -> String {
 /// Help of `--method`: the names.
 pub fn method_help() -> String {
     let names = MethodName::ALL.map(MethodName::name).join(", ");
+    let of_worlds = WorldScene::METHODS.join(", ");
     let default = MethodName::default();
     format!(
-        "Method: all, or one or more, separated by commas, of {names} [default: {default}, or the \
-         scene's]"
+        "Method: all, or one or more, separated by commas, of {names}; for worlds of {of_worlds} \
+         [default: {default}, or the scene's]"
     )
 }
 

@@ -94,6 +94,34 @@ impl WorldFrame {
         })
     }
 
+    /// The frame from its own text, as a recording's receipt has it. `None`: it is no such text.
+    #[must_use]
+    pub fn read(text: &str) -> Option<Self> {
+        let list = |key: &str| {
+            let mut lines = text.lines().filter_map(|line| line.split_once(" = "));
+            let (_, value) = lines.find(|(name, _)| *name == key)?;
+            let inner = value.strip_prefix('[')?.strip_suffix(']')?;
+            let parts = inner.split(", ").filter(|part| !part.is_empty());
+            Some(parts.map(str::to_owned).collect::<Vec<_>>())
+        };
+        let mut axes = [None; 3];
+        for (own, written) in axes.iter_mut().zip(list("axes")?) {
+            let written = written.trim_matches('"');
+            let letter = written.strip_prefix('-').unwrap_or(written);
+            let along = WorldAxis::along((0..3).find(|axis| name(*axis) == letter)?);
+            *own = Some(if letter == written {
+                along
+            } else {
+                along.reversed()
+            });
+        }
+        let vector = |key| -> Option<Vector> {
+            let numbers: Option<Vec<f64>> = list(key)?.iter().map(|x| x.parse().ok()).collect();
+            numbers?.try_into().ok()
+        };
+        Self::new(axes, vector("device_place_m")?, vector("world_place_m")?).ok()
+    }
+
     /// Whether an axis of the device stands for this axis of the world.
     #[must_use]
     pub fn has(&self, axis: usize) -> bool {
@@ -189,6 +217,8 @@ mod tests {
             None,
         ];
         let frame = WorldFrame::new(axes, [0.0, 0.15, 9.0], [0.5, 0.25, 1.0]).unwrap();
+        assert_eq!(WorldFrame::read(&frame.to_string()), Some(frame));
+        assert_eq!(WorldFrame::read("axes = [\"x\", \"w\"]\n"), None);
         assert_eq!(frame.in_world([0.0, 0.15, 7.0]), [0.5, 0.25, 1.0]);
         assert_eq!(frame.in_world([0.125, 0.65, 7.0]), [0.375, 0.25, 1.5]);
         assert_eq!(frame.on_device([1.0, 2.0, 3.0]), [-1.0, 3.0, 0.0]);

@@ -11,6 +11,7 @@ mod rendering;
 mod shape;
 
 pub use file::WorldFile;
+pub use rendering::WorldSettings;
 
 use palpate_world::{Quaternion, Vector, World};
 
@@ -126,7 +127,7 @@ pub struct WorldActuator {
 /// A virtual coupling between device and avatar, as far as a file says it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Coupling {
-    /// Stiffness `[N/m]`.
+    /// Stiffness, of `god-object` too `[N/m]`.
     pub stiffness: Option<f64>,
     /// Mass of the avatar `[kg]`.
     pub mass: Option<f64>,

@@ -2,16 +2,123 @@
 
 use palpate::Actuation;
 use palpate_world::{
-    BasicParams, CoupledParams, Place, VirtualCouplingParams, WorldError, WorldLoop, WorldMethod,
-    WorldRenderer,
+    BasicParams, CoupledParams, GodObjectParams, Place, VirtualCouplingParams, WorldError,
+    WorldLoop, WorldMethod, WorldRenderer,
 };
 
-use super::{WorldActuator, WorldScene};
+use super::{Coupling, WorldActuator, WorldScene};
 use crate::method::nearest;
+
+/// The settings of the methods that are there for comparison: the same for every device.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WorldSettings {
+    /// Damping of the methods that damp `[N s/m]`.
+    pub damping: Option<f64>,
+    /// The same of turning `[N m s/rad]`.
+    pub rotational_damping: Option<f64>,
+    /// The virtual coupling.
+    pub coupling: Coupling,
+}
+
+impl WorldSettings {
+    /// The method of that name for so many tools; `turns`: whether one of them turns. `None`: these settings have no
+    /// method of that name.
+    ///
+    /// # Errors
+    /// The method lacks a setting.
+    pub fn method(
+        &self,
+        name: &str,
+        tools: usize,
+        turns: bool,
+    ) -> Result<Option<WorldMethod>, WorldError> {
+        let each = |value: f64| vec![value; tools];
+        let coupling = self.coupling;
+        Ok(Some(match name {
+            "basic" => BasicParams::default().into(),
+            "virtual-damper" => match self.damping {
+                Some(damping) => BasicParams {
+                    damping: each(damping),
+                    rotational_damping: each(self.rotational_damping.unwrap_or(0.0)),
+                }
+                .into(),
+                None => return Err(fault("virtual-damper needs damping_n_s_per_m")),
+            },
+            "virtual-coupling" => {
+                let all = (self.damping, coupling.stiffness, coupling.mass);
+                let (Some(damping), Some(stiffness), Some(mass)) = all else {
+                    return Err(fault(
+                        "virtual-coupling needs coupling_stiffness_n_per_m, coupling_mass_kg and damping_n_s_per_m",
+                    ));
+                };
+                let mut params = VirtualCouplingParams {
+                    stiffness: each(stiffness),
+                    damping: each(damping),
+                    mass: each(mass),
+                    ..VirtualCouplingParams::default()
+                };
+                if turns {
+                    let damping = self.rotational_damping;
+                    let all = (damping, coupling.rotational_stiffness, coupling.inertia);
+                    let (Some(damping), Some(stiffness), Some(inertia)) = all else {
+                        return Err(fault(
+                            "virtual-coupling of a device of six axes needs \
+                             coupling_rotational_stiffness_n_m_per_rad, coupling_inertia_kg_m2 and \
+                             rotational_damping_n_m_s_per_rad",
+                        ));
+                    };
+                    params.rotational_stiffness = each(stiffness);
+                    params.rotational_damping = each(damping);
+                    params.inertia = each(inertia);
+                }
+                params.into()
+            }
+            "god-object" => {
+                let (Some(damping), Some(stiffness)) = (self.damping, coupling.stiffness) else {
+                    return Err(fault(
+                        "god-object needs coupling_stiffness_n_per_m and damping_n_s_per_m",
+                    ));
+                };
+                GodObjectParams {
+                    stiffness: each(stiffness),
+                    damping: each(damping),
+                }
+                .into()
+            }
+            _ => return Ok(None),
+        }))
+    }
+}
 
 impl WorldScene {
     /// Names of the methods that render worlds.
-    pub const METHODS: [&str; 4] = ["basic", "virtual-damper", "virtual-coupling", "coupled"];
+    pub const METHODS: [&str; 5] = [
+        "basic",
+        "virtual-damper",
+        "virtual-coupling",
+        "god-object",
+        "coupled",
+    ];
+
+    /// The settings of the methods that are there for comparison, as far as the file says them.
+    #[must_use]
+    pub fn settings(&self) -> WorldSettings {
+        WorldSettings {
+            damping: self.render.damping,
+            rotational_damping: self.render.rotational_damping,
+            coupling: self.render.coupling,
+        }
+    }
+
+    /// The scene with devices that are led along a recorded motion: its renderer is told that no force moves them.
+    #[must_use]
+    pub fn led(&self) -> Self {
+        let mut scene = self.clone();
+        for mass in &mut scene.render.device_mass {
+            *mass = [f64::INFINITY; 3];
+        }
+        scene
+    }
 
     /// The loop as a renderer is told it.
     #[must_use]
@@ -34,49 +141,18 @@ impl WorldScene {
     /// The method of that name, with the scene's settings.
     ///
     /// # Errors
-    /// There is no method of that name, or it lacks a setting.
+    /// There is no method of that name, it lacks a setting, or it does not know a tool's shape.
     pub fn method(&self, name: &str) -> Result<WorldMethod, WorldError> {
-        let tools = self.devices.len();
-        match name {
-            "basic" => Ok(BasicParams::default().into()),
-            "virtual-damper" => match self.render.damping {
-                Some(damping) => Ok(BasicParams {
-                    damping: vec![damping; tools],
-                    rotational_damping: vec![self.render.rotational_damping.unwrap_or(0.0); tools],
-                }
-                .into()),
-                None => Err(fault("virtual-damper needs damping_n_s_per_m")),
-            },
-            "virtual-coupling" => {
-                let coupling = self.render.coupling;
-                let all = (self.render.damping, coupling.stiffness, coupling.mass);
-                let (Some(damping), Some(stiffness), Some(mass)) = all else {
-                    return Err(fault(
-                        "virtual-coupling needs coupling_stiffness_n_per_m, coupling_mass_kg and damping_n_s_per_m",
-                    ));
-                };
-                let mut params = VirtualCouplingParams {
-                    stiffness: vec![stiffness; tools],
-                    damping: vec![damping; tools],
-                    mass: vec![mass; tools],
-                    ..VirtualCouplingParams::default()
-                };
-                if self.devices.iter().any(|device| device.turning.is_some()) {
-                    let damping = self.render.rotational_damping;
-                    let all = (damping, coupling.rotational_stiffness, coupling.inertia);
-                    let (Some(damping), Some(stiffness), Some(inertia)) = all else {
-                        return Err(fault(
-                            "virtual-coupling of a device of six axes needs \
-                             coupling_rotational_stiffness_n_m_per_rad, coupling_inertia_kg_m2 and \
-                             rotational_damping_n_m_s_per_rad",
-                        ));
-                    };
-                    params.rotational_stiffness = vec![stiffness; tools];
-                    params.rotational_damping = vec![damping; tools];
-                    params.inertia = vec![inertia; tools];
-                }
-                Ok(params.into())
+        if name == "god-object" {
+            for tool in &self.world.tools {
+                GodObjectParams::can_render(tool)?;
             }
+        }
+        let turns = self.devices.iter().any(|device| device.turning.is_some());
+        if let Some(method) = self.settings().method(name, self.devices.len(), turns)? {
+            return Ok(method);
+        }
+        match name {
             "coupled" => {
                 let quanta = self.devices.iter().flat_map(|device| device.quantum);
                 let quantum = quanta.fold(0.0, f64::max);

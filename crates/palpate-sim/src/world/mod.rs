@@ -7,7 +7,7 @@ mod rendered;
 use palpate_scene::ActuatorParams;
 use palpate_scene::world::{WorldActuator, WorldScene};
 use palpate_testbed::world::{
-    CheckedIdeal, JudgementError, PlantParams, WorldError as IdealError, WorldIdeal,
+    CheckedIdeal, JudgementError, LedPath, PlantParams, WorldError as IdealError, WorldIdeal,
     WorldJudgement, WorldPlant,
 };
 use palpate_world::{Books, Quaternion, Sample, Vector, WorldError, WorldRenderer};
@@ -25,6 +25,8 @@ pub struct WorldBench {
     params: PlantParams,
     ideal: WorldIdeal,
     check: Option<SelfCheck>,
+    /// The motion along which the devices are led, if they are.
+    path: Option<LedPath>,
 }
 
 /// What the ideal says of itself, computed twice.
@@ -41,6 +43,8 @@ pub struct SelfCheck {
 pub struct WorldRun {
     /// Name of the method.
     pub method: String,
+    /// Force on each tool that was commanded at each sample: `[sample][device]` `[N]`.
+    pub commanded: Vec<Vec<Vector>>,
     /// Force on each tool over each interval of the ideal's grid, as its actuator gave it: `[device][interval]` `[N]`.
     pub delivered: Vec<Vec<Vector>>,
     /// Torque on each tool likewise `[N m]`.
@@ -84,8 +88,27 @@ impl WorldBench {
     /// # Errors
     /// The window is too long, or the scene has no ideal.
     pub fn new(scene: &WorldScene) -> Result<Self, WorldBenchError> {
+        Self::solved(scene, scene.duration / scene.timing.period, None)
+    }
+
+    /// Solves the ideal of a scene whose devices are led along a recorded motion, over as many whole periods as it
+    /// lasts. What the renderers command goes through the scene's actuators and moves no device.
+    ///
+    /// # Errors
+    /// The motion is too long, has another number of devices, or the scene has no ideal; a device of six axes.
+    pub fn led(scene: &WorldScene, path: LedPath) -> Result<Self, WorldBenchError> {
+        let periods = (path.end() / scene.timing.period * (1.0 + 1e-9)).floor();
+        // What is still on its way when the motion ends is not judged.
+        let late = scene.timing.actuator.delay / scene.timing.period;
+        Self::solved(scene, periods - late.ceil(), Some(path))
+    }
+
+    fn solved(
+        scene: &WorldScene,
+        periods: f64,
+        path: Option<LedPath>,
+    ) -> Result<Self, WorldBenchError> {
         let judged = as_judged(scene);
-        let periods = scene.duration / scene.timing.period;
         if periods.is_nan() || periods > MOST_PERIODS {
             return Err(WorldBenchError::TooLong(periods));
         }
@@ -109,7 +132,10 @@ impl WorldBench {
                 allowed: invalid.allowed,
             })
         })?;
-        let checked = CheckedIdeal::new(&judged, grid)?;
+        let checked = match &path {
+            Some(path) => CheckedIdeal::led(&judged, grid, path)?,
+            None => CheckedIdeal::new(&judged, grid)?,
+        };
         Ok(Self {
             judged,
             params,
@@ -118,6 +144,7 @@ impl WorldBench {
                 chaotic_from: checked.chaotic_from,
             }),
             ideal: checked.ideal,
+            path,
         })
     }
 
@@ -133,6 +160,7 @@ impl WorldBench {
             params,
             ideal,
             check: None,
+            path: None,
         }
     }
 
@@ -153,11 +181,15 @@ impl WorldBench {
     /// # Errors
     /// The renderer has another number of tools.
     pub fn run(&self, method: &str, renderer: &WorldRenderer) -> Result<WorldRun, WorldBenchError> {
-        let mut plant = WorldPlant::new(&self.judged, self.params)?;
+        let mut plant = match &self.path {
+            Some(path) => WorldPlant::new(&path.unmoved(&self.judged), self.params)?,
+            None => WorldPlant::new(&self.judged, self.params)?,
+        };
         let mut state = renderer.start();
         let grid = &self.ideal.grid;
         let mut run = WorldRun {
             method: method.to_owned(),
+            commanded: Vec::new(),
             delivered: Vec::new(),
             delivered_torques: Vec::new(),
             positions: Vec::new(),
@@ -174,14 +206,20 @@ impl WorldBench {
         let end = grid.edge(grid.intervals());
         let period = self.params.period;
         while plant.time() < end - 0.5 * period {
-            run.positions.push(plant.positions());
+            let (mut measured, turned) = (plant.measure(), plant.measure_orientations());
+            let mut positions = plant.positions();
+            if let Some(path) = &self.path {
+                measured = path.at(plant.time());
+                positions.clone_from(&measured);
+            }
+            run.positions.push(positions);
             run.orientations.push(plant.orientations());
-            let (measured, turned) = (plant.measure(), plant.measure_orientations());
             let sample = Sample::at(&measured).turned(&turned);
             let output = renderer.step(&mut state, &sample);
             run.refused += usize::from(output.fault.is_some());
             run.limited += usize::from(output.limited.any());
             run.coarse += usize::from(output.effort.unrefined > 0);
+            run.commanded.push(output.forces.to_vec());
             plant.hold_wrenches(output.forces, output.torques);
         }
         let devices = 0..self.judged.devices.len();

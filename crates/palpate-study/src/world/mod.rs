@@ -1,7 +1,13 @@
 //! What methods made of a world: the report of `simulate` for scenes with several bodies.
 
+pub mod candidates;
+pub mod compare;
+mod setting;
 pub mod suite;
 mod text;
+pub mod tune;
+
+pub use setting::SettingReport;
 
 use palpate_scene::world::WorldScene;
 use palpate_sim::world::{WorldBench, WorldRun};

@@ -3,28 +3,87 @@
 use std::fmt;
 
 use comfy_table::{Cell, CellAlignment};
+use palpate_scene::world::WorldSettings;
 use palpate_sim::world::{WorldBench, WorldBenchError, as_rendered};
 use palpate_testbed::world::PlantParams;
-use palpate_testbed::world::random_worlds::{RandomWorld, random_worlds};
-use palpate_world::{BasicParams, CoupledParams, WorldLoop, WorldMethod, WorldRenderer};
+use palpate_testbed::world::random_worlds::{RandomHands, RandomWorld, random_worlds};
+use palpate_world::{CoupledParams, WorldLoop, WorldMethod, WorldRenderer};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::candidates::{Scale, Tunable};
 use crate::text::{E, counted, legend, lines, plain_table, short, wrapped};
 
 /// Name and version of the JSON report.
-const FORMAT: &str = "palpate world-suite 1";
+const FORMAT: &str = "palpate world-suite 2";
 
 /// Periods of the loops `[s]`.
 const PERIODS: [f64; 3] = [0.001, 0.004, 0.01];
-/// Delays of the loops `[samples]`.
-const DELAYS: [usize; 2] = [0, 1];
-/// Quantum of every sensor `[m]`.
+/// Quantum of the sensors of desktop devices `[m]`.
 const QUANTUM: f64 = 2e-6;
-/// What a damper is tried with, over K T of the tool's contacts.
-const DAMPERS: [f64; 13] = [
-    0.0, 0.02, 0.04, 0.07, 0.1, 0.14, 0.2, 0.28, 0.4, 0.56, 0.8, 1.1, 1.6,
-];
+
+/// A family of random worlds, and the loops that they are rendered in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WorldSet {
+    /// Tools in a hand, with and without a sample of delay.
+    Hand,
+    /// Tools that a constant force pushes, with perfect sensors and others.
+    Free,
+}
+
+/// A loop but for its period.
+#[derive(Clone, Copy, Debug)]
+struct Condition {
+    delay_samples: usize,
+    /// `[m]`
+    quantum: f64,
+}
+
+impl WorldSet {
+    /// All sets.
+    pub const ALL: [Self; 2] = [Self::Hand, Self::Free];
+
+    /// Its name, by which the program knows it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Hand => "worlds",
+            Self::Free => "worlds-free",
+        }
+    }
+
+    fn hands(self) -> RandomHands {
+        match self {
+            Self::Hand => RandomHands::Springs,
+            Self::Free => RandomHands::Pushes,
+        }
+    }
+
+    fn conditions(self) -> [Condition; 2] {
+        let condition = |delay_samples, quantum| Condition {
+            delay_samples,
+            quantum,
+        };
+        match self {
+            Self::Hand => [condition(0, QUANTUM), condition(1, QUANTUM)],
+            Self::Free => [condition(0, 0.0), condition(0, QUANTUM)],
+        }
+    }
+
+    /// What is drawn, in words.
+    fn drawn(self) -> &'static str {
+        match self {
+            Self::Hand => {
+                "a sphere tool in a hand of 60 or 300 N/m with tremor, unequal masses along the axes, told 1.5 or \
+                 0.67 times"
+            }
+            Self::Free => {
+                "a sphere tool that a constant force pushes, without a hand, unequal masses along the axes, told 1.5 \
+                 times"
+            }
+        }
+    }
+}
 
 /// What methods made of random worlds.
 #[derive(Clone, Debug, Serialize)]
@@ -33,12 +92,12 @@ pub struct WorldSuiteReport {
     /// Name and version of this JSON.
     #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
     pub format: &'static str,
+    /// Name of the set.
+    pub set: &'static str,
     /// Seed of the draws.
     pub seed: u64,
     /// Worlds for each period.
     pub worlds: usize,
-    /// Quantum of every sensor.
-    pub quantum_m: f64,
     /// One entry for each loop.
     pub loops: Vec<LoopReport>,
 }
@@ -51,6 +110,8 @@ pub struct LoopReport {
     pub period_s: f64,
     /// Delay, which every renderer is told.
     pub delay_samples: usize,
+    /// Quantum of every sensor, which `coupled` is told.
+    pub quantum_m: f64,
     /// One entry for each method.
     pub methods: Vec<MethodErrors>,
 }
@@ -59,7 +120,7 @@ pub struct LoopReport {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MethodErrors {
-    /// Its name; the best damper is the virtual damper with the least error of each world, found with knowledge of the
+    /// Its name; the best of a method has the setting with the least error of each world, found with knowledge of the
     /// ideal.
     pub name: &'static str,
     /// E that half of the worlds are below.
@@ -71,25 +132,32 @@ pub struct MethodErrors {
 }
 
 /// Names of what is compared.
-const NAMES: [&str; 3] = ["basic", "best damper", "coupled"];
+const NAMES: [&str; 5] = [
+    "basic",
+    "best damper",
+    "best virtual coupling",
+    "best god-object",
+    "coupled",
+];
 
-/// Draws so many worlds for each period and judges methods on them. `judged` is called for each world and loop.
+/// Draws so many worlds of a set for each period and judges methods on them. `judged` is called for each world and loop.
 ///
 /// # Errors
 /// A world that cannot be drawn or judged.
 pub fn run(
+    set: WorldSet,
     worlds: usize,
     seed: u64,
     judged: impl Fn() + Sync,
 ) -> Result<WorldSuiteReport, WorldBenchError> {
     let mut loops = Vec::new();
     for period in PERIODS {
-        let drawn = random_worlds(worlds, period, seed)?;
-        for delay in DELAYS {
-            let errors: Vec<[f64; 3]> = drawn
+        let drawn = random_worlds(set.hands(), worlds, period, seed)?;
+        for condition in set.conditions() {
+            let errors: Vec<[f64; NAMES.len()]> = drawn
                 .par_iter()
                 .map(|world| {
-                    let errors = errors(world, period, delay);
+                    let errors = errors(world, period, condition);
                     judged();
                     errors
                 })
@@ -107,35 +175,44 @@ pub fn run(
             };
             loops.push(LoopReport {
                 period_s: period,
-                delay_samples: delay,
+                delay_samples: condition.delay_samples,
+                quantum_m: condition.quantum,
                 methods: NAMES.into_iter().enumerate().map(of).collect(),
             });
         }
     }
     Ok(WorldSuiteReport {
         format: FORMAT,
+        set: set.name(),
         seed,
         worlds,
-        quantum_m: QUANTUM,
         loops,
     })
 }
 
 /// Number of calls of `judged` in [`run`].
 #[must_use]
-pub fn steps(worlds: usize) -> usize {
-    worlds * PERIODS.len() * DELAYS.len()
+pub fn steps(set: WorldSet, worlds: usize) -> usize {
+    worlds * PERIODS.len() * set.conditions().len()
 }
 
 /// E of what is compared on one world `[%]`.
-fn errors(world: &RandomWorld, period: f64, delay: usize) -> Result<[f64; 3], WorldBenchError> {
+fn errors(
+    world: &RandomWorld,
+    period: f64,
+    Condition {
+        delay_samples,
+        quantum,
+    }: Condition,
+) -> Result<[f64; NAMES.len()], WorldBenchError> {
     let mut scene = world.scene.clone();
     for device in &mut scene.devices {
-        device.quantum = [QUANTUM; 3];
+        device.quantum = [quantum; 3];
     }
     let rendered = as_rendered(&scene);
     let devices = scene.devices.len();
-    let delay_s = delay as f64 * period;
+    let scene_masses = scene.devices[0].mass;
+    let delay_s = delay_samples as f64 * period;
     let params = PlantParams {
         delay: delay_s,
         ..PlantParams::perfect(period)
@@ -152,32 +229,40 @@ fn errors(world: &RandomWorld, period: f64, delay: usize) -> Result<[f64; 3], Wo
         let fidelity = run.judgement.sum;
         Ok(fidelity.map_or(0.0, |fidelity| fidelity.mean_force_error))
     };
-    let damped = |share: f64| {
-        error(
-            BasicParams {
-                damping: vec![share * world.stiffness * period; devices],
-                ..BasicParams::default()
-            }
-            .into(),
-        )
+    let masses = scene_masses.map(f64::ln);
+    let scale = Scale {
+        stiffness: world.stiffness,
+        period,
+        mass: (masses.iter().sum::<f64>() / 3.0).exp(),
+        gyration: None,
     };
-    let mut best = f64::INFINITY;
-    for share in DAMPERS {
-        best = best.min(damped(share)?);
+    let setting = |settings: &WorldSettings, name: &str| {
+        let method = settings.method(name, devices, false);
+        let method = method.map_err(|fault| WorldBenchError::Rendering(vec![fault]))?;
+        method.map_or(Ok(f64::NAN), &error)
+    };
+    let mut errors = [0.0; NAMES.len()];
+    errors[0] = setting(&WorldSettings::default(), "basic")?;
+    for (best, tunable) in errors[1..].iter_mut().zip(Tunable::ALL) {
+        *best = f64::INFINITY;
+        for settings in tunable.candidates(scale) {
+            *best = best.min(setting(&settings, tunable.name())?);
+        }
     }
-    let told = CoupledParams::new(vec![world.told_mass; devices]).with_encoder_quantum(QUANTUM);
-    Ok([damped(0.0)?, best, error(told.into())?])
+    let told = CoupledParams::new(vec![world.told_mass; devices]).with_encoder_quantum(quantum);
+    errors[NAMES.len() - 1] = error(told.into())?;
+    Ok(errors)
 }
 
 impl fmt::Display for WorldSuiteReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let set = WorldSet::ALL.into_iter().find(|set| set.name() == self.set);
         let drawn = format!(
-            "{} for each period, seed {}: a sphere tool in a hand of 60 or 300 N/m with tremor, unequal masses along \
-             the axes, told 1.5 or 0.67 times; sensors of {} um. A loop is its period and its delay in samples, which \
-             every renderer is told. E in percent, median / 90 % / largest",
+            "{} for each period, seed {}: {}. A loop is its period, its delay in samples, which every renderer is \
+             told, and the quantum of its sensors. E in percent, median / 90 % / largest",
             counted(self.worlds, "random world"),
             self.seed,
-            1e6 * self.quantum_m
+            set.map_or("", WorldSet::drawn),
         );
         writeln!(f, "{}\n", wrapped(&drawn))?;
         let mut header = vec!["loop"];
@@ -186,9 +271,10 @@ impl fmt::Display for WorldSuiteReport {
         for one in &self.loops {
             let cell = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
             let mut row = vec![Cell::new(format!(
-                "{} ms, {}",
+                "{} ms, {}, {} um",
                 1e3 * one.period_s,
-                one.delay_samples
+                one.delay_samples,
+                1e6 * one.quantum_m
             ))];
             row.extend(one.methods.iter().map(|method| {
                 let parts = [
@@ -201,7 +287,7 @@ impl fmt::Display for WorldSuiteReport {
             table.add_row(row);
         }
         writeln!(f, "{}\n", lines(&table))?;
-        let best = "Best damper: the virtual damper with the least E of each world, found with knowledge of its ideal.";
+        let best = "Best: with the setting of the least E of each world, of 15 to 24, found with knowledge of its ideal.";
         writeln!(f, "{}", legend(&[E, best]))
     }
 }

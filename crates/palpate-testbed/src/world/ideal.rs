@@ -7,6 +7,7 @@
 //! with the motion, not summed from samples.
 
 use super::contact::WorldError;
+use super::led::LedPath;
 use super::motion::System;
 use super::record::{DeviceProfile, Encounter, WorldState};
 use super::run::Run;
@@ -57,6 +58,51 @@ impl WorldIdeal {
         grid: Grid,
         tolerance: f64,
     ) -> Result<Self, WorldError> {
+        Self::solve(scene, grid, tolerance, None)
+    }
+
+    /// The ideal of `scene` with devices that are led along a path, whatever pushes them: their masses and hands do not
+    /// matter.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`with_tolerance`](Self::with_tolerance), a path of another number of devices, one that ends before the
+    /// window, or a device that turns.
+    pub fn led(
+        scene: &WorldScene,
+        grid: Grid,
+        path: &LedPath,
+        tolerance: f64,
+    ) -> Result<Self, WorldError> {
+        InvalidParameter::unless(
+            path.devices() == scene.devices.len(),
+            "path.devices".to_owned(),
+            path.devices() as f64,
+            "one for each device of the scene",
+        )?;
+        InvalidParameter::unless(
+            grid.end() <= path.end() * (1.0 + 1e-9),
+            "grid.end".to_owned(),
+            grid.end(),
+            "at most the end of the path",
+        )?;
+        let turns = scene.devices.iter().filter(|it| it.turning.is_some());
+        let turns = turns.count();
+        InvalidParameter::unless(
+            turns == 0,
+            "devices.turning".to_owned(),
+            turns as f64,
+            "0: no device that is led turns",
+        )?;
+        Self::solve(&path.unmoved(scene), grid, tolerance, Some(path))
+    }
+
+    fn solve(
+        scene: &WorldScene,
+        grid: Grid,
+        tolerance: f64,
+        path: Option<&LedPath>,
+    ) -> Result<Self, WorldError> {
         let system = System::new(scene)?;
         positive("tolerance".to_owned(), tolerance, "finite and above 0")?;
         InvalidParameter::unless(
@@ -69,7 +115,11 @@ impl WorldIdeal {
         let mut devices = vec![DeviceProfile::default(); scene.devices.len()];
         let mut states = vec![run.world_state()];
         for interval in 0..grid.intervals() {
-            run.advance(grid.edge(interval + 1))?;
+            let end = grid.edge(interval + 1);
+            match path {
+                Some(path) => path.follow(&mut run, end)?,
+                None => run.advance(end)?,
+            }
             for (number, profile) in devices.iter_mut().enumerate() {
                 let sums = system.layout.device_sums(number);
                 profile.impulses.push(Vec3::of(&run.state[sums..]).0);

@@ -48,6 +48,7 @@ mod ideal;
 mod joints;
 mod judgement;
 mod layout;
+mod led;
 pub mod mesh;
 mod modes;
 mod motion;
@@ -69,6 +70,7 @@ pub use judgement::{
     DeviceJudgement, JudgementError, RenderedTouch, TorqueJudgement, TouchJudgement, WindowRule,
     WorldJudgement,
 };
+pub use led::LedPath;
 pub use overlap::Overlap;
 pub use plant::{PlantParams, WorldPlant};
 pub use record::{

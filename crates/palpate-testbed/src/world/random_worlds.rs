@@ -41,6 +41,16 @@ impl WorldKind {
     ];
 }
 
+/// Which hands hold the tools of random scenes, and what a renderer is told of their masses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum RandomHands {
+    /// Springs of 60 N/m and 300 N/m in turn, with damping, a push and a tremor; of every four masses two are told 1.5
+    /// and two 0.67 times.
+    Springs,
+    /// A constant push and nothing else, so that a device moves freely; every mass is told 1.5 times.
+    Pushes,
+}
+
 /// A random scene with its window and its ideal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RandomWorld {
@@ -50,7 +60,7 @@ pub struct RandomWorld {
     pub scene: WorldScene,
     /// Stiffness K of the tool's contacts \[N/m\]; the second wall of a groove has another.
     pub stiffness: f64,
-    /// Masses as a renderer may be told: of every four scenes two 1.5 and two 0.67 times the true ones \[kg\].
+    /// Masses as a renderer may be told, see [`RandomHands`] \[kg\].
     pub told_mass: Vector,
     /// The ideal over the window.
     pub ideal: WorldIdeal,
@@ -71,24 +81,35 @@ const DAMPING_RATIO: f64 = 0.01;
 
 /// So many random scenes for a loop of a period \[s\]; the same for the same seed.
 ///
-/// Hands of 60 N/m and 300 N/m take turns. The window is at most 0.3 s, ends soon after the fourth touch, and before
+/// The window is at most 0.3 s, ends soon after the fourth touch, and before
 /// the ideal's motion depends on how it is computed. Scenes without a touch, with one at the start, with mean forces above
 /// 200 N or with less than half a period of touch are drawn again.
 ///
 /// # Errors
 ///
 /// A scene that has no ideal, see [`WorldIdeal::new`]; or a period that is not finite and positive.
-pub fn random_worlds(count: usize, period: f64, seed: u64) -> Result<Vec<RandomWorld>, WorldError> {
+pub fn random_worlds(
+    hands: RandomHands,
+    count: usize,
+    period: f64,
+    seed: u64,
+) -> Result<Vec<RandomWorld>, WorldError> {
     crate::error::positive("period".to_owned(), period, "finite and above 0 s")?;
     let mut numbers = Numbers(SplitMix64::new(seed));
     let mut worlds = Vec::with_capacity(count);
     while worlds.len() < count {
-        let hand_stiffness = [60.0, 300.0][worlds.len() % 2];
+        let hand_stiffness = match hands {
+            RandomHands::Springs => Some([60.0, 300.0][worlds.len() % 2]),
+            RandomHands::Pushes => None,
+        };
         let drawn = draw(&mut numbers, period, hand_stiffness);
         let Some(ideal) = accepted(&drawn.scene, period)? else {
             continue;
         };
-        let told = [1.5, 0.67][worlds.len() / 2 % 2];
+        let told = match hands {
+            RandomHands::Springs => [1.5, 0.67][worlds.len() / 2 % 2],
+            RandomHands::Pushes => 1.5,
+        };
         worlds.push(RandomWorld {
             kind: drawn.kind,
             told_mass: drawn.scene.devices[0].mass.map(|mass| told * mass),
@@ -178,14 +199,20 @@ struct Parts {
     bristle: f64,
 }
 
-fn draw(numbers: &mut Numbers, period: f64, hand_stiffness: f64) -> Drawn {
+fn draw(numbers: &mut Numbers, period: f64, hand_stiffness: Option<f64>) -> Drawn {
     let mass = numbers.between(0.1, 0.4);
     let stiffness = 10_f64.powf(numbers.between(-1.7, -0.2)) * mass / (period * period);
     let tool_radius = numbers.between(0.004, 0.012);
     let kind = numbers.kind();
     let parts = parts(numbers, kind, mass, stiffness, tool_radius);
     let masses = [(); 3].map(|()| mass * numbers.between(0.7, 1.6));
-    let hand = hand(numbers, &parts, hand_stiffness);
+    let hand = match hand_stiffness {
+        Some(stiffness) => hand(numbers, &parts, stiffness),
+        None => WorldHand {
+            force: parts.push,
+            ..WorldHand::default()
+        },
+    };
     let device = WorldDevice {
         name: "tool".into(),
         mass: masses,

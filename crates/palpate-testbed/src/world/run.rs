@@ -4,6 +4,7 @@ use super::contact::WorldError;
 use super::dormand_prince::Step;
 use super::motion::{Condition, Instant, Mode, System, hand_force, quaternion};
 use super::record::{BodyState, ContactState, DeviceState, Encounter, WorldBooks, WorldState};
+use super::scene::Vector;
 use super::vector::Vec3;
 
 /// Most steps and events within an interval of the grid.
@@ -27,7 +28,7 @@ pub(super) struct Run<'a> {
     system: &'a System,
     tolerance: f64,
     scales: Vec<f64>,
-    time: f64,
+    pub time: f64,
     pub state: Vec<f64>,
     conditions: Vec<Condition>,
     now: Instant,
@@ -70,6 +71,22 @@ impl<'a> Run<'a> {
         };
         run.note_changes();
         run
+    }
+
+    /// Puts a device to a place with a velocity; [`settle_anew`](Self::settle_anew) has to follow.
+    pub fn lead(&mut self, device: usize, position: Vector, velocity: Vector) {
+        let place = self.system.layout.device(device);
+        self.state[place..place + 3].copy_from_slice(&position);
+        self.state[place + 3..place + 6].copy_from_slice(&velocity);
+    }
+
+    /// Looks at all contacts anew after the state was changed from outside.
+    pub fn settle_anew(&mut self) {
+        self.first_is_known = false;
+        let time = self.time;
+        self.system
+            .settle(time, &mut self.state, &mut self.conditions, &mut self.now);
+        self.note_changes();
     }
 
     /// Moves on to `end` \[s\].

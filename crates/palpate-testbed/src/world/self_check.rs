@@ -5,6 +5,7 @@
 
 use super::contact::WorldError;
 use super::ideal::{TOLERANCE, WorldIdeal};
+use super::led::LedPath;
 use super::scene::WorldScene;
 use crate::grid::Grid;
 
@@ -34,8 +35,29 @@ impl CheckedIdeal {
     ///
     /// Those of [`WorldIdeal::new`], or the two part in the first interval.
     pub fn new(scene: &WorldScene, grid: Grid) -> Result<Self, WorldError> {
-        let ideal = WorldIdeal::new(scene, grid.clone())?;
-        let other = WorldIdeal::with_tolerance(scene, grid, COARSER * TOLERANCE)?;
+        Self::of(scene, grid, |grid, tolerance| {
+            WorldIdeal::with_tolerance(scene, grid, tolerance)
+        })
+    }
+
+    /// The same with devices that are led along a path.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`WorldIdeal::led`], or the two part in the first interval.
+    pub fn led(scene: &WorldScene, grid: Grid, path: &LedPath) -> Result<Self, WorldError> {
+        Self::of(scene, grid, |grid, tolerance| {
+            WorldIdeal::led(scene, grid, path, tolerance)
+        })
+    }
+
+    fn of(
+        scene: &WorldScene,
+        grid: Grid,
+        solve: impl Fn(Grid, f64) -> Result<WorldIdeal, WorldError>,
+    ) -> Result<Self, WorldError> {
+        let ideal = solve(grid.clone(), TOLERANCE)?;
+        let other = solve(grid, COARSER * TOLERANCE)?;
         let errors = errors(scene, &ideal, &other);
         let agree = errors
             .iter()
@@ -52,7 +74,7 @@ impl CheckedIdeal {
         if agree == 0 {
             return Err(WorldError::Chaotic { time });
         }
-        let ideal = WorldIdeal::new(scene, ideal.grid.shortened(agree))?;
+        let ideal = solve(ideal.grid.shortened(agree), TOLERANCE)?;
         Ok(Self {
             ideal,
             error: errors[agree - 1],

@@ -3,7 +3,7 @@
 //! The loop is written here once more, for spheres and planes only, so that the judge is tried by something that
 //! knows nothing of it.
 
-use palpate_testbed::world::random_worlds::{RandomWorld, WorldKind, random_worlds};
+use palpate_testbed::world::random_worlds::{RandomHands, RandomWorld, WorldKind, random_worlds};
 use palpate_testbed::world::{
     Member, PlantParams, Shape, Tool, Vector, WorldJudgement, WorldPlant, WorldScene,
 };
@@ -164,7 +164,7 @@ fn spread(mut errors: Vec<f64>) -> [f64; 3] {
 
 #[test]
 fn a_sampled_spring_is_far_from_the_ideal_and_its_best_damper_less_far() {
-    let worlds = random_worlds(60, PERIOD, 11).unwrap();
+    let worlds = random_worlds(RandomHands::Springs, 60, PERIOD, 11).unwrap();
     for kind in WorldKind::ALL {
         let count = worlds.iter().filter(|world| world.kind == kind).count();
         println!("{kind:?}: {count} scenes");
@@ -189,11 +189,14 @@ fn a_sampled_spring_is_far_from_the_ideal_and_its_best_damper_less_far() {
 
 #[test]
 fn random_worlds_follow_from_their_seed_and_have_ideals() {
-    let worlds = random_worlds(8, 0.004, 3).unwrap();
-    assert_eq!(worlds, random_worlds(8, 0.004, 3).unwrap());
+    let worlds = random_worlds(RandomHands::Springs, 8, 0.004, 3).unwrap();
+    assert_eq!(
+        worlds,
+        random_worlds(RandomHands::Springs, 8, 0.004, 3).unwrap()
+    );
     assert_ne!(
         worlds[0].scene,
-        random_worlds(8, 0.004, 4).unwrap()[0].scene
+        random_worlds(RandomHands::Springs, 8, 0.004, 4).unwrap()[0].scene
     );
     for (number, world) in worlds.iter().enumerate() {
         let device = &world.scene.devices[0];

@@ -7,10 +7,13 @@ mod basic;
 pub(crate) mod coupled;
 mod coupled_params;
 mod coupled_turning;
+mod god_object;
+mod god_object_proxy;
 mod virtual_coupling;
 
 pub use basic::BasicParams;
 pub use coupled_params::CoupledParams;
+pub use god_object::GodObjectParams;
 pub use virtual_coupling::VirtualCouplingParams;
 
 use crate::rigid::Vector3;
@@ -18,6 +21,7 @@ use crate::state::Progress;
 use crate::{Effort, Limited, Place, Tool, Vector, WorldError, WorldRenderer};
 use basic::Basic;
 use coupled::{Coupled, CoupledMemory};
+use god_object::{GodObject, GodObjectMemory};
 use virtual_coupling::{VirtualCoupling, VirtualCouplingMemory};
 
 /// A method, with its parameters.
@@ -28,6 +32,8 @@ pub enum WorldMethod {
     Basic(BasicParams),
     /// A spring and a damper between each device and an avatar with a mass, for comparison.
     VirtualCoupling(VirtualCouplingParams),
+    /// A spring and a damper between each device and a proxy that stays on the surface, for comparison.
+    GodObject(GodObjectParams),
     /// Devices and world predicted together, mean force held.
     Coupled(CoupledParams),
 }
@@ -39,6 +45,7 @@ impl WorldMethod {
         match self {
             Self::Basic(_) => "basic",
             Self::VirtualCoupling(_) => "virtual-coupling",
+            Self::GodObject(_) => "god-object",
             Self::Coupled(_) => "coupled",
         }
     }
@@ -47,6 +54,7 @@ impl WorldMethod {
         match self {
             Self::Basic(params) => params.check(tools.len()).map(Checked::Basic),
             Self::VirtualCoupling(params) => params.check(tools).map(Checked::VirtualCoupling),
+            Self::GodObject(params) => params.check(tools).map(Checked::GodObject),
             Self::Coupled(params) => params.check(tools).map(Checked::Coupled),
         }
     }
@@ -64,6 +72,12 @@ impl From<VirtualCouplingParams> for WorldMethod {
     }
 }
 
+impl From<GodObjectParams> for WorldMethod {
+    fn from(params: GodObjectParams) -> Self {
+        Self::GodObject(params)
+    }
+}
+
 impl From<CoupledParams> for WorldMethod {
     fn from(params: CoupledParams) -> Self {
         Self::Coupled(params)
@@ -75,6 +89,7 @@ impl From<CoupledParams> for WorldMethod {
 pub(crate) enum Checked {
     Basic(Basic),
     VirtualCoupling(VirtualCoupling),
+    GodObject(GodObject),
     Coupled(Coupled),
 }
 
@@ -83,6 +98,7 @@ pub(crate) enum Checked {
 pub(crate) enum Memory {
     Basic,
     VirtualCoupling(VirtualCouplingMemory),
+    GodObject(GodObjectMemory),
     Coupled(CoupledMemory),
 }
 
@@ -90,11 +106,16 @@ impl Checked {
     /// Inverse moments of inertia of a tool that turns, as the method has them at the start `[1/(kg m^2)]`.
     pub fn angular_mobility(&self, tool: usize) -> Vector3 {
         match self {
-            Self::Basic(_) => Vector3::zeros(),
+            Self::Basic(_) | Self::GodObject(_) => Vector3::zeros(),
             Self::VirtualCoupling(coupling) => coupling.angular_mobility(tool),
             Self::Coupled(coupled) => coupled.turning_priors[tool]
                 .map_or(Vector3::zeros(), |prior| prior.moments.map(f64::recip)),
         }
+    }
+
+    /// Whether the method itself says which force a tool's contact holds over an interval.
+    pub fn holds_contacts(&self) -> bool {
+        matches!(self, Self::GodObject(_))
     }
 
     pub fn memory(&self, renderer: &WorldRenderer) -> Memory {
@@ -102,6 +123,10 @@ impl Checked {
             Self::Basic(_) => Memory::Basic,
             Self::VirtualCoupling(_) => {
                 Memory::VirtualCoupling(VirtualCouplingMemory::new(renderer.tools))
+            }
+            Self::GodObject(_) => {
+                let points = renderer.points.len();
+                Memory::GodObject(GodObjectMemory::new(renderer.tools, points))
             }
             Self::Coupled(coupled) => {
                 Memory::Coupled(CoupledMemory::new(coupled, renderer.in_loop().period))
@@ -124,6 +149,9 @@ impl Checked {
             (Self::VirtualCoupling(coupling), Memory::VirtualCoupling(memory)) => {
                 coupling.begin(renderer, state, memory, positions);
             }
+            (Self::GodObject(god_object), Memory::GodObject(memory)) => {
+                god_object.begin(renderer, state, memory, positions);
+            }
             _ => Basic::begin(renderer, state, positions),
         }
     }
@@ -145,6 +173,9 @@ impl Checked {
             (Self::VirtualCoupling(coupling), Memory::VirtualCoupling(memory)) => {
                 coupling.conclude(renderer, state, memory, positions, elapsed)
             }
+            (Self::GodObject(god_object), Memory::GodObject(memory)) => {
+                god_object.conclude(renderer, state, memory, positions, elapsed)
+            }
             _ => Basic::conclude(renderer, state, positions, elapsed),
         }
     }
@@ -163,6 +194,9 @@ impl Checked {
             (Self::VirtualCoupling(coupling), Memory::VirtualCoupling(memory)) => {
                 coupling.plan(state, memory)
             }
+            (Self::GodObject(god_object), Memory::GodObject(memory)) => {
+                god_object.plan(state, memory)
+            }
             (Self::Basic(basic), _) => basic.plan(renderer, state),
             // The state of another renderer.
             _ => Effort::default(),
@@ -176,6 +210,7 @@ impl Memory {
         match self {
             Self::Basic => Basic::publish(state),
             Self::VirtualCoupling(memory) => memory.publish(state),
+            Self::GodObject(memory) => memory.publish(state),
             Self::Coupled(memory) => memory.publish(state),
         }
     }

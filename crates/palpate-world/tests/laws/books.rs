@@ -1,8 +1,9 @@
 //! The books of energy balance, whatever the devices do.
 
 use palpate_world::{
-    BasicParams, Body, Books, ContactLaw, CoupledParams, Free, Motion, Prior, Sample, Shape, Tool,
-    Vector, VirtualCouplingParams, World, WorldLoop, WorldMethod, WorldRenderer, WorldState,
+    BasicParams, Body, Books, ContactLaw, CoupledParams, Free, GodObjectParams, Motion, Prior,
+    Sample, Shape, Tool, Vector, VirtualCouplingParams, World, WorldLoop, WorldMethod,
+    WorldRenderer, WorldState,
 };
 
 use crate::common::{ball, plane};
@@ -114,7 +115,7 @@ fn turnover(books: &Books) -> f64 {
     contacts.sum::<f64>() + bodies.sum::<f64>()
 }
 
-fn methods() -> [(&'static str, WorldMethod); 4] {
+fn methods() -> [(&'static str, WorldMethod); 5] {
     let told = CoupledParams::new(vec![MASS.map(|mass| 1.5 * mass); 2]);
     let known = CoupledParams::new(vec![MASS; 2]).with_prior(Prior::of_a_known_mass());
     [
@@ -126,6 +127,14 @@ fn methods() -> [(&'static str, WorldMethod); 4] {
                 damping: vec![2.0; 2],
                 mass: vec![0.1; 2],
                 ..VirtualCouplingParams::default()
+            }
+            .into(),
+        ),
+        (
+            "god-object",
+            GodObjectParams {
+                stiffness: vec![3000.0; 2],
+                damping: vec![2.0; 2],
             }
             .into(),
         ),

@@ -8,8 +8,14 @@ use palpate_world::{
 use crate::common::world;
 use crate::ideal::{Ball, Ideal, Law, hold};
 
-/// How far a cube of 50 g sinks in 2 s `[m]` while two hands press it with 2 N each and tremble.
-fn sinks(method: impl Into<WorldMethod>, friction: f64, period: f64) -> f64 {
+/// Height of a cube of 50 g at each sample of so many seconds `[m]`, while two hands press it with 2 N each and tremble.
+fn heights(
+    method: impl Into<WorldMethod>,
+    friction: f64,
+    period: f64,
+    quantum: f64,
+    seconds: f64,
+) -> Vec<f64> {
     let half = 0.015;
     let weight = 9.81 * 0.05;
     let free = Free::of_mass(0.05).pulled_by([0.0, 0.0, -weight]);
@@ -51,12 +57,13 @@ fn sinks(method: impl Into<WorldMethod>, friction: f64, period: f64) -> f64 {
         friction: 0.0,
     };
     let mut devices = Ideal::new(vec![finger(-1.0), finger(1.0)], Vec::new(), none);
-    for sample in 0..(2.0 / period) as usize {
+    let mut heights = Vec::new();
+    for sample in 0..(seconds / period).round() as usize {
         let time = sample as f64 * period;
         let positions: Vec<Vector> = devices
             .balls
             .iter()
-            .map(|ball| ball.position.map(|x| 2e-6 * (x / 2e-6).round()))
+            .map(|ball| ball.position.map(|x| quantum * (x / quantum).round()))
             .collect();
         let output = renderer.step(&mut state, &Sample::at(&positions));
         assert_eq!(output.fault, None);
@@ -66,8 +73,44 @@ fn sinks(method: impl Into<WorldMethod>, friction: f64, period: f64) -> f64 {
             ball.force = [0.0, 1.0, 2.0].map(|phase| tremor(phase + number as f64));
         }
         hold(&mut devices, &forces, period);
+        heights.push(state.bodies()[0].position[2]);
     }
-    -state.bodies()[0].position[2]
+    heights
+}
+
+/// How far the cube sinks in 2 s `[m]`, with sensors of 2 um.
+fn sinks(method: impl Into<WorldMethod>, friction: f64, period: f64) -> f64 {
+    let heights = heights(method, friction, period, 2e-6, 2.0);
+    -heights.last().unwrap()
+}
+
+/// The drift is how far the cube's mean height of the last second is from that of the second one: the tremor has whole
+/// periods in a second.
+#[test]
+fn a_cube_that_is_pinched_for_ten_seconds_does_not_drift() {
+    for (period, quantum, told) in [
+        (0.001, 2e-6, 1.5),
+        (0.001, 2e-6, 0.67),
+        (0.001, 1e-5, 0.67),
+        (0.004, 2e-6, 1.5),
+    ] {
+        let mass = [0.1, 0.16, 0.13].map(|mass| told * mass);
+        let params = CoupledParams::new(vec![mass; 2]).with_encoder_quantum(quantum);
+        let heights = heights(params, 0.8, period, quantum, 10.0);
+        let second = heights.len() / 10;
+        let mean = |seconds: usize| {
+            let all = &heights[seconds * second..(seconds + 1) * second];
+            all.iter().sum::<f64>() / second as f64
+        };
+        let drift = mean(9) - mean(1);
+        println!(
+            "{period} s, quantum {:.0} um, told {told} times the masses: drift {:.2} um from the second to the tenth \
+             second",
+            1e6 * quantum,
+            1e6 * drift
+        );
+        assert!(drift.abs() < 5e-6, "{drift}");
+    }
 }
 
 #[test]

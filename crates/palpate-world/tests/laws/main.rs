@@ -11,6 +11,7 @@ mod common;
 mod conservation;
 mod engine;
 mod floor;
+mod god_object;
 mod grasp;
 mod ideal;
 mod joints;

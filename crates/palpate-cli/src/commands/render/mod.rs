@@ -1,5 +1,9 @@
 //! `palpate render`: a recording, rendered: its motion as it was, or its hand under the new force.
 
+mod world;
+
+pub use world::deliver as deliver_world;
+
 use std::path::Path;
 
 use palpate_record::trace::{HeldTrace, Trace};
@@ -23,6 +27,16 @@ use palpate_study::report::{Replayed, Report, Subject, told_lines};
 
 /// Renders a recorded motion by the methods that were named.
 pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
+    if let Some(input) = &arguments.input {
+        return world::run(arguments, input);
+    }
+    if arguments.trace.extension().is_some_and(|it| it == "toml") {
+        return Err(Failure::Arguments(format!(
+            "{}: render takes a table of positions; a world takes one by --input RECORDING.csv, with the columns \
+             t,x,y,z",
+            arguments.trace.display()
+        )));
+    }
     let flags = &arguments.flags;
     let methods = flags.methods(MethodName::default());
     flags.check_settings(&methods)?;

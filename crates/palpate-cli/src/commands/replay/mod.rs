@@ -1,6 +1,8 @@
 //! `palpate replay`: a recording under another method: its motion as it was, or its hand under the new
 //! force.
 
+mod world;
+
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
@@ -14,7 +16,7 @@ use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
 
 use super::hand_replay::{Recorded, ReplayRuns, close_loop};
 use super::simulate::in_file;
-use crate::arguments::{Flags, PartFlags, ReplayFlags, ReplayKind, Results};
+use crate::arguments::{Flags, Given, PartFlags, ReplayFlags, ReplayKind, Results};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::recorded::ticks::Ticks;
@@ -29,6 +31,9 @@ use palpate_study::report::{FromRecording, Replayed, Report, Subject, told_lines
 /// Arguments of `replay`.
 #[derive(Args, Debug)]
 pub struct ReplayArguments {
+    /// What stands on the command line; first, since the fields are read in their order and taken out.
+    #[command(flatten)]
+    pub given: Given,
     /// Recording (MCAP)
     #[arg(value_name = "REC.mcap", value_hint = ValueHint::FilePath)]
     pub recording: PathBuf,
@@ -54,6 +59,9 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
     let part = arguments.part.part(f64::INFINITY)?;
     let name = arguments.recording.display().to_string();
     let recording = open(&arguments.recording)?;
+    if let Some(text) = recording.receipt.texts.get(world::WORLD) {
+        return world::run(arguments, &outputs, &recording, text);
+    }
     let file = scene(&recording)?;
     let methods = flags.methods(file.scene.method);
     flags.check_settings(&methods)?;

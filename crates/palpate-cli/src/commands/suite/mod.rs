@@ -20,7 +20,7 @@ pub fn run(arguments: &SuiteArguments) -> Result<(), Failure> {
     let plants = arguments.plants as usize;
     let set = match arguments.set {
         PlantSet::Contact(set) => set,
-        PlantSet::Worlds => return worlds::run(arguments),
+        PlantSet::Worlds(set) => return worlds::run(set, arguments),
     };
     let outputs = outputs(arguments, plants)?;
     let columns = arguments.compared.columns_or(|| set.columns())?;

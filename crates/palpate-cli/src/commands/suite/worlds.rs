@@ -1,6 +1,6 @@
-//! `palpate suite --set worlds`: methods on random worlds.
+//! `palpate suite --set worlds` and `worlds-free`: methods on random worlds.
 
-use palpate_study::world::suite;
+use palpate_study::world::suite::{self, WorldSet};
 
 use crate::arguments::SuiteArguments;
 use crate::failure::Failure;
@@ -11,16 +11,17 @@ use crate::results::print_report;
 const FLAGS: [&str; 4] = ["set", "plants", "seed", "json"];
 
 /// Draws the worlds and judges methods on them.
-pub fn run(arguments: &SuiteArguments) -> Result<(), Failure> {
+pub fn run(set: WorldSet, arguments: &SuiteArguments) -> Result<(), Failure> {
     if let Some(flag) = arguments.given.other_than(&FLAGS) {
         return Err(Failure::Arguments(format!(
-            "{flag}: with --set worlds stand --plants, --seed and --json"
+            "{flag}: with --set {} stand --plants, --seed and --json",
+            set.name()
         )));
     }
     let worlds = arguments.plants as usize;
-    let progress = Progress::new(suite::steps(worlds));
+    let progress = Progress::new(suite::steps(set, worlds));
     progress.begin("worlds");
-    let report = suite::run(worlds, arguments.seed, || progress.advance());
+    let report = suite::run(set, worlds, arguments.seed, || progress.advance());
     drop(progress);
     print_report(&report.map_err(Failure::input)?, arguments.json)
 }

@@ -1,5 +1,7 @@
 //! `palpate compare`: many scenes and methods in one table.
 
+mod world;
+
 use std::path::Path;
 
 use palpate_files::outputs::Outputs;
@@ -7,21 +9,18 @@ use palpate_scene::SetupError;
 use palpate_scene::method::MethodName;
 use palpate_sim::closed_loop::{Bench, LoopError};
 
-use super::simulate::{explain, read_scene};
+use super::simulate::{AnyScene, explain, read_any};
 use crate::arguments::{CompareArguments, Flags, TimingFlags};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::results::{draw, print_report};
+use crate::setup::only_for_worlds;
 use palpate_plot as plots;
 use palpate_study::compare::{COLUMNS, Comparison, SceneRows};
 use palpate_study::report::Subject;
 
 /// Runs every method on every scene.
 pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
-    let methods = match &arguments.method {
-        Some(methods) => methods.0.clone(),
-        None => MethodName::ALL.to_vec(),
-    };
     let mut outputs = arguments.overwriting.outputs();
     for scene in &arguments.scenes {
         outputs.protect(scene);
@@ -31,11 +30,30 @@ pub fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     }
     arguments.picture.plan(&mut outputs)?;
     // Every file is read before any work is done.
-    let files = arguments
-        .scenes
-        .iter()
-        .map(|path| Ok((path, read_scene(path)?)))
-        .collect::<Result<Vec<_>, Failure>>()?;
+    let (mut files, mut worlds) = (Vec::new(), Vec::new());
+    for path in &arguments.scenes {
+        match read_any(path)? {
+            AnyScene::Contact(file) => files.push((path, file)),
+            AnyScene::World(file) => worlds.push((path, file)),
+        }
+    }
+    if let (Some((path, _)), Some((contact, _))) = (worlds.first(), files.first()) {
+        return Err(Failure::Arguments(format!(
+            "{} is a world and {} is one contact: they have other methods, so compare them in two tables",
+            path.display(),
+            contact.display()
+        )));
+    }
+    if !worlds.is_empty() {
+        return world::run(arguments, &outputs, &worlds);
+    }
+    let methods = match &arguments.method {
+        Some(methods) => match methods.of_worlds_only() {
+            Some(name) => return Err(only_for_worlds(name)),
+            None => methods.of_contact(),
+        },
+        None => MethodName::ALL.to_vec(),
+    };
     let progress = Progress::new(files.len() * methods.len());
     let mut scenes = Vec::with_capacity(files.len());
     for (path, file) in &files {
@@ -84,10 +102,20 @@ fn cannot(error: &SetupError) -> String {
 }
 
 fn write(outputs: &Outputs, out: &Path, comparison: &Comparison) -> Result<(), Failure> {
+    write_rows(outputs, out, &COLUMNS, comparison.rows())
+}
+
+/// Writes a table as CSV.
+fn write_rows<const N: usize>(
+    outputs: &Outputs,
+    out: &Path,
+    columns: &[&str; N],
+    rows: impl Iterator<Item = [String; N]>,
+) -> Result<(), Failure> {
     Ok(outputs.write(out, |writer| {
         let mut csv = csv::Writer::from_writer(writer);
-        csv.write_record(COLUMNS)?;
-        for row in comparison.rows() {
+        csv.write_record(columns)?;
+        for row in rows {
             csv.write_record(row)?;
         }
         csv.flush()

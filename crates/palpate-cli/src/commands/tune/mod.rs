@@ -1,11 +1,13 @@
 //! `palpate tune`: how a method's error and leak depend on its damping.
 
+mod world;
+
 use palpate_scene::Scene;
 use palpate_scene::method::{MethodName, SettingKey};
 use palpate_study::tune::report::TuneReport;
 use palpate_study::tune::{self, HEIGHTS, Objective, TuneError};
 
-use super::simulate::{explain, read_scene};
+use super::simulate::{AnyScene, explain, read_any};
 use crate::arguments::{CurveArguments, Least, TuneArguments, flag_of_setting};
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -14,7 +16,16 @@ use crate::results::{draw, print_report};
 /// Tries every value of the curve at every start height.
 pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
     let flags = &arguments.flags;
-    let file = read_scene(&arguments.scene)?;
+    let objective = match arguments.curve.least {
+        Least::Error => Objective::Error,
+        Least::Leak => Objective::Leak,
+    };
+    let file = match read_any(&arguments.scene)? {
+        AnyScene::Contact(file) => *file,
+        AnyScene::World(file) => {
+            return world::run(arguments, objective, &arguments.scene, &file);
+        }
+    };
     let methods = flags.methods(file.scene.method);
     let &[method] = methods.as_slice() else {
         return Err(Failure::Arguments(
@@ -54,10 +65,6 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
         )?;
     drop(progress);
 
-    let objective = match arguments.curve.least {
-        Least::Error => Objective::Error,
-        Least::Leak => Objective::Leak,
-    };
     let mut report = TuneReport::new(&scene, method, setting, objective, points);
     if let Some(path) = &arguments.picture.plot {
         draw(
@@ -71,6 +78,9 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
     print_report(&report, arguments.json)
 }
 
+/// How many values are tried where nobody says another number.
+const STEPS: u32 = 400;
+
 /// The values to try `[N s/m]`.
 fn values(
     curve: &CurveArguments,
@@ -81,16 +91,22 @@ fn values(
     let to = curve
         .to
         .unwrap_or_else(|| tune::usual_most(scene, method, setting));
+    let steps = curve.steps.unwrap_or(STEPS);
     let from = curve
         .from
-        .unwrap_or_else(|| tune::usual_least(setting, to, curve.steps));
+        .unwrap_or_else(|| tune::usual_least(setting, to, steps));
+    evenly(from, to, steps)
+}
+
+/// So many values from one to another `[N s/m]`.
+fn evenly(from: f64, to: f64, steps: u32) -> Result<Vec<f64>, Failure> {
     if !(from.is_finite() && to.is_finite() && from >= 0.0 && to > from) {
         return Err(Failure::Arguments(format!(
             "--from {from} --to {to}: the values must be finite, not below 0, and increase"
         )));
     }
-    let last = f64::from(curve.steps - 1);
-    Ok((0..curve.steps)
+    let last = f64::from(steps - 1);
+    Ok((0..steps)
         .map(|i| from + (to - from) * (f64::from(i) / last))
         .collect())
 }

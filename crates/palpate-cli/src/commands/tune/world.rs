@@ -1,0 +1,90 @@
+//! `palpate tune` with a world: the damping of a method, and its coupling if it has one.
+
+use std::path::Path;
+
+use palpate_scene::world::WorldFile;
+use palpate_sim::world::{WorldBench, WorldBenchError};
+use palpate_study::tune::Objective;
+use palpate_study::world::candidates::{Scale, Tunable};
+use palpate_study::world::tune::{WorldTuneReport, tune};
+
+use super::evenly;
+use crate::arguments::TuneArguments;
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::results::{draw, print_report};
+use crate::worlds::{self, wrong_world};
+
+/// What tuning on a world takes beside its file.
+const FLAGS: [&str; 10] = [
+    "scene",
+    "method",
+    "from",
+    "to",
+    "steps",
+    "least",
+    "plot",
+    "size",
+    "overwrite",
+    "json",
+];
+
+/// Tries every setting on the world.
+pub fn run(
+    arguments: &TuneArguments,
+    objective: Objective,
+    path: &Path,
+    file: &WorldFile,
+) -> Result<(), Failure> {
+    worlds::only(&arguments.given, &FLAGS, path)?;
+    let scene = &file.scene;
+    let method = worlds::one_method(&arguments.flags, scene)?;
+    let tunable = Tunable::named(method).ok_or_else(|| {
+        Failure::Arguments(format!(
+            "{method} has nothing to tune on a world; {} have: name one with --method",
+            Tunable::ALL.map(Tunable::name).join(", ")
+        ))
+    })?;
+    let mut outputs = arguments.overwriting.outputs();
+    outputs.protect(&arguments.scene);
+    arguments.picture.plan(&mut outputs)?;
+    let scale = Scale::of(scene);
+    let curve = &arguments.curve;
+    let is_given = curve.from.is_some() || curve.to.is_some();
+    let settings = if is_given {
+        let to = curve.to.unwrap_or(4.0 * scale.stiffness * scale.period);
+        let steps = curve.steps.unwrap_or(25);
+        let dampings = evenly(curve.from.unwrap_or(0.0), to, steps)?;
+        tunable.with_dampings(scale, |_| dampings.clone())
+    } else if curve.steps.is_some() {
+        return Err(Failure::Arguments(
+            "--steps: on a world it stands with --from or --to, the range of the damping".into(),
+        ));
+    } else {
+        tunable.candidates(scale)
+    };
+    let failure = |error: WorldBenchError| match error {
+        WorldBenchError::Rendering(faults) => wrong_world(&arguments.flags, file, &faults),
+        other => Failure::input(format!("{}: {other}", path.display())),
+    };
+    let progress = Progress::new(settings.len());
+    progress.begin("ideal");
+    let bench = WorldBench::new(scene).map_err(failure)?;
+    progress.begin(method);
+    let tuned = tune(scene, &bench, tunable, &settings, || progress.advance()).map_err(failure)?;
+    drop(progress);
+    if tuned.iter().all(|one| one.error().is_none()) {
+        return Err(Failure::input(format!(
+            "{}: the ideal touches no tool in the window, so there is no error to make small",
+            path.display()
+        )));
+    }
+    let report = WorldTuneReport::new(scene, &bench, tunable, objective, &tuned);
+    let mut report = report.expect("at least one setting was tried");
+    if let Some(path) = &arguments.picture.plot {
+        let figure = palpate_plot::tune_world(&report);
+        draw(&outputs, path, &figure, arguments.picture.size)?;
+        report.wrote(path);
+    }
+    print_report(&report, arguments.json)
+}

@@ -1,0 +1,177 @@
+//! What the methods that have to be tuned are tried with on a world.
+
+use palpate_scene::world::{Coupling, WorldScene, WorldSettings};
+
+/// A method of worlds that has something to tune; `basic` and `coupled` have nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tunable {
+    /// Its damping.
+    VirtualDamper,
+    /// Stiffness and damping of the coupling, and the mass of the avatar.
+    VirtualCoupling,
+    /// Stiffness and damping of the coupling.
+    GodObject,
+}
+
+/// What the values of settings are multiples of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale {
+    /// K, the largest stiffness among the contacts `[N/m]`.
+    pub stiffness: f64,
+    /// T `[s]`.
+    pub period: f64,
+    /// m, the geometric mean of the devices' masses along all axes `[kg]`.
+    pub mass: f64,
+    /// Moment of inertia over mass, the mean of the devices that turn; none if none does `[m^2]`.
+    pub gyration: Option<f64>,
+}
+
+impl Scale {
+    /// The scale of a scene.
+    #[must_use]
+    pub fn of(scene: &WorldScene) -> Self {
+        let laws = scene.world.contacts.iter().map(|contact| contact.law);
+        let masses = || scene.devices.iter().flat_map(|device| device.mass);
+        let finite = || masses().filter(|mass| mass.is_finite());
+        let mean = |sum: f64, count: usize| sum / count.max(1) as f64;
+        let mass = mean(finite().map(f64::ln).sum(), finite().count()).exp();
+        let moments: Vec<f64> = scene
+            .devices
+            .iter()
+            .filter_map(|device| device.turning)
+            .flat_map(|turning| turning.inertia)
+            .collect();
+        Self {
+            stiffness: laws.map(|law| law.stiffness).fold(0.0, f64::max),
+            period: scene.timing.period,
+            mass,
+            gyration: (!moments.is_empty())
+                .then(|| mean(moments.iter().sum(), moments.len()) / mass),
+        }
+    }
+}
+
+impl Scale {
+    /// What a value along an axis is about one, where a device turns.
+    fn turned(self, value: f64) -> Option<f64> {
+        self.gyration.map(|gyration| value * gyration)
+    }
+}
+
+/// Dampings over K T.
+const DAMPINGS: [f64; 15] = [
+    0.0, 0.02, 0.04, 0.07, 0.1, 0.14, 0.2, 0.28, 0.4, 0.56, 0.8, 1.1, 1.6, 2.3, 3.2,
+];
+
+impl Tunable {
+    /// All of them, in the order of tables.
+    pub const ALL: [Self; 3] = [Self::VirtualDamper, Self::VirtualCoupling, Self::GodObject];
+
+    /// The name of the method.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::VirtualDamper => "virtual-damper",
+            Self::VirtualCoupling => "virtual-coupling",
+            Self::GodObject => "god-object",
+        }
+    }
+
+    /// The method of that name, if it has something to tune.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|tunable| tunable.name() == name)
+    }
+
+    /// Those of some settings that the method has.
+    #[must_use]
+    pub fn of_settings(self, all: &WorldSettings) -> WorldSettings {
+        let WorldSettings {
+            damping,
+            rotational_damping,
+            coupling,
+        } = *all;
+        match self {
+            Self::VirtualCoupling => *all,
+            Self::VirtualDamper => WorldSettings {
+                damping,
+                rotational_damping,
+                coupling: Coupling::default(),
+            },
+            Self::GodObject => WorldSettings {
+                damping,
+                rotational_damping: None,
+                coupling: Coupling {
+                    stiffness: coupling.stiffness,
+                    ..Coupling::default()
+                },
+            },
+        }
+    }
+
+    /// Each setting that is tried, in the order of tables: every damping with every coupling.
+    #[must_use]
+    pub fn candidates(self, scale: Scale) -> Vec<WorldSettings> {
+        self.with_dampings(scale, |coupling| self.dampings(scale, coupling))
+    }
+
+    /// Each coupling with these dampings `[N s/m]`.
+    pub fn with_dampings(
+        self,
+        scale: Scale,
+        dampings: impl Fn(&Coupling) -> Vec<f64>,
+    ) -> Vec<WorldSettings> {
+        let mut all = Vec::new();
+        for coupling in self.couplings(scale) {
+            all.extend(
+                dampings(&coupling)
+                    .into_iter()
+                    .map(|damping| WorldSettings {
+                        damping: Some(damping),
+                        rotational_damping: scale.turned(damping),
+                        coupling,
+                    }),
+            );
+        }
+        all
+    }
+
+    fn couplings(self, scale: Scale) -> Vec<Coupling> {
+        match self {
+            Self::VirtualDamper => vec![Coupling::default()],
+            Self::VirtualCoupling => {
+                let parts = [0.1, 0.3, 1.0, 3.0].into_iter();
+                let parts = parts.flat_map(|k| [0.1, 0.5].map(|m| (k, m)));
+                parts
+                    .map(|(k, m)| Coupling {
+                        stiffness: Some(k * scale.stiffness),
+                        mass: Some(m * scale.mass),
+                        rotational_stiffness: scale.turned(k * scale.stiffness),
+                        inertia: scale.turned(m * scale.mass),
+                    })
+                    .collect()
+            }
+            Self::GodObject => [0.1, 0.3, 1.0]
+                .map(|share| Coupling {
+                    stiffness: Some(share * scale.stiffness),
+                    ..Coupling::default()
+                })
+                .into(),
+        }
+    }
+
+    fn dampings(self, scale: Scale, coupling: &Coupling) -> Vec<f64> {
+        let stiffness = coupling.stiffness.unwrap_or(scale.stiffness);
+        match (self, coupling.mass) {
+            (Self::VirtualCoupling, Some(mass)) => [0.2, 0.6, 1.2]
+                .map(|ratio| 2.0 * ratio * (stiffness * mass).sqrt())
+                .into(),
+            (Self::GodObject, _) => [0.0, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2]
+                .map(|share| share * stiffness * scale.period)
+                .into(),
+            _ => DAMPINGS
+                .map(|share| share * stiffness * scale.period)
+                .into(),
+        }
+    }
+}

@@ -1,0 +1,232 @@
+//! Tuning on a world: how a method's error and leak depend on its damping and its coupling.
+//!
+//! Every setting is judged on the scene as it is, by an ideal that a renderer does not have. It may be bad for another
+//! start or another mass.
+
+use std::fmt;
+
+use comfy_table::{Cell, CellAlignment};
+use palpate_scene::world::{WorldScene, WorldSettings};
+use palpate_sim::world::{WorldBench, WorldBenchError, WorldRun};
+use palpate_world::WorldRenderer;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::candidates::Tunable;
+use super::setting::SettingReport;
+use crate::text::{E, FRE, digits, legend, number, percent, plain_table, short, whole, wrapped};
+use crate::tune::Objective;
+
+/// Name and version of the JSON report.
+const FORMAT: &str = "palpate world-tune 1";
+
+/// A setting and what it does.
+#[derive(Clone, Debug)]
+pub struct Tuned {
+    /// The setting.
+    pub settings: WorldSettings,
+    /// What the method does with it.
+    pub run: WorldRun,
+}
+
+impl Tuned {
+    /// E over all devices and axes `[%]`, infinite where the loop ran away; none if the ideal touches no tool.
+    #[must_use]
+    pub fn error(&self) -> Option<f64> {
+        let sum = self.run.judgement.sum.as_ref();
+        sum.map(|sum| sum.mean_force_error)
+            .map(|error| if error.is_nan() { f64::INFINITY } else { error })
+    }
+
+    fn leak(&self) -> f64 {
+        self.run.books.contacts.iter().map(|book| book.leak()).sum()
+    }
+
+    fn to_make_small(&self, objective: Objective) -> f64 {
+        match objective {
+            Objective::Error => self.error().unwrap_or(f64::INFINITY),
+            Objective::Leak => self.leak().abs(),
+        }
+    }
+}
+
+/// Judges a method with each of these settings, in their order. `done` is called after each.
+///
+/// # Errors
+/// A setting with which the world cannot be rendered, such as a shape of a tool that the method does not know.
+pub fn tune(
+    scene: &WorldScene,
+    bench: &WorldBench,
+    tunable: Tunable,
+    settings: &[WorldSettings],
+    done: impl Fn() + Sync,
+) -> Result<Vec<Tuned>, WorldBenchError> {
+    let turns = scene.devices.iter().any(|device| device.turning.is_some());
+    let one = |settings: &WorldSettings| {
+        let method = settings.method(tunable.name(), scene.devices.len(), turns);
+        let method = method.map_err(|fault| WorldBenchError::Rendering(vec![fault]))?;
+        let method = method.expect("a method that has something to tune has a name");
+        let renderer = WorldRenderer::new(&scene.world, scene.in_loop(), method)
+            .map_err(WorldBenchError::Rendering)?;
+        let run = bench.run(tunable.name(), &renderer)?;
+        done();
+        Ok(Tuned {
+            settings: *settings,
+            run,
+        })
+    };
+    settings.par_iter().map(one).collect()
+}
+
+/// The one of the least error or leak, of those that have some.
+#[must_use]
+pub fn best(tuned: &[Tuned], objective: Objective) -> Option<&Tuned> {
+    tuned.iter().min_by(|one, other| {
+        let [one, other] = [one, other].map(|it| it.to_make_small(objective));
+        one.total_cmp(&other)
+    })
+}
+
+/// How a method depends on its settings on a world.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct WorldTuneReport {
+    /// Name and version of this JSON.
+    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    pub format: &'static str,
+    /// Title of the scene.
+    pub title: String,
+    /// Name of the method.
+    pub method: &'static str,
+    /// What was to be least: error or leak.
+    pub least: &'static str,
+    /// Time from sample to sample.
+    pub period_s: f64,
+    /// The least FRE that held forces can have here; none if the ideal touches no tool.
+    pub hold_floor_percent: Option<f64>,
+    /// Mean-force error of the ideal against itself, computed with coarser steps.
+    pub ideal_error_percent: Option<f64>,
+    /// The setting that was chosen.
+    pub best: WorldPointReport,
+    /// Every setting that was tried.
+    pub curve: Vec<WorldPointReport>,
+    /// Files that were written.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<String>,
+}
+
+/// A setting and what it does.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct WorldPointReport {
+    /// The setting, under the keys of scene files.
+    pub settings: SettingReport,
+    /// E over all devices and axes; `null` where the loop ran away.
+    pub mean_force_error_percent: Option<f64>,
+    /// FRE likewise.
+    pub force_rendering_error_percent: Option<f64>,
+    /// Energy that holding forces gave to the hands beyond the contacts' own work.
+    pub leak_j: f64,
+    /// Samples that the renderer refused.
+    pub refused_samples: usize,
+}
+
+impl WorldPointReport {
+    fn of(tuned: &Tuned) -> Self {
+        let sum = tuned.run.judgement.sum.as_ref();
+        Self {
+            settings: (&tuned.settings).into(),
+            mean_force_error_percent: sum.map(|sum| sum.mean_force_error),
+            force_rendering_error_percent: sum.map(|sum| sum.force_rendering_error),
+            leak_j: tuned.leak(),
+            refused_samples: tuned.run.refused,
+        }
+    }
+}
+
+impl WorldTuneReport {
+    /// The report of what was tried; none if nothing was.
+    #[must_use]
+    pub fn new(
+        scene: &WorldScene,
+        bench: &WorldBench,
+        tunable: Tunable,
+        objective: Objective,
+        tuned: &[Tuned],
+    ) -> Option<Self> {
+        let best = best(tuned, objective)?;
+        let sum = best.run.judgement.sum.as_ref();
+        Some(Self {
+            format: FORMAT,
+            title: scene.title.clone(),
+            method: tunable.name(),
+            least: objective.name(),
+            period_s: scene.timing.period,
+            hold_floor_percent: sum.map(|sum| sum.hold_floor),
+            ideal_error_percent: bench.self_check().map(|check| check.error),
+            best: WorldPointReport::of(best),
+            curve: tuned.iter().map(WorldPointReport::of).collect(),
+            files: Vec::new(),
+        })
+    }
+
+    /// Adds a file that was written.
+    pub fn wrote(&mut self, path: &std::path::Path) {
+        self.files.push(path.display().to_string());
+    }
+}
+
+/// Of so many settings a table shows all; of more only the best.
+const MOST_ROWS: usize = 26;
+
+impl fmt::Display for WorldTuneReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}", wrapped(&self.title))?;
+        let floor = self.hold_floor_percent.map_or_else(String::new, |floor| {
+            format!(", hold floor {} %", percent(floor))
+        });
+        writeln!(
+            f,
+            "{}: {} settings, period {} s{floor}\n",
+            self.method,
+            self.curve.len(),
+            digits(self.period_s)
+        )?;
+        let header = ["", "B N s/m", "k N/m", "m kg", "E %", "FRE %", "leak mJ"];
+        let mut table = plain_table(CellAlignment::Left, &header);
+        let is_best = |point: &WorldPointReport| std::ptr::eq(point, &self.best);
+        let shown: Vec<&WorldPointReport> = if self.curve.len() <= MOST_ROWS {
+            self.curve.iter().chain([&self.best]).collect()
+        } else {
+            vec![&self.best]
+        };
+        for point in shown {
+            let setting = &point.settings;
+            let mut row = vec![Cell::new(if is_best(point) { "best" } else { "" })];
+            let values = [
+                setting.damping_n_s_per_m,
+                setting.coupling_stiffness_n_per_m,
+                setting.coupling_mass_kg,
+            ];
+            row.extend(values.map(|value| number(value, digits)));
+            row.push(number(point.mean_force_error_percent, percent));
+            row.push(number(point.force_rendering_error_percent, percent));
+            row.push(number(Some(1e3 * point.leak_j), |leak| short(leak, 3)));
+            table.add_row(row);
+        }
+        writeln!(f, "{}\n", whole(&table))?;
+        let best = format!(
+            "Best: of the least {}, found with knowledge of the ideal, on this scene as it is. In [render] of the scene:",
+            self.least
+        );
+        writeln!(f, "{}", wrapped(&best))?;
+        for (key, value) in self.best.settings.values() {
+            writeln!(f, "  {key} = {value}")?;
+        }
+        writeln!(f, "{}", legend(&[E, FRE]))?;
+        for file in &self.files {
+            writeln!(f, "wrote {file}")?;
+        }
+        Ok(())
+    }
+}

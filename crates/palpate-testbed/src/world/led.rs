@@ -1,0 +1,141 @@
+//! Devices that are led along a recorded motion, whatever pushes them.
+
+use super::contact::WorldError;
+use super::run::Run;
+use super::scene::{Vector, WorldHand, WorldScene};
+use crate::InvalidParameter;
+
+/// Mass of a device that no force moves \[kg\].
+const UNMOVED: f64 = 1e15;
+
+/// A motion of all devices of a scene: straight lines between points in time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LedPath {
+    times: Vec<f64>,
+    positions: Vec<Vec<Vector>>,
+}
+
+impl LedPath {
+    /// The motion through `positions[point][device]` \[m\] at `times` \[s\], from t = 0.
+    ///
+    /// # Errors
+    ///
+    /// Fewer than two points, times that do not begin at 0 or do not increase, numbers that are not finite, or points
+    /// with other numbers of devices.
+    pub fn new(
+        times: Vec<f64>,
+        positions: Vec<Vec<Vector>>,
+    ) -> Result<Self, InvalidParameter<String>> {
+        let unless = |fits: bool, name: &str, value: f64, allowed| {
+            InvalidParameter::unless(fits, name.to_owned(), value, allowed)
+        };
+        let points = times.len();
+        unless(
+            points >= 2 && positions.len() == points,
+            "path.points",
+            points as f64,
+            "at least 2, with a position for each time",
+        )?;
+        unless(
+            times[0] == 0.0,
+            "path.times[0]",
+            times[0],
+            "0 s, where the scene begins",
+        )?;
+        for pair in times.windows(2) {
+            let increases = pair[1].is_finite() && pair[1] > pair[0];
+            unless(
+                increases,
+                "path.times",
+                pair[1],
+                "finite and after the one before",
+            )?;
+        }
+        for places in &positions {
+            let same = places.len() == positions[0].len();
+            unless(
+                same,
+                "path.positions",
+                places.len() as f64,
+                "one for each device",
+            )?;
+            for place in places.iter().flatten() {
+                unless(place.is_finite(), "path.positions", *place, "finite")?;
+            }
+        }
+        Ok(Self { times, positions })
+    }
+
+    /// When it ends \[s\].
+    #[must_use]
+    pub fn end(&self) -> f64 {
+        self.times[self.times.len() - 1]
+    }
+
+    /// Number of devices.
+    #[must_use]
+    pub fn devices(&self) -> usize {
+        self.positions[0].len()
+    }
+
+    /// Where each device is at a time \[s\]; before and after the path at its ends \[m\].
+    #[must_use]
+    pub fn at(&self, time: f64) -> Vec<Vector> {
+        let (segment, _) = self.segment(time);
+        let [from, to] = [self.times[segment], self.times[segment + 1]];
+        let share = ((time - from) / (to - from)).clamp(0.0, 1.0);
+        let ends = self.positions[segment]
+            .iter()
+            .zip(&self.positions[segment + 1]);
+        ends.map(|(from, to)| {
+            std::array::from_fn(|axis| from[axis] + share * (to[axis] - from[axis]))
+        })
+        .collect()
+    }
+
+    /// Number of the line on which it is at a time \[s\], and where that ends \[s\].
+    fn segment(&self, time: f64) -> (usize, f64) {
+        let after = self.times.partition_point(|knot| *knot <= time);
+        let segment = after.clamp(1, self.times.len() - 1) - 1;
+        (segment, self.times[segment + 1])
+    }
+
+    /// The scene with devices that no force moves, where the path begins.
+    #[must_use]
+    pub fn unmoved(&self, scene: &WorldScene) -> WorldScene {
+        let mut scene = scene.clone();
+        for (device, position) in scene.devices.iter_mut().zip(&self.positions[0]) {
+            device.mass = [UNMOVED; 3];
+            device.hand = WorldHand::default();
+            device.position = *position;
+            device.velocity = [0.0; 3];
+            device.quantum = [0.0; 3];
+        }
+        scene
+    }
+
+    /// Moves a run of [`unmoved`](Self::unmoved) on to `end` \[s\], with its devices on the path.
+    pub(super) fn follow(&self, run: &mut Run, end: f64) -> Result<(), WorldError> {
+        while run.time < end {
+            let (segment, until) = self.segment(run.time);
+            let duration = self.times[segment + 1] - self.times[segment];
+            let here = self.at(run.time);
+            let ends = self.positions[segment]
+                .iter()
+                .zip(&self.positions[segment + 1]);
+            for (device, ((from, to), here)) in ends.zip(here).enumerate() {
+                let velocity = std::array::from_fn(|axis| (to[axis] - from[axis]) / duration);
+                run.lead(device, here, velocity);
+            }
+            run.settle_anew();
+            // Behind the path's last point nothing is looked at.
+            let next = if until > run.time {
+                until.min(end)
+            } else {
+                end
+            };
+            run.advance(next)?;
+        }
+        Ok(())
+    }
+}

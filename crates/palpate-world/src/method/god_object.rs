@@ -1,0 +1,346 @@
+//! The god-object: a proxy without mass that stays on the surface, coupled to its device by a spring and a damper.
+//!
+//! Zilles and Salisbury, "A constraint-based god-object method for haptic display", IROS 1995; Ruspini, Kolarov and
+//! Khatib, SIGGRAPH 1997, for a proxy with a radius.
+
+use super::god_object_proxy::{Constraint, Proxy, limit_slip, nearest_allowed};
+use crate::interval::advance;
+use crate::moving::Held;
+use crate::pairs::Point;
+use crate::part::Drive;
+use crate::rigid::Vector3;
+use crate::solid::Solid;
+use crate::state::{Progress, show_contacts};
+use crate::{Effort, Place, Shape, Tool, Vector, WorldError, WorldRenderer};
+
+/// Parameters of rendering by a god-object.
+///
+/// At a sample the proxy of a tool goes to the place outside of all solids that is nearest to the device, and stays
+/// behind where friction holds it. A spring and a damper between the two give the force on the device; turned round, it
+/// is held on what the proxy touches, until the next sample. The contacts of tools have no stiffness of their own then.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GodObjectParams {
+    /// Stiffness of each tool's spring, above 0 `[N/m]`: that of the contacts, so that a wall feels as stiff.
+    pub stiffness: Vec<f64>,
+    /// Damping of each tool's damper, at least 0 `[N s/m]`. It acts while the tool touches something.
+    pub damping: Vec<f64>,
+}
+
+impl GodObjectParams {
+    /// Whether a god-object can stand for this tool.
+    ///
+    /// # Errors
+    /// The tool turns, or is no sphere, point or several spheres.
+    pub fn can_render(tool: &Tool) -> Result<(), WorldError> {
+        let is_made_of_spheres = matches!(tool.shape, Shape::Sphere { .. } | Shape::Spheres { .. });
+        if is_made_of_spheres && !tool.turns {
+            return Ok(());
+        }
+        let why = if tool.turns {
+            "turns"
+        } else {
+            "has another shape"
+        };
+        Err(WorldError::new(
+            Place::Method,
+            "method",
+            "the method",
+            format!(
+                "god-object renders tools that are a sphere, a point or several spheres and do not turn; {:?} {why}",
+                tool.name
+            ),
+        ))
+    }
+
+    pub(super) fn check(self, tools: &[Tool]) -> Result<GodObject, Vec<WorldError>> {
+        let mut faults = Vec::new();
+        for (field, list, above_zero) in [
+            ("stiffness", &self.stiffness, true),
+            ("damping", &self.damping, false),
+        ] {
+            let mut fault = |message: String| {
+                faults.push(WorldError::new(Place::Method, field, "the method", message));
+            };
+            if list.len() != tools.len() {
+                let (given, tools) = (list.len(), tools.len());
+                fault(format!(
+                    "{field} has {given} entries for {tools} tools; give one for each"
+                ));
+            }
+            for value in list {
+                let allowed = *value > 0.0 || (*value == 0.0 && !above_zero);
+                if !(allowed && value.is_finite()) {
+                    let range = if above_zero { "above 0" } else { "at least 0" };
+                    fault(format!("{field} is {value}, and has to be {range}"));
+                }
+            }
+        }
+        faults.extend(tools.iter().filter_map(|tool| Self::can_render(tool).err()));
+        if faults.is_empty() {
+            let couplings = self.stiffness.into_iter().zip(self.damping);
+            Ok(GodObject {
+                couplings: couplings
+                    .map(|(stiffness, damping)| Coupling { stiffness, damping })
+                    .collect(),
+            })
+        } else {
+            Err(faults)
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Coupling {
+    stiffness: f64,
+    damping: f64,
+}
+
+/// Rendering by a god-object, with checked parameters.
+#[derive(Clone, Debug)]
+pub(crate) struct GodObject {
+    couplings: Vec<Coupling>,
+}
+
+/// What rendering by a god-object remembers.
+#[derive(Clone, Debug)]
+pub(crate) struct GodObjectMemory {
+    devices: Vec<Device>,
+    /// Of each point of contact: what it forbids the proxy, as it was last seen.
+    constraints: Vec<Constraint>,
+    /// Of each point that pressed at the last sample: the proxy in the axes of what it touches `[m]`, and its share of
+    /// what friction holds.
+    anchors: Vec<Option<(Vector3, f64)>>,
+}
+
+/// A device at the last sample, and the force that the coupling gives to its tool.
+#[derive(Clone, Copy, Debug)]
+struct Device {
+    position: Vector3,
+    velocity: Vector3,
+    force: Vector3,
+}
+
+impl GodObjectMemory {
+    pub fn new(tools: usize, points: usize) -> Self {
+        let none = Vector3::zeros();
+        let device = Device {
+            position: none,
+            velocity: none,
+            force: none,
+        };
+        Self {
+            devices: vec![device; tools],
+            constraints: vec![Constraint::none(); points],
+            anchors: vec![None; points],
+        }
+    }
+
+    /// Writes what is known of the tools.
+    pub fn publish(&self, state: &mut Progress) {
+        let parts = self.devices.iter().zip(&state.now.parts);
+        for (tool, (device, part)) in state.tools.iter_mut().zip(parts) {
+            tool.position = device.position.into();
+            tool.velocity = device.velocity.into();
+            tool.avatar_position = part.rigid.position.into();
+            tool.avatar_velocity = tool.velocity;
+            tool.offset = (part.rigid.position - device.position).into();
+        }
+    }
+}
+
+impl GodObject {
+    pub fn begin(
+        &self,
+        renderer: &WorldRenderer,
+        state: &mut Progress,
+        memory: &mut GodObjectMemory,
+        positions: &[Vector],
+    ) {
+        memory.anchors.fill(None);
+        for (tool, device) in memory.devices.iter_mut().enumerate() {
+            device.position = Vector3::from(positions[tool]);
+            device.velocity = Vector3::zeros();
+            let part = &mut state.now.parts[tool];
+            part.rigid.position = device.position;
+            part.rigid.velocity = Vector3::zeros();
+            part.drive = Drive::constant(Vector3::zeros());
+        }
+        state.now.begin();
+        for tool in 0..renderer.tools {
+            self.press(renderer, state, memory, tool, None);
+        }
+        state.now.look(&renderer.points);
+        state.books.observe(&state.now, &renderer.points);
+    }
+
+    pub fn conclude(
+        &self,
+        renderer: &WorldRenderer,
+        state: &mut Progress,
+        memory: &mut GodObjectMemory,
+        positions: &[Vector],
+        elapsed: f64,
+    ) -> Effort {
+        let points = &renderer.points;
+        state.now.begin();
+        let sub_steps = &renderer.in_loop.sub_steps;
+        let effort = advance(&mut state.now, &mut state.room, points, sub_steps, elapsed);
+        state.books.pass(&state.now, points, renderer.tools);
+        for (tool, position) in positions.iter().enumerate().take(renderer.tools) {
+            let device = &mut memory.devices[tool];
+            let way = Vector3::from(*position) - device.position;
+            device.position += way;
+            device.velocity = way / elapsed;
+            let book = &mut state.books.devices[tool];
+            for (number, point) in points.iter().enumerate() {
+                if point.first == tool {
+                    let held = state.now.touches[number].force.dot(&way);
+                    state.books.contacts[number].held += held;
+                    book.held += held;
+                }
+            }
+            book.port_work += state.commands.passed(tool).sent.dot(&way);
+            book.unforeseen = book.port_work - book.held;
+            self.press(renderer, state, memory, tool, Some(elapsed));
+        }
+        state.now.begin();
+        state.now.look(points);
+        effort
+    }
+
+    pub fn plan(&self, state: &mut Progress, memory: &GodObjectMemory) -> Effort {
+        show_contacts(&mut state.contacts, &state.now);
+        for (intended, device) in state.intended.iter_mut().zip(&memory.devices) {
+            *intended = state.commands.for_force(&device.force);
+        }
+        Effort::default()
+    }
+
+    /// Puts a tool's proxy where it belongs, and says what its contacts hold from now on. `elapsed` is the time since
+    /// the last sample `[s]`, `None` at the first.
+    fn press(
+        &self,
+        renderer: &WorldRenderer,
+        state: &mut Progress,
+        memory: &mut GodObjectMemory,
+        tool: usize,
+        elapsed: Option<f64>,
+    ) {
+        let points = &renderer.points;
+        let Coupling { stiffness, damping } = self.couplings[tool];
+        let before = state.now.parts[tool].rigid.position;
+        let device = memory.devices[tool];
+        // Where friction would hold it: the mean of where its contacts have carried it.
+        let (mut anchor, mut all) = (Vector3::zeros(), 0.0);
+        for (point, held) in points.iter().zip(&memory.anchors) {
+            if let Some((place, share)) = held
+                && point.first == tool
+            {
+                let body = &state.now.parts[point.second].rigid;
+                anchor += (body.position + body.orientation * place) * *share;
+                all += share;
+            }
+        }
+        let anchor = (all > 0.0).then(|| anchor / all);
+        let start = anchor.unwrap_or(before);
+        let parts = &mut state.now;
+        let proxy = nearest_allowed(
+            &device.position,
+            start,
+            &mut memory.constraints,
+            |number| points[number].first == tool,
+            |number, place| seen(parts, &points[number], *place),
+        );
+        let (mut holds, mut normals) = (0.0, 0.0);
+        for (point, constraint) in points.iter().zip(&memory.constraints) {
+            if point.first == tool {
+                holds += point.law.friction * constraint.push;
+                normals += constraint.push;
+            }
+        }
+        let wanted = anchor.map_or(Vector3::zeros(), |anchor| anchor - proxy);
+        let of_tool = points
+            .iter()
+            .zip(&memory.constraints)
+            .filter_map(|(point, constraint)| (point.first == tool).then_some(constraint));
+        let Proxy { stays, slipped } = limit_slip(&wanted, of_tool, holds);
+        let place = proxy + stays;
+        let step = place - before;
+        let damper = elapsed.map_or(Vector3::zeros(), |elapsed| {
+            (step / elapsed - device.velocity) * damping
+        });
+        state.now.parts[tool].rigid.position = place;
+        let mut sum = Vector3::zeros();
+        for (number, point) in points.iter().enumerate() {
+            if point.first != tool {
+                continue;
+            }
+            let touch = &mut state.now.touches[number];
+            let constraint = &memory.constraints[number];
+            let book = &mut state.books.contacts[number];
+            // The proxy goes under the force that was held; nothing is stored at the contact.
+            let work = touch.force.dot(&step);
+            let part = if holds > 0.0 {
+                point.law.friction * constraint.push / holds
+            } else {
+                0.0
+            };
+            let lost = stiffness * stays.norm() * slipped * part;
+            book.work += work;
+            book.work_on_avatar += work;
+            book.dissipated += lost;
+            book.observed += work + lost;
+            if constraint.push <= 0.0 {
+                touch.let_go();
+                memory.anchors[number] = None;
+                continue;
+            }
+            let normal = constraint.normal;
+            let force = (normal * constraint.push + stays * part) * stiffness
+                + damper * (constraint.push / normals);
+            sum += force;
+            let centre = point.centre_of(&state.now.parts[tool].rigid);
+            touch.hold(Held {
+                place: centre - normal * point.radius,
+                normal,
+                normal_force: stiffness * constraint.push,
+                force,
+                slides: slipped > 0.0 && part > 0.0,
+            });
+            let body = &state.now.parts[point.second].rigid;
+            let own = body
+                .orientation
+                .inverse_transform_vector(&(place - body.position));
+            let share = if holds > 0.0 { part } else { constraint.push };
+            memory.anchors[number] = (share > 0.0).then_some((own, share));
+        }
+        memory.devices[tool].force = sum;
+    }
+}
+
+/// Distance of a point of contact and its normal, with the tool at `place` `[m]`; `None` where nothing is near.
+fn seen(
+    moving: &mut crate::moving::Moving,
+    point: &Point,
+    place: Vector3,
+) -> Option<(f64, Vector3)> {
+    let mut first = moving.parts[point.first].rigid;
+    first.position = place;
+    let second = moving.parts[point.second].rigid;
+    match point.solid {
+        Solid::Mesh {
+            surface, point: of, ..
+        } => {
+            if of == 0 {
+                moving.surfaces[surface].look(&first, &second);
+            }
+            let found = moving.surfaces[surface].found(of)?;
+            let normal = second.orientation * found.normal;
+            Some((found.distance - point.radius, normal))
+        }
+        solid => {
+            let nearest = solid.nearest(&second, &point.centre_of(&first));
+            Some((nearest.distance - point.radius, nearest.normal))
+        }
+    }
+}
