@@ -139,11 +139,13 @@ impl ColumnReport {
 
 impl SuiteReport {
     /// The report on what [`run`](super::run) gave for `set`, `seed` and `columns`.
+    #[must_use]
     pub fn new(set: Set, seed: u64, columns: &[Column], judged: &[Judged]) -> Self {
         Self::of_scores(set, seed, columns, &scores(judged))
     }
 
     /// The same from the scores of all plants, those of each plant together.
+    #[must_use]
     pub fn of_scores(set: Set, seed: u64, columns: &[Column], scores: &[Score]) -> Self {
         let conditions = set.conditions();
         let reports = |index: usize, of_delays: bool| -> Vec<ConditionReport> {
