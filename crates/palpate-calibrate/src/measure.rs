@@ -20,6 +20,8 @@ const MOST_FRICTION: f64 = 0.6;
 const MOST_DELAY_DEVIATION: f64 = 0.3;
 const MOST_DELAY_DEVIATION_SECONDS: f64 = 3e-4;
 const MOST_MASS_DEVIATION: f64 = 0.1;
+/// Damping over mass `[1/s]` beyond which the device is held and does not move as a mass: hands have 15 to 50.
+const MOST_DAMPING: f64 = 120.0;
 /// Motion that a fit needs `[steps of the sensor]`, root mean square.
 const LEAST_MOTION: f64 = 3.0;
 /// Logarithms of likelihood that a resonance has to win beside what three parameters cost.
@@ -56,10 +58,11 @@ pub enum Declined {
         /// Largest force `[N]`.
         force: f64,
     },
-    /// The hand's own forces are too near to the largest force.
-    Hand {
-        /// What moved the device beside the commands, root mean square `[N]`.
-        moved: f64,
+    /// The device is held, in a cog of its motor for instance: it gives way and comes back, and does not move as a
+    /// mass.
+    Held {
+        /// Damping that the fit had to take over mass `[1/s]`.
+        damping: f64,
         /// Largest force `[N]`.
         force: f64,
     },
@@ -99,10 +102,12 @@ impl fmt::Display for Declined {
                  use a --largest-force of {:.2} N or more",
                 friction * 2.5
             ),
-            Self::Hand { moved, force } => write!(
+            Self::Held { damping, force } => write!(
                 f,
-                "the hand moves too much: its own forces of about {moved:.2} N (root mean square) are too \
-                 near to the largest force of {force} N; hold more calmly, or allow more force"
+                "something holds the device: with {force} N it does not move as a mass (damping over mass would be {damping:.0} \
+                 1/s); friction and cogging together are near the force: use a --largest-force of {:.2} N or more, or \
+                 hold it less firmly",
+                force * 2.0
             ),
             Self::Uncertain { delay, mass } => write!(
                 f,
@@ -190,6 +195,10 @@ fn check(fit: &Fit, period: f64, force: f64) -> Result<(), Declined> {
     let friction = fit.point[at::FRICTION] * mass;
     if friction > MOST_FRICTION * force {
         return Err(Declined::Friction { friction, force });
+    }
+    let damping = fit.point[at::DAMPING];
+    if damping > MOST_DAMPING {
+        return Err(Declined::Held { damping, force });
     }
     let delay = fit.deviation[at::DELAY_PLUS_LAG];
     let of_mass = fit.deviation[at::LN_MOBILITY];

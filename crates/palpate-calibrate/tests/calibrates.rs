@@ -206,6 +206,28 @@ fn friction_near_to_the_force_is_declined_with_its_reason() {
     assert!(matches!(declined, Declined::NotMoved { .. }), "{declined}");
 }
 
+/// Friction and cogging are each below the force, and together above it: the device rocks in a cog of its motor
+/// on a soft transmission. A fit of that says 7 ms of delay.
+#[test]
+fn a_device_that_a_cog_holds_is_declined_with_its_reason() {
+    let cogged = PlantParams {
+        second_mass: 0.2,
+        transmission_stiffness: 39_500.0,
+        transmission_damping: 2.6,
+        delay: 0.53,
+        lag: 0.000_22,
+        viscous: 0.13,
+        coulomb: 0.32,
+        cogging: 0.36,
+        pitch: 0.0066,
+        quantum: 1e-5,
+        ..PlantParams::bare(1e-3, 0.087)
+    };
+    let declined = calibrated(&cogged, 8.0).unwrap_err();
+    assert!(matches!(declined, Declined::Held { .. }), "{declined}");
+    assert!(declined.to_string().contains("--largest-force of 1.00 N"));
+}
+
 #[test]
 fn parameters_out_of_range_are_named() {
     let params = ExcitationParams {

@@ -7,6 +7,7 @@ import { Hand } from "./hand.js";
 import { Link } from "./link.js";
 import { Methods } from "./methods.js";
 import { Model } from "./model.js";
+import { News } from "./news.js";
 import { Pace, SAY_S, Turns } from "./pace.js";
 import { readSamples, say } from "./protocol.js";
 import { refusalInWords } from "./refusal.js";
@@ -33,6 +34,7 @@ readTheme();
 const model = new Model();
 const view = new View();
 const banners = new Banners(place("banners"));
+const news = new News(place, model, banners);
 const scene = new Scene(place("scene"), model);
 const charts = new Charts(place("charts"), model, view, changed);
 const toolbar = new Toolbar(place, { model, view, scene, charts }, changed);
@@ -49,21 +51,11 @@ const hand = new Hand(place("scene"), scene, model, send);
 let fit = false;
 
 const link = new Link(location.search, {
-  open() {
-    banners.show("lost", null);
-  },
+  open: () => news.found(),
   text: (message) => model.take(message),
   samples: (bytes) => model.takeSamples(readSamples(bytes, model.names.length), view.keepFromS),
-  lost(why, waitMs) {
-    const wait = waitMs < 1000 ? "at once" : `in ${Math.round(waitMs / 1000)} s`;
-    const text = `The server is gone: ${why}. The curves stay; trying again ${wait}.`;
-    banners.show("lost", text, { label: "Try now", act: () => link.open() });
-    connection("lost", "not connected");
-  },
-  wrong(error) {
-    console.error(error);
-    banners.show("wrong", `What the server has said is not understood: ${error.message}.`);
-  },
+  lost: (why, waitMs) => news.lost(why, waitMs, () => link.open()),
+  wrong: (error) => news.wrong(error),
 });
 
 function send(message) {
@@ -86,11 +78,6 @@ function forgive() {
 }
 place("panel").addEventListener("input", forgive);
 
-function connection(kind, text) {
-  place("connection").dataset.kind = kind;
-  place("connection").textContent = text;
-}
-
 /** Another stretch of time is to be seen. */
 function changed() {
   fit = true;
@@ -99,8 +86,6 @@ function changed() {
 }
 
 model.addEventListener("hello", ({ detail: { isNew } }) => {
-  connection("live", "live");
-  banners.show("wrong", null);
   status.anew();
   if (isNew) {
     build();
@@ -110,13 +95,10 @@ model.addEventListener("hello", ({ detail: { isNew } }) => {
 /** Makes what depends on what hello has told. */
 function build() {
   const { title, device } = model.hello;
-  document.title = `${title} – palpate`;
-  place("title").textContent = title;
+  news.begin(title);
   methods.build();
   contact.build();
   told.build();
-  place("note-list").replaceChildren();
-  place("note-count").textContent = "";
   charts.build();
   scene.begin();
   toolbar.take();
@@ -160,26 +142,6 @@ model.addEventListener("refused", ({ detail: { about, text } }) => {
     contact.take(model.state);
     told.take(model.state);
   }
-});
-
-model.addEventListener("ended", ({ detail }) => {
-  const isOver = detail !== null;
-  banners.show("ended", isOver ? `The loop is over: ${detail}.` : null);
-  connection(isOver ? "ended" : "live", isOver ? "over" : "live");
-});
-
-model.addEventListener("note", ({ detail: { lane, t_s, kind, text } }) => {
-  const item = document.createElement("li");
-  const when = document.createElement("span");
-  when.className = `lane-${lane + 1}`;
-  when.textContent = `${t_s.toFixed(3)} s`;
-  item.append(when, ` ${kind}: ${text}`);
-  const list = place("note-list");
-  list.prepend(item);
-  while (list.children.length > 200) {
-    list.lastChild.remove();
-  }
-  place("note-count").textContent = `(${list.children.length})`;
 });
 
 place("record").addEventListener("click", () => send(say.record(model.state?.recording === null)));

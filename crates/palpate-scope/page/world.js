@@ -4,6 +4,7 @@ import { Banners } from "./banners.js";
 import { Charts } from "./charts.js";
 import { Link } from "./link.js";
 import { Model } from "./model.js";
+import { News } from "./news.js";
 import { Pace, SAY_S, Turns } from "./pace.js";
 import { kindOf, readSamples, readWorld, say } from "./protocol.js";
 import { createdWithin, seenInWords } from "./seen.js";
@@ -26,6 +27,7 @@ readTheme();
 const model = new Model();
 const view = new View();
 const banners = new Banners(place("banners"));
+const news = new News(place, model, banners);
 const charts = new Charts(place("charts"), model, view, changed);
 charts.shown = new Set(["force", "penetration", "leak", "timing"]);
 const status = new Status({ table: place("status"), served: place("served"), recording: place("recording") }, model);
@@ -42,9 +44,7 @@ let wish = null;
 let isSaid = true;
 
 const link = new Link(location.search, {
-  open() {
-    banners.show("lost", null);
-  },
+  open: () => news.found(),
   text: (message) => model.take(message),
   samples(bytes) {
     if (kindOf(bytes) === "world") {
@@ -55,22 +55,9 @@ const link = new Link(location.search, {
       model.takeSamples(readSamples(bytes, model.names.length), view.keepFromS);
     }
   },
-  lost(why, waitMs) {
-    const wait = waitMs < 1000 ? "at once" : `in ${Math.round(waitMs / 1000)} s`;
-    const text = `The server is gone: ${why}. The curves stay; trying again ${wait}.`;
-    banners.show("lost", text, { label: "Try now", act: () => link.open() });
-    connection("lost", "not connected");
-  },
-  wrong(error) {
-    console.error(error);
-    banners.show("wrong", `What the server has said is not understood: ${error.message}.`);
-  },
+  lost: (why, waitMs) => news.lost(why, waitMs, () => link.open()),
+  wrong: (error) => news.wrong(error),
 });
-
-function connection(kind, text) {
-  place("connection").dataset.kind = kind;
-  place("connection").textContent = text;
-}
 
 function changed() {
   fit = true;
@@ -81,15 +68,10 @@ function changed() {
 }
 
 model.addEventListener("hello", ({ detail: { isNew } }) => {
-  connection("live", "live");
-  banners.show("wrong", null);
   status.anew();
   if (isNew) {
     const { title, device, world } = model.hello;
-    document.title = `${title} – palpate`;
-    place("title").textContent = title;
-    place("note-list").replaceChildren();
-    place("note-count").textContent = "";
+    news.begin(title);
     charts.build();
     space?.begin(world, device.lanes);
     place("let-go").hidden = !device.pointer;
@@ -129,25 +111,6 @@ model.addEventListener("status", () => status.take());
 model.addEventListener("refused", ({ detail: { text } }) => {
   banners.show("refused", `Refused: ${text}.`, { label: "Close", act: () => banners.show("refused", null) });
 });
-model.addEventListener("ended", ({ detail }) => {
-  const isOver = detail !== null;
-  banners.show("ended", isOver ? `The loop is over: ${detail}.` : null);
-  connection(isOver ? "ended" : "live", isOver ? "over" : "live");
-});
-model.addEventListener("note", ({ detail: { lane, t_s, kind, text } }) => {
-  const item = document.createElement("li");
-  const when = document.createElement("span");
-  when.className = `lane-${lane + 1}`;
-  when.textContent = `${t_s.toFixed(3)} s`;
-  item.append(when, ` ${kind}: ${text}`);
-  const list = place("note-list");
-  list.prepend(item);
-  while (list.children.length > 200) {
-    list.lastChild.remove();
-  }
-  place("note-count").textContent = `(${list.children.length})`;
-});
-
 /** Where the hand is to be next: what was wished last, what the server says, or where the tool begins. */
 function from() {
   return wish ?? model.state?.hand_m ?? model.hello?.world.tools[0].position_m ?? [0, 0, 0];

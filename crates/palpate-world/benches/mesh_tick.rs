@@ -5,17 +5,18 @@
 //! other programs.
 #![allow(clippy::print_stdout)] // a benchmark prints
 
+mod timed;
+
 use std::sync::Arc;
 use std::time::Instant;
 
 use palpate_world::{
-    BasicParams, Body, Contact, ContactLaw, CoupledParams, Mesh, Motion, Party, Sample, Shape,
-    Tool, Vector, World, WorldLoop, WorldMethod, WorldRenderer,
+    BasicParams, Body, Contact, ContactLaw, CoupledParams, Mesh, Motion, Output, Party, Quaternion,
+    Shape, Tool, Vector, World, WorldMethod,
 };
 
-const PERIOD: f64 = 0.001;
-const TICKS: usize = 3000;
-const RUNS: usize = 5;
+use timed::{Held, PERIOD, print_heading, print_ticks};
+
 const MASS: f64 = 0.15;
 const RADIUS: f64 = 0.1;
 
@@ -58,8 +59,13 @@ struct Device {
     velocity: Vector,
 }
 
-impl Device {
-    fn hold(&mut self, force: Vector, time: f64) {
+impl Held for Device {
+    fn place(&self) -> (Vector, Option<Quaternion>) {
+        (self.position, None)
+    }
+
+    fn hold(&mut self, output: &Output, time: f64) {
+        let force = output.forces[0];
         let rest = [
             0.05 * (3.0 * time).sin(),
             0.06 * (2.0 * time).sin(),
@@ -87,14 +93,14 @@ fn main() {
         mesh.faces().len(),
         1e3 * began.elapsed().as_secs_f64()
     );
-    println!("microseconds per tick: median, p99, max; sub-steps per tick: median, p99, max");
+    print_heading();
     let methods: [WorldMethod; 2] = [
         BasicParams::default().into(),
         CoupledParams::new(vec![[MASS; 3]])
             .with_encoder_quantum(2e-6)
             .into(),
     ];
-    for method in methods {
+    for method in &methods {
         for radius in [0.0, 0.003, 0.008] {
             let name = format!("{}, tool of {} mm", method.name(), 1e3 * radius);
             let world = World {
@@ -107,46 +113,10 @@ fn main() {
                         .with_friction(0.3),
                 }],
             };
-            let renderer = WorldRenderer::new(&world, WorldLoop::new(PERIOD), method.clone());
-            let Ok(renderer) = renderer else {
-                println!("{name}: refused");
-                continue;
-            };
-            let mut times = vec![f64::INFINITY; TICKS];
-            let mut steps = vec![0; TICKS];
-            let (mut touched, mut left_out) = (0, 0);
-            for _ in 0..RUNS {
-                let mut state = renderer.start();
-                let mut device = Device {
-                    position: [0.0, 0.0, RADIUS + radius + 0.004],
-                    velocity: [0.0; 3],
-                };
-                touched = 0;
-                for (tick, (time, steps)) in times.iter_mut().zip(&mut steps).enumerate() {
-                    let positions = [device.position.map(|x| (x / 2e-6).round() * 2e-6)];
-                    let before = Instant::now();
-                    let output = renderer.step(&mut state, &Sample::at(&positions));
-                    *time = time.min(before.elapsed().as_secs_f64() * 1e6);
-                    *steps = output.effort.sub_steps;
-                    left_out = left_out.max(output.effort.left_out);
-                    let force = output.forces[0];
-                    touched += usize::from(force != [0.0; 3]);
-                    device.hold(force, tick as f64 * PERIOD);
-                }
-            }
-            times.sort_by(f64::total_cmp);
-            steps.sort_unstable();
-            let at = |part: usize| (TICKS - 1) * part / 100;
-            println!(
-                "{name:26} {:8.2} {:8.2} {:8.2}   {:5} {:5} {:5}   in contact {} %, left out {left_out}",
-                times[at(50)],
-                times[at(99)],
-                times[at(100)],
-                steps[at(50)],
-                steps[at(99)],
-                steps[at(100)],
-                100 * touched / TICKS
-            );
+            print_ticks(&name, &world, method, || Device {
+                position: [0.0, 0.0, RADIUS + radius + 0.004],
+                velocity: [0.0; 3],
+            });
         }
     }
 }

@@ -5,16 +5,15 @@
 //! other programs.
 #![allow(clippy::print_stdout)] // a benchmark prints
 
-use std::time::Instant;
+mod timed;
 
 use palpate_world::{
-    BasicParams, Body, Contact, ContactLaw, CoupledParams, Motion, Party, Quaternion, Sample,
-    Shape, Tool, Vector, World, WorldLoop, WorldMethod, WorldRenderer,
+    BasicParams, Body, Contact, ContactLaw, CoupledParams, Motion, Output, Party, Quaternion,
+    Shape, Tool, Vector, World, WorldMethod,
 };
 
-const PERIOD: f64 = 0.001;
-const TICKS: usize = 2000;
-const RUNS: usize = 5;
+use timed::{Held, PERIOD, print_heading, print_ticks};
+
 const MASS: f64 = 0.15;
 const INERTIA: f64 = 1.5e-4;
 
@@ -55,8 +54,15 @@ impl Device {
             turning: [0.0; 3],
         }
     }
+}
 
-    fn hold(&mut self, force: Vector, torque: Vector, time: f64) {
+impl Held for Device {
+    fn place(&self) -> (Vector, Option<Quaternion>) {
+        (self.position, Some(self.orientation))
+    }
+
+    fn hold(&mut self, output: &Output, time: f64) {
+        let (force, torque) = (output.forces[0], output.torques[0]);
         let step = PERIOD / 20.0;
         for _ in 0..20 {
             let rest = [0.004 * (9.0 * time).sin(), 0.0, 0.008];
@@ -88,7 +94,7 @@ fn main() {
     if !std::env::args().any(|argument| argument == "--bench") {
         return;
     }
-    println!("microseconds per tick: median, p99, max; sub-steps per tick: median, p99, max");
+    print_heading();
     let methods: [WorldMethod; 2] = [
         BasicParams::default().into(),
         CoupledParams::new(vec![[MASS; 3]])
@@ -97,44 +103,10 @@ fn main() {
             .with_angle_quantum(3.5e-5)
             .into(),
     ];
-    for method in methods {
+    for method in &methods {
         for friction in [0.0, 0.5] {
             let name = format!("{}, friction {friction}", method.name());
-            let renderer =
-                WorldRenderer::new(&world(friction), WorldLoop::new(PERIOD), method.clone());
-            let Ok(renderer) = renderer else {
-                println!("{name}: refused");
-                continue;
-            };
-            let mut times = vec![f64::INFINITY; TICKS];
-            let mut steps = vec![0; TICKS];
-            for _ in 0..RUNS {
-                let mut state = renderer.start();
-                let mut device = Device::start();
-                for (tick, (time, steps)) in times.iter_mut().zip(&mut steps).enumerate() {
-                    let positions = [device.position.map(|x| (x / 2e-6).round() * 2e-6)];
-                    let orientations = [device.orientation];
-                    let sample = Sample::at(&positions).turned(&orientations);
-                    let before = Instant::now();
-                    let output = renderer.step(&mut state, &sample);
-                    *time = time.min(before.elapsed().as_secs_f64() * 1e6);
-                    *steps = output.effort.sub_steps;
-                    let (force, torque) = (output.forces[0], output.torques[0]);
-                    device.hold(force, torque, tick as f64 * PERIOD);
-                }
-            }
-            times.sort_by(f64::total_cmp);
-            steps.sort_unstable();
-            let at = |part: usize| (TICKS - 1) * part / 100;
-            println!(
-                "{name:28} {:8.2} {:8.2} {:8.2}   {:5} {:5} {:5}",
-                times[at(50)],
-                times[at(99)],
-                times[at(100)],
-                steps[at(50)],
-                steps[at(99)],
-                steps[at(100)]
-            );
+            print_ticks(&name, &world(friction), method, Device::start);
         }
     }
 }

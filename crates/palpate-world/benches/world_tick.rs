@@ -5,16 +5,15 @@
 //! programs.
 #![allow(clippy::print_stdout)] // a benchmark prints
 
-use std::time::Instant;
+mod timed;
 
 use palpate_world::{
-    BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Motion, Party, Sample, Shape,
-    Tool, Vector, World, WorldLoop, WorldMethod, WorldRenderer,
+    BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Motion, Output, Party, Quaternion,
+    Shape, Tool, Vector, World, WorldMethod,
 };
 
-const PERIOD: f64 = 0.001;
-const TICKS: usize = 2000;
-const RUNS: usize = 5;
+use timed::{Held, PERIOD, print_heading, print_ticks};
+
 const MASS: f64 = 0.15;
 
 fn world(friction: f64) -> World {
@@ -48,8 +47,13 @@ struct Device {
     velocity: Vector,
 }
 
-impl Device {
-    fn hold(&mut self, force: Vector, time: f64) {
+impl Held for Device {
+    fn place(&self) -> (Vector, Option<Quaternion>) {
+        (self.position, None)
+    }
+
+    fn hold(&mut self, output: &Output, time: f64) {
+        let force = output.forces[0];
         let hand = |axis: usize, position: f64, velocity: f64| {
             let rest = [0.024, 0.004 * (9.0 * time).sin(), 0.02][axis];
             300.0 * (rest - position) - 3.0 * velocity
@@ -69,52 +73,20 @@ fn main() {
     if !std::env::args().any(|argument| argument == "--bench") {
         return;
     }
-    println!("microseconds per tick: median, p99, max; sub-steps per tick: median, p99, max");
+    print_heading();
     let methods: [WorldMethod; 2] = [
         BasicParams::default().into(),
         CoupledParams::new(vec![[MASS; 3]])
             .with_encoder_quantum(2e-6)
             .into(),
     ];
-    for method in methods {
+    for method in &methods {
         for friction in [0.0, 0.5] {
             let name = format!("{}, friction {friction}", method.name());
-            let renderer =
-                WorldRenderer::new(&world(friction), WorldLoop::new(PERIOD), method.clone());
-            let Ok(renderer) = renderer else {
-                println!("{name}: refused");
-                continue;
-            };
-            let mut times = vec![f64::INFINITY; TICKS];
-            let mut steps = vec![0; TICKS];
-            for _ in 0..RUNS {
-                let mut state = renderer.start();
-                let mut device = Device {
-                    position: [0.022, 0.0, 0.05],
-                    velocity: [0.0; 3],
-                };
-                for (tick, (time, steps)) in times.iter_mut().zip(&mut steps).enumerate() {
-                    let positions = [device.position.map(|x| (x / 2e-6).round() * 2e-6)];
-                    let before = Instant::now();
-                    let output = renderer.step(&mut state, &Sample::at(&positions));
-                    *time = time.min(before.elapsed().as_secs_f64() * 1e6);
-                    *steps = output.effort.sub_steps;
-                    let force = output.forces[0];
-                    device.hold(force, tick as f64 * PERIOD);
-                }
-            }
-            times.sort_by(f64::total_cmp);
-            steps.sort_unstable();
-            let at = |part: usize| (TICKS - 1) * part / 100;
-            println!(
-                "{name:28} {:8.2} {:8.2} {:8.2}   {:5} {:5} {:5}",
-                times[at(50)],
-                times[at(99)],
-                times[at(100)],
-                steps[at(50)],
-                steps[at(99)],
-                steps[at(100)]
-            );
+            print_ticks(&name, &world(friction), method, || Device {
+                position: [0.022, 0.0, 0.05],
+                velocity: [0.0; 3],
+            });
         }
     }
 }

@@ -50,6 +50,7 @@ pub const FILES: &[File] = &[
     file!("/main.js", SCRIPT, "main.js"),
     file!("/methods.js", SCRIPT, "methods.js"),
     file!("/model.js", SCRIPT, "model.js"),
+    file!("/news.js", SCRIPT, "news.js"),
     file!("/pace.js", SCRIPT, "pace.js"),
     file!("/picture.js", SCRIPT, "picture.js"),
     file!("/protocol.js", SCRIPT, "protocol.js"),

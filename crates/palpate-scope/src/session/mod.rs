@@ -2,14 +2,14 @@
 //! clients wish. The loops wait for none of it.
 
 mod carried;
+mod handle;
 mod lane;
 mod recording;
 mod start;
+mod turns;
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
-use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
 use palpate_device::Capabilities;
@@ -24,21 +24,13 @@ use crate::message::{DeviceSaid, LaneState, RecordingState, RecordingStatus, Sai
 use crate::pace::Pace;
 use crate::settings::{self, Limits, Settings};
 
+pub use handle::Session;
 pub use lane::Ended;
 use lane::Lane;
 use recording::Ending;
 pub use start::{Devices, Placed, Receipts, SessionError, Setup};
+pub(crate) use turns::Turns;
 
-/// Most wishes that wait.
-const WISHES: usize = 256;
-/// How long the session rests at most when nobody wishes anything.
-const REST: Duration = Duration::from_millis(4);
-/// How long wishes are done before it is listened and shown again; the last may take longer.
-const TURN: Duration = Duration::from_millis(4);
-/// Frames are sent this often.
-const FRAME_EVERY: Duration = Duration::from_nanos(1_000_000_000 / 60);
-/// The status is told this often.
-const STATUS_EVERY: Duration = Duration::from_millis(500);
 /// The place of a hand that moves is told this often.
 const HAND_EVERY: Duration = Duration::from_millis(100);
 /// Notes of a lane that are told at once, and then each second; the rest is counted.
@@ -60,16 +52,6 @@ pub enum Command {
     Wish(ClientId, Wish),
     /// A client is gone.
     Gone(ClientId),
-}
-
-/// A session on its thread. Dropping it ends it, and waits until its devices are commanded no force
-/// and its recordings are whole.
-pub struct Session {
-    thread: Option<JoinHandle<SessionEnd>>,
-    stop: StopFlag,
-    commands: SyncSender<Command>,
-    hub: Arc<Hub>,
-    answers: Vec<Answer>,
 }
 
 /// How a session has ended.
@@ -118,72 +100,12 @@ impl Session {
     /// rendered, a recording cannot be begun; in words.
     pub fn start(setup: Setup, stop: &StopFlag) -> Result<Self, SessionError> {
         settings::check_lanes(setup.methods.len(), setup.devices.most_lanes())?;
-        let stop = stop.below();
-        let (commands, incoming) = sync_channel(WISHES);
-        let hub = Arc::new(Hub::default());
-        let told = Arc::clone(&hub);
-        let mut running = Running::new(setup, stop.clone(), told, incoming);
-        running.start_lanes()?;
-        running.greet();
-        let answers = running.lanes.first().map(Lane::answers).unwrap_or_default();
-        let thread = Builder::new()
-            .name("palpate scope".to_owned())
-            .spawn(move || running.run())
-            .map_err(|error| format!("no thread for the scope: {error}"))?;
-        Ok(Self {
-            thread: Some(thread),
-            stop,
-            commands,
-            hub,
-            answers,
+        Self::begin(stop, |hub, stop| {
+            let mut running = Running::new(setup, stop, hub);
+            running.start_lanes()?;
+            running.greet();
+            Ok(running)
         })
-    }
-
-    /// Where clients join.
-    #[must_use]
-    pub fn hub(&self) -> Arc<Hub> {
-        Arc::clone(&self.hub)
-    }
-
-    /// Where clients say what they wish.
-    #[must_use]
-    pub fn commands(&self) -> SyncSender<Command> {
-        self.commands.clone()
-    }
-
-    /// What the machine granted the first loop.
-    #[must_use]
-    pub fn answers(&self) -> &[Answer] {
-        &self.answers
-    }
-
-    /// Whether it is over.
-    #[must_use]
-    pub fn has_ended(&self) -> bool {
-        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
-    }
-
-    /// Waits for its end.
-    ///
-    /// # Panics
-    /// The session's thread panicked; its loops have let go of their devices.
-    #[must_use]
-    pub fn join(mut self) -> SessionEnd {
-        match self.thread.take().map(JoinHandle::join) {
-            Some(Ok(end)) => end,
-            Some(Err(payload)) => std::panic::resume_unwind(payload),
-            None => unreachable!("only this takes it, and once"),
-        }
-    }
-}
-
-impl Drop for Session {
-    fn drop(&mut self) {
-        self.stop.raise();
-        if let Some(thread) = self.thread.take() {
-            // Nobody asks how it ended. If it panicked, its loops have let go of their devices.
-            let _ = thread.join();
-        }
     }
 }
 
@@ -192,7 +114,6 @@ struct Running {
     settings: Settings,
     limits: Limits,
     hub: Arc<Hub>,
-    commands: Receiver<Command>,
     /// Ends the session.
     stop: StopFlag,
     /// Ends the loops that run now.
@@ -221,55 +142,55 @@ struct Running {
     hand_told: Instant,
 }
 
-impl Running {
-    fn run(mut self) -> SessionEnd {
-        let mut next_frame = Instant::now();
-        let mut next_status = Instant::now();
-        loop {
-            let now = Instant::now();
-            self.take_commands(next_frame.saturating_duration_since(now).min(REST));
-            if self.stop.is_raised() {
-                return self.finish();
+impl Turns for Running {
+    type End = SessionEnd;
+
+    fn answers(&self) -> Vec<Answer> {
+        self.lanes.first().map(Lane::answers).unwrap_or_default()
+    }
+
+    fn obey(&mut self, command: Command) {
+        let (client, wish) = match command {
+            Command::Wish(client, wish) => (client, wish),
+            Command::Gone(client) => {
+                if self.holder == Some(client) {
+                    // A hand that nobody leads holds nothing.
+                    self.holder = None;
+                    if let Some(hand) = &self.setup.hand {
+                        hand.let_go();
+                    }
+                }
+                return;
             }
-            self.listen();
-            let now = Instant::now();
-            if now >= next_frame {
-                self.show();
-                // A frame that is late is not made up for.
-                next_frame = (next_frame + FRAME_EVERY).max(now);
-                self.tell_state();
+        };
+        let (about, done) = match wish {
+            Wish::Hand(target) => ("hand", self.lead(client, target)),
+            Wish::Tool(_) => (
+                "tool",
+                Err("one contact is led by `hand`, with one number".to_owned()),
+            ),
+            Wish::Set(set) => ("set", self.set(&set)),
+            Wish::Restart => ("restart", self.restart_if_allowed()),
+            Wish::Rearm(lane) => ("rearm", self.rearm(lane)),
+            Wish::Record(true) => ("record", self.record()),
+            Wish::Record(false) => {
+                self.end_recordings();
+                ("record", Ok(()))
             }
-            if now >= next_status {
-                self.tell_status();
-                next_status = now + STATUS_EVERY;
-            }
-            // What is to last for so long is over with its loops; else they can be begun anew.
-            let lasts = self.setup.duration.is_some();
-            if lasts && !self.lanes.iter().any(Lane::is_running) {
-                return self.finish();
-            }
+        };
+        if let Err(text) = done {
+            let refused = Said::Refused { about, text: &text };
+            self.hub.tell(client, refused.text());
+        }
+        self.is_state_due |= about != "hand";
+        // Else it comes with the next frame, the newest for all.
+        if self.is_state_due && self.states.take(Instant::now()) {
+            self.tell_state();
         }
     }
 
-    /// Waits for commands, and does those that are there: for one turn at most, and only the first
-    /// that begins the loops anew, since others want to be heard and shown something as well.
-    fn take_commands(&mut self, rest: Duration) {
-        let mut next = match self.commands.recv_timeout(rest) {
-            Ok(command) => Some(command),
-            Err(RecvTimeoutError::Timeout) => None,
-            // Nobody serves any more; the loops go on.
-            Err(RecvTimeoutError::Disconnected) => {
-                std::thread::sleep(rest);
-                None
-            }
-        };
-        let (begun, runs) = (Instant::now(), self.runs);
-        while let Some(command) = next.take_if(|_| !self.stop.is_raised()) {
-            self.obey(command);
-            if self.runs == runs && begun.elapsed() < TURN {
-                next = self.commands.try_recv().ok();
-            }
-        }
+    fn runs(&self) -> u32 {
+        self.runs
     }
 
     fn listen(&mut self) {
@@ -317,6 +238,46 @@ impl Running {
         self.watch_recordings();
     }
 
+    fn show(&mut self) {
+        for (index, lane) in self.lanes.iter_mut().enumerate() {
+            let number = u8::try_from(index).unwrap_or(u8::MAX);
+            if let Some(frame) = lane.rows().take_frame(number, self.runs) {
+                self.hub.show(frame);
+            }
+        }
+        self.tell_state();
+    }
+
+    fn tell_status(&mut self) {
+        let mut recording: Option<RecordingStatus> = None;
+        for part in self.lanes.iter().filter_map(Lane::recording) {
+            let all = recording.get_or_insert_default();
+            all.ticks += part.ticks();
+            all.lost += part.lost();
+            all.bytes += part.bytes();
+        }
+        if let Some(failed) = &self.recording_failed {
+            let all = recording.get_or_insert_default();
+            all.failed = Some(failed.clone());
+        }
+        let status = Said::Status {
+            clients: self.hub.clients(),
+            lanes: self.lanes.iter().map(Lane::status).collect(),
+            recording,
+        };
+        self.hub.tell_all(status.text());
+    }
+
+    fn is_over(&self) -> bool {
+        self.setup.duration.is_some() && !self.lanes.iter().any(Lane::is_running)
+    }
+
+    fn finish(self) -> SessionEnd {
+        Self::finish(self)
+    }
+}
+
+impl Running {
     /// Says how many notes of a lane were not told, when there is room for it.
     fn tell_untold(&mut self) {
         for (index, lane) in self.lanes.iter().enumerate() {
@@ -334,55 +295,6 @@ impl Running {
                 };
                 self.hub.tell_all(note.text());
             }
-        }
-    }
-
-    fn show(&mut self) {
-        for (index, lane) in self.lanes.iter_mut().enumerate() {
-            let number = u8::try_from(index).unwrap_or(u8::MAX);
-            if let Some(frame) = lane.rows().take_frame(number, self.runs) {
-                self.hub.show(frame);
-            }
-        }
-    }
-
-    fn obey(&mut self, command: Command) {
-        let (client, wish) = match command {
-            Command::Wish(client, wish) => (client, wish),
-            Command::Gone(client) => {
-                if self.holder == Some(client) {
-                    // A hand that nobody leads holds nothing.
-                    self.holder = None;
-                    if let Some(hand) = &self.setup.hand {
-                        hand.let_go();
-                    }
-                }
-                return;
-            }
-        };
-        let (about, done) = match wish {
-            Wish::Hand(target) => ("hand", self.lead(client, target)),
-            Wish::Tool(_) => (
-                "tool",
-                Err("one contact is led by `hand`, with one number".to_owned()),
-            ),
-            Wish::Set(set) => ("set", self.set(&set)),
-            Wish::Restart => ("restart", self.restart_if_allowed()),
-            Wish::Rearm(lane) => ("rearm", self.rearm(lane)),
-            Wish::Record(true) => ("record", self.record()),
-            Wish::Record(false) => {
-                self.end_recordings();
-                ("record", Ok(()))
-            }
-        };
-        if let Err(text) = done {
-            let refused = Said::Refused { about, text: &text };
-            self.hub.tell(client, refused.text());
-        }
-        self.is_state_due |= about != "hand";
-        // Else it comes with the next frame, the newest for all.
-        if self.is_state_due && self.states.take(Instant::now()) {
-            self.tell_state();
         }
     }
 
@@ -505,25 +417,5 @@ impl Running {
             self.hand_told = Instant::now();
             self.hub.set_state(self.state().text());
         }
-    }
-
-    fn tell_status(&mut self) {
-        let mut recording: Option<RecordingStatus> = None;
-        for part in self.lanes.iter().filter_map(Lane::recording) {
-            let all = recording.get_or_insert_default();
-            all.ticks += part.ticks();
-            all.lost += part.lost();
-            all.bytes += part.bytes();
-        }
-        if let Some(failed) = &self.recording_failed {
-            let all = recording.get_or_insert_default();
-            all.failed = Some(failed.clone());
-        }
-        let status = Said::Status {
-            clients: self.hub.clients(),
-            lanes: self.lanes.iter().map(Lane::status).collect(),
-            recording,
-        };
-        self.hub.tell_all(status.text());
     }
 }

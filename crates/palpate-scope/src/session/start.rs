@@ -3,7 +3,6 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 
 use palpate::AlongAxis;
@@ -19,7 +18,7 @@ use palpate_sim::device::PointerHand;
 
 use super::lane::{Lane, Run};
 use super::recording::{Ending, LaneRecording};
-use super::{BEGINNINGS, Command, LaneEnd, NOTES, Running, STATES, SessionEnd, Written};
+use super::{BEGINNINGS, LaneEnd, NOTES, Running, STATES, SessionEnd, Written};
 use crate::hub::Hub;
 use crate::message::Said;
 use crate::pace::Pace;
@@ -102,12 +101,7 @@ pub struct Setup {
 }
 
 impl Running {
-    pub(super) fn new(
-        setup: Setup,
-        stop: StopFlag,
-        hub: Arc<Hub>,
-        commands: Receiver<Command>,
-    ) -> Self {
+    pub(super) fn new(setup: Setup, stop: StopFlag, hub: Arc<Hub>) -> Self {
         let settings = Settings::of(&setup.scene, &setup.methods);
         let mut limits = Limits::around(&settings, &setup.scene);
         if !setup.devices.any_period() {
@@ -118,7 +112,6 @@ impl Running {
             settings,
             setup,
             hub,
-            commands,
             stop_lanes: stop.below(),
             stop,
             lanes: Vec::new(),

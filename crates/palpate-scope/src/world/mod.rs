@@ -5,8 +5,6 @@ mod lane;
 mod shown;
 
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
-use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
 use palpate_device::clock::MonotonicClock;
@@ -20,17 +18,9 @@ use palpate_sim::device::SpatialHand;
 use crate::hub::{ClientId, Hub};
 use crate::message::{Said, Wish};
 use crate::pace::Pace;
-use crate::session::{Command, SessionError};
+use crate::session::{Command, Session, SessionError, Turns};
 use lane::{Lane, Run};
 
-/// Most wishes that wait.
-const WISHES: usize = 256;
-/// How long the session rests at most when nobody wishes anything.
-const REST: Duration = Duration::from_millis(4);
-/// Frames are sent this often.
-const FRAME_EVERY: Duration = Duration::from_nanos(1_000_000_000 / 60);
-/// The status is told this often.
-const STATUS_EVERY: Duration = Duration::from_millis(500);
 /// Most lanes: what the page has room for.
 pub const MOST_LANES: usize = 2;
 /// Notes of all lanes that are told at once, and then each second.
@@ -98,115 +88,44 @@ pub struct WorldSessionEnd {
     pub failed: Option<String>,
 }
 
-/// A session on a world, on its thread. Dropping it ends it, and waits until its devices are commanded no force.
-pub struct WorldSession {
-    thread: Option<JoinHandle<WorldSessionEnd>>,
-    stop: StopFlag,
-    commands: SyncSender<Command>,
-    hub: Arc<Hub>,
-    answers: Vec<Answer>,
-}
+/// A session on a world.
+pub type WorldSession = Session<WorldSessionEnd>;
 
-impl WorldSession {
+impl Session<WorldSessionEnd> {
     /// Starts the loops and the thread that listens to them, until `stop` is raised.
     ///
     /// # Errors
     /// There are no methods or more than two, a device does not open, a limit is outside its range.
-    pub fn start(setup: WorldSetup, stop: &StopFlag) -> Result<Self, SessionError> {
+    pub fn of_world(setup: WorldSetup, stop: &StopFlag) -> Result<Self, SessionError> {
         let methods = setup.methods.len();
         if !(1..=MOST_LANES).contains(&methods) {
             return Err(SessionError::Other(format!(
                 "{methods} methods; the page shows one, or two side by side"
             )));
         }
-        let stop = stop.below();
-        let (commands, incoming) = sync_channel(WISHES);
-        let hub = Arc::new(Hub::default());
-        let mut running = Running {
-            hub: Arc::clone(&hub),
-            commands: incoming,
-            stop: stop.clone(),
-            stop_lanes: stop.below(),
-            lanes: Vec::new(),
-            runs: 0,
-            holder: None,
-            notes: Pace::new(NOTES.0, NOTES.1),
-            restarts: Pace::new(RESTARTS.0, RESTARTS.1),
-            failed: None,
-            setup,
-        };
-        running.start_lanes()?;
-        running.greet();
-        let answers = running
-            .lanes
-            .first()
-            .map(|lane| lane.answers.clone())
-            .unwrap_or_default();
-        let thread = Builder::new()
-            .name("palpate scope".to_owned())
-            .spawn(move || running.run())
-            .map_err(|error| format!("no thread for the scope: {error}"))?;
-        Ok(Self {
-            thread: Some(thread),
-            stop,
-            commands,
-            hub,
-            answers,
+        Self::begin(stop, |hub, stop| {
+            let mut running = Running {
+                hub,
+                stop_lanes: stop.below(),
+                stop,
+                lanes: Vec::new(),
+                runs: 0,
+                holder: None,
+                notes: Pace::new(NOTES.0, NOTES.1),
+                restarts: Pace::new(RESTARTS.0, RESTARTS.1),
+                failed: None,
+                setup,
+            };
+            running.start_lanes()?;
+            running.greet();
+            Ok(running)
         })
-    }
-
-    /// Where clients join.
-    #[must_use]
-    pub fn hub(&self) -> Arc<Hub> {
-        Arc::clone(&self.hub)
-    }
-
-    /// Where clients say what they wish.
-    #[must_use]
-    pub fn commands(&self) -> SyncSender<Command> {
-        self.commands.clone()
-    }
-
-    /// What the machine granted the first loop.
-    #[must_use]
-    pub fn answers(&self) -> &[Answer] {
-        &self.answers
-    }
-
-    /// Whether it is over.
-    #[must_use]
-    pub fn has_ended(&self) -> bool {
-        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
-    }
-
-    /// Waits for its end.
-    ///
-    /// # Panics
-    /// The session's thread panicked; its loops have let go of their devices.
-    #[must_use]
-    pub fn join(mut self) -> WorldSessionEnd {
-        match self.thread.take().map(JoinHandle::join) {
-            Some(Ok(end)) => end,
-            Some(Err(payload)) => std::panic::resume_unwind(payload),
-            None => unreachable!("only this takes it, and once"),
-        }
-    }
-}
-
-impl Drop for WorldSession {
-    fn drop(&mut self) {
-        self.stop.raise();
-        if let Some(thread) = self.thread.take() {
-            // Nobody asks how it ended. If it panicked, its loops have let go of their devices.
-            let _ = thread.join();
-        }
     }
 }
 
 struct Running {
     setup: WorldSetup,
     hub: Arc<Hub>,
-    commands: Receiver<Command>,
     stop: StopFlag,
     stop_lanes: StopFlag,
     lanes: Vec<Lane>,
@@ -218,79 +137,12 @@ struct Running {
     failed: Option<String>,
 }
 
-impl Running {
-    fn run(mut self) -> WorldSessionEnd {
-        let mut next_frame = Instant::now();
-        let mut next_status = Instant::now();
-        loop {
-            let now = Instant::now();
-            self.take_commands(next_frame.saturating_duration_since(now).min(REST));
-            if self.stop.is_raised() {
-                return self.finish();
-            }
-            self.listen();
-            let now = Instant::now();
-            if now >= next_frame {
-                self.show();
-                // A frame that is late is not made up for.
-                next_frame = (next_frame + FRAME_EVERY).max(now);
-                self.hub.set_state(self.state());
-            }
-            if now >= next_status {
-                let status = Said::Status {
-                    clients: self.hub.clients(),
-                    lanes: self.lanes.iter().map(Lane::status).collect(),
-                    recording: None,
-                };
-                self.hub.tell_all(status.text());
-                next_status = now + STATUS_EVERY;
-            }
-            let lasts = self.setup.duration.is_some();
-            if lasts && !self.lanes.iter().any(Lane::is_running) {
-                return self.finish();
-            }
-        }
-    }
+impl Turns for Running {
+    type End = WorldSessionEnd;
 
-    fn start_lanes(&mut self) -> Result<(), SessionError> {
-        self.stop_lanes = self.stop.below();
-        self.runs = self.runs.wrapping_add(1);
-        let start = self.setup.scene.devices.first().map(|one| one.position);
-        if let Some((hand, start)) = self.setup.hand.as_ref().zip(start) {
-            hand.move_to(start);
-        }
-        let mut lanes = Vec::new();
-        for (number, method) in self.setup.methods.clone().into_iter().enumerate() {
-            let opened = (self.setup.open)(number).map_err(SessionError::Other)?;
-            let run = Run {
-                clock: &self.setup.clock,
-                request: self.setup.request,
-                stop: &self.stop_lanes,
-                duration: self.setup.duration,
-            };
-            lanes.push(Lane::start(method, opened, &run)?);
-        }
-        self.lanes = lanes;
-        Ok(())
-    }
-
-    fn take_commands(&mut self, rest: Duration) {
-        let mut next = match self.commands.recv_timeout(rest) {
-            Ok(command) => Some(command),
-            Err(RecvTimeoutError::Timeout) => None,
-            // Nobody serves any more; the loops go on.
-            Err(RecvTimeoutError::Disconnected) => {
-                std::thread::sleep(rest);
-                None
-            }
-        };
-        let runs = self.runs;
-        while let Some(command) = next.take() {
-            self.obey(command);
-            if self.runs == runs && !self.stop.is_raised() {
-                next = self.commands.try_recv().ok();
-            }
-        }
+    fn answers(&self) -> Vec<Answer> {
+        let first = self.lanes.first().map(|lane| lane.answers.clone());
+        first.unwrap_or_default()
     }
 
     fn obey(&mut self, command: Command) {
@@ -324,6 +176,102 @@ impl Running {
             let text = Said::Refused { about, text: &text }.text();
             self.hub.tell(client, text);
         }
+    }
+
+    fn runs(&self) -> u32 {
+        self.runs
+    }
+
+    fn listen(&mut self) {
+        let mut texts = Vec::new();
+        for (number, lane) in self.lanes.iter_mut().enumerate() {
+            let notes = &mut self.notes;
+            let has_ended = lane.listen(|noted| {
+                if matches!(noted.note, Note::Ended(_)) || !notes.take(Instant::now()) {
+                    return;
+                }
+                let event = noted.event();
+                texts.push(
+                    Said::Note {
+                        lane: number,
+                        t_s: event.time,
+                        kind: &event.kind,
+                        text: &event.text,
+                    }
+                    .text(),
+                );
+            });
+            let is_over = |end: &&WorldEnded| end.ending != Ending::Stopped;
+            if has_ended && let Some(end) = lane.end().filter(is_over) {
+                let mut text = format!("lane {}: {}", number + 1, end.ending.text());
+                if let Some(words) = &end.panic {
+                    text = format!("{text}: {words}");
+                }
+                texts.push(Said::Ended { text: &text }.text());
+            }
+        }
+        for text in texts {
+            self.hub.tell_all(text);
+        }
+    }
+
+    fn show(&mut self) {
+        for (number, lane) in (0..).zip(&mut self.lanes) {
+            for frame in lane.frames(number, self.runs) {
+                self.hub.show(frame);
+            }
+        }
+        self.hub.set_state(self.state());
+    }
+
+    fn tell_status(&mut self) {
+        let status = Said::Status {
+            clients: self.hub.clients(),
+            lanes: self.lanes.iter().map(Lane::status).collect(),
+            recording: None,
+        };
+        self.hub.tell_all(status.text());
+    }
+
+    fn is_over(&self) -> bool {
+        self.setup.duration.is_some() && !self.lanes.iter().any(Lane::is_running)
+    }
+
+    fn finish(mut self) -> WorldSessionEnd {
+        self.stop_lanes.raise();
+        for lane in &mut self.lanes {
+            lane.finish();
+        }
+        let lanes = self.lanes.drain(..).filter_map(Lane::into_end).collect();
+        self.hub.close();
+        WorldSessionEnd {
+            lanes,
+            failed: self.failed,
+        }
+    }
+}
+
+impl Running {
+    fn start_lanes(&mut self) -> Result<(), SessionError> {
+        self.stop_lanes = self.stop.below();
+        self.runs = self.runs.wrapping_add(1);
+        let start = self.setup.scene.devices.first().map(|one| one.position);
+        if let Some((hand, start)) = self.setup.hand.as_ref().zip(start) {
+            hand.move_to(start);
+        }
+        let mut lanes = Vec::new();
+        for (number, method) in self.setup.methods.clone().into_iter().enumerate() {
+            let opened = (self.setup.open)(number).map_err(SessionError::Other)?;
+            let run = Run {
+                clock: &self.setup.clock,
+                request: self.setup.request,
+                stop: &self.stop_lanes,
+                duration: self.setup.duration,
+            };
+            lanes.push(Lane::start(method, opened, &run)?);
+        }
+        self.lanes = lanes;
+        Ok(())
     }
 
     /// Leads the hand to a place, or lets go.
@@ -390,47 +338,6 @@ impl Running {
         })
     }
 
-    fn listen(&mut self) {
-        let mut texts = Vec::new();
-        for (number, lane) in self.lanes.iter_mut().enumerate() {
-            let notes = &mut self.notes;
-            let has_ended = lane.listen(|noted| {
-                if matches!(noted.note, Note::Ended(_)) || !notes.take(Instant::now()) {
-                    return;
-                }
-                let event = noted.event();
-                texts.push(
-                    Said::Note {
-                        lane: number,
-                        t_s: event.time,
-                        kind: &event.kind,
-                        text: &event.text,
-                    }
-                    .text(),
-                );
-            });
-            let is_over = |end: &&WorldEnded| end.ending != Ending::Stopped;
-            if has_ended && let Some(end) = lane.end().filter(is_over) {
-                let mut text = format!("lane {}: {}", number + 1, end.ending.text());
-                if let Some(words) = &end.panic {
-                    text = format!("{text}: {words}");
-                }
-                texts.push(Said::Ended { text: &text }.text());
-            }
-        }
-        for text in texts {
-            self.hub.tell_all(text);
-        }
-    }
-
-    fn show(&mut self) {
-        for (number, lane) in (0..).zip(&mut self.lanes) {
-            for frame in lane.frames(number, self.runs) {
-                self.hub.show(frame);
-            }
-        }
-    }
-
     fn greet(&self) {
         let capabilities = self.lanes.first().map(|lane| &lane.capabilities);
         let hello = shown::hello(
@@ -446,18 +353,5 @@ impl Running {
     fn state(&self) -> String {
         let hand = self.setup.hand.as_ref().and_then(SpatialHand::target);
         shown::state(&self.setup.scene, &self.lanes, hand)
-    }
-
-    fn finish(mut self) -> WorldSessionEnd {
-        self.stop_lanes.raise();
-        for lane in &mut self.lanes {
-            lane.finish();
-        }
-        let lanes = self.lanes.drain(..).filter_map(Lane::into_end).collect();
-        self.hub.close();
-        WorldSessionEnd {
-            lanes,
-            failed: self.failed,
-        }
     }
 }

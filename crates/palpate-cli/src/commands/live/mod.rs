@@ -2,21 +2,19 @@
 
 mod arguments;
 mod device;
+mod serving;
 mod world;
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use palpate_device::clock::MonotonicClock;
-use palpate_rt::{SetupError, StopFlag};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile};
-use palpate_scope::{
-    Home, LaneEnd, ListenError, Listening, Server, Session, SessionError, Setup, Written,
-};
+use palpate_scope::{Home, LaneEnd, Session, Setup, Written};
 
 pub use arguments::LiveArguments;
 use device::{Named, most_lanes};
+use serving::{listen, serve};
 
 use super::run::report::Subject;
 use super::run::{
@@ -35,9 +33,6 @@ use palpate_study::recording::in_a_line;
 /// What is shown without a scene, and by which methods.
 const SCENE: &str = include_str!("../../../experiments/live.toml");
 const METHODS: [MethodName; 2] = [MethodName::Basic, MethodName::Coupled];
-
-/// How often it is looked whether the session has ended.
-const LOOK_EVERY: Duration = Duration::from_millis(50);
 
 /// Runs a loop, serves a page on it, and says in the end how it went.
 pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
@@ -74,32 +69,9 @@ pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
         record: arguments.record.clone(),
         scene,
     };
-    let stop =
-        StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
-    // Declared first, so that it goes last: whatever goes wrong below, the force is off before clients
-    // are told goodbye.
-    let server;
-    let session = Session::start(setup, &stop).map_err(|error| match error {
-        SessionError::Setup(SetupError::Safety(error)) => Failure::Arguments(error.to_string()),
-        SessionError::Setup(error) => Failure::input(format_args!("{}: {error}", path.display())),
-        SessionError::Other(text) => Failure::System(text),
+    let end = serve(listening, Home::Contact, path.as_path(), |stop| {
+        Session::start(setup, stop)
     })?;
-    let where_it_is = where_it_is(&listening);
-    server = Server::start(listening, session.hub(), session.commands(), Home::Contact)
-        .map_err(|error| Failure::System(error.to_string()))?;
-    print(&format!("{where_it_is}ctrl-C ends it\n"))?;
-    for answer in session
-        .answers()
-        .iter()
-        .filter(|answer| !answer.is_granted())
-    {
-        tell(format_args!("warning: {answer}"));
-    }
-    while !session.has_ended() {
-        std::thread::sleep(LOOK_EVERY);
-    }
-    let end = session.join();
-    drop(server);
     let asked = Asked {
         duration: arguments.duration,
         // A recorded motion is over when it is over.
@@ -181,40 +153,6 @@ fn read(arguments: &LiveArguments) -> Result<(Scene, PathBuf, Vec<MethodName>), 
         );
     }
     Ok((scene, path, methods))
-}
-
-fn listen(arguments: &LiveArguments) -> Result<Listening, Failure> {
-    Listening::on(arguments.listen, arguments.allow_host.clone()).map_err(|error| match error {
-        ListenError::Address { address, source }
-            if source.kind() == std::io::ErrorKind::AddrInUse =>
-        {
-            Failure::System(format!(
-                "{address} is in use, by another palpate live perhaps; --listen {}:0 takes a port \
-                 that is free",
-                address.ip()
-            ))
-        }
-        other => Failure::System(other.to_string()),
-    })
-}
-
-/// The addresses to open, a line each.
-fn where_it_is(listening: &Listening) -> String {
-    let here = listening.url();
-    if !listening.address().ip().is_unspecified() {
-        return format!("{here}\n");
-    }
-    match listening.url_on_the_network() {
-        Some(there) => format!("{here}\nfrom another machine: {there}\n"),
-        None => format!(
-            "{here}\nfrom another machine: the same, with an address of this machine in place of {}\n",
-            if listening.address().is_ipv4() {
-                "127.0.0.1"
-            } else {
-                "[::1]"
-            }
-        ),
-    }
 }
 
 /// Where recordings go that the page asks for.

@@ -3,20 +3,18 @@
 use std::path::Path;
 
 use palpate_device::clock::MonotonicClock;
-use palpate_rt::{SetupError, StopFlag};
 use palpate_scene::world::WorldFile;
-use palpate_scope::{
-    Home, MOST_LANES, Server, SessionError, WorldLane, WorldLaneEnd, WorldSession, WorldSetup,
-};
+use palpate_scope::{Home, MOST_LANES, Session, WorldLane, WorldLaneEnd, WorldSetup};
 use palpate_sim::device::SpatialHand;
 
 use super::super::run::report::{Energies, Report, Subject};
 use super::super::run::world::{FLAGS, rendered};
 use super::super::run::{Asked, guarding, limits, outcome, request};
-use super::{LOOK_EVERY, LiveArguments, add, listen, where_it_is};
+use super::serving::{listen, serve};
+use super::{LiveArguments, add};
 use crate::devices::guarding::GuardianReport;
 use crate::devices::{DeviceName, OpenedInWorld, open_in_world_with};
-use crate::failure::{Failure, tell};
+use crate::failure::Failure;
 use crate::results::print;
 use crate::values::duration;
 use crate::worlds::{self, wrong_world};
@@ -103,32 +101,9 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
         request: request(&arguments.realtime),
         duration: lasts,
     };
-    let stop =
-        StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
-    // Declared first, so that it goes last: whatever goes wrong below, the force is off before clients
-    // are told goodbye.
-    let server;
-    let session = WorldSession::start(setup, &stop).map_err(|error| match error {
-        SessionError::Setup(SetupError::Safety(error)) => Failure::Arguments(error.to_string()),
-        SessionError::Setup(error) => Failure::input(format_args!("{}: {error}", path.display())),
-        SessionError::Other(text) => Failure::System(text),
+    let end = serve(listening, Home::World, path, |stop| {
+        Session::of_world(setup, stop)
     })?;
-    let where_it_is = where_it_is(&listening);
-    server = Server::start(listening, session.hub(), session.commands(), Home::World)
-        .map_err(|error| Failure::System(error.to_string()))?;
-    print(&format!("{where_it_is}ctrl-C ends it\n"))?;
-    for answer in session
-        .answers()
-        .iter()
-        .filter(|answer| !answer.is_granted())
-    {
-        tell(format_args!("warning: {answer}"));
-    }
-    while !session.has_ended() {
-        std::thread::sleep(LOOK_EVERY);
-    }
-    let end = session.join();
-    drop(server);
     let asked = Asked {
         duration: arguments.duration,
         device_may_end: false,

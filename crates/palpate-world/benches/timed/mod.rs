@@ -1,0 +1,80 @@
+//! Times every tick of a run by itself, and prints a line.
+
+use std::time::Instant;
+
+use palpate_world::{Output, Quaternion, Sample, Vector, WorldLoop, WorldMethod, WorldRenderer};
+
+/// The period of all of them `[s]`.
+pub const PERIOD: f64 = 0.001;
+const TICKS: usize = 3000;
+const RUNS: usize = 5;
+/// What the device's sensor tells apart `[m]`.
+const QUANTUM: f64 = 2e-6;
+
+/// A device of which each run has its own.
+pub trait Held {
+    /// Where its tool is `[m]`, and how it is turned, if that is measured.
+    fn place(&self) -> (Vector, Option<Quaternion>);
+    /// Goes on by a period under what the renderer commands; `time` is the tick's `[s]`.
+    fn hold(&mut self, output: &Output, time: f64);
+}
+
+/// What the columns are.
+pub fn print_heading() {
+    println!(
+        "microseconds per tick: median, p99, max; sub-steps per tick: median, p99, max; ticks in contact; features left out"
+    );
+}
+
+/// Renders `world` by `method` on a device, several times alike, and prints the least time of each tick.
+pub fn print_ticks<D: Held>(
+    name: &str,
+    world: &palpate_world::World,
+    method: &WorldMethod,
+    start: impl Fn() -> D,
+) {
+    let renderer = match WorldRenderer::new(world, WorldLoop::new(PERIOD), method.clone()) {
+        Ok(renderer) => renderer,
+        Err(fault) => {
+            println!("{name}: refused: {fault:?}");
+            return;
+        }
+    };
+    let mut times = vec![f64::INFINITY; TICKS];
+    let mut steps = vec![0; TICKS];
+    let (mut touched, mut left_out) = (0, 0);
+    for _ in 0..RUNS {
+        let mut state = renderer.start();
+        let mut device = start();
+        touched = 0;
+        for (tick, (time, steps)) in times.iter_mut().zip(&mut steps).enumerate() {
+            let (position, orientation) = device.place();
+            let positions = [position.map(|x| (x / QUANTUM).round() * QUANTUM)];
+            let orientations = [orientation.unwrap_or([1.0, 0.0, 0.0, 0.0])];
+            let mut sample = Sample::at(&positions);
+            if orientation.is_some() {
+                sample = sample.turned(&orientations);
+            }
+            let before = Instant::now();
+            let output = renderer.step(&mut state, &sample);
+            *time = time.min(before.elapsed().as_secs_f64() * 1e6);
+            *steps = output.effort.sub_steps;
+            left_out = left_out.max(output.effort.left_out);
+            touched += usize::from(output.forces[0] != [0.0; 3]);
+            device.hold(&output, tick as f64 * PERIOD);
+        }
+    }
+    times.sort_by(f64::total_cmp);
+    steps.sort_unstable();
+    let at = |part: usize| (TICKS - 1) * part / 100;
+    println!(
+        "{name:28} {:8.2} {:8.2} {:8.2}   {:5} {:5} {:5}   {:3} %   {left_out}",
+        times[at(50)],
+        times[at(99)],
+        times[at(100)],
+        steps[at(50)],
+        steps[at(99)],
+        steps[at(100)],
+        100 * touched / TICKS
+    );
+}
