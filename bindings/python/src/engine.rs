@@ -81,7 +81,7 @@ type Told<'py> = (
 /// Numbers of tool and body, mode, point, normal, penetration and force.
 type ContactNow = (usize, usize, &'static str, Vector, Vector, f64, Vector);
 /// Entries of the books of contacts, and of devices.
-type BooksNow = (Vec<[f64; 7]>, Vec<[f64; 2]>);
+type BooksNow = (Vec<[f64; 8]>, Vec<[f64; 2]>);
 
 fn wrong(faults: &[WorldError]) -> PyErr {
     let lines: Vec<_> = faults.iter().map(ToString::to_string).collect();

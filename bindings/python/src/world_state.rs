@@ -22,7 +22,7 @@ type ContactNow = (
     Vector,
 );
 /// Entries of the books of contacts, with their sides; of bodies; and of devices.
-type BooksNow = (Vec<([String; 2], [f64; 7])>, Vec<[f64; 5]>, Vec<[f64; 7]>);
+type BooksNow = (Vec<([String; 2], [f64; 8])>, Vec<[f64; 5]>, Vec<[f64; 7]>);
 
 impl PyWorld {
     fn side(&self, side: Side) -> String {
@@ -94,7 +94,7 @@ pub fn mode(mode: Mode) -> &'static str {
 }
 
 /// Entries of the book of a contact.
-pub fn contact_book(book: &ContactBook) -> [f64; 7] {
+pub fn contact_book(book: &ContactBook) -> [f64; 8] {
     [
         book.stored,
         book.dissipated,
@@ -103,6 +103,7 @@ pub fn contact_book(book: &ContactBook) -> [f64; 7] {
         book.held,
         book.observed,
         book.step_error,
+        book.handed,
     ]
 }
 

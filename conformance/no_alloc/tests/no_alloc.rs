@@ -155,6 +155,7 @@ fn a_mesh_is_touched_without_allocating() {
     // The large ball looks at as many triangles as it may, which takes an unoptimised build its time.
     for (radius, ticks) in [(0.0, 3000), (0.004, 3000), (1.0, 200)] {
         let world = World {
+            joints: Vec::new(),
             tools: vec![Tool::new("tool", Shape::Sphere { radius })],
             bodies: vec![Body::new("bumps", Shape::Mesh(mesh.clone()), Motion::Fixed)],
             contacts: vec![Contact {
@@ -198,20 +199,41 @@ fn a_mesh_is_touched_without_allocating() {
 #[test]
 fn a_world_is_stepped_without_allocating() {
     use palpate_world::{
-        BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Motion, Party, Sample, Shape,
-        Tool, World, WorldLoop, WorldMethod, WorldRenderer,
+        BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Joint, JointKind, JointLaw,
+        Motion, Party, Sample, Shape, Tool, World, WorldLoop, WorldMethod, WorldRenderer,
     };
     let half_space = Shape::HalfSpace {
         normal: [0.0, 0.0, 1.0],
         offset: 0.0,
     };
     let ball = Free::of_mass(0.1).pulled_by([0.0, 0.0, -1.0]);
+    // Beside the ball, a block falls on one that is on a slider with a spring.
+    let block = Shape::Box {
+        half_extents: [0.02; 3],
+    };
+    let slider = Joint {
+        body: "lower".into(),
+        against: None,
+        kind: JointKind::Slider,
+        point: [0.2, 0.0, 0.06],
+        axis: [0.0, 0.0, 1.0],
+        law: JointLaw {
+            spring: 100.0,
+            limits: Some([-0.01, 0.0]),
+            ..JointLaw::of(5000.0, 0.04)
+        },
+    };
     let world = World {
+        joints: vec![slider],
         tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.01 })],
         bodies: vec![
             Body::new("floor", half_space, Motion::Fixed),
             Body::new("ball", Shape::Sphere { radius: 0.02 }, Motion::Free(ball))
                 .at([0.0, 0.0, 0.02]),
+            Body::new("lower", block.clone(), Motion::Free(ball)).at([0.2, 0.0, 0.06]),
+            Body::new("upper", block, Motion::Free(ball))
+                .at([0.205, 0.003, 0.103])
+                .turned([0.8, 0.0, 0.6, 0.0]),
         ],
         contacts: vec![Contact {
             between: [Party::Any, Party::Any],

@@ -308,3 +308,21 @@ fn a_peg_that_a_hand_presses_for_a_minute_stays_in_its_hole_and_is_quiet() {
         );
     }
 }
+
+/// The tool is a box, and what it is pressed onto is a free box on a table, with friction.
+#[test]
+fn a_box_that_is_pressed_onto_a_free_box_is_near_the_floor_and_at_it_with_the_device_known() {
+    let told = scene("box-on-box");
+    let known = known(told.clone());
+    let [[of_told, ..], [of_known, ..]] = [&told, &known].map(|scene| {
+        let bench = WorldBench::new(scene).unwrap();
+        assert_eq!(bench.self_check().unwrap().chaotic_from, None);
+        errors(&run(scene, &bench, "coupled"))
+    });
+    let bench = WorldBench::new(&told).unwrap();
+    let [of_basic, ..] = errors(&run(&told, &bench, "basic"));
+    println!(
+        "box-on-box: E basic {of_basic:.1} %, coupled told wrong {of_told:.2} %, device known {of_known:.3} %"
+    );
+    assert!(of_told < 0.5 && of_known < 0.1 && of_basic > 5.0);
+}

@@ -115,7 +115,7 @@ fn committed() -> Vec<(String, String)> {
         .collect();
     worlds.retain(|(_, source)| !source.contains("quantum_rad"));
     worlds.sort();
-    assert_eq!(worlds.len(), 14);
+    assert_eq!(worlds.len(), 18);
     worlds
 }
 

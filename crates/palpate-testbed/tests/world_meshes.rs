@@ -31,6 +31,7 @@ fn law() -> ContactLaw {
 /// A tool of 0.15 kg that falls from `position` and is pulled to `rest`.
 fn scene(radius: f64, position: Vector, rest: Vector, bodies: Vec<WorldBody>) -> WorldScene {
     WorldScene {
+        joints: Vec::new(),
         devices: vec![WorldDevice {
             name: "tool".into(),
             mass: [0.15; 3],

@@ -40,6 +40,7 @@ fn dumbbell() -> Tool {
 
 fn alone(device: WorldDevice) -> WorldScene {
     WorldScene {
+        joints: Vec::new(),
         devices: vec![device],
         ..WorldScene::default()
     }
@@ -75,6 +76,7 @@ fn on_a_table() -> WorldScene {
         motion: None,
     };
     WorldScene {
+        joints: Vec::new(),
         devices: vec![device],
         bodies: vec![table],
         pairs: vec![Pair {

@@ -104,6 +104,7 @@ fn main() {
         for radius in [0.0, 0.003, 0.008] {
             let name = format!("{}, tool of {} mm", method.name(), 1e3 * radius);
             let world = World {
+                joints: Vec::new(),
                 tools: vec![Tool::new("tool", Shape::Sphere { radius })],
                 bodies: vec![Body::new("bumps", Shape::Mesh(mesh.clone()), Motion::Fixed)],
                 contacts: vec![Contact {

@@ -26,6 +26,7 @@ fn world(friction: f64) -> World {
         half_extents: [0.03, 0.02, 0.015],
     };
     World {
+        joints: Vec::new(),
         tools: vec![Tool::new("tool", block).turning()],
         bodies: vec![Body::new("table", table, Motion::Fixed)],
         contacts: vec![Contact {

@@ -27,6 +27,7 @@ fn world(friction: f64) -> World {
     let ball = Free::of_mass(0.06).pulled_by([-0.2, 0.0, -0.6]);
     let law = ContactLaw::spring(4000.0).with_damping(1.0);
     World {
+        joints: Vec::new(),
         tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.008 })],
         bodies: vec![
             plane("floor", [0.0, 0.0, 1.0]),
@@ -41,10 +42,36 @@ fn world(friction: f64) -> World {
     }
 }
 
+/// Three boxes, one on another: 49 points of contact, 24 of them of boxes with boxes.
+fn stack(friction: f64) -> World {
+    let shape = Shape::Box {
+        half_extents: [0.02, 0.02, 0.01],
+    };
+    let block = |name, [x, y, z]: Vector, turned: f64| {
+        let free = Free::of_mass(0.05).pulled_by([0.0, 0.0, -0.4905]);
+        let half = 0.5 * turned;
+        Body::new(name, shape.clone(), Motion::Free(free))
+            .at([x, y, z])
+            .turned([half.cos(), 0.0, 0.0, half.sin()])
+    };
+    let world = world(friction);
+    World {
+        bodies: vec![
+            world.bodies[0].clone(),
+            block("lower", [0.0, 0.0, 0.01], 0.0),
+            block("middle", [0.002, 0.001, 0.03], 0.07),
+            block("upper", [0.001, -0.001, 0.05], -0.1),
+        ],
+        ..world
+    }
+}
+
 /// A device that is pressed down and moved across by a hand, in steps under held forces.
 struct Device {
     position: Vector,
     velocity: Vector,
+    /// Where the hand rests, but for a sine along y `[m]`.
+    rest: Vector,
 }
 
 impl Held for Device {
@@ -55,7 +82,12 @@ impl Held for Device {
     fn hold(&mut self, output: &Output, time: f64) {
         let force = output.forces[0];
         let hand = |axis: usize, position: f64, velocity: f64| {
-            let rest = [0.024, 0.004 * (9.0 * time).sin(), 0.02][axis];
+            let sway = if axis == 1 {
+                0.004 * (9.0 * time).sin()
+            } else {
+                0.0
+            };
+            let rest = self.rest[axis] + sway;
             300.0 * (rest - position) - 3.0 * velocity
         };
         for _ in 0..20 {
@@ -86,7 +118,14 @@ fn main() {
             print_ticks(&name, &world(friction), method, || Device {
                 position: [0.022, 0.0, 0.05],
                 velocity: [0.0; 3],
+                rest: [0.024, 0.0, 0.02],
             });
         }
+        let name = format!("{}, three boxes, friction 0.5", method.name());
+        print_ticks(&name, &stack(0.5), method, || Device {
+            position: [0.004, 0.0, 0.07],
+            velocity: [0.0; 3],
+            rest: [0.004, 0.0, 0.055],
+        });
     }
 }

@@ -3,7 +3,7 @@
 /// Energy at the contact of a pair, over all intervals that have ended `[J]`.
 ///
 /// ```text
-/// stored = stored at the start + observed - work - dissipated + step_error
+/// stored = stored at the start + observed + handed - work - dissipated + step_error
 /// leak   = held - work_on_avatar
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,6 +21,9 @@ pub struct ContactBook {
     /// What the stored energy changed by because a sample put the avatar to another place than it was expected at, or
     /// a limit did.
     pub observed: f64,
+    /// What came from the other points of the same pair, where two boxes touch by another face than before: the sum over
+    /// the pair is 0.
+    pub handed: f64,
     /// What finite sub-steps have made (positive) or lost.
     pub step_error: f64,
 }
@@ -31,6 +34,23 @@ impl ContactBook {
     pub fn leak(&self) -> f64 {
         self.held - self.work_on_avatar
     }
+}
+
+/// Energy of a joint, over all intervals that have ended `[J]`.
+///
+/// ```text
+/// stored = the same at the start - work - dissipated + step_error
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct JointBook {
+    /// Energy of its springs at the last sample.
+    pub stored: f64,
+    /// What damping took: never falls.
+    pub dissipated: f64,
+    /// Work of the joint on both of its sides.
+    pub work: f64,
+    /// What finite sub-steps have made (positive) or lost.
+    pub step_error: f64,
 }
 
 /// Energy of a body, over all intervals that have ended `[J]`.
@@ -44,7 +64,7 @@ pub struct BodyBook {
     pub kinetic: f64,
     /// Less the work of its constant force since the start.
     pub potential: f64,
-    /// Work of the contacts on it.
+    /// Work of contacts and joints on it.
     pub work: f64,
     /// What changed it from outside: waiting for a sample that can be used.
     pub outside: f64,
@@ -85,6 +105,8 @@ pub struct Books {
     pub contacts: Vec<ContactBook>,
     /// Of each body, in the world's order; zero for fixed ones.
     pub bodies: Vec<BodyBook>,
+    /// Of each joint, in the world's order.
+    pub joints: Vec<JointBook>,
     /// Of each device, in the order of the tools.
     pub devices: Vec<DeviceBook>,
 }

@@ -13,6 +13,8 @@ pub enum Place {
     Body(usize),
     /// The contact of this number, from 0.
     Contact(usize),
+    /// The joint of this number, from 0.
+    Joint(usize),
     /// The loop in which a world is rendered.
     Loop,
     /// The method by which it is rendered.

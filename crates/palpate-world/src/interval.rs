@@ -1,5 +1,6 @@
 //! One interval of a world: bounded work, and finer where a contact changes its mode.
 
+use crate::blocks::Blocks;
 use crate::moving::Moving;
 use crate::pairs::Point;
 use crate::part::Part;
@@ -118,6 +119,15 @@ fn whole(count: f64) -> u32 {
 /// Material damping of this rate `[1/s]` counts as a frequency of 1 rad/s.
 const DAMPING_PER_FREQUENCY: f64 = 2.0;
 
+/// How far two boxes may come nearer to each other within `h` `[s]`, and as much again `[m]`.
+fn reach_of_blocks(first: &Part, second: &Part, blocks: &Blocks, h: f64) -> f64 {
+    let relative = (first.rigid.velocity - second.rigid.velocity).norm();
+    let pushed = (first.drive.acceleration - second.drive.acceleration).norm();
+    let [one, other] = blocks.reaches();
+    let turns = first.twist.turning.norm() * one + second.twist.turning.norm() * other;
+    (relative + turns + pushed * h) * 2.0 * h
+}
+
 /// A bound of the largest angular frequency among the contacts that touch, or may within `h` `[s]` `[rad/s]`: over a
 /// contact's two sides, the sum of the stiffness times mobility of all contacts there, and the stiffest spring of a drive.
 fn fastest(moving: &Moving, points: &[Point], h: f64) -> f64 {
@@ -128,6 +138,10 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> f64 {
             return true;
         }
         let (first, second) = (&moving.parts[point.first], &moving.parts[point.second]);
+        if let Solid::Between { blocks, point, .. } = point.solid {
+            let found = moving.blocks[blocks].found(point);
+            return -found.penetration < reach_of_blocks(first, second, &moving.blocks[blocks], h);
+        }
         let centre = point.centre_of(&first.rigid);
         let relative: Vector3 = first.rigid.velocity - second.rigid.velocity;
         let pushed = (first.drive.acceleration - second.drive.acceleration).norm();
@@ -147,6 +161,25 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> f64 {
             _ => point.solid.nearest(&second.rigid, &centre).distance < reach,
         }
     };
+    let of_links = |number: usize| {
+        let links = moving
+            .links
+            .iter()
+            .flat_map(|link| link.rates(&moving.parts));
+        let here = links.filter(|(side, ..)| *side == Some(number));
+        here.fold((0.0, 0.0), |sum, (_, square, rate)| {
+            (sum.0 + square, sum.1 + rate)
+        })
+    };
+    for link in &moving.links {
+        let (mut square, mut damping) = (0.0, 0.0);
+        for (side, ..) in link.rates(&moving.parts) {
+            let of_side = side.map_or((0.0, 0.0), of_links);
+            (square, damping) = (square + of_side.0, damping + of_side.1);
+        }
+        most_square = most_square.max(square);
+        most_damping = most_damping.max(damping);
+    }
     let mut near = 0_u64;
     for (number, point) in points.iter().enumerate() {
         if is_near(number, point) {
@@ -159,6 +192,8 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> f64 {
         let point = &points[number];
         let (mut square, mut damping) = (0.0, 0.0);
         for side in [point.first, point.second] {
+            let held = of_links(side);
+            (square, damping) = (square + held.0, damping + held.1);
             let mobility = moving.parts[side].mobility.linear.max();
             for other in nearby().map(|other| &points[other]) {
                 let lever = if other.first == side {

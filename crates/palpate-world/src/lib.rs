@@ -5,6 +5,7 @@
 //! Everything is in one frame, the world's, in SI units. A half-space is solid on the side that its normal points
 //! away from. A contact pushes two bodies apart; the force on a tool is what its device gives to the hand.
 
+mod blocks;
 mod body;
 mod books;
 mod commands;
@@ -13,7 +14,9 @@ pub mod engine;
 mod fault;
 mod inertia;
 mod interval;
+mod joint;
 mod law;
+mod link;
 mod mesh;
 mod method;
 mod moving;
@@ -34,10 +37,11 @@ mod turning_observer;
 mod world;
 
 pub use body::{Body, Free, Motion, Tool};
-pub use books::{BodyBook, Books, ContactBook, DeviceBook};
+pub use books::{BodyBook, Books, ContactBook, DeviceBook, JointBook};
 pub use contact::{Contact, ContactLaw, Party};
 pub use fault::{Place, WorldError};
 pub use interval::{Effort, SubSteps};
+pub use joint::{Joint, JointKind, JointLaw};
 pub use law::Mode;
 pub use mesh::{Mesh, MeshError};
 pub use method::{BasicParams, CoupledParams, VirtualCouplingParams, WorldMethod};

@@ -1,6 +1,8 @@
 //! A world in motion: where everything is, what the contacts do, and what has passed since an interval began.
 
+use crate::blocks::Blocks;
 use crate::law::{Mode, carried};
+use crate::link::Link;
 use crate::mesh::Surface;
 use crate::pairs::Point;
 use crate::part::{Part, Twist};
@@ -47,6 +49,8 @@ pub(crate) struct Past {
     pub work_on_tool: f64,
     /// Energy that damping and friction took, not below 0 `[J]`.
     pub dissipated: f64,
+    /// Energy that other points of the same pair handed to it `[J]`.
+    pub handed: f64,
 }
 
 impl Touch {
@@ -65,6 +69,14 @@ impl Touch {
             damping_power: 0.0,
             apparent_power: 0.0,
             past: Past::default(),
+        }
+    }
+
+    /// The same touch at another point, at which something else has passed.
+    pub fn at_the_point_of(self, other: &Self) -> Self {
+        Self {
+            past: other.past,
+            ..self
         }
     }
 
@@ -103,6 +115,10 @@ pub(crate) struct Moving {
     pub touches: Vec<Touch>,
     /// The meshes that spheres touch.
     pub surfaces: Vec<Surface>,
+    /// The pairs of boxes.
+    pub blocks: Vec<Blocks>,
+    /// The springs of the joints.
+    pub links: Vec<Link>,
 }
 
 impl Moving {
@@ -113,6 +129,8 @@ impl Moving {
         for (surface, other) in self.surfaces.iter_mut().zip(&other.surfaces) {
             surface.copy_from(other);
         }
+        self.blocks.copy_from_slice(&other.blocks);
+        self.links.copy_from_slice(&other.links);
     }
 
     pub fn is_finite(&self) -> bool {
@@ -132,13 +150,19 @@ impl Moving {
         for touch in &mut self.touches {
             touch.past = Past::default();
         }
+        for link in &mut self.links {
+            link.begin();
+        }
         for part in &mut self.parts {
             part.begin();
         }
     }
 
-    /// Spheres may be on another side of the meshes than they were.
+    /// Spheres may be on another side of the meshes than they were, and boxes beside other faces of each other.
     pub fn forget_sides(&mut self) {
+        for blocks in &mut self.blocks {
+            blocks.forget();
+        }
         for surface in &mut self.surfaces {
             surface.forget();
         }
@@ -150,10 +174,14 @@ impl Moving {
         each.max().unwrap_or(0)
     }
 
-    /// Whether a contact's mode is another than in `other`.
+    /// Whether a contact's mode is another than in `other`, or two boxes touch by another face.
     pub fn changed_from(&self, other: &Self) -> bool {
         let mut modes = self.touches.iter().zip(&other.touches);
+        let mut blocks = self.blocks.iter().zip(&other.blocks);
+        let mut links = self.links.iter().zip(&other.links);
         modes.any(|(one, other)| one.mode != other.mode)
+            || blocks.any(|(one, other)| one.changed_from(other))
+            || links.any(|(one, other)| one.changed_from(other))
     }
 
     /// Energy stored in the contact at a point `[J]`.
@@ -187,6 +215,9 @@ impl Moving {
             touch.book(&relative, tool_of(&self.parts, point, self.tools), half);
             touch.slid += (relative - touch.normal * touch.normal.dot(&relative)) * half;
         }
+        for link in &mut self.links {
+            link.book(&self.parts, half);
+        }
         for part in self.moving_parts() {
             part.drift(h);
         }
@@ -204,6 +235,10 @@ impl Moving {
             touch.book(&relative, tool_of(&self.parts, point, self.tools), half);
             touch.relative = relative;
         }
+        for link in &mut self.links {
+            link.watch_damping(&self.parts);
+            link.book(&self.parts, half);
+        }
     }
 
     fn moving_parts(&mut self) -> impl Iterator<Item = &mut Part> {
@@ -220,38 +255,56 @@ impl Moving {
             let [first, second] = surface.parts().map(|number| &self.parts[number].rigid);
             surface.look(first, second);
         }
+        for blocks in &mut self.blocks {
+            let [first, second] = blocks.parts.map(|number| &self.parts[number].rigid);
+            blocks.look(first, second, &mut self.touches, points);
+        }
         for (touch, point) in self.touches.iter_mut().zip(points) {
             let (first, second) = (&self.parts[point.first], &self.parts[point.second]);
-            let centre = point.centre_of(&first.rigid);
-            let nearest = match point.solid {
+            let of_sphere = |nearest: Nearest| {
+                let penetration = point.radius - nearest.distance;
+                let below = point.radius - 0.5 * penetration;
+                let centre = point.centre_of(&first.rigid);
+                (penetration, nearest.normal, centre - nearest.normal * below)
+            };
+            let (penetration, normal, place) = match point.solid {
                 Solid::Mesh { surface, point, .. } => {
                     let found = self.surfaces[surface].found(point);
-                    found.map_or(Nearest::far(), |found| Nearest {
+                    of_sphere(found.map_or(Nearest::far(), |found| Nearest {
                         distance: found.distance,
                         normal: second.rigid.orientation * found.normal,
-                    })
+                    }))
                 }
-                _ => point.solid.nearest(&second.rigid, &centre),
+                Solid::Between { blocks, point, .. } => {
+                    let blocks = &self.blocks[blocks];
+                    let found = blocks.found(point);
+                    (found.penetration, blocks.normal(), found.place)
+                }
+                _ => {
+                    let centre = point.centre_of(&first.rigid);
+                    of_sphere(point.solid.nearest(&second.rigid, &centre))
+                }
             };
-            let penetration = point.radius - nearest.distance;
             if penetration > 0.0 {
-                let place = centre - nearest.normal * (point.radius - 0.5 * penetration);
                 let relative = relative(first, &first.twist, second, &second.twist, &place);
                 let ahead = self::relative(first, &first.ahead, second, &second.ahead, &place);
-                let rate = -nearest.normal.dot(&ahead);
-                touch.press(point, penetration, rate, nearest.normal);
-                touch.rub(point, nearest.normal, relative * half);
-                touch.normal = nearest.normal;
+                let rate = -normal.dot(&ahead);
+                touch.press(point, penetration, rate, normal);
+                touch.rub(point, normal, relative * half);
+                touch.normal = normal;
                 touch.place = place;
                 touch.relative = relative;
-                touch.force = nearest.normal * touch.normal_force
-                    - touch.bristle * point.law.friction_stiffness;
+                touch.force =
+                    normal * touch.normal_force - touch.bristle * point.law.friction_stiffness;
                 let (force, place) = (touch.force, touch.place);
                 self.parts[point.first].load(&force, &place);
                 self.parts[point.second].load(&-force, &place);
             } else if !touch.is_apart() {
                 touch.part(point);
             }
+        }
+        for link in &mut self.links {
+            link.meet(&mut self.parts);
         }
     }
 
@@ -263,6 +316,9 @@ impl Moving {
                 let relative = touch.relative;
                 touch.watch_damping(point, &relative, first, second);
             }
+        }
+        for link in &mut self.links {
+            link.watch_damping(&self.parts);
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Which tools and bodies of a world can touch, and at which points.
 
+use crate::blocks::{Blocks, POINTS_PER_BLOCKS, quarter};
 use crate::law::PointLaw;
 use crate::mesh::{POINTS_PER_MESH, Surface};
 use crate::rigid::{Mobility, Rigid, Vector3};
@@ -96,11 +97,17 @@ impl Candidate<'_> {
     }
 }
 
-/// All points of contact of a checked world, with the meshes that spheres touch, or every pair that cannot be rendered.
-pub(crate) fn points(
-    world: &World,
-    mobilities: &[Mobility],
-) -> Result<(Vec<Point>, Vec<Surface>), Vec<WorldError>> {
+/// Where the tools and bodies of a world can touch.
+pub(crate) struct Contacts {
+    pub points: Vec<Point>,
+    /// The meshes that spheres touch.
+    pub surfaces: Vec<Surface>,
+    /// The pairs of boxes.
+    pub blocks: Vec<Blocks>,
+}
+
+/// All points of contact of a checked world, or every pair that cannot be rendered.
+pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts, Vec<WorldError>> {
     let tools = world.tools.iter().enumerate().map(|(i, tool)| Candidate {
         name: &tool.name,
         shape: &tool.shape,
@@ -117,7 +124,7 @@ pub(crate) fn points(
     });
     let parts: Vec<_> = tools.chain(bodies).collect();
     let (mut points, mut faults) = (Vec::new(), Vec::new());
-    let mut surfaces = Vec::new();
+    let (mut surfaces, mut blocks) = (Vec::new(), Vec::new());
     for (i, one) in parts.iter().enumerate() {
         for (j, other) in parts.iter().enumerate().skip(i + 1) {
             if (one.is_tool && other.is_tool) || !(one.moves() || other.moves()) {
@@ -149,6 +156,29 @@ pub(crate) fn points(
                 surfaces.push(Surface::new(mesh.clone(), first, second, radius));
                 continue;
             }
+            if let (Shape::Box { half_extents: a }, Shape::Box { half_extents: b }) =
+                (one.shape, other.shape)
+            {
+                let half = [Vector3::from(*a), Vector3::from(*b)];
+                let pair = Blocks::new([i, j], half, points.len());
+                points.extend((0..POINTS_PER_BLOCKS).map(|point| Point {
+                    first: i,
+                    second: j,
+                    is_off_centre: true,
+                    centre: half[0],
+                    radius: 0.0,
+                    solid: Solid::Between {
+                        blocks: blocks.len(),
+                        point,
+                        reach: half[1].norm(),
+                    },
+                    law: quarter(law),
+                    across: [0.0; 2],
+                    along: [0.0; 2],
+                }));
+                blocks.push(pair);
+                continue;
+            }
             let found = spheres_on(one.shape, other.shape).map(|found| (i, j, found));
             let found =
                 found.or_else(|| spheres_on(other.shape, one.shape).map(|found| (j, i, found)));
@@ -162,8 +192,8 @@ pub(crate) fn points(
                     format!("{:?} and {:?}", one.name, other.name),
                     format!(
                         "there is no contact of {} with {} yet: their edges and sides can touch where no corner \
-                         does. A sphere, or a tool of several, may touch any shape, and a box and a capsule a \
-                         half-space. Give one of them another shape, or leave the pair without a law",
+                         does. A sphere, or a tool of several, may touch any shape, a box another box and a half-space, a \
+                         capsule a half-space. Give one of them another shape, or leave the pair without a law",
                         one.words(),
                         other.words()
                     ),
@@ -203,7 +233,11 @@ pub(crate) fn points(
         ];
     }
     if faults.is_empty() {
-        Ok((points, surfaces))
+        Ok(Contacts {
+            points,
+            surfaces,
+            blocks,
+        })
     } else {
         Err(faults)
     }

@@ -20,13 +20,25 @@ impl Books {
         for (number, (book, point)) in self.contacts.iter_mut().zip(points).enumerate() {
             let past = &moving.touches[number].past;
             let stored = moving.stored(number, point);
-            book.step_error += stored - book.stored + past.dissipated + past.work;
+            book.step_error += stored - book.stored + past.dissipated + past.work - past.handed;
+            book.handed += past.handed;
             book.dissipated += past.dissipated;
             book.work += past.work;
             if point.tool(tools).is_some() {
                 book.work_on_avatar += past.work_on_tool;
             }
             book.stored = stored;
+        }
+        for (number, book) in self.joints.iter_mut().enumerate() {
+            let before = *book;
+            book.stored = 0.0;
+            for link in moving.links.iter().filter(|link| link.joint == number) {
+                book.stored += link.stored;
+                book.work += link.work;
+                book.dissipated += link.dissipated;
+            }
+            let given = book.work - before.work + book.dissipated - before.dissipated;
+            book.step_error += book.stored - before.stored + given;
         }
         for (book, part) in self.bodies.iter_mut().zip(&moving.parts[tools..]) {
             let kinetic = part.mobility.kinetic_energy(&part.rigid);

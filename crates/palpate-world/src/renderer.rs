@@ -3,8 +3,10 @@
 use nalgebra::{Quaternion, UnitQuaternion};
 use palpate::Fault;
 
-use crate::books::{BodyBook, Books, ContactBook, DeviceBook};
+use crate::blocks::Blocks;
+use crate::books::{BodyBook, Books, ContactBook, DeviceBook, JointBook};
 use crate::commands::Commands;
+use crate::link::{Link, links_of};
 use crate::mesh::Surface;
 use crate::method::{Checked, Memory, WorldMethod};
 use crate::moving::{Moving, Touch};
@@ -29,6 +31,9 @@ pub struct WorldRenderer {
     /// Tools, then bodies, as they are at the start.
     parts: Vec<Part>,
     surfaces: Vec<Surface>,
+    blocks: Vec<Blocks>,
+    links: Vec<Link>,
+    joints: usize,
     method: Checked,
 }
 
@@ -71,9 +76,10 @@ impl WorldRenderer {
                 mobility.angular = method.angular_mobility(tool);
             }
         }
+        let links = links(world, &parts);
         let points = points(world, &mobilities);
-        let ((points, surfaces), method) = match (points, method) {
-            (Ok(points), Ok(method)) if faults.is_empty() => (points, method),
+        let (found, method) = match (points, method) {
+            (Ok(found), Ok(method)) if faults.is_empty() => (found, method),
             (points, method) => {
                 faults.extend(points.err().into_iter().flatten());
                 faults.extend(method.err().into_iter().flatten());
@@ -82,11 +88,14 @@ impl WorldRenderer {
         };
         Ok(Self {
             in_loop,
-            points,
+            points: found.points,
             tools,
             turns: world.tools.iter().map(|tool| tool.turns).collect(),
             parts,
-            surfaces,
+            surfaces: found.surfaces,
+            blocks: found.blocks,
+            links,
+            joints: world.joints.len(),
             method,
         })
     }
@@ -106,6 +115,8 @@ impl WorldRenderer {
             tools: self.tools,
             touches: vec![Touch::apart(); self.points.len()],
             surfaces: self.surfaces.clone(),
+            blocks: self.blocks.clone(),
+            links: self.links.clone(),
         };
         let side = |number: usize| match number.checked_sub(self.tools) {
             None => Side::Tool(number),
@@ -149,6 +160,7 @@ impl WorldRenderer {
                         ..BodyBook::default()
                     })
                     .collect(),
+                joints: self.joints_at_start(),
                 devices: vec![DeviceBook::default(); self.tools],
             },
             now,
@@ -156,6 +168,17 @@ impl WorldRenderer {
         let memory = self.method.memory(self);
         self.publish(&mut progress, &memory);
         WorldState { progress, memory }
+    }
+
+    /// Books of the joints, whose springs may be stretched at the start.
+    fn joints_at_start(&self) -> Vec<JointBook> {
+        let mut books = vec![JointBook::default(); self.joints];
+        let mut parts = self.parts.clone();
+        for mut link in self.links.iter().copied() {
+            link.meet(&mut parts);
+            books[link.joint].stored += link.stored;
+        }
+        books
     }
 
     /// Says what was really sent to a tool for the last output `[N]`, where it is not the output's: a motor clips it,
@@ -302,6 +325,21 @@ impl WorldRenderer {
             tool.torque = *torque;
         }
     }
+}
+
+/// The springs of all joints of a checked world.
+fn links(world: &World, parts: &[Part]) -> Vec<Link> {
+    let number = |name: &String| {
+        let place = world.bodies.iter().position(|body| body.name == *name);
+        place.map(|body| world.tools.len() + body)
+    };
+    let joints = world.joints.iter().enumerate();
+    joints
+        .flat_map(|(joint, of)| {
+            let sides = [number(&of.body), of.against.as_ref().and_then(number)];
+            links_of(of, joint, sides, parts)
+        })
+        .collect()
 }
 
 fn part_of(body: &Body) -> Part {

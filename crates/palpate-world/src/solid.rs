@@ -32,6 +32,13 @@ pub(crate) enum Solid {
         point: usize,
         reach: f64,
     },
+    /// What is found at one of the contact points of two boxes, by the number of the pair among all of the world; the second
+    /// box has this half diagonal `[m]`.
+    Between {
+        blocks: usize,
+        point: usize,
+        reach: f64,
+    },
 }
 
 /// The nearest point of a surface.
@@ -115,7 +122,7 @@ impl Solid {
                 radius,
                 half_length,
             } => from_cylinder(own, radius, half_length),
-            Self::Mesh { .. } => Nearest::far(),
+            Self::Mesh { .. } | Self::Between { .. } => Nearest::far(),
         };
         Nearest {
             normal: placed.orientation * nearest.normal,
@@ -137,7 +144,7 @@ impl Solid {
                 radius,
                 half_length,
             } => radius.hypot(half_length),
-            Self::Mesh { reach, .. } => reach,
+            Self::Mesh { reach, .. } | Self::Between { reach, .. } => reach,
         }
     }
 }

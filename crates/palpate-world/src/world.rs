@@ -3,7 +3,8 @@
 use std::collections::HashSet;
 
 use crate::{
-    Body, Contact, ContactLaw, Free, Motion, Party, Place, Shape, Tool, Vector, WorldError,
+    Body, Contact, ContactLaw, Free, Joint, JointKind, Motion, Party, Place, Shape, Tool, Vector,
+    WorldError,
 };
 
 /// What there is: tools, bodies, and the laws of their contacts.
@@ -17,10 +18,14 @@ pub struct World {
     /// [`Party::Any`], which goes before one between any two; of equals, the last one holds. A pair without a law
     /// does not touch.
     pub contacts: Vec<Contact>,
+    /// The joints.
+    pub joints: Vec<Joint>,
 }
 
 /// How far the length of a unit vector may be from 1.
 const LENGTH_TOLERANCE: f64 = 1e-6;
+/// Where the stops of a hinge may be at most `[rad]`: its angle is known between half a turn and half a turn back.
+const MOST_TURN: f64 = 3.0;
 
 impl World {
     /// The law between the tools or bodies of these names, if they touch.
@@ -46,7 +51,7 @@ impl World {
     ///
     /// # Errors
     ///
-    /// Each fault, in the order tools, bodies, contacts: at least one.
+    /// Each fault, in the order tools, bodies, contacts, joints: at least one.
     pub fn check(&self) -> Result<(), Vec<WorldError>> {
         let mut faults = Vec::new();
         if self.tools.is_empty() {
@@ -91,6 +96,12 @@ impl World {
             of.at_least_zero("damping", law.damping);
             of.at_least_zero("friction", law.friction);
             of.above_zero("friction_stiffness", law.friction_stiffness);
+        }
+        for (number, joint) in self.joints.iter().enumerate() {
+            let against = joint.against.as_deref().unwrap_or("world");
+            let subject = format!("joint of {:?} and {against:?}", joint.body);
+            let mut of = Faults::new(&mut faults, Place::Joint(number), &subject);
+            of.joint(joint, &self.bodies);
         }
         if faults.is_empty() {
             Ok(())
@@ -206,6 +217,50 @@ impl<'a> Faults<'a> {
             } => {
                 self.above_zero("radius", radius);
                 self.above_zero("half_length", half_length);
+            }
+        }
+    }
+
+    fn joint(&mut self, joint: &Joint, bodies: &[Body]) {
+        let mut moves = false;
+        for name in [Some(&joint.body), joint.against.as_ref()]
+            .into_iter()
+            .flatten()
+        {
+            match bodies.iter().find(|body| body.name == *name) {
+                Some(body) => moves |= body.motion != Motion::Fixed,
+                None => self.fault("between", format!("{name:?} is no body of this world")),
+            }
+        }
+        if joint.against.as_ref() == Some(&joint.body) {
+            self.fault("between", "a body has no joint with itself".into());
+        } else if !moves {
+            self.fault(
+                "between",
+                "one of the two has to be a body that moves".into(),
+            );
+        }
+        self.finite("point", &joint.point);
+        self.unit("axis", &joint.axis);
+        let law = &joint.law;
+        self.above_zero("stiffness", law.stiffness);
+        self.at_least_zero("damping", law.damping);
+        self.above_zero("span", law.span);
+        self.at_least_zero("spring", law.spring);
+        self.finite("rest", &[law.rest]);
+        self.at_least_zero("along_damping", law.along_damping);
+        if let Some(limits) = law.limits {
+            let [low, high] = limits;
+            self.finite("limits", &limits);
+            if low > high {
+                let message = format!("limits are {low} and {high}: the first is the lower one");
+                self.fault("limits", message);
+            }
+            if joint.kind == JointKind::Hinge && (low < -MOST_TURN || high > MOST_TURN) {
+                let message = format!(
+                    "limits are {low} and {high}, and a hinge has stops between -{MOST_TURN} and {MOST_TURN} rad"
+                );
+                self.fault("limits", message);
             }
         }
     }

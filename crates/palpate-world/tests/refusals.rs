@@ -16,6 +16,7 @@ fn a_world() -> World {
         half_extents: [0.01; 3],
     };
     World {
+        joints: Vec::new(),
         tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.01 })],
         bodies: vec![
             Body::new("floor", half_space, Motion::Fixed),
@@ -41,13 +42,18 @@ fn a_pair_that_has_a_law_and_no_contact_is_refused_and_one_without_a_law_is_not(
     let in_loop = WorldLoop::new(0.001);
     assert!(WorldRenderer::new(&world, in_loop.clone(), BasicParams::default()).is_ok());
     world.contacts[0].between = [Party::Any, Party::Any];
+    assert!(WorldRenderer::new(&world, in_loop.clone(), BasicParams::default()).is_ok());
+    world.bodies[2].shape = Shape::Capsule {
+        radius: 0.01,
+        half_length: 0.01,
+    };
     let faults = faults(&world, in_loop, BasicParams::default());
     assert_eq!(faults.len(), 1, "{faults:?}");
     assert_eq!(
         faults[0].to_string(),
-        "\"block\" and \"shelf\": there is no contact of a box with a box yet: their edges and sides can touch where no \
-         corner does. A sphere, or a tool of several, may touch any shape, and a box and a capsule a half-space. Give \
-         one of them another shape, or leave the pair without a law"
+        "\"block\" and \"shelf\": there is no contact of a box with a capsule yet: their edges and sides can touch where no \
+         corner does. A sphere, or a tool of several, may touch any shape, a box another box and a half-space, a capsule \
+         a half-space. Give one of them another shape, or leave the pair without a law"
     );
 }
 

@@ -96,7 +96,7 @@ class ContactState(NamedTuple):
 class ContactBook(NamedTuple):
     """Energy at a contact over all intervals that have ended [J].
 
-    `stored = stored at the start + observed - work - dissipated + step_error`
+    `stored = stored at the start + observed + handed - work - dissipated + step_error`
     """
 
     between: tuple[str, str]
@@ -115,6 +115,8 @@ class ContactBook(NamedTuple):
     """What the stored energy changed by because a sample put the avatar elsewhere."""
     step_error: float
     """What finite sub-steps have made (positive) or lost."""
+    handed: float
+    """What came from the other points of the same pair of boxes: the sum over the pair is 0."""
 
     @property
     def leak(self) -> float:

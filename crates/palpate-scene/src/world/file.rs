@@ -11,6 +11,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::device::RawDevice;
+use super::joint::RawJoint;
 use super::pair::Pair;
 use super::per_axis::PerAxis;
 use super::place::WorldPlaces;
@@ -37,6 +38,8 @@ struct RawFile {
     body: Vec<Spanned<RawBody>>,
     #[serde(default)]
     contact: Vec<Spanned<RawContact>>,
+    #[serde(default)]
+    joint: Vec<Spanned<RawJoint>>,
     #[serde(default)]
     render: RawRender,
     #[serde(default)]
@@ -283,17 +286,21 @@ impl Reading {
         }
         let bodies = raw.body.into_iter().enumerate();
         let bodies = bodies.map(|(index, body)| self.body(index, body));
-        let bodies = bodies.collect();
+        let bodies: Vec<Body> = bodies.collect();
         let contacts = raw.contact.into_iter().enumerate();
         let contacts = contacts.map(|(index, contact)| self.contact(index, contact));
         let contacts = contacts.collect();
+        let joints = raw.joint.into_iter().enumerate();
+        let joints = joints.map(|(index, joint)| self.joint(index, joint, &bodies));
+        let joints = joints.collect();
         let world = World {
+            joints,
             tools,
             bodies,
             contacts,
         };
         // Where a part is missing because its keys are at fault, what refers to that part is not at fault.
-        let whole = ["device", "body", "contact"].map(|part| self.damaged.contains(part));
+        let whole = ["device", "body", "contact", "joint"].map(|part| self.damaged.contains(part));
         let errors = if whole.contains(&true) {
             None
         } else {

@@ -2,6 +2,7 @@
 
 mod device;
 mod file;
+mod joint;
 mod mesh;
 mod pair;
 mod per_axis;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use palpate_scene::world::{DeviceTurning, Tremor, WorldDevice, WorldScene};
 use palpate_testbed::hand::Sinusoid;
 use palpate_testbed::world as judge;
-use palpate_world::{Body, Motion, Shape};
+use palpate_world::{Body, Joint, JointKind, Motion, Shape};
 
 /// The scene as the judge takes it: every pair that has a law and of which one side can move.
 #[must_use]
@@ -47,9 +47,37 @@ pub fn as_judged(scene: &WorldScene) -> judge::WorldScene {
         }
     }
     judge::WorldScene {
+        joints: world
+            .joints
+            .iter()
+            .map(|joint| judged_joint(joint, &world.bodies))
+            .collect(),
         devices: devices.collect(),
         bodies: world.bodies.iter().map(judged_body).collect(),
         pairs,
+    }
+}
+
+/// The joint with the numbers of its bodies; a checked world has bodies of these names.
+fn judged_joint(joint: &Joint, bodies: &[Body]) -> judge::WorldJoint {
+    let number = |name: &String| bodies.iter().position(|body| body.name == *name);
+    let law = &joint.law;
+    judge::WorldJoint {
+        body: number(&joint.body).unwrap_or(bodies.len()),
+        against: joint.against.as_ref().and_then(number),
+        freedom: match joint.kind {
+            JointKind::Hinge => judge::Freedom::Turn,
+            JointKind::Slider => judge::Freedom::Slide,
+        },
+        point: joint.point,
+        axis: joint.axis,
+        stiffness: law.stiffness,
+        damping: law.damping,
+        span: law.span,
+        spring: law.spring,
+        rest: law.rest,
+        along_damping: law.along_damping,
+        limits: law.limits,
     }
 }
 

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use palpate_testbed::world as judge;
 use palpate_world::{
-    Body, Contact, ContactLaw, Free, Mesh, Motion, Party, Shape, SphereAt, Tool, World,
+    Body, Contact, ContactLaw, Free, Joint, JointKind, JointLaw, Mesh, Motion, Party, Shape,
+    SphereAt, Tool, World,
 };
 
 /// The world of a scene that the judge has drawn: its tools, bodies and laws, without its devices.
@@ -45,9 +46,33 @@ pub fn as_rendered(scene: &judge::WorldScene) -> World {
         },
     });
     World {
+        joints: scene.joints.iter().map(|of| joint(scene, of)).collect(),
         tools: tools.collect(),
         bodies: scene.bodies.iter().map(body).collect(),
         contacts: contacts.collect(),
+    }
+}
+
+fn joint(scene: &judge::WorldScene, joint: &judge::WorldJoint) -> Joint {
+    let name = |number: usize| scene.bodies[number].name.clone();
+    Joint {
+        body: name(joint.body),
+        against: joint.against.map(name),
+        kind: match joint.freedom {
+            judge::Freedom::Turn => JointKind::Hinge,
+            judge::Freedom::Slide => JointKind::Slider,
+        },
+        point: joint.point,
+        axis: joint.axis,
+        law: JointLaw {
+            stiffness: joint.stiffness,
+            damping: joint.damping,
+            span: joint.span,
+            spring: joint.spring,
+            rest: joint.rest,
+            along_damping: joint.along_damping,
+            limits: joint.limits,
+        },
     }
 }
 

@@ -1,10 +1,16 @@
-//! The benchmark scenes of worlds: a groove, a pushed block, a paddle, a pinch, a row of balls, and meshes.
+//! The benchmark scenes of worlds: a groove, a pushed block, a paddle, a pinch, a row of balls, a stack of boxes, joints, and meshes.
 //!
 //! All have a hand of 60 N/m and 1.5 N s/m, unequal masses along the axes, sensors of 2 µm, and a material damping
 //! in every contact: without it contacts ring for ever, and after a while an error of force is one of phase. Each
 //! duration ends before the ideal's motion depends on how it is computed.
 
+mod jointed;
+mod stack;
+
 use std::sync::Arc;
+
+pub use jointed::{button, drawer, lever};
+pub use stack::stack;
 
 use super::mesh::{TriangleMesh, gallery};
 use super::scene::{
@@ -68,7 +74,8 @@ pub fn benchmarks() -> Vec<Benchmark> {
         .into_iter()
         .flat_map(|degrees| [groove(degrees, 0.0), groove(degrees, 0.3)]);
     grooves
-        .chain([pushed_block(), paddle(), pinch(), row()])
+        .chain([pushed_block(), paddle(), pinch(), row(), stack()])
+        .chain([drawer(), lever(), button()])
         .chain([bumpy(33), bumpy(91), shaft(), pocket()])
         .collect()
 }
@@ -102,6 +109,7 @@ pub fn groove(degrees: f64, friction: f64) -> Benchmark {
             "A point is pressed into a groove of {degrees:.0} degrees, friction {friction}"
         ),
         scene: WorldScene {
+            joints: Vec::new(),
             devices: vec![tool],
             bodies: vec![wall("right", 1.0), wall("left", -1.0)],
             pairs: (0..2)
@@ -133,6 +141,7 @@ pub fn pushed_block() -> Benchmark {
         name: "pushed-block".into(),
         title: "A tool pushes a block of 50 g over a table".into(),
         scene: WorldScene {
+            joints: Vec::new(),
             devices: vec![tool],
             bodies: vec![
                 WorldBody {
@@ -170,6 +179,7 @@ pub fn paddle() -> Benchmark {
         name: "paddle".into(),
         title: "A ball of 100 g bounces on a round paddle".into(),
         scene: WorldScene {
+            joints: Vec::new(),
             devices: vec![tool],
             bodies: vec![WorldBody {
                 name: "ball".into(),
@@ -209,6 +219,7 @@ pub fn pinch() -> Benchmark {
         name: "pinch".into(),
         title: "Two fingers pinch a cube of 50 g and lift it".into(),
         scene: WorldScene {
+            joints: Vec::new(),
             devices: vec![finger("left", -1.0, 0.0005), finger("right", 1.0, -0.0003)],
             bodies: vec![
                 WorldBody {
@@ -262,6 +273,7 @@ pub fn row() -> Benchmark {
         name: "row".into(),
         title: "A tool pushes a row of three balls of 50 g against a wall".into(),
         scene: WorldScene {
+            joints: Vec::new(),
             devices: vec![tool],
             bodies: vec![
                 ball(0, 0.0003, 0.0),
@@ -373,6 +385,7 @@ fn on_mesh(
         name,
         title,
         scene: WorldScene {
+            joints: Vec::new(),
             devices: vec![tool],
             bodies: mesh
                 .map(|mesh| WorldBody {

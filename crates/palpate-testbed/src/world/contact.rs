@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use super::boxes::{Between, CONTACTS, Halves};
 use super::mesh::{MOST_CONTACTS, OnMesh};
 use super::scene::{ContactLaw, InvalidScene, Member, Pair, Shape, SphereAt, Tool, WorldScene};
 use super::surface::{Feature, feature, holds, nearest};
@@ -16,7 +17,7 @@ pub enum WorldError {
     /// A pair of shapes for which there is no contact yet.
     #[error(
         "pairs[{number}]: {reason}; a sphere can touch a sphere, half-space, box, capsule, cylinder or mesh, and a \
-         box and a capsule a half-space"
+         box and a capsule a half-space, and a box a box"
     )]
     Pair {
         /// Number of the pair, from 0.
@@ -56,6 +57,8 @@ pub(super) struct Contact {
     /// Radius of the sphere, 0 for a point \[m\].
     radius: f64,
     surface: Shape,
+    /// Of two boxes, their sizes, and the contact's number among those of the pair.
+    boxes: Option<(Halves, usize)>,
     pub law: ContactLaw,
 }
 
@@ -116,6 +119,35 @@ impl Touch {
         }
     }
 
+    /// Of two that overlap by `penetration` along `normal` about `point`, all of which move.
+    pub fn across(
+        penetration: f64,
+        normal: Vec3,
+        normal_rate: Vec3,
+        point: Vec3,
+        point_velocity: Vec3,
+        [first, second]: [&Placed; 2],
+    ) -> Self {
+        let sliding = first.velocity_at(point) - second.velocity_at(point);
+        Self {
+            penetration,
+            rate: -normal.dot(sliding),
+            normal,
+            normal_rate,
+            point,
+            point_velocity,
+            sliding,
+        }
+    }
+
+    /// The same of a contact that there is not: nothing is so far apart.
+    pub fn of_none(self) -> Self {
+        Self {
+            penetration: f64::NEG_INFINITY,
+            ..self
+        }
+    }
+
     /// Tangential relative velocity of the material points.
     pub fn tangential(&self) -> Vec3 {
         self.sliding.across(self.normal)
@@ -146,6 +178,9 @@ impl Contact {
     /// How the two lie, by the formula of `feature`.
     pub fn touch(&self, feature: Feature, placed: &[Placed]) -> Touch {
         let (first, second) = (&placed[self.first], &placed[self.second]);
+        if let (Some((halves, number)), Feature::Between(plane)) = (&self.boxes, feature) {
+            return plane.touch(*number, halves, [first, second]);
+        }
         let centre = first.position + first.rotation.out(self.on_first);
         let velocity = first.velocity_at(centre);
         let relative = velocity - second.velocity_at(centre);
@@ -203,6 +238,28 @@ impl Contact {
         Some(super::mesh::wanted(mesh, now, self.radius, centre))
     }
 
+    /// The plane between two boxes that the contact should be at, if it is at `now`; `None` if they are not two boxes.
+    pub fn wanted_between(
+        &self,
+        now: Option<Between>,
+        placed: &[Placed],
+        slack: f64,
+    ) -> Option<Between> {
+        let (halves, _) = self.boxes.as_ref()?;
+        let two = [&placed[self.first], &placed[self.second]];
+        Some(Between::least(now, halves, two, slack))
+    }
+
+    /// Whether it is the first one of a pair of boxes.
+    pub fn begins_boxes(&self) -> bool {
+        matches!(self.boxes, Some((_, 0)))
+    }
+
+    /// Whether its feature is found for several contacts together.
+    pub fn is_of_several(&self) -> bool {
+        self.is_with_mesh() || self.boxes.is_some()
+    }
+
     /// Whether it is with a mesh.
     pub fn is_with_mesh(&self) -> bool {
         matches!(self.surface, Shape::Mesh(_))
@@ -216,12 +273,16 @@ impl Contact {
 
     /// The feature of the surface that is nearest.
     pub fn feature(&self, placed: &[Placed]) -> Feature {
+        if let Some(plane) = self.wanted_between(None, placed, 0.0) {
+            return Feature::Between(plane);
+        }
         feature(&self.surface, self.centre_in_second(placed))
     }
 
     /// Whether `current` is that, but for `slack` \[m\].
     pub fn holds(&self, current: Feature, placed: &[Placed], slack: f64) -> bool {
         current == Feature::Whole
+            || self.boxes.is_some()
             || holds(&self.surface, current, self.centre_in_second(placed), slack)
     }
 
@@ -334,6 +395,7 @@ fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact
         on_first,
         radius,
         surface: surface.clone(),
+        boxes: None,
         law,
     };
     // The share of the law that one has of so many that lie flat together.
@@ -355,6 +417,19 @@ fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact
             .map(|sphere| contact(Vec3(sphere.centre), sphere.radius, pair.law))
             .collect()),
         (&Some(Shape::Sphere { radius }), _) => Ok(vec![contact(Vec3::ZERO, radius, pair.law)]),
+        (
+            &Some(Shape::Box { half_extents }),
+            &Shape::Box {
+                half_extents: other,
+            },
+        ) => {
+            let law = shared(4.0);
+            let each = (0..CONTACTS).map(|number| Contact {
+                boxes: Some(([half_extents, other], number)),
+                ..contact(Vec3::ZERO, 0.0, law)
+            });
+            Ok(each.collect())
+        }
         (&Some(Shape::Box { half_extents }), Shape::HalfSpace { .. }) => {
             let law = shared(4.0);
             let corner = |index: usize| {

@@ -12,6 +12,7 @@ pub(super) struct Layout {
     pub turns: bool,
     pub free_bodies: usize,
     pub contacts: usize,
+    pub joints: usize,
 }
 
 /// Numbers of a device, a free body and a contact in the first part of the state.
@@ -61,7 +62,12 @@ impl Layout {
         self.device_sums(self.devices) + CONTACT_SUMS * contact
     }
 
+    /// What the damping of a joint has taken.
+    pub fn joint_sum(&self, joint: usize) -> usize {
+        self.contact_sums(self.contacts) + joint
+    }
+
     pub fn size(&self) -> usize {
-        self.contact_sums(self.contacts)
+        self.joint_sum(self.joints)
     }
 }

@@ -39,11 +39,13 @@
 //! ```
 
 pub mod benchmarks;
+mod boxes;
 mod contact;
 mod dormand_prince;
 mod held_axis;
 mod held_turning;
 mod ideal;
+mod joints;
 mod judgement;
 mod layout;
 pub mod mesh;
@@ -62,6 +64,7 @@ mod vector;
 
 pub use contact::WorldError;
 pub use ideal::{TOLERANCE, WorldIdeal};
+pub use joints::{Freedom, WorldJoint};
 pub use judgement::{
     DeviceJudgement, JudgementError, RenderedTouch, TorqueJudgement, TouchJudgement, WindowRule,
     WorldJudgement,

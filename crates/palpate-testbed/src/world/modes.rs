@@ -3,6 +3,7 @@
 //! A mode holds a little beyond its end, so that a state at an event, known to round-off, is in one mode or
 //! in the other and not in each of the two by turns.
 
+use super::boxes::{Between, CONTACTS, order_after};
 use super::mesh::{MOST_CONTACTS, OnMesh};
 use super::motion::{Condition, Instant, Mode, System, slip_direction};
 use super::surface::Feature;
@@ -60,6 +61,67 @@ impl System {
             && self
                 .mesh_contacts()
                 .all(|first| self.moves_on_mesh(first, conditions, now).is_none())
+            && self
+                .box_pairs()
+                .all(|first| self.moves_between(first, conditions, now).is_none())
+    }
+
+    /// Numbers of the first contact of each pair of boxes.
+    fn box_pairs(&self) -> impl Iterator<Item = usize> {
+        let contacts = self.contacts.iter().enumerate();
+        contacts.filter_map(|(number, contact)| contact.begins_boxes().then_some(number))
+    }
+
+    /// The plane at which two boxes should touch, if it is another one.
+    fn moves_between(
+        &self,
+        first: usize,
+        conditions: &[Condition],
+        now: &Instant,
+    ) -> Option<Between> {
+        let Feature::Between(at) = conditions[first].feature else {
+            return None;
+        };
+        let wanted = self.contacts[first].wanted_between(Some(at), &now.placed, SLACK)?;
+        (wanted != at).then_some(wanted)
+    }
+
+    /// Two boxes touch across another plane: bristles go on to the contacts there.
+    fn move_between(
+        &self,
+        (first, plane): (usize, Between),
+        state: &mut [f64],
+        conditions: &mut [Condition],
+        now: &mut Instant,
+    ) {
+        let feature = Feature::Between(plane);
+        let all = first..first + CONTACTS;
+        let corners = match conditions[first].feature {
+            Feature::Between(old) => old.has_corners_of(),
+            _ => None,
+        };
+        if corners.is_none() || corners != plane.has_corners_of() {
+            let new: Vec<_> = self.contacts[all.clone()]
+                .iter()
+                .map(|contact| contact.touch(feature, &now.placed))
+                .collect();
+            let touched: Vec<_> = conditions[all.clone()]
+                .iter()
+                .map(|condition| condition.mode != Mode::Free)
+                .collect();
+            let order = order_after(&now.touches[all.clone()], &touched, &new);
+            let old: Vec<_> = all.clone().map(|number| now.bristles[number]).collect();
+            for (from, bristle) in old.into_iter().enumerate() {
+                let to = first + order[from];
+                now.bristles[to] = bristle;
+                bristle.write(&mut state[self.layout.bristle(to)..]);
+            }
+        }
+        for number in all {
+            // A corner's push may have jumped: its bristle stays as it is, unless it is longer than that holds.
+            conditions[number].mode = Mode::Stick;
+            self.change_to(feature, number, state, &mut conditions[number], now);
+        }
     }
 
     /// Numbers of the first contact of each sphere with a mesh.
@@ -140,6 +202,13 @@ impl System {
                     }
                 }
             }
+            let pairs: Vec<usize> = self.box_pairs().collect();
+            for first in pairs {
+                if let Some(plane) = self.moves_between(first, conditions, now) {
+                    self.move_between((first, plane), state, conditions, now);
+                    settled = false;
+                }
+            }
             if !settled {
                 continue;
             }
@@ -158,7 +227,7 @@ impl System {
     /// The condition of a contact that has left its own.
     fn change(&self, number: usize, state: &mut [f64], condition: &mut Condition, now: &Instant) {
         let contact = &self.contacts[number];
-        let feature = if contact.is_with_mesh() {
+        let feature = if contact.is_of_several() {
             condition.feature
         } else {
             contact.feature(&now.placed)

@@ -1,6 +1,7 @@
 //! The equations of motion of a scene, for contacts of given modes.
 
 use super::contact::{Acceleration, Contact, Placed, Touch, WorldError};
+use super::joints::{Bearing, Hold};
 use super::layout::Layout;
 use super::scene::{Member, Motion, WorldDevice, WorldScene};
 use super::surface::Feature;
@@ -42,6 +43,7 @@ pub(super) struct System {
     pub devices: Vec<WorldDevice>,
     bodies: Vec<Option<Rigid>>,
     pub contacts: Vec<Contact>,
+    pub joints: Vec<Bearing>,
     pub layout: Layout,
     orientations: Vec<[f64; 4]>,
     start: Vec<Placed>,
@@ -59,6 +61,8 @@ pub(super) struct Instant {
     pub bristles: Vec<Vec3>,
     /// Slip of each bristle, e · v_t − (μ N/k_t)′; 0 unless it slips \[m/s\].
     pub slips: Vec<f64>,
+    /// What the joints do.
+    pub holds: Vec<Hold>,
     accelerations: Vec<Acceleration>,
     forces: Vec<Vec3>,
     torques: Vec<Vec3>,
@@ -88,6 +92,7 @@ impl System {
             turns: scene.devices.iter().any(|device| device.turning.is_some()),
             free_bodies: free,
             contacts: contacts.len(),
+            joints: scene.joints.len(),
         };
         let mut start_state = vec![0.0; layout.size()];
         let mut start = Vec::new();
@@ -124,10 +129,16 @@ impl System {
             angular_momentum(&placed.rotation, motion, turning)
                 .write(&mut start_state[place + 10..]);
         }
+        let devices = scene.devices.len();
+        let joints = scene.joints.iter();
+        let joints = joints
+            .map(|joint| Bearing::new(joint, devices, &start))
+            .collect();
         Ok(Self {
             devices: scene.devices.clone(),
             bodies,
             contacts,
+            joints,
             layout,
             orientations: scene.bodies.iter().map(|body| body.orientation).collect(),
             start,
@@ -155,6 +166,7 @@ impl System {
             normal_forces: vec![0.0; contacts],
             bristles: vec![Vec3::ZERO; contacts],
             slips: vec![0.0; contacts],
+            holds: vec![Hold::default(); self.joints.len()],
             accelerations: vec![Acceleration::default(); members],
             forces: vec![Vec3::ZERO; members],
             torques: vec![Vec3::ZERO; members],
@@ -231,6 +243,13 @@ impl System {
                 now.forces[member] += force;
                 let arm = touch.point - now.placed[member].position;
                 now.torques[member] += arm.cross(force);
+            }
+        }
+        for (joint, hold) in self.joints.iter().zip(&mut now.holds) {
+            *hold = joint.hold(&now.placed);
+            for (member, force, torque) in &hold.wrenches {
+                now.forces[*member] += *force;
+                now.torques[*member] += *torque;
             }
         }
         self.accelerate(time, state, now);
@@ -393,6 +412,9 @@ impl System {
                     in_normal + law.friction * normal_force * now.slips[number]
                 }
             };
+        }
+        for (number, hold) in now.holds.iter().enumerate() {
+            rates[layout.joint_sum(number)] = hold.power;
         }
     }
 

@@ -359,6 +359,7 @@ mod tests {
             phase,
         };
         WorldScene {
+            joints: Vec::new(),
             devices: vec![WorldDevice {
                 name: "tool".into(),
                 mass: [0.1, 0.16, 0.25],

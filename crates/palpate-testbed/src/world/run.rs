@@ -385,10 +385,14 @@ impl<'a> Run<'a> {
             stored: contacts
                 .clone()
                 .map(|number| self.now.stored_energy(system, number))
-                .sum(),
+                .sum::<f64>()
+                + self.now.holds.iter().map(|hold| hold.stored).sum::<f64>(),
             dissipated: contacts
                 .map(|number| self.state[layout.contact_sums(number) + 4])
-                .sum(),
+                .sum::<f64>()
+                + (0..system.joints.len())
+                    .map(|number| self.state[layout.joint_sum(number)])
+                    .sum::<f64>(),
             hand_work: (0..system.devices.len())
                 .map(|number| self.state[layout.device_sums(number) + 6])
                 .sum(),

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::joints::WorldJoint;
 use super::mesh::TriangleMesh;
 use super::turning::Turning;
 use crate::InvalidParameter;
@@ -270,6 +271,8 @@ pub struct WorldScene {
     pub bodies: Vec<WorldBody>,
     /// The pairs.
     pub pairs: Vec<Pair>,
+    /// The joints.
+    pub joints: Vec<WorldJoint>,
 }
 
 /// A parameter of a scene outside its range; its name says of which device, body or pair, for instance
@@ -291,6 +294,9 @@ impl WorldScene {
         }
         for (number, pair) in self.pairs.iter().enumerate() {
             pair.check(&format!("pairs[{number}]"), self)?;
+        }
+        for (number, joint) in self.joints.iter().enumerate() {
+            joint.check(&format!("joints[{number}]"), self.bodies.len())?;
         }
         Ok(())
     }

@@ -26,6 +26,7 @@ fn scene() -> WorldScene {
     let mut ball = body(Shape::Sphere { radius: RADIUS[1] }, 0.1, [0.0, 0.0, 0.02]);
     motion(&mut ball).force = [0.0, 0.0, -0.981];
     WorldScene {
+        joints: Vec::new(),
         devices: vec![tool],
         bodies: vec![ball, half_space([0.0, 0.0, 1.0], 0.0)],
         pairs: vec![

@@ -23,6 +23,7 @@ fn billiard(damping: f64) -> WorldScene {
     tool.velocity = [1.0, 0.3, 0.0];
     tool.tool = Tool::sphere(0.003);
     WorldScene {
+        joints: Vec::new(),
         pairs: (0..3)
             .map(|ball| pair(Member::Device(0), Member::Body(ball), law))
             .collect(),

@@ -13,6 +13,7 @@ fn a_damped_bounce_ends_where_its_force_is_zero() {
         let mut device = device(mass, [0.0, 0.0, 0.01]);
         device.velocity[2] = -speed;
         let scene = WorldScene {
+            joints: Vec::new(),
             devices: vec![device],
             bodies: vec![half_space([0.0, 0.0, 1.0], 0.0)],
             pairs: vec![pair(
@@ -64,6 +65,7 @@ fn a_hand_with_a_tremor_moves_its_device_as_a_driven_oscillator() {
     device.hand.tremor = [vec![tremor], vec![], vec![tremor, tremor]];
     let masses = device.mass;
     let scene = WorldScene {
+        joints: Vec::new(),
         devices: vec![device],
         ..WorldScene::default()
     };
@@ -103,6 +105,7 @@ fn a_free_top_precesses_about_its_angular_momentum() {
     motion(&mut top).angular_velocity = turning;
     let inertia = shape.inertia(0.2);
     let scene = WorldScene {
+        joints: Vec::new(),
         bodies: vec![top],
         ..WorldScene::default()
     };
@@ -134,6 +137,7 @@ fn a_box_that_lies_flat_has_the_whole_law() {
     let mut block = body(shape, 0.05, [0.0, 0.0, 0.01 - 0.4905 / 2000.0]);
     motion(&mut block).force[2] = -0.4905;
     let scene = WorldScene {
+        joints: Vec::new(),
         bodies: vec![block, half_space([0.0, 0.0, 1.0], 0.0)],
         pairs: vec![pair(
             Member::Body(0),
@@ -163,6 +167,7 @@ fn a_graze_within_one_step_is_seen() {
     tool.velocity[2] = -acceleration * turn;
     tool.hand.force[2] = pull;
     let scene = WorldScene {
+        joints: Vec::new(),
         devices: vec![tool],
         bodies: vec![half_space([0.0, 0.0, 1.0], 0.0)],
         // So soft that it changes nothing of the parabola.
@@ -195,6 +200,7 @@ fn a_point_in_a_box_leaves_it_through_the_nearest_face() {
     tool.velocity[2] = 0.05;
     let law = ContactLaw::spring(1.0);
     let scene = WorldScene {
+        joints: Vec::new(),
         devices: vec![tool],
         bodies: vec![fixed],
         pairs: vec![pair(Member::Device(0), Member::Body(0), law)],

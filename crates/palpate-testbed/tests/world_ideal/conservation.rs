@@ -21,6 +21,7 @@ fn crash(other: Shape, law: ContactLaw) -> WorldScene {
         .map(|(i, k)| pair(Member::Body(i), Member::Body(k), law))
         .to_vec();
     WorldScene {
+        joints: Vec::new(),
         devices: vec![],
         bodies: vec![thing, a, b],
         pairs,
@@ -131,6 +132,7 @@ fn the_hand_pays_for_what_a_push_takes() {
     motion(&mut ball).force[2] = -0.981;
     let law = ContactLaw::spring(4000.0).rough(0.4, 2000.0).damped(0.5);
     let scene = WorldScene {
+        joints: Vec::new(),
         devices: vec![tool],
         bodies: vec![ball, half_space([0.0, 0.0, 1.0], 0.0)],
         pairs: vec![

@@ -1,11 +1,13 @@
 //! The ideal of worlds against closed forms, laws of conservation and the one-dimensional ideals.
 #![allow(clippy::print_stdout)] // what was measured
 
+mod boxes;
 mod by_other_means;
 mod chaos;
 mod closed_forms;
 mod conservation;
 mod friction;
+mod joints;
 mod one_dimension;
 mod refused;
 

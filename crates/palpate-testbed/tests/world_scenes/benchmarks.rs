@@ -9,8 +9,8 @@ use palpate_testbed::world::benchmarks::{
 };
 use palpate_testbed::world::mesh::{TriangleMesh, gallery};
 use palpate_testbed::world::{
-    CheckedIdeal, ContactLaw, Encounter, LARGEST_ERROR, Member, Motion, Pair, Shape, Tool, Vector,
-    WorldBody, WorldDevice, WorldHand, WorldIdeal, WorldJudgement, WorldScene,
+    CheckedIdeal, ContactLaw, Encounter, Freedom, LARGEST_ERROR, Member, Motion, Pair, Shape, Tool,
+    Vector, WorldBody, WorldDevice, WorldHand, WorldIdeal, WorldJoint, WorldJudgement, WorldScene,
 };
 
 fn checked(benchmark: &Benchmark, start: usize) -> CheckedIdeal {
@@ -273,7 +273,37 @@ fn read(file: &toml::Table) -> (WorldScene, f64, f64) {
             }
         })
         .collect();
+    let joints = file.get("joint").map_or(Vec::new(), |joints| {
+        let all = joints.as_array().unwrap().iter();
+        let joint = |joint: &toml::Value| {
+            let joint = joint.as_table().unwrap();
+            let turns = joint["kind"].as_str() == Some("hinge");
+            let own = |slider: &str, hinge: &str| {
+                let value = joint.get(if turns { hinge } else { slider });
+                value.map_or(0.0, number)
+            };
+            let limits = joint.get(if turns { "limits_rad" } else { "limits_m" });
+            assert_eq!(joint["between"][1].as_str(), Some("world"));
+            let name = joint["between"][0].as_str().unwrap();
+            WorldJoint {
+                body: bodies.iter().position(|body| body.name == name).unwrap(),
+                against: None,
+                freedom: if turns { Freedom::Turn } else { Freedom::Slide },
+                point: or(joint, "point_m", [0.0; 3]),
+                axis: vector(&joint["axis"]),
+                stiffness: number(&joint["stiffness_n_per_m"]),
+                damping: number(&joint["damping_n_s_per_m"]),
+                span: number(&joint["span_m"]),
+                spring: own("spring_n_per_m", "spring_n_m_per_rad"),
+                rest: own("rest_m", "rest_rad"),
+                along_damping: own("along_damping_n_s_per_m", "along_damping_n_m_s_per_rad"),
+                limits: limits.map(|limits| [0, 1].map(|k| number(&limits[k]))),
+            }
+        };
+        all.map(joint).collect()
+    });
     let scene = WorldScene {
+        joints,
         devices,
         bodies,
         pairs,

@@ -113,6 +113,7 @@ impl EngineBody {
                 .at(placed.position)
                 .turned(placed.orientation);
             let alone = World {
+                joints: Vec::new(),
                 tools: tools.to_vec(),
                 bodies: vec![body],
                 contacts: vec![Contact {

@@ -494,6 +494,7 @@ impl Device {
 /// Each tool with each shape of each body, and what is wrong with them.
 fn pairs(tools: &[Tool], bodies: &[EngineBody]) -> (Vec<Pair>, Vec<WorldError>) {
     let alone = crate::World {
+        joints: Vec::new(),
         tools: tools.to_vec(),
         ..crate::World::default()
     };

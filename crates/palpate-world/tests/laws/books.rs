@@ -20,6 +20,7 @@ fn crowd(law: ContactLaw) -> World {
     falling.angular_velocity = [3.0, 1.0, 2.0];
     let half: f64 = 0.4;
     World {
+        joints: Vec::new(),
         tools: vec![
             Tool::new("left", Shape::Sphere { radius: 0.006 }),
             Tool::new("right", Shape::Sphere { radius: 0.0 }),

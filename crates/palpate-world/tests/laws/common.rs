@@ -22,6 +22,7 @@ pub fn plane(name: &str, normal: Vector) -> Body {
 /// A world of one point tool and these bodies, all with one law.
 pub fn world(radius: f64, bodies: Vec<Body>, law: ContactLaw) -> World {
     World {
+        joints: Vec::new(),
         tools: vec![Tool::new("tool", Shape::Sphere { radius })],
         bodies,
         contacts: vec![Contact {

@@ -134,6 +134,7 @@ fn with_engine(
 fn with_world(law: ContactLaw, period: f64, samples: usize) -> Vec<Vector> {
     let ball = Free::of_mass(MASS).pulled_by([0.0, 0.0, WEIGHT * MASS]);
     let world = World {
+        joints: Vec::new(),
         tools: vec![tool()],
         bodies: vec![
             Body::new("ball", Shape::Sphere { radius: RADIUS }, Motion::Free(ball))

@@ -5,6 +5,7 @@
 
 mod adversary;
 mod books;
+mod boxes;
 mod closed_form;
 mod common;
 mod conservation;
@@ -12,5 +13,6 @@ mod engine;
 mod floor;
 mod grasp;
 mod ideal;
+mod joints;
 mod resting;
 mod six_axes;

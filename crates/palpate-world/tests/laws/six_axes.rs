@@ -246,6 +246,7 @@ fn cases() -> Vec<Case> {
 fn as_world(case: &Case) -> World {
     let planes = case.rigid.planes.iter().enumerate();
     World {
+        joints: Vec::new(),
         tools: vec![Tool::new("tool", case.shape.clone()).turning()],
         bodies: planes
             .map(|(number, normal)| plane(&format!("plane {number}"), *normal))

@@ -1,0 +1,175 @@
+use super::*;
+use crate::ContactLaw;
+use crate::rigid::Rotation;
+
+const HALF: [[f64; 3]; 2] = [[0.5, 0.3, 0.4], [0.35, 0.6, 0.2]];
+
+/// Numbers from -1 to 1, the same ones in each run.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (self.0 >> 11) as f64 / f64::from(1_u32 << 26) / f64::from(1_u32 << 26) - 1.0
+    }
+
+    fn vector(&mut self) -> Vector3 {
+        Vector3::from_fn(|_, _| self.next())
+    }
+}
+
+fn rigid(position: Vector3, turned: Vector3) -> Rigid {
+    Rigid {
+        position,
+        orientation: Rotation::from_scaled_axis(turned),
+        velocity: Vector3::zeros(),
+        spin: Vector3::zeros(),
+    }
+}
+
+fn placed(first: &Rigid, second: &Rigid) -> Placed {
+    Placed::new([first, second], HALF.map(Vector3::from))
+}
+
+fn moved(rigid: &Rigid, way: Vector3, turn: Vector3) -> Rigid {
+    Rigid {
+        position: rigid.position + way,
+        orientation: Rotation::from_scaled_axis(turn) * rigid.orientation,
+        ..*rigid
+    }
+}
+
+/// Two boxes anywhere about each other that overlap a little, and the plane between them.
+fn overlapping(numbers: &mut Numbers) -> Option<(Rigid, Rigid, Plane)> {
+    let first = rigid(numbers.vector() * 0.1, numbers.vector() * 3.0);
+    let second = rigid(numbers.vector() * 1.2, numbers.vector() * 3.0);
+    let (plane, depth) = placed(&first, &second).least(None);
+    (0.0..0.08)
+        .contains(&depth)
+        .then_some((first, second, plane))
+}
+
+/// The forces at the points, K p/4 along the normal, are what the energy falls by over any motion of either box.
+#[test]
+fn force_and_torque_are_the_gradient_of_the_energy() {
+    let mut numbers = Numbers(7);
+    let mut seen = [0; 3];
+    for _ in 0..40_000 {
+        let Some((first, second, plane)) = overlapping(&mut numbers) else {
+            continue;
+        };
+        let energy = |first: &Rigid, second: &Rigid| {
+            let (at, depth) = placed(first, second).least(Some(plane));
+            (at == plane).then_some(0.5 * depth * depth)
+        };
+        let here = placed(&first, &second);
+        let normal = here.normal(plane);
+        let law = quarter(&ContactLaw::spring(1.0));
+        let (way, turn) = (numbers.vector(), numbers.vector());
+        let mut powers = [0.0; 2];
+        for found in here.points(plane) {
+            let force = normal * law.normal_force(found.penetration.max(0.0), 0.0);
+            for (power, (rigid, sign)) in powers.iter_mut().zip([(&first, 1.0), (&second, -1.0)]) {
+                let velocity = way + turn.cross(&(found.place - rigid.position));
+                *power += sign * force.dot(&velocity);
+            }
+        }
+        let h = 1e-6;
+        let [of_first, of_second] = [-h, h].map(|h| {
+            let by = |rigid| moved(rigid, way * h, turn * h);
+            (energy(&by(&first), &second), energy(&first, &by(&second)))
+        });
+        let changes = [of_second.0.zip(of_first.0), of_second.1.zip(of_first.1)];
+        for (change, power) in changes.into_iter().zip(powers) {
+            // Another plane may be at least an ulp away only.
+            let Some((up, down)) = change else { continue };
+            let slope = (up - down) / (2.0 * h);
+            assert!((slope + power).abs() < 1e-7, "{plane:?} {slope} {power}");
+        }
+        seen[match plane {
+            Plane::Face { of, .. } => of,
+            Plane::Edges(_) => 2,
+        }] += 1;
+    }
+    assert!(seen.iter().all(|&seen| seen > 100), "{seen:?}");
+}
+
+/// On a straight way of one box through the other the energy has no jump, also where another plane takes over.
+#[test]
+fn the_energy_has_no_jump() {
+    let mut numbers = Numbers(3);
+    let mut changes = 0;
+    for _ in 0..200 {
+        let (from, to) = (numbers.vector(), numbers.vector());
+        let (turned, turn) = (numbers.vector() * 3.0, numbers.vector());
+        let steps = 2000;
+        let h = 1.0 / f64::from(steps);
+        let first = rigid(Vector3::zeros(), Vector3::zeros());
+        let mut before: Option<(Plane, f64)> = None;
+        for step in 0..steps {
+            let along = h * f64::from(step);
+            let second = rigid(from + (to - from) * along, turned);
+            let second = moved(&second, Vector3::zeros(), turn * along);
+            let (plane, depth) = placed(&first, &second).least(before.map(|(plane, _)| plane));
+            if let Some((old, was)) = before {
+                // No corner moves faster than this, and at most eight have a share.
+                let most = 2.0 * ((to - from).norm() + turn.norm()) * h;
+                assert!(
+                    (depth - was).abs() < most,
+                    "{old:?} {plane:?} {was} {depth}"
+                );
+                changes += u32::from(old != plane && depth > 0.0);
+            }
+            before = Some((plane, depth));
+        }
+    }
+    assert!(changes > 100, "{changes}");
+}
+
+/// Boxes that are apart have no energy, and ones with a common place have some.
+#[test]
+fn boxes_push_if_and_only_if_they_overlap() {
+    let mut numbers = Numbers(11);
+    let (mut apart, mut together) = (0, 0);
+    for _ in 0..2000 {
+        let first = rigid(Vector3::zeros(), numbers.vector());
+        let second = rigid(numbers.vector() * 1.4, numbers.vector() * 3.0);
+        let here = placed(&first, &second);
+        let (plane, depth) = here.least(None);
+        if depth < 0.0 {
+            // The plane is between all corners of the one and all of the other.
+            let normal = here.normal(plane);
+            let ends = |of: usize| (0..8).map(move |number| (of, number));
+            let along = |(of, number): (usize, usize)| {
+                normal.dot(&(here.centres[of] + here.corner(of, number)))
+            };
+            let least = ends(0).map(along).fold(f64::INFINITY, f64::min);
+            let most = ends(1).map(along).fold(f64::NEG_INFINITY, f64::max);
+            assert!(least > most, "{plane:?} {least} {most}");
+            apart += 1;
+        } else {
+            together += 1;
+        }
+        // From one box to the nearest place of the other and back: ends at a common place, if there is one.
+        let into = |of: usize, rigid: &Rigid, place: Vector3| {
+            let own = rigid.orientation.inverse() * (place - rigid.position);
+            let half = here.half[of];
+            rigid.position + rigid.orientation * own.zip_map(&half, |x, half| x.clamp(-half, half))
+        };
+        let mut place = second.position;
+        let mut way = f64::INFINITY;
+        for _ in 0..400 {
+            let one = into(0, &first, place);
+            place = into(1, &second, one);
+            way = (place - one).norm();
+        }
+        let common = way < 1e-9;
+        // From place to place the way shortens slowly where the two overlap little.
+        assert!(way < 1e-5 || depth < 0.01, "{plane:?} {depth} {way}");
+        assert!(!common || depth > 0.0, "{plane:?} {depth}");
+    }
+    assert!(apart > 200 && together > 200, "{apart} {together}");
+}

@@ -1,0 +1,323 @@
+//! The springs of joints, in motion.
+
+use crate::joint::{Joint, JointKind};
+use crate::part::{Part, Twist};
+use crate::rigid::{Rigid, Rotation, Vector3};
+
+/// What a joint does along its coordinate.
+#[derive(Clone, Copy, Debug)]
+struct Along {
+    spring: f64,
+    rest: f64,
+    damping: f64,
+    stop: f64,
+    limits: Option<[f64; 2]>,
+}
+
+impl Along {
+    /// How far it is beyond a stop.
+    fn beyond(&self, q: f64) -> f64 {
+        self.limits
+            .map_or(0.0, |[low, high]| q - q.clamp(low, high))
+    }
+
+    /// What pulls back at q, without damping.
+    fn force(&self, q: f64) -> f64 {
+        -self.spring * (q - self.rest) - self.stop * self.beyond(q)
+    }
+
+    fn stored(&self, q: f64) -> f64 {
+        0.5 * (self.spring * (q - self.rest).powi(2) + self.stop * self.beyond(q).powi(2))
+    }
+}
+
+/// What a link holds.
+#[derive(Clone, Copy, Debug)]
+enum Holds {
+    /// A point of the first where it was on the second: stiffness and damping along the three axes of its frame.
+    Point {
+        stiffness: Vector3,
+        damping: Vector3,
+    },
+    /// The way of that point along the first axis of the frame.
+    Way(Along),
+    /// The angle about the first axis of the frame: a unit vector of the first, which was along the frame's second axis.
+    Angle { mark: Vector3, along: Along },
+}
+
+/// A part of a joint, and what it does.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Link {
+    /// Number of its joint.
+    pub joint: usize,
+    first: usize,
+    /// `None`: the world.
+    second: Option<usize>,
+    /// The point in the axes of the first `[m]`,
+    on_first: Vector3,
+    /// and where it was, in those of the second `[m]`.
+    on_second: Vector3,
+    /// In the axes of the second.
+    frame: [Vector3; 3],
+    holds: Holds,
+    /// How fast a force at the point moves it at most, on each side: in the axes of the bodies, so it does not change `[1/kg]`.
+    moves: [f64; 2],
+    /// -1 or 1 beyond a stop.
+    beyond: i8,
+    /// Energy of its springs `[J]`.
+    pub stored: f64,
+    /// Force on the first, at the point `[N]`,
+    force: Vector3,
+    /// of which by damping,
+    by_damping: Vector3,
+    /// and the same of a torque `[N m]`.
+    torque: Vector3,
+    torque_by_damping: Vector3,
+    place: Vector3,
+    relative: Twist,
+    damping_power: f64,
+    /// Work on both sides since the interval began `[J]`.
+    pub work: f64,
+    /// What damping took since then `[J]`.
+    pub dissipated: f64,
+}
+
+/// The links of a joint, for bodies as they stand at the start.
+pub(crate) fn links_of(
+    joint: &Joint,
+    number: usize,
+    [first, second]: [Option<usize>; 2],
+    parts: &[Part],
+) -> Vec<Link> {
+    let Some(first) = first else {
+        return Vec::new();
+    };
+    let law = &joint.law;
+    let axis = Vector3::from(joint.axis).normalize();
+    // Any direction across the axis: that of the world's axes which is least along it.
+    let across = Vector3::ith(axis.iamin(), 1.0);
+    let across = (across - axis * axis.dot(&across)).normalize();
+    let axes = [axis, across, axis.cross(&across)];
+    let one = &parts[first].rigid;
+    let other = second.map_or(rigid_world(), |second| parts[second].rigid);
+    let moves = |number: Option<usize>, lever: Vector3| {
+        let Some(part) = number.map(|number| &parts[number]) else {
+            return 0.0;
+        };
+        // 1/m - [r] I^-1 [r], whose largest eigenvalue its norm bounds.
+        let across = lever.cross_matrix();
+        let turns = across * nalgebra::Matrix3::from_diagonal(&part.mobility.angular) * across;
+        part.mobility.linear.max() + turns.norm()
+    };
+    let link = |place: Vector3, holds: Holds| Link {
+        moves: [
+            moves(
+                Some(first),
+                one.orientation.inverse() * (place - one.position),
+            ),
+            moves(
+                second,
+                other.orientation.inverse() * (place - other.position),
+            ),
+        ],
+        joint: number,
+        first,
+        second,
+        on_first: one.orientation.inverse() * (place - one.position),
+        on_second: other.orientation.inverse() * (place - other.position),
+        frame: axes.map(|axis| other.orientation.inverse() * axis),
+        holds,
+        beyond: 0,
+        stored: 0.0,
+        force: Vector3::zeros(),
+        by_damping: Vector3::zeros(),
+        torque: Vector3::zeros(),
+        torque_by_damping: Vector3::zeros(),
+        place,
+        relative: Twist::none(),
+        damping_power: 0.0,
+        work: 0.0,
+        dissipated: 0.0,
+    };
+    let point: Vector3 = joint.point.into();
+    let half = 0.5 * law.span;
+    let hold = |place: Vector3, weights: Vector3| {
+        link(
+            place,
+            Holds::Point {
+                stiffness: weights * law.stiffness,
+                damping: weights * law.damping,
+            },
+        )
+    };
+    let along = |stop: f64| Along {
+        spring: law.spring,
+        rest: law.rest,
+        damping: law.along_damping,
+        stop,
+        limits: law.limits,
+    };
+    match joint.kind {
+        JointKind::Hinge => vec![
+            hold(point + axis * half, Vector3::repeat(0.5)),
+            hold(point - axis * half, Vector3::repeat(0.5)),
+            link(
+                point,
+                Holds::Angle {
+                    mark: one.orientation.inverse() * across,
+                    along: along(law.stiffness * half * half),
+                },
+            ),
+        ],
+        JointKind::Slider => {
+            let weights = Vector3::new(0.0, 0.25, 0.25);
+            let mut links: Vec<_> = [axis, -axis, across, -across]
+                .map(|way| hold(point + way * half, weights))
+                .into();
+            links.push(link(point, Holds::Way(along(law.stiffness))));
+            links
+        }
+    }
+}
+
+fn rigid_world() -> Rigid {
+    Rigid {
+        position: Vector3::zeros(),
+        orientation: Rotation::identity(),
+        velocity: Vector3::zeros(),
+        spin: Vector3::zeros(),
+    }
+}
+
+impl Link {
+    /// An interval begins.
+    pub fn begin(&mut self) {
+        self.work = 0.0;
+        self.dissipated = 0.0;
+    }
+
+    /// Whether a stop has begun or ended.
+    pub fn changed_from(&self, other: &Self) -> bool {
+        self.beyond != other.beyond
+    }
+
+    fn relative(&self, parts: &[Part], twist: fn(&Part) -> &Twist) -> Twist {
+        let of = |number: usize| {
+            let part = &parts[number];
+            Twist {
+                velocity: part.velocity_at(twist(part), &self.place),
+                turning: twist(part).turning,
+            }
+        };
+        let first = of(self.first);
+        let second = self.second.map_or(Twist::none(), of);
+        Twist {
+            velocity: first.velocity - second.velocity,
+            turning: first.turning - second.turning,
+        }
+    }
+
+    /// What it does where everything is now, and its load.
+    pub fn meet(&mut self, parts: &mut [Part]) {
+        let first = parts[self.first].rigid;
+        let second = self
+            .second
+            .map_or(rigid_world(), |number| parts[number].rigid);
+        self.place = first.position + first.orientation * self.on_first;
+        let ahead = self.relative(parts, |part| &part.ahead);
+        self.relative = self.relative(parts, |part| &part.twist);
+        let axes = self.frame.map(|axis| second.orientation * axis);
+        let off = self.place - second.position - second.orientation * self.on_second;
+        let none = Vector3::zeros();
+        (self.force, self.by_damping) = (none, none);
+        (self.torque, self.torque_by_damping) = (none, none);
+        let q = match self.holds {
+            Holds::Point { stiffness, damping } => {
+                self.stored = 0.0;
+                for (number, axis) in axes.iter().enumerate() {
+                    let way = axis.dot(&off);
+                    self.stored += 0.5 * stiffness[number] * way * way;
+                    self.force -= axis * (stiffness[number] * way);
+                    self.by_damping -= axis * (damping[number] * axis.dot(&ahead.velocity));
+                }
+                0.0
+            }
+            Holds::Way(along) => {
+                let q = axes[0].dot(&off);
+                self.stored = along.stored(q);
+                self.force = axes[0] * along.force(q);
+                self.by_damping = axes[0] * (-along.damping * axes[0].dot(&ahead.velocity));
+                along.beyond(q)
+            }
+            Holds::Angle { mark, along } => {
+                let mark = first.orientation * mark;
+                let (x, y) = (mark.dot(&axes[1]), mark.dot(&axes[2]));
+                let q = y.atan2(x);
+                // The angle changes by this times the relative rotation.
+                let by = mark.cross(&(axes[2] * x - axes[1] * y)) / (x * x + y * y);
+                self.stored = along.stored(q);
+                self.torque = by * along.force(q);
+                self.torque_by_damping = by * (-along.damping * by.dot(&ahead.turning));
+                along.beyond(q)
+            }
+        };
+        self.beyond = if q > 0.0 {
+            1
+        } else if q < 0.0 {
+            -1
+        } else {
+            0
+        };
+        self.force += self.by_damping;
+        self.torque += self.torque_by_damping;
+        let (force, place) = (self.force, self.place);
+        for (number, sign) in [(Some(self.first), 1.0), (self.second, -1.0)] {
+            if let Some(part) = number.map(|number| &mut parts[number]) {
+                part.load(&(force * sign), &place);
+                part.torque += self.torque * sign;
+            }
+        }
+    }
+
+    /// What damping takes at the velocities that there are now.
+    pub fn watch_damping(&mut self, parts: &[Part]) {
+        let relative = self.relative(parts, |part| &part.twist);
+        let power =
+            self.by_damping.dot(&relative.velocity) + self.torque_by_damping.dot(&relative.turning);
+        self.damping_power = (-power).max(0.0);
+    }
+
+    /// Half a sub-step under its force, over which the velocities have become what they are now.
+    pub fn book(&mut self, parts: &[Part], half: f64) {
+        let now = self.relative(parts, |part| &part.twist);
+        let velocity = self.relative.velocity + now.velocity;
+        let turning = self.relative.turning + now.turning;
+        self.work += 0.5 * half * (self.force.dot(&velocity) + self.torque.dot(&turning));
+        self.dissipated += half * self.damping_power;
+        self.relative = now;
+    }
+
+    /// Bounds of the squared angular frequency that it gives to each of its sides `[1/s^2]`, and of the damping rate `[1/s]`.
+    pub fn rates(&self, parts: &[Part]) -> [(Option<usize>, f64, f64); 2] {
+        let of = |number: Option<usize>, moves: f64| {
+            let Some(number) = number else {
+                return (None, 0.0, 0.0);
+            };
+            let turns = parts[number].mobility.angular.max();
+            let (square, rate) = match self.holds {
+                Holds::Point { stiffness, damping } => {
+                    (stiffness.max() * moves, damping.max() * moves)
+                }
+                Holds::Way(along) => ((along.spring + along.stop) * moves, along.damping * moves),
+                Holds::Angle { along, .. } => {
+                    ((along.spring + along.stop) * turns, along.damping * turns)
+                }
+            };
+            (Some(number), square, rate)
+        };
+        [
+            of(Some(self.first), self.moves[0]),
+            of(self.second, self.moves[1]),
+        ]
+    }
+}
