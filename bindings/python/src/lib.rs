@@ -3,13 +3,18 @@
 //! It takes what the Python files of the package give it, calls the libraries, and hands back numbers:
 //! reports as the JSON that the program prints, ticks as arrays. Nothing is computed here.
 
+mod advise;
+mod calibration;
+mod card;
+mod checked;
 mod columns;
 mod engine;
+mod figures;
 mod interrupt;
+mod map;
 mod methods;
 mod names;
 mod own_method;
-mod reach;
 mod recording;
 mod render;
 mod renderer;
@@ -17,6 +22,7 @@ mod scene;
 mod setup;
 mod simulate;
 mod studies;
+mod suite;
 mod world;
 mod world_state;
 mod worlds;
@@ -27,25 +33,33 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _palpate {
     #[pymodule_export]
+    use super::advise::{advice_figure, advise};
+    #[pymodule_export]
+    use super::calibration::{PyExcitation, calibrate, excite_scene};
+    #[pymodule_export]
+    use super::card::report;
+    #[pymodule_export]
     use super::columns::{columns, ideal_columns};
     #[pymodule_export]
     use super::engine::EngineContact;
     #[pymodule_export]
-    use super::methods::methods;
+    use super::map::{map, map_check, map_columns, map_of_parts, map_part};
     #[pymodule_export]
-    use super::reach::{advise, map};
+    use super::methods::methods;
     #[pymodule_export]
     use super::recording::{read_recording, recorded_columns};
     #[pymodule_export]
-    use super::render::render;
+    use super::render::{render, render_figure};
     #[pymodule_export]
     use super::renderer::Renderer;
     #[pymodule_export]
     use super::scene::{PyScene, from_toml, read_scene, to_toml};
     #[pymodule_export]
-    use super::simulate::{compare, simulate};
+    use super::simulate::{compare, simulate, simulate_figure};
     #[pymodule_export]
-    use super::studies::{heights, run_suite, tune};
+    use super::studies::{heights, tune};
+    #[pymodule_export]
+    use super::suite::{run_suite, suite_names, suite_of_parts, suite_part};
     #[pymodule_export]
     use super::world::{PyWorld, is_world};
     #[pymodule_export]

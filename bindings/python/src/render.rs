@@ -1,16 +1,19 @@
 //! `render`: a motion, rendered by some methods.
 
 use numpy::{PyArray1, PyReadonlyArray1};
+use palpate::{MethodName, Settings};
+use palpate_plot::Devices;
 use palpate_record::unit::{HandMotion, LengthUnit};
 use palpate_scene::Timing;
-use palpate_sim::replay::{Replay, ReplayError};
+use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
 use palpate_sim::run::Run;
 use palpate_study::report::{Replayed, Report, Subject, told_lines};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::columns::{Words, array, of_ideal, of_run};
-use crate::interrupt::interruptible;
+use crate::figures::of_runs;
+use crate::interrupt::{Stop, interruptible};
 use crate::methods::{chosen, settings};
 use crate::names::{refused, wrong_replay};
 use crate::setup::setup;
@@ -55,63 +58,129 @@ impl Rendered {
     }
 }
 
-/// Renders a motion, times \[s\] and positions \[m, or `unit`\], by each method; `title` names the motion.
+/// A motion, with what it is rendered with.
+struct Motion {
+    setup: ReplaySetup,
+    settings: Settings,
+    methods: Vec<MethodName>,
+    times: Vec<f64>,
+    positions: Vec<f64>,
+    title: String,
+}
+
+/// A motion as Python gives it: times \[s\], positions \[m, or `unit`\], its name, and the unit.
+type Given<'py> = (
+    PyReadonlyArray1<'py, f64>,
+    PyReadonlyArray1<'py, f64>,
+    String,
+    Option<String>,
+);
+
+impl Motion {
+    /// Checks what was given.
+    fn of(
+        (t, x, title, unit): &Given<'_>,
+        method: &Bound<'_, PyAny>,
+        parameters: &Bound<'_, PyDict>,
+        settings_given: &Bound<'_, PyDict>,
+    ) -> PyResult<Self> {
+        let methods = chosen(method)?;
+        let settings = settings(settings_given, &methods)?;
+        let setup = setup(parameters)?;
+        let unit = unit.as_deref().map(length_unit).transpose()?;
+        // Copies: while Python is let go, its arrays may change.
+        let times = t.as_array().to_vec();
+        let positions = x.as_array();
+        let positions = positions.iter();
+        let positions: Vec<f64> = match unit {
+            None | Some(LengthUnit::Metre) => positions.copied().collect(),
+            Some(unit) => positions.map(|position| unit.metres(*position)).collect(),
+        };
+        if unit.is_none() {
+            check_motion(&times, &positions)?;
+        }
+        Ok(Self {
+            setup,
+            settings,
+            methods,
+            times,
+            positions,
+            title: format!("{}: {title}", Replayed::Motion.title()),
+        })
+    }
+
+    /// Renders it by each method, and gives what `make` makes of that.
+    fn rendered<T>(
+        self,
+        stop: &Stop,
+        make: impl FnOnce(&str, &ReplaySetup, &Replay, Vec<Run>) -> T,
+    ) -> Result<T, ReplayError> {
+        let replay = Replay::new(self.setup, &self.times, &self.positions)?;
+        drop((self.times, self.positions));
+        let mut runs = Vec::with_capacity(self.methods.len());
+        for method in self.methods {
+            stop.leave_if_raised();
+            runs.push(replay.run(method, &self.settings)?);
+        }
+        Ok(make(&self.title, &self.setup, &replay, runs))
+    }
+}
+
+/// Renders a motion by each method.
 #[pyfunction]
-#[pyo3(signature = (motion, title, unit, method, parameters, settings_given))]
+#[pyo3(signature = (motion, method, parameters, settings_given))]
 pub fn render<'py>(
     py: Python<'py>,
-    motion: (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>),
-    title: &str,
-    unit: Option<&str>,
+    motion: Given<'py>,
     method: &Bound<'py, PyAny>,
     parameters: &Bound<'py, PyDict>,
     settings_given: &Bound<'py, PyDict>,
 ) -> PyResult<RenderedInPython<'py>> {
-    let methods = chosen(method)?;
-    let settings = settings(settings_given, &methods)?;
-    let setup = setup(parameters)?;
-    let unit = unit.map(length_unit).transpose()?;
-    // Copies: while Python is let go, its arrays may change.
-    let (t, x) = motion;
-    let times = t.as_array().to_vec();
-    let positions = x.as_array();
-    let positions = positions.iter();
-    let positions: Vec<f64> = match unit {
-        None | Some(LengthUnit::Metre) => positions.copied().collect(),
-        Some(unit) => positions.map(|position| unit.metres(*position)).collect(),
-    };
-    if unit.is_none() {
-        check_motion(&times, &positions)?;
-    }
-    let title = format!("{}: {title}", Replayed::Motion.title());
+    let motion = Motion::of(&motion, method, parameters, settings_given)?;
     let rendered = interruptible(py, move |stop| {
-        let replay = Replay::new(setup, &times, &positions)?;
-        drop((times, positions));
-        let mut runs = Vec::with_capacity(methods.len());
-        for method in methods {
-            stop.leave_if_raised();
-            runs.push(replay.run(method, &settings)?);
-        }
-        let subject = Subject {
-            title,
-            contact: &setup.contact,
-            loop_params: &setup.loop_params,
-            device_mass: setup.device_mass,
-            delay: setup.delay().0,
-            timing: Timing {
-                delay_fraction: setup.delay().1,
-                ..Timing::default()
-            },
-        };
-        let mut report = Report::new(&subject, replay.reference(), &runs);
-        let (samples, period) = (setup.delay().0, setup.loop_params.period);
-        report.actuated(told_lines(&setup.actuation, samples, period));
-        report.replayed(Replayed::Motion);
-        let ideal = of_ideal(replay.reference());
-        Ok::<_, ReplayError>(Rendered::of(&report, ideal, runs))
+        motion.rendered(stop, |title, setup, replay, runs| {
+            let subject = Subject {
+                title: title.to_owned(),
+                contact: &setup.contact,
+                loop_params: &setup.loop_params,
+                device_mass: setup.device_mass,
+                delay: setup.delay().0,
+                timing: Timing {
+                    delay_fraction: setup.delay().1,
+                    ..Timing::default()
+                },
+            };
+            let mut report = Report::new(&subject, replay.reference(), &runs);
+            let (samples, period) = (setup.delay().0, setup.loop_params.period);
+            report.actuated(told_lines(&setup.actuation, samples, period));
+            report.replayed(Replayed::Motion);
+            let ideal = of_ideal(replay.reference());
+            Rendered::of(&report, ideal, runs)
+        })
     })?;
     let rendered = rendered.map_err(|error| wrong_replay(&error))?;
     rendered.into_python(py)
+}
+
+/// The figure of a motion that is rendered by each method.
+#[pyfunction]
+#[pyo3(signature = (motion, method, parameters, settings_given))]
+pub fn render_figure(
+    py: Python<'_>,
+    motion: Given<'_>,
+    method: &Bound<'_, PyAny>,
+    parameters: &Bound<'_, PyDict>,
+    settings_given: &Bound<'_, PyDict>,
+) -> PyResult<String> {
+    let motion = Motion::of(&motion, method, parameters, settings_given)?;
+    let figure = interruptible(py, move |stop| {
+        motion.rendered(stop, |title, _, replay, runs| {
+            of_runs(title, replay.reference(), &runs, Devices::Recorded)
+        })
+    })?;
+    figure
+        .map_err(|error| wrong_replay(&error))?
+        .map_err(refused)
 }
 
 fn length_unit(symbol: &str) -> PyResult<LengthUnit> {

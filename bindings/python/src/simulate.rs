@@ -1,6 +1,7 @@
 //! `simulate` and `compare`: scenes in closed loop.
 
 use palpate::MethodName;
+use palpate_plot::Devices;
 use palpate_scene::SetupError;
 use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_study::compare::{Comparison, SceneRows};
@@ -8,8 +9,10 @@ use palpate_study::report::{Report, Subject, actuator_of};
 use pyo3::prelude::*;
 
 use crate::columns::of_ideal;
+use crate::figures::{drawn, of_runs};
 use crate::interrupt::interruptible;
 use crate::methods::{Chosen, chosen, chosen_or_own};
+use crate::names::refused;
 use crate::own_method::OwnError;
 use crate::render::{Rendered, RenderedInPython};
 use crate::scene::PyScene;
@@ -66,13 +69,43 @@ pub fn simulate<'py>(
     rendered.into_python(py)
 }
 
-/// Runs each method on each scene: the report as JSON and as text.
+/// The figure of a scene that is simulated by methods of the program; by its own where none is named.
+#[pyfunction]
+pub fn simulate_figure(
+    py: Python<'_>,
+    scene: &Bound<'_, PyScene>,
+    method: Option<&Bound<'_, PyAny>>,
+) -> PyResult<String> {
+    let own = scene.get().scene();
+    let methods = method.map_or_else(|| Ok(vec![own.method]), chosen)?;
+    let simulated = own.clone();
+    let figure = interruptible(py, move |stop| {
+        let scene = &simulated;
+        let bench = Bench::new(scene).map_err(|error| Wrong::Scene(scene.method, error))?;
+        let mut runs = Vec::with_capacity(methods.len());
+        for method in methods {
+            stop.leave_if_raised();
+            let run = bench.run(method);
+            runs.push(run.map_err(|error| Wrong::Scene(method, error))?);
+        }
+        Ok(of_runs(
+            &scene.title,
+            bench.reference(),
+            &runs,
+            Devices::OfEachRun,
+        ))
+    })?;
+    let figure = figure.map_err(|error: Wrong| error.on(scene.get()))?;
+    figure.map_err(refused)
+}
+
+/// Runs each method on each scene: the report as JSON, as text and as a figure.
 #[pyfunction]
 pub fn compare(
     py: Python<'_>,
     scenes: Vec<Py<PyScene>>,
     method: &Bound<'_, PyAny>,
-) -> PyResult<(String, String)> {
+) -> PyResult<(String, String, String)> {
     let methods = chosen(method)?;
     let compared: Vec<_> = scenes
         .iter()
@@ -100,9 +133,13 @@ pub fn compare(
             ));
         }
         let comparison = Comparison::of(rows);
-        Ok((palpate_study::json(&comparison), comparison.to_string()))
+        Ok(comparison)
     })?;
-    compared.map_err(|(place, error): (usize, Wrong)| error.on(scenes[place].get()))
+    let comparison =
+        compared.map_err(|(place, error): (usize, Wrong)| error.on(scenes[place].get()))?;
+    let figure = drawn(&palpate_plot::compared(&comparison)).map_err(refused)?;
+    let json = palpate_study::json(&comparison);
+    Ok((json, comparison.to_string(), figure))
 }
 
 fn cannot(error: &SetupError) -> String {

@@ -1,11 +1,10 @@
-//! Studies of many runs: `tune`, `heights` and `suite`.
+//! Studies of many runs: `tune` and `heights`.
 
 use palpate::MethodName;
 use palpate_scene::Scene;
 use palpate_study::heights::report::{HeightsReport, SceneReport};
 use palpate_study::heights::{HeightsError, over_heights};
-use palpate_study::suite::report::SuiteReport;
-use palpate_study::suite::{self, Column, Set};
+use palpate_study::suite::Column;
 use palpate_study::tune as tuning;
 use palpate_study::tune::report::TuneReport;
 use palpate_study::tune::{Objective, TuneError};
@@ -13,6 +12,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
+use crate::figures::drawn;
 use crate::interrupt::interruptible;
 use crate::methods::chosen;
 use crate::names::refused;
@@ -21,8 +21,11 @@ use crate::scene::PyScene;
 /// A report as JSON and as text.
 type Said = (String, String);
 
+/// A report as JSON, as text and as a figure.
+pub type Shown = (String, String, String);
+
 /// Threads for one study: those of a pool that a process shares are gone in a process that forks from it.
-fn threads() -> PyResult<ThreadPool> {
+pub fn threads() -> PyResult<ThreadPool> {
     ThreadPoolBuilder::new()
         .build()
         .map_err(|error| PyRuntimeError::new_err(format!("no threads to work in: {error}")))
@@ -37,7 +40,7 @@ pub fn tune(
     values: Option<Vec<f64>>,
     steps: u32,
     least: &str,
-) -> PyResult<Said> {
+) -> PyResult<Shown> {
     let own: Scene = scene.get().scene().clone();
     let methods = method.map_or_else(|| Ok(vec![own.method]), chosen)?;
     let &[method] = methods.as_slice() else {
@@ -74,13 +77,14 @@ pub fn tune(
     };
     let tuned = interruptible(py, move |stop| {
         let points = tuning::tune(&own, method, &values, || stop.leave_if_raised())?;
-        let report = TuneReport::new(&own, method, setting, objective, points);
-        Ok((palpate_study::json(&report), report.to_string()))
+        Ok(TuneReport::new(&own, method, setting, objective, points))
     })?;
-    tuned.map_err(|error| match error {
+    let report = tuned.map_err(|error| match error {
         TuneError::Loop(error) => scene.get().wrong(method, &error),
         other => refused(other),
-    })
+    })?;
+    let figure = drawn(&palpate_plot::tune(&report)).map_err(refused)?;
+    Ok((palpate_study::json(&report), report.to_string(), figure))
 }
 
 /// Judges methods on scenes from every start height.
@@ -125,37 +129,4 @@ pub fn heights(
             }
         },
     )
-}
-
-/// Judges methods on random plants.
-#[pyfunction]
-pub fn run_suite(
-    py: Python<'_>,
-    set: &str,
-    seed: u64,
-    plants: usize,
-    method: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Said> {
-    let set = Set::ALL
-        .into_iter()
-        .find(|known| known.name() == set)
-        .ok_or_else(|| {
-            let sets = Set::ALL.map(Set::name).join("\" or \"");
-            refused(format!("set is \"{set}\", but must be \"{sets}\""))
-        })?;
-    if plants == 0 {
-        return Err(refused("plants is 0, but must be 1 or more"));
-    }
-    let columns: Vec<_> = match method {
-        None => set.columns(),
-        Some(method) => chosen(method)?.into_iter().map(Column::of).collect(),
-    };
-    let threads = threads()?;
-    let judged = interruptible(py, move |stop| {
-        let judged = threads
-            .install(|| suite::run(set, seed, plants, &columns, || stop.leave_if_raised()))?;
-        let report = SuiteReport::new(set, seed, &columns, &judged);
-        Ok::<_, suite::SuiteError>((palpate_study::json(&report), report.to_string()))
-    })?;
-    judged.map_err(refused)
 }

@@ -9,9 +9,10 @@ use schemars::generate::SchemaSettings;
 use schemars::transform::{Transform, transform_subschemas};
 use schemars::{JsonSchema, Schema};
 
-use crate::commands::{bench, calibrate, demo, devices, doctor, pipe, run};
+use crate::commands::{bench, demo, devices, doctor, pipe, run};
 use palpate_study::{
-    advise, card, claims, compare, heights, map, recording, report, suite, sweep, tune, world,
+    advise, calibration, card, claims, compare, heights, map, recording, report, suite, sweep,
+    tune, world,
 };
 
 /// A number that is not finite, such as the error of a loop that ran away, is `null` in JSON.
@@ -44,7 +45,7 @@ fn the_committed_schemas_are_those_of_the_reports() {
     let schemas = [
         ("advise", schema::<advise::Advice>()),
         ("bench-loop", schema::<Vec<bench::Report>>()),
-        ("calibrate", schema::<calibrate::CalibrationReport>()),
+        ("calibrate", schema::<calibration::CalibrationReport>()),
         ("card", schema::<card::Card>()),
         ("claims", schema::<claims::report::ClaimsReport>()),
         ("compare", schema::<compare::Comparison>()),

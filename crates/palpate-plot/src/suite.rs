@@ -1,7 +1,7 @@
 //! How far methods are off on random plants.
 
 use palpate_figure::{Figure, Kind, Limits, Panel, Role, Row, Series};
-use palpate_study::suite::{Column, Judged, Set};
+use palpate_study::suite::{Column, Score, Set, plants};
 
 /// How each column looks: a method with its defaults as everywhere else.
 fn role(columns: &[Column], number: usize) -> Role {
@@ -20,13 +20,7 @@ const LARGEST_DRAWN: f64 = 3.0;
 
 /// The distribution of E of those `columns` that are `drawn`, a panel for each condition.
 #[must_use]
-pub fn suite(
-    set: Set,
-    seed: u64,
-    columns: &[Column],
-    drawn: &[usize],
-    judged: &[Judged],
-) -> Figure {
+pub fn suite(set: Set, seed: u64, columns: &[Column], drawn: &[usize], scores: &[Score]) -> Figure {
     let conditions = set.conditions();
     let of_set = match set {
         Set::Paper => String::new(),
@@ -35,11 +29,10 @@ pub fn suite(
     let panel = |condition: usize| Panel {
         series: (drawn.iter().copied())
             .map(|number| {
-                let mut errors: Vec<f64> = judged
+                let mut errors: Vec<f64> = scores
                     .iter()
-                    .flat_map(|one| &one.trials)
-                    .filter(|trial| trial.column == number && trial.condition == condition)
-                    .map(|trial| trial.fidelity.mean_force_error.log10())
+                    .filter(|score| score.column == number && score.condition == condition)
+                    .map(|score| score.error.log10())
                     .collect();
                 errors.sort_by(f64::total_cmp);
                 let all = errors.len() as f64;
@@ -62,8 +55,8 @@ pub fn suite(
             .collect(),
     };
     Figure {
-        title: finding(set, columns, drawn, judged),
-        subtitle: format!("{} random plants{of_set}, seed {seed}", judged.len()),
+        title: finding(set, columns, drawn, scores),
+        subtitle: format!("{} random plants{of_set}, seed {seed}", plants(scores)),
         footnote: Some(
             "Share of the plants on which E, the error of the mean force of each period, is at most so large: \
              the further left, the better. Errors above 1000 % are not drawn."
@@ -83,7 +76,7 @@ pub fn suite(
 
 /// On how many of the plants each column's force is within E < 20 %, for the two best: without a delay in
 /// the paper's set, under the last condition of the others.
-fn finding(set: Set, columns: &[Column], drawn: &[usize], judged: &[Judged]) -> String {
+fn finding(set: Set, columns: &[Column], drawn: &[usize], scores: &[Score]) -> String {
     const FAITHFUL_PERCENT: f64 = 20.0;
     let conditions = set.conditions();
     let condition = match set {
@@ -92,14 +85,14 @@ fn finding(set: Set, columns: &[Column], drawn: &[usize], judged: &[Judged]) -> 
     };
     let mut shares: Vec<(&str, f64)> = (drawn.iter().copied())
         .map(|number| {
-            let of_column = judged.iter().flat_map(|one| &one.trials);
-            let faithful = of_column
-                .filter(|trial| trial.column == number && trial.condition == condition)
-                .filter(|trial| trial.fidelity.mean_force_error < FAITHFUL_PERCENT)
+            let faithful = scores
+                .iter()
+                .filter(|score| score.column == number && score.condition == condition)
+                .filter(|score| score.error < FAITHFUL_PERCENT)
                 .count();
             (
                 &*columns[number].name,
-                100.0 * faithful as f64 / judged.len() as f64,
+                100.0 * faithful as f64 / plants(scores) as f64,
             )
         })
         .collect();

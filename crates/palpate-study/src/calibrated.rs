@@ -3,14 +3,15 @@
 use std::time::Duration;
 
 use palpate_calibrate::{
-    Calibration, Declined, Excitation, ExcitationError, ExcitationParams, Phase, Quantity, Stop,
-    measure,
+    Calibration, Declined, ExcitationError, ExcitationParams, Phase, Quantity, Stop, measure,
 };
 use palpate_device::clock::SteppedClock;
 use palpate_device::{Device, DeviceError, Wrench};
 use palpate_scene::{Scene, Told};
 use palpate_sim::device::SimulatedDevice;
 use palpate_testbed::InvalidParameter;
+
+use crate::calibration::Motion;
 
 /// Why the device of a scene has no calibration.
 #[derive(Debug, thiserror::Error)]
@@ -32,37 +33,48 @@ pub enum NotCalibrated {
     Declined(#[from] Declined),
 }
 
-/// Calibrates the device of `scene` as `palpate calibrate` does a real one, in simulated time: its hand
-/// holds it, does not push, and trembles as it does in the scene; there is no object. The jitter of
-/// commands is left out.
+/// Calibrates the device of `scene` as `palpate calibrate` does a real one, in simulated time, on the motion
+/// of [`excite`].
 ///
 /// # Errors
 /// A device that cannot be simulated, an excitation that stops, a motion that says nothing.
 pub fn calibrate(scene: &Scene, params: &ExcitationParams) -> Result<Calibration, NotCalibrated> {
+    let motion = excite(scene, params, || {})?;
+    let measured = measure(params, motion.excited(), &motion.positions, &motion.forces)?;
+    Ok(measured.fitted.calibration)
+}
+
+/// Excites the device of `scene` in simulated time: its hand holds it, does not push, and trembles as it
+/// does in the scene; there is no object. The jitter of commands is left out. `sampled` hears of each
+/// sample.
+///
+/// # Errors
+/// A device that cannot be simulated, an excitation that stops.
+pub fn excite(
+    scene: &Scene,
+    params: &ExcitationParams,
+    mut sampled: impl FnMut(),
+) -> Result<Motion, NotCalibrated> {
     let at_rest = Scene {
         user_force: 0.0,
         ..scene.clone()
     };
     let clock = SteppedClock::new();
     let mut device = SimulatedDevice::of(&at_rest, clock.clone())?;
-    let mut excitation = Excitation::new(*params)?;
-    let (mut positions, mut forces) = (Vec::new(), Vec::new());
+    let mut motion = Motion::new(*params)?;
     let period = Duration::from_secs_f64(params.period);
     loop {
-        match excitation.phase() {
+        match motion.phase() {
             Phase::Running => {}
-            Phase::Done => break,
+            Phase::Done => return Ok(motion),
             Phase::Stopped(why) => return Err(NotCalibrated::Stopped(why)),
         }
         let [position, ..] = device.read()?.position;
-        let force = excitation.next(position);
+        let force = motion.take(None, position);
         device.write(Wrench::of_force([force, 0.0, 0.0]))?;
-        positions.push(position);
-        forces.push(force);
         clock.advance(period);
+        sampled();
     }
-    let measured = measure(params, excitation.excited(), &positions, &forces)?;
-    Ok(measured.fitted.calibration)
 }
 
 /// What a calibration says of delay, lag and gain, of the quantities that are `taken` from it.

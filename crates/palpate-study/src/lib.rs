@@ -7,12 +7,13 @@
 //! [`claims`] checks the numbers of the paper. [`calibrated`] calibrates the device of a scene.
 //!
 //! Reports are types: [`report::Report`] of runs, [`compare::Comparison`] of runs on several scenes, those of
-//! the studies (`tune::report` and so on), [`recording::report`] of a recording, and [`card`] of a device. Each has its numbers as
+//! the studies (`tune::report` and so on), [`recording::report`] of a recording, [`calibration`] of a calibration, and [`card`] of a device. Each has its numbers as
 //! fields, a text for a terminal (`Display`), and a JSON with a name and a version ([`json()`]), whose JSON
 //! Schema is in `docs/schema`. The feature `schema` makes these schemas (`schemars::JsonSchema`).
 
 pub mod advise;
 pub mod calibrated;
+pub mod calibration;
 pub mod card;
 pub mod claims;
 pub mod compare;

@@ -10,7 +10,11 @@ use palpate_scene::SceneFile;
 use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_sim::closed_loop::Bench;
 use palpate_study::heights::over_heights;
-use palpate_study::suite::{Column, DELAYS, Judged, RandomPlant, Set, quantile, run, summary};
+use palpate_study::json;
+use palpate_study::suite::report::SuiteReport;
+use palpate_study::suite::{
+    Column, DELAYS, Judged, RandomPlant, Set, quantile, run, run_part, scores, summary,
+};
 use palpate_study::tune::{Objective, best as tuned_best, tune};
 use rayon::prelude::*;
 
@@ -250,6 +254,19 @@ fn a_trial_is_what_a_single_run_of_the_scene_gives() {
             [vec![0; all().len()], vec![1; all().len()]].concat()
         );
         assert!(one.ideal_error < 1e-4, "{}", one.ideal_error);
+    }
+}
+
+#[test]
+fn the_report_of_parts_is_that_of_the_whole() {
+    let columns = [MethodName::Basic, MethodName::Hfcr].map(Column::of);
+    for set in [Set::Paper, Set::Desk] {
+        let whole = SuiteReport::new(set, 4, &columns, &run(set, 4, 7, &columns, || ()).unwrap());
+        let parts = [0..2, 2..3, 3..7].map(|part| run_part(set, 4, part, &columns, || ()).unwrap());
+        let of_parts: Vec<_> = parts.iter().flat_map(|judged| scores(judged)).collect();
+        let joined = SuiteReport::of_scores(set, 4, &columns, &of_parts);
+        assert_eq!(json(&joined), json(&whole));
+        assert_eq!(joined.plants, 7);
     }
 }
 

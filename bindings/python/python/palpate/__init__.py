@@ -17,6 +17,7 @@ All values are SI. Where a name stands for a number in an array or a report, its
 the end of the name.
 """
 
+from ._device_file import Calibration, DeviceReport, Excitation, calibrate, report
 from ._methods import METHODS, Method, Setting
 from ._palpate import __version__
 from ._recording import FLAGS, RECORDED, Event, Recording, read_recording
@@ -52,11 +53,14 @@ __all__ = [
     "BodyBook",
     "BodyState",
     "Books",
+    "Calibration",
     "ContactBook",
     "ContactState",
     "DeviceBook",
+    "DeviceReport",
     "Effort",
     "Event",
+    "Excitation",
     "Fields",
     "Leak",
     "Ledger",
@@ -76,11 +80,13 @@ __all__ = [
     "WorldRuns",
     "__version__",
     "advise",
+    "calibrate",
     "compare",
     "heights",
     "map",
     "read_recording",
     "render",
+    "report",
     "simulate",
     "suite",
     "tune",

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from . import _palpate
 from ._report import Fields, Report
+from ._table import Table, of_records
 
 _COLUMNS, (_PHASES, _FLAGS) = _palpate.recorded_columns()
 
@@ -33,7 +34,7 @@ class Event(NamedTuple):
     """What happened, in words."""
 
 
-class Recording(Report):
+class Recording(Table, Report):
     """What a loop with a device did: the report of `palpate info --json`, and every tick."""
 
     __slots__ = ("events", "texts", "ticks")
@@ -60,6 +61,9 @@ class Recording(Report):
         self.ticks = np.empty(0, RECORDED) if ticks is None else ticks
         self.events = list(events)
         self.texts = dict(texts)
+
+    def _columns(self) -> dict[str, NDArray[Any]]:
+        return of_records(self.ticks)
 
     def __reduce__(self) -> Any:
         return (type(self), (dict(self), str(self), self.ticks, self.events, self.texts))

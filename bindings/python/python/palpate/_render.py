@@ -73,9 +73,10 @@ def render(
     given = dict(locals())
     for other in ("t", "x", "method", "unit", "title", "settings"):
         del given[other]
-    motion = (_numbers("t", t), _numbers("x", x))
-    made = _palpate.render(motion, title, unit, method, given, settings)
-    return Runs._of_runs(made)
+    # Copies: the figure is drawn later, and the arrays of the caller may have changed by then.
+    motion = (_numbers("t", t).copy(), _numbers("x", x).copy(), title, unit)
+    arguments = (motion, method, given, settings)
+    return Runs._of_runs(_palpate.render(*arguments), (_palpate.render_figure, arguments))
 
 
 def _numbers(name: str, given: ArrayLike) -> NDArray[np.float64]:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import html
 import json
-from typing import Any, Mapping, Sequence
+from typing import Any, Callable, Mapping, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _palpate
+from ._table import Table, of_records
 
 _NUMBERS, _CODES, (_PHASES, _LIMITS, _FAULTS) = _palpate.columns()
 
@@ -49,23 +50,44 @@ class Fields(dict[str, Any]):
         return [*super().__dir__(), *self]
 
 
+Figure = Union[str, Tuple[Callable[..., str], Tuple[Any, ...]], None]
+"""A figure as SVG, or what draws it and what it is drawn from."""
+
+
 class Report(Fields):
     """What was found: a dictionary with the fields of the program's `--json`, which are attributes too.
 
     `docs/schema` in palpate's repository has the fields of each report, with their units at the end of
-    their names. `print(report)` prints the table that the program prints.
+    their names. `print(report)` prints the table that the program prints. A notebook shows the program's figure,
+    where there is one, and the table where there is none.
     """
 
-    __slots__ = ("_text",)
+    __slots__ = ("_figure", "_text")
 
-    def __init__(self, fields: Mapping[str, Any] = {}, text: str = "") -> None:
+    def __init__(self, fields: Mapping[str, Any] = {}, text: str = "", figure: Figure = None) -> None:
         super().__init__(fields)
         self._text = text
+        self._figure = figure
 
     @classmethod
-    def _of(cls, made: tuple[str, str]) -> Report:
+    def _of(cls, made: tuple[str, str], figure: Figure = None) -> Report:
         """The report from its JSON and its text."""
-        return cls(json.loads(made[0], object_hook=Fields), made[1])
+        return cls(json.loads(made[0], object_hook=Fields), made[1], figure)
+
+    def to_svg(self) -> str:
+        """The figure that the program draws with `--plot`, as SVG.
+
+        Figures of runs and of advice are drawn when they are first asked for: the runs are made again.
+
+        Raises:
+            ValueError: A report without a figure.
+        """
+        if self._figure is None:
+            raise ValueError("this report has no figure: the program draws none, or a method of one's own is in it")
+        if not isinstance(self._figure, str):
+            draw, given = self._figure
+            self._figure = draw(*given)
+        return self._figure
 
     def to_json(self) -> str:
         """The report as JSON."""
@@ -77,14 +99,18 @@ class Report(Fields):
     def __repr__(self) -> str:
         return self._text
 
-    def _repr_html_(self) -> str:
-        return f"<pre>{html.escape(self._text)}</pre>"
+    def _repr_svg_(self) -> str | None:
+        return None if self._figure is None else self.to_svg()
+
+    def _repr_html_(self) -> str | None:
+        # Notebooks prefer HTML to a figure.
+        return f"<pre>{html.escape(self._text)}</pre>" if self._figure is None else None
 
     def __reduce__(self) -> Any:
-        return (type(self), (dict(self), self._text))
+        return (type(self), (dict(self), self._text, self._figure))
 
 
-class Runs(Report):
+class Runs(Table, Report):
     """What some methods did in one scene or on one motion: their report, and every tick.
 
     The fields are those of `palpate simulate --json` and `palpate render --json`; `methods` is the list of
@@ -106,24 +132,33 @@ class Runs(Report):
         text: str = "",
         ticks: Mapping[str, NDArray[np.void]] = {},
         ideal: NDArray[np.void] | None = None,
+        figure: Figure = None,
     ) -> None:
-        super().__init__(fields, text)
+        super().__init__(fields, text, figure)
         self.ticks = dict(ticks)
         self.ideal = np.empty(0, IDEAL) if ideal is None else ideal
 
     @classmethod
-    def _of_runs(cls, made: tuple[str, str, Sequence[tuple[str, NDArray[np.uint64]]], NDArray[np.uint64]]) -> Runs:
+    def _of_runs(
+        cls, made: tuple[str, str, Sequence[tuple[str, NDArray[np.uint64]]], NDArray[np.uint64]], figure: Figure
+    ) -> Runs:
         fields, text, ticks, ideal = made
         return cls(
             json.loads(fields, object_hook=Fields),
             text,
             {method: words.view(TICK) for method, words in ticks},
             ideal.view(IDEAL),
+            figure,
         )
 
     def method(self, name: str) -> Fields:
         """What the report says of one method."""
         return _named(self["methods"], name)
+
+    def _columns(self) -> dict[str, NDArray[Any]]:
+        methods = np.concatenate([np.full(len(ticks), method) for method, ticks in self.ticks.items()])
+        rows = np.concatenate([*self.ticks.values()])
+        return {"method": methods, **of_records(rows)}
 
     def plot(self, ax: Any = None) -> Any:
         """Draws the held force of each method over time, with the ideal behind, by matplotlib.
@@ -150,7 +185,7 @@ class Runs(Report):
         return ax
 
     def __reduce__(self) -> Any:
-        return (type(self), (dict(self), str(self), self.ticks, self.ideal))
+        return (type(self), (dict(self), str(self), self.ticks, self.ideal, self._figure))
 
 
 class WorldRuns(Report):

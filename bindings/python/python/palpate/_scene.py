@@ -177,7 +177,11 @@ def simulate(
         scene = World(scene) if _palpate.is_world(text) else Scene._of(text, name, folder)
     if isinstance(scene, World):
         return WorldRuns._of_worlds(_palpate.simulate_world(scene, method))
-    return Runs._of_runs(_palpate.simulate(scene, method))
+    made = _palpate.simulate(scene, method)
+    several = [method] if method is None or isinstance(method, str) or callable(method) else method
+    # A method of one's own may remember its calls, so its runs are not made again for a figure.
+    is_drawn = not any(callable(one) for one in several)
+    return Runs._of_runs(made, (_palpate.simulate_figure, (scene, method)) if is_drawn else None)
 
 
 class Bench:
@@ -248,7 +252,8 @@ def compare(scenes: SceneLike | Iterable[SceneLike], method: str | Sequence[str]
         ValueError: A scene that cannot be run.
         OSError: A file that cannot be read.
     """
-    return Report._of(_palpate.compare(_scenes(scenes), method))
+    *made, figure = _palpate.compare(_scenes(scenes), method)
+    return Report._of((made[0], made[1]), figure)
 
 
 def _scenes(scenes: SceneLike | Iterable[SceneLike]) -> list[_palpate.Scene]:

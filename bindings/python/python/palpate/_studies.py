@@ -5,15 +5,16 @@ from __future__ import annotations
 import csv
 import json
 import math
-import os
 from typing import Any, Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _palpate
+from ._device_file import DeviceFile, named_text
 from ._report import Fields, Report
 from ._scene import SceneLike, _scene, _scenes
+from ._table import Table, of_records
 
 
 def tune(
@@ -41,7 +42,8 @@ def tune(
         OSError: A file that cannot be read.
     """
     given = None if values is None else np.asarray(values, dtype=np.float64).ravel().tolist()
-    return Report._of(_palpate.tune(_scene(scene), method, given, steps, least))
+    fields, text, figure = _palpate.tune(_scene(scene), method, given, steps, least)
+    return Report._of((fields, text), figure)
 
 
 def heights(
@@ -88,18 +90,23 @@ def suite(
     Raises:
         ValueError: A set or a method that there is not.
     """
-    return Report._of(_palpate.run_suite(set, seed, plants, method))
+    fields, text, figure = _palpate.run_suite(set, seed, plants, method)
+    return Report._of((fields, text), figure)
 
 
-class Map(Report):
+class Map(Table, Report):
     """What each method can render: the fields of `palpate map --json`, and every cell. In a notebook it is its figure."""
 
-    __slots__ = ("_csv", "_svg")
+    __slots__ = ("_csv",)
 
     def __init__(self, fields: Mapping[str, Any] = {}, text: str = "", svg: str = "", csv: str = "") -> None:
-        super().__init__(fields, text)
-        self._svg = svg
+        super().__init__(fields, text, svg)
         self._csv = csv
+
+    @classmethod
+    def _of_map(cls, made: tuple[str, str, str, str]) -> Map:
+        fields, text, svg, table = made
+        return cls(json.loads(fields, object_hook=Fields), text, svg, table)
 
     @property
     def rows(self) -> NDArray[np.void]:
@@ -120,15 +127,11 @@ class Map(Report):
         """The text of the program's file of this map, for `palpate map merge` and others."""
         return self._csv
 
-    def to_svg(self) -> str:
-        """The figure of the map."""
-        return self._svg
-
-    def _repr_svg_(self) -> str:
-        return self._svg
+    def _columns(self) -> dict[str, NDArray[Any]]:
+        return of_records(self.rows)
 
     def __reduce__(self) -> Any:
-        return (type(self), (dict(self), str(self), self._svg, self._csv))
+        return (type(self), (dict(self), str(self), self.to_svg(), self._csv))
 
 
 def map(
@@ -162,18 +165,9 @@ def map(
     Raises:
         ValueError: A value that is not allowed.
     """
-    given = {
-        "cells": cells,
-        "viscous_friction": viscous_friction,
-        "encoder_quantum": encoder_quantum,
-        "told_mass": told_mass,
-        "told_period": told_period,
-        "delay": delay,
-        "lag": lag,
-        "forces": forces,
-    }
-    fields, text, svg, table = _palpate.map(method, given)
-    return Map(json.loads(fields, object_hook=Fields), text, svg, table)
+    given = dict(locals())
+    del given["method"]
+    return Map._of_map(_palpate.map(method, given))
 
 
 def advise(
@@ -188,7 +182,7 @@ def advise(
     encoder_quantum: float | None = None,
     delay: float | None = None,
     lag: float | None = None,
-    device_file: str | os.PathLike[str] | None = None,
+    device_file: DeviceFile | None = None,
 ) -> Report:
     """Says what can be rendered on a device, and by which method, as `palpate advise` does.
 
@@ -203,7 +197,7 @@ def advise(
         encoder_quantum: Quantum of the position sensor [m]; `None`: that of `device_file`, or 0.
         delay: Time from a sample to the beginning of its force [periods]; `None`: that of `device_file`, or 0.
         lag: Time constant of the actuator [s]; `None`: that of `device_file`, or 0.
-        device_file: A device file of `palpate calibrate`.
+        device_file: A device file of `palpate calibrate`, or a `palpate.Calibration`.
 
     Returns:
         The report: `verdict`, and for each of `methods` how it renders the contact, the stiffest contact and the lightest
@@ -223,6 +217,6 @@ def advise(
         "encoder_quantum": encoder_quantum,
         "delay": delay,
         "lag": lag,
-        "device_file": device_file,
+        "device_file": named_text(device_file),
     }
-    return Report._of(_palpate.advise(method, given))
+    return Report._of(_palpate.advise(method, given), (_palpate.advice_figure, (method, given)))

@@ -43,7 +43,8 @@ impl Format {
     }
 
     /// The columns of a line, in order.
-    pub(super) fn columns(self) -> &'static [&'static str] {
+    #[must_use]
+    pub fn columns(self) -> &'static [&'static str] {
         match self {
             Self::Bounces => &COLUMNS[..COLUMNS.len() - 2],
             Self::BouncesAndStays => &COLUMNS,

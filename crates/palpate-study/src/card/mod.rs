@@ -35,6 +35,9 @@ const FORMAT: &str = "palpate card 1";
 /// Stiffness that is asked about where nothing says another `[N/m]`.
 const USUAL_STIFFNESS: f64 = 1000.0;
 
+/// Most recordings of a card.
+pub const MOST_RECORDINGS: usize = 3;
+
 /// What is to be said of a device, from real data with their source.
 #[derive(Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

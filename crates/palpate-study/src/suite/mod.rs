@@ -10,6 +10,7 @@ mod column;
 mod desk;
 mod draw;
 pub mod report;
+mod score;
 mod set;
 mod spread;
 mod steps;
@@ -17,9 +18,12 @@ pub mod table;
 
 pub use column::{Column, ColumnError, Dampings};
 pub use draw::{DrawError, RandomPlant};
+pub use score::{Score, plants, scores};
 pub use set::{Condition, Set, Telling};
 pub use spread::{Summary, quantile, summary};
 pub use steps::Step;
+
+use std::ops::Range;
 
 use palpate_testbed::metrics::{Fidelity, ForceJudgement};
 use rayon::prelude::*;
@@ -97,9 +101,7 @@ pub enum SuiteError {
     },
 }
 
-/// Judges `columns` on the first `plants` plants of `seed` of a `set`; `done` hears of each plant that is
-/// finished. Plants are judged on as many threads as rayon has; what comes out does not depend on
-/// how many those are, bit by bit.
+/// Judges `columns` on the first `plants` plants of `seed` of a `set`, as [`run_part`] does.
 ///
 /// # Errors
 /// Settings that do not make a column's method.
@@ -110,8 +112,24 @@ pub fn run(
     columns: &[Column],
     done: impl Fn() + Sync,
 ) -> Result<Vec<Judged>, SuiteError> {
+    run_part(set, seed, 0..plants, columns, done)
+}
+
+/// Judges `columns` on these `plants` of `seed` of a `set`; `done` hears of each plant that is
+/// finished. Plants are judged on as many threads as rayon has; what comes out does not depend on
+/// how many those are, bit by bit.
+///
+/// # Errors
+/// Settings that do not make a column's method.
+pub fn run_part(
+    set: Set,
+    seed: u64,
+    plants: Range<usize>,
+    columns: &[Column],
+    done: impl Fn() + Sync,
+) -> Result<Vec<Judged>, SuiteError> {
     let conditions = set.conditions();
-    (0..plants)
+    plants
         .into_par_iter()
         .map(|index| {
             let judged = judge(set.draw(seed, index)?, &conditions, columns);

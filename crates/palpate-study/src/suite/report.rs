@@ -6,7 +6,8 @@ use std::path::Path;
 use comfy_table::CellAlignment;
 use serde::Serialize;
 
-use super::{COLLISIONS, Column, Condition, Judged, Set, Summary, summary};
+use super::spread::summary_of;
+use super::{COLLISIONS, Column, Condition, Judged, Score, Set, Summary, plants, scores};
 use crate::text::{E, FRE, counted, legend, lines, number, percent, plain_table, short, wrapped};
 
 /// Name and version of the JSON report.
@@ -138,25 +139,33 @@ impl ColumnReport {
 
 impl SuiteReport {
     /// The report on what [`run`](super::run) gave for `set`, `seed` and `columns`.
+    #[must_use]
     pub fn new(set: Set, seed: u64, columns: &[Column], judged: &[Judged]) -> Self {
+        Self::of_scores(set, seed, columns, &scores(judged))
+    }
+
+    /// The same from the scores of all plants, those of each plant together.
+    #[must_use]
+    pub fn of_scores(set: Set, seed: u64, columns: &[Column], scores: &[Score]) -> Self {
         let conditions = set.conditions();
         let reports = |index: usize, of_delays: bool| -> Vec<ConditionReport> {
             let places = conditions.iter().enumerate();
             places
                 .filter(|(_, condition)| condition.delay().is_some() == of_delays)
                 .filter_map(|(place, condition)| {
-                    let summary = summary(judged, index, place)?;
+                    let summary = summary_of(scores, index, place)?;
                     Some(ConditionReport::new(*condition, &summary))
                 })
                 .collect()
         };
-        let ideal_errors = judged.iter().map(|one| one.ideal_error);
+        let of_plants = || scores.chunk_by(|a, b| a.plant == b.plant).map(|of| &of[0]);
+        let ideal_errors = of_plants().map(|one| one.ideal_error);
         Self {
             format: FORMAT,
             set: (set != Set::Paper).then(|| set.name()),
             seed,
-            plants: judged.len(),
-            redrawn: judged.iter().map(|one| u64::from(one.plant.redrawn)).sum(),
+            plants: plants(scores),
+            redrawn: of_plants().map(|one| u64::from(one.redrawn)).sum(),
             collisions: COLLISIONS,
             ideal_error: ideal_errors.fold(0.0, f64::max),
             columns: columns

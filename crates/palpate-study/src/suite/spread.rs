@@ -1,6 +1,6 @@
 //! How results are spread over the plants.
 
-use super::{Judged, Trial};
+use super::{Judged, Score, scores};
 
 /// What a column did over all plants under one condition.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,25 +27,24 @@ pub struct Summary {
 /// paper's set a condition's place is its delay.
 #[must_use]
 pub fn summary(judged: &[Judged], column: usize, condition: usize) -> Option<Summary> {
+    summary_of(&scores(judged), column, condition)
+}
+
+/// [`summary`] of scores.
+pub(super) fn summary_of(scores: &[Score], column: usize, condition: usize) -> Option<Summary> {
     let trials = || {
-        judged.iter().flat_map(move |one| {
-            let of_column =
-                move |trial: &&Trial| trial.column == column && trial.condition == condition;
-            one.trials
-                .iter()
-                .filter(of_column)
-                .map(move |trial| (one, trial))
-        })
+        let of_column =
+            move |score: &&Score| score.column == column && score.condition == condition;
+        scores.iter().filter(of_column)
     };
-    let sorted = |value: &dyn Fn(&Judged, &Trial) -> f64| {
-        let mut values: Vec<f64> = trials().map(|(one, trial)| value(one, trial)).collect();
+    let sorted = |value: &dyn Fn(&Score) -> f64| {
+        let mut values: Vec<f64> = trials().map(value).collect();
         values.sort_by(f64::total_cmp);
         values
     };
-    let errors = sorted(&|_, trial| trial.fidelity.mean_force_error);
-    // A floor of 0 is no floor to be over.
-    let ratios = sorted(&|_, trial| trial.fidelity.error_over_floor.unwrap_or(f64::INFINITY));
-    let peaks = sorted(&|_, trial| trial.force.peak_force / trial.ideal_peak);
+    let errors = sorted(&|score| score.error);
+    let ratios = sorted(&|score| score.error_over_floor);
+    let peaks = sorted(&|score| score.peak_ratio);
     Some(Summary {
         column,
         condition,
@@ -56,11 +55,11 @@ pub fn summary(judged: &[Judged], column: usize, condition: usize) -> Option<Sum
             quantile(&errors, 1.0)?,
         ],
         error_over_floor: [quantile(&ratios, 0.5)?, quantile(&ratios, 0.9)?],
-        diverged: trials().filter(|(_, trial)| trial.diverged).count(),
-        held_back: trials().filter(|(_, trial)| trial.limited > 0).count(),
+        diverged: trials().filter(|score| score.diverged).count(),
+        held_back: trials().filter(|score| score.limited > 0).count(),
         limited: {
-            let sum = |of: fn(&Trial) -> usize| trials().map(|(_, trial)| of(trial)).sum::<usize>();
-            sum(|trial| trial.limited) as f64 / sum(|trial| trial.samples) as f64
+            let sum = |of: fn(&Score) -> usize| trials().map(of).sum::<usize>();
+            sum(|score| score.limited) as f64 / sum(|score| score.samples) as f64
         },
         peak_ratio: [quantile(&peaks, 0.5)?, quantile(&peaks, 1.0)?],
     })

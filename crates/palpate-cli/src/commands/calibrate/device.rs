@@ -13,9 +13,9 @@ use palpate_rt::StopFlag;
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::{Heartbeat, SafetyParams, Supervisor};
 use palpate_scene::{Scene, SceneFile};
+use palpate_study::calibration::Motion;
 
 use super::CalibrateArguments;
-use super::motion::Motion;
 use super::shaker::Shaker;
 use crate::commands::run::request;
 use crate::commands::simulate::read_scene;

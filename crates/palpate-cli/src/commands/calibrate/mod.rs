@@ -4,26 +4,22 @@ mod arguments;
 mod device;
 #[cfg(all(test, unix))]
 mod emulated_tests;
-mod motion;
-mod report;
 mod settling;
 mod shaker;
-mod shown;
 mod stream;
 
 use std::path::Path;
 use std::time::Instant;
 
-use palpate_calibrate::{Calibration, Known, Measured, Quantity, measure};
+use palpate_calibrate::{Calibration, Measured, Quantity, measure};
 use palpate_files::outputs::Outputs;
 
 pub use arguments::CalibrateArguments;
 use arguments::ToldFlags;
-pub use report::CalibrationReport;
 
 use crate::failure::{Failure, tell};
 use crate::results::{draw, print};
-use motion::Motion;
+use palpate_study::calibration::{CalibrationReport, GainFrom, Motion, shown};
 use palpate_study::json;
 
 /// Excites a device, fits its motion, and writes what was found.
@@ -67,29 +63,14 @@ pub fn read_device_file(path: &Path) -> Result<Calibration, Failure> {
     })
 }
 
-/// The gain, where something beside the motion says it.
-fn gain(
-    found: &Calibration,
-    told: &ToldFlags,
-    before: Option<&Calibration>,
-) -> Result<Option<Known>, Failure> {
-    let unknown = |what: &str| {
-        Failure::Declined(format!(
-            "no calibration: the gain is not known to 20 % from {what}: it was found to change too little"
-        ))
-    };
-    if let Some(gain) = told.gain {
-        return Ok(Some(Known::given(gain, "given")));
-    }
-    if let Some(spring) = told.spring {
-        let gain = found.gain_by_spring(spring);
-        return gain.map(Some).ok_or_else(|| unknown("the spring"));
-    }
-    if let (Some(mass), Some(before)) = (told.added_mass, before) {
-        let gain = found.gain_by_added_mass(before, mass);
-        return gain.map(Some).ok_or_else(|| unknown("the added mass"));
-    }
-    Ok(None)
+/// What says the gain beside the motion, if something does.
+fn gain_from<'a>(told: &ToldFlags, before: Option<&'a Calibration>) -> Option<GainFrom<'a>> {
+    let given = told.gain.map(GainFrom::Given);
+    let spring = told.spring.map(GainFrom::Spring);
+    let added_mass = told.added_mass.zip(before);
+    given
+        .or(spring)
+        .or(added_mass.map(|(mass, before)| GainFrom::AddedMass(mass, before)))
 }
 
 /// Fits, writes, and says what was found.
@@ -113,8 +94,10 @@ fn deliver(
     if let Some(jitter) = motion.sample_jitter() {
         calibration.set(Quantity::SampleJitter, jitter);
     }
-    if let Some(gain) = gain(calibration, &arguments.told, before.as_ref())? {
-        calibration.set_gain(gain);
+    if let Some(from) = gain_from(&arguments.told, before.as_ref()) {
+        let gain = from.gain(calibration);
+        calibration
+            .set_gain(gain.map_err(|error| Failure::Declined(format!("no calibration: {error}")))?);
     }
     let mut report =
         CalibrationReport::new(&measured.fitted.calibration, &motion.positions, seconds);
@@ -164,7 +147,7 @@ fn write(
         outputs.write(path, |writer| writer.write_all(text.as_bytes()))?;
         report.wrote(path);
     }
-    let shown = shown::part(motion, measured, arguments.period);
+    let shown = shown(motion, measured, arguments.period);
     let picture = &arguments.results.picture;
     if let Some(path) = &picture.plot {
         let figure = palpate_plot::calibration(&shown, &measured.fitted.calibration);

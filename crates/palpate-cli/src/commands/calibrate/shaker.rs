@@ -9,8 +9,8 @@ use palpate_device::clock::Clock;
 use palpate_device::{Device, DeviceError, DeviceErrorKind, Pose, Vector, Wrench};
 use palpate_rt::StopFlag;
 use palpate_rt::safety::{Heartbeat, OscillationParams, Rendered, Safety, SafetyParams, Trip};
+use palpate_study::calibration::Motion;
 
-use super::motion::Motion;
 use super::settling::{PATIENCE, Settling};
 use crate::devices::Opened;
 use crate::failure::Failure;

@@ -9,8 +9,8 @@ use std::time::Duration;
 use palpate_calibrate::{ExcitationParams, Phase};
 use palpate_record::unit::LengthUnit;
 use palpate_rt::StopFlag;
+use palpate_study::calibration::Motion;
 
-use super::motion::Motion;
 use crate::commands::pipe::line::{Format, Line, Refusal};
 use crate::failure::Failure;
 use crate::last_line;

@@ -10,9 +10,6 @@ use crate::commands::run::{RealtimeArguments, SafetyArguments};
 use crate::devices::DeviceArguments;
 use crate::values::{Methods, methods, number};
 
-/// Most recordings of a page.
-pub const MOST_RECORDINGS: usize = 3;
-
 /// Arguments of `report`.
 #[derive(Args, Debug)]
 pub struct ReportArguments {

@@ -8,9 +8,8 @@ use std::time::SystemTime;
 
 use palpate_calibrate::Calibration;
 use palpate_record::recording::Recording;
-use palpate_study::card::{CalibrationRun, Card, CardError, Sources, utc};
+use palpate_study::card::{CalibrationRun, Card, CardError, MOST_RECORDINGS, Sources, utc};
 
-use arguments::MOST_RECORDINGS;
 pub use arguments::ReportArguments;
 
 use crate::commands::calibrate::read_device_file;

@@ -43,7 +43,13 @@ pub fn run(arguments: &SuiteArguments) -> Result<(), Failure> {
     }
     if let Some(path) = &arguments.picture.plot {
         let drawn = arguments.compared.drawn(&columns);
-        let figure = palpate_plot::suite(set, arguments.seed, &columns, &drawn, &judged);
+        let figure = palpate_plot::suite(
+            set,
+            arguments.seed,
+            &columns,
+            &drawn,
+            &suite::scores(&judged),
+        );
         draw(&outputs, path, &figure, arguments.picture.size)?;
         report.wrote(path);
     }

@@ -5,18 +5,19 @@ use std::fmt;
 use std::path::Path;
 
 use palpate_calibrate::{Calibration, Quantity};
-use palpate_study::card::MotionCard;
-use palpate_study::text::digits;
 use serde::Serialize;
+
+use crate::card::MotionCard;
+use crate::text::digits;
 
 /// Name and version of the JSON report.
 const FORMAT: &str = "palpate calibrate 1";
 
 /// What a calibration found.
 #[derive(Debug, Clone, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CalibrationReport {
-    #[cfg_attr(test, schemars(extend("const" = FORMAT)))]
+    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
     format: &'static str,
     /// Samples of the excitation.
     pub samples: usize,
@@ -35,7 +36,7 @@ pub struct CalibrationReport {
 
 /// A value that was found.
 #[derive(Debug, Clone, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Found {
     /// In the unit of the key.
     pub value: f64,
@@ -46,7 +47,11 @@ pub struct Found {
 }
 
 impl CalibrationReport {
-    /// The report of a calibration.
+    /// The report of a calibration on the `positions` `[m]` of its motion, whose fit took `fit_s` `[s]`.
+    ///
+    /// # Panics
+    /// Without a position.
+    #[must_use]
     pub fn new(calibration: &Calibration, positions: &[f64], fit_s: f64) -> Self {
         let from = positions[0];
         let excursion = positions.iter().map(|x| (x - from).abs());

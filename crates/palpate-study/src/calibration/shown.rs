@@ -3,13 +3,14 @@
 use palpate_calibrate::Measured;
 
 use super::motion::Motion;
-use palpate_study::card::MotionCard;
+use crate::card::MotionCard;
 
 /// How much of the motion is drawn `[s]`: steps of the force have to be seen.
 const SHOWN: f64 = 0.25;
 
 /// Positions, forces and what the fit foresees of the positions, over a part in the middle.
-pub fn part(motion: &Motion, measured: &Measured, period: f64) -> MotionCard {
+#[must_use]
+pub fn shown(motion: &Motion, measured: &Measured, period: f64) -> MotionCard {
     let excited = motion.excited();
     let middle = usize::midpoint(excited.start, excited.end);
     #[expect(

@@ -3,6 +3,7 @@
 use palpate_calibrate::{Excitation, ExcitationError, ExcitationParams, Known, Phase};
 
 /// An excitation and its samples so far.
+#[derive(Clone, Debug)]
 pub struct Motion {
     excitation: Excitation,
     /// Positions `[m]`.
@@ -16,6 +17,9 @@ pub struct Motion {
 
 impl Motion {
     /// No samples yet, with room for all.
+    ///
+    /// # Errors
+    /// A parameter out of its range.
     pub fn new(params: ExcitationParams) -> Result<Self, ExcitationError> {
         let excitation = Excitation::new(params)?;
         let room = excitation.length();
@@ -58,6 +62,7 @@ impl Motion {
     }
 
     /// Samples that are missing.
+    #[must_use]
     pub fn missed(&self) -> usize {
         self.missed
     }
@@ -85,6 +90,7 @@ impl Motion {
     }
 
     /// Standard deviation of the time between samples `[s]`, where each sample has a time.
+    #[must_use]
     pub fn sample_jitter(&self) -> Option<Known> {
         if self.times.len() < 100 || self.times.len() != self.positions.len() {
             return None;
@@ -103,16 +109,19 @@ impl Motion {
     }
 
     /// Where the excitation is.
+    #[must_use]
     pub fn phase(&self) -> Phase {
         self.excitation.phase()
     }
 
     /// The samples at which there is a force.
+    #[must_use]
     pub fn excited(&self) -> std::ops::Range<usize> {
         self.excitation.excited()
     }
 
     /// Samples of the whole.
+    #[must_use]
     pub fn length(&self) -> usize {
         self.excitation.length()
     }

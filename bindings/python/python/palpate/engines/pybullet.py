@@ -1,0 +1,248 @@
+"""Contacts with the bodies of PyBullet: `pip install palpate[pybullet]`.
+
+    import pybullet
+    from palpate.engines.pybullet import Contact
+
+    client = pybullet.connect(pybullet.DIRECT)
+    ...
+    contact = Contact(client, tool=0.01, bodies=[ball], stiffness=400.0, device_mass=0.25, period=0.01)
+    while True:
+        force = contact.step(position)  # reads your device, steps the engine, and gives the force to command
+
+The engine keeps the bodies and its other contacts. Only the contacts of the tool are palpate's: the engine does not know
+the tool. Their wrenches are external forces of one step.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._contact import EngineBody, EngineContact, PlacedShape, body_row
+
+try:
+    import pybullet
+except ImportError as _missing:
+    raise ImportError("palpate.engines.pybullet needs PyBullet: pip install 'palpate[pybullet]'") from _missing
+
+__all__ = ["Contact"]
+
+_BASE = -1
+"""The link that is a body without joints."""
+
+
+class Contact(EngineContact):
+    """Contacts of a tool with bodies of a PyBullet client.
+
+    The engine is stepped by this: a period is one or more of its steps. It is stepped first, with the wrenches that
+    avatars and bodies exert on each other meanwhile, and then the force is known that the device holds while that time
+    passes. What else accelerates a body, its weight and its other contacts, is taken from the step before: PyBullet does
+    not say it beforehand.
+
+    Args:
+        client: Number of the client, as `pybullet.connect` gives it.
+        tool: Radius of the tool [m], a sphere that PyBullet does not know; 0 for a point. Of several devices a sequence.
+        bodies: Numbers of the bodies that it touches: without joints, free or fixed (of mass 0), of spheres, boxes, capsules,
+            cylinders and planes.
+        stiffness: K of the contacts [N/m].
+        device_mass: Effective mass of the device, right within a factor of 2 [kg]: one number, or three for its axes;
+            of several devices a row of three for each.
+        period: Time from sample to sample [s], a whole number of the engine's steps. `None`: one step. Set the step first,
+            by `pybullet.setTimeStep`.
+        others: Of `palpate.engines.EngineContact`: `damping`, `friction`, `friction_stiffness`, `encoder_quantum`, `delay`,
+            `lag`, `gain`, `force_limit`, `soft_start`.
+
+    Raises:
+        ValueError: What is wrong, by the numbers of the bodies.
+        pybullet.error: No such client, or no such body.
+    """
+
+    client: int
+    steps: int
+    """Steps of the engine in a period."""
+
+    def __new__(
+        cls,
+        client: int,
+        *,
+        tool: float | Sequence[float],
+        bodies: Sequence[int],
+        stiffness: float,
+        device_mass: ArrayLike,
+        period: float | None = None,
+        **others: float,
+    ) -> Contact:
+        h = _time_step(client)
+        steps = 1 if period is None else round(period / h) if np.isfinite(period) else 0
+        if steps < 1 or (period is not None and abs(period / h - steps) > 1e-6 * steps):
+            raise ValueError(
+                f"period is {period} s, but must be a whole number of the engine's steps of {h} s: see pybullet.setTimeStep"
+            )
+        numbers = [int(body) for body in bodies]
+        for number in numbers:
+            if numbers.count(number) > 1:
+                raise ValueError(f"bodies names {number} twice")
+        radii = [float(radius) for radius in np.ravel(tool)]
+        names = ["tool"] if len(radii) == 1 else [f"tool {number}" for number in range(len(radii))]
+        made = super().__new__(
+            cls,
+            tools=dict(zip(names, radii)),
+            bodies=[_described(client, number) for number in numbers],
+            period=steps * h,
+            device_mass=device_mass,
+            stiffness=stiffness,
+            # Bullet moves a body by the velocity at the end of the step.
+            end_velocity=True,
+            **others,
+        )
+        assert isinstance(made, Contact)
+        made.client, made.steps, made._numbers = client, steps, numbers
+        made._start()
+        return made
+
+    _numbers: list[int]
+    _wrenches: NDArray[np.float64]
+    """What the engine was last told, a row for each body: force [N], torque about the centre of mass [N m]."""
+    _others: list[NDArray[np.float64] | None]
+    """Acceleration of each body by everything else in the last step [m/s^2], [rad/s^2]; none before the first."""
+    _before: list[NDArray[np.float64]]
+    _pushes: bool
+
+    def _start(self) -> None:
+        self._wrenches = np.zeros((len(self._numbers), 6))
+        self._others = [None] * len(self._numbers)
+        self._before = []
+        self._pushes = False
+
+    def step(self, position: ArrayLike, elapsed: float | None = None) -> NDArray[np.float64]:
+        """One period: takes a sample of the devices, steps the engine through the period, and gives the force on the
+        device [N] to hold over it.
+
+        Args:
+            position: Position of the device in the axes of the world [m], three numbers; of several devices a row for
+                each.
+            elapsed: Measured time since the last sample [s]; `None`: one period.
+
+        Returns:
+            Three numbers; of several devices a row for each. After a sample that cannot be used they are 0, and
+            `output.fault` says why; the engine is stepped all the same.
+
+        Raises:
+            ValueError: Not three numbers for each device, or the engine's step is another than at the start.
+        """
+        self.sample(position, elapsed)
+        for _ in range(self.steps):
+            self.push()
+            pybullet.stepSimulation(physicsClientId=self.client)
+            self.pull()
+        return self.hold()
+
+    def push(self) -> None:
+        """Before a step of the engine: gives it the wrenches of the contacts, beside what forces a program gives it. For a
+        program that steps the engine itself, between `sample` and `hold`:
+
+            contact.sample(position)
+            for _ in range(contact.steps):
+                contact.push()
+                pybullet.stepSimulation()
+                contact.pull()
+            force = contact.hold()
+        """
+        if self._pushes:
+            raise ValueError("push() comes once before each step of the engine, and pull() after it")
+        h = _time_step(self.client)
+        looked = [self._look(place) for place in range(len(self._numbers))]
+        self._wrenches[:] = self.meet(h, np.array([row for row, _, _ in looked]))
+        for number, wrench, (row, _, mobility) in zip(self._numbers, self._wrenches, looked):
+            if mobility.any():
+                force, torque, place = wrench[:3].tolist(), wrench[3:].tolist(), row[:3].tolist()
+                world = pybullet.WORLD_FRAME
+                pybullet.applyExternalForce(number, _BASE, force, place, world, physicsClientId=self.client)
+                pybullet.applyExternalTorque(number, _BASE, torque, world, physicsClientId=self.client)
+        # What the wrenches make of the velocities; what the step makes of them beyond that is by everything else.
+        self._before = [
+            velocity + h * mobility @ wrench for (_, velocity, mobility), wrench in zip(looked, self._wrenches)
+        ]
+        self._pushes = True
+
+    def pull(self) -> None:
+        """After a step of the engine: sees what everything else did to the bodies in it."""
+        if not self._pushes:
+            raise ValueError("pull() comes after push() and a step of the engine")
+        self._pushes = False
+        h = _time_step(self.client)
+        self._others = [
+            (self._velocity(number) - before) / h for number, before in zip(self._numbers, self._before)
+        ]
+
+    def reset(self) -> None:
+        """Begins anew: nothing sampled, nothing touched, the books empty. For after a body was put elsewhere."""
+        super().reset()
+        self._start()
+
+    def _velocity(self, number: int) -> NDArray[np.float64]:
+        return np.concatenate(pybullet.getBaseVelocity(number, physicsClientId=self.client))
+
+    def _look(self, place: int) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """The row of a body, its velocity, and its mobility."""
+        number, client = self._numbers[place], self.client
+        position, turned = pybullet.getBasePositionAndOrientation(number, physicsClientId=client)
+        x, y, z, w = turned
+        velocity = self._velocity(number)
+        mass, _, inertia, *_ = pybullet.getDynamicsInfo(number, _BASE, physicsClientId=client)
+        mobility = np.zeros((6, 6))
+        other = np.zeros(6)
+        if mass > 0:
+            axes = np.reshape(pybullet.getMatrixFromQuaternion(turned), (3, 3))
+            mobility[:3, :3] = np.eye(3) / mass
+            # An inertia of 0 is of a body that does not turn.
+            mobility[3:, 3:] = axes @ np.diag([1.0 / i if i > 0 else 0.0 for i in inertia]) @ axes.T
+            known = self._others[place]
+            other = self._weight() if known is None else known
+        row = body_row(position, (w, x, y, z), velocity[:3], velocity[3:], other[:3], other[3:], mobility)
+        return row, velocity, mobility
+
+    def _weight(self) -> NDArray[np.float64]:
+        said = pybullet.getPhysicsEngineParameters(physicsClientId=self.client)
+        return np.array([*(said[f"gravityAcceleration{axis}"] for axis in "XYZ"), 0.0, 0.0, 0.0])
+
+
+def _time_step(client: int) -> float:
+    said = pybullet.getPhysicsEngineParameters(physicsClientId=client)
+    if said["numSubSteps"] > 1:
+        raise ValueError(f"the engine takes {said['numSubSteps']} sub-steps in a step, but must take none: set numSubSteps=0")
+    return float(said["fixedTimeStep"])
+
+
+def _described(client: int, number: int) -> EngineBody:
+    name = f"body {number}"
+    if pybullet.getNumJoints(number, physicsClientId=client):
+        raise ValueError(f"{name} has joints, but must be a body without: fixed, or free")
+    shapes = []
+    for shape in pybullet.getCollisionShapeData(number, _BASE, physicsClientId=client):
+        _, _, kind, lengths, _, place, (x, y, z, w) = shape
+        word, own = _shape(name, kind, lengths)
+        shapes.append(PlacedShape(word, own, place, (w, x, y, z)))
+    if not shapes:
+        raise ValueError(f"{name} has no collision shape, so that a tool cannot touch it")
+    return EngineBody(name, shapes)
+
+
+def _shape(name: str, kind: int, lengths: Any) -> tuple[str, tuple[float, ...]]:
+    """The kind of a shape and its lengths, as `PlacedShape` has them."""
+    if kind == pybullet.GEOM_SPHERE:
+        return "sphere", (lengths[0],)
+    if kind == pybullet.GEOM_BOX:
+        return "box", tuple(0.5 * length for length in lengths)
+    if kind in (pybullet.GEOM_CAPSULE, pybullet.GEOM_CYLINDER):
+        height, radius = lengths[:2]
+        return "capsule" if kind == pybullet.GEOM_CAPSULE else "cylinder", (radius, 0.5 * height)
+    if kind == pybullet.GEOM_PLANE:
+        if tuple(lengths) != (0.0, 0.0, 1.0):
+            raise ValueError(f"{name} is a plane with the normal {tuple(lengths)}, but must have (0, 0, 1); turn the body instead")
+        return "half-space", ()
+    raise ValueError(
+        f"{name} has a shape of PyBullet's kind {kind}; a tool can touch planes, spheres, capsules, cylinders and boxes"
+    )

@@ -1,0 +1,33 @@
+//! Figures as SVG, in their natural size.
+
+use palpate_figure::{Picture, Size, svg};
+use palpate_plot::{Devices, RunsFigure};
+use palpate_sim::run::{Reference, Run};
+
+/// A figure as SVG.
+///
+/// # Errors
+/// A figure that does not fit its size.
+pub fn drawn(figure: &(impl Picture + ?Sized)) -> Result<String, String> {
+    svg(figure, Size::NATURAL).map_err(|error| error.to_string())
+}
+
+/// The figure of runs of a scene, or of a motion that was recorded, called `of`.
+///
+/// # Errors
+/// A figure that does not fit its size.
+pub fn of_runs(
+    of: &str,
+    reference: &Reference,
+    runs: &[Run],
+    devices: Devices,
+) -> Result<String, String> {
+    let figure = RunsFigure {
+        of: of.to_owned(),
+        reference,
+        runs,
+        devices,
+        recorded: None,
+    };
+    drawn(&figure.sheet())
+}

@@ -1,0 +1,201 @@
+//! `map`: what each method can render, whole or in parts.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use palpate::MethodName;
+use palpate_record::map::{Format, Map, Row, merge};
+use palpate_study::map::report::{MapReport, Speed};
+use palpate_study::map::{Forces, MapParams, compute, receipt};
+use pyo3::prelude::*;
+
+use crate::checked::{FACTOR, NOT_NEGATIVE, PERIODS, within};
+use crate::figures::drawn;
+use crate::interrupt::{Stop, interruptible};
+use crate::methods::chosen;
+use crate::names::refused;
+
+/// A report as JSON, as text and as a figure, and a map as the text of its file.
+type Mapped = (String, String, String, String);
+
+/// The arguments of a map.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct MapArguments {
+    cells: usize,
+    viscous_friction: Option<f64>,
+    encoder_quantum: f64,
+    told_mass: f64,
+    told_period: f64,
+    delay: f64,
+    lag: f64,
+    forces: String,
+}
+
+/// What a map follows from.
+fn params(method: &Bound<'_, PyAny>, arguments: &MapArguments) -> PyResult<MapParams> {
+    let named = chosen(method)?;
+    let defaults = MapParams::default();
+    let mut device = defaults.device;
+    if let Some(friction) = arguments.viscous_friction {
+        device.viscous_friction = within("viscous_friction", friction, NOT_NEGATIVE, " N s/m")?;
+    }
+    let quantum = arguments.encoder_quantum;
+    device.encoder_quantum = within("encoder_quantum", quantum, NOT_NEGATIVE, " m")?;
+    device.told_mass = within("told_mass", arguments.told_mass, FACTOR, "")?;
+    let forces = match arguments.forces.as_str() {
+        "balanced" => defaults.forces,
+        "weight" => Forces::Weight {
+            user_force: 1.0,
+            gravity: 9.81,
+        },
+        other => {
+            return Err(refused(format!(
+                "forces is \"{other}\", but must be \"balanced\" or \"weight\""
+            )));
+        }
+    };
+    let params = MapParams {
+        cells: arguments.cells,
+        // In their own order, so that the same methods make the same map.
+        methods: MethodName::ALL
+            .into_iter()
+            .filter(|method| named.contains(method))
+            .collect(),
+        device,
+        delay: within("delay", arguments.delay, PERIODS, " periods")?,
+        lag: within("lag", arguments.lag, PERIODS, " periods")?,
+        told_period: within("told_period", arguments.told_period, FACTOR, "")?,
+        forces,
+        ..defaults
+    };
+    params.check().map_err(refused)?;
+    Ok(params)
+}
+
+/// Runs a part of a map on so many threads; the part, and how fast it came.
+fn part(
+    params: &MapParams,
+    (number, of): (usize, usize),
+    threads: usize,
+    stop: &Stop,
+) -> Result<(Map, Speed), String> {
+    let begin = Instant::now();
+    let cells = params.shard(number, of);
+    let (mut ticks, mut rows) = (0, BTreeMap::new());
+    let never = AtomicBool::new(false);
+    let is_over = AtomicBool::new(false);
+    let computed = thread::scope(|scope| {
+        // Cells that are being run are finished, and none is begun after.
+        let look = scope.spawn(|| {
+            while !is_over.load(Ordering::Relaxed) {
+                if stop.is_raised() {
+                    never.store(true, Ordering::Relaxed);
+                    break;
+                }
+                thread::sleep(Duration::from_millis(20));
+            }
+        });
+        let computed = compute(params, &cells, threads, &never, |result| {
+            ticks += result.ticks;
+            rows.insert(result.index, result.rows(params));
+            ControlFlow::Continue(())
+        });
+        is_over.store(true, Ordering::Relaxed);
+        let _ = look.join();
+        computed
+    });
+    stop.leave_if_raised();
+    computed.map_err(|error| error.to_string())?;
+    let map = Map {
+        receipt: receipt::of(params, (number, of)),
+        rows: rows.into_values().flatten().collect(),
+    };
+    let seconds = begin.elapsed().as_secs_f64();
+    Ok((
+        map,
+        Speed {
+            ticks,
+            seconds,
+            threads,
+        },
+    ))
+}
+
+/// The report of a whole map, its figure and its file.
+fn mapped(map: &Map, speed: Option<Speed>) -> Result<Mapped, String> {
+    let report = MapReport::new(map, speed).map_err(|error| error.to_string())?;
+    let figure = palpate_plot::map::figure(map, &[], None).map_err(|error| error.to_string())?;
+    let mut text = Vec::new();
+    map.write(&mut text).map_err(|error| error.to_string())?;
+    Ok((
+        palpate_study::json(&report),
+        report.to_string(),
+        drawn(&figure)?,
+        String::from_utf8(text).map_err(|error| error.to_string())?,
+    ))
+}
+
+/// Computes a map.
+#[pyfunction]
+pub fn map(py: Python<'_>, method: &Bound<'_, PyAny>, arguments: MapArguments) -> PyResult<Mapped> {
+    let params = params(method, &arguments)?;
+    let found = interruptible(py, move |stop| {
+        let threads = thread::available_parallelism().map_or(1, Into::into);
+        let (map, speed) = part(&params, (1, 1), threads, stop)?;
+        mapped(&map, Some(speed))
+    })?;
+    found.map_err(refused)
+}
+
+/// A part of a map: what made it, by key and value, and its lines.
+type Part = (Vec<(String, String)>, Vec<String>);
+
+/// Computes the part `number` of `of` of a map, in one thread.
+#[pyfunction]
+pub fn map_part(
+    py: Python<'_>,
+    method: &Bound<'_, PyAny>,
+    arguments: MapArguments,
+    number: usize,
+    of: usize,
+) -> PyResult<Part> {
+    let params = params(method, &arguments)?;
+    let (map, _) =
+        interruptible(py, move |stop| part(&params, (number, of), 1, stop))?.map_err(refused)?;
+    let lines = map.rows.iter().map(Row::to_line).collect();
+    Ok((map.receipt, lines))
+}
+
+/// Checks what a map follows from.
+#[pyfunction]
+pub fn map_check(method: &Bound<'_, PyAny>, arguments: MapArguments) -> PyResult<usize> {
+    Ok(params(method, &arguments)?.len())
+}
+
+/// The columns of a line of a map.
+#[pyfunction]
+pub fn map_columns() -> Vec<&'static str> {
+    Format::BouncesAndStays.columns().to_vec()
+}
+
+/// Joins all parts of a map, each with the name to call it by.
+#[pyfunction]
+pub fn map_of_parts(parts: Vec<(String, Part)>) -> PyResult<Mapped> {
+    let read = |(name, (receipt, lines)): (String, Part)| {
+        let rows: Result<Vec<Row>, String> = lines
+            .iter()
+            .map(|line| Row::from_line(line, Format::BouncesAndStays))
+            .collect();
+        match rows {
+            Ok(rows) => Ok((name, Map { receipt, rows })),
+            Err(error) => Err(refused(format!("{name}: {error}"))),
+        }
+    };
+    let parts: PyResult<Vec<_>> = parts.into_iter().map(read).collect();
+    let map = merge(parts?).map_err(refused)?;
+    mapped(&map, None).map_err(refused)
+}

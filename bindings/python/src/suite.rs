@@ -1,0 +1,184 @@
+//! `suite`: methods on random plants, whole or in parts.
+
+use palpate_study::suite::report::SuiteReport;
+use palpate_study::suite::{self, Column, Score, Set};
+use pyo3::prelude::*;
+
+use crate::figures::drawn;
+use crate::interrupt::interruptible;
+use crate::methods::chosen;
+use crate::names::refused;
+use crate::studies::{Shown, threads};
+
+/// A score: plant, condition, column, and how often the plant was drawn again; error of its ideal, E \[%\], FRE
+/// over floor, peak over that of the ideal; whether the loop ran away; samples, and those that were limited.
+type Row = (
+    (usize, usize, usize, u32),
+    (f64, f64, f64, f64),
+    (bool, usize, usize),
+);
+
+/// The plants that are drawn, and what is judged on them.
+struct Judging {
+    set: Set,
+    seed: u64,
+    columns: Vec<Column>,
+    /// Whether somebody named the methods.
+    is_named: bool,
+}
+
+impl Judging {
+    fn of(set: &str, seed: u64, method: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let set = Set::ALL
+            .into_iter()
+            .find(|known| known.name() == set)
+            .ok_or_else(|| {
+                let sets = Set::ALL.map(Set::name).join("\" or \"");
+                refused(format!("set is \"{set}\", but must be \"{sets}\""))
+            })?;
+        let columns = match method {
+            None => set.columns(),
+            Some(method) => chosen(method)?.into_iter().map(Column::of).collect(),
+        };
+        Ok(Self {
+            set,
+            seed,
+            columns,
+            is_named: method.is_some(),
+        })
+    }
+
+    /// The report on all plants, and its figure.
+    fn report(&self, scores: &[Score]) -> PyResult<Shown> {
+        let (set, seed, columns) = (self.set, self.seed, &self.columns);
+        let report = SuiteReport::of_scores(set, seed, columns, scores);
+        let is_drawn = |number: &usize| {
+            self.is_named || palpate_plot::SHOWN.contains(&columns[*number].method)
+        };
+        let shown: Vec<usize> = (0..columns.len()).filter(is_drawn).collect();
+        let figure = palpate_plot::suite(set, seed, columns, &shown, scores);
+        let figure = drawn(&figure).map_err(refused)?;
+        Ok((palpate_study::json(&report), report.to_string(), figure))
+    }
+}
+
+/// Judges methods on random plants.
+#[pyfunction]
+pub fn run_suite(
+    py: Python<'_>,
+    set: &str,
+    seed: u64,
+    plants: usize,
+    method: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Shown> {
+    if plants == 0 {
+        return Err(refused("plants is 0, but must be 1 or more"));
+    }
+    let judging = Judging::of(set, seed, method)?;
+    let threads = threads()?;
+    let (judging, judged) = interruptible(py, move |stop| {
+        let look = || stop.leave_if_raised();
+        let judged =
+            threads.install(|| suite::run(judging.set, seed, plants, &judging.columns, look));
+        (judging, judged)
+    })?;
+    judging.report(&suite::scores(&judged.map_err(refused)?))
+}
+
+/// Judges methods on the plants from `first` to before `end`, in this thread alone: a row for each score.
+#[pyfunction]
+pub fn suite_part(
+    py: Python<'_>,
+    set: &str,
+    seed: u64,
+    first: usize,
+    end: usize,
+    method: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Vec<Row>> {
+    let judging = Judging::of(set, seed, method)?;
+    let thread = one_thread()?;
+    let judged = interruptible(py, move |stop| {
+        let look = || stop.leave_if_raised();
+        thread.install(|| suite::run_part(judging.set, seed, first..end, &judging.columns, look))
+    })?;
+    let judged = judged.map_err(refused)?;
+    let rows = judged.iter().flat_map(suite::Judged::scores).map(|score| {
+        let Score {
+            plant,
+            redrawn,
+            ideal_error,
+            condition,
+            column,
+            error,
+            error_over_floor,
+            peak_ratio,
+            diverged,
+            samples,
+            limited,
+        } = score;
+        (
+            (plant, condition, column, redrawn),
+            (ideal_error, error, error_over_floor, peak_ratio),
+            (diverged, samples, limited),
+        )
+    });
+    Ok(rows.collect())
+}
+
+/// The names of the conditions and of the columns, by whose places the rows of a part name them.
+#[pyfunction]
+pub fn suite_names(
+    set: &str,
+    method: Option<&Bound<'_, PyAny>>,
+) -> PyResult<(Vec<String>, Vec<String>)> {
+    let judging = Judging::of(set, 0, method)?;
+    let conditions = judging.set.conditions();
+    Ok((
+        conditions.iter().map(ToString::to_string).collect(),
+        judging
+            .columns
+            .into_iter()
+            .map(|column| column.name)
+            .collect(),
+    ))
+}
+
+/// The report on a whole suite from the rows of all of its parts, in the order of the plants.
+#[pyfunction]
+pub fn suite_of_parts(
+    set: &str,
+    seed: u64,
+    method: Option<&Bound<'_, PyAny>>,
+    rows: Vec<Row>,
+) -> PyResult<Shown> {
+    let scores: Vec<Score> = rows
+        .into_iter()
+        .map(|(places, numbers, counts)| {
+            let (plant, condition, column, redrawn) = places;
+            let (ideal_error, error, error_over_floor, peak_ratio) = numbers;
+            let (diverged, samples, limited) = counts;
+            Score {
+                plant,
+                redrawn,
+                ideal_error,
+                condition,
+                column,
+                error,
+                error_over_floor,
+                peak_ratio,
+                diverged,
+                samples,
+                limited,
+            }
+        })
+        .collect();
+    Judging::of(set, seed, method)?.report(&scores)
+}
+
+/// A pool of one thread: whoever makes parts has other processes for the other processors.
+fn one_thread() -> PyResult<rayon::ThreadPool> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .map_err(refused)
+}

@@ -1,0 +1,208 @@
+"""Contacts with the bodies of PyBullet."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Iterator
+
+import numpy as np
+import pytest
+
+from palpate.engines import SimulatedDevice
+
+pybullet = pytest.importorskip("pybullet", reason="pip install palpate[pybullet]")
+
+from palpate.engines.pybullet import Contact  # noqa: E402
+
+FREE: dict[str, Any] = {"force_limit": math.inf, "soft_start": 0}
+
+
+@pytest.fixture
+def client() -> Iterator[int]:
+    client = pybullet.connect(pybullet.DIRECT)
+    pybullet.setTimeStep(0.001, physicsClientId=client)
+    yield client
+    pybullet.disconnect(client)
+
+
+def body(client: int, mass: float, place: Any = (0, 0, 0), inertia: Any = None, turned: Any = (0, 0, 0, 1), **shape: Any) -> int:
+    centre = shape.pop("centre", (0, 0, 0))
+    kind = pybullet.createCollisionShape(physicsClientId=client, **shape)
+    number = pybullet.createMultiBody(
+        mass, kind, basePosition=place, baseOrientation=turned, baseInertialFramePosition=centre, physicsClientId=client
+    )
+    beside = {} if inertia is None else {"localInertiaDiagonal": inertia}
+    pybullet.changeDynamics(number, -1, linearDamping=0, angularDamping=0, physicsClientId=client, **beside)
+    return int(number)
+
+
+def block(client: int) -> int:
+    """A body that is turned, whose centre of mass is not where its frame is."""
+    half = [0.2, 0.1, 0.1]
+    turned = (0.6, 0, 0, 0.8)
+    shape: dict[str, Any] = {"shapeType": pybullet.GEOM_BOX, "halfExtents": half, "centre": (0.1, 0, 0.05)}
+    return body(client, 1.0, (1, 2, 3), [0.01, 0.02, 0.025], turned, **shape)
+
+
+class Told(Contact):
+    """Contacts that give one wrench for ever: what is tested is the way into the engine."""
+
+    wrench: Any = None
+
+    def meet(self, h: float, bodies: Any) -> Any:
+        self.seen = bodies.copy()
+        return np.array([self.wrench])
+
+
+def told(client: int, number: int, wrench: Any) -> Told:
+    contact = Told(client, tool=0.01, bodies=[number], stiffness=100.0, device_mass=0.2, **FREE)
+    assert isinstance(contact, Told)
+    contact.wrench = wrench
+    return contact
+
+
+def test_a_newton_on_a_kilogram_for_a_second_is_half_a_metre(client: int) -> None:
+    number = block(client)
+    start = np.array(pybullet.getBasePositionAndOrientation(number, physicsClientId=client)[0])
+    contact = told(client, number, [1, 0, 0, 0, 0, 0])
+    for _ in range(1000):
+        contact.step([0, 0, 0])
+    moved = np.array(pybullet.getBasePositionAndOrientation(number, physicsClientId=client)[0]) - start
+    # Bullet moves by the velocity at the end of a step: half a step more.
+    np.testing.assert_allclose(moved, [0.5 + 0.5 * 0.001, 0, 0], atol=1e-9)
+    np.testing.assert_allclose(contact._velocity(number), [1, 0, 0, 0, 0, 0], atol=1e-9)
+    pybullet.stepSimulation(physicsClientId=client)
+    # Nothing of ours acts when we do not push.
+    np.testing.assert_allclose(contact._velocity(number), [1, 0, 0, 0, 0, 0], atol=1e-9)
+
+
+def test_a_wrench_off_the_centre_turns_a_rotated_body_as_its_mobility_says(client: int) -> None:
+    h = 1e-4
+    pybullet.setTimeStep(h, physicsClientId=client)
+    pybullet.setGravity(0, 0, -9.81, physicsClientId=client)
+    number = block(client)
+    force, arm = np.array([0.3, -0.2, 1.0]), np.array([0.05, 0.1, -0.02])
+    wrench = np.concatenate([force, np.cross(arm, force)])
+    start = [0.1, 0.2, 0.3], [0.4, -0.5, 0.6]
+    pybullet.resetBaseVelocity(number, *start, physicsClientId=client)
+    contact = told(client, number, wrench)
+    contact.step([0, 0, 0])
+    mobility = contact.seen[0][19:].reshape(6, 6)
+    orientation = pybullet.getBasePositionAndOrientation(number, physicsClientId=client)[1]
+    turned = np.reshape(pybullet.getMatrixFromQuaternion(orientation), (3, 3))
+    inverse = turned @ np.diag(1 / np.array([0.01, 0.02, 0.025])) @ turned.T
+    np.testing.assert_allclose(mobility[3:, 3:], inverse, rtol=1e-3, atol=0.1)
+    np.testing.assert_allclose(contact.seen[0][7:13], np.concatenate(start), atol=1e-12)
+    np.testing.assert_allclose(contact.seen[0][13:19], [0, 0, -9.81, 0, 0, 0], atol=1e-12)
+    gained = contact._velocity(number) - np.concatenate(start)
+    by_all = mobility @ wrench + [0, 0, -9.81, 0, 0, 0]
+    # What is left is gyroscopic, and the next row knows it.
+    np.testing.assert_allclose(gained[:3] / h, by_all[:3], atol=1e-6)
+    np.testing.assert_allclose(gained[3:] / h, by_all[3:], atol=0.5)
+    left = gained / h - mobility @ wrench
+    contact.step([0, 0, 0])
+    np.testing.assert_allclose(contact.seen[0][13:19], left, atol=1e-9)
+
+
+def test_bodies_and_devices_are_given_the_same_impulse(client: int) -> None:
+    """A tool pushes a turned box off its centre; nothing else acts."""
+    number = body(
+        client, 0.1, inertia=[2e-5, 3e-5, 4e-5], turned=(0, 0, 0.2, 0.98), shapeType=pybullet.GEOM_BOX, halfExtents=[0.02, 0.03, 0.02]
+    )
+    contact = Contact(client, tool=0.01, bodies=[number], stiffness=2000.0, device_mass=0.2, period=0.004, **FREE)
+    device = SimulatedDevice([0.2] * 3, [-0.05, 0.004, 0], 0.0, 0.0, [0, 0, 0], [0.5, 0, 0], 0.004)
+    impulse, strongest = np.zeros(3), 0.0
+    for _ in range(60):
+        force = contact.step(device.position)
+        impulse -= 0.004 * force
+        strongest = max(strongest, float(np.linalg.norm(force)))
+        device.hold(force)
+    gained = 0.1 * contact._velocity(number)
+    assert strongest > 0.2 and abs(gained[3:]).max() > 1e-3, (strongest, gained)
+    np.testing.assert_allclose(gained[:3], impulse, atol=0.03 * np.linalg.norm(impulse))
+
+
+def test_a_ball_on_a_plane_is_held_down_with_what_the_hand_gives(client: int) -> None:
+    pybullet.setGravity(0, 0, -9.81, physicsClientId=client)
+    floor = body(client, 0.0, shapeType=pybullet.GEOM_PLANE)
+    ball = body(client, 0.1, (0, 0, 0.03), shapeType=pybullet.GEOM_SPHERE, radius=0.03)
+    contact = Contact(client, tool=0.01, bodies=[ball, floor], stiffness=1000.0, device_mass=0.25, period=0.004, damping=2.0)
+    device = SimulatedDevice([0.25] * 3, [0, 0, 0.072], 60.0, 3.0, [0, 0, 0.072], [0, 0, -1.5], 0.004)
+    for _ in range(300):
+        force = contact.step(device.position)
+        device.hold(force)
+    # The hand's spring has given way a little.
+    pressed = 1.5 - 60.0 * (0.072 - device.position[2])
+    assert 1.0 < pressed < 1.5
+    np.testing.assert_allclose(force, [0, 0, pressed], atol=0.02)
+    place = pybullet.getBasePositionAndOrientation(ball, physicsClientId=client)[0]
+    assert abs(place[2] - 0.03) < 1e-3
+    # On the plane itself the tool is held up as well.
+    contact.reset()
+    device = SimulatedDevice([0.25] * 3, [0.2, 0, 0.011], 0.0, 3.0, [0, 0, 0], [0, 0, -2.0], 0.004)
+    for _ in range(300):
+        force = contact.step(device.position)
+        device.hold(force)
+    np.testing.assert_allclose(force, [0, 0, 2], atol=0.02)
+
+
+@pytest.mark.parametrize(
+    ("shape", "height"),
+    [
+        ({"shapeType": "GEOM_SPHERE", "radius": 0.3}, 0.3),
+        ({"shapeType": "GEOM_BOX", "halfExtents": [0.1, 0.2, 0.3]}, 0.3),
+        ({"shapeType": "GEOM_CYLINDER", "radius": 0.1, "height": 0.5}, 0.25),
+        ({"shapeType": "GEOM_CAPSULE", "radius": 0.1, "height": 0.5}, 0.35),
+        ({"shapeType": "GEOM_PLANE"}, 0.0),
+    ],
+)
+def test_a_shape_begins_where_pybullet_has_it(client: int, shape: dict[str, Any], height: float) -> None:
+    """A ray from above meets the shape where the tool does."""
+    shape = {**shape, "shapeType": getattr(pybullet, shape["shapeType"])}
+    number = body(client, 0.0, (0.5, 0, 1.0), **shape)
+    [ray] = pybullet.rayTest([0.5, 0, 3.0], [0.5, 0, -3.0], physicsClientId=client)
+    assert abs(ray[3][2] - (1.0 + height)) < 1e-3
+    for above, depth in ((0.001, 0.0), (-0.001, 0.001)):
+        contact = Contact(client, tool=0.0, bodies=[number], stiffness=100.0, device_mass=0.2, **FREE)
+        contact.step([0.5, 0, 1.0 + height + above])
+        assert max(point.penetration for point in contact.contacts) == pytest.approx(depth, abs=1e-5)
+
+
+def test_what_cannot_be_touched_is_refused(client: int) -> None:
+    ball = body(client, 0.1, shapeType=pybullet.GEOM_SPHERE, radius=0.03)
+    tilted = body(client, 0.0, shapeType=pybullet.GEOM_PLANE, planeNormal=[0, 1, 0])
+    nothing = pybullet.createMultiBody(1.0, physicsClientId=client)
+    mesh = body(
+        client, 1.0, shapeType=pybullet.GEOM_MESH, vertices=[[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    )
+    links: dict[str, Any] = {
+        f"link{name}": [value]
+        for name, value in {
+            "Masses": 1.0, "CollisionShapeIndices": -1, "VisualShapeIndices": -1, "Positions": [0, 0, 1],
+            "Orientations": [0, 0, 0, 1], "InertialFramePositions": [0, 0, 0], "InertialFrameOrientations": [0, 0, 0, 1],
+            "ParentIndices": 0, "JointTypes": pybullet.JOINT_REVOLUTE, "JointAxis": [0, 0, 1],
+        }.items()
+    }  # fmt: skip
+    door = pybullet.createMultiBody(1.0, physicsClientId=client, **links)
+    law: dict[str, Any] = {"tool": 0.01, "stiffness": 1000.0, "device_mass": 0.2}
+    for given, said in [
+        ({"bodies": [ball], "period": 0.0015}, "period is 0.0015 s, but must be a whole number of the engine's steps of 0.001 s"),
+        ({"bodies": [ball, ball]}, f"bodies names {ball} twice"),
+        ({"bodies": [door]}, f"body {door} has joints"),
+        ({"bodies": [tilted]}, "a plane with the normal"),
+        ({"bodies": [nothing]}, "has no collision shape"),
+        ({"bodies": [mesh]}, "a tool can touch planes, spheres"),
+        ({"bodies": [ball], "stiffness": -1.0}, "stiffness"),
+    ]:
+        with pytest.raises(ValueError, match=said):
+            Contact(client, **{**law, **given})
+    contact = Contact(client, bodies=[ball], **law)
+    contact.sample([0, 0, 1])
+    with pytest.raises(ValueError, match="pull\\(\\) comes after push"):
+        contact.pull()
+    contact.push()
+    with pytest.raises(ValueError, match="push\\(\\) comes once"):
+        contact.push()
+    pybullet.setPhysicsEngineParameter(numSubSteps=4, physicsClientId=client)
+    with pytest.raises(ValueError, match="4 sub-steps"):
+        Contact(client, bodies=[ball], **law)

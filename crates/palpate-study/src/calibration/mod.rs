@@ -1,0 +1,11 @@
+//! What a calibration gives beside the device file: the motion that it is made from, and its report.
+
+mod gain;
+mod motion;
+mod report;
+mod shown;
+
+pub use gain::{GainFrom, GainUnknown};
+pub use motion::Motion;
+pub use report::{CalibrationReport, Found};
+pub use shown::shown;
