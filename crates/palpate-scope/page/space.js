@@ -311,7 +311,8 @@ function solid(shape, colour, isFixed) {
   group.add(new Mesh(geometry, material));
   const edges = new LineBasicMaterial({ color: theme.quiet });
   if (kind === "box" || kind === "cylinder" || kind === "mesh") {
-    group.add(new LineSegments(new EdgesGeometry(geometry, 30), edges));
+    // Neighbours of a mesh that was made coarser turn by more than those of the surface itself.
+    group.add(new LineSegments(new EdgesGeometry(geometry, kind === "mesh" ? 60 : 30), edges));
   } else if (kind === "sphere" && keys.radius_m && !isFixed) {
     // A ball that turns shows it.
     group.add(new LineSegments(rings(keys.radius_m * 1.002), edges));

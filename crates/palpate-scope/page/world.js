@@ -111,6 +111,7 @@ model.addEventListener("status", () => status.take());
 model.addEventListener("refused", ({ detail: { text } }) => {
   banners.show("refused", `Refused: ${text}.`, { label: "Close", act: () => banners.show("refused", null) });
 });
+
 /** Where the hand is to be next: what was wished last, what the server says, or where the tool begins. */
 function from() {
   return wish ?? model.state?.hand_m ?? model.hello?.world.tools[0].position_m ?? [0, 0, 0];

@@ -1,6 +1,7 @@
 //! A session on a world: one loop or two, a thread that listens to them, and what clients wish. The loops wait for none
 //! of it.
 
+mod coarse;
 mod lane;
 mod shown;
 

@@ -6,6 +6,7 @@ use palpate_scene::world::WorldScene;
 use palpate_world::{Motion, Shape};
 use serde_json::{Value, json};
 
+use super::coarse::coarse;
 use super::lane::Lane;
 use crate::rows::{Frame, columns};
 
@@ -97,10 +98,11 @@ pub fn state(scene: &WorldScene, lanes: &[Lane], hand: Option<Vector>) -> String
     .to_string()
 }
 
-/// Most triangles of a mesh that the page draws: without a GPU more of them take most of its time.
-pub const MOST_TRIANGLES: usize = 20_000;
+/// Most triangles of a mesh that the page draws, of a larger one fewer and larger triangles: without a GPU more of them
+/// take most of its time.
+const MOST_TRIANGLES: usize = 20_000;
 
-/// A shape as a scene file has it, and a mesh by its triangles; one that the page cannot draw is told as `other`.
+/// A shape as a scene file has it, and a mesh by triangles; one that the page cannot draw is told as `other`.
 fn shape(shape: &Shape) -> Value {
     match shape {
         Shape::Sphere { radius } => json!({ "sphere": { "radius_m": radius } }),
@@ -118,16 +120,9 @@ fn shape(shape: &Shape) -> Value {
             radius,
             half_length,
         } => json!({ "cylinder": { "radius_m": radius, "length_m": 2.0 * half_length } }),
-        Shape::Mesh(mesh) if mesh.faces().len() <= MOST_TRIANGLES => {
-            // As coarse as the page's own numbers: half the bytes.
-            #[expect(clippy::cast_possible_truncation, reason = "for the eye")]
-            let vertices: Vec<f32> = mesh
-                .vertices()
-                .iter()
-                .flatten()
-                .map(|&x| x as f32)
-                .collect();
-            json!({ "mesh": { "vertices_m": vertices, "faces": mesh.faces() } })
+        Shape::Mesh(mesh) => {
+            let (vertices, faces) = coarse(&mesh.vertices(), mesh.faces(), MOST_TRIANGLES);
+            json!({ "mesh": { "vertices_m": vertices, "faces": faces } })
         }
         _ => json!({ "other": {} }),
     }

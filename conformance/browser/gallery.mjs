@@ -1,0 +1,97 @@
+// Draws docs/gallery.md: a picture of each world that the page of `palpate live` can show.
+//
+//     npm run gallery --prefix conformance/browser
+//
+// Needs what the tests beside it need: the program, built for release, and Chromium.
+
+import { mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { fileURLToPath } from "node:url";
+import { endAll, startLive } from "./program.mjs";
+import { closeBrowser, visit } from "./visit.mjs";
+
+const here = (path) => fileURLToPath(new URL(`../../${path}`, import.meta.url));
+const WORLDS = here("experiments/worlds");
+const PICTURES = here("docs/figures/gallery");
+const SIZE = { width: 1200, height: 760 };
+/** A picture is taken while the tool touches something, but no later than this [s]: some tools touch only at the start. */
+const LATEST_S = 1;
+
+const field = (text, pattern) => pattern.exec(text)?.[1];
+
+rmSync(PICTURES, { recursive: true, force: true });
+mkdirSync(PICTURES, { recursive: true });
+const drawn = [];
+const left = [];
+for (const file of readdirSync(WORLDS).filter((name) => name.endsWith(".toml")).sort()) {
+  const name = file.replace(/\.toml$/, "");
+  const text = readFileSync(`${WORLDS}/${file}`, "utf8");
+  const title = field(text, /^title = "(.*)"$/m);
+  const why = reason(name, text);
+  if (why) {
+    left.push({ name, title, why });
+    continue;
+  }
+  const live = await startLive(`${WORLDS}/${file}`, "--device", "pointer", "--method", "coupled", "--priority", "0", "--stall-after", "50");
+  const open = await visit(live.url, { viewport: SIZE });
+  // From the start, the tool goes to where the hand of the scene would have it.
+  await open.page.click("#restart");
+  await open.until("it has begun anew", (latest) => palpate.model.newestS < latest, LATEST_S / 2);
+  const rest = field(text, /^hand_rest_m = (\[.*\])$/m);
+  if (rest) {
+    await open.get((to) => palpate.link.say({ type: "tool", position_m: to }), JSON.parse(rest));
+  }
+  const isTime = (latest) => palpate.space.lanes[0].arrows.shown > 0 || palpate.model.newestS > latest;
+  await open.until(`${name} touches`, isTime, LATEST_S);
+  const canvas = await open.page.$("#space");
+  await canvas.screenshot({ path: `${PICTURES}/${name}.webp`, type: "webp", quality: 70 });
+  drawn.push({ name, title });
+  await open.leave();
+  await live.end();
+  console.log(name);
+}
+await closeBrowser();
+endAll();
+
+const cell = ({ name, title }) =>
+  `![${title}](figures/gallery/${name}.webp)<br>**[${name}](../experiments/worlds/${name}.toml)** ${title}`;
+const rows = [];
+for (let i = 0; i < drawn.length; i += 2) {
+  rows.push(`| ${cell(drawn[i])} | ${drawn[i + 1] ? cell(drawn[i + 1]) : ""} |`);
+}
+writeFileSync(
+  here("docs/gallery.md"),
+  `# Worlds to touch
+
+Each of these [worlds](worlds.md) is a file in \`experiments/worlds\`. Touch one with the mouse, rendered by two methods side by
+side:
+
+\`\`\`sh
+palpate live experiments/worlds/paddle.toml --device pointer --method basic,coupled
+\`\`\`
+
+The pictures are of the page that this opens, just after the start: the tool is blue, bodies that move are brown, arrows are
+the forces of contacts. \`npm run gallery --prefix conformance/browser\` draws them, and writes this page.
+
+| | |
+|---|---|
+${rows.join("\n")}
+
+Not drawn; the page does not show several devices and six axes yet:
+
+| world | | why |
+|---|---|---|
+${left.map(({ name, title, why }) => `| [${name}](../experiments/worlds/${name}.toml) | ${title} | ${why} |`).join("\n")}
+`,
+);
+
+/** Why there is no picture of a world, if there is none. */
+function reason(name, text) {
+  if (name.endsWith("-rough")) {
+    return `looks like ${name.replace("-rough", "")}`;
+  }
+  if ((text.match(/^\[\[device\]\]$/gm) ?? []).length > 1) {
+    return "several devices";
+  }
+  const device = text.split(/^\[\[device\]\]$/m)[1].split(/^\[/m)[0];
+  return device.includes("inertia_kg_m2") ? "a device of six axes" : null;
+}
