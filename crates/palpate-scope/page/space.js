@@ -310,9 +310,9 @@ function solid(shape, colour, isFixed) {
   }[kind]();
   group.add(new Mesh(geometry, material));
   const edges = new LineBasicMaterial({ color: theme.quiet });
-  if (kind === "box" || kind === "cylinder" || kind === "mesh") {
-    // Neighbours of a mesh that was made coarser turn by more than those of the surface itself.
-    group.add(new LineSegments(new EdgesGeometry(geometry, kind === "mesh" ? 60 : 30), edges));
+  // A mesh that was made coarser has edges that the surface has not.
+  if (kind === "box" || kind === "cylinder" || (kind === "mesh" && !keys.coarse)) {
+    group.add(new LineSegments(new EdgesGeometry(geometry, 30), edges));
   } else if (kind === "sphere" && keys.radius_m && !isFixed) {
     // A ball that turns shows it.
     group.add(new LineSegments(rings(keys.radius_m * 1.002), edges));

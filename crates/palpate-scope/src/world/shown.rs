@@ -122,7 +122,8 @@ fn shape(shape: &Shape) -> Value {
         } => json!({ "cylinder": { "radius_m": radius, "length_m": 2.0 * half_length } }),
         Shape::Mesh(mesh) => {
             let (vertices, faces) = coarse(&mesh.vertices(), mesh.faces(), MOST_TRIANGLES);
-            json!({ "mesh": { "vertices_m": vertices, "faces": faces } })
+            let is_coarse = faces.len() < mesh.faces().len();
+            json!({ "mesh": { "vertices_m": vertices, "faces": faces, "coarse": is_coarse } })
         }
         _ => json!({ "other": {} }),
     }
