@@ -83,6 +83,13 @@ impl<'a> Run<'a> {
     /// Looks at all contacts anew after the state was changed from outside.
     pub fn settle_anew(&mut self) {
         self.first_is_known = false;
+        // A velocity that jumps makes the damping's part of N jump, and with it the longest bristle. The bristle itself does
+        // not: it sticks where it is now shorter, and is cut where it is longer.
+        for condition in &mut self.conditions {
+            if condition.mode == Mode::Slip {
+                condition.mode = Mode::Stick;
+            }
+        }
         let time = self.time;
         self.system
             .settle(time, &mut self.state, &mut self.conditions, &mut self.now);
