@@ -18,6 +18,8 @@ const LATEST_S = 1;
 
 const field = (text, pattern) => pattern.exec(text)?.[1];
 
+// Whatever goes wrong, no program goes on.
+process.on("exit", endAll);
 rmSync(PICTURES, { recursive: true, force: true });
 mkdirSync(PICTURES, { recursive: true });
 const drawn = [];
@@ -50,7 +52,6 @@ for (const file of readdirSync(WORLDS).filter((name) => name.endsWith(".toml")).
   console.log(name);
 }
 await closeBrowser();
-endAll();
 
 const cell = ({ name, title }) =>
   `![${title}](figures/gallery/${name}.webp)<br>**[${name}](../experiments/worlds/${name}.toml)** ${title}`;
