@@ -104,9 +104,9 @@ impl fmt::Display for Declined {
             ),
             Self::Held { damping, force } => write!(
                 f,
-                "something holds the device: with {force} N it does not move as a mass (damping over mass would be {damping:.0} \
-                 1/s); friction and cogging together are near the force: use a --largest-force of {:.2} N or more, or \
-                 hold it less firmly",
+                "something holds the device: with a force of {force} N it hardly moves (the fit has {damping:.0} 1/s of \
+                 damping over mass). Friction and cogging together may be near that force. Use a --largest-force of {:.2} N \
+                 or more, or hold the device less firmly",
                 force * 2.0
             ),
             Self::Uncertain { delay, mass } => write!(

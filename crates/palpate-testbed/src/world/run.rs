@@ -83,8 +83,8 @@ impl<'a> Run<'a> {
     /// Looks at all contacts anew after the state was changed from outside.
     pub fn settle_anew(&mut self) {
         self.first_is_known = false;
-        // A velocity that jumps makes the damping's part of N jump, and with it the longest bristle. The bristle itself does
-        // not: it sticks where it is now shorter, and is cut where it is longer.
+        // When a velocity jumps, the damping's part of N jumps, and so does the longest bristle, mu N/k_t. The length of
+        // a bristle does not jump. A bristle that is now shorter than the longest sticks; a longer one is cut.
         for condition in &mut self.conditions {
             if condition.mode == Mode::Slip {
                 condition.mode = Mode::Stick;
