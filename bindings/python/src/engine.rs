@@ -2,8 +2,7 @@
 
 use numpy::{PyArray2, PyReadonlyArray2};
 use palpate::Actuation;
-use palpate_device::Wrench;
-use palpate_rt::safety::{self, Safety};
+use palpate_rt::safety::Safety;
 use palpate_world::engine::{
     BodyNow, BodyWrench, EngineBody, EngineRenderer, EngineState, PlacedShape, Stepping,
 };
@@ -12,6 +11,7 @@ use palpate_world::{
 };
 use pyo3::prelude::*;
 
+use crate::bounded::{Answered, bound};
 use crate::names::refused;
 use crate::renderer::safety;
 use crate::world::rows;
@@ -255,37 +255,20 @@ impl EngineContact {
         let output = self.renderer.hold(&mut self.state);
         let (fault, effort, limited) = (output.fault, output.effort, output.limited);
         let mut forces = output.forces.to_vec();
-        let (mut is_limited, mut is_softened) = (limited.force, false);
-        for ((safety, force), position) in self.safety.iter_mut().zip(&mut forces).zip(&positions) {
-            let verdict = safety.judge(&safety::Rendered {
-                elapsed,
-                // A position that the renderer has refused is not looked at.
-                position: if fault.is_none() { *position } else { [0.0; 3] },
-                coordinate: 0.0,
-                wrench: Wrench::of_force(*force),
-                created_energy: 0.0,
-                refused: fault.is_some(),
-                stalled: false,
-            });
-            is_limited |= verdict.bounded.force;
-            is_softened |= verdict.bounded.soft_start;
-            *force = verdict.wrench.force.map(|component| component + 0.0);
-        }
+        let answered = Answered {
+            elapsed,
+            positions: &positions,
+            is_refused: fault.is_some(),
+            limited,
+        };
+        let limited = bound(&answered, &mut self.safety, &mut forces);
         for (tool, force) in forces.iter().enumerate() {
             self.renderer.report_sent(&mut self.state, tool, *force);
         }
-        let acted = [
-            (is_limited, "force"),
-            (limited.offset, "offset"),
-            (is_softened, "soft-start"),
-        ];
         let held = rows(py, &forces)?;
         self.last = Some(Answer {
             forces,
-            limited: acted
-                .into_iter()
-                .filter_map(|(acted, name)| acted.then_some(name))
-                .collect(),
+            limited,
             effort: (
                 effort.sub_steps,
                 effort.refined,

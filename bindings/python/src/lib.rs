@@ -4,6 +4,7 @@
 //! reports as the JSON that the program prints, ticks as arrays. Nothing is computed here.
 
 mod advise;
+mod bounded;
 mod calibration;
 mod card;
 mod checked;

@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use numpy::{PyArray2, PyReadonlyArray2};
-use palpate_device::Wrench;
-use palpate_rt::safety::{self, Safety, SafetyParams};
+use palpate_rt::safety::{Safety, SafetyParams};
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_world::{Effort, Place, Sample, Vector, WorldError, WorldRenderer, WorldState};
 use pyo3::prelude::*;
 
+use crate::bounded::{Answered, bound};
 use crate::names::refused;
 use crate::renderer::safety;
 use crate::scene::messages;
@@ -170,41 +170,21 @@ impl PyWorld {
             ..Sample::at(&positions)
         };
         let output = self.renderer.step(&mut self.state, &sample);
-        let (fault, effort) = (output.fault, output.effort);
-        let (mut is_force_limited, is_offset_limited) =
-            (output.limited.force, output.limited.offset);
+        let (fault, effort, limited) = (output.fault, output.effort, output.limited);
         let mut forces = output.forces.to_vec();
-        let mut is_softened = false;
-        for ((safety, force), position) in self.safety.iter_mut().zip(&mut forces).zip(&positions) {
-            let verdict = safety.judge(&safety::Rendered {
-                elapsed,
-                // A position that the renderer has refused is not looked at.
-                position: if fault.is_none() { *position } else { [0.0; 3] },
-                coordinate: 0.0,
-                wrench: Wrench::of_force(*force),
-                created_energy: 0.0,
-                refused: fault.is_some(),
-                stalled: false,
-            });
-            is_force_limited |= verdict.bounded.force;
-            is_softened |= verdict.bounded.soft_start;
-            // A force of -0 that comes in softly is none.
-            *force = verdict.wrench.force.map(|component| component + 0.0);
-        }
+        let answered = Answered {
+            elapsed,
+            positions: &positions,
+            is_refused: fault.is_some(),
+            limited,
+        };
+        let limited = bound(&answered, &mut self.safety, &mut forces);
         for (tool, force) in forces.iter().enumerate() {
             self.renderer.report_sent(&mut self.state, tool, *force);
         }
-        let acted = [
-            (is_force_limited, "force"),
-            (is_offset_limited, "offset"),
-            (is_softened, "soft-start"),
-        ];
         let name = |tool: usize| self.file.scene.world.tools[tool].name.clone();
         let answer = Answer {
-            limited: acted
-                .into_iter()
-                .filter_map(|(acted, name)| acted.then_some(name))
-                .collect(),
+            limited,
             effort,
             fault: fault.map(|fault| fault.fault.name().to_owned()),
             faulty: fault.and_then(|fault| fault.tool).map(name),
