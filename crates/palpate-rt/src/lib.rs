@@ -60,6 +60,7 @@ mod motors_off;
 mod note;
 #[allow(clippy::disallowed_methods, reason = "asks before the first tick")]
 pub mod realtime;
+mod receipt;
 #[allow(
     clippy::disallowed_methods,
     clippy::disallowed_types,
@@ -84,6 +85,7 @@ mod wire;
 
 pub use control_loop::ControlLoop;
 pub use note::{Ending, Note, Noted};
+pub use receipt::receipt;
 pub use recorder::{Account, Recorder};
 pub use rendering::{
     Answer, CHANGE_DURATION, ChangeError, FrameError, Fresh, OneContact, Parameters, Rendered,

@@ -1,6 +1,6 @@
 from os import PathLike
 from pathlib import Path
-from typing import Any, Final, Mapping
+from typing import Any, Final, Mapping, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +9,8 @@ from typing_extensions import Self, disjoint_base
 __all__ = [
     "EngineContact",
     "Excitation",
+    "Hand",
+    "Loop",
     "Renderer",
     "Scene",
     "World",
@@ -20,6 +22,7 @@ __all__ = [
     "compare",
     "excite_scene",
     "from_toml",
+    "guard",
     "heights",
     "ideal_columns",
     "is_world",
@@ -56,6 +59,7 @@ __version__: Final[str]
 
 _Words = NDArray[np.uint64]
 _Vector = list[float]
+_Times = list[float]
 _Sides = list[str]
 _Motion = tuple[NDArray[np.float64], NDArray[np.float64], str, str | None]
 _Part = tuple[list[tuple[str, str]], list[str]]
@@ -83,6 +87,46 @@ class Renderer:
     def report_sent(self, force_on_device: float) -> None: ...
     def teleport(self, position: float, velocity: float = 0.0) -> None: ...
     def reset(self) -> None: ...
+
+@final
+class Hand:
+    def __new__(cls, target: float | None = None) -> Self: ...
+    @property
+    def target(self) -> float | None: ...
+    def let_go(self) -> None: ...
+    def move_to(self, target: float) -> None: ...
+
+@disjoint_base
+class Loop:
+    def __new__(
+        cls,
+        device: dict[str, Any],
+        method: object,
+        parameters: dict[str, Any],
+        soft_start: float,
+        settings: dict[str, Any],
+        options: dict[str, Any],
+    ) -> Self: ...
+    @property
+    def device_name(self) -> str: ...
+    @property
+    def force_limit(self) -> float: ...
+    @property
+    def period(self) -> float: ...
+    def change(self, method: object, parameters: dict[str, Any], settings: dict[str, Any]) -> int: ...
+    def events(self) -> tuple[list[tuple[int, float, str, str]], int]: ...
+    def now(self) -> tuple[bool, int, int, float | None, int, bool, _Vector]: ...
+    def rearm(self) -> None: ...
+    def start(self) -> list[tuple[str, bool, str]]: ...
+    def stop(
+        self,
+    ) -> tuple[
+        tuple[str | None, str | None, str | None],
+        tuple[int, int, int, int, int],
+        tuple[_Times, _Times],
+        tuple[int, int] | None,
+    ]: ...
+    def take(self, wait: float) -> _Words: ...
 
 @disjoint_base
 class Scene:
@@ -155,6 +199,7 @@ def advise(method: object, arguments: dict[str, Any]) -> tuple[str, str]: ...
 def calibrate(excitation: Excitation, beside: dict[str, Any]) -> tuple[str, str, str, str, str]: ...
 def compare(scenes: list[Scene], method: object) -> tuple[str, str, str]: ...
 def columns() -> tuple[list[str], list[str], list[list[str]]]: ...
+def guard() -> None: ...
 def heights(scenes: list[Scene], method: object, told_mass_factor: float) -> tuple[str, str]: ...
 def ideal_columns() -> list[str]: ...
 def is_world(text: str) -> bool: ...
