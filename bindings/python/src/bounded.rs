@@ -1,4 +1,4 @@
-//! The forces of a world between its renderer and whoever holds them: bounded, and softened where they begin.
+//! The wrenches of a world between its renderer and whoever holds them: bounded, and softened where they begin.
 
 use palpate_device::Wrench;
 use palpate_rt::safety::{Rendered, Safety};
@@ -16,14 +16,14 @@ pub struct Answered<'a> {
     pub limited: Limited,
 }
 
-/// Puts each force `[N]` through the safety of its device, and gives the names of the limits that acted.
+/// Puts each wrench `[N]`, `[N m]` through the safety of its device, and gives the names of the limits that acted.
 pub fn bound(
     answered: &Answered<'_>,
     safeties: &mut [Safety],
-    forces: &mut [Vector],
+    wrenches: &mut [Wrench],
 ) -> Vec<&'static str> {
     let (mut is_limited, mut is_softened) = (answered.limited.force, false);
-    for ((safety, force), position) in safeties.iter_mut().zip(forces).zip(answered.positions) {
+    for ((safety, wrench), position) in safeties.iter_mut().zip(wrenches).zip(answered.positions) {
         let verdict = safety.judge(&Rendered {
             elapsed: answered.elapsed,
             // A position that the renderer has refused is not looked at.
@@ -33,7 +33,7 @@ pub fn bound(
                 *position
             },
             coordinate: 0.0,
-            wrench: Wrench::of_force(*force),
+            wrench: *wrench,
             created_energy: 0.0,
             refused: answered.is_refused,
             stalled: false,
@@ -41,10 +41,15 @@ pub fn bound(
         is_limited |= verdict.bounded.force;
         is_softened |= verdict.bounded.soft_start;
         // A force of -0 that comes in softly is none.
-        *force = verdict.wrench.force.map(|component| component + 0.0);
+        let Wrench { force, torque } = verdict.wrench;
+        *wrench = Wrench {
+            force: force.map(|component| component + 0.0),
+            torque: torque.map(|component| component + 0.0),
+        };
     }
     let acted = [
         (is_limited, "force"),
+        (answered.limited.torque, "torque"),
         (answered.limited.offset, "offset"),
         (is_softened, "soft-start"),
     ];

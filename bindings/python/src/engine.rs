@@ -2,6 +2,7 @@
 
 use numpy::{PyArray2, PyReadonlyArray2};
 use palpate::Actuation;
+use palpate_device::Wrench;
 use palpate_rt::safety::Safety;
 use palpate_world::engine::{
     BodyNow, BodyWrench, EngineBody, EngineRenderer, EngineState, PlacedShape, Stepping,
@@ -254,14 +255,16 @@ impl EngineContact {
         };
         let output = self.renderer.hold(&mut self.state);
         let (fault, effort, limited) = (output.fault, output.effort, output.limited);
-        let mut forces = output.forces.to_vec();
+        let forces = output.forces.iter().copied();
+        let mut wrenches: Vec<_> = forces.map(Wrench::of_force).collect();
         let answered = Answered {
             elapsed,
             positions: &positions,
             is_refused: fault.is_some(),
             limited,
         };
-        let limited = bound(&answered, &mut self.safety, &mut forces);
+        let limited = bound(&answered, &mut self.safety, &mut wrenches);
+        let forces: Vec<_> = wrenches.iter().map(|wrench| wrench.force).collect();
         for (tool, force) in forces.iter().enumerate() {
             self.renderer.report_sent(&mut self.state, tool, *force);
         }
@@ -292,7 +295,7 @@ impl EngineContact {
         self.safety = self
             .tools
             .iter()
-            .map(|_| safety(force_limit, soft_start, period))
+            .map(|_| safety(force_limit, None, soft_start, period))
             .collect::<PyResult<_>>()?;
         self.state = self.renderer.start();
         self.sampled = None;

@@ -239,11 +239,16 @@ fn safety_of(setup: &ReplaySetup, soft_start: f64) -> PyResult<Safety> {
         period,
         ..
     } = setup.loop_params;
-    safety(force_limit, soft_start, period)
+    safety(force_limit, None, soft_start, period)
 }
 
-/// The same limits for a loop of `period` \[s\].
-pub fn safety(force_limit: Option<f64>, soft_start: f64, period: f64) -> PyResult<Safety> {
+/// The same limits for a loop of `period` \[s\], with one of the torque.
+pub fn safety(
+    force_limit: Option<f64>,
+    torque_limit: Option<f64>,
+    soft_start: f64,
+    period: f64,
+) -> PyResult<Safety> {
     if !(0.0..=60.0).contains(&soft_start) {
         return Err(refused(format!(
             "soft_start is {soft_start} s, but must be 0 to 60"
@@ -252,6 +257,7 @@ pub fn safety(force_limit: Option<f64>, soft_start: f64, period: f64) -> PyResul
     let defaults = SafetyParams::default();
     let limits = SafetyParams {
         largest_force: force_limit.unwrap_or(f64::MAX),
+        largest_torque: torque_limit.unwrap_or(f64::MAX),
         soft_start,
         largest_speed: f64::INFINITY,
         oscillation: OscillationParams {

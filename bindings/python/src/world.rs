@@ -3,9 +3,12 @@
 use std::path::PathBuf;
 
 use numpy::{PyArray2, PyReadonlyArray2};
+use palpate_device::Wrench;
 use palpate_rt::safety::{Safety, SafetyParams};
 use palpate_scene::world::{WorldFile, WorldScene};
-use palpate_world::{Effort, Place, Sample, Vector, WorldError, WorldRenderer, WorldState};
+use palpate_world::{
+    Effort, NOT_TURNED, Place, Quaternion, Sample, Vector, WorldError, WorldRenderer, WorldState,
+};
 use pyo3::prelude::*;
 
 use crate::bounded::{Answered, bound};
@@ -41,19 +44,21 @@ pub struct PyWorld {
 struct Limits {
     /// None: infinite `[N]`.
     force: Option<f64>,
+    /// None: infinite `[N m]`.
+    torque: Option<f64>,
     soft_start: f64,
 }
 
 /// What a sample was answered.
 struct Answer {
-    forces: Vec<Vector>,
+    wrenches: Vec<Wrench>,
     limited: Vec<&'static str>,
     effort: Effort,
     fault: Option<String>,
     faulty: Option<String>,
 }
 
-/// Forces, limits, effort, fault and the device that it is of.
+/// Forces or wrenches, limits, effort, fault and the device that it is of.
 type Told<'py> = (
     Bound<'py, PyArray2<f64>>,
     Vec<&'static str>,
@@ -66,6 +71,28 @@ impl PyWorld {
     /// The world and its loop as they were described.
     pub fn scene(&self) -> &WorldScene {
         &self.file.scene
+    }
+
+    fn sent(&mut self, tool: usize, wrench: &Wrench) {
+        let Wrench { force, torque } = *wrench;
+        self.renderer.report_sent(&mut self.state, tool, force);
+        self.renderer
+            .report_sent_torque(&mut self.state, tool, torque);
+    }
+
+    /// A row for each wrench: its force alone where no device turns.
+    fn held<'py>(
+        &self,
+        py: Python<'py>,
+        wrenches: &[Wrench],
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let turns = self.width() > 3;
+        let rows = wrenches.iter().map(|wrench| {
+            let torque = wrench.torque.into_iter().filter(|_| turns);
+            wrench.force.into_iter().chain(torque).collect()
+        });
+        let rows: Vec<Vec<f64>> = rows.collect();
+        Ok(PyArray2::from_vec2(py, &rows)?)
     }
 
     /// The first of these faults, with its place where that is known.
@@ -89,15 +116,15 @@ fn wrong(file: &WorldFile, is_file: bool, faults: &[WorldError]) -> PyErr {
 impl PyWorld {
     /// A world from its text; `name` is what messages and reports call it.
     #[new]
-    #[pyo3(signature = (text, name, folder, method, force_limit, soft_start))]
+    #[pyo3(signature = (text, name, folder, method, limits))]
     fn new(
         text: String,
         name: Option<String>,
         folder: PathBuf,
         method: Option<String>,
-        force_limit: Option<f64>,
-        soft_start: f64,
+        limits: (Option<f64>, Option<f64>, f64),
     ) -> PyResult<Self> {
+        let (force_limit, torque_limit, soft_start) = limits;
         let called = name.clone().unwrap_or_else(|| "world".into());
         let file = WorldFile::parse(&called, &text).map_err(|errors| {
             refused(if name.is_some() {
@@ -109,14 +136,21 @@ impl PyWorld {
         let is_file = name.is_some();
         let mut scene = file.scene.clone();
         let method = method.unwrap_or_else(|| scene.render.method.clone());
-        let default = SafetyParams::default().largest_force;
-        let force = force_limit.or(scene.render.force_limit).unwrap_or(default);
+        let default = SafetyParams::default();
+        let force = force_limit.or(scene.render.force_limit);
+        // An infinite limit is none.
+        let finite = |limit: &f64| *limit != f64::INFINITY;
+        let force = Some(force.unwrap_or(default.largest_force)).filter(finite);
+        // As the force: none where its limit was switched off.
+        let usual = force.map(|_| default.largest_torque);
+        let torque = torque_limit.or(scene.render.torque_limit).or(usual);
         let limits = Limits {
-            // An infinite limit is none.
-            force: (force != f64::INFINITY).then_some(force),
+            force,
+            torque: torque.filter(finite),
             soft_start,
         };
         scene.render.force_limit = limits.force;
+        scene.render.torque_limit = limits.torque;
         let renderer = scene
             .renderer(&method)
             .map_err(|faults| wrong(&file, is_file, &faults))?;
@@ -137,50 +171,51 @@ impl PyWorld {
         Ok(world)
     }
 
-    /// One tick: a row of three coordinates for each device in, its force out, row by row.
-    #[pyo3(signature = (positions, elapsed=None))]
+    /// One tick: a row for each device in, what it is to give out, row by row. A row has three coordinates, and
+    /// three components of a force comes back; where a device turns, a row of a pose, and a wrench comes back.
+    #[pyo3(signature = (poses, elapsed=None))]
     fn tick<'py>(
         &mut self,
         py: Python<'py>,
-        positions: PyReadonlyArray2<'py, f64>,
+        poses: PyReadonlyArray2<'py, f64>,
         elapsed: Option<f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let positions = positions.as_array();
-        let tools = &self.scene().world.tools;
-        if let Some(tool) = tools.iter().find(|tool| tool.turns) {
+        let poses = poses.as_array();
+        let (devices, width) = (self.scene().world.tools.len(), self.width());
+        if poses.shape() != [devices, width] {
             return Err(refused(format!(
-                "device \"{}\" has six axes, and step() takes devices of three so far; palpate pipe takes it",
-                tool.name
+                "positions has {} rows of {} numbers, but must have {devices} of {width}, one for each device",
+                poses.shape()[0],
+                poses.shape()[1],
             )));
         }
-        if positions.shape() != [tools.len(), 3] {
-            return Err(refused(format!(
-                "positions has {} rows of {} numbers, but must have {} of 3, one for each device",
-                positions.shape()[0],
-                positions.shape()[1],
-                tools.len()
-            )));
-        }
-        let positions: Vec<Vector> = positions
-            .outer_iter()
-            .map(|row| [row[0], row[1], row[2]])
+        let rows = poses.outer_iter();
+        let positions: Vec<Vector> = rows.map(|row| [row[0], row[1], row[2]]).collect();
+        let rows = poses.outer_iter();
+        let orientations: Vec<Quaternion> = rows
+            .map(|row| match row.len() {
+                3 => NOT_TURNED,
+                _ => [row[3], row[4], row[5], row[6]],
+            })
             .collect();
         let sample = Sample {
             elapsed,
-            ..Sample::at(&positions)
+            ..Sample::at(&positions).turned(&orientations)
         };
         let output = self.renderer.step(&mut self.state, &sample);
         let (fault, effort, limited) = (output.fault, output.effort, output.limited);
-        let mut forces = output.forces.to_vec();
+        let wrenches = output.forces.iter().zip(output.torques);
+        let wrenches = wrenches.map(|(&force, &torque)| Wrench { force, torque });
+        let mut wrenches: Vec<_> = wrenches.collect();
         let answered = Answered {
             elapsed,
             positions: &positions,
             is_refused: fault.is_some(),
             limited,
         };
-        let limited = bound(&answered, &mut self.safety, &mut forces);
-        for (tool, force) in forces.iter().enumerate() {
-            self.renderer.report_sent(&mut self.state, tool, *force);
+        let limited = bound(&answered, &mut self.safety, &mut wrenches);
+        for (tool, wrench) in wrenches.iter().enumerate() {
+            self.sent(tool, wrench);
         }
         let name = |tool: usize| self.file.scene.world.tools[tool].name.clone();
         let answer = Answer {
@@ -188,25 +223,39 @@ impl PyWorld {
             effort,
             fault: fault.map(|fault| fault.fault.name().to_owned()),
             faulty: fault.and_then(|fault| fault.tool).map(name),
-            forces,
+            wrenches,
         };
-        let held = rows(py, &answer.forces)?;
+        let held = self.held(py, &answer.wrenches)?;
         self.last = Some(answer);
         Ok(held)
     }
 
-    /// Says what was really sent to a device for the last sample `[N]`.
-    fn tell_sent(&mut self, tool: usize, force: Vector) {
-        self.renderer.report_sent(&mut self.state, tool, force);
+    /// Says what was really sent to a device for the last sample `[N]`, `[N m]`.
+    fn tell_sent(&mut self, tool: usize, force: Vector, torque: Vector) {
+        self.sent(tool, &Wrench { force, torque });
+    }
+
+    /// How many numbers a row of a sample has: 3, or 7 where a device of six axes is among the devices.
+    fn width(&self) -> usize {
+        let tools = &self.scene().world.tools;
+        if tools.iter().any(|tool| tool.turns) {
+            7
+        } else {
+            3
+        }
     }
 
     /// Begins anew: bodies at their start, nothing sampled, the books empty.
     fn reset(&mut self) -> PyResult<()> {
         let period = self.scene().timing.period;
-        let Limits { force, soft_start } = self.limits;
+        let Limits {
+            force,
+            torque,
+            soft_start,
+        } = self.limits;
         let devices = 0..self.scene().devices.len();
         self.safety = devices
-            .map(|_| safety(force, soft_start, period))
+            .map(|_| safety(force, torque, soft_start, period))
             .collect::<PyResult<_>>()?;
         self.state = self.renderer.start();
         self.last = None;
@@ -226,7 +275,7 @@ impl PyWorld {
             ..
         } = answer.effort;
         Ok(Some((
-            rows(py, &answer.forces)?,
+            self.held(py, &answer.wrenches)?,
             answer.limited.clone(),
             (sub_steps, refined, unrefined, too_fast),
             answer.fault.clone(),

@@ -38,7 +38,9 @@ from ._world_values import (
     ContactState,
     DeviceBook,
     Effort,
+    JointBook,
     ToolState,
+    TurnState,
     WorldOutput,
 )
 
@@ -65,6 +67,7 @@ __all__ = [
     "Excitation",
     "Fields",
     "Granted",
+    "JointBook",
     "Leak",
     "Ledger",
     "Loop",
@@ -83,6 +86,7 @@ __all__ = [
     "Situation",
     "Spread",
     "ToolState",
+    "TurnState",
     "World",
     "WorldOutput",
     "WorldRuns",
