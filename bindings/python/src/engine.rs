@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 
 use crate::bounded;
 use crate::names::refused;
-use crate::renderer::limits;
+use crate::renderer::safety_params;
 use crate::world::rows;
 
 /// What a shape is called, its lengths, and where it is in its body's axes.
@@ -180,7 +180,7 @@ impl EngineContact {
             CoupledParams::new(given.device_mass).with_encoder_quantum(given.encoder_quantum);
         let renderer = EngineRenderer::new(&tools, &bodies, stepping, in_loop, params)
             .map_err(|faults| wrong(&faults))?;
-        let limits = limits(force_limit, None, given.soft_start)?;
+        let limits = safety_params(force_limit, None, given.soft_start)?;
         let safety = WorldSafety::new(tools.len(), limits, given.period).map_err(refused)?;
         Ok(Self {
             state: renderer.start(),

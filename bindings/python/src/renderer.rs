@@ -239,12 +239,12 @@ fn safety_of(setup: &ReplaySetup, soft_start: f64) -> PyResult<Safety> {
         period,
         ..
     } = setup.loop_params;
-    let limits = limits(force_limit, None, soft_start)?;
+    let limits = safety_params(force_limit, None, soft_start)?;
     Safety::new(limits, period).map_err(refused)
 }
 
 /// The same limits, with one of the torque.
-pub fn limits(
+pub fn safety_params(
     force_limit: Option<f64>,
     torque_limit: Option<f64>,
     soft_start: f64,
@@ -254,5 +254,9 @@ pub fn limits(
             "soft_start is {soft_start} s, but must be 0 to 60"
         )));
     }
-    Ok(SafetyParams::bounding(force_limit, torque_limit, soft_start))
+    Ok(SafetyParams::bounding(
+        force_limit,
+        torque_limit,
+        soft_start,
+    ))
 }

@@ -4,16 +4,17 @@ use std::path::PathBuf;
 
 use numpy::{PyArray2, PyReadonlyArray2};
 use palpate_device::Wrench;
-use palpate_rt::safety::{Safety, SafetyParams};
+use palpate_rt::BoundedWorld;
+use palpate_rt::safety::SafetyParams;
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_world::{
-    Effort, NOT_TURNED, Place, Quaternion, Sample, Vector, WorldError, WorldRenderer, WorldState,
+    Effort, NOT_TURNED, Place, Quaternion, Sample, Vector, WorldError, WorldState,
 };
 use pyo3::prelude::*;
 
-use crate::bounded::{Answered, bound};
+use crate::bounded;
 use crate::names::refused;
-use crate::renderer::safety;
+use crate::renderer::safety_params;
 use crate::scene::messages;
 
 /// Whether the text of a scene file says a world.
@@ -126,7 +127,7 @@ impl PyWorld {
             [force_limit, torque_limit],
             [default.largest_force, default.largest_torque],
         );
-        let limits = limits(
+        let limits = safety_params(
             scene.render.force_limit,
             scene.render.torque_limit,
             soft_start,

@@ -41,6 +41,9 @@ const LOOK_EVERY: Duration = Duration::from_millis(20);
 type Control = ControlLoop<Box<dyn Device>, MonotonicClock>;
 type Running = LoopThread<Box<dyn Device>, MonotonicClock>;
 
+/// Tick, time `[s]`, kind and text of each event that is kept, and how many there were.
+type EventsNow = (Vec<(u64, f64, String, String)>, u64);
+
 /// A loop in real time on a device.
 #[pyclass(frozen, subclass, name = "Loop", module = "palpate._palpate")]
 pub struct RealTimeLoop {
@@ -323,7 +326,7 @@ impl RealTimeLoop {
     }
 
     /// What happened beside the ticks since this was asked last, and how many events of that are gone.
-    fn events(&self) -> PyResult<(Vec<(u64, f64, String, String)>, u64)> {
+    fn events(&self) -> PyResult<EventsNow> {
         self.check_process()?;
         Ok(self.heard.events())
     }

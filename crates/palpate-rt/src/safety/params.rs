@@ -31,24 +31,6 @@ pub struct SafetyParams {
     pub soft_start: f64,
     /// When a contact counts as oscillating.
     pub oscillation: OscillationParams,
-    /// Limits for a loop of somebody else's: a largest force `[N]` and torque `[N m]`, none where there is no number, and a
-    /// soft start `[s]`. Nothing trips on speed or on created energy.
-    #[must_use]
-    pub fn bounding(force: Option<f64>, torque: Option<f64>, soft_start: f64) -> Self {
-        let limits = Self::default();
-        Self {
-            largest_force: force.unwrap_or(f64::MAX),
-            largest_torque: torque.unwrap_or(f64::MAX),
-            soft_start,
-            largest_speed: f64::INFINITY,
-            oscillation: OscillationParams {
-                energy: f64::INFINITY,
-                ..limits.oscillation
-            },
-            ..limits
-        }
-    }
-
     /// How long the loop's thread may take from one tick to the next before a supervisor commands no
     /// force, in periods. It looks twice a period, so a limit of 1.5 acts within 2.
     pub stall_after_periods: f64,
@@ -92,6 +74,24 @@ impl SafetyParams {
                     limits.largest_torque.min(torque)
                 }),
             workspace: device.workspace,
+            ..limits
+        }
+    }
+
+    /// Limits for a loop of somebody else's: a largest force `[N]` and torque `[N m]`, none where there is no number, and a
+    /// soft start `[s]`. Nothing trips on speed or on created energy.
+    #[must_use]
+    pub fn bounding(force: Option<f64>, torque: Option<f64>, soft_start: f64) -> Self {
+        let limits = Self::default();
+        Self {
+            largest_force: force.unwrap_or(f64::MAX),
+            largest_torque: torque.unwrap_or(f64::MAX),
+            soft_start,
+            largest_speed: f64::INFINITY,
+            oscillation: OscillationParams {
+                energy: f64::INFINITY,
+                ..limits.oscillation
+            },
             ..limits
         }
     }

@@ -13,7 +13,7 @@ mod world;
 use std::io;
 
 use palpate::LARGEST_DELAY;
-use palpate_rt::safety::{OscillationParams, Safety, SafetyParams};
+use palpate_rt::safety::{Safety, SafetyParams};
 use palpate_scene::SceneFile;
 use palpate_scene::method::MethodName;
 
