@@ -226,3 +226,36 @@ fn a_probe_in_a_pocket_does_not_pop_through_its_thin_wall() {
     }
     assert!(bench.ideal().deepest() > 0.0012);
 }
+
+/// E of a scene of `experiments/worlds`, whose file tells half as much again as the mass: with the device and its hand known,
+/// which is a constant force then, and a perfect sensor; and as its file has it.
+fn known_and_told(name: &str) -> [f64; 2] {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../experiments/worlds/");
+    let told = std::fs::read_to_string(format!("{path}{name}.toml")).unwrap();
+    let of_file = [
+        "device_mass",
+        "quantum",
+        "hand_stiffness",
+        "hand_damping",
+        "hand_rest",
+    ];
+    let kept = |line: &&str| !of_file.iter().any(|key| line.starts_with(key));
+    let known: Vec<&str> = told.lines().filter(kept).collect();
+    assert_eq!(known.len() + of_file.len(), told.lines().count());
+    let each = [known.join("\n"), told].map(|source| {
+        let ([run], bench) = runs(&source, ["coupled"]);
+        assert_eq!(bench.self_check().unwrap().chaotic_from, None);
+        error(&run)
+    });
+    println!(
+        "{name}: E known {:.3} %, told 1.5 times the mass {:.3} %",
+        each[0], each[1]
+    );
+    each
+}
+
+#[test]
+fn a_mesh_that_moves_is_rendered_as_its_ideal_moves() {
+    let [known, told] = known_and_told("knob");
+    assert!(known < 0.1 && told < 1.0, "{known} {told}");
+}

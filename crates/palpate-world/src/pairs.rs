@@ -1,6 +1,8 @@
 //! Which tools and bodies of a world can touch, and at which points.
 
 use crate::blocks::{Blocks, POINTS_PER_BLOCKS, quarter};
+use crate::convex::NoHull;
+use crate::hull::Corners;
 use crate::law::PointLaw;
 use crate::mesh::{POINTS_PER_MESH, Surface};
 use crate::rigid::{Mobility, Rigid, Vector3};
@@ -186,8 +188,12 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
             let found =
                 found.or_else(|| spheres_on(other.shape, one.shape).map(|found| (j, i, found)));
             match found {
-                Some((first, second, (spheres, solid))) => {
+                Some((first, second, Ok((spheres, solid)))) => {
                     points.extend(spheres.iter().map(|sphere| sphere.on(first, second, solid, law)));
+                }
+                Some((first, _, Err(reason))) => {
+                    let [first, other] = if first == i { [one, other] } else { [other, one] };
+                    faults.push(no_corners(first, other, reason));
                 }
                 None => faults.push(WorldError::new(
                     one.place,
@@ -195,8 +201,9 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
                     format!("{:?} and {:?}", one.name, other.name),
                     format!(
                         "there is no contact of {} with {} yet: their edges and sides can touch where no corner \
-                         does. A sphere, or a tool of several, may touch any shape, a box another box and a half-space, a \
-                         capsule a half-space. Give one of them another shape, or leave the pair without a law",
+                         does. A sphere may touch any shape, a tool of several any but a mesh, a box another box and a \
+                         half-space, a capsule and a mesh a half-space. Give one of them another shape, or leave the pair \
+                         without a law",
                         one.words(),
                         other.words()
                     ),
@@ -253,9 +260,25 @@ struct Touching {
     share: f64,
 }
 
+/// Why the corners of a shape are not the points at which it touches `other`.
+fn no_corners(shape: &Candidate<'_>, other: &Candidate<'_>, reason: NoHull) -> WorldError {
+    let why = match reason {
+        NoHull::TooMany => format!(
+            "the convex hull around it has more than {MOST_POINTS} corners, and it touches a half-space by these; give it \
+             a coarser shape, or leave the pair without a law"
+        ),
+        NoHull::Flat | NoHull::Broken => {
+            "all of it lies in a plane or nearly so, and has no convex hull by whose corners it could touch a half-space"
+                .into()
+        }
+    };
+    let subject = format!("{:?} and {:?}", shape.name, other.name);
+    WorldError::new(shape.place, "shape", subject, why)
+}
+
 /// The spheres of a shape with which it can touch `other`, and the other's solid, where no two places of the two
 /// surfaces meet unless a sphere does.
-fn spheres_on(shape: &Shape, other: &Shape) -> Option<(Vec<Touching>, Solid)> {
+fn spheres_on(shape: &Shape, other: &Shape) -> Option<Result<(Vec<Touching>, Solid), NoHull>> {
     let whole = |centre: crate::Vector, radius: f64| Touching {
         centre: centre.into(),
         radius,
@@ -279,6 +302,11 @@ fn spheres_on(shape: &Shape, other: &Shape) -> Option<(Vec<Touching>, Solid)> {
                 share: 4.0,
             })
             .collect(),
+        // Only a corner of the convex hull is the first to meet a plane.
+        (Shape::Mesh(mesh), Shape::HalfSpace { .. }) => match Corners::around(mesh.places(), 0.0) {
+            Ok(corners) => corners.touching(),
+            Err(reason) => return Some(Err(reason)),
+        },
         // A capsule that lies flat has two ends.
         (
             Shape::Capsule {
@@ -295,7 +323,21 @@ fn spheres_on(shape: &Shape, other: &Shape) -> Option<(Vec<Touching>, Solid)> {
             .into(),
         _ => return None,
     };
-    Some((spheres, Solid::of(other)?))
+    Some(Ok((spheres, Solid::of(other)?)))
+}
+
+impl Corners {
+    /// Each as a sphere of radius 0, with its share of the law.
+    fn touching(&self) -> Vec<Touching> {
+        let share = self.share();
+        let each = self.places.iter();
+        each.map(|&centre| Touching {
+            centre,
+            radius: 0.0,
+            share,
+        })
+        .collect()
+    }
 }
 
 impl Touching {

@@ -43,7 +43,8 @@ pub enum Shape {
         /// Half of its length, above 0 `[m]`.
         half_length: f64,
     },
-    /// A surface of triangles, in the body's own axes. For fixed bodies only.
+    /// A surface of triangles, in the body's own axes. For bodies only; one that moves may need
+    /// [`Body::balanced`](crate::Body::balanced).
     Mesh(Arc<Mesh>),
 }
 

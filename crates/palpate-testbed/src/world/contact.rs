@@ -7,6 +7,10 @@ use super::mesh::{MOST_CONTACTS, OnMesh};
 use super::scene::{ContactLaw, InvalidScene, Member, Pair, Shape, SphereAt, Tool, WorldScene};
 use super::surface::{Feature, feature, holds, nearest};
 use super::vector::{Rotation, Vec3};
+use super::wrapping::Wrapped;
+
+/// Corners of a hull that touches a half-space by them, at most.
+pub(super) const MOST_CORNERS: usize = 64;
 
 /// What is wrong with a scene, or with the attempt to solve it.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -17,7 +21,7 @@ pub enum WorldError {
     /// A pair of shapes for which there is no contact yet.
     #[error(
         "pairs[{number}]: {reason}; a sphere can touch a sphere, half-space, box, capsule, cylinder or mesh, and a \
-         box and a capsule a half-space, and a box a box"
+         box, a capsule and a mesh of a hull with at most {MOST_CORNERS} corners a half-space, and a box a box"
     )]
     Pair {
         /// Number of the pair, from 0.
@@ -373,7 +377,7 @@ fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact
     let rank = |side: &Side| match side.shape {
         None => 3,
         Some(Shape::Sphere { .. }) => 2 + u8::from(side.is_device),
-        Some(Shape::Box { .. } | Shape::Capsule { .. }) => 1,
+        Some(Shape::Box { .. } | Shape::Capsule { .. } | Shape::Mesh(_)) => 1,
         _ => 0,
     };
     let (first, second) = if rank(&one) >= rank(&other) {
@@ -451,6 +455,13 @@ fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact
             let law = shared(2.0);
             let end = |side: f64| contact(Vec3([0.0, 0.0, side * half_length]), radius, law);
             Ok(vec![end(-1.0), end(1.0)])
+        }
+        (Some(Shape::Mesh(mesh)), Shape::HalfSpace { .. }) => {
+            let places: Vec<Vec3> = mesh.vertices().into_iter().map(Vec3).collect();
+            let hull = Wrapped::around(&places, MOST_CORNERS).ok_or_else(no_contact)?;
+            let law = shared(hull.most_corners() as f64);
+            let each = hull.corners.iter();
+            Ok(each.map(|corner| contact(*corner, 0.0, law)).collect())
         }
         _ => Err(no_contact()),
     }

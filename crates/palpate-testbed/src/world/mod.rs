@@ -62,6 +62,7 @@ mod self_check;
 mod surface;
 mod turning;
 mod vector;
+mod wrapping;
 
 pub use contact::WorldError;
 pub use ideal::{TOLERANCE, WorldIdeal};
