@@ -79,7 +79,8 @@ pub(crate) fn hull(
     within: f64,
     most: usize,
 ) -> Result<(Vec<Vector3>, Vec<Polygon>), NoHull> {
-    let size = points.iter().map(|point| (point - points[0]).norm());
+    let first = points.first().ok_or(NoHull::Flat)?;
+    let size = points.iter().map(|point| (point - first).norm());
     let flat = FLAT * size.fold(0.0, f64::max);
     let within = within.max(flat);
     let mut facets = start(points, flat).ok_or(NoHull::Flat)?;

@@ -5,7 +5,7 @@ use crate::{NOT_TURNED, Shape, Vector};
 impl Shape {
     /// Moments of inertia along the shape's own axes of a body of `mass` `[kg]` that fills the shape evenly
     /// `[kg m^2]`; `None` for a half-space, which has no end, for several spheres, which may overlap, for an open mesh,
-    /// and for one whose axes do not begin at its centre of mass or are not principal ones, which
+    /// and for a mesh or hull whose axes do not begin at its centre of mass or are not principal ones, which
     /// [`Body::balanced`](crate::Body::balanced) mends.
     #[must_use]
     pub fn moments(&self, mass: f64) -> Option<Vector> {
@@ -21,6 +21,7 @@ impl Shape {
                 .mass_properties(mass)
                 .filter(|of| of.centre == [0.0; 3] && of.orientation == NOT_TURNED)
                 .map(|of| of.moments),
+            Self::Hull(ref hull) => Self::Mesh(hull.mesh().clone()).moments(mass),
             Self::Box { half_extents } => {
                 let [a, b, c] = half_extents.map(|half| half * half * mass / 3.0);
                 Some([b + c, c + a, a + b])
@@ -53,7 +54,9 @@ mod tests {
     fn holds(shape: &Shape, [x, y, z]: Vector) -> bool {
         match *shape {
             Shape::Sphere { radius } => x * x + y * y + z * z <= radius * radius,
-            Shape::HalfSpace { .. } | Shape::Spheres { .. } | Shape::Mesh(_) => false,
+            Shape::HalfSpace { .. } | Shape::Spheres { .. } | Shape::Mesh(_) | Shape::Hull(_) => {
+                false
+            }
             Shape::Box {
                 half_extents: [a, b, c],
             } => x.abs() <= a && y.abs() <= b && z.abs() <= c,

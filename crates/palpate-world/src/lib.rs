@@ -42,6 +42,7 @@ pub use body::{Body, Free, Motion, Tool};
 pub use books::{BodyBook, Books, ContactBook, DeviceBook, JointBook};
 pub use contact::{Contact, ContactLaw, Party};
 pub use fault::{Place, WorldError};
+pub use hull::{Hull, HullError};
 pub use interval::{Effort, SubSteps};
 pub use joint::{Joint, JointKind, JointLaw};
 pub use law::Mode;

@@ -1,5 +1,7 @@
 //! Which tools and bodies of a world can touch, and at which points.
 
+use std::sync::Arc;
+
 use crate::blocks::{Blocks, POINTS_PER_BLOCKS, quarter};
 use crate::convex::NoHull;
 use crate::hull::Corners;
@@ -7,7 +9,7 @@ use crate::law::PointLaw;
 use crate::mesh::{POINTS_PER_MESH, Surface};
 use crate::rigid::{Mobility, Rigid, Vector3};
 use crate::solid::Solid;
-use crate::{Motion, Place, Shape, World, WorldError};
+use crate::{Mesh, Motion, Place, Shape, World, WorldError};
 
 /// Most points of contact that a world may have: a tick looks at all of them in every sub-step.
 pub const MOST_POINTS: usize = 64;
@@ -93,6 +95,7 @@ impl Candidate<'_> {
             Shape::Capsule { .. } => "a capsule",
             Shape::Cylinder { .. } => "a cylinder",
             Shape::Mesh(_) => "a mesh",
+            Shape::Hull(_) => "a hull",
         }
     }
 
@@ -137,27 +140,23 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
             let Some(law) = world.law(one.name, other.name) else {
                 continue;
             };
-            // A mesh is looked at once for all of its points.
-            let on_mesh = match (one.shape, other.shape) {
-                (Shape::Sphere { radius }, Shape::Mesh(mesh)) => Some((i, j, *radius, mesh)),
-                (Shape::Mesh(mesh), Shape::Sphere { radius }) => Some((j, i, *radius, mesh)),
-                _ => None,
-            };
-            if let Some((first, second, radius, mesh)) = on_mesh {
-                let touching = Touching {
-                    centre: Vector3::zeros(),
-                    radius,
-                    share: 1.0,
-                };
-                points.extend((0..POINTS_PER_MESH).map(|point| {
-                    let solid = Solid::Mesh {
-                        surface: surfaces.len(),
-                        point,
-                        reach: mesh.reach(),
-                    };
-                    touching.on(first, second, solid, law)
-                }));
-                surfaces.push(Surface::new(mesh.clone(), first, second, radius));
+            let on_mesh = spheres_on_mesh(one.shape, other.shape).map(|found| (i, j, found));
+            let on_mesh = on_mesh
+                .or_else(|| spheres_on_mesh(other.shape, one.shape).map(|found| (j, i, found)));
+            if let Some((first, second, (spheres, mesh))) = on_mesh {
+                for sphere in spheres {
+                    // A mesh is looked at once for all points of a sphere.
+                    points.extend((0..POINTS_PER_MESH).map(|point| {
+                        let solid = Solid::Mesh {
+                            surface: surfaces.len(),
+                            point,
+                            reach: mesh.reach(),
+                        };
+                        sphere.on(first, second, solid, law)
+                    }));
+                    let Touching { centre, radius, .. } = sphere;
+                    surfaces.push(Surface::new(mesh.clone(), [first, second], centre, radius));
+                }
                 continue;
             }
             if let (Shape::Box { half_extents: a }, Shape::Box { half_extents: b }) =
@@ -201,8 +200,8 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
                     format!("{:?} and {:?}", one.name, other.name),
                     format!(
                         "there is no contact of {} with {} yet: their edges and sides can touch where no corner \
-                         does. A sphere may touch any shape, a tool of several any but a mesh, a box another box and a \
-                         half-space, a capsule and a mesh a half-space. Give one of them another shape, or leave the pair \
+                         does. A sphere, or a tool of several, may touch any shape, a box another box and a half-space, \
+                         a capsule, a hull and a mesh a half-space. Give one of them another shape, or leave the pair \
                          without a law",
                         one.words(),
                         other.words()
@@ -276,21 +275,40 @@ fn no_corners(shape: &Candidate<'_>, other: &Candidate<'_>, reason: NoHull) -> W
     WorldError::new(shape.place, "shape", subject, why)
 }
 
-/// The spheres of a shape with which it can touch `other`, and the other's solid, where no two places of the two
-/// surfaces meet unless a sphere does.
-fn spheres_on(shape: &Shape, other: &Shape) -> Option<Result<(Vec<Touching>, Solid), NoHull>> {
+/// What a sphere is, or several are; `None` of any other shape.
+fn own_spheres(shape: &Shape) -> Option<Vec<Touching>> {
     let whole = |centre: crate::Vector, radius: f64| Touching {
         centre: centre.into(),
         radius,
         share: 1.0,
     };
-    let spheres = match (shape, other) {
-        (Shape::Sphere { radius }, _) => vec![whole([0.0; 3], *radius)],
-        (Shape::Spheres { spheres }, _) => {
+    match shape {
+        Shape::Sphere { radius } => Some(vec![whole([0.0; 3], *radius)]),
+        Shape::Spheres { spheres } => {
             let each = spheres.iter();
-            each.map(|sphere| whole(sphere.centre, sphere.radius))
-                .collect()
+            let each = each.map(|sphere| whole(sphere.centre, sphere.radius));
+            Some(each.collect())
         }
+        _ => None,
+    }
+}
+
+/// The spheres of a shape, and the triangles of another one that they can touch.
+fn spheres_on_mesh<'a>(shape: &Shape, other: &'a Shape) -> Option<(Vec<Touching>, &'a Arc<Mesh>)> {
+    let mesh = match other {
+        Shape::Mesh(mesh) => mesh,
+        Shape::Hull(hull) => hull.mesh(),
+        _ => return None,
+    };
+    Some((own_spheres(shape)?, mesh))
+}
+
+/// The spheres of a shape with which it can touch `other`, and the other's solid, where no two places of the two
+/// surfaces meet unless a sphere does.
+fn spheres_on(shape: &Shape, other: &Shape) -> Option<Result<(Vec<Touching>, Solid), NoHull>> {
+    let spheres = match (shape, other) {
+        (Shape::Sphere { .. } | Shape::Spheres { .. }, _) => own_spheres(shape)?,
+        (Shape::Hull(hull), Shape::HalfSpace { .. }) => hull.by_corners().touching(),
         // A face that lies flat has four corners, so each has a quarter of the law.
         (Shape::Box { half_extents }, Shape::HalfSpace { .. }) => (0..8_u8)
             .map(|corner| Touching {

@@ -184,7 +184,7 @@ impl<'a> Faults<'a> {
                 self.unit("normal", &normal);
                 self.finite("offset", &[offset]);
             }
-            Shape::Mesh(_) => {}
+            Shape::Mesh(_) | Shape::Hull(_) => {}
             Shape::Spheres { ref spheres } => {
                 if !may_be_a_point {
                     let message =
@@ -275,8 +275,10 @@ impl<'a> Faults<'a> {
 
     /// A mesh says by itself what its moments of inertia are only if it is closed.
     fn inertia(&mut self, free: &Free, shape: &Shape) {
-        let Shape::Mesh(mesh) = shape else {
-            return;
+        let (mesh, word) = match shape {
+            Shape::Mesh(mesh) => (mesh, "mesh"),
+            Shape::Hull(hull) => (hull.mesh(), "hull"),
+            _ => return,
         };
         if free.inertia.is_some() || shape.moments(free.mass).is_some() {
             return;
@@ -288,8 +290,8 @@ impl<'a> Faults<'a> {
                     .into()
             }
             Some(of) => format!(
-                "the mesh has its centre of mass at {:?} m or is turned against its principal axes, so its moments of \
-                 inertia do not say how it turns; balance the body, or give three moments about the mesh's origin, which \
+                "the {word} has its centre of mass at {:?} m or is turned against its principal axes, so its moments of \
+                 inertia do not say how it turns; balance the body, or give three moments about the {word}'s origin, which \
                  is the centre of mass then",
                 of.centre
             ),

@@ -20,8 +20,8 @@ pub enum WorldError {
     Parameter(#[from] InvalidScene),
     /// A pair of shapes for which there is no contact yet.
     #[error(
-        "pairs[{number}]: {reason}; a sphere can touch a sphere, half-space, box, capsule, cylinder or mesh, and a \
-         box, a capsule and a mesh of a hull with at most {MOST_CORNERS} corners a half-space, and a box a box"
+        "pairs[{number}]: {reason}; a sphere can touch a sphere, half-space, box, capsule, cylinder, mesh or hull, \
+         and a box, a capsule, and a hull or mesh of at most {MOST_CORNERS} convex corners a half-space, and a box a box"
     )]
     Pair {
         /// Number of the pair, from 0.
@@ -314,6 +314,10 @@ struct Side {
 }
 
 impl Side {
+    fn touches_by_spheres(&self) -> bool {
+        matches!(self.shape, None | Some(Shape::Sphere { .. }))
+    }
+
     fn of(scene: &WorldScene, member: Member) -> Self {
         match member {
             Member::Device(number) => {
@@ -356,6 +360,7 @@ fn kind(shape: &Shape) -> &'static str {
         Shape::Capsule { .. } => "capsule",
         Shape::Cylinder { .. } => "cylinder",
         Shape::Mesh(_) => "mesh",
+        Shape::Hull(_) => "hull",
     }
 }
 
@@ -377,7 +382,7 @@ fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact
     let rank = |side: &Side| match side.shape {
         None => 3,
         Some(Shape::Sphere { .. }) => 2 + u8::from(side.is_device),
-        Some(Shape::Box { .. } | Shape::Capsule { .. } | Shape::Mesh(_)) => 1,
+        Some(Shape::Box { .. } | Shape::Capsule { .. } | Shape::Mesh(_) | Shape::Hull(_)) => 1,
         _ => 0,
     };
     let (first, second) = if rank(&one) >= rank(&other) {
@@ -391,7 +396,11 @@ fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact
             first.name, second.name
         )
     };
-    let surface = second.shape.as_ref().ok_or_else(no_contact)?;
+    let surface = match second.shape.as_ref().ok_or_else(no_contact)? {
+        // A sphere touches its triangles.
+        Shape::Hull(hull) if first.touches_by_spheres() => &Shape::Mesh(hull.mesh().clone()),
+        other => other,
+    };
     let contact = |on_first: Vec3, radius: f64, law: ContactLaw| Contact {
         pair: number,
         first: first.member,
@@ -409,12 +418,24 @@ fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact
         friction_stiffness: pair.law.friction_stiffness / count,
         ..pair.law
     };
+    let by_corners = |hull: &Wrapped| {
+        let law = shared(hull.most_corners() as f64);
+        let each = hull.corners.iter();
+        Ok(each.map(|corner| contact(*corner, 0.0, law)).collect())
+    };
     match (&first.shape, surface) {
         (&Some(Shape::Sphere { radius }), Shape::Mesh(_)) => {
             let one = contact(Vec3::ZERO, radius, pair.law);
             Ok(vec![one; MOST_CONTACTS])
         }
-        (None, Shape::Mesh(_)) => Err(no_contact()),
+        (None, Shape::Mesh(_)) => Ok(first
+            .spheres
+            .iter()
+            .flat_map(|sphere| {
+                let one = contact(Vec3(sphere.centre), sphere.radius, pair.law);
+                vec![one; MOST_CONTACTS]
+            })
+            .collect()),
         (None, _) => Ok(first
             .spheres
             .iter()
@@ -458,11 +479,9 @@ fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact
         }
         (Some(Shape::Mesh(mesh)), Shape::HalfSpace { .. }) => {
             let places: Vec<Vec3> = mesh.vertices().into_iter().map(Vec3).collect();
-            let hull = Wrapped::around(&places, MOST_CORNERS).ok_or_else(no_contact)?;
-            let law = shared(hull.most_corners() as f64);
-            let each = hull.corners.iter();
-            Ok(each.map(|corner| contact(*corner, 0.0, law)).collect())
+            by_corners(&Wrapped::around(&places, MOST_CORNERS).ok_or_else(no_contact)?)
         }
+        (Some(Shape::Hull(hull)), Shape::HalfSpace { .. }) => by_corners(hull.wrapped()),
         _ => Err(no_contact()),
     }
 }

@@ -44,6 +44,7 @@ mod contact;
 mod dormand_prince;
 mod held_axis;
 mod held_turning;
+mod hull;
 mod ideal;
 mod joints;
 mod judgement;
@@ -65,6 +66,7 @@ mod vector;
 mod wrapping;
 
 pub use contact::WorldError;
+pub use hull::Hull;
 pub use ideal::{TOLERANCE, WorldIdeal};
 pub use joints::{Freedom, WorldJoint};
 pub use judgement::{

@@ -126,11 +126,15 @@ impl System {
 
     /// Numbers of the first contact of each sphere with a mesh.
     fn mesh_contacts(&self) -> impl Iterator<Item = usize> {
-        let mut last = None;
+        // Of a tool of several spheres, each has as many.
+        let mut count = (None, 0);
         let contacts = self.contacts.iter().enumerate();
         contacts.filter_map(move |(number, contact)| {
-            let is_first = contact.is_with_mesh() && last != Some(contact.pair);
-            last = Some(contact.pair);
+            if count.0 != Some(contact.pair) {
+                count = (Some(contact.pair), 0);
+            }
+            let is_first = contact.is_with_mesh() && count.1 % MOST_CONTACTS == 0;
+            count.1 += 1;
             is_first.then_some(number)
         })
     }

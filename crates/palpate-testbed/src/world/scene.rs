@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::hull::Hull;
 use super::joints::WorldJoint;
 use super::mesh::TriangleMesh;
 use super::turning::Turning;
@@ -164,6 +165,8 @@ pub enum Shape {
     },
     /// A surface of triangles in the body's axes.
     Mesh(Arc<TriangleMesh>),
+    /// A convex solid in the body's axes.
+    Hull(Arc<Hull>),
 }
 
 impl Shape {
@@ -175,6 +178,7 @@ impl Shape {
             Self::Sphere { radius } => [0.4 * mass * radius * radius; 3],
             Self::HalfSpace { .. } => [f64::INFINITY; 3],
             Self::Mesh(ref mesh) => mesh.inertia(mass),
+            Self::Hull(ref hull) => hull.mesh().inertia(mass),
             Self::Box {
                 half_extents: [a, b, c],
             } => [b * b + c * c, a * a + c * c, a * a + b * b].map(|sum| mass * sum / 3.0),
@@ -382,7 +386,7 @@ impl WorldBody {
         let shape = format!("{name}.shape");
         match self.shape {
             Shape::Sphere { radius } => above_zero(&shape, &[radius])?,
-            Shape::Mesh(_) => {}
+            Shape::Mesh(_) | Shape::Hull(_) => {}
             Shape::HalfSpace { normal, offset } => {
                 unit_length(&shape, &normal)?;
                 all_finite(&shape, &[offset])?;

@@ -187,7 +187,7 @@ pub(super) fn feature(shape: &Shape, point: Vec3) -> Feature {
     match *shape {
         Shape::Sphere { .. } | Shape::HalfSpace { .. } => Feature::Whole,
         // Which parts push depends on those that did: `System` asks the mesh itself.
-        Shape::Mesh(_) => Feature::OnMesh(OnMesh::Nothing),
+        Shape::Mesh(_) | Shape::Hull(_) => Feature::OnMesh(OnMesh::Nothing),
         Shape::Box { half_extents } => {
             let sign = |value: f64| if value < 0.0 { -1 } else { 1 };
             let mut signs = [0_i8; 3];

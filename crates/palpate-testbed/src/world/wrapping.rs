@@ -20,11 +20,10 @@ pub(super) struct Wrapped {
 impl Wrapped {
     /// Around `points`, if the solid has a volume and at most `most` corners.
     pub fn around(points: &[Vec3], most: usize) -> Option<Self> {
-        let first =
-            points
-                .iter()
-                .copied()
-                .reduce(|a, b| if a.0.iter().lt(b.0.iter()) { a } else { b })?;
+        let first = points
+            .iter()
+            .copied()
+            .reduce(|a, b| if a.0.iter().lt(b.0.iter()) { a } else { b })?;
         let size = points.iter().map(|point| (*point - first).norm());
         let flat = FLAT * size.fold(0.0, f64::max);
         // No point has a smaller x than the first. Turn the plane about the y axis, then about what it has met.

@@ -64,6 +64,8 @@ pub(crate) struct Surface {
     /// Numbers of the sphere's and the mesh's parts.
     first: usize,
     second: usize,
+    /// Of the sphere, in the axes of the first `[m]`.
+    centre: Vector3,
     radius: f64,
     gathered: Gathered,
     memory: Memory,
@@ -124,11 +126,13 @@ impl Pushes {
 }
 
 impl Surface {
-    pub fn new(mesh: Arc<Mesh>, first: usize, second: usize, radius: f64) -> Self {
+    /// A sphere about `centre`, in the axes of the first of the two parts `[m]`, and the mesh of the second.
+    pub fn new(mesh: Arc<Mesh>, [first, second]: [usize; 2], centre: Vector3, radius: f64) -> Self {
         Self {
             mesh,
             first,
             second,
+            centre,
             radius,
             gathered: Gathered::none(),
             memory: Memory {
@@ -171,15 +175,24 @@ impl Surface {
         std::mem::take(&mut self.left_out)
     }
 
+    /// The sphere's centre in the mesh's axes, of parts that lie so.
+    fn centre_in(&self, first: &Rigid, second: &Rigid) -> Vector3 {
+        let mut off = first.position - second.position;
+        if self.centre != Vector3::zeros() {
+            off += first.orientation * self.centre;
+        }
+        second.orientation.inverse_transform_vector(&off)
+    }
+
     /// Distance of the surface from the sphere's centre, on whatever side `[m]`.
     pub fn distance(&self, sphere: &Rigid, placed: &Rigid) -> f64 {
-        let nearest = nearest_of(&self.mesh, &centre_in(sphere, placed));
+        let nearest = nearest_of(&self.mesh, &self.centre_in(sphere, placed));
         nearest.map_or(f64::INFINITY, |(distance, _)| distance)
     }
 
     /// Looks at the surface from where the sphere is now.
     pub fn look(&mut self, sphere: &Rigid, placed: &Rigid) {
-        let centre = centre_in(sphere, placed);
+        let centre = self.centre_in(sphere, placed);
         let mut pushes = Pushes::none();
         let is_behind = self.is_behind(&centre);
         self.memory.clearance = 0.0;
@@ -416,12 +429,6 @@ impl Surface {
             *last = *centre;
         }
     }
-}
-
-/// The sphere's centre in the mesh's axes.
-fn centre_in(sphere: &Rigid, placed: &Rigid) -> Vector3 {
-    let off = sphere.position - placed.position;
-    placed.orientation.inverse_transform_vector(&off)
 }
 
 /// Where a centre is that nothing is known of, or that was inside.

@@ -1,11 +1,11 @@
-//! Meshes that move: beside the box that the mesh is one of, and their mass.
+//! Meshes and hulls that move: beside the box that they are one of, and their mass.
 #![allow(clippy::print_stdout)] // what was measured
 
 use std::sync::Arc;
 
 use palpate_world::{
-    Body, ContactBook, ContactLaw, CoupledParams, Free, MassProperties, Mesh, Motion, NOT_TURNED,
-    Sample, Shape, Vector, WorldLoop, WorldRenderer, WorldState,
+    Body, ContactBook, ContactLaw, CoupledParams, Free, Hull, MassProperties, Mesh, Motion,
+    NOT_TURNED, Sample, Shape, Vector, WorldLoop, WorldRenderer, WorldState,
 };
 
 use super::common::{block, plane, world};
@@ -91,34 +91,39 @@ fn apart(a: &[Vector], b: &[Vector]) -> f64 {
 }
 
 #[test]
-fn a_block_of_triangles_that_moves_is_a_box() {
+fn a_block_of_triangles_that_moves_and_its_hull_are_a_box() {
     let at = [0.002, 0.001, 0.035];
     let half_extents = HALF;
     let of_box = Body::new("falls", Shape::Box { half_extents }, Motion::Free(free())).at(at);
     // The file's axes, turned so that the block lies as the box does.
     let back = inverse(TURN);
     let to = turned(back, OFF);
-    let of_mesh = Body::new(
-        "falls",
-        Shape::Mesh(Arc::new(drawn())),
-        Motion::Free(free()),
-    )
-    .at([0, 1, 2].map(|axis| at[axis] - to[axis]))
-    .turned(back)
-    .balanced();
+    let drawn = drawn();
+    let hull = Hull::around(&drawn.vertices()).unwrap();
+    assert_eq!((hull.corners().len(), hull.faces().len()), (8, 6));
+    let shapes = [Shape::Mesh(Arc::new(drawn)), Shape::Hull(Arc::new(hull))];
+    let [of_mesh, of_hull] = shapes.map(|shape| {
+        Body::new("falls", shape, Motion::Free(free()))
+            .at([0, 1, 2].map(|axis| at[axis] - to[axis]))
+            .turned(back)
+            .balanced()
+    });
     for axis in 0..3 {
         assert!((of_mesh.position[axis] - at[axis]).abs() < 1e-14);
     }
     for (friction, allowed) in [(0.0, 1e-9), (0.3, 1e-5)] {
-        let [one, other] = [&of_box, &of_mesh].map(|body| run(body.clone(), friction));
-        let (force, place) = (apart(&one.0, &other.0), apart(&one.1, &other.1));
-        let most = apart(&one.0, &[[0.0; 3]; 300]);
-        println!(
-            "a falling block of triangles and a box, friction {friction}: {force:.1e} of {most:.1} N and {place:.1e} m apart"
-        );
-        assert!(most > 1.0 && force < allowed * most, "{force} {most}");
-        // With friction, round-off decides in which sub-step sticking becomes sliding.
-        assert!(place < 1e-3 * allowed, "{place}");
+        let one = run(of_box.clone(), friction);
+        for (word, body) in [("mesh", &of_mesh), ("hull", &of_hull)] {
+            let other = run(body.clone(), friction);
+            let (force, place) = (apart(&one.0, &other.0), apart(&one.1, &other.1));
+            let most = apart(&one.0, &[[0.0; 3]; 300]);
+            println!(
+                "a falling box and its {word}, friction {friction}: {force:.1e} of {most:.1} N and {place:.1e} m apart"
+            );
+            assert!(most > 1.0 && force < allowed * most, "{force} {most}");
+            // With friction, round-off decides in which sub-step sticking becomes sliding.
+            assert!(place < 1e-3 * allowed, "{place}");
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use palpate_world::{
-    BasicParams, Body, ContactLaw, Free, Mesh, MeshError, Motion, Shape, Vector, WorldLoop,
+    BasicParams, Body, ContactLaw, Free, Hull, Mesh, MeshError, Motion, Shape, Vector, WorldLoop,
     WorldRenderer,
 };
 
@@ -136,4 +136,29 @@ fn a_mesh_that_moves_has_to_have_an_inertia_and_to_meet_what_it_can() {
         said.contains("there is no contact of a mesh with a box yet"),
         "{said}"
     );
+}
+
+#[test]
+fn what_is_wrong_with_the_points_of_a_hull_is_named() {
+    let refused = |points: &[Vector], tolerance: f64| {
+        Hull::within(points, tolerance).unwrap_err().to_string()
+    };
+    assert!(refused(&SQUARE, 0.0).contains("lie in a plane"));
+    assert!(refused(&[], 0.0).contains("lie in a plane"));
+    let mut points = SQUARE.to_vec();
+    points.push([0.0, 0.0, f64::INFINITY]);
+    assert!(refused(&points, 0.0).starts_with("point 4 of the hull is not"));
+    points[4][2] = 1.0;
+    assert!(refused(&points, -1.0).contains("-1 m outside"));
+    assert_eq!(Hull::around(&points).unwrap().faces().len(), 5);
+    let round: Vec<Vector> = (0..200)
+        .map(|k| {
+            let (u, z) = (2.4 * f64::from(k), f64::from(k) / 100.0 - 0.995);
+            let r = (1.0 - z * z).sqrt();
+            [r * u.cos(), r * u.sin(), z]
+        })
+        .collect();
+    assert!(refused(&round, 0.0).contains("more than 64 corners, and at most 64 are taken"));
+    let coarse = Hull::within(&round, 0.1).unwrap();
+    assert!(coarse.corners().len() < 60, "{coarse:?}");
 }
