@@ -1,5 +1,6 @@
 //! Convex solids with flat faces.
 
+use std::collections::HashMap;
 use std::fmt;
 use std::sync::Arc;
 
@@ -136,20 +137,64 @@ impl Hull {
 pub(crate) struct Corners {
     pub places: Vec<Vector3>,
     pub faces: Vec<Polygon>,
+    pub edges: Vec<Edge>,
+}
+
+/// Where two faces of a convex solid meet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Edge {
+    /// Numbers of its corners.
+    pub ends: [usize; 2],
+    /// Numbers of its faces.
+    pub faces: [usize; 2],
+    /// Unit vector along it, to the side of the cross product of the second face's normal and the first's.
+    pub along: Vector3,
 }
 
 impl Corners {
     /// Of points, from which the solid may leave those out that are outside of it by no more than `within` `[m]`.
     pub fn around(points: &[Vector3], within: f64) -> Result<Self, NoHull> {
         let (places, faces) = hull(points, within, MOST_POINTS)?;
-        Ok(Self { places, faces })
+        Ok(Self {
+            edges: edges(&places, &faces),
+            places,
+            faces,
+        })
+    }
+
+    /// Of a box of half these lengths, above 0 `[m]`: a corner's number has a bit for each axis.
+    pub fn of_box(half: Vector3) -> Self {
+        let side = |number: usize, axis: usize| if number >> axis & 1 == 1 { 1.0 } else { -1.0 };
+        let corner = |number: usize| Vector3::from_fn(|axis, _| side(number, axis) * half[axis]);
+        let places: Vec<Vector3> = (0..8).map(corner).collect();
+        let faces: Vec<Polygon> = (0..6)
+            .map(|number| {
+                let (axis, positive) = (number / 2, number % 2);
+                let [one, other] = [1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3)];
+                let first = positive << axis;
+                let mut corners = vec![first, first + one, first + one + other, first + other];
+                if positive == 0 {
+                    corners.reverse();
+                }
+                Polygon {
+                    corners,
+                    normal: Vector3::ith(axis, 2.0 * positive as f64 - 1.0),
+                    offset: half[axis],
+                }
+            })
+            .collect();
+        Self {
+            edges: edges(&places, &faces),
+            places,
+            faces,
+        }
     }
 
     /// Corners of the face that has the most: a corner has the law of a contact over this, so that no face has more than
     /// the whole law.
-    pub fn share(&self) -> f64 {
-        let most = self.faces.iter().map(|face| face.corners.len()).max();
-        most.unwrap_or(1) as f64
+    pub fn most_on_a_face(&self) -> usize {
+        let each = self.faces.iter().map(|face| face.corners.len());
+        each.max().unwrap_or(1)
     }
 
     /// Each face as triangles about its first corner.
@@ -169,9 +214,46 @@ impl Corners {
             offset: face.offset - face.normal.dot(centre),
             corners: face.corners.clone(),
         });
+        let places: Vec<Vector3> = self.places.iter().map(back).collect();
+        let faces: Vec<Polygon> = faces.collect();
         Self {
-            places: self.places.iter().map(back).collect(),
-            faces: faces.collect(),
+            edges: edges(&places, &faces),
+            places,
+            faces,
         }
     }
+}
+
+/// The edges of a closed surface, each once.
+fn edges(places: &[Vector3], faces: &[Polygon]) -> Vec<Edge> {
+    let sides = |face: &Polygon| {
+        let next = face.corners.iter().cycle().skip(1).copied();
+        face.corners.iter().copied().zip(next).collect::<Vec<_>>()
+    };
+    let mut owner = HashMap::new();
+    for (number, face) in faces.iter().enumerate() {
+        owner.extend(sides(face).into_iter().map(|side| (side, number)));
+    }
+    let mut edges = Vec::new();
+    for (number, face) in faces.iter().enumerate() {
+        for (from, to) in sides(face) {
+            let Some(&other) = owner.get(&(to, from)) else {
+                continue;
+            };
+            if from < to {
+                let along = (places[to] - places[from]).normalize();
+                let turns = faces[other].normal.cross(&face.normal);
+                edges.push(Edge {
+                    ends: [from, to],
+                    faces: [number, other],
+                    along: if along.dot(&turns) < 0.0 {
+                        -along
+                    } else {
+                        along
+                    },
+                });
+            }
+        }
+    }
+    edges
 }

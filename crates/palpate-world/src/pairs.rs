@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::blocks::{Blocks, POINTS_PER_BLOCKS, quarter};
+use crate::blocks::Blocks;
 use crate::convex::NoHull;
 use crate::hull::Corners;
 use crate::law::PointLaw;
@@ -109,7 +109,7 @@ pub(crate) struct Contacts {
     pub points: Vec<Point>,
     /// The meshes that spheres touch.
     pub surfaces: Vec<Surface>,
-    /// The pairs of boxes.
+    /// The pairs of boxes and hulls.
     pub blocks: Vec<Blocks>,
 }
 
@@ -159,23 +159,20 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
                 }
                 continue;
             }
-            if let (Shape::Box { half_extents: a }, Shape::Box { half_extents: b }) =
-                (one.shape, other.shape)
-            {
-                let half = [Vector3::from(*a), Vector3::from(*b)];
-                let pair = Blocks::new([i, j], half, points.len());
-                points.extend((0..POINTS_PER_BLOCKS).map(|point| Point {
+            if let Some(pair) = Blocks::between([one.shape, other.shape], [i, j], points.len()) {
+                let [first, second] = pair.reaches();
+                points.extend((0..pair.points()).map(|point| Point {
                     first: i,
                     second: j,
                     is_off_centre: true,
-                    centre: half[0],
+                    centre: Vector3::x() * first,
                     radius: 0.0,
                     solid: Solid::Between {
                         blocks: blocks.len(),
                         point,
-                        reach: half[1].norm(),
+                        reach: second,
                     },
-                    law: quarter(law),
+                    law: pair.law(law),
                     across: [0.0; 2],
                     along: [0.0; 2],
                     is_held: false,
@@ -200,8 +197,8 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
                     format!("{:?} and {:?}", one.name, other.name),
                     format!(
                         "there is no contact of {} with {} yet: their edges and sides can touch where no corner \
-                         does. A sphere, or a tool of several, may touch any shape, a box another box and a half-space, \
-                         a capsule, a hull and a mesh a half-space. Give one of them another shape, or leave the pair \
+                         does. A sphere, or a tool of several, may touch any shape, a box or hull another one and a \
+                         half-space, a capsule and a mesh a half-space. Give one of them another shape, or leave the pair \
                          without a law",
                         one.words(),
                         other.words()
@@ -273,6 +270,31 @@ fn no_corners(shape: &Candidate<'_>, other: &Candidate<'_>, reason: NoHull) -> W
     };
     let subject = format!("{:?} and {:?}", shape.name, other.name);
     WorldError::new(shape.place, "shape", subject, why)
+}
+
+impl Blocks {
+    /// Of two boxes or hulls; `None` of other shapes.
+    fn between(shapes: [&Shape; 2], parts: [usize; 2], first_point: usize) -> Option<Self> {
+        if let [
+            Shape::Box { half_extents: a },
+            Shape::Box { half_extents: b },
+        ] = shapes
+        {
+            let half = [Vector3::from(*a), Vector3::from(*b)];
+            return Some(Self::of_boxes(parts, half, first_point));
+        }
+        let hull = |shape: &Shape| match shape {
+            Shape::Hull(hull) => Some(hull.by_corners().clone()),
+            Shape::Box { half_extents } => Some(Arc::new(Corners::of_box((*half_extents).into()))),
+            _ => None,
+        };
+        let [one, other] = shapes;
+        Some(Self::of_hulls(
+            parts,
+            [hull(one)?, hull(other)?],
+            first_point,
+        ))
+    }
 }
 
 /// What a sphere is, or several are; `None` of any other shape.
@@ -347,7 +369,7 @@ fn spheres_on(shape: &Shape, other: &Shape) -> Option<Result<(Vec<Touching>, Sol
 impl Corners {
     /// Each as a sphere of radius 0, with its share of the law.
     fn touching(&self) -> Vec<Touching> {
-        let share = self.share();
+        let share = self.most_on_a_face() as f64;
         let each = self.places.iter();
         each.map(|&centre| Touching {
             centre,

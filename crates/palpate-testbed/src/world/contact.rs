@@ -2,7 +2,9 @@
 
 use thiserror::Error;
 
-use super::boxes::{Between, CONTACTS, Halves};
+use std::sync::Arc;
+
+use super::between::{Between, Flat, Pair as Solids};
 use super::mesh::{MOST_CONTACTS, OnMesh};
 use super::scene::{ContactLaw, InvalidScene, Member, Pair, Shape, SphereAt, Tool, WorldScene};
 use super::surface::{Feature, feature, holds, nearest};
@@ -21,7 +23,7 @@ pub enum WorldError {
     /// A pair of shapes for which there is no contact yet.
     #[error(
         "pairs[{number}]: {reason}; a sphere can touch a sphere, half-space, box, capsule, cylinder, mesh or hull, \
-         and a box, a capsule, and a hull or mesh of at most {MOST_CORNERS} convex corners a half-space, and a box a box"
+         and a box, a capsule, and a hull or mesh of at most {MOST_CORNERS} convex corners a half-space, and a box or hull a box or hull"
     )]
     Pair {
         /// Number of the pair, from 0.
@@ -61,8 +63,8 @@ pub(super) struct Contact {
     /// Radius of the sphere, 0 for a point \[m\].
     radius: f64,
     surface: Shape,
-    /// Of two boxes, their sizes, and the contact's number among those of the pair.
-    boxes: Option<(Halves, usize)>,
+    /// Of two boxes or hulls, both of them, and the contact's number among those of the pair.
+    solids: Option<(Arc<Solids>, usize)>,
     pub law: ContactLaw,
 }
 
@@ -182,8 +184,8 @@ impl Contact {
     /// How the two lie, by the formula of `feature`.
     pub fn touch(&self, feature: Feature, placed: &[Placed]) -> Touch {
         let (first, second) = (&placed[self.first], &placed[self.second]);
-        if let (Some((halves, number)), Feature::Between(plane)) = (&self.boxes, feature) {
-            return plane.touch(*number, halves, [first, second]);
+        if let (Some((solids, number)), Feature::Between(plane)) = (&self.solids, feature) {
+            return plane.touch(*number, solids, [first, second]);
         }
         let centre = first.position + first.rotation.out(self.on_first);
         let velocity = first.velocity_at(centre);
@@ -242,26 +244,33 @@ impl Contact {
         Some(super::mesh::wanted(mesh, now, self.radius, centre))
     }
 
-    /// The plane between two boxes that the contact should be at, if it is at `now`; `None` if they are not two boxes.
+    /// The plane between two boxes or hulls that the contact should be at, if it is at `now`; `None` of other shapes.
     pub fn wanted_between(
         &self,
         now: Option<Between>,
         placed: &[Placed],
         slack: f64,
     ) -> Option<Between> {
-        let (halves, _) = self.boxes.as_ref()?;
+        let (solids, _) = self.solids.as_ref()?;
         let two = [&placed[self.first], &placed[self.second]];
-        Some(Between::least(now, halves, two, slack))
+        Some(Between::least(now, solids, two, slack))
     }
 
-    /// Whether it is the first one of a pair of boxes.
-    pub fn begins_boxes(&self) -> bool {
-        matches!(self.boxes, Some((_, 0)))
+    /// Whether it is the first one of a pair of boxes or hulls.
+    pub fn begins_solids(&self) -> bool {
+        matches!(self.solids, Some((_, 0)))
+    }
+
+    /// How many contacts a pair of boxes or hulls has.
+    pub fn of_pair(&self) -> usize {
+        self.solids
+            .as_ref()
+            .map_or(1, |(solids, _)| solids.contacts())
     }
 
     /// Whether its feature is found for several contacts together.
     pub fn is_of_several(&self) -> bool {
-        self.is_with_mesh() || self.boxes.is_some()
+        self.is_with_mesh() || self.solids.is_some()
     }
 
     /// Whether it is with a mesh.
@@ -286,7 +295,7 @@ impl Contact {
     /// Whether `current` is that, but for `slack` \[m\].
     pub fn holds(&self, current: Feature, placed: &[Placed], slack: f64) -> bool {
         current == Feature::Whole
-            || self.boxes.is_some()
+            || self.solids.is_some()
             || holds(&self.surface, current, self.centre_in_second(placed), slack)
     }
 
@@ -364,6 +373,15 @@ fn kind(shape: &Shape) -> &'static str {
     }
 }
 
+/// A box or a hull by its flat faces.
+fn flat(shape: &Shape) -> Option<Flat> {
+    match shape {
+        Shape::Box { half_extents } => Flat::of_box(*half_extents),
+        Shape::Hull(hull) => Some(Flat::of(hull.wrapped())),
+        _ => None,
+    }
+}
+
 fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact>, String> {
     let [one, other] = pair.between.map(|member| Side::of(scene, member));
     if one.member == other.member {
@@ -408,7 +426,7 @@ fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact
         on_first,
         radius,
         surface: surface.clone(),
-        boxes: None,
+        solids: None,
         law,
     };
     // The share of the law that one has of so many that lie flat together.
@@ -443,14 +461,17 @@ fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact
             .collect()),
         (&Some(Shape::Sphere { radius }), _) => Ok(vec![contact(Vec3::ZERO, radius, pair.law)]),
         (
-            &Some(Shape::Box { half_extents }),
-            &Shape::Box {
-                half_extents: other,
-            },
+            Some(one @ (Shape::Box { .. } | Shape::Hull(_))),
+            other @ (Shape::Box { .. } | Shape::Hull(_)),
         ) => {
-            let law = shared(4.0);
-            let each = (0..CONTACTS).map(|number| Contact {
-                boxes: Some(([half_extents, other], number)),
+            let two = [flat(one), flat(other)];
+            let [Some(one), Some(other)] = two else {
+                return Err(no_contact());
+            };
+            let solids = Arc::new(Solids([one, other]));
+            let law = shared(solids.share() as f64);
+            let each = (0..solids.contacts()).map(|number| Contact {
+                solids: Some((solids.clone(), number)),
                 ..contact(Vec3::ZERO, 0.0, law)
             });
             Ok(each.collect())

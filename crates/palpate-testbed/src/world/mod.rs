@@ -39,7 +39,7 @@
 //! ```
 
 pub mod benchmarks;
-mod boxes;
+mod between;
 mod contact;
 mod dormand_prince;
 mod held_axis;

@@ -5,7 +5,7 @@
 //! of each contact over a step and locates the instant at which another one comes nearer, so no step crosses
 //! a kink.
 
-use super::boxes::Between;
+use super::between::Between;
 use super::mesh::OnMesh;
 use super::scene::Shape;
 use super::vector::Vec3;
@@ -26,7 +26,7 @@ pub(super) enum Feature {
     Cap(i8),
     /// The edge between the round side and a flat end.
     Rim(i8),
-    /// Of two boxes, the plane between them.
+    /// Of two boxes or hulls, the plane between them.
     Between(Between),
     /// Parts of a mesh.
     OnMesh(OnMesh),

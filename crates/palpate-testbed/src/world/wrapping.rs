@@ -79,7 +79,7 @@ impl Wrapped {
 }
 
 /// Twice the area's vector of a polygon, at length 1.
-fn normal_of(corners: &[Vec3]) -> Option<Vec3> {
+pub(super) fn normal_of(corners: &[Vec3]) -> Option<Vec3> {
     let mut sum = Vec3::ZERO;
     for (number, corner) in corners.iter().enumerate() {
         let next = corners[(number + 1) % corners.len()];
