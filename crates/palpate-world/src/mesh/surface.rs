@@ -286,11 +286,13 @@ impl Surface {
         let radius = self.radius;
         let About {
             near,
+            pushing,
+            others,
             off,
             reach,
             left_out,
         } = self.gathered.about(mesh, centre, radius);
-        let mut clearance = f64::INFINITY;
+        let mut clearance = others - off;
         // What is seen first hides what lies behind it.
         let mut seen: [(Push, u32); MOST_PUSHES] = [(
             Push {
@@ -300,7 +302,7 @@ impl Surface {
             0,
         ); MOST_PUSHES];
         let mut count = 0;
-        for found in near {
+        for found in &near[..pushing] {
             if found.distance - off > radius {
                 clearance = clearance.min(found.distance - off);
                 continue;
@@ -486,7 +488,7 @@ fn side(mesh: &Mesh, triangle: u32, region: Region, off: &Vector3) -> Option<f64
 
 /// The normal of a contact at a triangle's nearest point, by `out` from the centre, if the distance to the surface has a
 /// minimum there and the centre is in front. A minimum on an edge or corner is that of one of its triangles only.
-fn minimum(
+pub(super) fn minimum(
     mesh: &Mesh,
     triangle: u32,
     region: Region,
