@@ -47,6 +47,10 @@ pub struct Memory {
     followed: f64,
     /// How far each device went along each axis.
     motion: Vec<[HandMotion; 3]>,
+    /// What the books said of created energy at the last line `[J]`.
+    booked: f64,
+    /// Whether the last line was refused: what changes until the next one is from outside.
+    is_refused: bool,
     /// Whether a line has been answered.
     is_begun: bool,
     /// Whether a force has been limited.
@@ -98,6 +102,7 @@ impl Stream {
         let wrenches = output.forces.iter().zip(output.torques);
         let wrenches = wrenches.map(|(&force, &torque)| Wrench { force, torque });
         let mut wrenches: Vec<Wrench> = wrenches.collect();
+        self.count_created(fault.is_some());
         if fault.is_none() {
             self.follow(number, &positions, elapsed.unwrap_or(self.period))?;
         }
@@ -149,6 +154,16 @@ impl Stream {
         }
         self.answer(&wrenches);
         Ok(())
+    }
+
+    /// Counts the energy that was created since the line before.
+    fn count_created(&mut self, is_refused: bool) {
+        let booked = self.state.books().created();
+        if !is_refused && !self.memory.is_refused {
+            self.summary.leak_held_j += booked - self.memory.booked;
+        }
+        self.memory.booked = booked;
+        self.memory.is_refused = is_refused;
     }
 
     /// The limits of each device.
