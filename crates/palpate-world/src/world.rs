@@ -91,6 +91,7 @@ impl World {
                     );
                 }
             }
+            of.pair(&contact.between, &self.tools);
             let law = &contact.law;
             of.above_zero("stiffness", law.stiffness);
             of.at_least_zero("damping", law.damping);
@@ -164,10 +165,31 @@ impl<'a> Faults<'a> {
         }
     }
 
+    /// Two names between which no contact can be.
+    fn pair(&mut self, between: &[Party; 2], tools: &[Tool]) {
+        let [Party::Named(one), Party::Named(other)] = between else {
+            return;
+        };
+        let is_tool = |name: &String| tools.iter().any(|tool| tool.name == *name);
+        if one == other {
+            self.fault("between", format!("{one:?} cannot touch itself; name two"));
+        } else if is_tool(one) && is_tool(other) {
+            self.fault(
+                "between",
+                "two tools do not touch each other; name a tool and a body, or two bodies".into(),
+            );
+        }
+    }
+
     fn unit(&mut self, field: &'static str, values: &[f64]) {
         let length = values.iter().map(|value| value * value).sum::<f64>().sqrt();
         let is_unit = (length - 1.0).abs() < LENGTH_TOLERANCE;
-        if !is_unit {
+        if !(length > 0.0 && length.is_finite()) {
+            self.fault(
+                field,
+                format!("{field} has length {length} and so no direction; give it one"),
+            );
+        } else if !is_unit {
             self.fault(field, format!("{field} has length {length}, and needs 1"));
         }
     }

@@ -83,11 +83,27 @@ impl TriangleMesh {
                 OnMesh::Inside
             };
         }
-        if is_behind {
-            OnMesh::Behind(part)
-        } else {
+        if !is_behind {
             OnMesh::Nothing
+        } else if self.is_beyond_border(now) {
+            OnMesh::Inside // round the border of an open mesh, and not through its front
+        } else {
+            OnMesh::Behind(part)
         }
+    }
+
+    /// Whether the parts that were nearest until now are all on the border of an open mesh, where no surface was crossed.
+    fn is_beyond_border(&self, now: &[OnMesh; MOST_CONTACTS]) -> bool {
+        let mut parts = now.iter().flat_map(|at| match at {
+            OnMesh::Before(parts) => parts.iter().flatten().copied().collect(),
+            _ => Vec::new(),
+        });
+        let is_border = |edge: &usize| self.edges[*edge].faces.len() == 1;
+        parts.all(|part| match part {
+            Part::Face(_) => false,
+            Part::Edge(edge) => is_border(&edge),
+            Part::Vertex(vertex) => self.edges_at[vertex].iter().any(is_border),
+        })
     }
 
     /// The nearest point of a face: the part that it lies on, and the squared distance.
