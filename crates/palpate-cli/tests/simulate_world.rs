@@ -123,6 +123,12 @@ fn a_world_that_cannot_be_judged_or_rendered_says_why() {
             3,
             "normal has length 0 and so no direction",
         ),
+        (
+            "mass_kg = 0.1",
+            "mass_kg = 0.1\ninertia_kg_m2 = [1.0, 5.0, 2.0]",
+            3,
+            "inertia has a moment of 5, and no mass has one that is larger than the sum of the other two, 3",
+        ),
     ] {
         folder.write("wrong.toml", BALL.replace(right, wrong));
         let answer = folder.palpate("simulate wrong.toml");

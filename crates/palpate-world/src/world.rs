@@ -24,6 +24,8 @@ pub struct World {
 
 /// How far the length of a unit vector may be from 1.
 const LENGTH_TOLERANCE: f64 = 1e-6;
+/// Share by which a moment of inertia may be above the sum of the other two, for rounded numbers.
+const MOMENT_SLACK: f64 = 1e-3;
 /// Where the stops of a hinge may be at most `[rad]`: its angle is known between half a turn and half a turn back.
 const MOST_TURN: f64 = 3.0;
 
@@ -300,6 +302,20 @@ impl<'a> Faults<'a> {
 
     fn free(&mut self, free: &Free) {
         self.above_zero("mass", free.mass);
+        if let Some([a, b, c]) = free.inertia
+            && a.min(b).min(c) > 0.0
+        {
+            let (sum, most) = (a + b + c, a.max(b).max(c));
+            if most > (sum - most) * (1.0 + MOMENT_SLACK) {
+                self.fault(
+                    "inertia",
+                    format!(
+                        "inertia has a moment of {most}, and no mass has one that is larger than the sum of the other two, {}",
+                        sum - most
+                    ),
+                );
+            }
+        }
         for moment in free.inertia.iter().flatten() {
             self.above_zero("inertia", *moment);
         }

@@ -204,7 +204,9 @@ impl Stream {
             Some(tool) => format!("{}: {}", self.format.devices[tool].name, fault.fault),
             None => match fault.fault {
                 Fault::Overflow => {
-                    "the world has left every scale; a body may fall for ever".into()
+                    "the world cannot be computed: a contact or joint is too stiff or too damped for its masses at this \
+                     period, or a body falls for ever"
+                        .into()
                 }
                 fault => fault.to_string(),
             },
