@@ -314,7 +314,7 @@ impl Reading<'_> {
             return None;
         }
         if WorldFile::is_one(self.source) {
-            let message = "format is 2, a world of several bodies; here a scene of one contact is needed, \
+            let message = "the key format is of a world of several bodies; here a scene of one contact is needed, \
                            with scene_format = 1";
             self.fault((0..0, message.into()));
             return None;

@@ -269,7 +269,7 @@ impl WorldRenderer {
         state.tracking.trust();
         effort = effort.and(self.method.plan(self, state, memory));
         let intended = state.intended.iter().chain(&state.intended_torques);
-        if !intended.flatten().all(|x| x.is_finite()) {
+        if effort.unstable || !intended.flatten().all(|x| x.is_finite()) {
             self.put_back(state);
             return Err(overflow);
         }

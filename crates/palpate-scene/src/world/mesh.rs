@@ -1,11 +1,14 @@
 //! Meshes as a scene file gives them: from a file of a CAD program, by their triangles, or by a formula.
 
+use std::io::Read as _;
 use std::path::Path;
 use std::sync::Arc;
 
 use palpate_testbed::world::mesh::gallery;
 use palpate_world::{Hull, Mesh, Shape, Vector};
 use serde::Deserialize;
+
+use super::stl;
 
 /// Largest file of a mesh that is read `[byte]`.
 const LARGEST_FILE: u64 = 256 << 20;
@@ -244,20 +247,16 @@ type Numbers = (Vec<[f32; 3]>, Vec<[u32; 3]>);
 /// What an STL or OBJ file has. Files that it names, such as of colours, are not read.
 fn triangles(path: &Path) -> Result<Numbers, String> {
     let shown = path.display();
-    let fault = |error: std::io::Error| format!("{shown}: {error}");
-    let size = std::fs::metadata(path).map_err(fault)?.len();
-    if size > LARGEST_FILE {
-        return Err(format!(
-            "{shown} has {size} bytes, and at most {LARGEST_FILE} are read"
-        ));
-    }
-    let bytes = std::fs::read(path).map_err(fault)?;
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     let loader = mesh_loader::Loader::default();
     let nothing_else = |_: &Path| Err(std::io::ErrorKind::NotFound.into());
     let scene = match extension.to_str() {
-        Some("stl") => loader.load_stl_from_slice(&bytes, path),
-        Some("obj") => loader.load_obj_from_slice_with_reader(&bytes, path, nothing_else),
+        Some("stl") => {
+            let bytes = bytes_of(path)?;
+            let stl = stl::checked(&bytes).map_err(|why| format!("{shown}: {why}"))?;
+            loader.load_stl_from_slice(&stl, path)
+        }
+        Some("obj") => loader.load_obj_from_slice_with_reader(&bytes_of(path)?, path, nothing_else),
         _ => {
             return Err(format!(
                 "{shown}: a mesh is read from a file with the ending .stl or .obj"
@@ -286,6 +285,21 @@ fn triangles(path: &Path) -> Result<Numbers, String> {
     Ok((vertices, faces))
 }
 
+/// What is in a file, of which the length may be unknown before it has been read.
+fn bytes_of(path: &Path) -> Result<Vec<u8>, String> {
+    let shown = path.display();
+    let fault = |error: std::io::Error| format!("{shown}: {error}");
+    let file = std::fs::File::open(path).map_err(fault)?;
+    let mut bytes = Vec::new();
+    let read = file.take(LARGEST_FILE + 1).read_to_end(&mut bytes);
+    if read.map_err(fault)? as u64 > LARGEST_FILE {
+        return Err(format!(
+            "{shown} is longer than {LARGEST_FILE} bytes, and at most so many are read"
+        ));
+    }
+    Ok(bytes)
+}
+
 /// The sides of the box along the axes that just holds some points.
 fn size_in_words(points: &[Vector]) -> String {
     let (mut least, mut most) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -302,7 +316,9 @@ fn size_in_words(points: &[Vector]) -> String {
 /// A mesh's size in words, and what is unusual about it.
 fn in_words(mesh: &Mesh) -> String {
     let size = size_in_words(&mesh.vertices());
-    let mut words = format!("{} triangles, {size}", mesh.faces().len());
+    let count = mesh.faces().len();
+    let plural = if count == 1 { "" } else { "s" };
+    let mut words = format!("{count} triangle{plural}, {size}");
     if mesh.dropped() > 0 {
         words += &format!(
             "; {} that have no area or are there twice were left out",

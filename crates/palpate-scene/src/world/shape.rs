@@ -99,10 +99,14 @@ impl RawShape {
 
 /// The vector at length 1, or as it is where it has no direction, which the checks of a world find.
 pub(super) fn unit<const N: usize>(vector: [f64; N]) -> [f64; N] {
-    let length = vector.iter().map(|part| part * part).sum::<f64>().sqrt();
-    if length > 0.0 && length.is_finite() {
-        vector.map(|part| part / length)
-    } else {
-        vector
+    // The largest part first, so that no square overflows or vanishes.
+    let largest = vector
+        .iter()
+        .fold(0.0_f64, |most, part| most.max(part.abs()));
+    if vector.iter().any(|part| !part.is_finite()) || largest == 0.0 {
+        return vector;
     }
+    let vector = vector.map(|part| part / largest);
+    let length = vector.iter().map(|part| part * part).sum::<f64>().sqrt();
+    vector.map(|part| part / length)
 }
