@@ -25,6 +25,9 @@ pub struct Told {
     pub gain: Option<f64>,
     /// Standard deviation of the gain.
     pub gain_deviation: Option<f64>,
+    /// What is flexible between the motor and the rest of the device: nothing that a renderer knows of,
+    /// where nothing is told.
+    pub transmission: Option<palpate::Transmission<f64>>,
 }
 
 /// `[told]` of a scene file.
@@ -51,6 +54,7 @@ impl RawTold {
             lag_deviation: take(Parameter::LagDeviation.into(), self.lag_deviation_s),
             gain: take(Parameter::Gain.into(), self.gain),
             gain_deviation: take(Parameter::GainDeviation.into(), self.gain_deviation),
+            transmission: None,
         }
     }
 }
@@ -100,6 +104,7 @@ impl Scene {
             delay_deviation: told.delay_deviation.unwrap_or(0.0),
             lag_deviation: told.lag_deviation.unwrap_or(0.0),
             gain_deviation: told.gain_deviation.unwrap_or(0.0),
+            transmission: told.transmission,
         }
     }
 }

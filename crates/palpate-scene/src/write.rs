@@ -276,6 +276,7 @@ impl File {
             lag_deviation,
             gain,
             gain_deviation,
+            transmission: _,
         } = *told;
         if *told == Told::default() {
             return;

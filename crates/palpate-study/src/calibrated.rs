@@ -109,5 +109,19 @@ pub fn told(calibration: &Calibration, taken: impl Fn(Quantity) -> bool) -> Told
         lag_deviation: of_lag,
         gain: gain.map(|gain| gain.value),
         gain_deviation: gain.and_then(|gain| gain.standard_deviation),
+        transmission: transmission(calibration, &taken),
     }
+}
+
+/// What a calibration says of a flexible transmission, where it has found all of it and all of it is taken.
+fn transmission(
+    calibration: &Calibration,
+    taken: impl Fn(Quantity) -> bool,
+) -> Option<palpate::Transmission<f64>> {
+    let value = |quantity| calibration.value(quantity).filter(|_| taken(quantity));
+    Some(palpate::Transmission {
+        resonance: value(Quantity::Resonance)?,
+        damping_ratio: value(Quantity::ResonanceDampingRatio)?,
+        flexible_mass_fraction: value(Quantity::FlexibleMassFraction)?,
+    })
 }
