@@ -11,6 +11,13 @@ fn main() {
         let plant = set.draw(seed, i).unwrap();
         let mut errors = vec![];
         let last = if set == Set::Calibrated { Telling::Measured } else { Telling::Calibrated };
+        let f = |n: &str| std::env::var(n).ok().and_then(|v| v.parse::<f64>().ok()).unwrap_or(1.0);
+        let mut plant = plant;
+        plant.scene.device.coulomb_friction *= f("FRIC");
+        if let Some(c) = &mut plant.scene.device.cogging { c.amplitude *= f("COG"); }
+        plant.scene.device.encoder_quantum *= f("QUANT");
+        if f("LAG") == 0.0 { plant.scene.actuator.lag = 0.0; plant.scene.timing.delay_seconds = 0.0; }
+        if f("HAND") == 0.0 { plant.scene.grip = None; plant.scene.tremor = None; }
         for telling in [Telling::Truth, last] {
             for without in [true, false] {
                 let mut scene = Condition::Told(telling).of(&plant);

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use palpate::Transmission;
 use palpate_calibrate::{
     Calibration, Declined, ExcitationError, ExcitationParams, Phase, Quantity, Stop, measure,
 };
@@ -77,7 +78,7 @@ pub fn excite(
     }
 }
 
-/// What a calibration says of delay, lag and gain, of the quantities that are `taken` from it.
+/// What a calibration says of delay, lag, gain and transmission, of the quantities that are `taken` from it.
 #[must_use]
 pub fn told(calibration: &Calibration, taken: impl Fn(Quantity) -> bool) -> Told {
     let known = |quantity: Quantity| {
@@ -117,9 +118,9 @@ pub fn told(calibration: &Calibration, taken: impl Fn(Quantity) -> bool) -> Told
 fn transmission(
     calibration: &Calibration,
     taken: impl Fn(Quantity) -> bool,
-) -> Option<palpate::Transmission<f64>> {
+) -> Option<Transmission<f64>> {
     let value = |quantity| calibration.value(quantity).filter(|_| taken(quantity));
-    Some(palpate::Transmission {
+    Some(Transmission {
         resonance: value(Quantity::Resonance)?,
         damping_ratio: value(Quantity::ResonanceDampingRatio)?,
         flexible_mass_fraction: value(Quantity::FlexibleMassFraction)?,

@@ -145,6 +145,28 @@ impl<S: Scalar> Actuation<S> {
             not_negative(Parameter::GainDeviation, self.gain_deviation),
         ]
         .into_iter()
+        .chain(self.transmission.iter().flat_map(Transmission::faults))
         .flatten()
+    }
+}
+
+impl<S: Scalar> Transmission<S> {
+    /// What is outside its range.
+    fn faults(&self) -> [Option<ParameterError>; 3] {
+        let (ratio, fraction) = (self.damping_ratio, self.flexible_mass_fraction);
+        let from_zero = |value: S| value >= S::ZERO && value <= S::ONE;
+        [
+            Parameter::Resonance.positive(self.resonance).err(),
+            Parameter::ResonanceDampingRatio
+                .unless(from_zero(ratio), ratio, Allowed::Words("from 0 to 1"))
+                .err(),
+            Parameter::FlexibleMassFraction
+                .unless(
+                    from_zero(fraction) && fraction < S::ONE,
+                    fraction,
+                    Allowed::Words("from 0 to below 1"),
+                )
+                .err(),
+        ]
     }
 }

@@ -207,8 +207,15 @@ impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
         contact: &Contact<S>,
         loop_params: &LoopParams<S>,
     ) -> Result<Self::Method, ParameterError> {
+        let observer = ObserverParams::new(self.device_mass, self.encoder_quantum)?;
+        let transmission = &loop_params.actuation.transmission;
+        let flexure = transmission.as_ref().map(Flexure::new);
         Ok(Coupled {
-            observer: ObserverParams::new(self.device_mass, self.encoder_quantum)?,
+            observer: if flexure.is_some() {
+                observer.with_flexure()
+            } else {
+                observer
+            },
             object_mobility: match contact.object_mass {
                 Mass::Finite(mass) => S::ONE / mass,
                 Mass::Infinite => S::ZERO,
@@ -216,7 +223,7 @@ impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
             placement: self.placement,
             correction: self.correction,
             timing_deviation: loop_params.actuation.timing_deviation(),
-            flexure: loop_params.actuation.transmission.as_ref().map(Flexure::new),
+            flexure,
         })
     }
 
