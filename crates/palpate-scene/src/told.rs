@@ -55,11 +55,15 @@ impl RawTold {
         ];
         let given = keys.into_iter().flatten();
         let is_whole = given.clone().count() == keys.len();
-        given.map(Spanned::span).next().filter(|_| !is_whole).map(|span| {
-            let message = "a transmission is told by resonance_hz, resonance_damping_ratio and \
+        given
+            .map(Spanned::span)
+            .next()
+            .filter(|_| !is_whole)
+            .map(|span| {
+                let message = "a transmission is told by resonance_hz, resonance_damping_ratio and \
                            flexible_mass_fraction, all three";
-            (span, message.to_owned())
-        })
+                (span, message.to_owned())
+            })
     }
 
     pub fn read(self, places: &mut Places<Of>) -> Told {

@@ -291,7 +291,10 @@ impl File {
         if let Some(transmission) = transmission {
             self.number("resonance_hz", transmission.resonance);
             self.number("resonance_damping_ratio", transmission.damping_ratio);
-            self.number("flexible_mass_fraction", transmission.flexible_mass_fraction);
+            self.number(
+                "flexible_mass_fraction",
+                transmission.flexible_mass_fraction,
+            );
         }
     }
 

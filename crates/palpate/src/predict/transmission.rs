@@ -309,7 +309,11 @@ impl<S: Scalar> Changes<S> {
         let (fraction, of_motor) = (flexure.fraction, flexure.of_motor);
         let (mobility, moment) = (motion.drive.mobility, motion.moment(course, h));
         for (by, change) in self.0.iter_mut().enumerate() {
-            let acceleration = if by == BY_ACCELERATION { S::ONE } else { S::ZERO };
+            let acceleration = if by == BY_ACCELERATION {
+                S::ONE
+            } else {
+                S::ZERO
+            };
             let (rigid, at_motor) = if by == BY_MOBILITY {
                 (S::ONE, of_motor)
             } else {
@@ -332,13 +336,13 @@ impl<S: Scalar> Changes<S> {
             let (mut impulse, mut of_moment) = (S::ZERO, S::ZERO);
             if mobility > S::ZERO {
                 let flown = from[0] + (from[1] + S::HALF * acceleration * h) * h;
-                impulse = (acceleration * h + from[1] - faster - at_motor * course.impulse) / mobility;
+                impulse =
+                    (acceleration * h + from[1] - faster - at_motor * course.impulse) / mobility;
                 of_moment = (flown - end - at_motor * moment) / mobility;
             }
             let own = motion.rigid.mobility;
-            change.penetration += (change.speed + S::HALF * acceleration * h) * h
-                - own * of_moment
-                - rigid * moment;
+            change.penetration +=
+                (change.speed + S::HALF * acceleration * h) * h - own * of_moment - rigid * moment;
             change.speed += acceleration * h - own * impulse - rigid * course.impulse;
             change.stretch +=
                 change.stretching * h + motion.per_force * of_moment + at_motor * moment;
@@ -356,5 +360,230 @@ impl<S: Scalar> Changes<S> {
             [damping.penetration, damping.speed],
             duration,
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A device of two masses and an object, in short steps of its own equations.
+    struct TwoMasses {
+        transmission: Transmission<f64>,
+        mobility: f64,
+        contact: Drive<f64>,
+    }
+
+    impl TwoMasses {
+        /// Penetration and speed at the centre of mass, stretch and its rate, and the impulse of the contact
+        /// or of `held`, after `h`: motor, end and object each by its own equation, in steps of fourth order.
+        fn after(
+            &self,
+            start: Relative<f64>,
+            sway: Sway<f64>,
+            held: Option<&Held<f64>>,
+            h: f64,
+        ) -> [f64; 5] {
+            let Transmission {
+                resonance,
+                damping_ratio,
+                flexible_mass_fraction: share,
+            } = self.transmission;
+            let mass = 1.0 / self.mobility;
+            let (motor, end) = ((1.0 - share) * mass, share * mass);
+            let reduced = motor * end / mass;
+            let rate = core::f64::consts::TAU * resonance;
+            let (stiffness, damping) =
+                (reduced * rate * rate, 2.0 * damping_ratio * reduced * rate);
+            let give = self.contact.mobility - self.mobility;
+            let slope = held.map_or(0.0, |held| -12.0 * held.lead / (h * h * h));
+            // Motor and end against the object's place by its own forces, with their share of what pushes.
+            let slopes = |t: f64, [x, y, z, u, v, w, _]: [f64; 7]| {
+                let spring = stiffness * (y - x) + damping * (v - u);
+                let f = held.map_or_else(
+                    || self.contact.stiffness * (x - z).max(0.0),
+                    |held| held.mean + slope * (t - 0.5 * h),
+                );
+                let a = self.contact.acceleration;
+                [
+                    u,
+                    v,
+                    w,
+                    (spring - f) / motor + a,
+                    a - spring / end,
+                    give * f,
+                    f,
+                ]
+            };
+            let motor_at = start.penetration - share * sway.stretch;
+            let motor_speed = start.speed - share * sway.speed;
+            let mut at = [
+                motor_at,
+                motor_at + sway.stretch,
+                0.0,
+                motor_speed,
+                motor_speed + sway.speed,
+                0.0,
+                0.0,
+            ];
+            let steps = 4000;
+            let dt = h / f64::from(steps);
+            let plus =
+                |at: [f64; 7], by: [f64; 7], dt: f64| core::array::from_fn(|i| at[i] + dt * by[i]);
+            for i in 0..steps {
+                let t = f64::from(i) * dt;
+                let a = slopes(t, at);
+                let b = slopes(t + 0.5 * dt, plus(at, a, 0.5 * dt));
+                let c = slopes(t + 0.5 * dt, plus(at, b, 0.5 * dt));
+                let d = slopes(t + dt, plus(at, c, dt));
+                at = core::array::from_fn(|k| {
+                    at[k] + dt / 6.0 * (a[k] + 2.0 * (b[k] + c[k]) + d[k])
+                });
+            }
+            let [x, y, z, u, v, w, impulse] = at;
+            let [of_motor, of_end] = [1.0 - share, share];
+            [
+                of_motor * x + of_end * y - z,
+                of_motor * u + of_end * v - w,
+                y - x,
+                v - u,
+                impulse,
+            ]
+        }
+    }
+
+    fn cases() -> impl Iterator<Item = (TwoMasses, Relative<f64>, Sway<f64>, f64)> {
+        (0..200).map(|i| {
+            let u = |k: u32| f64::from((i * 7919 + k * 104_729) % 1000) / 1000.0;
+            let mobility = 2.0 + 10.0 * u(1);
+            let contact = Drive {
+                stiffness: 10f64.powf(2.5 + 1.5 * u(2)),
+                mobility: mobility + 30.0 * u(3),
+                acceleration: 20.0 * (u(4) - 0.3),
+            };
+            let transmission = Transmission {
+                resonance: 80.0 + 150.0 * u(5),
+                damping_ratio: 0.1 * u(6),
+                flexible_mass_fraction: 0.2 + 0.6 * u(7),
+            };
+            let start = Relative {
+                penetration: 1e-3 * (u(8) - 0.5),
+                speed: 0.8 * (u(9) - 0.4),
+            };
+            let sway = Sway {
+                stretch: 2e-4 * (u(10) - 0.5),
+                speed: 0.2 * (u(11) - 0.5),
+            };
+            let case = TwoMasses {
+                transmission,
+                mobility,
+                contact,
+            };
+            (case, start, sway, 1e-3)
+        })
+    }
+
+    #[test]
+    fn an_interval_is_that_of_two_masses_and_an_object() {
+        let (mut touched, mut worst) = (0, 0.0_f64);
+        for (case, start, sway, h) in cases() {
+            let flexure = Flexure::new(&case.transmission);
+            let (course, end) = flexure.over(&case.contact, case.mobility, start, sway, h);
+            let exact = case.after(start, sway, None, h);
+            touched += u32::from(exact[4] > 0.0);
+            let swing = flexure.stiffness.sqrt() * sway.stretch.abs();
+            let largest = start.speed.abs() + sway.speed.abs() + swing + 0.02;
+            let off = [
+                (course.end.penetration - exact[0]) / h,
+                course.end.speed - exact[1],
+                (end.stretch - exact[2]) / h,
+                end.speed - exact[3],
+                (course.impulse - exact[4]) * case.contact.mobility,
+            ];
+            for by in off {
+                worst = worst.max(by.abs() / largest);
+            }
+        }
+        assert!(worst < 5e-3, "{worst}");
+        assert!(touched > 60, "{touched}");
+    }
+
+    #[test]
+    fn a_held_force_stretches_the_spring_as_two_masses_say() {
+        for (case, _, sway, h) in cases() {
+            let flexure = Flexure::new(&case.transmission);
+            let held = Held {
+                lead: 3e-8,
+                ..Held::constant(1.3)
+            };
+            let still = Relative {
+                penetration: 0.0,
+                speed: 0.0,
+            };
+            let exact = case.after(still, sway, Some(&held), h);
+            let end = flexure.under(sway, case.mobility, &held, h);
+            let pushed = case.mobility * flexure.of_motor * held.mean * h;
+            let swing = flexure.stiffness.sqrt() * sway.stretch.abs();
+            let largest = sway.speed.abs() + swing + pushed;
+            let off = [(end.stretch - exact[2]) / h, end.speed - exact[3]];
+            assert!(off.iter().all(|by| by.abs() < 6e-3 * largest), "{off:?}");
+        }
+    }
+
+    #[test]
+    fn derivatives_are_differences_of_neighbours() {
+        for (case, start, sway, h) in cases() {
+            let flexure = Flexure::new(&case.transmission);
+            let end = |start: Relative<f64>, acceleration: f64, mobility: f64| {
+                let contact = Drive {
+                    acceleration,
+                    mobility: case.contact.mobility - case.mobility + mobility,
+                    ..case.contact
+                };
+                flexure.over_with_response(&contact, mobility, start, sway, h)
+            };
+            let (a, mobility) = (case.contact.acceleration, case.mobility);
+            let (course, response, _) = end(start, a, mobility);
+            let (plain, _) = flexure.over(&case.contact, mobility, start, sway, h);
+            assert_eq!(course.end, plain.end);
+            let response = response.unwrap();
+            for (k, step) in [1e-9, 1e-6, 1e-4, 1e-5].into_iter().enumerate() {
+                let beside = |by: f64| {
+                    let mut at = [start.penetration, start.speed, a, mobility];
+                    at[k] += by;
+                    let start = Relative {
+                        penetration: at[0],
+                        speed: at[1],
+                    };
+                    end(start, at[2], at[3]).0.end
+                };
+                let (more, less) = (beside(step), beside(-step));
+                let of_penetration = (more.penetration - less.penetration) / (2.0 * step);
+                let of_speed = (more.speed - less.speed) / (2.0 * step);
+                let scale = [1.0, h, h * h, start.speed.abs() * h + 1e-3][k];
+                assert!(
+                    (response.penetration[k] - of_penetration).abs() < 2e-3 * scale
+                        && (response.speed[k] - of_speed).abs() < 2e-3 * scale / h,
+                    "by {k}: {response:?}, differences {of_penetration} {of_speed}"
+                );
+            }
+        }
+    }
+
+    /// With all of the mass on the motor's side the spring moves nothing that counts.
+    #[test]
+    fn a_transmission_with_nothing_beyond_it_is_rigid() {
+        for (case, start, _, h) in cases() {
+            let rigid = Transmission {
+                flexible_mass_fraction: 0.0,
+                ..case.transmission
+            };
+            let flexure = Flexure::new(&rigid);
+            let (course, _) = flexure.over(&case.contact, case.mobility, start, Sway::default(), h);
+            let exact = case.contact.over(start, h);
+            assert!((course.end.penetration - exact.end.penetration).abs() < 1e-12);
+            assert!((course.end.speed - exact.end.speed).abs() < 1e-9);
+            assert!((course.impulse - exact.impulse).abs() < 1e-9);
+        }
     }
 }

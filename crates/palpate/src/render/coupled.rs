@@ -294,7 +294,8 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             penetration: ended.start.penetration + behind + device.offset - object_off,
             speed: device.velocity + memory.avatar.speed - object_velocity,
         };
-        let (interval, response) = self.interval_past(motion, &device, start, memory.avatar.sway, ended, certainty);
+        let (interval, response) =
+            self.interval_past(motion, &device, start, memory.avatar.sway, ended, certainty);
         let touched = interval.course.impulse > S::ZERO;
         memory.placed = match (lesson, &response) {
             (Some(lesson), Some(response)) => {
@@ -378,7 +379,14 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             avatar = moved.avatar;
             relative.speed = device.velocity + avatar.speed - object_velocity;
         });
-        let interval = self.interval(motion, &device, relative, avatar.sway, virtual_force, period);
+        let interval = self.interval(
+            motion,
+            &device,
+            relative,
+            avatar.sway,
+            virtual_force,
+            period,
+        );
         let owed = if !motion.is_wall() {
             S::from_f64(REPAID) * owed
         } else if device.mobility > S::ZERO {
@@ -405,7 +413,14 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             if !now.ahead.is_whole() {
                 // A command begins between this sample and the next.
                 (device, relative, object_velocity, avatar) = at_sample;
-                from = self.interval(motion, &device, relative, avatar.sway, virtual_force, period);
+                from = self.interval(
+                    motion,
+                    &device,
+                    relative,
+                    avatar.sway,
+                    virtual_force,
+                    period,
+                );
                 held = now.ahead.over_next(force, period);
             }
             let velocity = object_velocity;
