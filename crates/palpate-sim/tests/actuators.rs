@@ -287,6 +287,7 @@ fn a_scene_of_all_of_it_reads_back_from_its_file_to_the_same_run() {
         lag_deviation: Some(2e-4),
         gain: Some(1.01),
         gain_deviation: Some(0.02),
+        transmission: None,
     };
     scene.device.noise = 1e-6;
     if let Some(transmission) = &mut scene.device.transmission {
