@@ -370,6 +370,9 @@ impl Reading<'_> {
         } = self.or("hand", hand, ReadHand::default());
         let period = places.take(Parameter::Period, raw.r#loop.period_s.clone());
         let actuator = raw.r#loop.actuator(&mut places);
+        if let Some(alone) = raw.told.alone() {
+            self.in_table("told", alone);
+        }
         let told = raw.told.read(&mut places);
         let timing = raw.r#loop.timing(&mut places);
         let timing = timing.map_err(|(span, message)| (span, message.to_owned()));
