@@ -739,9 +739,10 @@ typedef struct palpate_world_ledger {
    */
   double port_work;
   /*
-   Energy that holding the contacts' mean forces has given to the hands beyond the contacts' own work [J].
+   Energy that held forces have created [J]: what hands, bodies, contacts and dissipation have gained together, and
+   nobody has put in.
    */
-  double held_leak;
+  double created;
 } palpate_world_ledger;
 
 /*

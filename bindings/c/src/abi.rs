@@ -39,5 +39,5 @@ mod worlds {
     has!(WorldSample, 40, 8, pose_count at 16, has_elapsed at 32);
     has!(WorldOutput, 40, 8, limited at 16, left_out at 36);
     has!(BodyState, 112, 8, velocity at 64, angular_velocity at 88);
-    has!(WorldLedger, 56, 8, held_leak at 48);
+    has!(WorldLedger, 56, 8, created at 48);
 }

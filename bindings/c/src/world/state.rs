@@ -43,8 +43,9 @@ pub struct WorldLedger {
     pub dissipated: f64,
     /// Work of the devices' forces on the hands [J].
     pub port_work: f64,
-    /// Energy that holding the contacts' mean forces has given to the hands beyond the contacts' own work [J].
-    pub held_leak: f64,
+    /// Energy that held forces have created [J]: what hands, bodies, contacts and dissipation have gained together, and
+    /// nobody has put in.
+    pub created: f64,
 }
 
 // SAFETY: `repr(C)`, a `usize` first, numbers only.
@@ -176,13 +177,13 @@ pub unsafe extern "C" fn palpate_world_ledger_of(
         for contact in contacts {
             sums.stored += contact.stored;
             sums.dissipated += contact.dissipated;
-            sums.held_leak += contact.leak();
         }
         for joint in &books.joints {
             sums.stored += joint.stored;
             sums.dissipated += joint.dissipated;
         }
         sums.port_work = books.devices.iter().map(|device| device.port_work).sum();
+        sums.created = books.created();
         // SAFETY: as the caller says.
         unsafe { sized::write(ledger, || sums) }
     })
@@ -197,7 +198,7 @@ impl WorldLedger {
             stored: 0.0,
             dissipated: 0.0,
             port_work: 0.0,
-            held_leak: 0.0,
+            created: 0.0,
         }
     }
 }

@@ -47,7 +47,7 @@ HAS(palpate_body_state, 112, 8);
 AT(palpate_body_state, velocity, 64);
 AT(palpate_body_state, angular_velocity, 88);
 HAS(palpate_world_ledger, 56, 8);
-AT(palpate_world_ledger, held_leak, 48);
+AT(palpate_world_ledger, created, 48);
 #endif
 
 int main(void) { return 0; }
