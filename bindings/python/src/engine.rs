@@ -3,7 +3,7 @@
 use numpy::{PyArray2, PyReadonlyArray2};
 use palpate::Actuation;
 use palpate_device::Wrench;
-use palpate_rt::safety::{self, Safety};
+use palpate_rt::{Answered, WorldSafety};
 use palpate_world::engine::{
     BodyNow, BodyWrench, EngineBody, EngineRenderer, EngineState, PlacedShape, Stepping,
 };
@@ -12,8 +12,9 @@ use palpate_world::{
 };
 use pyo3::prelude::*;
 
+use crate::bounded;
 use crate::names::refused;
-use crate::renderer::safety;
+use crate::renderer::safety_params;
 use crate::world::rows;
 
 /// What a shape is called, its lengths, and where it is in its body's axes.
@@ -50,9 +51,7 @@ pub struct EngineContact {
     state: EngineState,
     tools: Vec<String>,
     bodies: usize,
-    safety: Vec<Safety>,
-    /// Largest force `[N]`, none if infinite, and soft start `[s]`.
-    limits: (Option<f64>, f64),
+    safety: WorldSafety,
     sampled: Option<Sampled>,
     last: Option<Answer>,
 }
@@ -181,18 +180,17 @@ impl EngineContact {
             CoupledParams::new(given.device_mass).with_encoder_quantum(given.encoder_quantum);
         let renderer = EngineRenderer::new(&tools, &bodies, stepping, in_loop, params)
             .map_err(|faults| wrong(&faults))?;
-        let mut contact = Self {
+        let limits = safety_params(force_limit, None, given.soft_start)?;
+        let safety = WorldSafety::new(tools.len(), limits, given.period).map_err(refused)?;
+        Ok(Self {
             state: renderer.start(),
             renderer,
             bodies: bodies.len(),
             tools: given.tools.into_iter().map(|(name, _)| name).collect(),
-            safety: Vec::new(),
-            limits: (force_limit, given.soft_start),
+            safety,
             sampled: None,
             last: None,
-        };
-        contact.forget()?;
-        Ok(contact)
+        })
     }
 
     /// A period begins: a row of three coordinates for each device.
@@ -254,38 +252,22 @@ impl EngineContact {
         };
         let output = self.renderer.hold(&mut self.state);
         let (fault, effort, limited) = (output.fault, output.effort, output.limited);
-        let mut forces = output.forces.to_vec();
-        let (mut is_limited, mut is_softened) = (limited.force, false);
-        for ((safety, force), position) in self.safety.iter_mut().zip(&mut forces).zip(&positions) {
-            let verdict = safety.judge(&safety::Rendered {
-                elapsed,
-                // A position that the renderer has refused is not looked at.
-                position: if fault.is_none() { *position } else { [0.0; 3] },
-                coordinate: 0.0,
-                wrench: Wrench::of_force(*force),
-                created_energy: 0.0,
-                refused: fault.is_some(),
-                stalled: false,
-            });
-            is_limited |= verdict.bounded.force;
-            is_softened |= verdict.bounded.soft_start;
-            *force = verdict.wrench.force.map(|component| component + 0.0);
-        }
+        let forces = output.forces.iter().copied();
+        let mut wrenches: Vec<_> = forces.map(Wrench::of_force).collect();
+        let answered = Answered {
+            elapsed,
+            positions: &positions,
+            refused: fault.is_some(),
+        };
+        let limited = bounded::names(limited, self.safety.bound(&answered, &mut wrenches));
+        let forces: Vec<_> = wrenches.iter().map(|wrench| wrench.force).collect();
         for (tool, force) in forces.iter().enumerate() {
             self.renderer.report_sent(&mut self.state, tool, *force);
         }
-        let acted = [
-            (is_limited, "force"),
-            (limited.offset, "offset"),
-            (is_softened, "soft-start"),
-        ];
         let held = rows(py, &forces)?;
         self.last = Some(Answer {
             forces,
-            limited: acted
-                .into_iter()
-                .filter_map(|(acted, name)| acted.then_some(name))
-                .collect(),
+            limited,
             effort: (
                 effort.sub_steps,
                 effort.refined,
@@ -303,18 +285,11 @@ impl EngineContact {
     }
 
     /// Begins anew: nothing sampled, nothing touched, the books empty.
-    fn forget(&mut self) -> PyResult<()> {
-        let (force_limit, soft_start) = self.limits;
-        let period = self.renderer.in_loop().period;
-        self.safety = self
-            .tools
-            .iter()
-            .map(|_| safety(force_limit, soft_start, period))
-            .collect::<PyResult<_>>()?;
+    fn forget(&mut self) {
+        self.safety.restart();
         self.state = self.renderer.start();
         self.sampled = None;
         self.last = None;
-        Ok(())
     }
 
     /// What was answered to the last sample: None before the first.

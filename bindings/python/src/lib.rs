@@ -4,6 +4,7 @@
 //! reports as the JSON that the program prints, ticks as arrays. Nothing is computed here.
 
 mod advise;
+mod bounded;
 mod calibration;
 mod card;
 mod checked;
@@ -15,6 +16,7 @@ mod map;
 mod methods;
 mod names;
 mod own_method;
+mod real_time;
 mod recording;
 mod render;
 mod renderer;
@@ -46,6 +48,11 @@ mod _palpate {
     use super::map::{map, map_check, map_columns, map_of_parts, map_part};
     #[pymodule_export]
     use super::methods::methods;
+    #[cfg(unix)]
+    #[pymodule_export]
+    use super::real_time::guard;
+    #[pymodule_export]
+    use super::real_time::{Hand, RealTimeLoop};
     #[pymodule_export]
     use super::recording::{read_recording, recorded_columns};
     #[pymodule_export]

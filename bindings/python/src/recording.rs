@@ -79,7 +79,7 @@ pub fn read_recording(py: Python<'_>, path: PathBuf) -> PyResult<InPython<'_>> {
 }
 
 /// A value in a word of 64 bits: a number, or a count.
-fn word(value: Value) -> u64 {
+pub fn word(value: Value) -> u64 {
     match value {
         Value::Number(number) => number.to_bits(),
         Value::Count(count) => count,

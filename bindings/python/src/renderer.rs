@@ -1,11 +1,11 @@
 //! `Renderer`: one contact in a loop of Python's own, sample by sample.
 
 use palpate::{
-    AnyMemory, AnyRenderer, Leak, LoopParams, MethodParams as _, ObjectState, Output,
-    ParameterValue, Sample, State,
+    AnyMemory, AnyRenderer, Leak, LoopParams, MethodName, MethodParams as _, ObjectState, Output,
+    ParameterValue, Rendering, Sample, State,
 };
 use palpate_device::Wrench;
-use palpate_rt::safety::{self, OscillationParams, Safety, SafetyParams};
+use palpate_rt::safety::{self, Safety, SafetyParams};
 use palpate_scene::SetupError;
 use palpate_scene::named_parameters::named_parameters;
 use palpate_sim::replay::ReplaySetup;
@@ -50,28 +50,17 @@ impl Renderer {
         soft_start: f64,
         settings_given: &Bound<'_, PyDict>,
     ) -> PyResult<Self> {
-        let methods = chosen(method)?;
-        let &[method] = methods.as_slice() else {
-            return Err(refused(
-                "a Renderer renders by one method; name it with method",
-            ));
-        };
-        let settings = settings(settings_given, &methods)?;
-        let setup = setup(parameters)?;
-        check_delay(&setup)?;
-        // The first sample says where the device is; until then the object is taken as untouched.
-        let params = setup
-            .params(method, &settings, setup.object.position, false)
-            .map_err(|error| wrong_setup(&SetupError::from(error)))?;
-        let renderer = AnyRenderer::new(setup.contact, setup.known_loop(), params)
+        let (setup, rendering) = rendering(method, parameters, settings_given)?;
+        let renderer = rendering
+            .renderer()
             .map_err(|error| wrong_argument(&error))?;
         Ok(Self {
             state: renderer
                 .start(setup.object)
                 .map_err(|error| wrong_argument(&error))?,
             safety: safety_of(&setup, soft_start)?,
-            method: method.name(),
-            method_parameters: named_parameters(&params.derived(renderer.method())),
+            method: chosen_one(method)?.name(),
+            method_parameters: named_parameters(&rendering.params.derived(renderer.method())),
             renderer,
             setup,
             soft_start,
@@ -209,6 +198,40 @@ impl Renderer {
     }
 }
 
+/// The one method that a renderer has.
+fn chosen_one(method: &Bound<'_, PyAny>) -> PyResult<MethodName> {
+    match chosen(method)?[..] {
+        [method] => Ok(method),
+        _ => Err(refused(
+            "a Renderer renders by one method; name it with method",
+        )),
+    }
+}
+
+/// What the arguments of a renderer say: all of them, and what is rendered.
+pub fn rendering(
+    method: &Bound<'_, PyAny>,
+    parameters: &Bound<'_, PyDict>,
+    settings_given: &Bound<'_, PyDict>,
+) -> PyResult<(ReplaySetup, Rendering<f64>)> {
+    let method = chosen_one(method)?;
+    let settings = settings(settings_given, &[method])?;
+    let setup = setup(parameters)?;
+    check_delay(&setup)?;
+    // The first sample says where the device is; until then the object is taken as untouched.
+    let params = setup
+        .params(method, &settings, setup.object.position, false)
+        .map_err(|error| wrong_setup(&SetupError::from(error)))?;
+    let rendering = Rendering {
+        contact: setup.contact,
+        loop_params: setup.known_loop(),
+        params,
+        virtual_force: setup.virtual_force,
+        object: setup.object,
+    };
+    Ok((setup, rendering))
+}
+
 /// The limits of `palpate pipe`: the largest force, and the time over which a force comes in.
 fn safety_of(setup: &ReplaySetup, soft_start: f64) -> PyResult<Safety> {
     let LoopParams {
@@ -216,26 +239,24 @@ fn safety_of(setup: &ReplaySetup, soft_start: f64) -> PyResult<Safety> {
         period,
         ..
     } = setup.loop_params;
-    safety(force_limit, soft_start, period)
+    let limits = safety_params(force_limit, None, soft_start)?;
+    Safety::new(limits, period).map_err(refused)
 }
 
-/// The same limits for a loop of `period` \[s\].
-pub fn safety(force_limit: Option<f64>, soft_start: f64, period: f64) -> PyResult<Safety> {
+/// The same limits, with one of the torque.
+pub fn safety_params(
+    force_limit: Option<f64>,
+    torque_limit: Option<f64>,
+    soft_start: f64,
+) -> PyResult<SafetyParams> {
     if !(0.0..=60.0).contains(&soft_start) {
         return Err(refused(format!(
             "soft_start is {soft_start} s, but must be 0 to 60"
         )));
     }
-    let defaults = SafetyParams::default();
-    let limits = SafetyParams {
-        largest_force: force_limit.unwrap_or(f64::MAX),
+    Ok(SafetyParams::bounding(
+        force_limit,
+        torque_limit,
         soft_start,
-        largest_speed: f64::INFINITY,
-        oscillation: OscillationParams {
-            energy: f64::INFINITY,
-            ..defaults.oscillation
-        },
-        ..defaults
-    };
-    Safety::new(limits, period).map_err(refused)
+    ))
 }

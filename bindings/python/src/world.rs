@@ -4,13 +4,17 @@ use std::path::PathBuf;
 
 use numpy::{PyArray2, PyReadonlyArray2};
 use palpate_device::Wrench;
-use palpate_rt::safety::{self, Safety, SafetyParams};
+use palpate_rt::BoundedWorld;
+use palpate_rt::safety::SafetyParams;
 use palpate_scene::world::{WorldFile, WorldScene};
-use palpate_world::{Effort, Place, Sample, Vector, WorldError, WorldRenderer, WorldState};
+use palpate_world::{
+    Effort, NOT_TURNED, Place, Quaternion, Sample, Vector, WorldError, WorldState,
+};
 use pyo3::prelude::*;
 
+use crate::bounded;
 use crate::names::refused;
-use crate::renderer::safety;
+use crate::renderer::safety_params;
 use crate::scene::messages;
 
 /// Whether the text of a scene file says a world.
@@ -29,31 +33,20 @@ pub struct PyWorld {
     pub name: String,
     folder: PathBuf,
     pub method: String,
-    limits: Limits,
-    renderer: WorldRenderer,
-    pub state: WorldState,
-    safety: Vec<Safety>,
+    bounded: BoundedWorld,
     last: Option<Answer>,
-}
-
-/// The limits of `palpate pipe`.
-#[derive(Clone, Copy)]
-struct Limits {
-    /// None: infinite `[N]`.
-    force: Option<f64>,
-    soft_start: f64,
 }
 
 /// What a sample was answered.
 struct Answer {
-    forces: Vec<Vector>,
+    wrenches: Vec<Wrench>,
     limited: Vec<&'static str>,
     effort: Effort,
     fault: Option<String>,
     faulty: Option<String>,
 }
 
-/// Forces, limits, effort, fault and the device that it is of.
+/// Forces or wrenches, limits, effort, fault and the device that it is of.
 type Told<'py> = (
     Bound<'py, PyArray2<f64>>,
     Vec<&'static str>,
@@ -66,6 +59,26 @@ impl PyWorld {
     /// The world and its loop as they were described.
     pub fn scene(&self) -> &WorldScene {
         &self.file.scene
+    }
+
+    /// The world at the last sample.
+    pub fn state(&self) -> &WorldState {
+        self.bounded.state()
+    }
+
+    /// A row for each wrench: its force alone where no device turns.
+    fn held<'py>(
+        &self,
+        py: Python<'py>,
+        wrenches: &[Wrench],
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let turns = self.width() > 3;
+        let rows = wrenches.iter().map(|wrench| {
+            let torque = wrench.torque.into_iter().filter(|_| turns);
+            wrench.force.into_iter().chain(torque).collect()
+        });
+        let rows: Vec<Vec<f64>> = rows.collect();
+        Ok(PyArray2::from_vec2(py, &rows)?)
     }
 
     /// The first of these faults, with its place where that is known.
@@ -89,15 +102,15 @@ fn wrong(file: &WorldFile, is_file: bool, faults: &[WorldError]) -> PyErr {
 impl PyWorld {
     /// A world from its text; `name` is what messages and reports call it.
     #[new]
-    #[pyo3(signature = (text, name, folder, method, force_limit, soft_start))]
+    #[pyo3(signature = (text, name, folder, method, limits))]
     fn new(
         text: String,
         name: Option<String>,
         folder: PathBuf,
         method: Option<String>,
-        force_limit: Option<f64>,
-        soft_start: f64,
+        limits: (Option<f64>, Option<f64>, f64),
     ) -> PyResult<Self> {
+        let (force_limit, torque_limit, soft_start) = limits;
         let called = name.clone().unwrap_or_else(|| "world".into());
         let file = WorldFile::parse(&called, &text).map_err(|errors| {
             refused(if name.is_some() {
@@ -109,128 +122,98 @@ impl PyWorld {
         let is_file = name.is_some();
         let mut scene = file.scene.clone();
         let method = method.unwrap_or_else(|| scene.render.method.clone());
-        let default = SafetyParams::default().largest_force;
-        let force = force_limit.or(scene.render.force_limit).unwrap_or(default);
-        let limits = Limits {
-            // An infinite limit is none.
-            force: (force != f64::INFINITY).then_some(force),
+        let default = SafetyParams::default();
+        scene.render.settle_limits(
+            [force_limit, torque_limit],
+            [default.largest_force, default.largest_torque],
+        );
+        let limits = safety_params(
+            scene.render.force_limit,
+            scene.render.torque_limit,
             soft_start,
-        };
-        scene.render.force_limit = limits.force;
+        )?;
         let renderer = scene
             .renderer(&method)
             .map_err(|faults| wrong(&file, is_file, &faults))?;
-        let mut world = Self {
-            state: renderer.start(),
-            renderer,
+        Ok(Self {
+            bounded: BoundedWorld::new(renderer, limits).map_err(refused)?,
             name: name.unwrap_or_else(|| file.scene.title.clone()),
             is_file,
             file,
             text,
             folder,
             method,
-            limits,
-            safety: Vec::new(),
             last: None,
-        };
-        world.reset()?;
-        Ok(world)
+        })
     }
 
-    /// One tick: a row of three coordinates for each device in, its force out, row by row.
-    #[pyo3(signature = (positions, elapsed=None))]
+    /// One tick: a row for each device in, what it is to give out, row by row. A row has three coordinates, and
+    /// three components of a force comes back; where a device turns, a row of a pose, and a wrench comes back.
+    #[pyo3(signature = (poses, elapsed=None))]
     fn tick<'py>(
         &mut self,
         py: Python<'py>,
-        positions: PyReadonlyArray2<'py, f64>,
+        poses: PyReadonlyArray2<'py, f64>,
         elapsed: Option<f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let positions = positions.as_array();
-        let tools = &self.scene().world.tools;
-        if let Some(tool) = tools.iter().find(|tool| tool.turns) {
+        let poses = poses.as_array();
+        let (devices, width) = (self.scene().world.tools.len(), self.width());
+        if poses.shape() != [devices, width] {
             return Err(refused(format!(
-                "device \"{}\" has six axes, and step() takes devices of three so far; palpate pipe takes it",
-                tool.name
+                "positions has {} rows of {} numbers, but must have {devices} of {width}, one for each device",
+                poses.shape()[0],
+                poses.shape()[1],
             )));
         }
-        if positions.shape() != [tools.len(), 3] {
-            return Err(refused(format!(
-                "positions has {} rows of {} numbers, but must have {} of 3, one for each device",
-                positions.shape()[0],
-                positions.shape()[1],
-                tools.len()
-            )));
-        }
-        let positions: Vec<Vector> = positions
-            .outer_iter()
-            .map(|row| [row[0], row[1], row[2]])
+        let rows = poses.outer_iter();
+        let positions: Vec<Vector> = rows.map(|row| [row[0], row[1], row[2]]).collect();
+        let rows = poses.outer_iter();
+        let orientations: Vec<Quaternion> = rows
+            .map(|row| match row.len() {
+                3 => NOT_TURNED,
+                _ => [row[3], row[4], row[5], row[6]],
+            })
             .collect();
         let sample = Sample {
             elapsed,
-            ..Sample::at(&positions)
+            ..Sample::at(&positions).turned(&orientations)
         };
-        let output = self.renderer.step(&mut self.state, &sample);
-        let (fault, effort) = (output.fault, output.effort);
-        let (mut is_force_limited, is_offset_limited) =
-            (output.limited.force, output.limited.offset);
-        let mut forces = output.forces.to_vec();
-        let mut is_softened = false;
-        for ((safety, force), position) in self.safety.iter_mut().zip(&mut forces).zip(&positions) {
-            let verdict = safety.judge(&safety::Rendered {
-                elapsed,
-                // A position that the renderer has refused is not looked at.
-                position: if fault.is_none() { *position } else { [0.0; 3] },
-                coordinate: 0.0,
-                wrench: Wrench::of_force(*force),
-                created_energy: 0.0,
-                refused: fault.is_some(),
-                stalled: false,
-            });
-            is_force_limited |= verdict.bounded.force;
-            is_softened |= verdict.bounded.soft_start;
-            // A force of -0 that comes in softly is none.
-            *force = verdict.wrench.force.map(|component| component + 0.0);
-        }
-        for (tool, force) in forces.iter().enumerate() {
-            self.renderer.report_sent(&mut self.state, tool, *force);
-        }
-        let acted = [
-            (is_force_limited, "force"),
-            (is_offset_limited, "offset"),
-            (is_softened, "soft-start"),
-        ];
+        let held = self.bounded.step(&sample);
+        let (fault, effort) = (held.fault, held.effort);
+        let limited = bounded::names(held.limited, held.bounded);
+        let wrenches = held.wrenches.to_vec();
         let name = |tool: usize| self.file.scene.world.tools[tool].name.clone();
         let answer = Answer {
-            limited: acted
-                .into_iter()
-                .filter_map(|(acted, name)| acted.then_some(name))
-                .collect(),
+            limited,
             effort,
             fault: fault.map(|fault| fault.fault.name().to_owned()),
             faulty: fault.and_then(|fault| fault.tool).map(name),
-            forces,
+            wrenches,
         };
-        let held = rows(py, &answer.forces)?;
+        let held = self.held(py, &answer.wrenches)?;
         self.last = Some(answer);
         Ok(held)
     }
 
-    /// Says what was really sent to a device for the last sample `[N]`.
-    fn tell_sent(&mut self, tool: usize, force: Vector) {
-        self.renderer.report_sent(&mut self.state, tool, force);
+    /// Says what was really sent to a device for the last sample `[N]`, `[N m]`.
+    fn tell_sent(&mut self, tool: usize, force: Vector, torque: Vector) {
+        self.bounded.report_sent(tool, Wrench { force, torque });
+    }
+
+    /// How many numbers a row of a sample has: 3, or 7 where a device of six axes is among the devices.
+    fn width(&self) -> usize {
+        let tools = &self.scene().world.tools;
+        if tools.iter().any(|tool| tool.turns) {
+            7
+        } else {
+            3
+        }
     }
 
     /// Begins anew: bodies at their start, nothing sampled, the books empty.
-    fn reset(&mut self) -> PyResult<()> {
-        let period = self.scene().timing.period;
-        let Limits { force, soft_start } = self.limits;
-        let devices = 0..self.scene().devices.len();
-        self.safety = devices
-            .map(|_| safety(force, soft_start, period))
-            .collect::<PyResult<_>>()?;
-        self.state = self.renderer.start();
+    fn reset(&mut self) {
+        self.bounded.restart();
         self.last = None;
-        Ok(())
     }
 
     /// What was answered to the last sample: None before the first.
@@ -246,7 +229,7 @@ impl PyWorld {
             ..
         } = answer.effort;
         Ok(Some((
-            rows(py, &answer.forces)?,
+            self.held(py, &answer.wrenches)?,
             answer.limited.clone(),
             (sub_steps, refined, unrefined, too_fast),
             answer.fault.clone(),

@@ -1,7 +1,8 @@
 //! What can be read from the state of a world: tuples of numbers, which the Python files give names to.
 
 use palpate_world::{
-    BodyBook, BodyState, ContactBook, ContactState, DeviceBook, Mode, Side, ToolState, Vector,
+    BodyBook, BodyState, ContactBook, ContactState, DeviceBook, Joint, JointBook, JointKind, Mode,
+    Quaternion, Side, ToolState, Vector,
 };
 use pyo3::prelude::*;
 
@@ -11,6 +12,8 @@ use crate::world::PyWorld;
 type BodyNow = (Vector, [f64; 4], Vector, Vector);
 /// Position, velocity, position and velocity of the avatar, offset, velocity offset, force, and mass if it is known.
 type ToolNow = ([Vector; 7], Option<Vector>);
+/// Orientations of device and avatar, angular velocity, turn offset, momentum offset, torque, and inertia if it is known.
+type Turned = ([Quaternion; 2], [Vector; 4], Option<Vector>);
 /// The two sides, mode, point, normal, penetration, force and bristle.
 type ContactNow = (
     [String; 2],
@@ -21,8 +24,13 @@ type ContactNow = (
     Vector,
     Vector,
 );
-/// Entries of the books of contacts, with their sides; of bodies; and of devices.
-type BooksNow = (Vec<([String; 2], [f64; 8])>, Vec<[f64; 5]>, Vec<[f64; 7]>);
+/// Entries of the books of contacts, with their sides; of bodies; of devices; and of joints, with their sides and kind.
+type BooksNow = (
+    Vec<([String; 2], [f64; 8])>,
+    Vec<[f64; 5]>,
+    Vec<[f64; 7]>,
+    Vec<([String; 2], &'static str, [f64; 4])>,
+);
 
 impl PyWorld {
     fn side(&self, side: Side) -> String {
@@ -37,7 +45,7 @@ impl PyWorld {
 /// Each body at the last sample.
 #[pyfunction]
 pub fn world_bodies(world: PyRef<'_, PyWorld>) -> Vec<BodyNow> {
-    let bodies = world.state.bodies().iter();
+    let bodies = world.state().bodies().iter();
     bodies
         .map(|body| {
             let BodyState {
@@ -52,10 +60,28 @@ pub fn world_bodies(world: PyRef<'_, PyWorld>) -> Vec<BodyNow> {
         .collect()
 }
 
-/// Each tool at the last sample.
+/// Each tool at the last sample, and how it is turned where it turns.
 #[pyfunction]
-pub fn world_tools(world: PyRef<'_, PyWorld>) -> Vec<ToolNow> {
-    world.state.tools().iter().map(tool).collect()
+pub fn world_tools(world: PyRef<'_, PyWorld>) -> Vec<(ToolNow, Option<Turned>)> {
+    let states = world.state().tools().iter();
+    let tools = states.zip(&world.scene().world.tools);
+    tools
+        .map(|(state, described)| (tool(state), described.turns.then(|| turned(state))))
+        .collect()
+}
+
+/// How a tool is turned, in numbers.
+fn turned(tool: &ToolState) -> Turned {
+    (
+        [tool.orientation, tool.avatar_orientation],
+        [
+            tool.angular_velocity,
+            tool.turn_offset,
+            tool.momentum_offset,
+            tool.torque,
+        ],
+        tool.inertia,
+    )
 }
 
 /// A tool in numbers.
@@ -110,7 +136,7 @@ pub fn contact_book(book: &ContactBook) -> [f64; 8] {
 /// Each point of contact at the last sample.
 #[pyfunction]
 pub fn world_contacts(world: PyRef<'_, PyWorld>) -> Vec<ContactNow> {
-    let contacts = world.state.contacts().iter();
+    let contacts = world.state().contacts().iter();
     contacts
         .map(|contact| {
             let ContactState {
@@ -133,8 +159,8 @@ pub fn world_contacts(world: PyRef<'_, PyWorld>) -> Vec<ContactNow> {
 /// The books of energy as of the last sample.
 #[pyfunction]
 pub fn world_books(world: PyRef<'_, PyWorld>) -> BooksNow {
-    let books = world.state.books();
-    let contacts = world.state.contacts().iter().zip(&books.contacts);
+    let books = world.state().books();
+    let contacts = world.state().contacts().iter().zip(&books.contacts);
     let of_contact = |(contact, book): (&ContactState, &ContactBook)| {
         let entries = contact_book(book);
         (contact.between.map(|side| world.side(side)), entries)
@@ -159,9 +185,20 @@ pub fn world_books(world: PyRef<'_, PyWorld>) -> BooksNow {
             book.walked_back,
         ]
     };
+    let of_joint = |(joint, book): (&Joint, &JointBook)| {
+        let against = joint.against.clone().unwrap_or_else(|| "world".into());
+        let kind = match joint.kind {
+            JointKind::Hinge => "hinge",
+            JointKind::Slider => "slider",
+        };
+        let entries = [book.stored, book.dissipated, book.work, book.step_error];
+        ([joint.body.clone(), against], kind, entries)
+    };
+    let joints = world.scene().world.joints.iter().zip(&books.joints);
     (
         contacts.map(of_contact).collect(),
         books.bodies.iter().map(of_body).collect(),
         books.devices.iter().map(of_device).collect(),
+        joints.map(of_joint).collect(),
     )
 }

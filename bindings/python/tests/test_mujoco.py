@@ -20,7 +20,7 @@ from palpate.engines import EngineContact, SimulatedDevice
 
 mujoco = pytest.importorskip("mujoco", reason="pip install palpate[mujoco]")
 
-from palpate.engines import table  # noqa: E402
+from palpate.engines import _scenes, _with_mujoco, table  # noqa: E402
 from palpate.engines.mujoco import Contact  # noqa: E402
 
 FREE: dict[str, Any] = {"force_limit": math.inf, "soft_start": 0}
@@ -305,9 +305,9 @@ def test_with_palpate_the_force_is_the_mean_of_the_ideal_one(period: float, stif
         ideal = palpate.simulate(scene.world)
         samples = ideal.ideal.shape[1]
         for told in (1.0, 1.5):
-            error, _ = table.judged(table.with_palpate(scene, 4, "RK4", told, samples)[0], ideal)
+            error, _ = table.judged(_with_mujoco.with_palpate(scene, 4, "RK4", told, samples)[0], ideal)
             assert error < 2, (scene.name, told, error)
-        alone, over = table.judged(table.with_engine(scene, 4, "RK4", 0.0, samples)[0], ideal)
+        alone, over = table.judged(_with_mujoco.with_engine(scene, 4, "RK4", 0.0, samples)[0], ideal)
         assert alone > 10 and over > 1.5, (scene.name, alone)
 
 
@@ -375,7 +375,7 @@ def test_a_delay_that_is_told_costs_nothing(period: float, stiffness: float) -> 
     ideal = palpate.simulate(scene.world)
     errors = []
     for delay in (period, 0.0):
-        model = scene.model(4, "RK4")
+        model = _with_mujoco.model(scene, 4, "RK4")
         data = mujoco.MjData(model)
         while data.time < delay - 1e-9:
             mujoco.mj_step(model, data)
@@ -385,7 +385,7 @@ def test_a_delay_that_is_told_costs_nothing(period: float, stiffness: float) -> 
             tool="tool",
             bodies=["body"],
             stiffness=stiffness,
-            device_mass=table.DEVICE_MASS,
+            device_mass=_scenes.DEVICE_MASS,
             period=period,
             delay=delay,
             **FREE,

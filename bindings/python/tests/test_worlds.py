@@ -66,6 +66,81 @@ def test_a_world_answers_as_the_pipe_does(program: Any, root: Path, world: str, 
     assert np.abs(ours).max() > 0
 
 
+@pytest.mark.parametrize("method", ["coupled", "basic"])
+def test_a_device_of_six_axes_answers_as_the_pipe_does(program: Any, root: Path, tmp_path: Path, method: str) -> None:
+    peg = "experiments/worlds/peg.toml"
+    path = tmp_path / "peg.toml"
+    path.write_text(Path(peg).read_text().replace("[render]", "[render]\ntorque_limit_n_m = 0.002"))
+    own = palpate.World(peg, method=method, torque_limit=0.002)
+    turn = 0.004 * np.sin(0.05 * np.arange(80))
+    # Down into the hole and tilted, until the peg jams.
+    place = np.array([0.00003, 0.0, 0.006]) + np.outer(np.arange(80), [0.0, 0.0, -1.1e-4])
+    poses = np.column_stack([place, np.cos(turn / 2), np.sin(turn / 2), 0.8 * turn, np.zeros(80)])
+    poses[:, 3:] /= np.linalg.norm(poses[:, 3:], axis=1)[:, None]
+    lines = "".join(",".join(map(repr, row)) + "\n" for row in poses.tolist())
+    said = program("pipe", path, "--method", method, "--unit", "m", given=lines).splitlines()
+    theirs = [[float(x) for x in line.split(",")] for line in said[:80]]
+    limited = set()
+    ours = []
+    for pose in poses:
+        wrench = own.step(pose)
+        assert wrench.shape == (6,) and own.output is not None
+        limited |= set(own.output.limited)
+        ours.append(wrench.tolist())
+    assert ours == theirs
+    torques = np.linalg.norm(np.array(ours)[:, 3:], axis=1)
+    assert torques.max() == pytest.approx(0.002, rel=1e-9) and "torque" in limited
+    state = own.devices["tool"].turn
+    assert state is not None and state.orientation == pytest.approx(poses[-1, 3:], abs=1e-3)
+    assert own.output is not None and own.output.forces.tolist() == [ours[-1]]
+    # What was sent is told with its torque.
+    own.report_sent(np.zeros(6))
+    for wrong in (np.zeros(3), np.zeros((2, 7))):
+        with pytest.raises(ValueError, match=r"must have \(7,\): x, y, z, qw, qx, qy, qz of tool"):
+            own.step(wrong)
+    with pytest.raises(ValueError, match=r"must have \(6,\)"):
+        own.report_sent(np.zeros(3))
+    not_unit = own.step([*place[-1], 2.0, 0.0, 0.0, 0.0])
+    assert not_unit.tolist() == [0.0] * 6 and own.output.fault is not None
+
+
+def test_rows_of_several_devices_are_poses_where_one_of_them_turns() -> None:
+    tool = {"mass_kg": 0.2, "tool": {"sphere": {"radius_m": 0.01}}}
+    devices = [{"name": "point", **tool}, {"name": "body", "inertia_kg_m2": [1e-4] * 3, "position_m": [0.1, 0, 0], **tool}]
+    world = ball(devices=devices, contacts=[{"between": ["*", "ball"], "stiffness_n_per_m": 2000.0}])
+    rows = [[0, 0, 0, math.nan, 0, 0, 0], [0.1, 0, 0, 1, 0, 0, 0]]
+    for _ in range(3):
+        wrenches = world.step(rows)
+    assert wrenches.shape == (2, 6) and wrenches[0, 2] < 0 and (wrenches[:, 3:] == 0).all()
+    assert world.output is not None and world.output.fault is None
+    states = world.devices
+    assert states["point"].turn is None and states["body"].turn is not None
+    with pytest.raises(ValueError, match=r"must have \(2, 7\)"):
+        world.step([[0, 0, 0], [0, 0, 0]])
+
+
+@pytest.mark.parametrize(("name", "kind"), [("drawer", "slider"), ("lever", "hinge")])
+def test_the_books_of_a_joint_close(root: Path, name: str, kind: str) -> None:
+    world = palpate.World(f"experiments/worlds/{name}.toml")
+    assert [joint.kind for joint in world.books.joints] == [kind]
+    start = np.array(world.to_dict()["device"][0]["position_m"])
+    first = world.books.joints[0].stored
+    towards = world.bodies[world.books.joints[0].between[0]].position - start
+    for tick in range(150):
+        world.step(start + towards * min(1.0, tick / 100))
+    [joint] = world.books.joints
+    assert joint.between[1] == "world" and joint.dissipated > 0
+    turned_over = abs(joint.work) + joint.dissipated + joint.stored
+    assert turned_over > 1e-9
+    assert joint.stored == pytest.approx(first - joint.work - joint.dissipated + joint.step_error, abs=1e-9 * turned_over)
+    # A world of tables has joints as a file has.
+    again = palpate.World(
+        **{key: world.to_dict()[table] for key, table in
+           {"loop": "loop", "devices": "device", "bodies": "body", "contacts": "contact", "joints": "joint"}.items()}
+    )
+    assert [joint.kind for joint in again.books.joints] == [kind]
+
+
 def test_what_a_world_has_can_be_read_after_a_sample() -> None:
     world = ball()
     assert world.output is None and world.period == 0.001 and world.method == "coupled"
@@ -163,9 +238,3 @@ def test_a_report_of_a_world_can_be_kept_and_drawn(root: Path) -> None:
     pytest.importorskip("matplotlib").use("agg")
     ax = rep.plot()
     assert [line.get_label() for line in ax.lines] == ["ideal, means", "coupled"]
-
-
-def test_a_device_of_six_axes_is_not_stepped_yet(root: Path) -> None:
-    box = palpate.World("experiments/worlds/box.toml")
-    with pytest.raises(ValueError, match="has six axes, and step\\(\\) takes devices of three so far; palpate pipe takes it"):
-        box.step([0, 0, 0])

@@ -61,6 +61,7 @@ mod motors_off;
 mod note;
 #[allow(clippy::disallowed_methods, reason = "asks before the first tick")]
 pub mod realtime;
+mod receipt;
 #[allow(
     clippy::disallowed_methods,
     clippy::disallowed_types,
@@ -86,6 +87,7 @@ mod wire;
 pub use bounded_world::{Answered, BoundedWorld, Held, WorldSafety};
 pub use control_loop::ControlLoop;
 pub use note::{Ending, Note, Noted};
+pub use receipt::receipt;
 pub use recorder::{Account, Recorder};
 pub use rendering::{
     Answer, CHANGE_DURATION, ChangeError, FrameError, Fresh, OneContact, Parameters, Rendered,

@@ -1,6 +1,6 @@
 //! One tick of a world, the same for every method.
 
-use nalgebra::{Quaternion, UnitQuaternion};
+use nalgebra::UnitQuaternion;
 use palpate::Fault;
 
 use crate::blocks::Blocks;
@@ -346,8 +346,7 @@ fn links(world: &World, parts: &[Part]) -> Vec<Link> {
 }
 
 fn part_of(body: &Body) -> Part {
-    let [w, x, y, z] = body.orientation;
-    let orientation = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
+    let orientation = crate::body::rotation(body.orientation);
     let mut rigid = Rigid {
         position: body.position.into(),
         orientation,

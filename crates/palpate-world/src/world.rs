@@ -75,6 +75,7 @@ impl World {
             of.unit("orientation", &body.orientation);
             if let Motion::Free(free) = &body.motion {
                 of.free(free);
+                of.inertia(free, &body.shape);
             }
         }
         for (number, contact) in self.contacts.iter().enumerate() {
@@ -183,11 +184,7 @@ impl<'a> Faults<'a> {
                 self.unit("normal", &normal);
                 self.finite("offset", &[offset]);
             }
-            Shape::Mesh(_) => {
-                if !fixed {
-                    self.fault("shape", "a mesh has to be a fixed body".into());
-                }
-            }
+            Shape::Mesh(_) | Shape::Hull(_) => {}
             Shape::Spheres { ref spheres } => {
                 if !may_be_a_point {
                     let message =
@@ -274,6 +271,32 @@ impl<'a> Faults<'a> {
                 "a tool has to be a sphere, of radius 0 or more, several spheres, a box or a capsule".into(),
             ),
         }
+    }
+
+    /// A mesh says by itself what its moments of inertia are only if it is closed.
+    fn inertia(&mut self, free: &Free, shape: &Shape) {
+        let (mesh, word) = match shape {
+            Shape::Mesh(mesh) => (mesh, "mesh"),
+            Shape::Hull(hull) => (hull.mesh(), "hull"),
+            _ => return,
+        };
+        if free.inertia.is_some() || shape.moments(free.mass).is_some() {
+            return;
+        }
+        let message = match mesh.mass_properties(1.0) {
+            None => {
+                "the mesh has open edges, so it encloses no volume from which its inertia would follow; give three \
+                 moments of inertia about the mesh's origin, which is the centre of mass then, or close the mesh"
+                    .into()
+            }
+            Some(of) => format!(
+                "the {word} has its centre of mass at {:?} m or is turned against its principal axes, so its moments of \
+                 inertia do not say how it turns; balance the body, or give three moments about the {word}'s origin, which \
+                 is the centre of mass then",
+                of.centre
+            ),
+        };
+        self.fault("inertia", message);
     }
 
     fn free(&mut self, free: &Free) {

@@ -10,14 +10,16 @@ one. This package has the renderers and studies of the Rust library palpate; the
     r.step(-0.001)  # position of the device [m] in, force on the device [N] out
     f = r.step(0.002)
 
-`Renderer` is one contact along one axis, `World` is several devices, bodies and contacts in space, and
+`Renderer` is one contact along one axis, `Loop` runs it on a device in real time, `World` is several devices, bodies and contacts in space, and
 `palpate.engines` renders contacts with the bodies of other physics engines.
 
 All values are SI. Where a name stands for a number in an array or a report, its unit is at
 the end of the name.
 """
 
+from . import devices
 from ._device_file import Calibration, DeviceReport, Excitation, calibrate, report
+from ._loop import Granted, Loop, LoopError, LoopReport, LoopStatus, Spread
 from ._methods import METHODS, Method, Setting
 from ._palpate import __version__
 from ._recording import FLAGS, RECORDED, Event, Recording, read_recording
@@ -36,7 +38,9 @@ from ._world_values import (
     ContactState,
     DeviceBook,
     Effort,
+    JointBook,
     ToolState,
+    TurnState,
     WorldOutput,
 )
 
@@ -62,8 +66,14 @@ __all__ = [
     "Event",
     "Excitation",
     "Fields",
+    "Granted",
+    "JointBook",
     "Leak",
     "Ledger",
+    "Loop",
+    "LoopError",
+    "LoopReport",
+    "LoopStatus",
     "Map",
     "Method",
     "Output",
@@ -74,7 +84,9 @@ __all__ = [
     "Scene",
     "Setting",
     "Situation",
+    "Spread",
     "ToolState",
+    "TurnState",
     "World",
     "WorldOutput",
     "WorldRuns",
@@ -82,6 +94,7 @@ __all__ = [
     "advise",
     "calibrate",
     "compare",
+    "devices",
     "heights",
     "map",
     "read_recording",

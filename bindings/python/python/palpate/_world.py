@@ -18,7 +18,9 @@ from ._world_values import (
     ContactState,
     DeviceBook,
     Effort,
+    JointBook,
     ToolState,
+    TurnState,
     WorldOutput,
 )
 
@@ -51,12 +53,15 @@ class World(_palpate.World):
         devices: A table for each device, with its tool.
         bodies: A table for each body.
         contacts: A table for each law.
+        joints: A table for each joint.
         render: Which method renders where none is named, its settings, and the told masses.
         told: Delay, lag and gain as the renderer is told them.
         measure: The window of `palpate.simulate`.
         method: Name of a method for worlds. `None`: that of the file, else `coupled`.
         force_limit: Largest length of the force on each device [N]; `math.inf`: no limit. `None`: that of the
             file, else 20.
+        torque_limit: Largest length of the torque on each device of six axes [N m]; `math.inf`: no limit. `None`: that
+            of the file, else 1, or none where the force has none.
         soft_start: Time over which a force comes in where a start or a recovery finds contact, at most 60 [s].
 
     Raises:
@@ -73,11 +78,13 @@ class World(_palpate.World):
         devices: Sequence[Tables] | None = None,
         bodies: Sequence[Tables] | None = None,
         contacts: Sequence[Tables] | None = None,
+        joints: Sequence[Tables] | None = None,
         render: Tables | None = None,
         told: Tables | None = None,
         measure: Tables | None = None,
         method: str | None = None,
         force_limit: float | None = None,
+        torque_limit: float | None = None,
         soft_start: float = 0.2,
     ) -> World:
         tables: dict[str, Any] = {
@@ -86,11 +93,17 @@ class World(_palpate.World):
             "device": devices,
             "body": bodies,
             "contact": contacts,
+            "joint": joints,
             "render": render,
             "told": told,
             "measure": measure,
         }
-        made_by = {"method": method, "force_limit": force_limit, "soft_start": soft_start}
+        made_by = {
+            "method": method,
+            "force_limit": force_limit,
+            "torque_limit": torque_limit,
+            "soft_start": soft_start,
+        }
         if path is None:
             tables = {key: value for key, value in tables.items() if value is not None}
             return cls._of(_palpate.to_toml({"format": 2, **_as_lists(tables)}), None, "", made_by)
@@ -101,9 +114,8 @@ class World(_palpate.World):
 
     @classmethod
     def _of(cls, text: str, name: str | None, folder: str | os.PathLike[str], made_by: Mapping[str, Any]) -> World:
-        made = super().__new__(
-            cls, text, name, folder, made_by["method"], made_by["force_limit"], made_by["soft_start"]
-        )
+        limits = (made_by["force_limit"], made_by["torque_limit"], made_by["soft_start"])
+        made = super().__new__(cls, text, name, folder, made_by["method"], limits)
         made._made_by = dict(made_by)
         made._devices, made._bodies = made.names()
         return made
@@ -115,32 +127,45 @@ class World(_palpate.World):
     @classmethod
     def parse(cls, text: str, folder: str | os.PathLike[str] = "") -> World:
         """The world of the text of a file."""
-        return cls._of(text, "world", folder, {"method": None, "force_limit": None, "soft_start": 0.2})
+        made_by = {"method": None, "force_limit": None, "torque_limit": None, "soft_start": 0.2}
+        return cls._of(text, "world", folder, made_by)
 
     def step(self, position: ArrayLike, elapsed: float | None = None) -> NDArray[np.float64]:
         """One tick: takes a sample of all devices, gives the forces to hold until the next.
 
+        A device of six axes measures how it is turned and gives a torque: its sample is a pose, and its answer a
+        wrench.
+
         Args:
-            position: Position of the device [m], three numbers; of several devices a row for each, in the order
-                of `devices`.
+            position: Position of the device [m], three numbers; of a device of six axes a pose of seven: x, y, z [m], and
+                the unit quaternion qw, qx, qy, qz that turns the tool's own axes into those of the world. Of several
+                devices a row for each, in the order of `devices`; where one of them has six axes, all rows are poses,
+                and the quaternion of a device that does not turn is not looked at.
             elapsed: Measured time since the last sample [s]; `None`: one period.
 
         Returns:
-            The force on the device [N], three numbers; of several devices a row for each. It is what the device
-            is to give to the hand. A sample that cannot be used gives 0, and `output.fault` says why.
+            The force on the device [N], three numbers; of a pose a wrench of six: fx, fy, fz [N], and the torque about
+            the mass centre along the world's axes tx, ty, tz [N m]. Of several devices a row for each. It is what the
+            device is to give to the hand. A sample that cannot be used gives 0, and `output.fault` says why.
 
         Raises:
-            ValueError: Not three numbers for each device.
+            ValueError: Not as many numbers as a sample of these devices has.
         """
         given = np.asarray(position, dtype=np.float64)
+        width = self.width()
+        row = "x, y, z" if width == 3 else "x, y, z, qw, qx, qy, qz"
         if len(self._devices) == 1:
-            if given.shape != (3,) and given.shape != (1, 3):
-                raise ValueError(f"position has the shape {given.shape}, but must have (3,): x, y, z of {self._devices[0]}")
-            return self.tick(given.reshape(1, 3), elapsed).reshape(given.shape)
-        if given.shape != (len(self._devices), 3):
+            if given.shape != (width,) and given.shape != (1, width):
+                raise ValueError(
+                    f"position has the shape {given.shape}, but must have ({width},): {row} of {self._devices[0]}"
+                )
+            held = self.tick(given.reshape(1, width), elapsed)
+            return held.reshape(given.shape[:-1] + held.shape[1:])
+        if given.shape != (len(self._devices), width):
             names = ", ".join(self._devices)
             raise ValueError(
-                f"position has the shape {given.shape}, but must have ({len(self._devices)}, 3): a row for each of {names}"
+                f"position has the shape {given.shape}, but must have ({len(self._devices)}, {width}): "
+                f"a row of {row} for each of {names}"
             )
         return self.tick(given, elapsed)
 
@@ -148,28 +173,34 @@ class World(_palpate.World):
         """Says what was really sent for the last sample, where that is not what `step` answered.
 
         Args:
-            force: Force on the device [N], three numbers.
+            force: Force on the device [N], three numbers; of a device of six axes a wrench of six, the torque [N m] behind
+                the force.
             device: Name of the device; not needed where there is one.
 
         Raises:
-            ValueError: No such device, or not three numbers.
+            ValueError: No such device, or not as many numbers.
         """
         if device is None and len(self._devices) == 1:
             device = self._devices[0]
         if device not in self._devices:
             raise ValueError(f"device is {device!r}, but must be one of {', '.join(self._devices)}")
         given = np.asarray(force, dtype=np.float64)
-        if given.shape != (3,):
-            raise ValueError(f"force has the shape {given.shape}, but must have (3,)")
-        self.tell_sent(self._devices.index(device), given.tolist())
+        width = 3 if self.width() == 3 else 6
+        if given.shape != (width,):
+            raise ValueError(f"force has the shape {given.shape}, but must have ({width},)")
+        torque = given[3:] if width == 6 else np.zeros(3)
+        self.tell_sent(self._devices.index(device), given[:3].tolist(), torque.tolist())
 
     @property
     def devices(self) -> dict[str, ToolState]:
         """The tool of each device at the last sample, by its name."""
         states = {}
-        for name, (vectors, mass) in zip(self._devices, _palpate.world_tools(self)):
-            known = None if mass is None else np.array(mass)
-            states[name] = ToolState._make([*map(np.array, vectors), known])
+        for name, ((vectors, mass), turned) in zip(self._devices, _palpate.world_tools(self)):
+            turn = None
+            if turned is not None:
+                orientations, turning, inertia = turned
+                turn = TurnState._make([*map(np.array, orientations), *map(np.array, turning), _known(inertia)])
+            states[name] = ToolState._make([*map(np.array, vectors), _known(mass), turn])
         return states
 
     @property
@@ -189,11 +220,12 @@ class World(_palpate.World):
     @property
     def books(self) -> Books:
         """The books of energy as of the last sample."""
-        contacts, bodies, devices = _palpate.world_books(self)
+        contacts, bodies, devices, joints = _palpate.world_books(self)
         return Books(
             tuple(ContactBook((between[0], between[1]), *entries) for between, entries in contacts),
             {name: BodyBook(*entries) for name, entries in zip(self._bodies, bodies)},
             {name: DeviceBook(*entries) for name, entries in zip(self._devices, devices)},
+            tuple(JointBook((between[0], between[1]), kind, *entries) for between, kind, entries in joints),
         )
 
     @property
@@ -211,10 +243,14 @@ class World(_palpate.World):
         devices: Iterable[Tables] = (),
         bodies: Iterable[Tables] = (),
         contacts: Iterable[Tables] = (),
+        joints: Iterable[Tables] = (),
     ) -> World:
         """A new world with these beside its own, at its start. Of two laws for the same pair the last counts."""
         tables = self.to_dict()
-        for key, more in (("device", devices), ("body", bodies), ("contact", contacts)):
+        for key, more in (("device", devices), ("body", bodies), ("contact", contacts), ("joint", joints)):
+            more = list(more)
+            if not more:
+                continue
             tables[key] = [*tables.get(key, []), *more]
         return self._of(_palpate.to_toml(_as_lists(tables)), None, "", self._made_by)
 
@@ -223,22 +259,28 @@ class World(_palpate.World):
         *,
         method: str | None = None,
         force_limit: float | None = None,
+        torque_limit: float | None = None,
         soft_start: float | None = None,
         **tables: Any,
     ) -> World:
         """A new world with other values, at its start: of `title`, `loop`, `render`, `told` and `measure`, by
-        key, and `devices`, `bodies` and `contacts` as wholes; and with another method or other limits.
+        key, and `devices`, `bodies`, `contacts` and `joints` as wholes; and with another method or other limits.
 
             world.replace(loop={"period_s": 0.004}, method="basic")
         """
         changed = self.to_dict()
-        names = {"devices": "device", "bodies": "body", "contacts": "contact"}
+        names = {"devices": "device", "bodies": "body", "contacts": "contact", "joints": "joint"}
         for key, value in tables.items():
             before = changed.get(key)
             if isinstance(value, Mapping) and isinstance(before, Mapping):
                 value = {**before, **value}
             changed[names.get(key, key)] = value
-        limits = {"method": method, "force_limit": force_limit, "soft_start": soft_start}
+        limits = {
+            "method": method,
+            "force_limit": force_limit,
+            "torque_limit": torque_limit,
+            "soft_start": soft_start,
+        }
         made_by = {key: self._made_by[key] if value is None else value for key, value in limits.items()}
         return self._of(_palpate.to_toml(_as_lists(changed)), None, "", made_by)
 
@@ -259,5 +301,9 @@ class World(_palpate.World):
 
 def _as_lists(tables: Mapping[str, Any]) -> dict[str, Any]:
     """Rows of tables as lists, which TOML wants."""
-    rows = ("device", "body", "contact")
+    rows = ("device", "body", "contact", "joint")
     return {key: list(value) if key in rows else value for key, value in tables.items()}
+
+
+def _known(numbers: list[float] | None) -> NDArray[np.float64] | None:
+    return None if numbers is None else np.array(numbers)

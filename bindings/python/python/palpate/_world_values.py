@@ -29,9 +29,10 @@ class WorldOutput(NamedTuple):
 
     forces: NDArray[np.float64]
     """Force on each device [N], a row for each: what it is to give to the hand, and to hold until the next
-    sample."""
+    sample. Where a device of six axes is among them, each row has the torque about the mass centre [N m] behind the
+    force, 0 for a device that does not turn."""
     limited: tuple[str, ...]
-    """Limits that acted: `force`, `offset` of an avatar, `soft-start`."""
+    """Limits that acted: `force`, `torque`, `offset` of an avatar, `soft-start`."""
     effort: Effort
     """What the tick has cost."""
     fault: str | None
@@ -53,6 +54,26 @@ class BodyState(NamedTuple):
     """Angular velocity [rad/s]."""
 
 
+class TurnState(NamedTuple):
+    """How the tool of a device of six axes is turned at the last sample."""
+
+    orientation: NDArray[np.float64]
+    """Unit quaternion [w, x, y, z] that turns the tool's own axes into those of the world, by what the method knows."""
+    avatar_orientation: NDArray[np.float64]
+    """The same of the avatar."""
+    angular_velocity: Vector
+    """Angular velocity of the device [rad/s]."""
+    offset: Vector
+    """Rotation vector that turns the device into the avatar [rad]."""
+    momentum_offset: Vector
+    """Angular momentum of the avatar less that of the device [N m s]."""
+    torque: Vector
+    """Torque about the mass centre that the method asked for at this sample [N m], before the soft start."""
+    inertia: Vector | None
+    """Moments of inertia of the device with the hand along the tool's axes, as far as the method has learned them
+    [kg m^2]."""
+
+
 class ToolState(NamedTuple):
     """The tool of a device at the last sample."""
 
@@ -72,6 +93,8 @@ class ToolState(NamedTuple):
     """Force that the method asked for at this sample [N], before the soft start."""
     mass: Vector | None
     """Mass of the device with the hand along each axis, as far as the method has learned it [kg]."""
+    turn: TurnState | None
+    """How it is turned; `None` for a device that does not turn."""
 
 
 class ContactState(NamedTuple):
@@ -124,6 +147,26 @@ class ContactBook(NamedTuple):
         return self.held - self.work_on_avatar
 
 
+class JointBook(NamedTuple):
+    """Energy of a joint over all intervals that have ended [J].
+
+    `stored = stored at the start - work - dissipated + step_error`
+    """
+
+    between: tuple[str, str]
+    """Name of the body that moves, and of the body against which it does, or `world`."""
+    kind: str
+    """`hinge` or `slider`."""
+    stored: float
+    """Energy of its springs."""
+    dissipated: float
+    """What damping took: never falls."""
+    work: float
+    """Work of the joint on both of its sides."""
+    step_error: float
+    """What finite sub-steps have made (positive) or lost."""
+
+
 class BodyBook(NamedTuple):
     """Energy of a body over all intervals that have ended [J].
 
@@ -135,7 +178,7 @@ class BodyBook(NamedTuple):
     potential: float
     """Less the work of its constant force since the start."""
     work: float
-    """Work of the contacts on it."""
+    """Work of contacts and joints on it."""
     outside: float
     """What changed it from outside."""
     step_error: float
@@ -173,3 +216,5 @@ class Books(NamedTuple):
     """Of each body, by its name."""
     devices: Mapping[str, DeviceBook]
     """Of each device, by its name."""
+    joints: tuple[JointBook, ...]
+    """Of each joint, in the order of the world."""

@@ -514,6 +514,8 @@ impl Reading {
             orientation,
             motion,
         }
+        // Its place is that of the mesh's origin, wherever the centre of mass is.
+        .balanced()
     }
 
     fn contact(&mut self, index: usize, raw: Spanned<RawContact>) -> Contact {

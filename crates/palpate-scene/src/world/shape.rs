@@ -5,7 +5,7 @@ use std::path::Path;
 use palpate_world::{Shape, SphereAt, Vector};
 use serde::Deserialize;
 
-use super::mesh::{RawMesh, ReadMesh};
+use super::mesh::{RawHull, RawMesh, ReadMesh};
 
 /// A shape by its name; lengths as one measures them, from side to side.
 #[derive(Clone, Debug, Deserialize)]
@@ -32,6 +32,7 @@ pub(super) enum RawShape {
         length_m: f64,
     },
     Mesh(RawMesh),
+    Hull(RawHull),
 }
 
 /// A sphere of a tool that has several.
@@ -52,7 +53,7 @@ impl RawShape {
                 let radii = spheres.iter().map(|sphere| sphere.radius_m);
                 radii.map(|radius| ("radius_m", radius)).collect()
             }
-            Self::HalfSpace { .. } | Self::Mesh(_) => vec![],
+            Self::HalfSpace { .. } | Self::Mesh(_) | Self::Hull(_) => vec![],
             Self::Box { size_m } => size_m.map(|length| ("size_m", length)).into(),
             Self::Capsule { radius_m, length_m } | Self::Cylinder { radius_m, length_m } => {
                 vec![("radius_m", radius_m), ("length_m", length_m)]
@@ -65,6 +66,7 @@ impl RawShape {
     pub fn shape(self, folder: &Path) -> Result<ReadMesh, String> {
         let shape = match self {
             Self::Mesh(mesh) => return mesh.read(folder),
+            Self::Hull(hull) => return hull.read(folder),
             Self::Sphere { radius_m } => Shape::Sphere { radius: radius_m },
             Self::Spheres(spheres) => Shape::Spheres {
                 spheres: spheres

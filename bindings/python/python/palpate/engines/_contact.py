@@ -219,7 +219,7 @@ class EngineContact(_palpate.EngineContact):
         states = {}
         for name, (vectors, mass) in zip(self._tools, self.tools_now()):
             known = None if mass is None else np.array(mass)
-            states[name] = ToolState._make([*map(np.array, vectors), known])
+            states[name] = ToolState._make([*map(np.array, vectors), known, None])
         return states
 
     @property

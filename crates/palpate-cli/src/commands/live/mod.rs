@@ -18,8 +18,7 @@ use serving::{listen, serve};
 
 use super::run::report::Subject;
 use super::run::{
-    Asked, Report, guarding, limits, outcome, receipt, request, scene_text,
-    tell_what_a_loop_has_not,
+    Asked, Report, guarding, limits, outcome, request, scene_text, tell_what_a_loop_has_not,
 };
 use super::simulate::{AnyScene, read_any};
 use crate::devices::guarding::GuardianReport;
@@ -62,7 +61,8 @@ pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
         limits: Box::new(move |device| limits(device, &safety)),
         duration: lasts,
         receipts: Box::new(move |scene, device| {
-            let receipt = receipt(device, &limits(device, &told), &request);
+            let version = env!("CARGO_PKG_VERSION");
+            let receipt = palpate_rt::receipt(version, device, &limits(device, &told), &request);
             scene_text::put(receipt, scene, &scene_path).map_err(|failure| failure.message())
         }),
         folder: folder(arguments.record.as_deref()),

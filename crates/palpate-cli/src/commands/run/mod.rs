@@ -3,7 +3,6 @@
 mod arguments;
 mod driving;
 pub mod outcome;
-mod receipt;
 pub mod report;
 pub mod scene_text;
 pub mod world;
@@ -14,7 +13,7 @@ use palpate_device::Capabilities;
 use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
 use palpate_rt::realtime::Request;
 use palpate_rt::safety::SafetyParams;
-use palpate_rt::{ControlLoop, SetupError};
+use palpate_rt::{ControlLoop, SetupError, receipt};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile, Timing};
 
@@ -22,7 +21,6 @@ pub use arguments::{
     RealtimeArguments, RecordArguments, RunArguments, SafetyArguments, SessionArguments,
 };
 pub use outcome::Asked;
-pub use receipt::receipt;
 pub use report::Report;
 pub use report::TimingReport;
 
@@ -162,7 +160,8 @@ impl Session<'_> {
         let most = most_periods(self.arguments.duration, control.period())?;
         let record = match self.record {
             Some(out) => {
-                let receipt = receipt(&capabilities, &limits, &request);
+                let version = env!("CARGO_PKG_VERSION");
+                let receipt = receipt(version, &capabilities, &limits, &request);
                 let receipt = scene_text::put(receipt, self.scene, self.path)?;
                 Some((out, receipt))
             }

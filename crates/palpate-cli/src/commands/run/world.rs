@@ -6,12 +6,12 @@ use palpate_device::Capabilities;
 use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
 use palpate_record::recording::Receipt;
 use palpate_rt::realtime::Request;
-use palpate_rt::{ControlLoop, RenderedWorld, SetupError, WorldFrame};
+use palpate_rt::{ControlLoop, RenderedWorld, SetupError, WorldFrame, receipt};
 use palpate_scene::world::{WorldFile, WorldScene};
 
 use super::driving::{Ran, drive, most_periods};
 use super::report::{Energies, Report, Subject};
-use super::{Asked, SessionArguments, guarding, limits, outcome, receipt, request};
+use super::{Asked, SessionArguments, guarding, limits, outcome, request};
 use crate::devices::{OpenedInWorld, open_in_world};
 use crate::failure::Failure;
 use crate::results::print_report;
@@ -106,7 +106,8 @@ impl Session<'_> {
         let most = most_periods(arguments.duration, control.period())?;
         let record = match self.record {
             Some(out) => {
-                let receipt = receipt(&capabilities, &limits, &request);
+                let version = env!("CARGO_PKG_VERSION");
+                let receipt = receipt(version, &capabilities, &limits, &request);
                 Some((out, put(receipt, self.path, method, &frame)?))
             }
             None => None,

@@ -4,12 +4,19 @@ use std::fmt::Write as _;
 
 use palpate_device::{Capabilities, Vector};
 use palpate_record::recording::Receipt;
-use palpate_rt::realtime::Request;
-use palpate_rt::safety::SafetyParams;
 
-/// The receipt of a recording, but for its scene.
-pub fn receipt(device: &Capabilities, limits: &SafetyParams, request: &Request) -> Receipt {
-    Receipt::new(env!("CARGO_PKG_VERSION"))
+use crate::realtime::Request;
+use crate::safety::SafetyParams;
+
+/// The receipt of a recording by version `version` of a program, but for its scene.
+#[must_use]
+pub fn receipt(
+    version: &str,
+    device: &Capabilities,
+    limits: &SafetyParams,
+    request: &Request,
+) -> Receipt {
+    Receipt::new(version)
         .with("device", &of_device(device))
         .with("safety", &of_safety(limits))
         .with("real time", &of_request(request))
@@ -39,7 +46,7 @@ impl Lines {
 fn of_device(device: &Capabilities) -> String {
     let mut lines = Lines::default();
     let unknown = "not known";
-    lines.put("name", serde_json::Value::from(device.name.as_str()));
+    lines.put("name", format_args!("{:?}", device.name));
     lines.put("axes", device.axes);
     lines.put_or("largest_force_n", device.largest_force, unknown);
     lines.put_or(
@@ -99,7 +106,7 @@ mod tests {
         };
         for device in [known, Capabilities::unknown("another", 1)] {
             let limits = SafetyParams::for_device(&device);
-            let receipt = receipt(&device, &limits, &Request::default());
+            let receipt = receipt("1.2.3", &device, &limits, &Request::default());
             for (name, text) in &receipt.texts {
                 assert!(!text.contains(['{', '}']), "{name}: {text}");
                 assert!(!text.contains("Some("), "{name}: {text}");

@@ -1,0 +1,386 @@
+"""`Loop`: a renderer on a device in real time, beside Python."""
+
+from __future__ import annotations
+
+import atexit
+import os
+import sys
+import weakref
+from types import TracebackType
+from typing import Any, NamedTuple, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _palpate
+from ._methods import METHODS
+from ._recording import RECORDED, Event
+from ._renderer import Renderer
+from .devices import Device
+
+
+class LoopError(RuntimeError):
+    """A loop that has ended by itself, stands still, or could not end as it should."""
+
+
+class Spread(NamedTuple):
+    """Times of the ticks of a loop."""
+
+    median: float
+    """Median [s]."""
+    p99: float
+    """What 99 % of the ticks do not exceed [s]."""
+    longest: float
+    """Longest [s]."""
+
+
+class Granted(NamedTuple):
+    """What the machine was asked for, and what came of it."""
+
+    asked: str
+    """What was asked for."""
+    granted: bool
+    """Whether it is so."""
+    text: str
+    """Both in words, with what can be done about a refusal."""
+
+
+class LoopStatus(NamedTuple):
+    """How a loop stands."""
+
+    running: bool
+    """Whether its thread runs."""
+    ticks: int
+    """Ticks that it has made, as far as was heard."""
+    lost: int
+    """Ticks that no `read` has given or will give: they made room for newer ones, or never came."""
+    silent: float | None
+    """Time since the last tick was heard [s]; `None` before the first."""
+    cuts: int
+    """How often the supervisor commanded no force, because the loop stood still."""
+    motors_off: bool
+    """Whether a trip of the safety kept the motors off at the end of the last tick."""
+    force: tuple[float, float, float]
+    """Force that the device says it holds, along its axes [N]; NaN where it did not say."""
+
+
+class LoopReport(NamedTuple):
+    """What a loop has left behind."""
+
+    ending: str | None
+    """Why it ended; `None` for a loop that was never started."""
+    failure: str | None
+    """What went wrong: a lost device, a panic, a recording that could not be written, a device that could not be let go of."""
+    trip: str | None
+    """The trip of the safety that held the force at none in the end."""
+    ticks: int
+    """Ticks."""
+    missed_deadlines: int
+    """Deadlines that were missed, and skipped."""
+    without_sample: int
+    """Ticks that found no fresh sample."""
+    motors_off: int
+    """Ticks at whose end a trip kept the motors off."""
+    cuts: int
+    """How often the supervisor commanded no force."""
+    lateness: Spread
+    """How long after its deadline a tick began [s]."""
+    duration: Spread
+    """How long a tick took, from the sample's arrival to the force's [s]."""
+    recorded: int | None
+    """Ticks in the recording; `None` where there is none."""
+    unrecorded: int | None
+    """Ticks that the recording lacks; `None` where there is none."""
+
+
+class Loop(_palpate.Loop):
+    """A renderer on a device in real time: the loop of `palpate run`, in a thread that never waits for Python.
+
+        with palpate.Loop(palpate.devices.Pointer(), palpate.Renderer(stiffness=400.0, ...)) as loop:
+            ticks = loop.read(wait=1.0)
+
+    The thread samples the device, renders, and commands the force through a safety layer (`docs/realtime.md`). Python reads
+    what it did, and changes what it renders. The loop begins the renderer anew; the renderer itself is left as it is, and
+    its `force_limit` and `soft_start` are the loop's.
+
+    The loop ends, and the device is commanded no force, when the `with` block is left by its end, by an exception or by
+    Ctrl-C; by `stop`; when the interpreter exits; when nobody refers to the loop any more. A signal that ends Python at once,
+    such as SIGTERM without a handler, is not among these: then a guardian takes the force off a device that holds it.
+
+    Args:
+        device: One of `palpate.devices`.
+        renderer: What is rendered.
+        record: A recording (MCAP) to write; a file that is there is not overwritten.
+        ring: Ticks that wait for `read`; of more, the oldest make room and are counted.
+        largest_speed: Speed of the device above which the motors are off [m/s].
+        range: Where the device may be along the contact's axis, from and to [m]; `None`: anywhere.
+        oscillation: Energy created within a fifth of a second that counts as oscillation [J]; `math.inf`: none does.
+        stall_after: Periods from tick to tick after which a supervisor commands no force; `None`: 1.5, or a period and 3 ms
+            where that is more.
+        priority: Priority under SCHED_FIFO that the machine is asked for, 1 to 98; 0: none.
+        lock_memory: Whether the memory of the whole process is to be kept from being moved out.
+        processor: Processor to run on; `None`: any.
+        spin: How long to stay awake before each deadline [s], at most 1.
+
+    Raises:
+        ValueError: A value that is not allowed, by the name of its argument.
+        OSError: A device that cannot be opened; a recording that cannot be begun.
+    """
+
+    granted: list[Granted]
+    """What the machine was asked for, and what it granted; empty before the start."""
+    report: LoopReport | None
+    """What the loop has left behind; `None` before its end."""
+
+    def __new__(
+        cls,
+        device: Device,
+        renderer: Renderer,
+        *,
+        record: str | os.PathLike[str] | None = None,
+        ring: int = 65536,
+        largest_speed: float = 5.0,
+        range: tuple[float, float] | None = None,
+        oscillation: float = 0.05,
+        stall_after: float | None = None,
+        priority: int = 80,
+        lock_memory: bool = False,
+        processor: int | None = None,
+        spin: float = 0.0,
+    ) -> Loop:
+        options: dict[str, Any] = {
+            "ring": ring,
+            "largest_speed": largest_speed,
+            "range": range,
+            "oscillation": oscillation,
+            "stall_after": stall_after,
+            "priority": priority,
+            "lock_memory": lock_memory,
+            "processor": processor,
+            "spin": spin,
+            "record": record,
+            "scene": _scene(device, renderer) if record is not None else None,
+        }
+        method, given, soft_start, settings = _split(renderer.parameters)
+        made = super().__new__(cls, device._given(), method, given, soft_start, settings, options)
+        made.granted = []
+        made.report = None
+        made._parameters = dict(renderer.parameters)
+        made._started = made._said = False
+        return made
+
+    _parameters: dict[str, Any]
+    _started: bool
+    _said: bool
+
+    def start(self) -> list[Granted]:  # type: ignore[override]
+        """Starts the loop's thread. A loop runs once.
+
+        Returns:
+            What the machine was asked for, and whether it granted that. The loop runs in any case.
+
+        Raises:
+            RuntimeError: A loop that was started before.
+        """
+        self.granted = [Granted(*answer) for answer in super().start()]
+        self._started = True
+        _RUNNING.add(self)
+        return self.granted
+
+    def stop(self) -> LoopReport:  # type: ignore[override]
+        """Ends the loop and waits until the device was commanded no force, was closed, and the recording is written.
+
+        A second call gives the same report.
+
+        Raises:
+            LoopError: Something went wrong, once; `report` has it all.
+        """
+        _RUNNING.discard(self)
+        (ending, failure, trip), counts, (lateness, duration), recorded = super().stop()
+        kept: tuple[int, int] | tuple[None, None] = (None, None) if recorded is None else recorded
+        report = LoopReport(ending, failure, trip, *counts, Spread(*lateness), Spread(*duration), *kept)
+        self.report = report
+        if failure is not None and not self._said:
+            self._said = True
+            raise LoopError(failure)
+        return report
+
+    def read(self, wait: float = 0.0) -> NDArray[np.void]:
+        """The ticks since the last `read`, oldest first: an array with the fields of `palpate.RECORDED`.
+
+        Args:
+            wait: How long to wait for the first of them [s]; 0: not at all.
+
+        Raises:
+            LoopError: The loop has ended by itself and all its ticks were read; or no tick came within `wait`.
+        """
+        ticks = self.take(wait).view(RECORDED)
+        if len(ticks) == 0:
+            self._say_why(wait)
+        return ticks
+
+    def _say_why(self, wait: float) -> None:
+        """Says why there is no tick, where that is not what somebody wanted."""
+        now = self.status
+        if self._started and self.report is None and not now.running:
+            # Nobody has stopped it: this says what has ended it.
+            report = self.stop()
+            raise LoopError(f"the loop has ended: {report.ending}")
+        if wait > 0.0 and now.running:
+            silent = "none since its start" if now.silent is None else f"the last one {now.silent:.3g} s ago"
+            raise LoopError(f"the loop stands still: no tick within {wait} s, {silent}")
+
+    def events(self) -> list[Event]:  # type: ignore[override]
+        """What happened beside the ticks since this was asked last: faults, trips, changes, missed deadlines, the end.
+
+        The newest 1000 are kept; where older ones are gone, the first event says how many (`kind` is `"lost"`).
+        """
+        told, gone = super().events()
+        events = [Event(*event) for event in told]
+        if gone:
+            sequence, at = (events[0].sequence, events[0].t_s) if events else (0, 0.0)
+            events.insert(0, Event(sequence, at, "lost", f"events before this one that were not read in time: {gone}"))
+        return events
+
+    def change(self, **changes: Any) -> int:  # type: ignore[override]
+        """Renders by other parameters from the next tick on: any of `Renderer`, its method and the method's settings.
+
+            loop.change(stiffness=800.0, mass=0.2)
+
+        Stiffness, mass and virtual force, and the difference that another method makes, pass over in a tenth of a second.
+        Another method begins with its own defaults. The object's position and velocity are those of the start: they do not
+        change, but for a wall, which goes to `object_position`.
+
+        Returns:
+            Number of the change: ticks have it in the field `generation` from where it is in force.
+
+        Raises:
+            ValueError: A value that is not allowed; the period, the side and the limits of the loop do not change.
+            RuntimeError: The loop has ended.
+        """
+        for name in ("force_limit", "soft_start"):
+            if name in changes:
+                raise ValueError(f"{name} is a limit of the loop, and stays while it runs; make another Loop")
+        method, before, soft_start, settings = _split(self._parameters)
+        kept = settings if changes.get("method", method) == method else {}
+        parameters = {"method": method, **before, "soft_start": soft_start, **kept, **changes}
+        # Checked as a renderer's arguments are, unknown names among them.
+        method, given, _, settings = _split(Renderer(**parameters).parameters)
+        generation = super().change(method, given, settings)
+        self._parameters = parameters
+        return generation
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """What is rendered now, as arguments of `palpate.Renderer`."""
+        return dict(self._parameters)
+
+    @property
+    def status(self) -> LoopStatus:
+        """How the loop stands."""
+        running, ticks, lost, silent, cuts, motors_off, (x, y, z) = self.now()
+        return LoopStatus(running, ticks, lost, silent, cuts, motors_off, (x, y, z))
+
+    def __enter__(self) -> Loop:
+        self.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        try:
+            self.stop()
+        except LoopError:
+            # What was raised first is told; the report has the rest.
+            if error is None:
+                raise
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("a Loop runs on a device and is not pickled")
+
+    def __repr__(self) -> str:
+        state = "ended" if self.report else "running" if self.status.running else "not started"
+        return f"<Loop on {self.device_name!r}, {self.period} s, {state}>"
+
+
+_RUNNING: weakref.WeakSet[Loop] = weakref.WeakSet()
+
+
+def _stop_all() -> None:
+    for loop in list(_RUNNING):
+        try:
+            loop.stop()
+        except RuntimeError as error:
+            print(f"palpate: {error}", file=sys.stderr)
+
+
+atexit.register(_stop_all)
+
+
+def _split(parameters: dict[str, Any]) -> tuple[Any, dict[str, Any], float, dict[str, Any]]:
+    """Method, the arguments that every renderer has, soft start, and settings of the method."""
+    rest = dict(parameters)
+    method, soft_start = rest.pop("method"), rest.pop("soft_start")
+    given = {name: rest.pop(name) for name in _SHARED}
+    return method, given, soft_start, rest
+
+
+_SHARED = tuple(
+    name
+    for name in (Renderer.__new__.__kwdefaults__ or {}).keys() | {"stiffness", "mass", "period"}
+    if name not in ("method", "soft_start")
+)
+
+
+def _scene(device: Device, renderer: Renderer) -> str | None:
+    """The text of the scene that a recording of this loop holds; `None` where nobody knows the device's mass."""
+    method, given, _, settings = _split(renderer.parameters)
+    table = device._in_scene()
+    if table is None and given["device_mass"] is not None:
+        table = {"kind": "point-mass", "mass_kg": given["device_mass"]}
+    if table is None:
+        return None
+    period = given["period"]
+    guard = None
+    if given["guard"] != "off":
+        guard = {"mode": given["guard"], "speed_m_per_s": given["guard_speed"], "allowance_j": given["guard_allowance"]}
+    limit = given["force_limit"]
+    keys = {setting.name: setting.key for setting in METHODS[method].settings}
+    tables: dict[str, Any] = {
+        "scene_format": 1,
+        "title": "a loop of Python",
+        "object": {
+            "mass_kg": given["mass"],
+            "stiffness_n_per_m": given["stiffness"],
+            "position_m": given["object_position"],
+            "velocity_m_per_s": given["object_velocity"],
+            "force_n": given["force"],
+            "side": given["side"],
+        },
+        "device": table,
+        "loop": {"period_s": period},
+        "told": {
+            "delay_s": given["delay"] * period,
+            "lag_s": given["lag"],
+            "gain": given["gain"],
+            "delay_deviation_s": given["delay_deviation"] * period,
+            "lag_deviation_s": given["lag_deviation"],
+            "gain_deviation": given["gain_deviation"],
+        },
+        "measure": {"duration_s": 1.0},
+        "renderer": {
+            "method": method,
+            "device_mass_kg": given["device_mass"],
+            "unilateral": given["unilateral"],
+            "force_limit_n": None if limit == float("inf") else limit,
+            "slew_limit_n_per_s": given["slew_limit"],
+            "speed_limit_m_per_s": given["speed_limit"],
+            "largest_gap_s": given["largest_gap"],
+            "guard": guard,
+        },
+        "methods": {method: {keys[name]: value for name, value in settings.items()}} if settings else None,
+    }
+    return _palpate.to_toml(tables)

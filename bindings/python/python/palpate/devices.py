@@ -1,0 +1,212 @@
+"""Devices for `palpate.Loop`: simulated ones, and Haply's.
+
+    import palpate
+
+    device = palpate.devices.Pointer(position=-0.01)  # a device in a hand that this program leads
+    device = palpate.devices.Simulated("experiments/wall.toml")  # device and hand of a scene
+    device = palpate.devices.TwoDiy("/dev/ttyACM0")
+    device = palpate.devices.Inverse3()
+
+A device is opened when a loop is made with it.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import Any, Sequence
+
+from . import _palpate
+from ._scene import Scene
+
+__all__ = ["Device", "Inverse3", "Pointer", "Simulated", "TwoDiy"]
+
+
+class Device:
+    """What a `palpate.Loop` runs on."""
+
+    def _given(self) -> dict[str, Any]:
+        raise TypeError("a Device is one of palpate.devices: Pointer, Simulated, TwoDiy or Inverse3")
+
+    def _in_scene(self) -> dict[str, Any] | None:
+        """The device as a table of a scene; None where nobody knows its mass."""
+        return None
+
+
+class Pointer(Device):
+    """A simulated device in a hand that a program leads, as `palpate live` has for the mouse.
+
+    The hand follows its target through a critically damped filter of 100 rad/s, and holds the device by a spring and a
+    damper. Let go of, the device moves by itself until its friction stops it.
+
+    Args:
+        mass: Mass of the device [kg].
+        position: Where device and hand are at the start [m].
+        viscous_friction: Viscous friction of the device [N s/m].
+        dry_friction: Dry friction of the device while nobody holds it [N].
+        encoder_quantum: Quantum of the position [m]; 0: none.
+        largest_force: What the motor gives at most [N]; `None`: whatever is commanded.
+        hand_mass: Mass of the hand, which moves with the device while it holds it [kg].
+        hand_stiffness: Stiffness of the hand [N/m].
+        hand_damping: Damping of the hand [N s/m].
+    """
+
+    def __init__(
+        self,
+        *,
+        mass: float = 0.25,
+        position: float = 0.0,
+        viscous_friction: float = 1.0,
+        dry_friction: float = 1.5,
+        encoder_quantum: float = 0.0,
+        largest_force: float | None = None,
+        hand_mass: float = 0.1,
+        hand_stiffness: float = 400.0,
+        hand_damping: float = 20.0,
+    ) -> None:
+        values = dict(locals())
+        del values["self"]
+        self._values = values
+        self._hand = _palpate.Hand(position)
+
+    def move_to(self, target: float) -> None:
+        """Leads the hand to `target` [m], along the contact's axis; a hand that has let go takes hold again.
+
+        Raises:
+            ValueError: A target that is not finite.
+        """
+        self._hand.move_to(target)
+
+    def let_go(self) -> None:
+        """Lets go of the device."""
+        self._hand.let_go()
+
+    @property
+    def target(self) -> float | None:
+        """Where the hand wants to be [m]; `None`: it has let go."""
+        return self._hand.target
+
+    def _given(self) -> dict[str, Any]:
+        return {"kind": "pointer", "hand": self._hand, **self._values}
+
+    def _in_scene(self) -> dict[str, Any]:
+        values = self._values
+        return {
+            "kind": "point-mass",
+            "mass_kg": values["mass"],
+            "position_m": values["position"],
+            "viscous_n_s_per_m": values["viscous_friction"],
+            "encoder_quantum_m": values["encoder_quantum"],
+            "motor_limit_n": values["largest_force"],
+        }
+
+
+class Simulated(Device):
+    """The device and the hand of a scene, in real time. The scene's contact and loop are not used.
+
+    Args:
+        scene: A `palpate.Scene`, or the path of a scene file.
+    """
+
+    def __init__(self, scene: Scene | str | os.PathLike[str]) -> None:
+        self._scene = scene if isinstance(scene, Scene) else Scene.read(scene)
+
+    def _given(self) -> dict[str, Any]:
+        return {"kind": "simulated", "scene": self._scene}
+
+    def _in_scene(self) -> dict[str, Any] | None:
+        table = self._scene.to_dict()["device"]
+        return table if table["kind"] == "point-mass" else None
+
+
+class TwoDiy(Device):
+    """A Haply 2DIY on a serial port, or `palpate emulate haply-2diy`.
+
+    The board holds its last torque until it is told another one. A guardian, a process beside this one, takes that torque
+    off when this process is killed or hangs. Read `docs/devices/haply-2diy.md` first.
+
+    Args:
+        port: Serial port; `None`: the one that looks like a 2DIY.
+        generation: 1, 2 or 3.
+        board: `"m0"`, `"m3"` or `"dev"`; `None`: found out where its first angles tell.
+        start_pose: Pose of the arm while it is opened: `"retracted"`, `"extended"`, or two angles [degrees]. Elsewhere
+            forces point in wrong directions.
+        origin: Where the contact's coordinate is 0, along the device's two axes [m]; `None`: the usual place.
+        normal: Direction in which the contact's coordinate grows; `None`: away from the base.
+        guardian: Whether there is a guardian.
+    """
+
+    def __init__(
+        self,
+        port: str | os.PathLike[str] | None = None,
+        *,
+        generation: int = 3,
+        board: str | None = None,
+        start_pose: str | tuple[float, float] = "retracted",
+        origin: Sequence[float] | None = None,
+        normal: Sequence[float] | None = None,
+        guardian: bool = True,
+    ) -> None:
+        self._values: dict[str, Any] = {
+            "port": port,
+            "generation": generation,
+            "board": board,
+            "start_pose": start_pose,
+            "origin": None if origin is None else list(origin),
+            "normal": None if normal is None else list(normal),
+            "guardian": _guardian() if guardian else None,
+        }
+
+    def _given(self) -> dict[str, Any]:
+        return {"kind": "haply-2diy", **self._values}
+
+
+class Inverse3(Device):
+    """A Haply Inverse3 behind its Inverse Service, or `palpate emulate inverse3`.
+
+    Args:
+        service: URL of the service's simulation channel; `None`: `ws://localhost:10001`.
+        events: URL of its events channel, which tells why a device is gone; `None`: not listened to.
+        device_id: Which Inverse3 of the service; `None`: the only one.
+        origin: Where the contact's coordinate is 0 [m]; `None`: where the cursor is when the device is opened.
+        normal: Direction in which the contact's coordinate grows; `None`: along x.
+    """
+
+    def __init__(
+        self,
+        service: str | None = None,
+        *,
+        events: str | None = None,
+        device_id: str | None = None,
+        origin: Sequence[float] | None = None,
+        normal: Sequence[float] | None = None,
+    ) -> None:
+        self._values: dict[str, Any] = {
+            "service": service,
+            "events": events,
+            "device_id": device_id,
+            "origin": None if origin is None else list(origin),
+            "normal": None if normal is None else list(normal),
+        }
+
+    def _given(self) -> dict[str, Any]:
+        return {"kind": "inverse3", **self._values}
+
+
+# The compiled part alone: NumPy would take a guardian longer to start than it takes to guard.
+_SERVE = """\
+import sys
+from importlib.machinery import ExtensionFileLoader
+from importlib.util import module_from_spec, spec_from_loader
+loader = ExtensionFileLoader("_palpate", sys.argv[1])
+module = module_from_spec(spec_from_loader("_palpate", loader))
+loader.exec_module(module)
+module.guard()
+"""
+
+
+def _guardian() -> list[str]:
+    """The command that serves as a guardian."""
+    if not sys.executable or _palpate.__file__ is None:
+        return []
+    return [sys.executable, "-I", "-S", "-c", _SERVE, _palpate.__file__]

@@ -1,0 +1,102 @@
+"""MuJoCo in `palpate.engines.table`: its own contact of the tool, and palpate's."""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._scenes import BODY_MASS, DEVICE_MASS, GRAVITY, HALF, Scene
+from .mujoco import Contact
+
+# After it, which says how to get MuJoCo where it is not there.
+import mujoco  # noqa: E402  isort: skip
+
+VERSION = f"MuJoCo {mujoco.__version__}"
+INTEGRATORS = ("RK4", "Euler", "implicitfast")
+"""The first is the usual one."""
+
+
+def _spring(stiffness: float, damping: str, shares: int = 1) -> str:
+    """MuJoCo's contact as a spring and a damper between a body of BODY_MASS and what is fixed: an impedance near 0
+    takes the inertia out of its law."""
+    return f'solref="{-stiffness / BODY_MASS / shares} {damping}" solimp="1e-4 1e-4 0.001 0.5 2"'
+
+
+def model(scene: Scene, steps: int, integrator: str, damping: float = 0.0) -> mujoco.MjModel:
+    """The engine's model; `damping` is that of the engine's own contact of the tool [N s/m]."""
+    floor = ""
+    if scene.floor is not None:
+        # The engine has a contact at each corner of a box that lies flat.
+        shares = 4 if scene.shape == "box" else 1
+        law = _spring(scene.floor.stiffness, str(-scene.floor.damping / BODY_MASS / shares), shares)
+        floor = f'<geom type="plane" size="1 1 1" contype="0" conaffinity="1" condim="1" priority="1" {law}/>'
+    size = " ".join([str(HALF)] * (1 if scene.shape == "sphere" else 3))
+    where = " ".join(map(str, scene.place))
+    rate = -(damping / BODY_MASS + 1e-9)
+    return mujoco.MjModel.from_xml_string(
+        f'<mujoco><option timestep="{scene.period / steps}" integrator="{integrator}" gravity="0 0 {-GRAVITY}"><flag '
+        f'eulerdamp="disable"/></option><worldbody>{floor}<body name="body" pos="{where}"><freejoint/><geom '
+        f'type="{scene.shape}" size="{size}" mass="{BODY_MASS}" condim="1" contype="1" conaffinity="2"/></body><body '
+        f'mocap="true"><geom name="tool" type="sphere" size="{scene.tool_radius}" contype="2" conaffinity="0" condim="1" '
+        f'priority="2" {_spring(scene.stiffness, str(rate))}/></body></worldbody></mujoco>'
+    )
+
+
+def with_engine(
+    scene: Scene, steps: int, integrator: str, damping: float, samples: int, moves: bool = False
+) -> tuple[NDArray[np.float64], float]:
+    """Forces of the engine's own contact, and the time of a step [s]. `moves`: over a period the tool goes on as it did
+    over the last."""
+    made = model(scene, steps, integrator, damping)
+    data = mujoco.MjData(made)
+    device = scene.device()
+    tool = mujoco.mj_name2id(made, mujoco.mjtObj.mjOBJ_GEOM, "tool")
+    forces, times, wrench = np.zeros((samples, 3)), [], np.zeros(6)
+    last = device.position
+    for sample in range(samples):
+        begin = time.perf_counter()
+        way = device.position - last if moves else np.zeros(3)
+        last = device.position
+        for step in range(steps):
+            data.mocap_pos[0] = device.position + way * (step / steps)
+            mujoco.mj_step(made, data)
+            for number, contact in enumerate(data.contact[: data.ncon]):
+                if tool in contact.geom:
+                    mujoco.mj_contactForce(made, data, number, wrench)
+                    # The contact's x axis points from the first geom to the second, which is pushed along it.
+                    sign = 1.0 if contact.geom[1] == tool else -1.0
+                    forces[sample] += sign * contact.frame[:3] * wrench[0] / steps
+        times.append(time.perf_counter() - begin)
+        device.hold(forces[sample])
+        if not np.abs(device.position).max() < 1e3:
+            forces[sample:] = math.inf
+            break
+    return forces, float(np.median(times)) / steps
+
+
+def with_palpate(scene: Scene, steps: int, integrator: str, told: float, samples: int) -> tuple[NDArray[np.float64], float]:
+    """Forces of palpate's contact in the same engine, and the time of a step [s]. `told` is the mass of the device as
+    palpate is told, over the true one."""
+    made = model(scene, steps, integrator)
+    contact = Contact(
+        made,
+        mujoco.MjData(made),
+        tool="tool",
+        bodies=["body"],
+        stiffness=scene.stiffness,
+        device_mass=told * np.array(DEVICE_MASS),
+        period=scene.period,
+        force_limit=math.inf,
+        soft_start=0,
+    )
+    device = scene.device()
+    forces, times = np.zeros((samples, 3)), []
+    for sample in range(samples):
+        begin = time.perf_counter()
+        forces[sample] = contact.step(device.position)
+        times.append(time.perf_counter() - begin)
+        device.hold(forces[sample])
+    return forces, float(np.median(times)) / steps

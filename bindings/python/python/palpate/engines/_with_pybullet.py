@@ -1,0 +1,112 @@
+"""PyBullet in `palpate.engines.table`: its own contact of the tool, and palpate's."""
+
+from __future__ import annotations
+
+import math
+import time
+from contextlib import contextmanager
+from typing import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._scenes import BODY_MASS, DEVICE_MASS, GRAVITY, HALF, Scene
+from .pybullet import Contact
+
+# After it, which says how to get PyBullet where it is not there.
+import pybullet  # noqa: E402  isort: skip
+
+VERSION = f"PyBullet, its interface {pybullet.getAPIVersion()}"
+INTEGRATORS = ("Euler",)
+"""Bullet has one: velocities first, then places by the new velocities."""
+_BASE = -1
+
+
+@contextmanager
+def _engine(scene: Scene, steps: int) -> Iterator[tuple[int, int]]:
+    """A client with body and floor, and the number of the body."""
+    client = pybullet.connect(pybullet.DIRECT)
+    try:
+        pybullet.setTimeStep(scene.period / steps, physicsClientId=client)
+        pybullet.setGravity(0, 0, -GRAVITY, physicsClientId=client)
+        # To the end: what is judged is the contact and not its solver's patience. A spring has no slop.
+        pybullet.setPhysicsEngineParameter(
+            numSolverIterations=200, solverResidualThreshold=0, contactSlop=0, physicsClientId=client
+        )
+        size = {"radius": HALF} if scene.shape == "sphere" else {"halfExtents": [HALF] * 3}
+        kind = pybullet.GEOM_SPHERE if scene.shape == "sphere" else pybullet.GEOM_BOX
+        shape = pybullet.createCollisionShape(kind, **size, physicsClientId=client)
+        body = pybullet.createMultiBody(BODY_MASS, shape, basePosition=scene.place, physicsClientId=client)
+        smooth = {"lateralFriction": 0, "rollingFriction": 0, "spinningFriction": 0, "restitution": 0}
+        still = {"linearDamping": 0, "angularDamping": 0}
+        # The damping of the two sides adds up, and so do the inverses of their stiffness.
+        hard = {"contactStiffness": 1e12, "contactDamping": 0}
+        pybullet.changeDynamics(body, _BASE, **smooth, **still, **hard, physicsClientId=client)
+        if scene.floor is not None:
+            # A plane of Bullet's touches a box that lies flat at two of its corners, a box of it at all four.
+            slab = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=[1, 1, 0.1], physicsClientId=client)
+            floor = pybullet.createMultiBody(0, slab, basePosition=(0, 0, -0.1), physicsClientId=client)
+            shares = 4 if scene.shape == "box" else 1
+            # Bullet takes a spring as it will be at the end of the step: that damps by h K more than it is told.
+            told = max(0.0, scene.floor.damping - scene.period / steps * scene.floor.stiffness)
+            law = {"contactStiffness": scene.floor.stiffness / shares, "contactDamping": told / shares}
+            pybullet.changeDynamics(floor, _BASE, **smooth, **law, physicsClientId=client)
+        yield client, body
+    finally:
+        pybullet.disconnect(client)
+
+
+def with_engine(
+    scene: Scene, steps: int, integrator: str, damping: float, samples: int, moves: bool = False
+) -> tuple[NDArray[np.float64], float]:
+    """Forces of the engine's own contact, and the time of a step [s]. `moves`: over a period the tool goes on as it did
+    over the last."""
+    device = scene.device()
+    forces, times = np.zeros((samples, 3)), []
+    with _engine(scene, steps) as (client, body):
+        shape = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=scene.tool_radius, physicsClientId=client)
+        tool = pybullet.createMultiBody(0, shape, basePosition=scene.start, physicsClientId=client)
+        law = {"contactStiffness": scene.stiffness, "contactDamping": damping}
+        pybullet.changeDynamics(tool, _BASE, lateralFriction=0, restitution=0, **law, physicsClientId=client)
+        last = device.position
+        for sample in range(samples):
+            begin = time.perf_counter()
+            way = device.position - last if moves else np.zeros(3)
+            last = device.position
+            for step in range(steps):
+                place = (device.position + way * (step / steps)).tolist()
+                pybullet.resetBasePositionAndOrientation(tool, place, (0, 0, 0, 1), physicsClientId=client)
+                pybullet.stepSimulation(physicsClientId=client)
+                for contact in pybullet.getContactPoints(bodyA=tool, bodyB=body, physicsClientId=client):
+                    # Its normal points from the second body to the first, the tool.
+                    forces[sample] += np.array(contact[7]) * contact[9] / steps
+            times.append(time.perf_counter() - begin)
+            device.hold(forces[sample])
+            if not np.abs(device.position).max() < 1e3:
+                forces[sample:] = math.inf
+                break
+    return forces, float(np.median(times)) / steps
+
+
+def with_palpate(scene: Scene, steps: int, integrator: str, told: float, samples: int) -> tuple[NDArray[np.float64], float]:
+    """Forces of palpate's contact in the same engine, and the time of a step [s]. `told` is the mass of the device as
+    palpate is told, over the true one."""
+    device = scene.device()
+    forces, times = np.zeros((samples, 3)), []
+    with _engine(scene, steps) as (client, body):
+        contact = Contact(
+            client,
+            tool=scene.tool_radius,
+            bodies=[body],
+            stiffness=scene.stiffness,
+            device_mass=told * np.array(DEVICE_MASS),
+            period=scene.period,
+            force_limit=math.inf,
+            soft_start=0,
+        )
+        for sample in range(samples):
+            begin = time.perf_counter()
+            forces[sample] = contact.step(device.position)
+            times.append(time.perf_counter() - begin)
+            device.hold(forces[sample])
+    return forces, float(np.median(times)) / steps

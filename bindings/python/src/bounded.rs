@@ -1,0 +1,18 @@
+//! The limits of a world that acted, as Python has them.
+
+use palpate_rt::safety::Bounded;
+use palpate_world::Limited;
+
+/// Names of the limits of a renderer and of the safety that acted.
+pub fn names(limited: Limited, bounded: Bounded) -> Vec<&'static str> {
+    let acted = [
+        (limited.force || bounded.force, "force"),
+        (limited.torque, "torque"),
+        (limited.offset, "offset"),
+        (bounded.soft_start, "soft-start"),
+    ];
+    let names = acted.into_iter();
+    names
+        .filter_map(|(acted, name)| acted.then_some(name))
+        .collect()
+}

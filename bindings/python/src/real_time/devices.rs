@@ -1,0 +1,253 @@
+//! Devices of a loop, opened from what the Python files say of them.
+
+use std::path::PathBuf;
+use std::sync::{Arc, OnceLock};
+use std::time::Duration;
+
+use palpate::AlongAxis;
+use palpate_device::clock::MonotonicClock;
+use palpate_device::{Capabilities, Device, Vector};
+use palpate_haply::inverse3::{Inverse3, Inverse3Options, Pace, SERVICE};
+use palpate_sim::device::{PointerDevice, PointerHand, PointerParams, SimulatedDevice};
+use pyo3::exceptions::PyOSError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::held::{Held, Telling};
+use crate::names::{refused, wrong_on_bench};
+use crate::scene::PyScene;
+
+/// A device that is ready.
+pub struct Opened {
+    /// The device.
+    pub device: Box<dyn Device>,
+    /// Origin and direction of the contact's axis in the device's frame.
+    pub axis: AlongAxis<f64, 3>,
+    /// The force that it holds.
+    pub held: Held,
+    /// Why it could not be let go of in the end, if it could not.
+    pub closed: Arc<OnceLock<String>>,
+}
+
+/// Where a hand wants to have its device, set by Python at any time.
+#[pyclass(frozen, name = "Hand", module = "palpate._palpate")]
+pub struct Hand(PointerHand);
+
+#[pymethods]
+impl Hand {
+    /// A hand that holds its device at `target` `[m]`; None: it holds nothing.
+    #[new]
+    #[pyo3(signature = (target=None))]
+    fn new(target: Option<f64>) -> PyResult<Self> {
+        let hand = Self(PointerHand::free());
+        if let Some(target) = target {
+            hand.move_to(target)?;
+        }
+        Ok(hand)
+    }
+
+    /// Wants to be at `target` `[m]`, and takes hold of the device if it had let go.
+    fn move_to(&self, target: f64) -> PyResult<()> {
+        if !target.is_finite() {
+            return Err(refused(format!("target is {target} m, but must be finite")));
+        }
+        self.0.move_to(target);
+        Ok(())
+    }
+
+    /// Lets go of the device.
+    fn let_go(&self) {
+        self.0.let_go();
+    }
+
+    /// Where it wants to be `[m]`; None if it holds nothing.
+    #[getter]
+    fn target(&self) -> Option<f64> {
+        self.0.target()
+    }
+}
+
+/// The device `pointer`.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Pointer {
+    hand: Py<Hand>,
+    mass: f64,
+    position: f64,
+    viscous_friction: f64,
+    dry_friction: f64,
+    encoder_quantum: f64,
+    largest_force: Option<f64>,
+    hand_mass: f64,
+    hand_stiffness: f64,
+    hand_damping: f64,
+}
+
+/// Where the contact's axis lies in a device, as far as somebody says so.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Placed {
+    origin: Option<Vec<f64>>,
+    normal: Option<Vec<f64>>,
+}
+
+/// The device `haply-2diy`.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct TwoDiyGiven {
+    pub port: Option<PathBuf>,
+    pub generation: u8,
+    pub board: Option<String>,
+    pub start_pose: StartPose,
+    /// The command that serves as guardian; None: there is to be none.
+    pub guardian: Option<Vec<String>>,
+}
+
+/// Where the arm is while it is opened.
+#[derive(FromPyObject)]
+pub enum StartPose {
+    Word(String),
+    Angles([f32; 2]),
+}
+
+/// The device `inverse3`.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Inverse3Given {
+    service: Option<String>,
+    events: Option<String>,
+    device_id: Option<String>,
+}
+
+/// Origin `[m]` and direction of an axis.
+pub type Axis = (Vector, Vector);
+
+const FIRST_AXIS: Axis = ([0.0; 3], [1.0, 0.0, 0.0]);
+
+/// Opens the device that `given` describes, for a loop of `period` that may be silent for `silence`.
+pub fn open(
+    py: Python<'_>,
+    given: &Bound<'_, PyDict>,
+    clock: MonotonicClock,
+    period: Duration,
+    silence: Duration,
+) -> PyResult<Opened> {
+    let kind: String = given.as_any().get_item("kind")?.extract()?;
+    let closed = Arc::default();
+    let (device, axis): (Box<dyn Device>, _) = match kind.as_str() {
+        "pointer" => {
+            let given: Pointer = given.extract()?;
+            let device = PointerDevice::new(given.params(), &given.hand.get().0, clock);
+            let device = device.map_err(|error| wrong_on_bench(&error))?;
+            (Box::new(device), along(FIRST_AXIS)?)
+        }
+        "simulated" => {
+            let scene: Py<PyScene> = given.as_any().get_item("scene")?.extract()?;
+            let device = SimulatedDevice::of(scene.get().scene(), clock);
+            let device = device.map_err(|error| wrong_on_bench(&error))?;
+            (Box::new(device), along(FIRST_AXIS)?)
+        }
+        "haply-2diy" => {
+            let (own, placed): (TwoDiyGiven, Placed) = (given.extract()?, given.extract()?);
+            let opening = || two_diy(&own, clock, period, silence, &closed);
+            let (device, usual) = py.detach(opening)?;
+            let axis = placed.axis(device.capabilities(), usual)?;
+            (device, axis)
+        }
+        "inverse3" => {
+            let (own, placed): (Inverse3Given, Placed) = (given.extract()?, given.extract()?);
+            let options = own.options(period);
+            let device = py.detach(|| Inverse3::open(&options, clock));
+            let device = device.map_err(|error| PyOSError::new_err(error.to_string()))?;
+            // Where its cursor is now is where the contact's coordinate is 0.
+            let usual = (device.opened_at(), FIRST_AXIS.1);
+            let axis = placed.axis(device.capabilities(), usual)?;
+            (Box::new(device), axis)
+        }
+        other => return Err(refused(format!("there is no device \"{other}\""))),
+    };
+    let held = Held::default();
+    Ok(Opened {
+        device: Box::new(Telling::new(device, held.clone())),
+        axis,
+        held,
+        closed,
+    })
+}
+
+impl Pointer {
+    fn params(&self) -> PointerParams {
+        PointerParams {
+            device_mass: self.mass,
+            position: self.position,
+            viscous_friction: self.viscous_friction,
+            dry_friction: self.dry_friction,
+            encoder_quantum: self.encoder_quantum,
+            largest_force: self.largest_force,
+            hand_mass: self.hand_mass,
+            hand_stiffness: self.hand_stiffness,
+            hand_damping: self.hand_damping,
+            ..PointerParams::default()
+        }
+    }
+}
+
+impl Inverse3Given {
+    fn options(&self, period: Duration) -> Inverse3Options {
+        Inverse3Options {
+            service: self.service.clone().unwrap_or_else(|| SERVICE.to_owned()),
+            events: self.events.clone(),
+            device_id: self.device_id.clone(),
+            pace: Pace::for_period(period),
+            ..Inverse3Options::default()
+        }
+    }
+}
+
+impl Placed {
+    fn axis(&self, device: &Capabilities, usual: Axis) -> PyResult<AlongAxis<f64, 3>> {
+        let of = |name: &str, given: &Option<Vec<f64>>, usual: Vector| {
+            let Some(given) = given else {
+                return Ok(usual);
+            };
+            if given.len() != device.axes {
+                return Err(refused(format!(
+                    "{name} has {} numbers, but must have {}, one for each axis of the device \"{}\"",
+                    given.len(),
+                    device.axes,
+                    device.name
+                )));
+            }
+            let mut vector = [0.0; 3];
+            vector[..given.len()].copy_from_slice(given);
+            Ok(vector)
+        };
+        let origin = of("origin", &self.origin, usual.0)?;
+        let normal = of("normal", &self.normal, usual.1)?;
+        let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if !(length.is_finite() && length > 0.0) {
+            return Err(refused(
+                "normal has no direction, but must be finite and not 0 in all axes",
+            ));
+        }
+        along((origin, normal.map(|x| x / length)))
+    }
+}
+
+fn along((origin, direction): Axis) -> PyResult<AlongAxis<f64, 3>> {
+    AlongAxis::new(origin, direction).map_err(|error| refused(format!("origin: {error}")))
+}
+
+#[cfg(unix)]
+use super::two_diy::two_diy;
+
+#[cfg(not(unix))]
+fn two_diy(
+    _: &TwoDiyGiven,
+    _: MonotonicClock,
+    _: Duration,
+    _: Duration,
+    _: &Arc<OnceLock<String>>,
+) -> PyResult<(Box<dyn Device>, Axis)> {
+    Err(refused("the driver of the 2DIY needs Linux or macOS"))
+}

@@ -1,0 +1,132 @@
+//! What a loop in real time has left behind.
+
+use std::sync::{Arc, OnceLock};
+
+use palpate_device::Device;
+use palpate_device::clock::MonotonicClock;
+use palpate_rt::{Account, Durations, Ending, LoopEnd, Recorder};
+
+/// What a device could not do at its end, if it could not let go.
+pub type Closed = Arc<OnceLock<String>>;
+
+/// What a loop has left behind.
+#[derive(Clone)]
+pub struct Ended {
+    ending: Option<Ending>,
+    /// What went wrong, the gravest first.
+    failure: Option<String>,
+    ticks: u64,
+    missed_deadlines: u64,
+    without_sample: u64,
+    motors_off: u64,
+    pub cuts: u64,
+    trip: Option<String>,
+    /// Median, 99 % and longest lateness of a tick `[s]`.
+    lateness: [f64; 3],
+    /// Median, 99 % and longest duration of a tick `[s]`.
+    duration: [f64; 3],
+    recorded: Option<(u64, u64)>,
+}
+
+/// Ending, failure, ticks, missed deadlines, ticks without a sample, ticks with the motors off, cuts, trip,
+/// lateness, duration, and ticks in the recording with those that it lacks.
+pub type ToldEnd = (
+    (Option<&'static str>, Option<String>, Option<String>),
+    (u64, u64, u64, u64, u64),
+    ([f64; 3], [f64; 3]),
+    Option<(u64, u64)>,
+);
+
+impl Ended {
+    /// Of a loop that was never started.
+    pub fn never_ran() -> Self {
+        Self {
+            ending: None,
+            failure: None,
+            ticks: 0,
+            missed_deadlines: 0,
+            without_sample: 0,
+            motors_off: 0,
+            cuts: 0,
+            trip: None,
+            lateness: [0.0; 3],
+            duration: [0.0; 3],
+            recorded: None,
+        }
+    }
+
+    /// Of a loop whose thread has ended.
+    pub fn of(end: &LoopEnd<Box<dyn Device>, MonotonicClock>) -> Self {
+        let statistics = &end.statistics;
+        let spread = |durations: &Durations| {
+            [
+                durations.quantile(0.5),
+                durations.quantile(0.99),
+                durations.longest(),
+            ]
+            .map(|duration| duration.as_secs_f64())
+        };
+        let failure = match (end.ending, &end.panic) {
+            (_, Some(words)) => Some(format!(
+                "the loop panicked, and no force was commanded: {words}"
+            )),
+            (Ending::DeviceLost, None) => Some(Ending::DeviceLost.text().to_owned()),
+            _ => None,
+        };
+        Self {
+            ending: Some(end.ending),
+            failure,
+            ticks: statistics.ticks,
+            missed_deadlines: statistics.missed_deadlines,
+            without_sample: statistics.without_sample,
+            motors_off: statistics.motors_off,
+            cuts: end.cuts,
+            trip: end.trip.map(|trip| trip.to_string()),
+            lateness: spread(&statistics.lateness),
+            duration: spread(&statistics.tick),
+            recorded: None,
+        }
+    }
+
+    /// Takes down what else went wrong.
+    pub fn fails(&mut self, why: String) {
+        self.failure = Some(match self.failure.take() {
+            Some(before) => format!("{before}; {why}"),
+            None => why,
+        });
+    }
+
+    /// Takes down what became of the device and of the recording.
+    pub fn closes(&mut self, recorder: Option<Recorder>, closed: &Closed) {
+        if let Some(why) = closed.get() {
+            self.fails(format!(
+                "the device could not be let go of as it should: {why}; switch its motors off"
+            ));
+        }
+        if let Some(recorder) = recorder {
+            let (account, unwritten) = recorder.finish();
+            let Account { recording, .. } = &account;
+            let written = recording.as_ref().map(|_| account.ticks);
+            self.recorded = written.map(|ticks| (ticks, account.lost_ticks()));
+            if let Some(error) = unwritten {
+                self.fails(error.to_string());
+            }
+        }
+    }
+
+    /// As Python takes it.
+    pub fn told(self) -> ToldEnd {
+        (
+            (self.ending.map(Ending::text), self.failure, self.trip),
+            (
+                self.ticks,
+                self.missed_deadlines,
+                self.without_sample,
+                self.motors_off,
+                self.cuts,
+            ),
+            (self.lateness, self.duration),
+            self.recorded,
+        )
+    }
+}

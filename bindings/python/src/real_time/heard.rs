@@ -1,0 +1,210 @@
+//! What is heard of a loop: a ring of ticks for Python, and the way to the recording.
+
+use std::collections::VecDeque;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use palpate_record::recording::{Event, Flags, Row, Tick, columns};
+use palpate_rt::{Listener, Tap, Told};
+
+use crate::columns::Words;
+use crate::recording::word;
+
+/// Most ticks that a ring holds: 4 minutes at 4 kHz, some 500 MB.
+pub const LARGEST: usize = 1_000_000;
+/// Events that wait for Python; a recording has all of them.
+const EVENTS_KEPT: usize = 1000;
+/// How long the listener rests when it has heard everything.
+const REST: Duration = Duration::from_millis(1);
+/// Ticks that are taken before others may look.
+const AT_ONCE: usize = 4096;
+
+/// The newest ticks and events that Python has not read.
+#[derive(Debug)]
+pub struct Heard {
+    ring: Mutex<Ring>,
+    news: Condvar,
+    most: usize,
+}
+
+#[derive(Debug, Default)]
+struct Ring {
+    rows: VecDeque<Words>,
+    /// Ticks that were in the ring and made room for newer ones.
+    overwritten: u64,
+    events: VecDeque<Event>,
+    events_gone: u64,
+    last: Option<(Instant, Tick)>,
+    /// Ticks that the loop made, and those of them that came here.
+    made: u64,
+    came: u64,
+    closed: bool,
+}
+
+/// How the ring stands.
+pub struct Standing {
+    /// Ticks that the loop made.
+    pub ticks: u64,
+    /// Ticks that no read has given or will give.
+    pub lost: u64,
+    /// Time since the last tick came `[s]`; `None` before the first.
+    pub silent: Option<f64>,
+    /// Whether a trip kept the motors off at the end of the last tick.
+    pub tripped: bool,
+}
+
+impl Heard {
+    /// A ring of so many ticks.
+    pub fn new(most: usize) -> Self {
+        Self {
+            ring: Mutex::default(),
+            news: Condvar::new(),
+            most,
+        }
+    }
+
+    fn ring(&self) -> MutexGuard<'_, Ring> {
+        self.ring.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes what is there, after waiting up to `wait` for something or for the end.
+    pub fn take(&self, wait: Duration) -> Words {
+        let mut ring = self.ring();
+        if ring.rows.is_empty() && !ring.closed && wait > Duration::ZERO {
+            let nothing = |ring: &mut Ring| ring.rows.is_empty() && !ring.closed;
+            let waited = self.news.wait_timeout_while(ring, wait, nothing);
+            ring = waited.unwrap_or_else(PoisonError::into_inner).0;
+        }
+        let rows = std::mem::take(&mut ring.rows);
+        drop(ring);
+        rows.into_iter().flatten().collect()
+    }
+
+    /// The events that wait, and how many are gone since this was asked last.
+    pub fn events(&self) -> (Vec<(u64, f64, String, String)>, u64) {
+        let mut ring = self.ring();
+        let gone = std::mem::take(&mut ring.events_gone);
+        let events = std::mem::take(&mut ring.events).into_iter();
+        let told = events.map(|event| (event.sequence, event.time, event.kind, event.text));
+        (told.collect(), gone)
+    }
+
+    /// How it stands.
+    pub fn now(&self) -> Standing {
+        let ring = self.ring();
+        Standing {
+            ticks: ring.made,
+            lost: ring.overwritten + ring.made.saturating_sub(ring.came),
+            silent: ring.last.map(|(at, _)| at.elapsed().as_secs_f64()),
+            tripped: ring
+                .last
+                .is_some_and(|(_, tick)| tick.flags.has(Flags::SAFETY_TRIPPED)),
+        }
+    }
+
+    /// Whether nothing more comes.
+    pub fn is_closed(&self) -> bool {
+        self.ring().closed
+    }
+
+    /// Nothing more comes.
+    pub fn close(&self) {
+        self.ring().closed = true;
+        self.news.notify_all();
+    }
+
+    fn hear(&self, news: &mut News) {
+        let mut ring = self.ring();
+        ring.came += news.rows.len() as u64;
+        if let Some(last) = news.last.take() {
+            ring.last = Some((Instant::now(), last));
+        }
+        for row in news.rows.drain(..) {
+            if ring.rows.len() >= self.most {
+                ring.rows.pop_front();
+                ring.overwritten += 1;
+            }
+            ring.rows.push_back(row);
+        }
+        for event in news.events.drain(..) {
+            if ring.events.len() >= EVENTS_KEPT {
+                ring.events.pop_front();
+                ring.events_gone += 1;
+            }
+            ring.events.push_back(event);
+        }
+        // Those on their way here are not lost.
+        ring.made = ring.came + news.lost;
+        drop(ring);
+        self.news.notify_all();
+    }
+}
+
+/// What came since the ring was told last.
+#[derive(Default)]
+struct News {
+    rows: Vec<Words>,
+    events: Vec<Event>,
+    last: Option<Tick>,
+    /// Ticks before the last one that found no room on their way here.
+    lost: u64,
+}
+
+/// Listens until the loop has ended: fills the ring, and passes on what is to be recorded.
+pub fn listen(mut listener: Listener, mut recording: Option<Tap>, heard: &Heard) {
+    let mut news = News::default();
+    let mut came = 0;
+    loop {
+        // Asked first: what was told before the loop went is then still to come.
+        let is_last = listener.is_closed();
+        let mut rested = true;
+        for told in listener.by_ref().take(AT_ONCE) {
+            rested = false;
+            match told {
+                Told::Tick(tick, contacts, bodies) => {
+                    came += 1;
+                    news.lost = tick.sequence + 1 - came;
+                    news.last = Some(tick);
+                    if let Some(recording) = &mut recording {
+                        recording.tick_with_bodies(&tick, &contacts, &bodies);
+                    }
+                    let rows = Row::of(tick, &contacts);
+                    let words = rows.flat_map(|row| {
+                        let values = columns().iter();
+                        values.map(move |column| word(column.value(&row)))
+                    });
+                    news.rows.push(words.collect());
+                }
+                Told::Note(noted) => {
+                    if let Some(recording) = &mut recording {
+                        recording.note(&noted);
+                    }
+                    news.events.push(noted.event());
+                }
+            }
+        }
+        let is_over = is_last && rested;
+        let counted = listener.counted();
+        if is_over {
+            news.lost = counted.ticks.saturating_sub(came);
+        }
+        if !rested || is_over {
+            heard.hear(&mut news);
+        }
+        if is_over {
+            heard.close();
+            if let Some(mut recording) = recording.take() {
+                recording.ran(counted.time);
+                recording.count(&counted);
+                if let Some(ending) = counted.ending {
+                    recording.end(ending);
+                }
+            }
+            return;
+        }
+        if rested {
+            sleep(REST);
+        }
+    }
+}

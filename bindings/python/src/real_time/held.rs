@@ -1,0 +1,81 @@
+//! The force that a device holds, for whoever asks beside the loop.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use palpate_device::{Capabilities, Device, DeviceError, Pose, Vector, Wrench, ZeroWriter};
+
+/// The force that a device has said it holds, readable by any thread.
+#[derive(Clone, Debug, Default)]
+pub struct Held(Arc<[AtomicU64; 3]>);
+
+impl Held {
+    /// The force `[N]`; NaN where the device did not say whether it took the last one. Its components are of one moment each.
+    pub fn force(&self) -> Vector {
+        [0, 1, 2].map(|axis| f64::from_bits(self.0[axis].load(Ordering::Acquire)))
+    }
+
+    fn hold(&self, force: Vector) {
+        for (held, force) in self.0.iter().zip(force) {
+            held.store(force.to_bits(), Ordering::Release);
+        }
+    }
+}
+
+/// A device that lets others know what it holds.
+pub struct Telling {
+    device: Box<dyn Device>,
+    held: Held,
+}
+
+impl Telling {
+    /// `device`, which tells `held`.
+    pub fn new(device: Box<dyn Device>, held: Held) -> Self {
+        Self { device, held }
+    }
+}
+
+impl Device for Telling {
+    fn capabilities(&self) -> &Capabilities {
+        self.device.capabilities()
+    }
+
+    fn read(&mut self) -> Result<Pose, DeviceError> {
+        self.device.read()
+    }
+
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
+        let written = self.device.write(wrench);
+        self.held.hold(match &written {
+            Ok(held) => held.force,
+            Err(_) => [f64::NAN; 3],
+        });
+        written
+    }
+
+    fn last_sent(&self) -> Option<Wrench> {
+        self.device.last_sent()
+    }
+
+    fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
+        let zero = self.device.zero_writer()?;
+        let held = self.held.clone();
+        Some(Box::new(TellingZero { zero, held }))
+    }
+
+    fn was_cut(&mut self) -> bool {
+        self.device.was_cut()
+    }
+}
+
+struct TellingZero {
+    zero: Box<dyn ZeroWriter>,
+    held: Held,
+}
+
+impl ZeroWriter for TellingZero {
+    fn write_zero(&mut self) {
+        self.zero.write_zero();
+        self.held.hold([0.0; 3]);
+    }
+}

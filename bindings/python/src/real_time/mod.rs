@@ -1,0 +1,460 @@
+//! `Loop`: the loop of `palpate run` beside Python, which never runs in a tick.
+
+mod devices;
+mod ended;
+mod heard;
+mod held;
+#[cfg(unix)]
+mod two_diy;
+
+pub use devices::Hand;
+#[cfg(unix)]
+pub use two_diy::guard;
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use numpy::PyArray1;
+use palpate_device::Device;
+use palpate_device::clock::MonotonicClock;
+use palpate_rt::realtime::{Answer, Request};
+use palpate_rt::safety::SafetyParams;
+use palpate_rt::{ControlLoop, LoopThread, Parameters, Recorder, StopFlag, receipt, tap};
+use pyo3::exceptions::{PyOSError, PyRuntimeError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::columns::array;
+use crate::names::refused;
+use crate::renderer::rendering;
+use devices::{Opened, open};
+use ended::{Closed, Ended, ToldEnd};
+use heard::{Heard, listen};
+use held::Held;
+
+/// Ticks that may wait for the thread that listens: 4 s at 4 kHz.
+const ROOM: usize = 1 << 14;
+/// How often somebody who waits looks whether Python has a signal to handle.
+const LOOK_EVERY: Duration = Duration::from_millis(20);
+
+type Control = ControlLoop<Box<dyn Device>, MonotonicClock>;
+type Running = LoopThread<Box<dyn Device>, MonotonicClock>;
+
+/// Tick, time `[s]`, kind and text of each event that is kept, and how many there were.
+type EventsNow = (Vec<(u64, f64, String, String)>, u64);
+
+/// A loop in real time on a device.
+#[pyclass(frozen, subclass, name = "Loop", module = "palpate._palpate")]
+pub struct RealTimeLoop {
+    stage: Mutex<Stage>,
+    parameters: Mutex<Option<Parameters>>,
+    heard: Arc<Heard>,
+    held: Held,
+    /// The process that has made it: a process that is forked off has none of its threads.
+    process: u32,
+    device: String,
+    limits: SafetyParams,
+    period: f64,
+}
+
+/// What a loop is made of, by how far it has come.
+enum Stage {
+    Made(Box<Made>),
+    Runs(Box<Runs>),
+    Ended(Box<Ended>),
+}
+
+struct Made {
+    control: Control,
+    request: Request,
+    recorder: Option<Recorder>,
+    listening: Listening,
+    opened: Closed,
+}
+
+/// What the listening thread begins with.
+struct Listening {
+    listener: palpate_rt::Listener,
+    recording: Option<palpate_rt::Tap>,
+}
+
+struct Runs {
+    thread: Running,
+    recorder: Option<Recorder>,
+    ears: std::thread::JoinHandle<()>,
+    closed: Closed,
+}
+
+/// Whether it runs, ticks made, ticks that no read can give, time since the last tick was heard `[s]`, cuts, whether a trip
+/// keeps the motors off, and the force `[N]`.
+type Now = (bool, u64, u64, Option<f64>, u64, bool, [f64; 3]);
+
+/// What Python says beside device and renderer.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Options {
+    record: Option<PathBuf>,
+    scene: Option<String>,
+    ring: usize,
+    largest_speed: f64,
+    range: Option<[f64; 2]>,
+    oscillation: f64,
+    stall_after: Option<f64>,
+    priority: u8,
+    lock_memory: bool,
+    processor: Option<usize>,
+    spin: f64,
+}
+
+#[pymethods]
+impl RealTimeLoop {
+    /// Opens the device and prepares the loop; the Python file has the arguments.
+    #[new]
+    #[pyo3(signature = (device, method, parameters, soft_start, settings, options))]
+    fn new(
+        py: Python<'_>,
+        device: &Bound<'_, PyDict>,
+        method: &Bound<'_, PyAny>,
+        parameters: &Bound<'_, PyDict>,
+        soft_start: f64,
+        settings: &Bound<'_, PyDict>,
+        options: &Bound<'_, PyDict>,
+    ) -> PyResult<Self> {
+        let options: Options = options.extract()?;
+        let (setup, rendering) = rendering(method, parameters, settings)?;
+        let spin = Duration::try_from_secs_f64(options.spin).ok();
+        let spin = spin.filter(|spin| *spin <= Duration::from_secs(1));
+        let spin = spin.ok_or_else(|| {
+            let given = options.spin;
+            refused(format!("spin is {given} s, but must be 0 to 1"))
+        })?;
+        if options.ring == 0 || options.ring > heard::LARGEST {
+            return Err(refused(format!(
+                "ring is {} ticks, but must be 1 to {}",
+                options.ring,
+                heard::LARGEST
+            )));
+        }
+        if options.priority > 98 {
+            return Err(refused(format!(
+                "priority is {}, but must be 0 (none) to 98",
+                options.priority
+            )));
+        }
+        let clock = MonotonicClock::new().with_spin(spin);
+        let stall = |limits: &SafetyParams| -> SafetyParams {
+            match options.stall_after {
+                // These periods, and nothing else.
+                Some(periods) => SafetyParams {
+                    stall_after_periods: periods,
+                    tolerated_lateness: 0.0,
+                    ..*limits
+                },
+                None => *limits,
+            }
+        };
+        let period = Duration::try_from_secs_f64(setup.loop_params.period).map_err(refused)?;
+        let silence = stall(&SafetyParams::default()).stall_after(period);
+        let Opened {
+            device,
+            axis,
+            held,
+            closed,
+        } = open(py, device, clock, period, silence)?;
+        let capabilities = device.capabilities().clone();
+        let limits = SafetyParams::for_device(&capabilities);
+        let asked = setup.loop_params.force_limit.unwrap_or(f64::MAX);
+        let largest = capabilities.largest_force.unwrap_or(f64::MAX);
+        let mut limits = stall(&SafetyParams {
+            largest_force: asked.min(largest),
+            soft_start,
+            largest_speed: options.largest_speed,
+            range: options.range,
+            ..limits
+        });
+        limits.oscillation.energy = options.oscillation;
+        let mut control = Control::new(device, clock, rendering, limits)
+            .map_err(refused)?
+            .along(axis);
+        let request = Request {
+            priority: (options.priority > 0).then_some(options.priority),
+            lock_memory: options.lock_memory,
+            processor: options.processor,
+        };
+        let (recording, recorder) = match &options.record {
+            Some(path) => {
+                let version = env!("CARGO_PKG_VERSION");
+                let receipt = receipt(version, &capabilities, &limits, &request);
+                let receipt = match &options.scene {
+                    Some(scene) => receipt.with("scene", scene),
+                    None => receipt,
+                };
+                let (tap, recorder) = Recorder::begin(path, &receipt)
+                    .map_err(|error| PyOSError::new_err(error.to_string()))?;
+                (Some(tap), Some(recorder))
+            }
+            None => (None, None),
+        };
+        let (tap, listener) = tap(ROOM);
+        let parameters = control.parameters();
+        Ok(Self {
+            parameters: Mutex::new(parameters),
+            heard: Arc::new(Heard::new(options.ring)),
+            held,
+            process: std::process::id(),
+            device: capabilities.name,
+            limits,
+            period: setup.loop_params.period,
+            stage: Mutex::new(Stage::Made(Box::new(Made {
+                control: control.tapped(tap),
+                request,
+                recorder,
+                listening: Listening {
+                    listener,
+                    recording,
+                },
+                opened: closed,
+            }))),
+        })
+    }
+
+    /// Starts the loop's thread; says what the machine was asked for, whether it granted that, and in words.
+    fn start(&self, py: Python<'_>) -> PyResult<Vec<(String, bool, String)>> {
+        self.check_process()?;
+        py.detach(|| {
+            let mut stage = lock(&self.stage);
+            let Stage::Made(_) = &*stage else {
+                return Err(PyRuntimeError::new_err(
+                    "the loop was started before; make another Loop to run again",
+                ));
+            };
+            let empty = Stage::Ended(Box::new(Ended::never_ran()));
+            let Stage::Made(made) = std::mem::replace(&mut *stage, empty) else {
+                return Err(PyRuntimeError::new_err("the loop was started before"));
+            };
+            let Made {
+                control,
+                request,
+                recorder,
+                listening,
+                opened,
+            } = *made;
+            let heard = Arc::clone(&self.heard);
+            let no_thread = |error: std::io::Error| {
+                PyOSError::new_err(format!("no thread for the loop: {error}"))
+            };
+            let ears = std::thread::Builder::new()
+                .name("palpate listener".to_owned())
+                .spawn(move || listen(listening.listener, listening.recording, &heard))
+                .map_err(no_thread)?;
+            let thread =
+                LoopThread::start(control, request, &StopFlag::new(), None).map_err(no_thread)?;
+            let answers = thread.answers().iter().map(told_answer).collect();
+            *stage = Stage::Runs(Box::new(Runs {
+                thread,
+                recorder,
+                ears,
+                closed: opened,
+            }));
+            Ok(answers)
+        })
+    }
+
+    /// Ends the loop, waits until the device was commanded no force and was let go of, and says how it went.
+    fn stop(&self, py: Python<'_>) -> PyResult<ToldEnd> {
+        self.check_process()?;
+        Ok(py.detach(|| self.end()).told())
+    }
+
+    /// Renders by other parameters from the next tick on, and gives their number.
+    fn change(
+        &self,
+        method: &Bound<'_, PyAny>,
+        parameters: &Bound<'_, PyDict>,
+        settings: &Bound<'_, PyDict>,
+    ) -> PyResult<u32> {
+        self.check_process()?;
+        let (_, rendering) = rendering(method, parameters, settings)?;
+        match &mut *lock(&self.parameters) {
+            Some(parameters) => parameters.change(rendering).map_err(refused),
+            None => Err(PyRuntimeError::new_err("the loop has ended")),
+        }
+    }
+
+    /// Ends a trip that stays, with the next tick.
+    fn rearm(&self) -> PyResult<()> {
+        self.check_process()?;
+        match &*lock(&self.stage) {
+            Stage::Runs(runs) => {
+                runs.thread.rearm();
+                Ok(())
+            }
+            _ => Err(PyRuntimeError::new_err("the loop does not run")),
+        }
+    }
+
+    /// The ticks since the last read; waits up to `wait` `[s]` for the first of them, and ends that wait
+    /// where the loop has ended.
+    fn take<'py>(&self, py: Python<'py>, wait: f64) -> PyResult<Bound<'py, PyArray1<u64>>> {
+        self.check_process()?;
+        let wait = Duration::try_from_secs_f64(wait).map_err(|_| {
+            refused(format!(
+                "wait is {wait} s, but must be finite and not below 0"
+            ))
+        })?;
+        let until = Instant::now().checked_add(wait);
+        loop {
+            let words = py.detach(|| {
+                let left = until.map_or(LOOK_EVERY, |until| {
+                    until.saturating_duration_since(Instant::now())
+                });
+                self.heard.take(left.min(LOOK_EVERY))
+            });
+            let is_over = until.is_some_and(|until| until <= Instant::now());
+            if !words.is_empty() || is_over || self.heard.is_closed() {
+                // What was told between the two looks is not left behind.
+                let words = if words.is_empty() {
+                    self.heard.take(Duration::ZERO)
+                } else {
+                    words
+                };
+                return Ok(array(py, words));
+            }
+            py.check_signals()?;
+        }
+    }
+
+    /// What happened beside the ticks since this was asked last, and how many events of that are gone.
+    fn events(&self) -> PyResult<EventsNow> {
+        self.check_process()?;
+        Ok(self.heard.events())
+    }
+
+    /// How the loop stands.
+    fn now(&self) -> PyResult<Now> {
+        self.check_process()?;
+        let (runs, cuts) = match &*lock(&self.stage) {
+            Stage::Runs(runs) => (!self.heard.is_closed(), runs.thread.cuts()),
+            Stage::Ended(ended) => (false, ended.cuts),
+            Stage::Made(_) => (false, 0),
+        };
+        let heard = self.heard.now();
+        Ok((
+            runs,
+            heard.ticks,
+            heard.lost,
+            heard.silent,
+            cuts,
+            heard.tripped,
+            self.held.force(),
+        ))
+    }
+
+    /// Name of the device.
+    #[getter]
+    fn device_name(&self) -> &str {
+        &self.device
+    }
+
+    /// Nominal time from tick to tick `[s]`.
+    #[getter]
+    fn period(&self) -> f64 {
+        self.period
+    }
+
+    /// Largest force that the loop commands `[N]`.
+    #[getter]
+    fn force_limit(&self) -> f64 {
+        self.limits.largest_force
+    }
+}
+
+impl RealTimeLoop {
+    /// Refuses a process that has none of the loop's threads.
+    fn check_process(&self) -> PyResult<()> {
+        if self.process == std::process::id() {
+            return Ok(());
+        }
+        Err(PyRuntimeError::new_err(format!(
+            "the loop runs in process {}, and this process was forked off it: make the Loop in the process that uses it",
+            self.process
+        )))
+    }
+
+    /// Ends the loop, whatever it does. Needs the time of a tick and of the device's last answer.
+    fn end(&self) -> Ended {
+        // Held to the end: whoever else stops it waits for the same end.
+        let mut stage = lock(&self.stage);
+        let empty = Stage::Ended(Box::new(Ended::never_ran()));
+        let ended = match std::mem::replace(&mut *stage, empty) {
+            Stage::Ended(ended) => ended,
+            Stage::Made(made) => {
+                let Made {
+                    control,
+                    recorder,
+                    listening,
+                    opened,
+                    ..
+                } = *made;
+                drop((control, listening));
+                let mut ended = Ended::never_ran();
+                ended.closes(recorder, &opened);
+                Box::new(ended)
+            }
+            Stage::Runs(runs) => {
+                let Runs {
+                    thread,
+                    recorder,
+                    ears,
+                    closed,
+                } = *runs;
+                thread.stop();
+                let end = thread.join();
+                let mut ended = Ended::of(&end);
+                // Closes the device.
+                drop(end);
+                let is_deaf = ears.join().is_err();
+                ended.closes(recorder, &closed);
+                if is_deaf {
+                    ended.fails(
+                        "the thread that listens to the loop ended by a fault of palpate".into(),
+                    );
+                }
+                Box::new(ended)
+            }
+        };
+        lock(&self.parameters).take();
+        self.heard.close();
+        *stage = Stage::Ended(ended.clone());
+        *ended
+    }
+}
+
+impl Drop for RealTimeLoop {
+    fn drop(&mut self) {
+        if self.process == std::process::id() {
+            let _ = self.end();
+            return;
+        }
+        // The threads are another process's, and so is the device: nothing is to be said to it from here.
+        let stage = std::mem::replace(
+            self.stage.get_mut().unwrap_or_else(PoisonError::into_inner),
+            Stage::Ended(Box::new(Ended::never_ran())),
+        );
+        std::mem::forget(stage);
+    }
+}
+
+fn told_answer(answer: &Answer) -> (String, bool, String) {
+    (
+        answer.asked.clone(),
+        answer.is_granted(),
+        answer.to_string(),
+    )
+}
+
+/// What a panic has left is still to be stopped.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,416 @@
+"""A loop in real time beside Python: what it tells, how it changes, and that it leaves no force.
+
+What is waited for is an event, for as long as a busy machine may need.
+"""
+
+from __future__ import annotations
+
+import gc
+import math
+import multiprocessing
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import Any, Callable
+
+import numpy as np
+import palpate
+import pytest
+
+from conftest import Program
+
+PATIENCE = 60.0
+"""Nobody has to wait for so long but on a machine that does nothing else [s]."""
+NONE = (0.0, 0.0, 0.0)
+
+
+def wall(**changes: Any) -> palpate.Renderer:
+    given = {"stiffness": 300.0, "mass": math.inf, "period": 0.002, "method": "basic", "soft_start": 0.0}
+    return palpate.Renderer(**{**given, **changes})
+
+
+def pressing(**changes: Any) -> palpate.devices.Pointer:
+    """A device in a hand that presses 10 mm deep into a wall at 0."""
+    return palpate.devices.Pointer(position=0.01, **changes)
+
+
+def loop(device: palpate.devices.Device, renderer: palpate.Renderer, **changes: Any) -> palpate.Loop:
+    # A machine that does nothing for a while is not what is tested.
+    return palpate.Loop(device, renderer, **{"priority": 0, "stall_after": 1000.0, "oscillation": math.inf, **changes})
+
+
+def until(what: str, is_so: Callable[[], Any]) -> None:
+    end = time.monotonic() + PATIENCE
+    while not is_so():
+        assert time.monotonic() < end, f"waiting for {what}"
+        time.sleep(0.002)
+
+
+def read_until(running: palpate.Loop, what: str, is_so: Callable[[np.ndarray], Any]) -> np.ndarray:
+    """All ticks up to those of which `is_so` holds."""
+    end = time.monotonic() + PATIENCE
+    ticks = running.read(wait=PATIENCE)
+    while not is_so(ticks):
+        assert time.monotonic() < end, f"waiting for {what}"
+        ticks = np.concatenate([ticks, running.read(wait=PATIENCE)])
+    return ticks
+
+
+def test_ticks_are_numbered_without_a_gap_and_show_the_spring_of_the_wall() -> None:
+    with loop(pressing(), wall()) as running:
+        ticks = read_until(running, "100 ticks in contact", lambda ticks: (ticks["penetration_m"] > 0).sum() >= 100)
+        assert running.status.running and running.status.lost == 0
+    assert ticks.dtype == palpate.RECORDED
+    assert (ticks["sequence"] == np.arange(len(ticks))).all()
+    assert (np.diff(ticks["t_s"]) > 0).all()
+    inside = ticks[ticks["penetration_m"] > 0]
+    assert np.allclose(inside["force_on_device_n"], -300.0 * inside["penetration_m"], rtol=1e-9)
+    assert np.allclose(inside["penetration_m"], inside["device_position_m"], rtol=1e-9)
+
+
+def test_a_change_is_in_force_from_the_tick_that_carries_its_number() -> None:
+    with loop(pressing(), wall()) as running:
+        read_until(running, "contact", lambda ticks: ticks["penetration_m"][-1] > 0)
+        assert running.change(stiffness=600.0) == 1
+        ticks = read_until(running, "the change", lambda ticks: ticks["generation"][-1] == 1 and ticks["t_s"][-1] > ticks["t_s"][ticks["generation"] == 1][0] + 0.15)
+        last = ticks[-1]
+        assert last["force_on_device_n"] == pytest.approx(-600.0 * last["penetration_m"], rel=1e-6)
+        assert running.change(method="hfcr", mass=0.5, damping=0.5) == 2
+        read_until(running, "the other method", lambda ticks: ticks["generation"][-1] == 2)
+        assert running.parameters["method"] == "hfcr" and running.parameters["damping"] == 0.5
+        # Another method has none of its settings.
+        assert running.change(method="basic") == 3
+        assert "damping" not in running.parameters
+        texts = [event.text for event in running.events() if event.kind == "parameters"]
+        assert "600 N/m" in texts[0] and "hfcr" in texts[1]
+
+
+def test_what_a_running_loop_cannot_change_is_refused_and_nothing_changes() -> None:
+    with loop(pressing(), wall()) as running:
+        before = running.parameters
+        for changes, message in [
+            ({"stiffness": -1.0}, "stiffness is -1 N/m"),
+            ({"period": 0.001}, "the period is 0.001 s, and the loop runs at 0.002 s"),
+            ({"side": "negative"}, "cannot change to the other side"),
+            ({"force_limit": 3.0}, "force_limit is a limit of the loop"),
+            ({"stifness": 3.0}, "no parameter is called stifness"),
+        ]:
+            with pytest.raises((ValueError, TypeError), match=message):
+                running.change(**changes)
+        assert running.parameters == before
+        running.read(wait=PATIENCE)
+    with pytest.raises(RuntimeError, match="the loop has ended"):
+        running.change(stiffness=400.0)
+
+
+def test_it_leaves_no_force_at_the_end_of_the_block_at_an_exception_and_when_it_is_forgotten() -> None:
+    def touches(running: palpate.Loop) -> None:
+        until("a force", lambda: running.status.force[0] < -0.5)
+
+    with loop(pressing(), wall()) as running:
+        touches(running)
+    assert running.status.force == NONE and not running.status.running
+    assert running.report is not None and running.report.ending == "it was asked to stop"
+
+    class Own(Exception):
+        pass
+
+    with pytest.raises(Own):
+        with loop(pressing(), wall()) as running:
+            touches(running)
+            raise Own
+    assert running.status.force == NONE
+
+    forgotten = loop(pressing(), wall())
+    forgotten.start()
+    touches(forgotten)
+    assert "palpate loop" in threads_here()
+    del forgotten
+    gc.collect()
+    until("the end of the loop's thread", lambda: "palpate loop" not in threads_here())
+
+
+def threads_here() -> list[str]:
+    if not Path("/proc/self/task").exists():
+        pytest.skip("/proc shows the threads of a process")
+    return [Path(task, "comm").read_text().strip() for task in Path("/proc/self/task").iterdir()]
+
+
+def test_python_that_computes_without_a_break_keeps_no_tick_waiting() -> None:
+    """The loop needs nothing of the interpreter: a thread that holds its lock for whole slices does not stop it."""
+    with loop(pressing(), wall()) as running:
+        read_until(running, "the start", lambda ticks: len(ticks) > 10)
+        before = running.status.ticks
+        # One call of C that gives the lock to nobody until it is done.
+        made = pow(3, 2_000_000)
+        assert made
+        assert running.status.ticks > before + 10
+
+
+def test_of_a_ring_that_nobody_reads_the_newest_stay_and_the_rest_is_counted() -> None:
+    with loop(pressing(), wall(), ring=20) as running:
+        until("a full ring", lambda: running.status.ticks > 60)
+        ticks = running.read()
+        lost = running.status.lost
+    assert len(ticks) <= 20 and lost > 0
+    assert (np.diff(ticks["sequence"].astype(int)) == 1).all()
+    rest = running.read() if running.status.ticks > 0 else ticks
+    status = running.status
+    assert status.ticks == len(ticks) + len(rest) + status.lost
+    assert running.report is not None and status.ticks == running.report.ticks
+
+
+def test_a_device_that_goes_ends_the_loop_which_says_so_once_its_ticks_are_read(program: Program, tmp_path: Path) -> None:
+    board = two_diy(program, tmp_path)
+    with board as (port, _):
+        running = loop(arm(port), wall(period=0.004))
+        with pytest.raises(palpate.LoopError, match="the device is gone.*; switch its motors off"):
+            with running:
+                running.read(wait=PATIENCE)
+                board.process.kill()
+                end = time.monotonic() + PATIENCE
+                while time.monotonic() < end:
+                    running.read(wait=PATIENCE)
+    assert running.report is not None and running.report.ending == "the device is gone"
+    kinds = [event.kind for event in running.events()]
+    assert kinds[-1] == "ended" and "trip-device-lost" in kinds
+    # It is said once.
+    assert running.stop() == running.report
+
+
+def test_a_loop_that_stands_still_is_told_by_read() -> None:
+    """A period of 1 s stands for a device that does not answer."""
+    with loop(pressing(), wall(period=1.0)) as running:
+        running.read(wait=PATIENCE)
+        with pytest.raises(palpate.LoopError, match=r"stands still: no tick within 0\.2 s, the last one .* s ago"):
+            while True:
+                running.read(wait=0.2)
+        assert running.status.silent is not None and running.status.silent > 0.15
+
+
+def test_a_recording_is_what_was_read_and_the_program_replays_it(program: Program, tmp_path: Path) -> None:
+    path = tmp_path / "tap.mcap"
+    device = pressing()
+    with loop(device, wall(device_mass=0.25), record=path) as running:
+        ticks = read_until(running, "contact", lambda ticks: (ticks["penetration_m"] > 0).sum() > 200)
+        device.move_to(-0.01)
+        running.change(stiffness=350.0)
+        ticks = np.concatenate([ticks, read_until(running, "the way out", lambda ticks: ticks["penetration_m"][-1] < 0)])
+    rest = running.read()
+    ticks = np.concatenate([ticks, rest])
+    recording = palpate.read_recording(path)
+    assert recording.complete, recording.shortcomings
+    assert running.report is not None
+    assert (running.report.recorded, running.report.unrecorded) == (len(ticks), 0)
+    assert recording.ticks.tobytes() == ticks.tobytes()
+    kinds = [event.kind for event in recording.events if event.kind != "missed-deadline"]
+    assert kinds == ["parameters", "ended"]
+    assert "stiffness_n_per_m = 300" in recording.texts["scene"]
+    assert 'name = "pointer"' in recording.texts["device"]
+    replayed = program.json("replay", path, "--method", "basic")
+    assert replayed["methods"][0]["method"] == "basic"
+    # A file that is there is kept.
+    with pytest.raises(OSError, match="tap.mcap"):
+        loop(pressing(), wall(), record=path)
+
+
+def test_the_device_and_the_hand_of_a_scene(root: Path) -> None:
+    device = palpate.devices.Simulated("experiments/wall.toml")
+    with loop(device, wall(stiffness=1000.0, period=0.001)) as running:
+        ticks = read_until(running, "contact", lambda ticks: (ticks["penetration_m"] > 0).any())
+    assert ticks["device_position_m"][0] == pytest.approx(-0.002, abs=1e-4)
+
+
+def test_a_hand_leads_its_device_and_lets_go() -> None:
+    device = palpate.devices.Pointer(position=-0.05)
+    assert device.target == -0.05
+    with loop(device, wall()) as running:
+        device.move_to(-0.03)
+        read_until(running, "the target", lambda ticks: abs(ticks["device_position_m"][-1] + 0.03) < 1e-4)
+        device.let_go()
+        assert device.target is None
+        with pytest.raises(ValueError, match="target is NaN m"):
+            device.move_to(math.nan)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"ring": 0}, "ring is 0 ticks"),
+        ({"priority": 99}, "priority is 99"),
+        ({"spin": -1.0}, "spin is -1 s"),
+        ({"largest_speed": -1.0}, "speed"),
+        ({"range": (1.0, 0.0)}, "range"),
+    ],
+)
+def test_what_is_wrong_is_said_by_its_name(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        loop(pressing(), wall(), **changes)
+
+
+def test_wrong_devices_are_said_by_their_argument(tmp_path: Path) -> None:
+    for device, kind, message in [
+        (palpate.devices.Pointer(mass=-1.0), ValueError, "device_mass"),
+        (palpate.devices.TwoDiy(tmp_path / "nothing"), OSError, "nothing"),
+        (palpate.devices.TwoDiy(generation=4), ValueError, "generation is 4"),
+        (palpate.devices.TwoDiy(board="m5"), ValueError, 'board is "m5"'),
+        (palpate.devices.TwoDiy(start_pose="up"), ValueError, 'start_pose is "up"'),
+        (palpate.devices.Inverse3("ws://127.0.0.1:1"), OSError, "127.0.0.1"),
+        (palpate.devices.Device(), TypeError, "one of palpate.devices"),
+    ]:
+        with pytest.raises(kind, match=re.escape(message)):
+            loop(device, wall())
+
+
+def test_it_runs_once_and_stops_as_often_as_one_likes() -> None:
+    never = loop(pressing(), wall())
+    assert never.stop().ending is None
+    running = loop(pressing(), wall())
+    running.start()
+    with pytest.raises(RuntimeError, match="started before"):
+        running.start()
+    reports: list[palpate.LoopReport] = []
+    threads = [threading.Thread(target=lambda: reports.append(running.stop())) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(PATIENCE)
+    assert len(reports) == 3 and len(set(reports)) == 1
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system forks no process")
+@pytest.mark.filterwarnings("ignore:.*multi-threaded.*:DeprecationWarning")
+def test_a_process_that_was_forked_off_is_told_and_the_loop_goes_on() -> None:
+    def child(said: Any) -> None:
+        try:
+            running.read()
+        except RuntimeError as error:
+            said.put(str(error))
+
+    with loop(pressing(), wall()) as running:
+        running.read(wait=PATIENCE)
+        context: Any = multiprocessing.get_context("fork")
+        said = context.Queue()
+        process = context.Process(target=child, args=(said,))
+        process.start()
+        assert "was forked off it" in said.get(timeout=PATIENCE)
+        process.join(PATIENCE)
+        assert process.exitcode == 0
+        running.read()
+        running.read(wait=PATIENCE)
+
+
+# A board that holds its last torque, emulated by the program, and Python in a process of its own.
+
+
+class Emulated:
+    """What the emulator of a 2DIY has said in the end."""
+
+    said = ""
+
+    @property
+    def last_torques(self) -> list[float]:
+        found = re.search(r"in the end (\S+) and (\S+)", self.said)
+        assert found, self.said
+        return [float(torque) for torque in found.groups()]
+
+    @property
+    def largest_torque(self) -> float:
+        found = re.search(r"torques up to ([0-9.]+) N m", self.said)
+        assert found, self.said
+        return float(found[1])
+
+
+class two_diy:
+    """An emulated 2DIY whose hand holds its handle 7 mm in a wall."""
+
+    def __init__(self, program: Program, folder: Path, *flags: str) -> None:
+        self.port = folder / "board"
+        command = [program.path, "emulate", "haply-2diy", "--socket", self.port, "--angles", "130,50"]
+        self.command = [*map(str, command), "--hold", "0.019,0.1169", *flags]
+        self.end = Emulated()
+
+    def __enter__(self) -> tuple[Path, Emulated]:
+        self.process = subprocess.Popen(self.command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        until("the emulator", self.port.exists)
+        return self.port, self.end
+
+    def __exit__(self, *_: object) -> None:
+        self.process.send_signal(signal.SIGINT)
+        _, self.end.said = self.process.communicate(timeout=PATIENCE)
+
+
+def arm(port: Path) -> palpate.devices.TwoDiy:
+    return palpate.devices.TwoDiy(port, start_pose=(130, 50), origin=(0.019, 0.11), normal=(0, 1))
+
+
+RUNS = """
+import math, os, sys, time
+import palpate
+device = palpate.devices.TwoDiy(sys.argv[1], start_pose=(130, 50), origin=(0.019, 0.11), normal=(0, 1))
+renderer = palpate.Renderer(stiffness=300.0, mass=math.inf, period=0.004, method="basic", soft_start=0.0)
+loop = palpate.Loop(device, renderer, priority=0, stall_after=50.0, oscillation=math.inf)
+{begin}
+    while not loop.status.force[1] < -0.5:
+        loop.read(wait=60.0)
+        time.sleep(0.001)
+    print("presses", flush=True)
+    sys.stdin.readline()
+    {then}
+"""
+STARTS, BLOCK = "loop.start()\nif True:", "with loop:"
+ENDS = {
+    "the interpreter exits": (STARTS, "pass", None, 0),
+    "an exception": (STARTS, "raise ValueError('own')", None, 1),
+    "an exception in a block": (BLOCK, "raise ValueError('own')", None, 1),
+    "ctrl-C in a block": (BLOCK, "time.sleep(600)", signal.SIGINT, None),
+    "ctrl-C without a block": (STARTS, "pass", signal.SIGINT, None),
+    "killed": (BLOCK, "time.sleep(600)", signal.SIGKILL, -signal.SIGKILL),
+    "terminated": (BLOCK, "time.sleep(600)", signal.SIGTERM, -signal.SIGTERM),
+    "os._exit": (BLOCK, "os._exit(3)", None, 3),
+}
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the emulated board needs Linux")
+@pytest.mark.parametrize("how", ENDS)
+def test_however_python_ends_the_board_holds_no_torque(how: str, program: Program, tmp_path: Path) -> None:
+    begin, then, number, code = ENDS[how]
+    with two_diy(program, tmp_path) as (port, board):
+        command = [sys.executable, "-c", RUNS.format(begin=begin, then=then), str(port)]
+        pipe = subprocess.PIPE
+        with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, text=True) as python:
+            assert python.stdin is not None and python.stdout is not None and python.stderr is not None
+            said = python.stdout.readline()
+            assert said == "presses\n", python.stderr.read()
+            guards = guardians(python.pid)
+            assert len(guards) == 1, "one guardian beside the loop"
+            if number is not None:
+                python.send_signal(number)
+            else:
+                python.stdin.write("go on\n")
+                python.stdin.flush()
+            done = python.wait(PATIENCE)
+            assert code is None or done == code
+            # It is there until the board is known to hold no torque.
+            until("the end of the guardian", lambda: not any(Path("/proc", guard).exists() for guard in guards))
+    assert board.largest_torque > 0.001, board.said
+    assert board.last_torques == [0.0, 0.0], board.said
+
+
+def guardians(parent: int) -> list[str]:
+    """Process ids of the guardians that a process has started."""
+    found = []
+    for entry in Path("/proc").iterdir():
+        try:
+            words = (entry / "cmdline").read_bytes()
+            status = (entry / "status").read_text()
+        except OSError:
+            continue
+        if b"module.guard()" in words and f"PPid:\t{parent}\n" in status:
+            found.append(entry.name)
+    return found
