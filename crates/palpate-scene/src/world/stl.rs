@@ -7,7 +7,7 @@ const HEADER: usize = 80;
 /// Bytes of a triangle in a binary file.
 const TRIANGLE: u64 = 50;
 
-/// The bytes of a text file, without what is not UTF-8 in its names, or of a binary file that is whole.
+/// The bytes of a text file, with `?` for what is not ASCII in its names, or of a binary file that is whole.
 pub(super) fn checked(bytes: &[u8]) -> Result<Cow<'_, [u8]>, String> {
     let says = bytes
         .get(HEADER..HEADER + 4)
@@ -19,9 +19,12 @@ pub(super) fn checked(bytes: &[u8]) -> Result<Cow<'_, [u8]>, String> {
         return Ok(Cow::Borrowed(bytes));
     }
     if is_text(bytes) {
-        return Ok(match String::from_utf8_lossy(bytes) {
-            Cow::Borrowed(text) => Cow::Borrowed(text.as_bytes()),
-            Cow::Owned(text) => Cow::Owned(text.into_bytes()),
+        // Only names can have other characters, and the reader takes ASCII only.
+        let ascii = |&byte: &u8| if byte.is_ascii() { byte } else { b'?' };
+        return Ok(if bytes.is_ascii() {
+            Cow::Borrowed(bytes)
+        } else {
+            Cow::Owned(bytes.iter().map(ascii).collect())
         });
     }
     Err(match (says, whole) {
@@ -64,9 +67,13 @@ mod tests {
     }
 
     #[test]
-    fn text_may_have_a_name_that_is_not_utf_8() {
-        let latin = b"solid Geh\xe4use\nendsolid\n";
-        assert!(std::str::from_utf8(&checked(latin).unwrap()).is_ok());
+    fn text_may_have_a_name_that_is_not_ascii() {
+        let latin = b"solid Geh\xe4use\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex 0 1 0\n\
+                      endloop\n endfacet\nendsolid Geh\xe4use\n";
+        let read = mesh_loader::Loader::default()
+            .load_stl_from_slice(&checked(latin).unwrap(), "part.stl")
+            .unwrap();
+        assert_eq!(read.meshes[0].faces.len(), 1);
         for short in [&b""[..], b"abc"] {
             assert!(checked(short).unwrap_err().contains("at least 84 bytes"));
         }
