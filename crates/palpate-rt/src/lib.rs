@@ -45,6 +45,7 @@
 )]
 
 mod atomics;
+mod bounded_world;
 mod control_loop;
 mod deadlines;
 mod delivered;
@@ -82,6 +83,7 @@ mod tap;
 mod thread;
 mod wire;
 
+pub use bounded_world::{Answered, BoundedWorld, Held, WorldSafety};
 pub use control_loop::ControlLoop;
 pub use note::{Ending, Note, Noted};
 pub use recorder::{Account, Recorder};
