@@ -283,6 +283,25 @@ def test_it_runs_once_and_stops_as_often_as_one_likes() -> None:
     assert len(reports) == 3 and len(set(reports)) == 1
 
 
+def test_the_exit_of_the_interpreter_ends_a_loop_that_something_still_refers_to(tmp_path: Path) -> None:
+    path = tmp_path / "kept.mcap"
+    code = """
+import ctypes, math, sys
+import palpate
+renderer = palpate.Renderer(stiffness=300.0, mass=math.inf, period=0.002, method="basic")
+loop = palpate.Loop(palpate.devices.Pointer(position=0.01), renderer, record=sys.argv[1], priority=0)
+loop.start()
+loop.read(wait=60.0)
+# Nobody lets go of this reference.
+ctypes.pythonapi.Py_IncRef(ctypes.py_object(loop))
+"""
+    done = subprocess.run([sys.executable, "-c", code, str(path)], capture_output=True, text=True, timeout=PATIENCE)
+    assert done.returncode == 0, done.stderr
+    recording = palpate.read_recording(path)
+    assert recording.complete, recording.shortcomings
+    assert recording.events[-1].text == "the loop ended: it was asked to stop"
+
+
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system forks no process")
 @pytest.mark.filterwarnings("ignore:.*multi-threaded.*:DeprecationWarning")
 def test_a_process_that_was_forked_off_is_told_and_the_loop_goes_on() -> None:
