@@ -28,6 +28,11 @@
 #define PALPATE_CONTACT_ALIGN_MAX 8
 
 /*
+ `fault_device` where the fault is none of one device.
+ */
+#define PALPATE_NO_DEVICE UINT32_MAX
+
+/*
  What a call answers. `palpate_last_error` says the rest in words.
  */
 enum palpate_status
@@ -67,6 +72,14 @@ enum palpate_status
    A defect in the library, which has been caught. Report it, please.
    */
   PALPATE_STATUS_INTERNAL = 7,
+  /*
+   A scene cannot be read, is none of a world, or cannot be rendered.
+   */
+  PALPATE_STATUS_SCENE = 8,
+  /*
+   A place or a number of devices or bodies is another one than there are.
+   */
+  PALPATE_STATUS_COUNT = 9,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -151,11 +164,16 @@ enum palpate_fault
    */
   PALPATE_FAULT_OVERFLOW = 6,
   /*
+   The device orientation is not a unit quaternion.
+   */
+  PALPATE_FAULT_ORIENTATION_NOT_UNIT = 7,
+  /*
    Of a newer core.
    */
   PALPATE_FAULT_OTHER = 99,
   /*
-   The contact or the sample is NULL, or the sample's struct_size is too small: palpate_last_error.
+   The contact, the world or the sample is NULL, a struct_size is too small, or a number of poses or wrenches is
+   not that of the devices: palpate_last_error.
    */
   PALPATE_FAULT_ARGUMENT = 100,
   /*
@@ -307,6 +325,18 @@ enum palpate_limit
    It could give out more energy than there is: the guard's bound.
    */
   PALPATE_LIMIT_GUARD = 8,
+  /*
+   A torque exceeded the torque limit; of worlds.
+   */
+  PALPATE_LIMIT_TORQUE = 16,
+  /*
+   The offset of a tool's avatar was held at its limit; of worlds.
+   */
+  PALPATE_LIMIT_OFFSET = 32,
+  /*
+   It was still coming back after a start or a fault; of worlds.
+   */
+  PALPATE_LIMIT_SOFT_START = 64,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -320,6 +350,11 @@ typedef uint32_t palpate_limit;
  A contact that is rendered. One thread at a time may use it.
  */
 typedef struct palpate_contact palpate_contact;
+
+/*
+ A world that is rendered. One thread at a time may use it.
+ */
+typedef struct palpate_world palpate_world;
 
 /*
  A setting of a method, by its key in files: {"damping_n_s_per_m", 0.5, NULL}, or {"placement", 0,
@@ -610,6 +645,192 @@ typedef struct palpate_ledger {
   double original_leak_absolute;
 } palpate_ledger;
 
+/*
+ How a world is rendered, where that is not as its scene says. palpate_world_params_default() fills it.
+ */
+typedef struct palpate_world_params {
+  /*
+   Size of this struct; palpate_world_params_default() sets it.
+   */
+  size_t struct_size;
+  /*
+   Name of the method: basic, virtual-damper, virtual-coupling, god-object or coupled. NULL, the default: the scene's.
+   */
+  const char *method;
+  /*
+   Largest force on each device, by its norm [N]. INFINITY: no limit, and none of the torque unless one is given. 0,
+   the default: the scene's, or 20 N where it has none.
+   */
+  double force_limit;
+  /*
+   Largest torque on each device, by its norm [N m]. INFINITY: no limit. 0, the default: the scene's, or 1 N m where
+   it has none.
+   */
+  double torque_limit;
+  /*
+   Time over which a force comes in where a start or a recovery finds contact, not below 0 [s]. Default: 0.2.
+   */
+  double soft_start;
+} palpate_world_params;
+
+/*
+ Where a device is. It stands in arrays, so it has no struct_size and stays as it is.
+ */
+typedef struct palpate_pose {
+  /*
+   Measured position of its tool along the world's axes [m].
+   */
+  double position[3];
+  /*
+   Measured orientation, for a device of six axes: a unit quaternion w, x, y, z that turns the tool's axes into those
+   of the world. Not looked at for a device of three axes.
+   */
+  double orientation[4];
+} palpate_pose;
+
+/*
+ A body at the last sample. palpate_body_state_empty() makes one to be filled.
+ */
+typedef struct palpate_body_state {
+  /*
+   Size of this struct; palpate_body_state_empty() sets it.
+   */
+  size_t struct_size;
+  /*
+   Where its centre of mass is, and how it is turned.
+   */
+  struct palpate_pose pose;
+  /*
+   Velocity of its centre of mass [m/s].
+   */
+  double velocity[3];
+  /*
+   Angular velocity along the world's axes [rad/s].
+   */
+  double angular_velocity[3];
+} palpate_body_state;
+
+/*
+ Sums of a world's books up to the last sample. palpate_world_ledger_empty() makes one to be filled.
+ */
+typedef struct palpate_world_ledger {
+  /*
+   Size of this struct; palpate_world_ledger_empty() sets it.
+   */
+  size_t struct_size;
+  /*
+   Kinetic energy of the bodies [J].
+   */
+  double kinetic;
+  /*
+   Potential energy of the bodies' constant forces, 0 at the start [J].
+   */
+  double potential;
+  /*
+   Elastic energy of contacts and joints [J].
+   */
+  double stored;
+  /*
+   What damping and friction have taken [J]: never falls.
+   */
+  double dissipated;
+  /*
+   Work of the devices' forces on the hands [J].
+   */
+  double port_work;
+  /*
+   Energy that holding the contacts' mean forces has given to the hands beyond the contacts' own work [J].
+   */
+  double held_leak;
+} palpate_world_ledger;
+
+/*
+ One sample of all devices of a world. palpate_world_sample_at() fills it.
+ */
+typedef struct palpate_world_sample {
+  /*
+   Size of this struct; palpate_world_sample_at() sets it.
+   */
+  size_t struct_size;
+  /*
+   The devices, in the order of the scene.
+   */
+  const struct palpate_pose *poses;
+  /*
+   Number of poses: palpate_world_device_count().
+   */
+  size_t pose_count;
+  /*
+   Time since the sample before [s], where `has_elapsed` is not 0.
+   */
+  double elapsed;
+  /*
+   1: `elapsed` was measured. 0: one period.
+   */
+  uint32_t has_elapsed;
+  /*
+   0.
+   */
+  uint32_t reserved;
+} palpate_world_sample;
+
+/*
+ What a device is to give to the hand, and to hold until the next sample. It stands in arrays, so it has no struct_size
+ and stays as it is.
+ */
+typedef struct palpate_wrench {
+  /*
+   Force along the world's axes [N].
+   */
+  double force[3];
+  /*
+   Torque about the tool's centre of mass along the world's axes [N m]; 0 for a device of three axes.
+   */
+  double torque[3];
+} palpate_wrench;
+
+/*
+ What a tick of a world says beside the wrenches. palpate_world_output_empty() makes one to be filled.
+ */
+typedef struct palpate_world_output {
+  /*
+   Size of this struct; palpate_world_output_empty() sets it.
+   */
+  size_t struct_size;
+  /*
+   Why the sample was refused. Every wrench is then 0.
+   */
+  palpate_fault fault;
+  /*
+   The device whose sample is at fault; PALPATE_NO_DEVICE where it is none of one device.
+   */
+  uint32_t fault_device;
+  /*
+   Limits that changed a wrench: bits of palpate_limit.
+   */
+  uint32_t limited;
+  /*
+   Sub-steps of the tick, with those that were replaced by finer ones.
+   */
+  uint32_t sub_steps;
+  /*
+   Sub-steps that were replaced by finer ones, where contacts begin, end, or begin to slip.
+   */
+  uint32_t refined;
+  /*
+   Such sub-steps that were not: there were too many of them.
+   */
+  uint32_t unrefined;
+  /*
+   1: the fastest contact asked for more sub-steps than a tick may have. A smaller stiffness or a shorter period helps.
+   */
+  uint32_t too_fast;
+  /*
+   Triangles of meshes and contacts with them that a sub-step had no room for.
+   */
+  uint32_t left_out;
+} palpate_world_output;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -794,6 +1015,141 @@ palpate_status palpate_contact_place(void *memory,
                                      const struct palpate_loop_params *loop_params,
                                      struct palpate_contact **contact);
 
+/*
+ Makes the world of a scene file of format 2, to be freed by palpate_world_free, and puts it into `*world`; NULL on
+ an error. Files of meshes are looked for beside the scene. `params` may be NULL: every default.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_world_open(const char *path,
+                                  const struct palpate_world_params *params,
+                                  struct palpate_world **world);
+
+/*
+ Makes a world of the text of a scene of format 2. `name` stands for the path of the scene in messages, and files of
+ meshes are looked for beside it; NULL: the working folder. The rest is as for palpate_world_open.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_world_new(const char *scene,
+                                 const char *name,
+                                 const struct palpate_world_params *params,
+                                 struct palpate_world **world);
+
+/*
+ Frees a world. NULL is left alone.
+
+ # Safety
+ `world` is NULL or a world, and is not used afterwards.
+ */
+void palpate_world_free(struct palpate_world *world);
+
+/*
+ Fills parameters of a world with the defaults. `struct_size` is sizeof(palpate_world_params).
+
+ # Safety
+ `params` is NULL, or `struct_size` bytes can be written there.
+ */
+palpate_status palpate_world_params_init(struct palpate_world_params *params, size_t struct_size);
+
+/*
+ Number of devices; 0 where `world` is NULL.
+
+ # Safety
+ `world` is NULL or a world.
+ */
+size_t palpate_world_device_count(const struct palpate_world *world);
+
+/*
+ Name of a device by its place in the scene, in UTF-8; NULL where there is none. It lives as long as the world.
+
+ # Safety
+ `world` is NULL or a world.
+ */
+const char *palpate_world_device_name(const struct palpate_world *world,
+                                      size_t device);
+
+/*
+ 1 for a device of six axes, 0 for one of three axes or of another place than there are.
+
+ # Safety
+ `world` is NULL or a world.
+ */
+uint32_t palpate_world_device_turns(const struct palpate_world *world, size_t device);
+
+/*
+ Number of bodies, fixed ones too; 0 where `world` is NULL.
+
+ # Safety
+ `world` is NULL or a world.
+ */
+size_t palpate_world_body_count(const struct palpate_world *world);
+
+/*
+ Name of a body by its place in the scene, in UTF-8; NULL where there is none. It lives as long as the world.
+
+ # Safety
+ `world` is NULL or a world.
+ */
+const char *palpate_world_body_name(const struct palpate_world *world, size_t body);
+
+/*
+ Nominal time from sample to sample [s]; 0 where `world` is NULL.
+
+ # Safety
+ `world` is NULL or a world.
+ */
+double palpate_world_period(const struct palpate_world *world);
+
+/*
+ Puts where a body is and how it moves into `*state`. `body` is its place in the scene.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_world_body_state(const struct palpate_world *world,
+                                        size_t body,
+                                        struct palpate_body_state *state);
+
+/*
+ Puts the sums of the books up to the last sample into `*ledger`.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_world_ledger_of(const struct palpate_world *world,
+                                       struct palpate_world_ledger *ledger);
+
+/*
+ One tick: takes a sample of all devices, and puts what each of them is to hold until the next one into `wrenches`, of
+ which there are `wrench_count`, one for each device.
+
+ It cannot fail: the wrenches are finite numbers for any input, and all 0 where a sample is refused or an argument is
+ wrong; what it gives says why. It does not allocate, lock, wait, or loop without bound. `output` may be NULL.
+
+ # Safety
+ Each pointer is NULL or to what its type says, `wrenches` to `wrench_count` of them; structs have the sizes that they
+ begin with.
+ */
+palpate_fault palpate_world_step(struct palpate_world *world,
+                                 const struct palpate_world_sample *sample,
+                                 struct palpate_wrench *wrenches,
+                                 size_t wrench_count,
+                                 struct palpate_world_output *output);
+
+/*
+ Says what was really sent to a device for the last tick, where it is another wrench than the tick has given: something
+ between has limited it.
+
+ # Safety
+ Each pointer is NULL or to what its type says.
+ */
+palpate_status palpate_world_report_sent(struct palpate_world *world,
+                                         size_t device,
+                                         const struct palpate_wrench *sent);
+
 #ifdef __cplusplus
 }  // extern "C"
 #endif  // __cplusplus
@@ -843,5 +1199,38 @@ static inline palpate_output palpate_output_empty(void) {
 static inline palpate_ledger palpate_ledger_empty(void) {
   palpate_ledger ledger = {
       sizeof(palpate_ledger), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+  return ledger;
+}
+
+/* Parameters of a world with every default: as its scene says, a force limit of 20 N where it says none. */
+static inline palpate_world_params palpate_world_params_default(void) {
+  palpate_world_params params;
+  palpate_world_params_init(&params, sizeof params);
+  return params;
+}
+
+/* A sample of `count` devices, one period after the one before. */
+static inline palpate_world_sample palpate_world_sample_at(const palpate_pose *poses, size_t count) {
+  palpate_world_sample sample = {sizeof(palpate_world_sample), poses, count, 0.0, 0, 0};
+  return sample;
+}
+
+/* An output to be filled by palpate_world_step. */
+static inline palpate_world_output palpate_world_output_empty(void) {
+  palpate_world_output output = {
+      sizeof(palpate_world_output), PALPATE_FAULT_NONE, PALPATE_NO_DEVICE, 0, 0, 0, 0, 0, 0};
+  return output;
+}
+
+/* A body to be filled by palpate_world_body_state. */
+static inline palpate_body_state palpate_body_state_empty(void) {
+  palpate_body_state state = {
+      sizeof(palpate_body_state), {{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+  return state;
+}
+
+/* Books to be filled by palpate_world_ledger_of. */
+static inline palpate_world_ledger palpate_world_ledger_empty(void) {
+  palpate_world_ledger ledger = {sizeof(palpate_world_ledger), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
   return ledger;
 }

@@ -1,7 +1,7 @@
 /*
  * palpate for C++17: palpate.h with handles that free themselves. docs/integrate/c.md
  *
- * What is checked once throws palpate::Error: making a contact, and changing it. A tick is noexcept and
+ * What is checked once throws palpate::Error: making a contact or a world, and changing it. A tick is noexcept and
  * gives 0 N where anything is wrong.
  *
  * License: MIT OR Apache-2.0
@@ -140,6 +140,78 @@ class Contact {
 
  private:
   palpate_contact *contact_ = nullptr;
+};
+
+/* A world of a scene file of format 2. One thread at a time may use it. It can be moved and not copied; one that was moved
+   from gives no force. */
+class World {
+ public:
+  /* Throws Error where the scene cannot be read or rendered; every default without `params`. */
+  explicit World(const std::string &path, const palpate_world_params &params = palpate_world_params_default()) {
+    if (palpate_abi_version() != PALPATE_ABI_VERSION) {
+      throw Error(PALPATE_STATUS_STRUCT_SIZE, "this program was compiled with another palpate.h than the library has");
+    }
+    detail::check(palpate_world_open(path.c_str(), &params, &world_));
+  }
+
+  World(World &&other) noexcept : world_(std::exchange(other.world_, nullptr)) {}
+
+  World &operator=(World &&other) noexcept {
+    std::swap(world_, other.world_);
+    return *this;
+  }
+
+  World(const World &) = delete;
+  World &operator=(const World &) = delete;
+
+  ~World() { palpate_world_free(world_); }
+
+  /* One tick: a pose of each device in, what it is to hold out. Why there is no force, where there is none. */
+  palpate_fault step(const palpate_pose *poses, palpate_wrench *wrenches) noexcept {
+    const std::size_t devices = device_count();
+    const palpate_world_sample sample = palpate_world_sample_at(poses, devices);
+    return step(sample, wrenches, devices, nullptr);
+  }
+
+  /* One tick, with all that goes in and, where `output` is not null, all that comes out. */
+  palpate_fault step(const palpate_world_sample &sample, palpate_wrench *wrenches, std::size_t count,
+                     palpate_world_output *output) noexcept {
+    return palpate_world_step(world_, &sample, wrenches, count, output);
+  }
+
+  /* What was really sent to a device for the last tick. */
+  void report_sent(std::size_t device, const palpate_wrench &sent) noexcept {
+    palpate_world_report_sent(world_, device, &sent);
+  }
+
+  std::size_t device_count() const noexcept { return palpate_world_device_count(world_); }
+  std::size_t body_count() const noexcept { return palpate_world_body_count(world_); }
+  /* The nominal time from sample to sample [s]. */
+  double period() const noexcept { return palpate_world_period(world_); }
+  std::string device_name(std::size_t device) const { return name(palpate_world_device_name(world_, device)); }
+  std::string body_name(std::size_t body) const { return name(palpate_world_body_name(world_, body)); }
+
+  /* Where a body is and how it moves, by its place in the scene. Throws Error where there is none. */
+  palpate_body_state body(std::size_t body) const {
+    palpate_body_state state = palpate_body_state_empty();
+    detail::check(palpate_world_body_state(world_, body, &state));
+    return state;
+  }
+
+  /* The sums of the books up to the last sample. */
+  palpate_world_ledger ledger() const noexcept {
+    palpate_world_ledger ledger = palpate_world_ledger_empty();
+    palpate_world_ledger_of(world_, &ledger);
+    return ledger;
+  }
+
+  /* The handle, for functions of palpate.h. */
+  palpate_world *handle() noexcept { return world_; }
+
+ private:
+  static std::string name(const char *name) { return name == nullptr ? std::string() : std::string(name); }
+
+  palpate_world *world_ = nullptr;
 };
 
 }  // namespace palpate

@@ -26,3 +26,18 @@ has!(LoopParams, 136, 8, force_limit at 32, delay at 48, device_mass at 96, guar
 has!(Sample, 40, 8, has_elapsed at 32);
 has!(Output, 80, 8, placement_shift at 56, phase at 64, limited at 72);
 has!(Ledger, 88, 8, held_leak at 40);
+
+#[cfg(feature = "worlds")]
+mod worlds {
+    use core::mem::offset_of;
+
+    use crate::{BodyState, Pose, WorldLedger, WorldOutput, WorldParams, WorldSample, Wrench};
+
+    const _: () = assert!(size_of::<Pose>() == 56);
+    const _: () = assert!(size_of::<Wrench>() == 48);
+    has!(WorldParams, 40, 8, force_limit at 16, soft_start at 32);
+    has!(WorldSample, 40, 8, pose_count at 16, has_elapsed at 32);
+    has!(WorldOutput, 40, 8, limited at 16, left_out at 36);
+    has!(BodyState, 112, 8, velocity at 64, angular_velocity at 88);
+    has!(WorldLedger, 56, 8, held_leak at 48);
+}

@@ -6,8 +6,8 @@ use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
 
 use crate::text;
 
-/// Room for the words of an error, with the 0 at their end.
-const SIZE: usize = 384;
+/// Room for the words of an error, with the 0 at their end. A scene may have many.
+const SIZE: usize = if cfg!(feature = "worlds") { 2048 } else { 384 };
 
 struct LastError([AtomicU8; SIZE]);
 

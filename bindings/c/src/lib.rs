@@ -18,6 +18,8 @@ mod sample;
 mod sized;
 mod status;
 mod text;
+#[cfg(feature = "worlds")]
+mod world;
 
 pub use contact::*;
 pub use contact_params::*;
@@ -28,6 +30,8 @@ pub use output::*;
 pub use placed::*;
 pub use sample::*;
 pub use status::Status;
+#[cfg(feature = "worlds")]
+pub use world::*;
 
 use core::ffi::c_char;
 

@@ -41,12 +41,33 @@ pub enum Fault {
     JumpTooFast = 5,
     /// The force or the object's motion would not be a finite number.
     Overflow = 6,
+    /// The device orientation is not a unit quaternion.
+    OrientationNotUnit = 7,
     /// Of a newer core.
     Other = 99,
-    /// The contact or the sample is NULL, or the sample's struct_size is too small: palpate_last_error.
+    /// The contact, the world or the sample is NULL, a struct_size is too small, or a number of poses or wrenches is
+    /// not that of the devices: palpate_last_error.
     Argument = 100,
     /// A defect in the library, which has been caught. Report it, please.
     Internal = 101,
+}
+
+impl Fault {
+    /// As C has a fault of the core.
+    #[inline]
+    pub(crate) fn of(fault: Option<CoreFault>) -> Self {
+        match fault {
+            None => Self::None,
+            Some(CoreFault::PositionNotFinite) => Self::PositionNotFinite,
+            Some(CoreFault::VirtualForceNotFinite) => Self::VirtualForceNotFinite,
+            Some(CoreFault::ElapsedNotPositive) => Self::ElapsedNotPositive,
+            Some(CoreFault::GapTooLong) => Self::GapTooLong,
+            Some(CoreFault::JumpTooFast) => Self::JumpTooFast,
+            Some(CoreFault::Overflow) => Self::Overflow,
+            Some(CoreFault::OrientationNotUnit) => Self::OrientationNotUnit,
+            Some(_) => Self::Other,
+        }
+    }
 }
 
 /// Limits that changed the force: bits of `limited`.
@@ -61,6 +82,12 @@ pub enum Limit {
     Slew = 4,
     /// It could give out more energy than there is: the guard's bound.
     Guard = 8,
+    /// A torque exceeded the torque limit; of worlds.
+    Torque = 16,
+    /// The offset of a tool's avatar was held at its limit; of worlds.
+    Offset = 32,
+    /// It was still coming back after a start or a fault; of worlds.
+    SoftStart = 64,
 }
 
 /// The answer to a sample, along the contact's axis. palpate_output_empty() makes one to be filled.
@@ -146,16 +173,7 @@ impl From<CoreOutput<f64>> for Output {
                 CorePhase::Leaves => Phase::Leaves,
                 CorePhase::Waiting => Phase::Waiting,
             },
-            fault: match output.fault {
-                None => Fault::None,
-                Some(CoreFault::PositionNotFinite) => Fault::PositionNotFinite,
-                Some(CoreFault::VirtualForceNotFinite) => Fault::VirtualForceNotFinite,
-                Some(CoreFault::ElapsedNotPositive) => Fault::ElapsedNotPositive,
-                Some(CoreFault::GapTooLong) => Fault::GapTooLong,
-                Some(CoreFault::JumpTooFast) => Fault::JumpTooFast,
-                Some(CoreFault::Overflow) => Fault::Overflow,
-                Some(_) => Fault::Other,
-            },
+            fault: Fault::of(output.fault),
             limited: bits(output.limited),
             reserved: 0,
         }

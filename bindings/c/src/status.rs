@@ -24,6 +24,10 @@ pub enum Status {
     Memory = 6,
     /// A defect in the library, which has been caught. Report it, please.
     Internal = 7,
+    /// A scene cannot be read, is none of a world, or cannot be rendered.
+    Scene = 8,
+    /// A place or a number of devices or bodies is another one than there are.
+    Count = 9,
 }
 
 /// Why a call is refused.
@@ -65,6 +69,30 @@ pub enum Refusal<'a> {
     NotAligned {
         needed: usize,
     },
+    /// What is wrong with a scene, in words.
+    #[cfg(feature = "worlds")]
+    Scene(std::string::String),
+    /// A number that says how a world is rendered.
+    #[cfg(feature = "worlds")]
+    WorldNumber {
+        name: &'static str,
+        given: f64,
+        allowed: &'static str,
+    },
+    /// Another number of things than there are devices.
+    #[cfg(feature = "worlds")]
+    Count {
+        name: &'static str,
+        given: usize,
+        needed: usize,
+    },
+    /// A place where there is none of them.
+    #[cfg(feature = "worlds")]
+    Index {
+        name: &'static str,
+        given: usize,
+        count: usize,
+    },
 }
 
 impl Refusal<'_> {
@@ -82,6 +110,12 @@ impl Refusal<'_> {
             | Self::SettingValue { .. }
             | Self::NotText(_) => Status::Setting,
             Self::TooSmall { .. } | Self::NotAligned { .. } => Status::Memory,
+            #[cfg(feature = "worlds")]
+            Self::Scene(_) => Status::Scene,
+            #[cfg(feature = "worlds")]
+            Self::WorldNumber { .. } => Status::Parameter,
+            #[cfg(feature = "worlds")]
+            Self::Count { .. } | Self::Index { .. } => Status::Count,
         }
     }
 }
@@ -138,6 +172,24 @@ impl fmt::Display for Refusal<'_> {
             }
             Self::NotAligned { needed } => {
                 write!(f, "the memory must begin at a multiple of {needed} bytes")
+            }
+            #[cfg(feature = "worlds")]
+            Self::Scene(words) => f.write_str(words),
+            #[cfg(feature = "worlds")]
+            Self::WorldNumber {
+                name,
+                given,
+                allowed,
+            } => write!(f, "{name} is {given}, but must be {allowed}"),
+            #[cfg(feature = "worlds")]
+            Self::Count {
+                name,
+                given,
+                needed,
+            } => write!(f, "{name} is {given}, but the world has {needed} devices"),
+            #[cfg(feature = "worlds")]
+            Self::Index { name, given, count } => {
+                write!(f, "{name} is {given}, but must be less than {count}")
             }
         }
     }

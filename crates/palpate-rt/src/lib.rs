@@ -45,6 +45,7 @@
 )]
 
 mod atomics;
+mod bounded_world;
 mod control_loop;
 mod deadlines;
 mod delivered;
@@ -83,6 +84,7 @@ mod tap;
 mod thread;
 mod wire;
 
+pub use bounded_world::{Answered, BoundedWorld, Held, WorldSafety};
 pub use control_loop::ControlLoop;
 pub use note::{Ending, Note, Noted};
 pub use receipt::receipt;

@@ -27,6 +27,7 @@ namespace Palpate
         GapTooLong = 4,
         JumpTooFast = 5,
         Overflow = 6,
+        OrientationNotUnit = 7,
         Other = 99,
         Argument = 100,
         Internal = 101,

@@ -32,6 +32,22 @@ AT(palpate_output, phase, 64);
 AT(palpate_output, limited, 72);
 HAS(palpate_ledger, 88, 8);
 AT(palpate_ledger, held_leak, 40);
+_Static_assert(sizeof(palpate_pose) == 56, "another size of palpate_pose");
+_Static_assert(sizeof(palpate_wrench) == 48, "another size of palpate_wrench");
+HAS(palpate_world_params, 40, 8);
+AT(palpate_world_params, force_limit, 16);
+AT(palpate_world_params, soft_start, 32);
+HAS(palpate_world_sample, 40, 8);
+AT(palpate_world_sample, pose_count, 16);
+AT(palpate_world_sample, has_elapsed, 32);
+HAS(palpate_world_output, 40, 8);
+AT(palpate_world_output, limited, 16);
+AT(palpate_world_output, left_out, 36);
+HAS(palpate_body_state, 112, 8);
+AT(palpate_body_state, velocity, 64);
+AT(palpate_body_state, angular_velocity, 88);
+HAS(palpate_world_ledger, 56, 8);
+AT(palpate_world_ledger, held_leak, 48);
 #endif
 
 int main(void) { return 0; }

@@ -16,7 +16,42 @@ static_assert(std::is_nothrow_move_constructible_v<palpate::Contact>);
 static_assert(!std::is_copy_constructible_v<palpate::Contact>);
 static_assert(noexcept(std::declval<palpate::Contact &>().step(0.0)));
 
-int main() {
+static_assert(std::is_nothrow_move_constructible_v<palpate::World>);
+static_assert(!std::is_copy_constructible_v<palpate::World>);
+
+/* A tool over a floor, from a file. */
+static void worlds(const char *path) {
+  palpate::World first(path);
+  EXPECT(first.device_count() == 1 && first.device_name(0) == "tool" && first.body_name(9).empty());
+  EXPECT(first.period() == 0.001);
+  palpate_pose pose = {{-0.0265, 0.003, 0.01}, {1.0, 0.0, 0.0, 0.0}};
+  palpate_wrench wrench;
+  EXPECT(first.step(&pose, &wrench) == PALPATE_FAULT_NONE && wrench.force[0] == 0.0);
+  palpate::World second(std::move(first));
+  wrench.force[0] = 1.0;
+  EXPECT(first.step(&pose, &wrench) == PALPATE_FAULT_ARGUMENT);
+  for (int tick = 0; tick < 400; tick++) {
+    pose.position[0] = -0.0265 + 5e-5 * tick;
+    EXPECT(second.step(&pose, &wrench) == PALPATE_FAULT_NONE);
+  }
+  EXPECT(wrench.force[0] < -0.01 && second.body(0).pose.position[0] > 0.005);
+  EXPECT(second.ledger().dissipated > 0.0);
+  try {
+    second.body(9);
+    EXPECT(!"there is no such body");
+  } catch (const palpate::Error &error) {
+    EXPECT(error.status() == PALPATE_STATUS_COUNT);
+  }
+  try {
+    palpate::World none("none.toml");
+    EXPECT(!"there is no such file");
+  } catch (const palpate::Error &error) {
+    EXPECT(error.status() == PALPATE_STATUS_SCENE);
+  }
+}
+
+int main(int argc, char **argv) {
+  if (argc > 1) worlds(argv[1]);
   auto loop = palpate::loop_params(0.001);
   auto params = palpate::contact_params(1000.0);
   params.method = "basic";

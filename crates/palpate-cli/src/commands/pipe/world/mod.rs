@@ -7,7 +7,8 @@ mod summary;
 use std::io;
 use std::path::Path;
 
-use palpate_rt::safety::{Safety, SafetyParams};
+use palpate_rt::BoundedWorld;
+use palpate_rt::safety::SafetyParams;
 use palpate_scene::world::WorldFile;
 
 use super::messages::Messages;
@@ -56,14 +57,12 @@ fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<Stream, Failure
     let renderer = scene
         .renderer(method)
         .map_err(|faults| wrong_world(flags, file, &faults))?;
-    let period = scene.timing.period;
-    let safety = || {
-        let limits = SafetyParams {
-            largest_torque: torque_limit.unwrap_or(f64::MAX),
-            ..limits(force_limit, soft_start, defaults)
-        };
-        Safety::new(limits, period).map_err(|error| Failure::Arguments(error.to_string()))
+    let limits = SafetyParams {
+        largest_torque: torque_limit.unwrap_or(f64::MAX),
+        ..limits(force_limit, soft_start, defaults)
     };
+    let world = BoundedWorld::new(renderer, limits)
+        .map_err(|error| Failure::Arguments(error.to_string()))?;
     let devices = scene.world.tools.iter().map(|tool| DeviceColumns {
         name: tool.name.clone(),
         turns: tool.turns,
@@ -74,11 +73,6 @@ fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<Stream, Failure
         is_unit_given: arguments.stream.unit.is_some(),
         devices: devices.collect(),
     };
-    let safety = format
-        .devices
-        .iter()
-        .map(|_| safety())
-        .collect::<Result<_, _>>()?;
     let mut messages = Messages::start()
         .map_err(|error| Failure::System(format!("no thread for messages: {error}")))?;
     if let Some(limits) = limits_in_words(
@@ -88,11 +82,9 @@ fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<Stream, Failure
         messages.tell(limits);
     }
     Ok(Stream {
-        state: renderer.start(),
         names: Names::of(&scene.world),
-        renderer,
-        safety,
-        period,
+        world,
+        period: scene.timing.period,
         format,
         is_header_asked: arguments.stream.header,
         output: Box::new(io::stdout()),

@@ -6,8 +6,8 @@ use std::io::{self, Write};
 use palpate::Fault;
 use palpate_device::Wrench;
 use palpate_record::unit::HandMotion;
-use palpate_rt::safety::{self, Safety};
-use palpate_world::{NOT_TURNED, Sample, Vector, WorldRenderer, WorldState};
+use palpate_rt::BoundedWorld;
+use palpate_world::{NOT_TURNED, Sample, Vector};
 
 use super::super::line::Refusal;
 use super::super::messages::Messages;
@@ -22,11 +22,8 @@ const TOLD_EACH: u64 = 8;
 
 /// The renderer of a world between two streams, and what it needs between two lines.
 pub struct Stream {
-    pub renderer: WorldRenderer,
-    pub state: WorldState,
+    pub world: BoundedWorld,
     pub names: Names,
-    /// For each device.
-    pub safety: Vec<Safety>,
     /// Nominal time from line to line `[s]`.
     pub period: f64,
     pub format: Format,
@@ -92,40 +89,13 @@ impl Stream {
             orientations: &orientations,
             elapsed,
         };
-        let output = self.renderer.step(&mut self.state, &sample);
-        let (fault, limited) = (output.fault, output.limited);
-        let is_limited = limited.force || limited.torque;
-        let wrenches = output.forces.iter().zip(output.torques);
-        let wrenches = wrenches.map(|(&force, &torque)| Wrench { force, torque });
-        let mut wrenches: Vec<Wrench> = wrenches.collect();
+        let held = self.world.step(&sample);
+        let (fault, limited, bounded) = (held.fault, held.limited, held.bounded);
+        answer(&mut self.memory.text, held.wrenches, &self.format);
         if fault.is_none() {
             self.follow(number, &positions, elapsed.unwrap_or(self.period))?;
         }
-        let mut softened = false;
-        let mut shortened = is_limited;
-        for ((safety, wrench), position) in
-            self.safety.iter_mut().zip(&mut wrenches).zip(&positions)
-        {
-            let verdict = safety.judge(&safety::Rendered {
-                elapsed,
-                // A position that the renderer has refused is not looked at.
-                position: if fault.is_none() { *position } else { [0.0; 3] },
-                coordinate: 0.0,
-                wrench: *wrench,
-                created_energy: 0.0,
-                refused: fault.is_some(),
-                stalled: false,
-            });
-            softened |= verdict.bounded.soft_start;
-            shortened |= verdict.bounded.force;
-            *wrench = verdict.wrench;
-        }
-        for (tool, wrench) in wrenches.iter().enumerate() {
-            self.renderer
-                .report_sent(&mut self.state, tool, wrench.force);
-            self.renderer
-                .report_sent_torque(&mut self.state, tool, wrench.torque);
-        }
+        let shortened = limited.force || limited.torque || bounded.force;
         // As for one contact: a time that was refused is kept, or all lines after a clock that was set would
         // be refused.
         self.memory.last_time = time.or(self.memory.last_time);
@@ -134,7 +104,7 @@ impl Stream {
         }
         self.summary.samples += 1;
         self.summary.limited += u64::from(shortened);
-        self.summary.softened += u64::from(softened);
+        self.summary.softened += u64::from(bounded.soft_start);
         if shortened && !self.memory.is_limited {
             self.memory.is_limited = true;
             let limit = self.limit_in_words();
@@ -147,13 +117,12 @@ impl Stream {
             self.memory.is_begun = true;
             self.tell_if_inside(number);
         }
-        self.answer(&wrenches);
         Ok(())
     }
 
     /// The limits of each device.
     fn limit_in_words(&self) -> String {
-        let limits = self.safety[0].params();
+        let limits = self.world.limits();
         let turns = self.format.devices.iter().any(|device| device.turns);
         if turns {
             format!(
@@ -199,7 +168,8 @@ impl Stream {
     /// Says that a tool begins inside a body.
     fn tell_if_inside(&mut self, number: u64) {
         let inside: Vec<String> = self
-            .state
+            .world
+            .state()
             .contacts()
             .iter()
             .filter(|contact| contact.penetration > 0.0)
@@ -224,27 +194,26 @@ impl Stream {
         }
     }
 
-    /// Puts the forces, and the torques of devices that turn, into the line of the output.
-    fn answer(&mut self, wrenches: &[Wrench]) {
-        let text = &mut self.memory.text;
-        text.clear();
-        let devices = wrenches.iter().zip(&self.format.devices);
-        let numbers = devices.flat_map(|(wrench, device)| {
-            let torque = wrench.torque.into_iter().filter(|_| device.turns);
-            wrench.force.into_iter().chain(torque)
-        });
-        for (place, force) in numbers.enumerate() {
-            let separator = if place > 0 { "," } else { "" };
-            // Never a minus zero. A string takes every character.
-            let _ = write!(text, "{separator}{}", force + 0.0);
-        }
-        text.push('\n');
-    }
-
     fn write_text(&mut self) -> io::Result<()> {
         self.output.write_all(self.memory.text.as_bytes())?;
         self.output.flush()
     }
+}
+
+/// Puts the forces, and the torques of devices that turn, into the line of the output.
+fn answer(text: &mut String, wrenches: &[Wrench], format: &Format) {
+    text.clear();
+    let devices = wrenches.iter().zip(&format.devices);
+    let numbers = devices.flat_map(|(wrench, device)| {
+        let torque = wrench.torque.into_iter().filter(|_| device.turns);
+        wrench.force.into_iter().chain(torque)
+    });
+    for (place, force) in numbers.enumerate() {
+        let separator = if place > 0 { "," } else { "" };
+        // A string takes every character.
+        let _ = write!(text, "{separator}{force}");
+    }
+    text.push('\n');
 }
 
 impl Answering for Stream {
@@ -291,12 +260,12 @@ impl Answering for Stream {
             return Ok(());
         }
         let none = vec![Wrench::NONE; self.format.devices.len()];
-        self.answer(&none);
+        answer(&mut self.memory.text, &none, &self.format);
         self.write_text()
     }
 
     fn finish(&mut self) -> (WorldSummary, Option<Messages>) {
-        let summary = self.summary.with_books(self.state.books());
+        let summary = self.summary.with_books(self.world.state().books());
         (summary, self.messages.take())
     }
 }

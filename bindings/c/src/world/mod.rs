@@ -1,0 +1,186 @@
+//! Worlds behind a handle: several devices, bodies and contacts in space.
+
+mod output;
+mod params;
+mod sample;
+mod state;
+mod step;
+
+pub use output::*;
+pub use params::*;
+pub use sample::*;
+pub use state::*;
+pub use step::*;
+
+use core::ffi::c_char;
+use core::ptr;
+use std::ffi::CString;
+use std::fs;
+
+use palpate_rt::BoundedWorld;
+use palpate_scene::world::WorldFile;
+use palpate_world::{NOT_TURNED, Quaternion, Vector, WorldError};
+
+use crate::edge::status;
+use crate::status::{Refusal, Status};
+use crate::text;
+
+/// A world that is rendered. One thread at a time may use it.
+pub struct World {
+    pub(crate) bounded: BoundedWorld,
+    pub(crate) devices: Vec<Device>,
+    pub(crate) bodies: Vec<CString>,
+    /// Room for the sample of a tick: positions [m],
+    pub(crate) positions: Vec<Vector>,
+    /// and orientations.
+    pub(crate) orientations: Vec<Quaternion>,
+}
+
+/// A device of a world, as the scene says it.
+pub(crate) struct Device {
+    pub name: CString,
+    /// Whether it has six axes.
+    pub turns: bool,
+}
+
+/// Makes the world of a scene file of format 2, to be freed by palpate_world_free, and puts it into `*world`; NULL on
+/// an error. Files of meshes are looked for beside the scene. `params` may be NULL: every default.
+///
+/// # Safety
+/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn palpate_world_open(
+    path: *const c_char,
+    params: *const WorldParams,
+    world: *mut *mut World,
+) -> Status {
+    // SAFETY: as the caller says.
+    unsafe {
+        make(params, world, || {
+            let path = text::read(path, "path")?;
+            let text = fs::read_to_string(path)
+                .map_err(|error| Refusal::Scene(format!("{path}: {error}")))?;
+            Ok((path.to_owned(), text))
+        })
+    }
+}
+
+/// Makes a world of the text of a scene of format 2. `name` stands for the path of the scene in messages, and files of
+/// meshes are looked for beside it; NULL: the working folder. The rest is as for palpate_world_open.
+///
+/// # Safety
+/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn palpate_world_new(
+    scene: *const c_char,
+    name: *const c_char,
+    params: *const WorldParams,
+    world: *mut *mut World,
+) -> Status {
+    // SAFETY: as the caller says.
+    unsafe {
+        make(params, world, || {
+            let name = if name.is_null() {
+                "scene"
+            } else {
+                text::read(name, "name")?
+            };
+            Ok((name.to_owned(), text::read(scene, "scene")?.to_owned()))
+        })
+    }
+}
+
+/// The world of a scene, by its name and its text.
+///
+/// # Safety
+/// As for `palpate_world_open`.
+unsafe fn make<'a>(
+    params: *const WorldParams,
+    world: *mut *mut World,
+    source: impl FnOnce() -> Result<(String, String), Refusal<'a>>,
+) -> Status {
+    status(|| {
+        // SAFETY: NULL, or a pointer can be written there.
+        let out = unsafe { world.as_mut() }.ok_or(Refusal::Null("world"))?;
+        *out = ptr::null_mut();
+        // SAFETY: as the caller says.
+        let asked = unsafe { Asked::at(params) }?;
+        let (name, text) = source()?;
+        let file =
+            WorldFile::parse(&name, &text).map_err(|errors| Refusal::Scene(errors.to_string()))?;
+        *out = Box::into_raw(Box::new(World::new(&file, &asked)?));
+        Ok(())
+    })
+}
+
+impl World {
+    fn new<'a>(file: &WorldFile, asked: &Asked) -> Result<Self, Refusal<'a>> {
+        let mut scene = file.scene.clone();
+        let limits = asked.limits(&mut scene.render);
+        let method = asked.method.as_ref().unwrap_or(&scene.render.method);
+        let renderer = scene
+            .renderer(method)
+            .map_err(|faults| Refusal::Scene(in_words(file, &faults, asked.method.is_some())))?;
+        let bounded = BoundedWorld::new(renderer, limits)
+            .map_err(|error| Refusal::Scene(error.to_string()))?;
+        // A name in a file has no 0 in it.
+        let named = |name: &str| CString::new(name).unwrap_or_default();
+        let tools = &scene.world.tools;
+        Ok(Self {
+            bounded,
+            devices: tools
+                .iter()
+                .map(|tool| Device {
+                    name: named(&tool.name),
+                    turns: tool.turns,
+                })
+                .collect(),
+            bodies: scene
+                .world
+                .bodies
+                .iter()
+                .map(|body| named(&body.name))
+                .collect(),
+            positions: vec![[0.0; 3]; tools.len()],
+            orientations: vec![NOT_TURNED; tools.len()],
+        })
+    }
+}
+
+/// What keeps a world from being rendered, each fault in a line of its own.
+fn in_words(file: &WorldFile, faults: &[WorldError], is_method_given: bool) -> String {
+    let lines: Vec<String> = faults
+        .iter()
+        .map(|fault| {
+            let is_of_file = fault.place != palpate_world::Place::Method || !is_method_given;
+            if is_of_file {
+                file.at(fault.place, fault.field, fault.to_string())
+                    .to_string()
+            } else {
+                format!("method: {}", fault.message)
+            }
+        })
+        .collect();
+    lines.join("\n")
+}
+
+/// The world at `world`.
+///
+/// # Safety
+/// `world` is NULL or a world that nobody changes during `'a`.
+pub(crate) unsafe fn at<'a>(world: *const World) -> Result<&'a World, Refusal<'static>> {
+    // SAFETY: as the caller says.
+    unsafe { world.as_ref() }.ok_or(Refusal::Null("world"))
+}
+
+/// Frees a world. NULL is left alone.
+///
+/// # Safety
+/// `world` is NULL or a world, and is not used afterwards.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn palpate_world_free(world: *mut World) {
+    if !world.is_null() {
+        // SAFETY: `make` has made it by `Box::into_raw`, and it is not used afterwards.
+        drop(unsafe { Box::from_raw(world) });
+    }
+}

@@ -1,0 +1,79 @@
+//! What comes out of a tick of a world, beside the wrenches.
+
+use palpate_rt::Held;
+
+use crate::output::{Fault, Limit};
+use crate::sized::SizedStruct;
+
+/// `fault_device` where the fault is none of one device.
+pub const PALPATE_NO_DEVICE: u32 = u32::MAX;
+
+/// What a tick of a world says beside the wrenches. palpate_world_output_empty() makes one to be filled.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct WorldOutput {
+    /// Size of this struct; palpate_world_output_empty() sets it.
+    pub struct_size: usize,
+    /// Why the sample was refused. Every wrench is then 0.
+    pub fault: Fault,
+    /// The device whose sample is at fault; PALPATE_NO_DEVICE where it is none of one device.
+    pub fault_device: u32,
+    /// Limits that changed a wrench: bits of palpate_limit.
+    pub limited: u32,
+    /// Sub-steps of the tick, with those that were replaced by finer ones.
+    pub sub_steps: u32,
+    /// Sub-steps that were replaced by finer ones, where contacts begin, end, or begin to slip.
+    pub refined: u32,
+    /// Such sub-steps that were not: there were too many of them.
+    pub unrefined: u32,
+    /// 1: the fastest contact asked for more sub-steps than a tick may have. A smaller stiffness or a shorter period helps.
+    pub too_fast: u32,
+    /// Triangles of meshes and contacts with them that a sub-step had no room for.
+    pub left_out: u32,
+}
+
+// SAFETY: `repr(C)`, a `usize` first, numbers only. It is written, never read from C.
+unsafe impl SizedStruct for WorldOutput {
+    const NAME: &'static str = "palpate_world_output";
+}
+
+impl WorldOutput {
+    /// Nothing but why there is no force.
+    pub(crate) fn refused(fault: Fault) -> Self {
+        Self {
+            struct_size: size_of::<Self>(),
+            fault,
+            fault_device: PALPATE_NO_DEVICE,
+            limited: 0,
+            sub_steps: 0,
+            refined: 0,
+            unrefined: 0,
+            too_fast: 0,
+            left_out: 0,
+        }
+    }
+}
+
+impl From<&Held<'_>> for WorldOutput {
+    fn from(held: &Held<'_>) -> Self {
+        let bit = |set: bool, limit: Limit| if set { limit as u32 } else { 0 };
+        let device = held.fault.and_then(|fault| fault.tool);
+        Self {
+            fault: Fault::of(held.fault.map(|fault| fault.fault)),
+            fault_device: device
+                .and_then(|device| u32::try_from(device).ok())
+                .unwrap_or(PALPATE_NO_DEVICE),
+            limited: bit(held.limited.force || held.bounded.force, Limit::Force)
+                | bit(held.limited.torque, Limit::Torque)
+                | bit(held.limited.offset, Limit::Offset)
+                | bit(held.bounded.slew, Limit::Slew)
+                | bit(held.bounded.soft_start, Limit::SoftStart),
+            sub_steps: held.effort.sub_steps,
+            refined: held.effort.refined,
+            unrefined: held.effort.unrefined,
+            too_fast: u32::from(held.effort.too_fast),
+            left_out: held.effort.left_out,
+            ..Self::refused(Fault::None)
+        }
+    }
+}

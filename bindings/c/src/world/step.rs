@@ -1,0 +1,155 @@
+//! A tick of a world.
+
+use core::slice;
+
+use palpate_device::Wrench as Held;
+use palpate_world::{NOT_TURNED, Sample};
+
+use super::{Pose, World, WorldOutput, WorldSample, Wrench};
+use crate::edge::{caught, status};
+use crate::last_error;
+use crate::output::Fault;
+use crate::sized;
+use crate::status::{Refusal, Status};
+
+const NONE: Wrench = Wrench {
+    force: [0.0; 3],
+    torque: [0.0; 3],
+};
+
+/// One tick: takes a sample of all devices, and puts what each of them is to hold until the next one into `wrenches`, of
+/// which there are `wrench_count`, one for each device.
+///
+/// It cannot fail: the wrenches are finite numbers for any input, and all 0 where a sample is refused or an argument is
+/// wrong; what it gives says why. It does not allocate, lock, wait, or loop without bound. `output` may be NULL.
+///
+/// # Safety
+/// Each pointer is NULL or to what its type says, `wrenches` to `wrench_count` of them; structs have the sizes that they
+/// begin with.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn palpate_world_step(
+    world: *mut World,
+    sample: *const WorldSample,
+    wrenches: *mut Wrench,
+    wrench_count: usize,
+    output: *mut WorldOutput,
+) -> Fault {
+    let out: &mut [Wrench] = if wrenches.is_null() {
+        &mut []
+    } else {
+        // SAFETY: as the caller says.
+        unsafe { slice::from_raw_parts_mut(wrenches, wrench_count) }
+    };
+    // Whatever happens below, nothing of an earlier tick stays.
+    out.fill(NONE);
+    let said = caught(|| {
+        // SAFETY: as the caller says.
+        match unsafe { tick(world, sample, out) } {
+            Ok(said) => said,
+            Err(refusal) => {
+                last_error::set(&refusal);
+                WorldOutput::refused(Fault::Argument)
+            }
+        }
+    })
+    .unwrap_or(WorldOutput::refused(Fault::Internal));
+    if said.fault == Fault::Internal {
+        // What was put there before a defect came up.
+        out.fill(NONE);
+    }
+    if !output.is_null() {
+        // SAFETY: as the caller says.
+        if let Err(refusal) = unsafe { sized::write(output, || said) } {
+            // A caller who has not said what it has room for gets no force.
+            last_error::set(&refusal);
+            out.fill(NONE);
+            return Fault::Argument;
+        }
+    }
+    said.fault
+}
+
+/// The tick of arguments that may be wrong.
+///
+/// # Safety
+/// As for `palpate_world_step`.
+unsafe fn tick(
+    world: *mut World,
+    sample: *const WorldSample,
+    out: &mut [Wrench],
+) -> Result<WorldOutput, Refusal<'static>> {
+    // SAFETY: as the caller says.
+    let world = unsafe { world.as_mut() }.ok_or(Refusal::Null("world"))?;
+    // SAFETY: as the caller says.
+    let sample = unsafe { sized::read(sample) }?;
+    let devices = world.devices.len();
+    let counted = |name, given| {
+        if given == devices {
+            Ok(())
+        } else {
+            Err(Refusal::Count {
+                name,
+                given,
+                needed: devices,
+            })
+        }
+    };
+    counted("wrench_count", out.len())?;
+    counted("pose_count", sample.pose_count)?;
+    if sample.poses.is_null() {
+        return Err(Refusal::Null("poses"));
+    }
+    // SAFETY: as the caller says, and their number is that of the devices.
+    let poses: &[Pose] = unsafe { slice::from_raw_parts(sample.poses, devices) };
+    let room = world.positions.iter_mut().zip(&mut world.orientations);
+    for ((position, orientation), (pose, device)) in room.zip(poses.iter().zip(&world.devices)) {
+        *position = pose.position;
+        *orientation = if device.turns {
+            pose.orientation
+        } else {
+            NOT_TURNED
+        };
+    }
+    let held = world.bounded.step(&Sample {
+        positions: &world.positions,
+        orientations: &world.orientations,
+        elapsed: (sample.has_elapsed != 0).then_some(sample.elapsed),
+    });
+    for (out, Held { force, torque }) in out.iter_mut().zip(held.wrenches) {
+        *out = Wrench {
+            force: *force,
+            torque: *torque,
+        };
+    }
+    Ok(WorldOutput::from(&held))
+}
+
+/// Says what was really sent to a device for the last tick, where it is another wrench than the tick has given: something
+/// between has limited it.
+///
+/// # Safety
+/// Each pointer is NULL or to what its type says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn palpate_world_report_sent(
+    world: *mut World,
+    device: usize,
+    sent: *const Wrench,
+) -> Status {
+    status(|| {
+        // SAFETY: as the caller says.
+        let world = unsafe { world.as_mut() }.ok_or(Refusal::Null("world"))?;
+        // SAFETY: as the caller says.
+        let sent = unsafe { sent.as_ref() }.ok_or(Refusal::Null("sent"))?;
+        let devices = world.devices.len();
+        if device >= devices {
+            return Err(Refusal::Index {
+                name: "device",
+                given: device,
+                count: devices,
+            });
+        }
+        let Wrench { force, torque } = *sent;
+        world.bounded.report_sent(device, Held { force, torque });
+        Ok(())
+    })
+}

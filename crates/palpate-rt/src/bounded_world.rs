@@ -1,0 +1,246 @@
+//! A world between its renderer and whoever holds its forces: rendered, and bounded by the safety of each device.
+//!
+//! It is for a loop of somebody else's, which reads positions and sends wrenches by itself. [`ControlLoop`](crate::ControlLoop)
+//! has its own way from a device to its motors.
+
+use palpate_device::Wrench;
+use palpate_world::{Effort, Limited, Sample, Vector, WorldFault, WorldRenderer, WorldState};
+
+use crate::safety::{Bounded, Rendered, Safety, SafetyError, SafetyParams};
+
+/// The safety of each device of a world.
+#[derive(Clone, Debug)]
+pub struct WorldSafety {
+    params: SafetyParams,
+    devices: Vec<Safety>,
+}
+
+/// What a renderer has answered, as far as safety looks at it.
+#[derive(Clone, Copy, Debug)]
+pub struct Answered<'a> {
+    /// Time since the sample before `[s]`; `None` for the first.
+    pub elapsed: Option<f64>,
+    /// Where the tools were sampled `[m]`.
+    pub positions: &'a [Vector],
+    /// Whether the renderer refused the sample, and so asks for no force.
+    pub refused: bool,
+}
+
+impl WorldSafety {
+    /// The same limits for each of so many devices, in a loop of `period` `[s]`.
+    ///
+    /// # Errors
+    /// The first parameter outside its range, by name, with what is allowed.
+    pub fn new(devices: usize, params: SafetyParams, period: f64) -> Result<Self, SafetyError> {
+        let devices = (0..devices).map(|_| Safety::new(params, period));
+        Ok(Self {
+            params,
+            devices: devices.collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// The limits of each device.
+    #[must_use]
+    pub fn params(&self) -> &SafetyParams {
+        &self.params
+    }
+
+    /// Puts each wrench through the safety of its device. The limits that changed one of them.
+    pub fn bound(&mut self, answered: &Answered<'_>, wrenches: &mut [Wrench]) -> Bounded {
+        let mut bounded = Bounded::default();
+        let tools = wrenches.iter_mut().zip(answered.positions);
+        for (safety, (wrench, position)) in self.devices.iter_mut().zip(tools) {
+            let verdict = safety.judge(&Rendered {
+                elapsed: answered.elapsed,
+                // A position that the renderer has refused is not looked at.
+                position: if answered.refused {
+                    [0.0; 3]
+                } else {
+                    *position
+                },
+                coordinate: 0.0,
+                wrench: *wrench,
+                created_energy: 0.0,
+                refused: answered.refused,
+                stalled: false,
+            });
+            bounded.force |= verdict.bounded.force;
+            bounded.slew |= verdict.bounded.slew;
+            bounded.soft_start |= verdict.bounded.soft_start;
+            // A force of -0 that comes in softly is none.
+            *wrench = verdict.wrench.each(|vector| vector.map(|x| x + 0.0));
+        }
+        bounded
+    }
+}
+
+/// A world that is rendered for any number of devices, and what may reach them.
+#[derive(Clone, Debug)]
+pub struct BoundedWorld {
+    renderer: WorldRenderer,
+    state: WorldState,
+    safety: WorldSafety,
+    /// What is to be held, for each device.
+    wrenches: Vec<Wrench>,
+}
+
+/// The answer to one sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Held<'a> {
+    /// What each device is to give to the hand, and to hold until the next sample; finite for any sample.
+    pub wrenches: &'a [Wrench],
+    /// Limits of the renderer that acted.
+    pub limited: Limited,
+    /// Limits of the safety that acted.
+    pub bounded: Bounded,
+    /// What the tick has cost, and what did not fit in it.
+    pub effort: Effort,
+    /// Why the sample was refused, if it was: every wrench is then none.
+    pub fault: Option<WorldFault>,
+}
+
+impl BoundedWorld {
+    /// A world at its start, with the same limits for each device.
+    ///
+    /// # Errors
+    /// The first limit outside its range, by name, with what is allowed.
+    pub fn new(renderer: WorldRenderer, limits: SafetyParams) -> Result<Self, SafetyError> {
+        let state = renderer.start();
+        let tools = state.tools().len();
+        Ok(Self {
+            safety: WorldSafety::new(tools, limits, renderer.in_loop().period)?,
+            wrenches: vec![Wrench::NONE; tools],
+            state,
+            renderer,
+        })
+    }
+
+    /// One tick: a sample of all tools in, what each device is to hold out. It does not allocate, lock or wait. The
+    /// renderer knows of what its limits and those of the safety have taken.
+    pub fn step(&mut self, sample: &Sample<'_>) -> Held<'_> {
+        let output = self.renderer.step(&mut self.state, sample);
+        let (limited, effort, fault) = (output.limited, output.effort, output.fault);
+        let asked = output.forces.iter().zip(output.torques);
+        for (wrench, (&force, &torque)) in self.wrenches.iter_mut().zip(asked) {
+            *wrench = Wrench { force, torque };
+        }
+        let answered = Answered {
+            elapsed: sample.elapsed,
+            positions: sample.positions,
+            refused: fault.is_some(),
+        };
+        let bounded = self.safety.bound(&answered, &mut self.wrenches);
+        for (tool, wrench) in self.wrenches.iter().enumerate() {
+            let (renderer, state) = (&self.renderer, &mut self.state);
+            renderer.report_sent(state, tool, wrench.force);
+            renderer.report_sent_torque(state, tool, wrench.torque);
+        }
+        Held {
+            wrenches: &self.wrenches,
+            limited,
+            bounded,
+            effort,
+            fault,
+        }
+    }
+
+    /// Says what was really sent to a device for the last sample, where something between has limited it.
+    pub fn report_sent(&mut self, tool: usize, sent: Wrench) {
+        self.renderer.report_sent(&mut self.state, tool, sent.force);
+        self.renderer
+            .report_sent_torque(&mut self.state, tool, sent.torque);
+    }
+
+    /// The world at the last sample.
+    #[must_use]
+    pub fn state(&self) -> &WorldState {
+        &self.state
+    }
+
+    /// What renders it.
+    #[must_use]
+    pub fn renderer(&self) -> &WorldRenderer {
+        &self.renderer
+    }
+
+    /// The limits of each device.
+    #[must_use]
+    pub fn limits(&self) -> &SafetyParams {
+        self.safety.params()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_world::{
+        BasicParams, Body, Contact, ContactLaw, Motion, Party, Shape, Tool, World, WorldLoop,
+    };
+
+    const PERIOD: f64 = 1e-3;
+
+    /// A point over a floor of 1 kN/m.
+    fn world(limits: SafetyParams) -> BoundedWorld {
+        let floor = Shape::HalfSpace {
+            normal: [0.0, 0.0, 1.0],
+            offset: 0.0,
+        };
+        let world = World {
+            tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.0 })],
+            bodies: vec![Body::new("floor", floor, Motion::Fixed)],
+            contacts: vec![Contact {
+                between: [Party::Any, Party::Any],
+                law: ContactLaw::spring(1000.0),
+            }],
+            joints: Vec::new(),
+        };
+        let in_loop = WorldLoop::new(PERIOD);
+        let renderer =
+            WorldRenderer::new(&world, in_loop, BasicParams::default()).expect("renderable");
+        BoundedWorld::new(renderer, limits).expect("limits in their range")
+    }
+
+    fn held(world: &mut BoundedWorld, depth: f64) -> ([f64; 3], Held<'_>) {
+        let held = world.step(&Sample::at(&[[0.0, 0.0, -depth]]));
+        (held.wrenches[0].force, held)
+    }
+
+    #[test]
+    fn a_force_is_bounded_and_the_renderer_knows() {
+        let limits = SafetyParams {
+            largest_force: 2.0,
+            soft_start: 0.0,
+            ..SafetyParams::default()
+        };
+        let mut world = world(limits);
+        let (force, answer) = held(&mut world, 1e-3);
+        assert_eq!(force, [0.0, 0.0, 1.0]);
+        assert!(!answer.bounded.any());
+        let (force, answer) = held(&mut world, 5e-3);
+        assert_eq!(force, [0.0, 0.0, 2.0]);
+        assert!(answer.bounded.force);
+        // The books have the 2 N that were held over the next millimetre, and not 5 N.
+        let _ = held(&mut world, 6e-3);
+        let work = world.state().books().devices[0].port_work;
+        // 1 N over 4 mm inwards, then 2 N over 1 mm.
+        assert!((work + 4e-3 + 2e-3).abs() < 1e-12, "{work}");
+    }
+
+    #[test]
+    fn a_force_comes_in_softly_and_a_sample_that_is_refused_gets_none() {
+        let mut world = world(SafetyParams {
+            soft_start: 4.0 * PERIOD,
+            ..SafetyParams::default()
+        });
+        for expected in [0.0, 0.25, 0.5, 0.75, 1.0, 1.0] {
+            let (force, answer) = held(&mut world, 1e-3);
+            assert!((force[2] - expected).abs() < 1e-12);
+            assert_eq!(answer.bounded.soft_start, expected < 1.0);
+        }
+        let (force, answer) = held(&mut world, f64::NAN);
+        assert_eq!(force, [0.0; 3]);
+        assert!(answer.fault.is_some());
+        // Back, but not at once.
+        assert!(held(&mut world, 1e-3).0[2] < 0.5);
+    }
+}
