@@ -3,7 +3,7 @@
 use numpy::{PyArray2, PyReadonlyArray2};
 use palpate::Actuation;
 use palpate_device::Wrench;
-use palpate_rt::safety::Safety;
+use palpate_rt::{Answered, WorldSafety};
 use palpate_world::engine::{
     BodyNow, BodyWrench, EngineBody, EngineRenderer, EngineState, PlacedShape, Stepping,
 };
@@ -12,7 +12,7 @@ use palpate_world::{
 };
 use pyo3::prelude::*;
 
-use crate::bounded::{Answered, bound};
+use crate::bounded::acted;
 use crate::names::refused;
 use crate::renderer::safety;
 use crate::world::rows;
@@ -51,9 +51,8 @@ pub struct EngineContact {
     state: EngineState,
     tools: Vec<String>,
     bodies: usize,
-    safety: Vec<Safety>,
+    safety: WorldSafety,
     /// Largest force `[N]`, none if infinite, and soft start `[s]`.
-    limits: (Option<f64>, f64),
     sampled: Option<Sampled>,
     last: Option<Answer>,
 }
@@ -182,18 +181,20 @@ impl EngineContact {
             CoupledParams::new(given.device_mass).with_encoder_quantum(given.encoder_quantum);
         let renderer = EngineRenderer::new(&tools, &bodies, stepping, in_loop, params)
             .map_err(|faults| wrong(&faults))?;
-        let mut contact = Self {
+        Ok(Self {
             state: renderer.start(),
             renderer,
             bodies: bodies.len(),
             tools: given.tools.into_iter().map(|(name, _)| name).collect(),
-            safety: Vec::new(),
-            limits: (force_limit, given.soft_start),
+            safety: WorldSafety::new(
+                tools.len(),
+                safety(force_limit, None, given.soft_start)?,
+                given.period,
+            )
+            .map_err(refused)?,
             sampled: None,
             last: None,
-        };
-        contact.forget()?;
-        Ok(contact)
+        })
     }
 
     /// A period begins: a row of three coordinates for each device.
@@ -260,10 +261,10 @@ impl EngineContact {
         let answered = Answered {
             elapsed,
             positions: &positions,
-            is_refused: fault.is_some(),
-            limited,
+            refused: fault.is_some(),
         };
-        let limited = bound(&answered, &mut self.safety, &mut wrenches);
+        let bounded = self.safety.bound(&answered, &mut wrenches);
+        let limited = acted(limited, bounded);
         let forces: Vec<_> = wrenches.iter().map(|wrench| wrench.force).collect();
         for (tool, force) in forces.iter().enumerate() {
             self.renderer.report_sent(&mut self.state, tool, *force);
@@ -290,13 +291,9 @@ impl EngineContact {
 
     /// Begins anew: nothing sampled, nothing touched, the books empty.
     fn forget(&mut self) -> PyResult<()> {
-        let (force_limit, soft_start) = self.limits;
-        let period = self.renderer.in_loop().period;
-        self.safety = self
-            .tools
-            .iter()
-            .map(|_| safety(force_limit, None, soft_start, period))
-            .collect::<PyResult<_>>()?;
+        let (devices, period) = (self.tools.len(), self.renderer.in_loop().period);
+        let limits = *self.safety.params();
+        self.safety = WorldSafety::new(devices, limits, period).map_err(refused)?;
         self.state = self.renderer.start();
         self.sampled = None;
         self.last = None;

@@ -239,23 +239,22 @@ fn safety_of(setup: &ReplaySetup, soft_start: f64) -> PyResult<Safety> {
         period,
         ..
     } = setup.loop_params;
-    safety(force_limit, None, soft_start, period)
+    Safety::new(safety(force_limit, None, soft_start)?, period).map_err(refused)
 }
 
-/// The same limits for a loop of `period` \[s\], with one of the torque.
+/// The same limits, with one of the torque.
 pub fn safety(
     force_limit: Option<f64>,
     torque_limit: Option<f64>,
     soft_start: f64,
-    period: f64,
-) -> PyResult<Safety> {
+) -> PyResult<SafetyParams> {
     if !(0.0..=60.0).contains(&soft_start) {
         return Err(refused(format!(
             "soft_start is {soft_start} s, but must be 0 to 60"
         )));
     }
     let defaults = SafetyParams::default();
-    let limits = SafetyParams {
+    Ok(SafetyParams {
         largest_force: force_limit.unwrap_or(f64::MAX),
         largest_torque: torque_limit.unwrap_or(f64::MAX),
         soft_start,
@@ -265,6 +264,5 @@ pub fn safety(
             ..defaults.oscillation
         },
         ..defaults
-    };
-    Safety::new(limits, period).map_err(refused)
+    })
 }

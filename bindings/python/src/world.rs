@@ -4,14 +4,15 @@ use std::path::PathBuf;
 
 use numpy::{PyArray2, PyReadonlyArray2};
 use palpate_device::Wrench;
-use palpate_rt::safety::{Safety, SafetyParams};
+use palpate_rt::BoundedWorld;
+use palpate_rt::safety::SafetyParams;
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_world::{
-    Effort, NOT_TURNED, Place, Quaternion, Sample, Vector, WorldError, WorldRenderer, WorldState,
+    Effort, NOT_TURNED, Place, Quaternion, Sample, Vector, WorldError, WorldState,
 };
 use pyo3::prelude::*;
 
-use crate::bounded::{Answered, bound};
+use crate::bounded::acted;
 use crate::names::refused;
 use crate::renderer::safety;
 use crate::scene::messages;
@@ -32,21 +33,8 @@ pub struct PyWorld {
     pub name: String,
     folder: PathBuf,
     pub method: String,
-    limits: Limits,
-    renderer: WorldRenderer,
-    pub state: WorldState,
-    safety: Vec<Safety>,
+    world: BoundedWorld,
     last: Option<Answer>,
-}
-
-/// The limits of `palpate pipe`.
-#[derive(Clone, Copy)]
-struct Limits {
-    /// None: infinite `[N]`.
-    force: Option<f64>,
-    /// None: infinite `[N m]`.
-    torque: Option<f64>,
-    soft_start: f64,
 }
 
 /// What a sample was answered.
@@ -73,11 +61,9 @@ impl PyWorld {
         &self.file.scene
     }
 
-    fn sent(&mut self, tool: usize, wrench: &Wrench) {
-        let Wrench { force, torque } = *wrench;
-        self.renderer.report_sent(&mut self.state, tool, force);
-        self.renderer
-            .report_sent_torque(&mut self.state, tool, torque);
+    /// The world at the last sample.
+    pub fn state(&self) -> &WorldState {
+        self.world.state()
     }
 
     /// A row for each wrench: its force alone where no device turns.
@@ -144,31 +130,23 @@ impl PyWorld {
         // As the force: none where its limit was switched off.
         let usual = force.map(|_| default.largest_torque);
         let torque = torque_limit.or(scene.render.torque_limit).or(usual);
-        let limits = Limits {
-            force,
-            torque: torque.filter(finite),
-            soft_start,
-        };
-        scene.render.force_limit = limits.force;
-        scene.render.torque_limit = limits.torque;
+        let torque = torque.filter(finite);
+        scene.render.force_limit = force;
+        scene.render.torque_limit = torque;
         let renderer = scene
             .renderer(&method)
             .map_err(|faults| wrong(&file, is_file, &faults))?;
-        let mut world = Self {
-            state: renderer.start(),
-            renderer,
+        let limits = safety(force, torque, soft_start)?;
+        Ok(Self {
+            world: BoundedWorld::new(renderer, limits).map_err(refused)?,
             name: name.unwrap_or_else(|| file.scene.title.clone()),
             is_file,
             file,
             text,
             folder,
             method,
-            limits,
-            safety: Vec::new(),
             last: None,
-        };
-        world.reset()?;
-        Ok(world)
+        })
     }
 
     /// One tick: a row for each device in, what it is to give out, row by row. A row has three coordinates, and
@@ -202,21 +180,10 @@ impl PyWorld {
             elapsed,
             ..Sample::at(&positions).turned(&orientations)
         };
-        let output = self.renderer.step(&mut self.state, &sample);
-        let (fault, effort, limited) = (output.fault, output.effort, output.limited);
-        let wrenches = output.forces.iter().zip(output.torques);
-        let wrenches = wrenches.map(|(&force, &torque)| Wrench { force, torque });
-        let mut wrenches: Vec<_> = wrenches.collect();
-        let answered = Answered {
-            elapsed,
-            positions: &positions,
-            is_refused: fault.is_some(),
-            limited,
-        };
-        let limited = bound(&answered, &mut self.safety, &mut wrenches);
-        for (tool, wrench) in wrenches.iter().enumerate() {
-            self.sent(tool, wrench);
-        }
+        let answered = self.world.step(&sample);
+        let (fault, effort) = (answered.fault, answered.effort);
+        let limited = acted(answered.limited, answered.bounded);
+        let wrenches = answered.wrenches.to_vec();
         let name = |tool: usize| self.file.scene.world.tools[tool].name.clone();
         let answer = Answer {
             limited,
@@ -232,7 +199,7 @@ impl PyWorld {
 
     /// Says what was really sent to a device for the last sample `[N]`, `[N m]`.
     fn tell_sent(&mut self, tool: usize, force: Vector, torque: Vector) {
-        self.sent(tool, &Wrench { force, torque });
+        self.world.report_sent(tool, Wrench { force, torque });
     }
 
     /// How many numbers a row of a sample has: 3, or 7 where a device of six axes is among the devices.
@@ -247,17 +214,8 @@ impl PyWorld {
 
     /// Begins anew: bodies at their start, nothing sampled, the books empty.
     fn reset(&mut self) -> PyResult<()> {
-        let period = self.scene().timing.period;
-        let Limits {
-            force,
-            torque,
-            soft_start,
-        } = self.limits;
-        let devices = 0..self.scene().devices.len();
-        self.safety = devices
-            .map(|_| safety(force, torque, soft_start, period))
-            .collect::<PyResult<_>>()?;
-        self.state = self.renderer.start();
+        let (renderer, limits) = (self.world.renderer().clone(), *self.world.limits());
+        self.world = BoundedWorld::new(renderer, limits).map_err(refused)?;
         self.last = None;
         Ok(())
     }

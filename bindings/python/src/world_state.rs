@@ -45,7 +45,7 @@ impl PyWorld {
 /// Each body at the last sample.
 #[pyfunction]
 pub fn world_bodies(world: PyRef<'_, PyWorld>) -> Vec<BodyNow> {
-    let bodies = world.state.bodies().iter();
+    let bodies = world.state().bodies().iter();
     bodies
         .map(|body| {
             let BodyState {
@@ -63,7 +63,7 @@ pub fn world_bodies(world: PyRef<'_, PyWorld>) -> Vec<BodyNow> {
 /// Each tool at the last sample, and how it is turned where it turns.
 #[pyfunction]
 pub fn world_tools(world: PyRef<'_, PyWorld>) -> Vec<(ToolNow, Option<Turned>)> {
-    let states = world.state.tools().iter();
+    let states = world.state().tools().iter();
     let tools = states.zip(&world.scene().world.tools);
     tools
         .map(|(state, described)| (tool(state), described.turns.then(|| turned(state))))
@@ -136,7 +136,7 @@ pub fn contact_book(book: &ContactBook) -> [f64; 8] {
 /// Each point of contact at the last sample.
 #[pyfunction]
 pub fn world_contacts(world: PyRef<'_, PyWorld>) -> Vec<ContactNow> {
-    let contacts = world.state.contacts().iter();
+    let contacts = world.state().contacts().iter();
     contacts
         .map(|contact| {
             let ContactState {
@@ -159,8 +159,8 @@ pub fn world_contacts(world: PyRef<'_, PyWorld>) -> Vec<ContactNow> {
 /// The books of energy as of the last sample.
 #[pyfunction]
 pub fn world_books(world: PyRef<'_, PyWorld>) -> BooksNow {
-    let books = world.state.books();
-    let contacts = world.state.contacts().iter().zip(&books.contacts);
+    let books = world.state().books();
+    let contacts = world.state().contacts().iter().zip(&books.contacts);
     let of_contact = |(contact, book): (&ContactState, &ContactBook)| {
         let entries = contact_book(book);
         (contact.between.map(|side| world.side(side)), entries)
