@@ -368,6 +368,25 @@ def arm(port: Path) -> palpate.devices.TwoDiy:
     return palpate.devices.TwoDiy(port, start_pose=(130, 50), origin=(0.019, 0.11), normal=(0, 1))
 
 
+def test_an_inverse3_behind_its_service(program: Program) -> None:
+    command = [str(program.path), "emulate", "inverse3", "--port", "0", "--events-port", "0"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as emulator:
+        assert emulator.stdout is not None
+        url = emulator.stdout.readline().strip()
+        # Where the cursor is when it is opened is 1 mm deep in the wall.
+        inside = wall(object_position=-0.001, period=0.004)
+        with loop(palpate.devices.Inverse3(url), inside) as running:
+            until("a force", lambda: running.status.force[0] < -0.1)
+            ticks = read_until(running, "contact", lambda ticks: (ticks["force_on_device_n"] < -0.1).any())
+            assert "nverse3" in running.device_name
+            assert ticks["penetration_m"].max() > 0.0005
+        assert running.status.force == NONE
+        emulator.send_signal(signal.SIGINT)
+        _, said = emulator.communicate(timeout=PATIENCE)
+    found = re.search(r"in the end \[?(.*?)\]? N", said)
+    assert found and [float(force) for force in found[1].split(",")] == [0.0, 0.0, 0.0], said
+
+
 RUNS = """
 import math, os, sys, time
 import palpate
