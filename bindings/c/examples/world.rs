@@ -2,7 +2,7 @@
 
 use palpate_device::Wrench;
 use palpate_rt::BoundedWorld;
-use palpate_rt::safety::{OscillationParams, SafetyParams};
+use palpate_rt::safety::SafetyParams;
 use palpate_scene::world::WorldFile;
 use palpate_world::Sample;
 
@@ -20,15 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     file.scene.render.torque_limit = Some(1.0);
     let renderer = file.scene.renderer(&file.scene.render.method);
     let renderer = renderer.map_err(|faults| format!("{faults:?}"))?;
-    let limits = SafetyParams {
-        largest_force: 5.0,
-        largest_speed: f64::INFINITY,
-        oscillation: OscillationParams {
-            energy: f64::INFINITY,
-            ..OscillationParams::default()
-        },
-        ..SafetyParams::default()
-    };
+    let limits = SafetyParams::bounding(Some(5.0), Some(1.0), 0.2);
     let period = file.scene.timing.period;
     let mut world = BoundedWorld::new(renderer, limits)?;
     for tick in 0..400 {

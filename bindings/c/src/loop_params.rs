@@ -90,6 +90,7 @@ impl Default for LoopParams {
             delay_deviation,
             lag_deviation,
             gain_deviation,
+            transmission: _,
         } = core.actuation;
         let limit = |limit: Option<f64>| limit.unwrap_or(f64::INFINITY);
         Self {
@@ -169,6 +170,7 @@ impl LoopParams {
                     delay_deviation: self.delay_deviation,
                     lag_deviation: self.lag_deviation,
                     gain_deviation: self.gain_deviation,
+                    transmission: None,
                 },
                 guard,
             },

@@ -1,10 +1,10 @@
-//! The limits between a renderer of worlds and whoever holds its wrenches, by their names.
+//! The limits of a world that acted, as Python has them.
 
 use palpate_rt::safety::Bounded;
 use palpate_world::Limited;
 
-/// The names of the limits that acted: those of the renderer and those of the safety.
-pub fn acted(limited: Limited, bounded: Bounded) -> Vec<&'static str> {
+/// Names of the limits of a renderer and of the safety that acted.
+pub fn names(limited: Limited, bounded: Bounded) -> Vec<&'static str> {
     let acted = [
         (limited.force || bounded.force, "force"),
         (limited.torque, "torque"),

@@ -12,9 +12,9 @@ use palpate_world::{
 };
 use pyo3::prelude::*;
 
-use crate::bounded::acted;
+use crate::bounded;
 use crate::names::refused;
-use crate::renderer::safety;
+use crate::renderer::safety_params;
 use crate::world::rows;
 
 /// What a shape is called, its lengths, and where it is in its body's axes.
@@ -52,7 +52,6 @@ pub struct EngineContact {
     tools: Vec<String>,
     bodies: usize,
     safety: WorldSafety,
-    /// Largest force `[N]`, none if infinite, and soft start `[s]`.
     sampled: Option<Sampled>,
     last: Option<Answer>,
 }
@@ -181,17 +180,14 @@ impl EngineContact {
             CoupledParams::new(given.device_mass).with_encoder_quantum(given.encoder_quantum);
         let renderer = EngineRenderer::new(&tools, &bodies, stepping, in_loop, params)
             .map_err(|faults| wrong(&faults))?;
+        let limits = safety_params(force_limit, None, given.soft_start)?;
+        let safety = WorldSafety::new(tools.len(), limits, given.period).map_err(refused)?;
         Ok(Self {
             state: renderer.start(),
             renderer,
             bodies: bodies.len(),
             tools: given.tools.into_iter().map(|(name, _)| name).collect(),
-            safety: WorldSafety::new(
-                tools.len(),
-                safety(force_limit, None, given.soft_start)?,
-                given.period,
-            )
-            .map_err(refused)?,
+            safety,
             sampled: None,
             last: None,
         })
@@ -263,8 +259,7 @@ impl EngineContact {
             positions: &positions,
             refused: fault.is_some(),
         };
-        let bounded = self.safety.bound(&answered, &mut wrenches);
-        let limited = acted(limited, bounded);
+        let limited = bounded::names(limited, self.safety.bound(&answered, &mut wrenches));
         let forces: Vec<_> = wrenches.iter().map(|wrench| wrench.force).collect();
         for (tool, force) in forces.iter().enumerate() {
             self.renderer.report_sent(&mut self.state, tool, *force);
@@ -290,14 +285,11 @@ impl EngineContact {
     }
 
     /// Begins anew: nothing sampled, nothing touched, the books empty.
-    fn forget(&mut self) -> PyResult<()> {
-        let (devices, period) = (self.tools.len(), self.renderer.in_loop().period);
-        let limits = *self.safety.params();
-        self.safety = WorldSafety::new(devices, limits, period).map_err(refused)?;
+    fn forget(&mut self) {
+        self.safety.restart();
         self.state = self.renderer.start();
         self.sampled = None;
         self.last = None;
-        Ok(())
     }
 
     /// What was answered to the last sample: None before the first.

@@ -42,6 +42,9 @@ fn argument_of(parameter: Parameter) -> Option<&'static str> {
         | Parameter::AxisOrigin
         | Parameter::AxisNormal
         | Parameter::AxisNormalLength
+        | Parameter::Resonance
+        | Parameter::ResonanceDampingRatio
+        | Parameter::FlexibleMassFraction
         | Parameter::Kappa
         | Parameter::ObjectKappa
         | Parameter::Own { .. } => return None,

@@ -5,7 +5,7 @@ use palpate::{
     ParameterValue, Rendering, Sample, State,
 };
 use palpate_device::Wrench;
-use palpate_rt::safety::{self, OscillationParams, Safety, SafetyParams};
+use palpate_rt::safety::{self, Safety, SafetyParams};
 use palpate_scene::SetupError;
 use palpate_scene::named_parameters::named_parameters;
 use palpate_sim::replay::ReplaySetup;
@@ -239,11 +239,12 @@ fn safety_of(setup: &ReplaySetup, soft_start: f64) -> PyResult<Safety> {
         period,
         ..
     } = setup.loop_params;
-    Safety::new(safety(force_limit, None, soft_start)?, period).map_err(refused)
+    let limits = safety_params(force_limit, None, soft_start)?;
+    Safety::new(limits, period).map_err(refused)
 }
 
 /// The same limits, with one of the torque.
-pub fn safety(
+pub fn safety_params(
     force_limit: Option<f64>,
     torque_limit: Option<f64>,
     soft_start: f64,
@@ -253,16 +254,9 @@ pub fn safety(
             "soft_start is {soft_start} s, but must be 0 to 60"
         )));
     }
-    let defaults = SafetyParams::default();
-    Ok(SafetyParams {
-        largest_force: force_limit.unwrap_or(f64::MAX),
-        largest_torque: torque_limit.unwrap_or(f64::MAX),
+    Ok(SafetyParams::bounding(
+        force_limit,
+        torque_limit,
         soft_start,
-        largest_speed: f64::INFINITY,
-        oscillation: OscillationParams {
-            energy: f64::INFINITY,
-            ..defaults.oscillation
-        },
-        ..defaults
-    })
+    ))
 }

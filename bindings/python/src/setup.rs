@@ -93,6 +93,7 @@ pub fn setup(arguments: &Bound<'_, PyDict>) -> PyResult<ReplaySetup> {
             delay_deviation: in_seconds(given.delay_deviation),
             lag_deviation: given.lag_deviation,
             gain_deviation: given.gain_deviation,
+            transmission: None,
         },
         device_mass: given.device_mass,
         encoder_quantum: given.encoder_quantum,

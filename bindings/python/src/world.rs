@@ -12,9 +12,9 @@ use palpate_world::{
 };
 use pyo3::prelude::*;
 
-use crate::bounded::acted;
+use crate::bounded;
 use crate::names::refused;
-use crate::renderer::safety;
+use crate::renderer::safety_params;
 use crate::scene::messages;
 
 /// Whether the text of a scene file says a world.
@@ -33,7 +33,7 @@ pub struct PyWorld {
     pub name: String,
     folder: PathBuf,
     pub method: String,
-    world: BoundedWorld,
+    bounded: BoundedWorld,
     last: Option<Answer>,
 }
 
@@ -63,7 +63,7 @@ impl PyWorld {
 
     /// The world at the last sample.
     pub fn state(&self) -> &WorldState {
-        self.world.state()
+        self.bounded.state()
     }
 
     /// A row for each wrench: its force alone where no device turns.
@@ -123,22 +123,20 @@ impl PyWorld {
         let mut scene = file.scene.clone();
         let method = method.unwrap_or_else(|| scene.render.method.clone());
         let default = SafetyParams::default();
-        let force = force_limit.or(scene.render.force_limit);
-        // An infinite limit is none.
-        let finite = |limit: &f64| *limit != f64::INFINITY;
-        let force = Some(force.unwrap_or(default.largest_force)).filter(finite);
-        // As the force: none where its limit was switched off.
-        let usual = force.map(|_| default.largest_torque);
-        let torque = torque_limit.or(scene.render.torque_limit).or(usual);
-        let torque = torque.filter(finite);
-        scene.render.force_limit = force;
-        scene.render.torque_limit = torque;
+        scene.render.settle_limits(
+            [force_limit, torque_limit],
+            [default.largest_force, default.largest_torque],
+        );
+        let limits = safety_params(
+            scene.render.force_limit,
+            scene.render.torque_limit,
+            soft_start,
+        )?;
         let renderer = scene
             .renderer(&method)
             .map_err(|faults| wrong(&file, is_file, &faults))?;
-        let limits = safety(force, torque, soft_start)?;
         Ok(Self {
-            world: BoundedWorld::new(renderer, limits).map_err(refused)?,
+            bounded: BoundedWorld::new(renderer, limits).map_err(refused)?,
             name: name.unwrap_or_else(|| file.scene.title.clone()),
             is_file,
             file,
@@ -180,10 +178,10 @@ impl PyWorld {
             elapsed,
             ..Sample::at(&positions).turned(&orientations)
         };
-        let answered = self.world.step(&sample);
-        let (fault, effort) = (answered.fault, answered.effort);
-        let limited = acted(answered.limited, answered.bounded);
-        let wrenches = answered.wrenches.to_vec();
+        let held = self.bounded.step(&sample);
+        let (fault, effort) = (held.fault, held.effort);
+        let limited = bounded::names(held.limited, held.bounded);
+        let wrenches = held.wrenches.to_vec();
         let name = |tool: usize| self.file.scene.world.tools[tool].name.clone();
         let answer = Answer {
             limited,
@@ -199,7 +197,7 @@ impl PyWorld {
 
     /// Says what was really sent to a device for the last sample `[N]`, `[N m]`.
     fn tell_sent(&mut self, tool: usize, force: Vector, torque: Vector) {
-        self.world.report_sent(tool, Wrench { force, torque });
+        self.bounded.report_sent(tool, Wrench { force, torque });
     }
 
     /// How many numbers a row of a sample has: 3, or 7 where a device of six axes is among the devices.
@@ -213,11 +211,9 @@ impl PyWorld {
     }
 
     /// Begins anew: bodies at their start, nothing sampled, the books empty.
-    fn reset(&mut self) -> PyResult<()> {
-        let (renderer, limits) = (self.world.renderer().clone(), *self.world.limits());
-        self.world = BoundedWorld::new(renderer, limits).map_err(refused)?;
+    fn reset(&mut self) {
+        self.bounded.restart();
         self.last = None;
-        Ok(())
     }
 
     /// What was answered to the last sample: None before the first.

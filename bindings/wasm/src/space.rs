@@ -289,13 +289,7 @@ impl SpaceLane {
                 .filter(|contact| contact.penetration > 0.0)
                 .map(|contact| (contact.point, contact.force))
                 .collect(),
-            created_j: self
-                .state
-                .books()
-                .contacts
-                .iter()
-                .map(|book| book.leak())
-                .sum(),
+            created_j: self.state.books().created(),
             refused: self.refused,
         }
     }

@@ -228,6 +228,12 @@ impl Excitation {
         })
     }
 
+    /// What it was made with.
+    #[must_use]
+    pub fn params(&self) -> &ExcitationParams {
+        &self.params
+    }
+
     /// Samples of the whole excitation; the answer to the last one is 0.
     #[must_use]
     pub fn length(&self) -> usize {

@@ -26,6 +26,11 @@ const WIDER: f64 = 1.25;
 const DELAY_MODEL: f64 = 0.002;
 const DELAY_MODEL_PERIOD: f64 = 0.004;
 const MASS_MODEL: f64 = 0.003;
+/// Longest lag that is looked for `[s]`.
+const MOST_LAG: f64 = 0.006;
+/// Deviations from the centre of what is likely up to which a lag counts as normally distributed. Beyond, motors are
+/// rare, but they exist: there an unlikely lag costs the logarithm of the distance only.
+const NORMAL_LAG: f64 = 3.0;
 /// Where in a period the sign of the velocity is looked at.
 const PARTS: [f64; 8] = [
     0.0625, 0.1875, 0.3125, 0.4375, 0.5625, 0.6875, 0.8125, 0.9375,
@@ -67,6 +72,12 @@ pub struct Fit {
 }
 
 impl Fit {
+    /// Whether the lag is the longest that is looked for, `[s]` where it is.
+    pub fn longest_lag(&self, period: f64) -> Option<f64> {
+        let square = self.point[at::LAG_SQUARED] * period * period;
+        (square >= 0.99 * MOST_LAG * MOST_LAG).then_some(MOST_LAG)
+    }
+
     /// Minus the logarithm of the likelihood, without what every fit to these samples has.
     pub fn cost(&self) -> f64 {
         0.5 * self.count as f64 * self.innovation.ln()
@@ -108,7 +119,7 @@ pub fn problem(
     let bounds = [
         (ln_mobility - 2.0, ln_mobility + 2.0),
         (0.01, most_delay + 1.0),
-        (0.0, 4.0 * ms2),
+        (0.0, (MOST_LAG / t).powi(2)),
         free,
         free,
         free,
@@ -169,7 +180,15 @@ impl Problem {
         let free = self.free();
         let inside = self.inside(point);
         let innovations = found.into_iter().map(|e| e / self.scale);
-        let unlikely = (0..free).map(|i| (point[i] - self.prior[i].0) / self.prior[i].1);
+        let unlikely = (0..free).map(|i| {
+            let distance = (point[i] - self.prior[i].0) / self.prior[i].1;
+            if i == at::LAG_SQUARED && distance > NORMAL_LAG {
+                // As steep where both meet.
+                NORMAL_LAG * (1.0 + 2.0 * (distance / NORMAL_LAG).ln()).sqrt()
+            } else {
+                distance
+            }
+        });
         let outside = (0..free).map(|i| 30.0 * (point[i] - inside[i]) / self.prior[i].1);
         let count = self.counted.len() + 2 * free;
         Some(DVector::from_iterator(

@@ -66,6 +66,11 @@ pub enum Declined {
         /// Largest force `[N]`.
         force: f64,
     },
+    /// The motor's lag is as long as the longest that is looked for.
+    LongLag {
+        /// The longest that is looked for `[s]`.
+        longest: f64,
+    },
     /// The fit leaves too much open.
     Uncertain {
         /// Standard deviation of delay and lag together `[s]`.
@@ -108,6 +113,11 @@ impl fmt::Display for Declined {
                  damping over mass). Friction and cogging together may be near that force. Use a --largest-force of {:.2} N \
                  or more, or hold the device less firmly",
                 force * 2.0
+            ),
+            Self::LongLag { longest } => write!(
+                f,
+                "the motor follows with a lag of {:.0} ms or more, and lags up to that are looked for",
+                longest * 1e3
             ),
             Self::Uncertain { delay, mass } => write!(
                 f,
@@ -195,6 +205,9 @@ fn check(fit: &Fit, period: f64, force: f64) -> Result<(), Declined> {
     let friction = fit.point[at::FRICTION] * mass;
     if friction > MOST_FRICTION * force {
         return Err(Declined::Friction { friction, force });
+    }
+    if let Some(longest) = fit.longest_lag(period) {
+        return Err(Declined::LongLag { longest });
     }
     let damping = fit.point[at::DAMPING];
     if damping > MOST_DAMPING {

@@ -106,6 +106,35 @@ fn cogging_is_found_and_makes_the_delay_better_known() {
     assert!(deviation < 0.02e-3, "{deviation}");
 }
 
+/// Lags beyond those of most motors: up to 4 ms they are found, and no wrong value is said of a longer one.
+#[test]
+#[allow(clippy::print_stdout)] // what was measured
+fn a_long_lag_is_found_or_nothing_is_said() {
+    for lag in [1e-3, 2e-3, 3e-3, 4e-3, 6e-3, 10e-3] {
+        let plant = PlantParams {
+            lag,
+            ..PlantParams::bare(1e-3, 0.2)
+        };
+        match calibrated(&plant, 6.0) {
+            Ok(found) => {
+                let delay = plant.delay_plus_lag() * plant.period;
+                let off = deviations(&found, Quantity::DelayPlusLag, delay);
+                let mass = deviations(
+                    &found,
+                    Quantity::DeviceMass,
+                    plant.moved_mass() / plant.gain,
+                );
+                println!("lag {lag} s: {off:.2} and {mass:.2} deviations");
+                assert!(off < 3.5 && mass < 3.5, "{lag}: {off} {mass}");
+            }
+            Err(declined) => {
+                println!("lag {lag} s: {declined}");
+                assert!(lag > 4e-3, "{lag}: {declined}");
+            }
+        }
+    }
+}
+
 #[test]
 fn delays_of_several_periods_are_found() {
     let plant = PlantParams {

@@ -105,6 +105,9 @@ fn flag_of_rendered(parameter: Parameter) -> Option<Cow<'static, str>> {
         | Parameter::AxisNormalLength
         | Parameter::Kappa
         | Parameter::ObjectKappa
+        | Parameter::Resonance
+        | Parameter::ResonanceDampingRatio
+        | Parameter::FlexibleMassFraction
         | Parameter::Own { .. } => return None,
     }))
 }
@@ -425,6 +428,9 @@ impl Flags {
             | Parameter::AxisNormalLength
             | Parameter::Kappa
             | Parameter::ObjectKappa
+            | Parameter::Resonance
+            | Parameter::ResonanceDampingRatio
+            | Parameter::FlexibleMassFraction
             | Parameter::Own { .. } => false,
         }
     }

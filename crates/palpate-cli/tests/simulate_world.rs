@@ -98,11 +98,51 @@ fn a_world_that_cannot_be_judged_or_rendered_says_why() {
             3,
             "\"ball\"",
         ),
+        (
+            "format = 2",
+            "format = 3",
+            3,
+            "wrong.toml:2:10: format is 3; a world with [[device]] and [[body]] has 2",
+        ),
+        (
+            "between = [\"*\", \"*\"]",
+            "between = [\"ball\", \"ball\"]",
+            3,
+            "\"ball\" cannot touch itself; name two",
+        ),
+        (
+            "[[device]]",
+            "[[device]]\nname = \"second\"\nmass_kg = 0.1\ntool = { sphere = { radius_m = 0.01 } }\n\
+             [[contact]]\nbetween = [\"second\", \"tool\"]\nstiffness_n_per_m = 9.0\n[[device]]",
+            3,
+            "two tools do not touch each other",
+        ),
+        (
+            "normal = [0.0, 0.0, 1.0]",
+            "normal = [0.0, 0.0, 0.0]",
+            3,
+            "normal has length 0 and so no direction",
+        ),
+        (
+            "mass_kg = 0.1",
+            "mass_kg = 0.1\ninertia_kg_m2 = [1.0, 5.0, 2.0]",
+            3,
+            "inertia has a moment of 5, and no mass has one that is larger than the sum of the other two, 3",
+        ),
     ] {
         folder.write("wrong.toml", BALL.replace(right, wrong));
         let answer = folder.palpate("simulate wrong.toml");
         assert_eq!(answer.code, code, "{answer:?}");
         assert!(answer.stderr.contains(why), "{answer:?}");
+    }
+    // A normal may have any length.
+    for length in ["1e-300", "1e300"] {
+        let long = BALL.replace(
+            "normal = [0.0, 0.0, 1.0]",
+            &format!("normal = [0.0, 0.0, {length}]"),
+        );
+        folder.write("long.toml", long);
+        assert_eq!(folder.palpate("simulate long.toml").code, 0);
     }
     folder.write("ball.toml", BALL);
     folder.fail(
@@ -110,7 +150,7 @@ fn a_world_that_cannot_be_judged_or_rendered_says_why() {
         2,
         &["--stiffness", "is a world"],
     );
-    folder.fail("heights ball.toml", 3, &["format is 2, a world"]);
+    folder.fail("heights ball.toml", 3, &["the key format is of a world"]);
 }
 
 #[test]

@@ -54,8 +54,8 @@ pub fn tune_world(report: &WorldTuneReport) -> Figure {
         ),
         subtitle: report.title.clone(),
         footnote: Some(
-            "E: error of the mean force of each period, over all devices and axes. Leak: energy that the held forces \
-             gave to the hands beyond the contacts' own work. Chosen with knowledge of the ideal."
+            "E: error of the mean force of each period, over all devices and axes. Leak: energy that held forces \
+             created. Chosen with knowledge of the ideal."
                 .into(),
         ),
         x_label: "damping [N s/m]".into(),

@@ -11,7 +11,8 @@ use crate::safety::{Bounded, Rendered, Safety, SafetyError, SafetyParams};
 /// The safety of each device of a world.
 #[derive(Clone, Debug)]
 pub struct WorldSafety {
-    params: SafetyParams,
+    /// As each begins.
+    fresh: Safety,
     devices: Vec<Safety>,
 }
 
@@ -32,17 +33,22 @@ impl WorldSafety {
     /// # Errors
     /// The first parameter outside its range, by name, with what is allowed.
     pub fn new(devices: usize, params: SafetyParams, period: f64) -> Result<Self, SafetyError> {
-        let devices = (0..devices).map(|_| Safety::new(params, period));
+        let fresh = Safety::new(params, period)?;
         Ok(Self {
-            params,
-            devices: devices.collect::<Result<_, _>>()?,
+            devices: vec![fresh.clone(); devices],
+            fresh,
         })
+    }
+
+    /// Begins anew: nothing sampled, nothing sent.
+    pub fn restart(&mut self) {
+        self.devices.fill(self.fresh.clone());
     }
 
     /// The limits of each device.
     #[must_use]
     pub fn params(&self) -> &SafetyParams {
-        &self.params
+        self.fresh.params()
     }
 
     /// Puts each wrench through the safety of its device. The limits that changed one of them.
@@ -144,6 +150,13 @@ impl BoundedWorld {
         }
     }
 
+    /// Begins anew: bodies at their start, nothing sampled, nothing sent, the books empty.
+    pub fn restart(&mut self) {
+        self.state = self.renderer.start();
+        self.safety.restart();
+        self.wrenches.fill(Wrench::NONE);
+    }
+
     /// Says what was really sent to a device for the last sample, where something between has limited it.
     pub fn report_sent(&mut self, tool: usize, sent: Wrench) {
         self.renderer.report_sent(&mut self.state, tool, sent.force);
@@ -242,5 +255,10 @@ mod tests {
         assert!(answer.fault.is_some());
         // Back, but not at once.
         assert!(held(&mut world, 1e-3).0[2] < 0.5);
+        // Begun anew, it comes in as it did.
+        world.restart();
+        assert_eq!(world.state().books().devices[0].port_work, 0.0);
+        assert_eq!(held(&mut world, 1e-3).0, [0.0; 3]);
+        assert!((held(&mut world, 1e-3).0[2] - 0.25).abs() < 1e-12);
     }
 }

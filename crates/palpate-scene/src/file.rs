@@ -314,7 +314,7 @@ impl Reading<'_> {
             return None;
         }
         if WorldFile::is_one(self.source) {
-            let message = "format is 2, a world of several bodies; here a scene of one contact is needed, \
+            let message = "the key format is of a world of several bodies; here a scene of one contact is needed, \
                            with scene_format = 1";
             self.fault((0..0, message.into()));
             return None;
@@ -370,6 +370,9 @@ impl Reading<'_> {
         } = self.or("hand", hand, ReadHand::default());
         let period = places.take(Parameter::Period, raw.r#loop.period_s.clone());
         let actuator = raw.r#loop.actuator(&mut places);
+        if let Some(alone) = raw.told.alone() {
+            self.in_table("told", alone);
+        }
         let told = raw.told.read(&mut places);
         let timing = raw.r#loop.timing(&mut places);
         let timing = timing.map_err(|(span, message)| (span, message.to_owned()));

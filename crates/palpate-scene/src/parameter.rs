@@ -136,6 +136,9 @@ fn key_of_rendered(parameter: Parameter) -> &'static str {
         Parameter::LagDeviation => "told.lag_deviation_s",
         Parameter::Gain => "told.gain",
         Parameter::GainDeviation => "told.gain_deviation",
+        Parameter::Resonance => "told.resonance_hz",
+        Parameter::ResonanceDampingRatio => "told.resonance_damping_ratio",
+        Parameter::FlexibleMassFraction => "told.flexible_mass_fraction",
         // A scene says none of these.
         Parameter::DerivedDamping
         | Parameter::AxisOrigin

@@ -1,6 +1,6 @@
 //! What a renderer is told of the loop's actuator.
 
-use palpate::{Actuation, LARGEST_DELAY, Parameter, Range};
+use palpate::{Actuation, LARGEST_DELAY, Parameter, Range, Transmission};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -25,6 +25,9 @@ pub struct Told {
     pub gain: Option<f64>,
     /// Standard deviation of the gain.
     pub gain_deviation: Option<f64>,
+    /// What is flexible between the motor and the rest of the device: nothing that a renderer knows of,
+    /// where nothing is told.
+    pub transmission: Option<Transmission<f64>>,
 }
 
 /// `[told]` of a scene file.
@@ -37,10 +40,42 @@ pub(super) struct RawTold {
     lag_deviation_s: Option<Spanned<f64>>,
     gain: Option<Spanned<f64>>,
     gain_deviation: Option<Spanned<f64>>,
+    resonance_hz: Option<Spanned<f64>>,
+    resonance_damping_ratio: Option<Spanned<f64>>,
+    flexible_mass_fraction: Option<Spanned<f64>>,
 }
 
 impl RawTold {
+    /// The place of a key of a transmission that stands without the others, and what is wrong.
+    pub fn alone(&self) -> Option<(std::ops::Range<usize>, String)> {
+        let keys = [
+            &self.resonance_hz,
+            &self.resonance_damping_ratio,
+            &self.flexible_mass_fraction,
+        ];
+        let given = keys.into_iter().flatten();
+        let is_whole = given.clone().count() == keys.len();
+        given
+            .map(Spanned::span)
+            .next()
+            .filter(|_| !is_whole)
+            .map(|span| {
+                let message = "a transmission is told by resonance_hz, resonance_damping_ratio and \
+                           flexible_mass_fraction, all three";
+                (span, message.to_owned())
+            })
+    }
+
     pub fn read(self, places: &mut Places<Of>) -> Told {
+        let transmission = self
+            .resonance_hz
+            .zip(self.resonance_damping_ratio)
+            .zip(self.flexible_mass_fraction)
+            .map(|((resonance, ratio), fraction)| Transmission {
+                resonance: places.take(Parameter::Resonance, resonance),
+                damping_ratio: places.take(Parameter::ResonanceDampingRatio, ratio),
+                flexible_mass_fraction: places.take(Parameter::FlexibleMassFraction, fraction),
+            });
         let mut take = |parameter: Of, value: Option<Spanned<f64>>| {
             value.map(|value| places.take(parameter, value))
         };
@@ -51,6 +86,7 @@ impl RawTold {
             lag_deviation: take(Parameter::LagDeviation.into(), self.lag_deviation_s),
             gain: take(Parameter::Gain.into(), self.gain),
             gain_deviation: take(Parameter::GainDeviation.into(), self.gain_deviation),
+            transmission,
         }
     }
 }
@@ -100,6 +136,7 @@ impl Scene {
             delay_deviation: told.delay_deviation.unwrap_or(0.0),
             lag_deviation: told.lag_deviation.unwrap_or(0.0),
             gain_deviation: told.gain_deviation.unwrap_or(0.0),
+            transmission: told.transmission,
         }
     }
 }

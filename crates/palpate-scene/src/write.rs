@@ -276,6 +276,7 @@ impl File {
             lag_deviation,
             gain,
             gain_deviation,
+            transmission,
         } = *told;
         if *told == Told::default() {
             return;
@@ -287,6 +288,14 @@ impl File {
         self.if_given("lag_deviation_s", lag_deviation);
         self.if_given("gain", gain);
         self.if_given("gain_deviation", gain_deviation);
+        if let Some(transmission) = transmission {
+            self.number("resonance_hz", transmission.resonance);
+            self.number("resonance_damping_ratio", transmission.damping_ratio);
+            self.number(
+                "flexible_mass_fraction",
+                transmission.flexible_mass_fraction,
+            );
+        }
     }
 
     fn guard(&mut self, guard: Guard<f64>) {

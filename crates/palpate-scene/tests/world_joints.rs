@@ -136,7 +136,7 @@ fn faults_of_joints_have_their_place_and_say_what_is_allowed() {
         (
             "axis = [2.0, 0.0, 0.0]",
             "axis = [0.0, 0.0, 0.0]",
-            "axis has length 0, and needs 1",
+            "axis has length 0 and so no direction; give it one",
         ),
         (
             "kind = \"slider\"",

@@ -54,7 +54,7 @@ fn a_world_is_read_with_its_devices_bodies_and_contacts() {
     assert!(
         as_one_contact
             .to_string()
-            .contains("format is 2, a world of several bodies")
+            .contains("the key format is of a world of several bodies")
     );
     let scene = WorldFile::parse("ball.toml", BALL).unwrap().scene;
     assert_eq!(scene.timing.period, 0.001);
@@ -160,7 +160,7 @@ fn numbers_that_no_world_has_are_refused() {
         (
             "normal = [0.0, 0.0, 2.0]",
             "normal = [0.0, 0.0, 0.0]",
-            "normal has length 0, and needs 1",
+            "normal has length 0 and so no direction; give it one",
         ),
         (
             "friction = 0.3",

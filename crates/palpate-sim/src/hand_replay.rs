@@ -116,6 +116,7 @@ pub fn scene(hand: Arc<RecordedHand>, setup: &ReplaySetup) -> Result<Scene, Hand
             delay_deviation: Some(actuation.delay_deviation),
             lag_deviation: Some(actuation.lag_deviation),
             gain_deviation: Some(actuation.gain_deviation),
+            transmission: actuation.transmission,
             ..Told::default()
         },
         measure: Measure::Duration(periods * period),

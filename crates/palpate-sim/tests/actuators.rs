@@ -237,6 +237,23 @@ fn a_flexible_device_has_an_ideal_of_its_own_and_a_stiff_one_that_of_the_point_m
     assert!(e > 0.1 && e < 100.0);
 }
 
+/// A wall on half of a device, at 0.9 of the resonance of 100 Hz: beyond what the resonance allows a renderer
+/// that knows no transmission.
+#[test]
+fn a_told_transmission_takes_coupled_to_a_stiff_wall_on_a_flexible_device() {
+    let mut scene = experiment("coupled/flexible");
+    scene.contact.stiffness = 19_344.0;
+    let untold = error(&scene, MethodName::Coupled);
+    scene.told.transmission = Some(palpate::Transmission {
+        resonance: 100.0,
+        damping_ratio: 0.03,
+        flexible_mass_fraction: 0.5,
+    });
+    let told = error(&scene, MethodName::Coupled);
+    println!("E: untold {untold:.2} %, told {told:.2} %");
+    assert!(told < 2.0 && untold > 10.0);
+}
+
 #[test]
 fn noise_is_what_the_sensor_adds_and_follows_from_the_seed() {
     let mut scene = experiment("fig2");
@@ -270,6 +287,7 @@ fn a_scene_of_all_of_it_reads_back_from_its_file_to_the_same_run() {
         lag_deviation: Some(2e-4),
         gain: Some(1.01),
         gain_deviation: Some(0.02),
+        transmission: None,
     };
     scene.device.noise = 1e-6;
     if let Some(transmission) = &mut scene.device.transmission {

@@ -226,3 +226,69 @@ fn a_probe_in_a_pocket_does_not_pop_through_its_thin_wall() {
     }
     assert!(bench.ideal().deepest() > 0.0012);
 }
+
+/// E of a scene of `experiments/worlds`, whose file tells half as much again as the mass: with the device and its hand known,
+/// which is a constant force then, and a perfect sensor; and as its file has it.
+fn known_and_told(name: &str) -> [f64; 2] {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../experiments/worlds/");
+    let told = std::fs::read_to_string(format!("{path}{name}.toml")).unwrap();
+    let known = known(&told);
+    let each = [known, told].map(|source| {
+        let ([run], bench) = runs(&source, ["coupled"]);
+        assert_eq!(bench.self_check().unwrap().chaotic_from, None);
+        error(&run)
+    });
+    println!(
+        "{name}: E known {:.3} %, told 1.5 times the mass {:.3} %",
+        each[0], each[1]
+    );
+    each
+}
+
+/// The scene without what the renderer does not know.
+fn known(told: &str) -> String {
+    let of_file = [
+        "device_mass",
+        "quantum",
+        "hand_stiffness",
+        "hand_damping",
+        "hand_rest",
+    ];
+    let kept = |line: &&str| !of_file.iter().any(|key| line.starts_with(key));
+    let known: Vec<&str> = told.lines().filter(kept).collect();
+    assert_eq!(known.len() + of_file.len(), told.lines().count());
+    known.join("\n")
+}
+
+#[test]
+fn several_spheres_of_a_tool_touch_a_mesh_that_moves() {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../experiments/worlds/knob.toml"
+    );
+    let source = known(&std::fs::read_to_string(path).unwrap()).replace(
+        "{ sphere = { radius_m = 0.005 } }",
+        "{ spheres = [{ centre_m = [0.0, 0.003, 0.0], radius_m = 0.005 }, { centre_m = [0.001, -0.003, 0.001], \
+         radius_m = 0.004 }] }",
+    );
+    assert!(source.contains("spheres"));
+    let ([run], bench) = runs(&source, ["coupled"]);
+    println!("several spheres on the knob: E {} %", error(&run));
+    assert!(error(&run) < 0.1, "{}", error(&run));
+    let last = bench.ideal().states.last().unwrap();
+    assert_eq!(last.contacts.len(), 2 * 4 + 24);
+}
+
+#[test]
+fn a_mesh_that_moves_is_rendered_as_its_ideal_moves() {
+    let [known, told] = known_and_told("knob");
+    assert!(known < 0.1 && told < 1.0, "{known} {told}");
+}
+
+#[test]
+fn a_hull_is_rendered_as_its_ideal_moves() {
+    for name in ["gem", "cairn"] {
+        let [known, told] = known_and_told(name);
+        assert!(known < 0.1 && told < 1.0, "{known} {told}");
+    }
+}

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use palpate::Transmission;
 use palpate_calibrate::{
     Calibration, Declined, ExcitationError, ExcitationParams, Phase, Quantity, Stop, measure,
 };
@@ -77,7 +78,7 @@ pub fn excite(
     }
 }
 
-/// What a calibration says of delay, lag and gain, of the quantities that are `taken` from it.
+/// What a calibration says of delay, lag, gain and transmission, of the quantities that are `taken` from it.
 #[must_use]
 pub fn told(calibration: &Calibration, taken: impl Fn(Quantity) -> bool) -> Told {
     let known = |quantity: Quantity| {
@@ -109,5 +110,19 @@ pub fn told(calibration: &Calibration, taken: impl Fn(Quantity) -> bool) -> Told
         lag_deviation: of_lag,
         gain: gain.map(|gain| gain.value),
         gain_deviation: gain.and_then(|gain| gain.standard_deviation),
+        transmission: transmission(calibration, &taken),
     }
+}
+
+/// What a calibration says of a flexible transmission, where it has found all of it and all of it is taken.
+fn transmission(
+    calibration: &Calibration,
+    taken: impl Fn(Quantity) -> bool,
+) -> Option<Transmission<f64>> {
+    let value = |quantity| calibration.value(quantity).filter(|_| taken(quantity));
+    Some(Transmission {
+        resonance: value(Quantity::Resonance)?,
+        damping_ratio: value(Quantity::ResonanceDampingRatio)?,
+        flexible_mass_fraction: value(Quantity::FlexibleMassFraction)?,
+    })
 }

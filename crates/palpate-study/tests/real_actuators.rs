@@ -135,6 +135,17 @@ fn a_condition_is_of_what_is_told_and_leaves_the_truth_as_it_is() {
                         assert_eq!(told.delay, scene.timing.delay_seconds + 0.5 * jitter);
                         assert_eq!(told.lag, scene.actuator.lag);
                         assert_eq!(told.gain, scene.actuator.gain);
+                        let device = &scene.device;
+                        assert_eq!(told.transmission.is_some(), device.transmission.is_some());
+                        if let (Some(told), Some(of)) = (told.transmission, device.transmission) {
+                            // The motor's side has no part of the hand.
+                            let mass = scene.told_device_mass.unwrap();
+                            let motor = mass * (1.0 - told.flexible_mass_fraction);
+                            assert!((motor / (of.motor_share * device.mass) - 1.0).abs() < 1e-12);
+                            let rigid = scene.grip.as_ref().is_none_or(|grip| grip.mass == 0.0);
+                            let slower = told.resonance / of.resonance_hz;
+                            assert!(slower <= 1.0 + 1e-12 && (!rigid || slower > 1.0 - 1e-12));
+                        }
                     }
                     _ => {
                         assert_eq!(scene, plant.scene);
@@ -143,6 +154,7 @@ fn a_condition_is_of_what_is_told_and_leaves_the_truth_as_it_is() {
                 }
                 let mut alike = scene;
                 alike.told = plant.scene.told;
+                alike.told_device_mass = plant.scene.told_device_mass;
                 assert_eq!(alike, plant.scene);
             }
         }

@@ -222,3 +222,28 @@ fn a_tool_does_not_pop_through_a_thin_wall() {
         assert!(height < -0.0006 && last.devices[0].force[2] > 4.0);
     }
 }
+
+/// An open mesh is touched from its front only: a tool that passes its border from behind meets nothing.
+#[test]
+fn a_tool_that_comes_round_the_border_of_an_open_mesh_is_not_pushed() {
+    let corners = vec![
+        [0.0, -0.02, -0.02],
+        [0.0, 0.02, -0.02],
+        [0.0, 0.02, 0.0],
+        [0.0, -0.02, 0.0],
+    ];
+    let plate = |faces: Vec<[u32; 3]>| vec![fixed(mesh(&(corners.clone(), faces)))];
+    let back = plate(vec![[0, 2, 1], [0, 3, 2]]);
+    let front = plate(vec![[0, 1, 2], [0, 2, 3]]);
+    for x in [0.001, 0.003, 0.0045] {
+        let fall = |plate: &[WorldBody]| {
+            let mut scene = scene(0.005, [x, 0.0, 0.012], [x, 0.0, -0.012], plate.to_vec());
+            scene.devices[0].hand.stiffness = 30.0;
+            let ideal = ideal(&scene);
+            let impulses = ideal.devices[0].impulses.iter().flatten();
+            impulses.fold(0.0_f64, |most, impulse| most.max(impulse.abs()))
+        };
+        assert!(fall(&back) == 0.0, "{x}: {}", fall(&back));
+        assert!(fall(&front) > 1e-4, "{x}: {}", fall(&front));
+    }
+}

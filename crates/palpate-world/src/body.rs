@@ -1,5 +1,11 @@
 //! What there is in a world: the tools of the devices, and bodies.
 
+use std::sync::Arc;
+
+use nalgebra::UnitQuaternion;
+
+use crate::rigid::{Rotation, Vector3};
+use crate::state::quaternion;
 use crate::{NOT_TURNED, Quaternion, Shape, Vector};
 
 /// What a device moves through the world. Where it is, and how it is turned, the device measures.
@@ -80,6 +86,47 @@ impl Body {
             ..self
         }
     }
+
+    /// The same body in the same place, for which the origin and the axes of its shape are of no account: its own axes
+    /// begin at its centre of mass and are its principal ones, so that its moments of inertia are known.
+    ///
+    /// This is for a body that moves and fills a closed mesh or a hull evenly. All others stay as they are; where moments of inertia
+    /// are given, the shape's origin is the centre of mass and its axes are principal.
+    #[must_use]
+    pub fn balanced(self) -> Self {
+        let Motion::Free(free @ Free { inertia: None, .. }) = &self.motion else {
+            return self;
+        };
+        let of = match &self.shape {
+            Shape::Mesh(mesh) => mesh.mass_properties(free.mass),
+            Shape::Hull(hull) => hull.mass_properties(free.mass),
+            _ => None,
+        };
+        let Some(of) = of else {
+            return self;
+        };
+        if of.centre == [0.0; 3] && of.orientation == NOT_TURNED {
+            return self;
+        }
+        let (centre, axes) = (Vector3::from(of.centre), rotation(of.orientation));
+        let turned = rotation(self.orientation);
+        let orientation = turned * axes;
+        let shape = match self.shape {
+            Shape::Mesh(mesh) => Shape::Mesh(mesh.seen_from(&centre, &axes)),
+            Shape::Hull(hull) => Shape::Hull(Arc::new(hull.seen_from(&of))),
+            other => other,
+        };
+        Self {
+            shape,
+            position: (Vector3::from(self.position) + turned * centre).into(),
+            orientation: quaternion(&orientation),
+            ..self
+        }
+    }
+}
+
+pub(crate) fn rotation([w, x, y, z]: Quaternion) -> Rotation {
+    UnitQuaternion::new_normalize(nalgebra::Quaternion::new(w, x, y, z))
 }
 
 /// Whether a body moves.

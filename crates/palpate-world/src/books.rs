@@ -110,3 +110,26 @@ pub struct Books {
     /// Of each device, in the order of the tools.
     pub devices: Vec<DeviceBook>,
 }
+
+impl Books {
+    /// Energy that held forces created `[J]`; negative where they took more than contacts and damping account for.
+    ///
+    /// ```text
+    /// port work of all devices - work of the contacts on their avatars + observed + step errors
+    /// ```
+    ///
+    /// By the other identities it is what hands, bodies, contacts and dissipation have gained together, and nobody has
+    /// put in. A force that is no contact's, such as that of a virtual damper, counts by its port work.
+    #[must_use]
+    pub fn created(&self) -> f64 {
+        let devices: f64 = self.devices.iter().map(|book| book.port_work).sum();
+        let contacts: f64 = self
+            .contacts
+            .iter()
+            .map(|book| book.observed + book.step_error - book.work_on_avatar)
+            .sum();
+        let bodies: f64 = self.bodies.iter().map(|book| book.step_error).sum();
+        let joints: f64 = self.joints.iter().map(|book| book.step_error).sum();
+        devices + contacts + bodies + joints
+    }
+}

@@ -1,11 +1,12 @@
 //! Moments of inertia of shapes that are filled evenly.
 
-use crate::{Shape, Vector};
+use crate::{NOT_TURNED, Shape, Vector};
 
 impl Shape {
     /// Moments of inertia along the shape's own axes of a body of `mass` `[kg]` that fills the shape evenly
-    /// `[kg m^2]`; `None` for a half-space, which has no end, for several spheres, which may overlap, and for a
-    /// mesh, which is fixed.
+    /// `[kg m^2]`; `None` for a half-space, which has no end, for several spheres, which may overlap, for an open mesh,
+    /// and for a mesh or hull whose axes do not begin at its centre of mass or are not principal ones, which
+    /// [`Body::balanced`](crate::Body::balanced) mends.
     #[must_use]
     pub fn moments(&self, mass: f64) -> Option<Vector> {
         let of_cylinder = |mass: f64, radius: f64, half_length: f64| {
@@ -15,7 +16,12 @@ impl Shape {
         };
         match *self {
             Self::Sphere { radius } => Some([0.4 * mass * radius * radius; 3]),
-            Self::HalfSpace { .. } | Self::Spheres { .. } | Self::Mesh(_) => None,
+            Self::HalfSpace { .. } | Self::Spheres { .. } => None,
+            Self::Mesh(ref mesh) => mesh
+                .mass_properties(mass)
+                .filter(|of| of.centre == [0.0; 3] && of.orientation == NOT_TURNED)
+                .map(|of| of.moments),
+            Self::Hull(ref hull) => Self::Mesh(hull.mesh().clone()).moments(mass),
             Self::Box { half_extents } => {
                 let [a, b, c] = half_extents.map(|half| half * half * mass / 3.0);
                 Some([b + c, c + a, a + b])
@@ -48,7 +54,9 @@ mod tests {
     fn holds(shape: &Shape, [x, y, z]: Vector) -> bool {
         match *shape {
             Shape::Sphere { radius } => x * x + y * y + z * z <= radius * radius,
-            Shape::HalfSpace { .. } | Shape::Spheres { .. } | Shape::Mesh(_) => false,
+            Shape::HalfSpace { .. } | Shape::Spheres { .. } | Shape::Mesh(_) | Shape::Hull(_) => {
+                false
+            }
             Shape::Box {
                 half_extents: [a, b, c],
             } => x.abs() <= a && y.abs() <= b && z.abs() <= c,

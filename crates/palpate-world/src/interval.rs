@@ -47,6 +47,8 @@ pub struct Effort {
     pub unrefined: u32,
     /// Whether the fastest contact asked for more than [`SubSteps::most`].
     pub too_fast: bool,
+    /// Whether it is so fast that its computed motion would grow without bound.
+    pub unstable: bool,
     /// Triangles of meshes and contacts with them that a sub-step had no room for, at most: the furthest from a tool, or
     /// the least deep.
     pub left_out: u32,
@@ -59,10 +61,16 @@ impl Effort {
             refined: self.refined + other.refined,
             unrefined: self.unrefined + other.unrefined,
             too_fast: self.too_fast || other.too_fast,
+            unstable: self.unstable || other.unstable,
             left_out: self.left_out.max(other.left_out),
         }
     }
 }
+
+/// Phase of the fastest contact in a sub-step beyond which its motion would grow `[rad]`: Verlet's method is stable up to 2
+/// for a spring, and for a damper, whose velocity is that of half a sub-step before, up to a rate of 2 a sub-step, which
+/// [`DAMPING_PER_FREQUENCY`] counts as 1.
+const MOST_PHASE: f64 = 1.0;
 
 /// Integrates `moving` over `h` `[s]`, from contacts that were looked at. `before` is overwritten.
 pub(crate) fn advance(
@@ -82,6 +90,7 @@ pub(crate) fn advance(
         effort.too_fast = asked > f64::from(sub_steps.most);
         sub_steps.most
     };
+    effort.unstable = asked * sub_steps.phase > MOST_PHASE * f64::from(count);
     let step = h / f64::from(count);
     for _ in 0..count {
         before.copy_from(moving);

@@ -154,7 +154,7 @@ pub(crate) struct Moving {
     pub touches: Vec<Touch>,
     /// The meshes that spheres touch.
     pub surfaces: Vec<Surface>,
-    /// The pairs of boxes.
+    /// The pairs of boxes and hulls.
     pub blocks: Vec<Blocks>,
     /// The springs of the joints.
     pub links: Vec<Link>,
@@ -168,7 +168,9 @@ impl Moving {
         for (surface, other) in self.surfaces.iter_mut().zip(&other.surfaces) {
             surface.copy_from(other);
         }
-        self.blocks.copy_from_slice(&other.blocks);
+        for (blocks, other) in self.blocks.iter_mut().zip(&other.blocks) {
+            blocks.copy_from(other);
+        }
         self.links.copy_from_slice(&other.links);
     }
 

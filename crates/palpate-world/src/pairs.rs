@@ -1,11 +1,15 @@
 //! Which tools and bodies of a world can touch, and at which points.
 
-use crate::blocks::{Blocks, POINTS_PER_BLOCKS, quarter};
+use std::sync::Arc;
+
+use crate::blocks::Blocks;
+use crate::convex::NoHull;
+use crate::hull::Corners;
 use crate::law::PointLaw;
 use crate::mesh::{POINTS_PER_MESH, Surface};
 use crate::rigid::{Mobility, Rigid, Vector3};
 use crate::solid::Solid;
-use crate::{Motion, Place, Shape, World, WorldError};
+use crate::{Mesh, Motion, Place, Shape, World, WorldError};
 
 /// Most points of contact that a world may have: a tick looks at all of them in every sub-step.
 pub const MOST_POINTS: usize = 64;
@@ -91,6 +95,7 @@ impl Candidate<'_> {
             Shape::Capsule { .. } => "a capsule",
             Shape::Cylinder { .. } => "a cylinder",
             Shape::Mesh(_) => "a mesh",
+            Shape::Hull(_) => "a hull",
         }
     }
 
@@ -104,7 +109,7 @@ pub(crate) struct Contacts {
     pub points: Vec<Point>,
     /// The meshes that spheres touch.
     pub surfaces: Vec<Surface>,
-    /// The pairs of boxes.
+    /// The pairs of boxes and hulls.
     pub blocks: Vec<Blocks>,
 }
 
@@ -135,46 +140,39 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
             let Some(law) = world.law(one.name, other.name) else {
                 continue;
             };
-            // A mesh is looked at once for all of its points.
-            let on_mesh = match (one.shape, other.shape) {
-                (Shape::Sphere { radius }, Shape::Mesh(mesh)) => Some((i, j, *radius, mesh)),
-                (Shape::Mesh(mesh), Shape::Sphere { radius }) => Some((j, i, *radius, mesh)),
-                _ => None,
-            };
-            if let Some((first, second, radius, mesh)) = on_mesh {
-                let touching = Touching {
-                    centre: Vector3::zeros(),
-                    radius,
-                    share: 1.0,
-                };
-                points.extend((0..POINTS_PER_MESH).map(|point| {
-                    let solid = Solid::Mesh {
-                        surface: surfaces.len(),
-                        point,
-                        reach: mesh.reach(),
-                    };
-                    touching.on(first, second, solid, law)
-                }));
-                surfaces.push(Surface::new(mesh.clone(), first, second, radius));
+            let on_mesh = spheres_on_mesh(one.shape, other.shape).map(|found| (i, j, found));
+            let on_mesh = on_mesh
+                .or_else(|| spheres_on_mesh(other.shape, one.shape).map(|found| (j, i, found)));
+            if let Some((first, second, (spheres, mesh))) = on_mesh {
+                for sphere in spheres {
+                    // A mesh is looked at once for all points of a sphere.
+                    points.extend((0..POINTS_PER_MESH).map(|point| {
+                        let solid = Solid::Mesh {
+                            surface: surfaces.len(),
+                            point,
+                            reach: mesh.reach(),
+                        };
+                        sphere.on(first, second, solid, law)
+                    }));
+                    let Touching { centre, radius, .. } = sphere;
+                    surfaces.push(Surface::new(mesh.clone(), [first, second], centre, radius));
+                }
                 continue;
             }
-            if let (Shape::Box { half_extents: a }, Shape::Box { half_extents: b }) =
-                (one.shape, other.shape)
-            {
-                let half = [Vector3::from(*a), Vector3::from(*b)];
-                let pair = Blocks::new([i, j], half, points.len());
-                points.extend((0..POINTS_PER_BLOCKS).map(|point| Point {
+            if let Some(pair) = Blocks::between([one.shape, other.shape], [i, j], points.len()) {
+                let [first, second] = pair.reaches();
+                points.extend((0..pair.points()).map(|point| Point {
                     first: i,
                     second: j,
                     is_off_centre: true,
-                    centre: half[0],
+                    centre: Vector3::x() * first,
                     radius: 0.0,
                     solid: Solid::Between {
                         blocks: blocks.len(),
                         point,
-                        reach: half[1].norm(),
+                        reach: second,
                     },
-                    law: quarter(law),
+                    law: pair.law(law),
                     across: [0.0; 2],
                     along: [0.0; 2],
                     is_held: false,
@@ -186,8 +184,12 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
             let found =
                 found.or_else(|| spheres_on(other.shape, one.shape).map(|found| (j, i, found)));
             match found {
-                Some((first, second, (spheres, solid))) => {
+                Some((first, second, Ok((spheres, solid)))) => {
                     points.extend(spheres.iter().map(|sphere| sphere.on(first, second, solid, law)));
+                }
+                Some((first, _, Err(reason))) => {
+                    let [first, other] = if first == i { [one, other] } else { [other, one] };
+                    faults.push(no_corners(first, other, reason));
                 }
                 None => faults.push(WorldError::new(
                     one.place,
@@ -195,8 +197,9 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
                     format!("{:?} and {:?}", one.name, other.name),
                     format!(
                         "there is no contact of {} with {} yet: their edges and sides can touch where no corner \
-                         does. A sphere, or a tool of several, may touch any shape, a box another box and a half-space, a \
-                         capsule a half-space. Give one of them another shape, or leave the pair without a law",
+                         does. A sphere, or a tool of several, may touch any shape, a box or hull another one and a \
+                         half-space, a capsule and a mesh a half-space. Give one of them another shape, or leave the pair \
+                         without a law",
                         one.words(),
                         other.words()
                     ),
@@ -253,21 +256,81 @@ struct Touching {
     share: f64,
 }
 
-/// The spheres of a shape with which it can touch `other`, and the other's solid, where no two places of the two
-/// surfaces meet unless a sphere does.
-fn spheres_on(shape: &Shape, other: &Shape) -> Option<(Vec<Touching>, Solid)> {
+/// Why the corners of a shape are not the points at which it touches `other`.
+fn no_corners(shape: &Candidate<'_>, other: &Candidate<'_>, reason: NoHull) -> WorldError {
+    let why = match reason {
+        NoHull::TooMany => format!(
+            "the convex hull around it has more than {MOST_POINTS} corners, and it touches a half-space by these; give it \
+             a coarser shape, or leave the pair without a law"
+        ),
+        NoHull::Flat | NoHull::Broken => {
+            "all of it lies in a plane or nearly so, and has no convex hull by whose corners it could touch a half-space"
+                .into()
+        }
+    };
+    let subject = format!("{:?} and {:?}", shape.name, other.name);
+    WorldError::new(shape.place, "shape", subject, why)
+}
+
+impl Blocks {
+    /// Of two boxes or hulls; `None` of other shapes.
+    fn between(shapes: [&Shape; 2], parts: [usize; 2], first_point: usize) -> Option<Self> {
+        if let [
+            Shape::Box { half_extents: a },
+            Shape::Box { half_extents: b },
+        ] = shapes
+        {
+            let half = [Vector3::from(*a), Vector3::from(*b)];
+            return Some(Self::of_boxes(parts, half, first_point));
+        }
+        let hull = |shape: &Shape| match shape {
+            Shape::Hull(hull) => Some(hull.by_corners().clone()),
+            Shape::Box { half_extents } => Some(Arc::new(Corners::of_box((*half_extents).into()))),
+            _ => None,
+        };
+        let [one, other] = shapes;
+        Some(Self::of_hulls(
+            parts,
+            [hull(one)?, hull(other)?],
+            first_point,
+        ))
+    }
+}
+
+/// What a sphere is, or several are; `None` of any other shape.
+fn own_spheres(shape: &Shape) -> Option<Vec<Touching>> {
     let whole = |centre: crate::Vector, radius: f64| Touching {
         centre: centre.into(),
         radius,
         share: 1.0,
     };
-    let spheres = match (shape, other) {
-        (Shape::Sphere { radius }, _) => vec![whole([0.0; 3], *radius)],
-        (Shape::Spheres { spheres }, _) => {
+    match shape {
+        Shape::Sphere { radius } => Some(vec![whole([0.0; 3], *radius)]),
+        Shape::Spheres { spheres } => {
             let each = spheres.iter();
-            each.map(|sphere| whole(sphere.centre, sphere.radius))
-                .collect()
+            let each = each.map(|sphere| whole(sphere.centre, sphere.radius));
+            Some(each.collect())
         }
+        _ => None,
+    }
+}
+
+/// The spheres of a shape, and the triangles of another one that they can touch.
+fn spheres_on_mesh<'a>(shape: &Shape, other: &'a Shape) -> Option<(Vec<Touching>, &'a Arc<Mesh>)> {
+    let mesh = match other {
+        Shape::Mesh(mesh) => mesh,
+        Shape::Hull(hull) => hull.mesh(),
+        _ => return None,
+    };
+    Some((own_spheres(shape)?, mesh))
+}
+
+/// The spheres of a shape with which it can touch `other`, and the other's solid, where no two places of the two
+/// surfaces meet unless a sphere does.
+fn spheres_on(shape: &Shape, other: &Shape) -> Option<Result<(Vec<Touching>, Solid), NoHull>> {
+    let spheres = match (shape, other) {
+        (Shape::Sphere { .. } | Shape::Spheres { .. }, _) => own_spheres(shape)?,
+        (Shape::Hull(hull), Shape::HalfSpace { .. }) => hull.by_corners().touching(),
         // A face that lies flat has four corners, so each has a quarter of the law.
         (Shape::Box { half_extents }, Shape::HalfSpace { .. }) => (0..8_u8)
             .map(|corner| Touching {
@@ -279,6 +342,11 @@ fn spheres_on(shape: &Shape, other: &Shape) -> Option<(Vec<Touching>, Solid)> {
                 share: 4.0,
             })
             .collect(),
+        // Only a corner of the convex hull is the first to meet a plane.
+        (Shape::Mesh(mesh), Shape::HalfSpace { .. }) => match Corners::around(mesh.places(), 0.0) {
+            Ok(corners) => corners.touching(),
+            Err(reason) => return Some(Err(reason)),
+        },
         // A capsule that lies flat has two ends.
         (
             Shape::Capsule {
@@ -295,7 +363,21 @@ fn spheres_on(shape: &Shape, other: &Shape) -> Option<(Vec<Touching>, Solid)> {
             .into(),
         _ => return None,
     };
-    Some((spheres, Solid::of(other)?))
+    Some(Ok((spheres, Solid::of(other)?)))
+}
+
+impl Corners {
+    /// Each as a sphere of radius 0, with its share of the law.
+    fn touching(&self) -> Vec<Touching> {
+        let share = self.most_on_a_face() as f64;
+        let each = self.places.iter();
+        each.map(|&centre| Touching {
+            centre,
+            radius: 0.0,
+            share,
+        })
+        .collect()
+    }
 }
 
 impl Touching {

@@ -1,6 +1,6 @@
 //! One tick of a world, the same for every method.
 
-use nalgebra::{Quaternion, UnitQuaternion};
+use nalgebra::UnitQuaternion;
 use palpate::Fault;
 
 use crate::blocks::Blocks;
@@ -269,7 +269,7 @@ impl WorldRenderer {
         state.tracking.trust();
         effort = effort.and(self.method.plan(self, state, memory));
         let intended = state.intended.iter().chain(&state.intended_torques);
-        if !intended.flatten().all(|x| x.is_finite()) {
+        if effort.unstable || !intended.flatten().all(|x| x.is_finite()) {
             self.put_back(state);
             return Err(overflow);
         }
@@ -346,8 +346,7 @@ fn links(world: &World, parts: &[Part]) -> Vec<Link> {
 }
 
 fn part_of(body: &Body) -> Part {
-    let [w, x, y, z] = body.orientation;
-    let orientation = UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z));
+    let orientation = crate::body::rotation(body.orientation);
     let mut rigid = Rigid {
         position: body.position.into(),
         orientation,

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::{Mesh, Vector};
+use crate::{Hull, Mesh, Vector};
 
 /// A shape, in the own axes of the tool or body that has it.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,8 +43,12 @@ pub enum Shape {
         /// Half of its length, above 0 `[m]`.
         half_length: f64,
     },
-    /// A surface of triangles, in the body's own axes. For fixed bodies only.
+    /// A surface of triangles, in the body's own axes. For bodies only; one that moves may need
+    /// [`Body::balanced`](crate::Body::balanced).
     Mesh(Arc<Mesh>),
+    /// A convex solid with flat faces, in the body's own axes. For bodies only; one that moves may need
+    /// [`Body::balanced`](crate::Body::balanced).
+    Hull(Arc<Hull>),
 }
 
 /// A sphere of a tool that has several.

@@ -64,11 +64,11 @@ impl Nearest {
 const NO_DIRECTION: f64 = 1e-12;
 
 impl Solid {
-    /// The solid of a shape; `None` for several spheres and for a mesh.
+    /// The solid of a shape; `None` for several spheres, a mesh and a hull.
     pub fn of(shape: &Shape) -> Option<Self> {
         Some(match *shape {
             // What a mesh has at a contact's point is found out with the pair.
-            Shape::Spheres { .. } | Shape::Mesh(_) => return None,
+            Shape::Spheres { .. } | Shape::Mesh(_) | Shape::Hull(_) => return None,
             Shape::Sphere { radius } => Self::Ball { radius },
             Shape::HalfSpace { normal, offset } => Self::HalfSpace {
                 normal: Vector3::from(normal).normalize(),

@@ -24,6 +24,8 @@ pub struct World {
 
 /// How far the length of a unit vector may be from 1.
 const LENGTH_TOLERANCE: f64 = 1e-6;
+/// Share by which a moment of inertia may be above the sum of the other two, for rounded numbers.
+const MOMENT_SLACK: f64 = 1e-3;
 /// Where the stops of a hinge may be at most `[rad]`: its angle is known between half a turn and half a turn back.
 const MOST_TURN: f64 = 3.0;
 
@@ -75,6 +77,7 @@ impl World {
             of.unit("orientation", &body.orientation);
             if let Motion::Free(free) = &body.motion {
                 of.free(free);
+                of.inertia(free, &body.shape);
             }
         }
         for (number, contact) in self.contacts.iter().enumerate() {
@@ -91,6 +94,7 @@ impl World {
                     );
                 }
             }
+            of.pair(&contact.between, &self.tools);
             let law = &contact.law;
             of.above_zero("stiffness", law.stiffness);
             of.at_least_zero("damping", law.damping);
@@ -164,10 +168,31 @@ impl<'a> Faults<'a> {
         }
     }
 
+    /// Two names between which no contact can be.
+    fn pair(&mut self, between: &[Party; 2], tools: &[Tool]) {
+        let [Party::Named(one), Party::Named(other)] = between else {
+            return;
+        };
+        let is_tool = |name: &String| tools.iter().any(|tool| tool.name == *name);
+        if one == other {
+            self.fault("between", format!("{one:?} cannot touch itself; name two"));
+        } else if is_tool(one) && is_tool(other) {
+            self.fault(
+                "between",
+                "two tools do not touch each other; name a tool and a body, or two bodies".into(),
+            );
+        }
+    }
+
     fn unit(&mut self, field: &'static str, values: &[f64]) {
         let length = values.iter().map(|value| value * value).sum::<f64>().sqrt();
         let is_unit = (length - 1.0).abs() < LENGTH_TOLERANCE;
-        if !is_unit {
+        if !(length > 0.0 && length.is_finite()) {
+            self.fault(
+                field,
+                format!("{field} has length {length} and so no direction; give it one"),
+            );
+        } else if !is_unit {
             self.fault(field, format!("{field} has length {length}, and needs 1"));
         }
     }
@@ -183,11 +208,7 @@ impl<'a> Faults<'a> {
                 self.unit("normal", &normal);
                 self.finite("offset", &[offset]);
             }
-            Shape::Mesh(_) => {
-                if !fixed {
-                    self.fault("shape", "a mesh has to be a fixed body".into());
-                }
-            }
+            Shape::Mesh(_) | Shape::Hull(_) => {}
             Shape::Spheres { ref spheres } => {
                 if !may_be_a_point {
                     let message =
@@ -276,8 +297,48 @@ impl<'a> Faults<'a> {
         }
     }
 
+    /// A mesh says by itself what its moments of inertia are only if it is closed.
+    fn inertia(&mut self, free: &Free, shape: &Shape) {
+        let (mesh, word) = match shape {
+            Shape::Mesh(mesh) => (mesh, "mesh"),
+            Shape::Hull(hull) => (hull.mesh(), "hull"),
+            _ => return,
+        };
+        if free.inertia.is_some() || shape.moments(free.mass).is_some() {
+            return;
+        }
+        let message = match mesh.mass_properties(1.0) {
+            None => {
+                "the mesh has open edges, so it encloses no volume from which its inertia would follow; give three \
+                 moments of inertia about the mesh's origin, which is the centre of mass then, or close the mesh"
+                    .into()
+            }
+            Some(of) => format!(
+                "the {word} has its centre of mass at {:?} m or is turned against its principal axes, so its moments of \
+                 inertia do not say how it turns; balance the body, or give three moments about the {word}'s origin, which \
+                 is the centre of mass then",
+                of.centre
+            ),
+        };
+        self.fault("inertia", message);
+    }
+
     fn free(&mut self, free: &Free) {
         self.above_zero("mass", free.mass);
+        if let Some([a, b, c]) = free.inertia
+            && a.min(b).min(c) > 0.0
+        {
+            let (sum, most) = (a + b + c, a.max(b).max(c));
+            if most > (sum - most) * (1.0 + MOMENT_SLACK) {
+                self.fault(
+                    "inertia",
+                    format!(
+                        "inertia has a moment of {most}, and no mass has one that is larger than the sum of the other two, {}",
+                        sum - most
+                    ),
+                );
+            }
+        }
         for moment in free.inertia.iter().flatten() {
             self.above_zero("inertia", *moment);
         }

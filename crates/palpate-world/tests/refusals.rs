@@ -52,8 +52,8 @@ fn a_pair_that_has_a_law_and_no_contact_is_refused_and_one_without_a_law_is_not(
     assert_eq!(
         faults[0].to_string(),
         "\"block\" and \"shelf\": there is no contact of a box with a capsule yet: their edges and sides can touch where no \
-         corner does. A sphere, or a tool of several, may touch any shape, a box another box and a half-space, a capsule \
-         a half-space. Give one of them another shape, or leave the pair without a law"
+         corner does. A sphere, or a tool of several, may touch any shape, a box or hull another one and a half-space, a capsule \
+         and a mesh a half-space. Give one of them another shape, or leave the pair without a law"
     );
 }
 

@@ -38,6 +38,22 @@ pub struct Actuation<S> {
     pub lag_deviation: S,
     /// Standard deviation of the gain.
     pub gain_deviation: S,
+    /// What is flexible between the motor and the rest of the device, where that is known.
+    pub transmission: Option<Transmission<S>>,
+}
+
+/// A flexible transmission of a device: motor and sensor are on one side of it, the rest of the device's
+/// mass, and the hand, on the other. Coupled rendering predicts the motion of both sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+pub struct Transmission<S> {
+    /// Resonance of both sides against each other, with nothing held, greater than 0 `[Hz]`.
+    pub resonance: S,
+    /// Its damping ratio, from 0 to 1.
+    pub damping_ratio: S,
+    /// Part of the mass beyond the transmission, seen from the motor, from 0 to below 1.
+    pub flexible_mass_fraction: S,
 }
 
 impl<S: Scalar> Default for Actuation<S> {
@@ -49,6 +65,7 @@ impl<S: Scalar> Default for Actuation<S> {
             delay_deviation: S::ZERO,
             lag_deviation: S::ZERO,
             gain_deviation: S::ZERO,
+            transmission: None,
         }
     }
 }
@@ -79,6 +96,15 @@ impl<S: Scalar> Actuation<S> {
     #[must_use]
     pub fn with_gain(self, gain: S) -> Self {
         Self { gain, ..self }
+    }
+
+    /// The same with a flexible `transmission`.
+    #[must_use]
+    pub fn with_transmission(self, transmission: Transmission<S>) -> Self {
+        Self {
+            transmission: Some(transmission),
+            ..self
+        }
     }
 
     /// Standard deviation of delay and lag together `[s]`.
@@ -119,6 +145,28 @@ impl<S: Scalar> Actuation<S> {
             not_negative(Parameter::GainDeviation, self.gain_deviation),
         ]
         .into_iter()
+        .chain(self.transmission.iter().flat_map(Transmission::faults))
         .flatten()
+    }
+}
+
+impl<S: Scalar> Transmission<S> {
+    /// What is outside its range.
+    fn faults(&self) -> [Option<ParameterError>; 3] {
+        let (ratio, fraction) = (self.damping_ratio, self.flexible_mass_fraction);
+        let from_zero = |value: S| value >= S::ZERO && value <= S::ONE;
+        [
+            Parameter::Resonance.positive(self.resonance).err(),
+            Parameter::ResonanceDampingRatio
+                .unless(from_zero(ratio), ratio, Allowed::Words("from 0 to 1"))
+                .err(),
+            Parameter::FlexibleMassFraction
+                .unless(
+                    from_zero(fraction) && fraction < S::ONE,
+                    fraction,
+                    Allowed::Words("from 0 to below 1"),
+                )
+                .err(),
+        ]
     }
 }

@@ -66,7 +66,7 @@ mod sample;
 mod scalar;
 mod transition;
 
-pub use actuation::{Actuation, LARGEST_DELAY};
+pub use actuation::{Actuation, LARGEST_DELAY, Transmission};
 pub use actuator::{Actuator, Ahead, Command, Governed, Held, Piece, UnderWay};
 pub use along_axis::AlongAxis;
 pub use contact::{Contact, LoopParams, Mass, Side};

@@ -23,6 +23,9 @@ pub enum Parameter {
     LagDeviation,
     Gain,
     GainDeviation,
+    Resonance,
+    ResonanceDampingRatio,
+    FlexibleMassFraction,
     LargestGap,
     SpeedLimit,
     ForceLimit,
@@ -75,6 +78,9 @@ impl ParameterName for Parameter {
             Self::LagDeviation => "lag_deviation",
             Self::Gain => "gain",
             Self::GainDeviation => "gain_deviation",
+            Self::Resonance => "resonance",
+            Self::ResonanceDampingRatio => "resonance_damping_ratio",
+            Self::FlexibleMassFraction => "flexible_mass_fraction",
             Self::LargestGap => "largest_gap",
             Self::SpeedLimit => "speed_limit",
             Self::ForceLimit => "force_limit",
@@ -110,6 +116,7 @@ impl ParameterName for Parameter {
             | Self::DelayDeviation
             | Self::Lag
             | Self::LagDeviation => Unit::Second,
+            Self::Resonance => Unit::Hertz,
             Self::Delay => Unit::Sample,
             Self::GuardAllowance => Unit::Joule,
             Self::DerivedDamping => Unit::NewtonSecondPerMetre,
@@ -118,6 +125,8 @@ impl ParameterName for Parameter {
             | Self::AxisNormalLength
             | Self::Gain
             | Self::GainDeviation
+            | Self::ResonanceDampingRatio
+            | Self::FlexibleMassFraction
             | Self::Kappa
             | Self::ObjectKappa => Unit::One,
             Self::Setting(setting) => setting.unit().unwrap_or(Unit::One),
@@ -278,6 +287,7 @@ pub enum Unit {
     NewtonPerSecond,
     NewtonSecondPerMetre,
     Joule,
+    Hertz,
     Sample,
 }
 
@@ -296,6 +306,7 @@ impl Unit {
             Self::NewtonPerSecond => "N/s",
             Self::NewtonSecondPerMetre => "N s/m",
             Self::Joule => "J",
+            Self::Hertz => "Hz",
             Self::Sample => "samples",
         }
     }
@@ -314,6 +325,7 @@ impl Unit {
             Self::NewtonPerSecond => "_n_per_s",
             Self::NewtonSecondPerMetre => "_n_s_per_m",
             Self::Joule => "_j",
+            Self::Hertz => "_hz",
             Self::Sample => "_samples",
         }
     }

@@ -51,6 +51,23 @@ impl<S: Scalar> Response<S> {
         }
     }
 
+    /// Of an interval of `duration` `[s]` with these derivatives.
+    pub fn of(
+        penetration: [S; 4],
+        speed: [S; 4],
+        ramp: [S; 2],
+        damping: [S; 2],
+        duration: S,
+    ) -> Self {
+        Self {
+            penetration,
+            speed,
+            ramp,
+            damping,
+            duration,
+        }
+    }
+
     /// With one more part; none if that has no derivatives worth the name.
     #[inline]
     pub fn after(self, drive: &Drive<S>, part: Part<S>) -> Option<Self> {

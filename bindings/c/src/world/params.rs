@@ -3,7 +3,7 @@
 use core::ffi::c_char;
 use core::ptr;
 
-use palpate_rt::safety::{OscillationParams, SafetyParams};
+use palpate_rt::safety::SafetyParams;
 use palpate_scene::world::WorldRender;
 
 use crate::edge::status;
@@ -127,27 +127,12 @@ impl Asked {
     /// back. As `palpate pipe` has them.
     pub fn limits(&self, render: &mut WorldRender) -> SafetyParams {
         let default = SafetyParams::default();
-        let given = |asked: f64, of_scene: Option<f64>| {
-            let asked = (asked != 0.0).then_some(asked);
-            asked.or(of_scene)
-        };
-        let force = given(self.force_limit, render.force_limit).unwrap_or(default.largest_force);
-        let force = Some(force).filter(|force| force.is_finite());
-        let usual = force.map(|_| default.largest_torque);
-        let torque = given(self.torque_limit, render.torque_limit).or(usual);
-        let torque = torque.filter(|torque| torque.is_finite());
-        (render.force_limit, render.torque_limit) = (force, torque);
-        SafetyParams {
-            largest_force: force.unwrap_or(f64::MAX),
-            largest_torque: torque.unwrap_or(f64::MAX),
-            soft_start: self.soft_start,
-            // The caller's loop knows its device; what a renderer does not believe is a fault.
-            largest_speed: f64::INFINITY,
-            oscillation: OscillationParams {
-                energy: f64::INFINITY,
-                ..default.oscillation
-            },
-            ..default
-        }
+        let asked = |number: f64| (number != 0.0).then_some(number);
+        render.settle_limits(
+            [asked(self.force_limit), asked(self.torque_limit)],
+            [default.largest_force, default.largest_torque],
+        );
+        // The caller's loop knows its device; what a renderer does not believe is a fault.
+        SafetyParams::bounding(render.force_limit, render.torque_limit, self.soft_start)
     }
 }

@@ -110,6 +110,7 @@ impl ActuationFlags {
             told.lag_deviation = known.lag_deviation.or(told.lag_deviation);
             told.gain = known.gain.or(told.gain);
             told.gain_deviation = known.gain_deviation.or(told.gain_deviation);
+            told.transmission = known.transmission.or(told.transmission);
         }
         // What a flag says is so, and is told.
         if let Some(periods) = self.delay {
@@ -163,6 +164,7 @@ impl ActuationFlags {
             delay_deviation: or_known(delay_deviation, known.delay_deviation, 0.0),
             lag_deviation: or_known(self.lag_deviation, known.lag_deviation, 0.0),
             gain_deviation: or_known(self.gain_deviation, known.gain_deviation, 0.0),
+            transmission: known.transmission,
         }
     }
 

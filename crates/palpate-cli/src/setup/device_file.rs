@@ -81,7 +81,7 @@ impl DeviceFile {
         self.calibration.value(Quantity::SensorQuantum)
     }
 
-    /// What it says of delay, lag and gain; not what `flags` say beside it.
+    /// What it says of delay, lag, gain and transmission; not what `flags` say beside it.
     pub fn told(&self, flags: &ActuationFlags) -> Told {
         calibrated::told(&self.calibration, |quantity| {
             flags.beside(quantity).is_none()
@@ -92,6 +92,7 @@ impl DeviceFile {
     fn tell(&self, flags: &Flags, period: f64) {
         let name = self.path.display();
         let (mut taken, mut replaced) = (Vec::new(), Vec::new());
+        let told = self.told(&flags.actuation);
         let has_delay = self.calibration.value(Quantity::Delay).is_some();
         for (quantity, known) in &self.calibration.known {
             let beside = match quantity {
@@ -104,6 +105,13 @@ impl DeviceFile {
                 Quantity::DelayPlusLag if has_delay => continue,
                 Quantity::Delay | Quantity::DelayPlusLag | Quantity::Lag | Quantity::Gain => {
                     flags.actuation.beside(*quantity)
+                }
+                Quantity::Resonance
+                | Quantity::ResonanceDampingRatio
+                | Quantity::FlexibleMassFraction
+                    if told.transmission.is_some() =>
+                {
+                    None
                 }
                 _ => continue,
             };

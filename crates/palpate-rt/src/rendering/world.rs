@@ -2,7 +2,7 @@
 
 use palpate_device::Vector;
 use palpate_record::recording::{BodyTick, ContactTick, Flags, Phase};
-use palpate_world::{Books, Mode, Motion, Sample, World, WorldRenderer, WorldState};
+use palpate_world::{Mode, Motion, Sample, World, WorldRenderer, WorldState};
 
 use super::frame::WorldFrame;
 use super::renders::{Answer, Fresh, Renders};
@@ -85,25 +85,6 @@ impl RenderedWorld {
     pub fn state(&self) -> &WorldState {
         &self.state
     }
-
-    /// Energy that held forces created, whether or not the motors were on `[J]`:
-    ///
-    /// ```text
-    /// port work of all devices - work of the contacts on their avatars + observed + step errors
-    /// ```
-    ///
-    /// By the books of the world it is what hand, bodies, contacts and dissipation have gained together, and nobody
-    /// has put in.
-    fn booked(books: &Books) -> f64 {
-        let devices: f64 = books.devices.iter().map(|book| book.port_work).sum();
-        let contacts: f64 = books
-            .contacts
-            .iter()
-            .map(|book| book.observed + book.step_error - book.work_on_avatar)
-            .sum();
-        let bodies: f64 = books.bodies.iter().map(|book| book.step_error).sum();
-        devices + contacts + bodies
-    }
 }
 
 impl Renders for RenderedWorld {
@@ -133,7 +114,7 @@ impl Renders for RenderedWorld {
         let force = output.forces.first().copied().unwrap_or_default();
         let fault = output.fault.map(|fault| fault.fault);
         self.is_limited = output.limited.force;
-        let booked = Self::booked(self.state.books());
+        let booked = self.state.books().created();
         let is_from_outside = sample.was_off || self.is_new || fault.is_some();
         if !is_from_outside {
             self.created += booked - self.booked;

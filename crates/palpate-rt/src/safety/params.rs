@@ -78,6 +78,24 @@ impl SafetyParams {
         }
     }
 
+    /// Limits for a loop of somebody else's: a largest force `[N]` and torque `[N m]`, none where there is no number, and a
+    /// soft start `[s]`. Nothing trips on speed or on created energy.
+    #[must_use]
+    pub fn bounding(force: Option<f64>, torque: Option<f64>, soft_start: f64) -> Self {
+        let limits = Self::default();
+        Self {
+            largest_force: force.unwrap_or(f64::MAX),
+            largest_torque: torque.unwrap_or(f64::MAX),
+            soft_start,
+            largest_speed: f64::INFINITY,
+            oscillation: OscillationParams {
+                energy: f64::INFINITY,
+                ..limits.oscillation
+            },
+            ..limits
+        }
+    }
+
     /// How long the loop's thread may take from one tick to the next, at this period, before a
     /// supervisor or a guardian commands no force:
     /// [`stall_after_periods`](Self::stall_after_periods), or a period and

@@ -125,14 +125,12 @@ pub struct WorldFile {
 }
 
 impl WorldFile {
-    /// Whether the text of a file says that it is of format 2; `false` too where it is no TOML.
+    /// Whether the text of a file has the key `format`, and so is a world, of whatever format; `false` too where it is
+    /// no TOML. A scene of one contact has `scene_format`.
     #[must_use]
     pub fn is_one(source: &str) -> bool {
-        #[derive(Deserialize)]
-        struct Version {
-            format: i64,
-        }
-        toml::from_str(source).is_ok_and(|Version { format }| format == WORLD_FORMAT)
+        let table: Result<toml::Table, _> = source.parse();
+        table.is_ok_and(|keys| keys.contains_key("format") && !keys.contains_key("scene_format"))
     }
 
     /// Reads a world from the text of a file called `name`. Files of meshes are looked for beside that file.
@@ -514,6 +512,8 @@ impl Reading {
             orientation,
             motion,
         }
+        // Its place is that of the mesh's origin, wherever the centre of mass is.
+        .balanced()
     }
 
     fn contact(&mut self, index: usize, raw: Spanned<RawContact>) -> Contact {

@@ -1,11 +1,14 @@
 //! Meshes as a scene file gives them: from a file of a CAD program, by their triangles, or by a formula.
 
+use std::io::Read as _;
 use std::path::Path;
 use std::sync::Arc;
 
 use palpate_testbed::world::mesh::gallery;
-use palpate_world::{Mesh, Shape, Vector};
+use palpate_world::{Hull, Mesh, Shape, Vector};
 use serde::Deserialize;
+
+use super::stl;
 
 /// Largest file of a mesh that is read `[byte]`.
 const LARGEST_FILE: u64 = 256 << 20;
@@ -117,25 +120,74 @@ impl RawMesh {
     }
 
     fn of_file(&self, folder: &Path, file: &str) -> Result<ReadMesh, String> {
-        let unit = self.unit.ok_or(
-            "a mesh file does not say its unit: give unit = \"mm\", or one of \"m\", \"cm\", \"um\", \"in\"",
-        )?;
-        let scale = self.scale.unwrap_or(1.0);
-        if !(scale > 0.0 && scale.is_finite()) {
-            return Err(format!("scale is {scale}, and has to be above 0"));
-        }
-        let (vertices, faces) = triangles(&folder.join(file))?;
-        let length = unit.length() * scale;
-        let vertices: Vec<Vector> = vertices
-            .iter()
-            .map(|vertex| vertex.map(|x| f64::from(x) * length))
-            .collect();
+        let (vertices, faces) = in_metres(&folder.join(file), self.unit, self.scale)?;
         let mesh = Mesh::new(&vertices, &faces).map_err(|error| format!("{file}: {error}"))?;
         Ok(ReadMesh {
             note: Some(format!("{file}: {}", in_words(&mesh))),
             shape: Shape::Mesh(Arc::new(mesh)),
         })
     }
+}
+
+/// Keys of a convex hull: `points_m` or a file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawHull {
+    points_m: Option<Vec<Vector>>,
+    file: Option<String>,
+    unit: Option<Unit>,
+    scale: Option<f64>,
+    within_m: Option<f64>,
+}
+
+impl RawHull {
+    /// The hull; files are looked for in `folder`.
+    pub fn read(&self, folder: &Path) -> Result<ReadMesh, String> {
+        let within = self.within_m.unwrap_or(0.0);
+        let around = |points: &[Vector]| Hull::within(points, within);
+        let (hull, note) = match (&self.points_m, &self.file) {
+            (Some(points), None) if self.unit.is_none() && self.scale.is_none() => {
+                (around(points).map_err(|error| error.to_string())?, None)
+            }
+            (Some(_), None) => {
+                return Err("unit and scale are of a hull's file, and there is none".into());
+            }
+            (None, Some(file)) => {
+                let (points, _) = in_metres(&folder.join(file), self.unit, self.scale)?;
+                let hull = around(&points).map_err(|error| format!("{file}: {error}"))?;
+                let (corners, faces) = (hull.corners().len(), hull.faces().len());
+                let size = size_in_words(&hull.corners());
+                let note = format!("{file}: a hull of {corners} corners and {faces} faces, {size}");
+                (hull, Some(note))
+            }
+            _ => return Err("a hull needs one of points_m and file".into()),
+        };
+        Ok(ReadMesh {
+            shape: Shape::Hull(Arc::new(hull)),
+            note,
+        })
+    }
+}
+
+/// Vertices `[m]` and triangles of a file whose numbers are in `unit`, times a `scale`.
+fn in_metres(
+    path: &Path,
+    unit: Option<Unit>,
+    scale: Option<f64>,
+) -> Result<gallery::Triangles, String> {
+    let unit = unit.ok_or(
+        "a mesh file does not say its unit: give unit = \"mm\", or one of \"m\", \"cm\", \"um\", \"in\"",
+    )?;
+    let scale = scale.unwrap_or(1.0);
+    if !(scale > 0.0 && scale.is_finite()) {
+        return Err(format!("scale is {scale}, and has to be above 0"));
+    }
+    let (vertices, faces) = triangles(path)?;
+    let length = unit.length() * scale;
+    let vertices = vertices
+        .iter()
+        .map(|vertex| vertex.map(|x| f64::from(x) * length));
+    Ok((vertices.collect(), faces))
 }
 
 impl RawBumpySphere {
@@ -195,20 +247,16 @@ type Numbers = (Vec<[f32; 3]>, Vec<[u32; 3]>);
 /// What an STL or OBJ file has. Files that it names, such as of colours, are not read.
 fn triangles(path: &Path) -> Result<Numbers, String> {
     let shown = path.display();
-    let fault = |error: std::io::Error| format!("{shown}: {error}");
-    let size = std::fs::metadata(path).map_err(fault)?.len();
-    if size > LARGEST_FILE {
-        return Err(format!(
-            "{shown} has {size} bytes, and at most {LARGEST_FILE} are read"
-        ));
-    }
-    let bytes = std::fs::read(path).map_err(fault)?;
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     let loader = mesh_loader::Loader::default();
     let nothing_else = |_: &Path| Err(std::io::ErrorKind::NotFound.into());
     let scene = match extension.to_str() {
-        Some("stl") => loader.load_stl_from_slice(&bytes, path),
-        Some("obj") => loader.load_obj_from_slice_with_reader(&bytes, path, nothing_else),
+        Some("stl") => {
+            let bytes = bytes_of(path)?;
+            let stl = stl::checked(&bytes).map_err(|why| format!("{shown}: {why}"))?;
+            loader.load_stl_from_slice(&stl, path)
+        }
+        Some("obj") => loader.load_obj_from_slice_with_reader(&bytes_of(path)?, path, nothing_else),
         _ => {
             return Err(format!(
                 "{shown}: a mesh is read from a file with the ending .stl or .obj"
@@ -237,20 +285,40 @@ fn triangles(path: &Path) -> Result<Numbers, String> {
     Ok((vertices, faces))
 }
 
-/// A mesh's size in words, and what is unusual about it.
-fn in_words(mesh: &Mesh) -> String {
+/// What is in a file, of which the length may be unknown before it has been read.
+fn bytes_of(path: &Path) -> Result<Vec<u8>, String> {
+    let shown = path.display();
+    let fault = |error: std::io::Error| format!("{shown}: {error}");
+    let file = std::fs::File::open(path).map_err(fault)?;
+    let mut bytes = Vec::new();
+    let read = file.take(LARGEST_FILE + 1).read_to_end(&mut bytes);
+    if read.map_err(fault)? as u64 > LARGEST_FILE {
+        return Err(format!(
+            "{shown} is longer than {LARGEST_FILE} bytes, and at most so many are read"
+        ));
+    }
+    Ok(bytes)
+}
+
+/// The sides of the box along the axes that just holds some points.
+fn size_in_words(points: &[Vector]) -> String {
     let (mut least, mut most) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for vertex in mesh.vertices() {
+    for point in points {
         for axis in 0..3 {
-            least[axis] = least[axis].min(vertex[axis]);
-            most[axis] = most[axis].max(vertex[axis]);
+            least[axis] = least[axis].min(point[axis]);
+            most[axis] = most[axis].max(point[axis]);
         }
     }
     let [x, y, z] = [0, 1, 2].map(|axis| 1e3 * (most[axis] - least[axis]));
-    let mut words = format!(
-        "{} triangles, {x:.4} x {y:.4} x {z:.4} mm",
-        mesh.faces().len()
-    );
+    format!("{x:.4} x {y:.4} x {z:.4} mm")
+}
+
+/// A mesh's size in words, and what is unusual about it.
+fn in_words(mesh: &Mesh) -> String {
+    let size = size_in_words(&mesh.vertices());
+    let count = mesh.faces().len();
+    let plural = if count == 1 { "" } else { "s" };
+    let mut words = format!("{count} triangle{plural}, {size}");
     if mesh.dropped() > 0 {
         words += &format!(
             "; {} that have no area or are there twice were left out",

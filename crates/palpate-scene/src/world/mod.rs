@@ -9,6 +9,7 @@ mod per_axis;
 mod place;
 mod rendering;
 mod shape;
+mod stl;
 
 pub use file::WorldFile;
 pub use rendering::WorldSettings;

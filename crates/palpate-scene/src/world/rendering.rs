@@ -6,7 +6,7 @@ use palpate_world::{
     WorldLoop, WorldMethod, WorldRenderer,
 };
 
-use super::{Coupling, WorldActuator, WorldScene};
+use super::{Coupling, WorldActuator, WorldRender, WorldScene};
 use crate::method::nearest;
 
 /// The settings of the methods that are there for comparison: the same for every device.
@@ -87,6 +87,21 @@ impl WorldSettings {
             }
             _ => return Ok(None),
         }))
+    }
+}
+
+impl WorldRender {
+    /// Settles the largest force `[N]` and the largest torque `[N m]` on each device: as asked for, else as the scene says,
+    /// else the usual ones. An infinite one is none. Of a torque of which nobody says anything, there is no limit where
+    /// there is none of the force.
+    pub fn settle_limits(&mut self, asked: [Option<f64>; 2], usual: [f64; 2]) {
+        let [force, torque] = asked;
+        let finite = |limit: &f64| *limit != f64::INFINITY;
+        let force = force.or(self.force_limit).unwrap_or(usual[0]);
+        self.force_limit = Some(force).filter(finite);
+        let usual = self.force_limit.map(|_| usual[1]);
+        let torque = torque.or(self.torque_limit).or(usual);
+        self.torque_limit = torque.filter(finite);
     }
 }
 

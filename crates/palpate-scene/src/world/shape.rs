@@ -5,7 +5,7 @@ use std::path::Path;
 use palpate_world::{Shape, SphereAt, Vector};
 use serde::Deserialize;
 
-use super::mesh::{RawMesh, ReadMesh};
+use super::mesh::{RawHull, RawMesh, ReadMesh};
 
 /// A shape by its name; lengths as one measures them, from side to side.
 #[derive(Clone, Debug, Deserialize)]
@@ -32,6 +32,7 @@ pub(super) enum RawShape {
         length_m: f64,
     },
     Mesh(RawMesh),
+    Hull(RawHull),
 }
 
 /// A sphere of a tool that has several.
@@ -52,7 +53,7 @@ impl RawShape {
                 let radii = spheres.iter().map(|sphere| sphere.radius_m);
                 radii.map(|radius| ("radius_m", radius)).collect()
             }
-            Self::HalfSpace { .. } | Self::Mesh(_) => vec![],
+            Self::HalfSpace { .. } | Self::Mesh(_) | Self::Hull(_) => vec![],
             Self::Box { size_m } => size_m.map(|length| ("size_m", length)).into(),
             Self::Capsule { radius_m, length_m } | Self::Cylinder { radius_m, length_m } => {
                 vec![("radius_m", radius_m), ("length_m", length_m)]
@@ -65,6 +66,7 @@ impl RawShape {
     pub fn shape(self, folder: &Path) -> Result<ReadMesh, String> {
         let shape = match self {
             Self::Mesh(mesh) => return mesh.read(folder),
+            Self::Hull(hull) => return hull.read(folder),
             Self::Sphere { radius_m } => Shape::Sphere { radius: radius_m },
             Self::Spheres(spheres) => Shape::Spheres {
                 spheres: spheres
@@ -97,10 +99,14 @@ impl RawShape {
 
 /// The vector at length 1, or as it is where it has no direction, which the checks of a world find.
 pub(super) fn unit<const N: usize>(vector: [f64; N]) -> [f64; N] {
-    let length = vector.iter().map(|part| part * part).sum::<f64>().sqrt();
-    if length > 0.0 && length.is_finite() {
-        vector.map(|part| part / length)
-    } else {
-        vector
+    // The largest part first, so that no square overflows or vanishes.
+    let largest = vector
+        .iter()
+        .fold(0.0_f64, |most, part| most.max(part.abs()));
+    if vector.iter().any(|part| !part.is_finite()) || largest == 0.0 {
+        return vector;
     }
+    let vector = vector.map(|part| part / largest);
+    let length = vector.iter().map(|part| part * part).sum::<f64>().sqrt();
+    vector.map(|part| part / length)
 }

@@ -493,9 +493,21 @@ delay_samples = 0 -> [told]\nlag_s = nan
   26:9: told.lag_s is NaN s, but must be finite and not below 0
   nan
 delay_samples = 0 -> [told]\ndelay = 1
-  26:1: unknown key delay, did you mean delay_s? Known here: delay_s, delay_deviation_s, lag_s, lag_deviation_s, gain, gain_deviation
-  delay"#,
-        10,
+  26:1: unknown key delay, did you mean delay_s? Known here: delay_s, delay_deviation_s, lag_s, lag_deviation_s, gain, gain_deviation, resonance_hz, resonance_damping_ratio, flexible_mass_fraction
+  delay
+delay_samples = 0 -> [told]\nresonance_hz = 0\nresonance_damping_ratio = 0.1\nflexible_mass_fraction = 0.5
+  26:16: told.resonance_hz is 0 Hz, but must be finite and greater than 0
+  0
+delay_samples = 0 -> [told]\nresonance_hz = 9\nresonance_damping_ratio = 1.5\nflexible_mass_fraction = 0.5
+  27:27: told.resonance_damping_ratio is 1.5, but must be from 0 to 1
+  1.5
+delay_samples = 0 -> [told]\nresonance_hz = 9\nresonance_damping_ratio = 0.1\nflexible_mass_fraction = 1
+  28:26: told.flexible_mass_fraction is 1, but must be from 0 to below 1
+  1
+delay_samples = 0 -> [told]\nresonance_hz = 150
+  26:16: a transmission is told by resonance_hz, resonance_damping_ratio and flexible_mass_fraction, all three
+  150"#,
+        14,
     );
 }
 

@@ -125,6 +125,10 @@ fn shape(shape: &Shape) -> Value {
             let is_coarse = faces.len() < mesh.faces().len();
             json!({ "mesh": { "vertices_m": vertices, "faces": faces, "coarse": is_coarse } })
         }
+        Shape::Hull(hull) => {
+            let mesh = hull.mesh();
+            json!({ "mesh": { "vertices_m": mesh.vertices(), "faces": mesh.faces(), "coarse": false } })
+        }
         _ => json!({ "other": {} }),
     }
 }

@@ -154,10 +154,20 @@ fn judged_mesh(mesh: &palpate_world::Mesh) -> Arc<judge::mesh::TriangleMesh> {
     Arc::new(judged.expect("a checked mesh has neither flat triangles nor edges of three"))
 }
 
+/// The hull as the judge has it: around the same corners.
+///
+/// # Panics
+/// Never: the corners of a hull have one.
+fn judged_hull(hull: &palpate_world::Hull) -> Arc<judge::Hull> {
+    let judged = judge::Hull::around(&hull.corners());
+    Arc::new(judged.expect("the corners of a hull do not lie in a plane"))
+}
+
 /// A shape of a body, or of a tool that is one solid.
 fn judged_shape(shape: &Shape) -> judge::Shape {
     match *shape {
         Shape::Mesh(ref mesh) => judge::Shape::Mesh(judged_mesh(mesh)),
+        Shape::Hull(ref hull) => judge::Shape::Hull(judged_hull(hull)),
         // For tools only.
         Shape::Spheres { .. } => judge::Shape::Sphere { radius: 0.0 },
         Shape::Sphere { radius } => judge::Shape::Sphere { radius },

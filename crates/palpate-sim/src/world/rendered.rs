@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use palpate_testbed::world as judge;
 use palpate_world::{
-    Body, Contact, ContactLaw, Free, Joint, JointKind, JointLaw, Mesh, Motion, Party, Shape,
+    Body, Contact, ContactLaw, Free, Hull, Joint, JointKind, JointLaw, Mesh, Motion, Party, Shape,
     SphereAt, Tool, World,
 };
 
 /// The world of a scene that the judge has drawn: its tools, bodies and laws, without its devices.
 ///
 /// # Panics
-/// The scene has a mesh that the renderer refuses; no mesh of the judge's gallery is one.
+/// The scene has a mesh or hull that the renderer refuses; no mesh of the judge's gallery is one.
 #[must_use]
 pub fn as_rendered(scene: &judge::WorldScene) -> World {
     let tools = scene.devices.iter().map(|device| {
@@ -81,6 +81,10 @@ fn shape(shape: &judge::Shape) -> Shape {
         judge::Shape::Mesh(ref mesh) => {
             let mesh = Mesh::new(&mesh.vertices(), &mesh.faces());
             Shape::Mesh(Arc::new(mesh.expect("a mesh that the renderer takes")))
+        }
+        judge::Shape::Hull(ref hull) => {
+            let hull = Hull::around(&hull.corners());
+            Shape::Hull(Arc::new(hull.expect("a hull that the renderer takes")))
         }
         judge::Shape::Sphere { radius } => Shape::Sphere { radius },
         judge::Shape::HalfSpace { normal, offset } => Shape::HalfSpace { normal, offset },

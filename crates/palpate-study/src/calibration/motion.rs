@@ -2,6 +2,12 @@
 
 use palpate_calibrate::{Excitation, ExcitationError, ExcitationParams, Known, Phase};
 
+/// How far the mean time between samples may be from the period, over the period: a mass is wrong by twice that.
+const MOST_DRIFT: f64 = 0.002;
+/// Largest standard deviation of the time between samples over the period: at 0.1 delay and lag are wrong by five of
+/// their deviations, at 0.05 by one.
+const MOST_JITTER: f64 = 0.05;
+
 /// An excitation and its samples so far.
 #[derive(Clone, Debug)]
 pub struct Motion {
@@ -108,6 +114,32 @@ impl Motion {
         ))
     }
 
+    /// Why samples with times did not come in the even periods that a fit takes for granted, if they did not.
+    #[must_use]
+    pub fn uneven_pace(&self) -> Option<String> {
+        let jitter = self.sample_jitter()?.value;
+        let period = self.excitation.params().period;
+        let count = (self.times.len() - 1) as f64;
+        let mean = (self.times.last()? - self.times.first()?) / count;
+        if (mean / period - 1.0).abs() > MOST_DRIFT {
+            return Some(format!(
+                "the samples came every {:.4} ms and --period says {:.4} ms, where {:.1} % apart are allowed: the mass would \
+                 be wrong by twice that; run the loop at its period, or give --period {mean:.4e}",
+                mean * 1e3,
+                period * 1e3,
+                MOST_DRIFT * 1e2
+            ));
+        }
+        (jitter > MOST_JITTER * period).then(|| {
+            format!(
+                "the times between samples vary by {:.0} % of the period (standard deviation), where {:.0} % are allowed: \
+                 run the loop more evenly",
+                jitter / period * 1e2,
+                MOST_JITTER * 1e2
+            )
+        })
+    }
+
     /// Where the excitation is.
     #[must_use]
     pub fn phase(&self) -> Phase {
@@ -124,5 +156,38 @@ impl Motion {
     #[must_use]
     pub fn length(&self) -> usize {
         self.excitation.length()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Samples at the times that `time` gives them.
+    fn at_times(time: impl Fn(f64) -> f64) -> Motion {
+        let mut motion = Motion::new(ExcitationParams::new(0.001)).unwrap();
+        for number in 0..1000 {
+            motion.take(Some(time(f64::from(number))), 0.0);
+        }
+        motion
+    }
+
+    #[test]
+    fn samples_that_do_not_come_in_even_periods_are_told() {
+        assert_eq!(at_times(|n| 0.001 * n).uneven_pace(), None);
+        // A sine of 40 us: its steps vary by 25 us.
+        assert_eq!(at_times(|n| 0.001 * n + 4e-5 * n.sin()).uneven_pace(), None);
+        let slow = at_times(|n| 0.00101 * n).uneven_pace().unwrap();
+        assert!(
+            slow.contains("every 1.0100 ms and --period says 1.0000 ms"),
+            "{slow}"
+        );
+        let uneven = at_times(|n| 0.001 * n + 2e-4 * n.sin())
+            .uneven_pace()
+            .unwrap();
+        assert!(
+            uneven.contains("vary by 14 %") && uneven.contains("5 % are allowed"),
+            "{uneven}"
+        );
     }
 }

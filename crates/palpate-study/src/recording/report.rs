@@ -208,6 +208,7 @@ impl RecordingReport {
             ("delay", "delay_s", "delay_deviation_s", 1e3, " ms"),
             ("lag", "lag_s", "lag_deviation_s", 1e3, " ms"),
             ("gain", "gain", "gain_deviation", 1.0, ""),
+            ("resonance", "resonance_hz", "", 1.0, " Hz"),
         ];
         let words: Vec<String> = known
             .iter()

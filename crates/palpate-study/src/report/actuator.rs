@@ -24,6 +24,13 @@ pub fn told(
     period: f64,
 ) -> impl Iterator<Item = (&'static str, f64)> + use<> {
     let as_usual = *told == Actuation::after_samples(samples.min(LARGEST_DELAY), period);
+    let transmission = told.transmission.map(|it| {
+        [
+            ("told_resonance_hz", it.resonance),
+            ("told_resonance_damping_ratio", it.damping_ratio),
+            ("told_flexible_mass_fraction", it.flexible_mass_fraction),
+        ]
+    });
     let lines = [
         ("told_delay_s", told.delay),
         ("told_lag_s", told.lag),
@@ -32,5 +39,9 @@ pub fn told(
         ("told_lag_deviation_s", told.lag_deviation),
         ("told_gain_deviation", told.gain_deviation),
     ];
-    lines.into_iter().filter(move |_| !as_usual)
+    let transmission = transmission.into_iter().flatten();
+    lines
+        .into_iter()
+        .chain(transmission)
+        .filter(move |_| !as_usual)
 }

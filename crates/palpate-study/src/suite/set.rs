@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use palpate::Transmission;
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, Told};
 
@@ -183,6 +184,10 @@ impl Telling {
             Self::Truth => {
                 scene.told_device_mass = None;
                 scene.told = truth(scene);
+                if scene.told.transmission.is_some() {
+                    let of_hand = scene.grip.as_ref().map_or(0.0, |grip| grip.mass);
+                    scene.told_device_mass = Some(scene.device.mass + of_hand);
+                }
             }
             // What the scene itself says.
             Self::Calibrated | Self::Measured => {}
@@ -196,8 +201,27 @@ pub(super) fn truth(scene: &Scene) -> Told {
     Told {
         delay: Some(scene.timing.delay_seconds + 0.5 * jitter),
         delay_deviation: (jitter > 0.0).then(|| jitter / 12.0_f64.sqrt()),
+        transmission: true_transmission(scene),
         ..Told::default()
     }
+}
+
+/// The transmission of a scene's device with the mass of the hand beyond it.
+fn true_transmission(scene: &Scene) -> Option<Transmission<f64>> {
+    let transmission = scene.device.transmission?;
+    let mass = scene.device.mass;
+    let (stiffness, damping) = transmission.stiffness_and_damping(mass);
+    let of_motor = transmission.motor_share * mass;
+    let of_hand = scene.grip.as_ref().map_or(0.0, |grip| grip.mass);
+    let all = mass + of_hand;
+    let beyond = all - of_motor;
+    let reduced = of_motor * beyond / all;
+    let rate = (stiffness / reduced).sqrt();
+    Some(Transmission {
+        resonance: rate / std::f64::consts::TAU,
+        damping_ratio: (damping / (2.0 * reduced * rate)).min(1.0),
+        flexible_mass_fraction: beyond / all,
+    })
 }
 
 /// `no delay`, `1 sample of delay`, `told the truth`.

@@ -113,7 +113,7 @@ pub struct WorldFigures {
     pub error_over_floor: Option<f64>,
     /// Largest peak force of a device over that of the ideal.
     pub peak_over_ideal: Option<f64>,
-    /// Energy that holding forces gave to the hands beyond the contacts' own work.
+    /// Energy that held forces created: what hands, bodies, contacts and dissipation have gained together.
     pub leak_j: f64,
     /// Samples that the renderer refused.
     pub refused_samples: usize,

@@ -65,7 +65,7 @@ pub struct WorldMethodReport {
     pub sum: Option<FidelityReport>,
     /// One entry for each device.
     pub devices: Vec<WorldDeviceReport>,
-    /// Energy that holding forces gave to the hands beyond the contacts' own work.
+    /// Energy that held forces created: what hands, bodies, contacts and dissipation have gained together.
     pub leak_j: f64,
     /// Energy that friction and damping took.
     pub dissipated_j: f64,
@@ -191,7 +191,7 @@ fn of_run(run: &WorldRun, of_devices: &[(&str, f64)]) -> WorldMethodReport {
         devices: devices
             .map(|(judged, (name, ideal_peak))| of_device(judged, name, *ideal_peak))
             .collect(),
-        leak_j: contacts.iter().map(|book| book.leak()).sum(),
+        leak_j: run.books.created(),
         dissipated_j: contacts.iter().map(|book| book.dissipated).sum(),
         refused_samples: run.refused,
         limited_samples: run.limited,

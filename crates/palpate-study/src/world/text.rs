@@ -10,8 +10,7 @@ use crate::text::{
 };
 
 /// What the column of the leak is.
-const LEAK: &str =
-    "Leak: energy that the held forces gave to the hands beyond the contacts' own work.";
+const LEAK: &str = "Leak: energy that held forces created: what hands, bodies, contacts and dissipation have gained together.";
 
 impl fmt::Display for WorldReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

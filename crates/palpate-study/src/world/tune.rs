@@ -39,7 +39,7 @@ impl Tuned {
     }
 
     fn leak(&self) -> f64 {
-        self.run.books.contacts.iter().map(|book| book.leak()).sum()
+        self.run.books.created()
     }
 
     fn to_make_small(&self, objective: Objective) -> f64 {
@@ -125,7 +125,7 @@ pub struct WorldPointReport {
     pub mean_force_error_percent: Option<f64>,
     /// FRE likewise.
     pub force_rendering_error_percent: Option<f64>,
-    /// Energy that holding forces gave to the hands beyond the contacts' own work.
+    /// Energy that held forces created: what hands, bodies, contacts and dissipation have gained together.
     pub leak_j: f64,
     /// Samples that the renderer refused.
     pub refused_samples: usize,

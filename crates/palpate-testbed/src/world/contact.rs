@@ -2,11 +2,17 @@
 
 use thiserror::Error;
 
-use super::boxes::{Between, CONTACTS, Halves};
+use std::sync::Arc;
+
+use super::between::{Between, Flat, Pair as Solids};
 use super::mesh::{MOST_CONTACTS, OnMesh};
 use super::scene::{ContactLaw, InvalidScene, Member, Pair, Shape, SphereAt, Tool, WorldScene};
 use super::surface::{Feature, feature, holds, nearest};
 use super::vector::{Rotation, Vec3};
+use super::wrapping::Wrapped;
+
+/// Corners of a hull that touches a half-space by them, at most.
+pub(super) const MOST_CORNERS: usize = 64;
 
 /// What is wrong with a scene, or with the attempt to solve it.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -16,8 +22,8 @@ pub enum WorldError {
     Parameter(#[from] InvalidScene),
     /// A pair of shapes for which there is no contact yet.
     #[error(
-        "pairs[{number}]: {reason}; a sphere can touch a sphere, half-space, box, capsule, cylinder or mesh, and a \
-         box and a capsule a half-space, and a box a box"
+        "pairs[{number}]: {reason}; a sphere can touch a sphere, half-space, box, capsule, cylinder, mesh or hull, \
+         and a box, a capsule, and a hull or mesh of at most {MOST_CORNERS} convex corners a half-space, and a box or hull a box or hull"
     )]
     Pair {
         /// Number of the pair, from 0.
@@ -57,8 +63,8 @@ pub(super) struct Contact {
     /// Radius of the sphere, 0 for a point \[m\].
     radius: f64,
     surface: Shape,
-    /// Of two boxes, their sizes, and the contact's number among those of the pair.
-    boxes: Option<(Halves, usize)>,
+    /// Of two boxes or hulls, both of them, and the contact's number among those of the pair.
+    solids: Option<(Arc<Solids>, usize)>,
     pub law: ContactLaw,
 }
 
@@ -178,8 +184,8 @@ impl Contact {
     /// How the two lie, by the formula of `feature`.
     pub fn touch(&self, feature: Feature, placed: &[Placed]) -> Touch {
         let (first, second) = (&placed[self.first], &placed[self.second]);
-        if let (Some((halves, number)), Feature::Between(plane)) = (&self.boxes, feature) {
-            return plane.touch(*number, halves, [first, second]);
+        if let (Some((solids, number)), Feature::Between(plane)) = (&self.solids, feature) {
+            return plane.touch(*number, solids, [first, second]);
         }
         let centre = first.position + first.rotation.out(self.on_first);
         let velocity = first.velocity_at(centre);
@@ -238,26 +244,33 @@ impl Contact {
         Some(super::mesh::wanted(mesh, now, self.radius, centre))
     }
 
-    /// The plane between two boxes that the contact should be at, if it is at `now`; `None` if they are not two boxes.
+    /// The plane between two boxes or hulls that the contact should be at, if it is at `now`; `None` of other shapes.
     pub fn wanted_between(
         &self,
         now: Option<Between>,
         placed: &[Placed],
         slack: f64,
     ) -> Option<Between> {
-        let (halves, _) = self.boxes.as_ref()?;
+        let (solids, _) = self.solids.as_ref()?;
         let two = [&placed[self.first], &placed[self.second]];
-        Some(Between::least(now, halves, two, slack))
+        Some(Between::least(now, solids, two, slack))
     }
 
-    /// Whether it is the first one of a pair of boxes.
-    pub fn begins_boxes(&self) -> bool {
-        matches!(self.boxes, Some((_, 0)))
+    /// Whether it is the first one of a pair of boxes or hulls.
+    pub fn begins_solids(&self) -> bool {
+        matches!(self.solids, Some((_, 0)))
+    }
+
+    /// How many contacts a pair of boxes or hulls has.
+    pub fn of_pair(&self) -> usize {
+        self.solids
+            .as_ref()
+            .map_or(1, |(solids, _)| solids.contacts())
     }
 
     /// Whether its feature is found for several contacts together.
     pub fn is_of_several(&self) -> bool {
-        self.is_with_mesh() || self.boxes.is_some()
+        self.is_with_mesh() || self.solids.is_some()
     }
 
     /// Whether it is with a mesh.
@@ -282,7 +295,7 @@ impl Contact {
     /// Whether `current` is that, but for `slack` \[m\].
     pub fn holds(&self, current: Feature, placed: &[Placed], slack: f64) -> bool {
         current == Feature::Whole
-            || self.boxes.is_some()
+            || self.solids.is_some()
             || holds(&self.surface, current, self.centre_in_second(placed), slack)
     }
 
@@ -310,6 +323,10 @@ struct Side {
 }
 
 impl Side {
+    fn touches_by_spheres(&self) -> bool {
+        matches!(self.shape, None | Some(Shape::Sphere { .. }))
+    }
+
     fn of(scene: &WorldScene, member: Member) -> Self {
         match member {
             Member::Device(number) => {
@@ -352,6 +369,16 @@ fn kind(shape: &Shape) -> &'static str {
         Shape::Capsule { .. } => "capsule",
         Shape::Cylinder { .. } => "cylinder",
         Shape::Mesh(_) => "mesh",
+        Shape::Hull(_) => "hull",
+    }
+}
+
+/// A box or a hull by its flat faces.
+fn flat(shape: &Shape) -> Option<Flat> {
+    match shape {
+        Shape::Box { half_extents } => Flat::of_box(*half_extents),
+        Shape::Hull(hull) => Some(Flat::of(hull.wrapped())),
+        _ => None,
     }
 }
 
@@ -373,7 +400,7 @@ fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact
     let rank = |side: &Side| match side.shape {
         None => 3,
         Some(Shape::Sphere { .. }) => 2 + u8::from(side.is_device),
-        Some(Shape::Box { .. } | Shape::Capsule { .. }) => 1,
+        Some(Shape::Box { .. } | Shape::Capsule { .. } | Shape::Mesh(_) | Shape::Hull(_)) => 1,
         _ => 0,
     };
     let (first, second) = if rank(&one) >= rank(&other) {
@@ -387,7 +414,11 @@ fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact
             first.name, second.name
         )
     };
-    let surface = second.shape.as_ref().ok_or_else(no_contact)?;
+    let surface = match second.shape.as_ref().ok_or_else(no_contact)? {
+        // A sphere touches its triangles.
+        Shape::Hull(hull) if first.touches_by_spheres() => &Shape::Mesh(hull.mesh().clone()),
+        other => other,
+    };
     let contact = |on_first: Vec3, radius: f64, law: ContactLaw| Contact {
         pair: number,
         first: first.member,
@@ -395,7 +426,7 @@ fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact
         on_first,
         radius,
         surface: surface.clone(),
-        boxes: None,
+        solids: None,
         law,
     };
     // The share of the law that one has of so many that lie flat together.
@@ -405,12 +436,24 @@ fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact
         friction_stiffness: pair.law.friction_stiffness / count,
         ..pair.law
     };
+    let by_corners = |hull: &Wrapped| {
+        let law = shared(hull.most_corners() as f64);
+        let each = hull.corners.iter();
+        Ok(each.map(|corner| contact(*corner, 0.0, law)).collect())
+    };
     match (&first.shape, surface) {
         (&Some(Shape::Sphere { radius }), Shape::Mesh(_)) => {
             let one = contact(Vec3::ZERO, radius, pair.law);
             Ok(vec![one; MOST_CONTACTS])
         }
-        (None, Shape::Mesh(_)) => Err(no_contact()),
+        (None, Shape::Mesh(_)) => Ok(first
+            .spheres
+            .iter()
+            .flat_map(|sphere| {
+                let one = contact(Vec3(sphere.centre), sphere.radius, pair.law);
+                vec![one; MOST_CONTACTS]
+            })
+            .collect()),
         (None, _) => Ok(first
             .spheres
             .iter()
@@ -418,14 +461,17 @@ fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact
             .collect()),
         (&Some(Shape::Sphere { radius }), _) => Ok(vec![contact(Vec3::ZERO, radius, pair.law)]),
         (
-            &Some(Shape::Box { half_extents }),
-            &Shape::Box {
-                half_extents: other,
-            },
+            Some(one @ (Shape::Box { .. } | Shape::Hull(_))),
+            other @ (Shape::Box { .. } | Shape::Hull(_)),
         ) => {
-            let law = shared(4.0);
-            let each = (0..CONTACTS).map(|number| Contact {
-                boxes: Some(([half_extents, other], number)),
+            let two = [flat(one), flat(other)];
+            let [Some(one), Some(other)] = two else {
+                return Err(no_contact());
+            };
+            let solids = Arc::new(Solids([one, other]));
+            let law = shared(solids.share() as f64);
+            let each = (0..solids.contacts()).map(|number| Contact {
+                solids: Some((solids.clone(), number)),
                 ..contact(Vec3::ZERO, 0.0, law)
             });
             Ok(each.collect())
@@ -452,6 +498,11 @@ fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact
             let end = |side: f64| contact(Vec3([0.0, 0.0, side * half_length]), radius, law);
             Ok(vec![end(-1.0), end(1.0)])
         }
+        (Some(Shape::Mesh(mesh)), Shape::HalfSpace { .. }) => {
+            let places: Vec<Vec3> = mesh.vertices().into_iter().map(Vec3).collect();
+            by_corners(&Wrapped::around(&places, MOST_CORNERS).ok_or_else(no_contact)?)
+        }
+        (Some(Shape::Hull(hull)), Shape::HalfSpace { .. }) => by_corners(hull.wrapped()),
         _ => Err(no_contact()),
     }
 }

@@ -39,11 +39,12 @@
 //! ```
 
 pub mod benchmarks;
-mod boxes;
+mod between;
 mod contact;
 mod dormand_prince;
 mod held_axis;
 mod held_turning;
+mod hull;
 mod ideal;
 mod joints;
 mod judgement;
@@ -62,8 +63,10 @@ mod self_check;
 mod surface;
 mod turning;
 mod vector;
+mod wrapping;
 
 pub use contact::WorldError;
+pub use hull::Hull;
 pub use ideal::{TOLERANCE, WorldIdeal};
 pub use joints::{Freedom, WorldJoint};
 pub use judgement::{

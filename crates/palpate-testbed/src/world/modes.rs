@@ -3,7 +3,7 @@
 //! A mode holds a little beyond its end, so that a state at an event, known to round-off, is in one mode or
 //! in the other and not in each of the two by turns.
 
-use super::boxes::{Between, CONTACTS, order_after};
+use super::between::{Between, order_after};
 use super::mesh::{MOST_CONTACTS, OnMesh};
 use super::motion::{Condition, Instant, Mode, System, slip_direction};
 use super::surface::Feature;
@@ -62,17 +62,17 @@ impl System {
                 .mesh_contacts()
                 .all(|first| self.moves_on_mesh(first, conditions, now).is_none())
             && self
-                .box_pairs()
+                .solid_pairs()
                 .all(|first| self.moves_between(first, conditions, now).is_none())
     }
 
-    /// Numbers of the first contact of each pair of boxes.
-    fn box_pairs(&self) -> impl Iterator<Item = usize> {
+    /// Numbers of the first contact of each pair of boxes or hulls.
+    fn solid_pairs(&self) -> impl Iterator<Item = usize> {
         let contacts = self.contacts.iter().enumerate();
-        contacts.filter_map(|(number, contact)| contact.begins_boxes().then_some(number))
+        contacts.filter_map(|(number, contact)| contact.begins_solids().then_some(number))
     }
 
-    /// The plane at which two boxes should touch, if it is another one.
+    /// The plane at which two boxes or hulls should touch, if it is another one.
     fn moves_between(
         &self,
         first: usize,
@@ -86,7 +86,7 @@ impl System {
         (wanted != at).then_some(wanted)
     }
 
-    /// Two boxes touch across another plane: bristles go on to the contacts there.
+    /// Two boxes or hulls touch across another plane: bristles go on to the contacts there.
     fn move_between(
         &self,
         (first, plane): (usize, Between),
@@ -95,7 +95,7 @@ impl System {
         now: &mut Instant,
     ) {
         let feature = Feature::Between(plane);
-        let all = first..first + CONTACTS;
+        let all = first..first + self.contacts[first].of_pair();
         let corners = match conditions[first].feature {
             Feature::Between(old) => old.has_corners_of(),
             _ => None,
@@ -126,11 +126,15 @@ impl System {
 
     /// Numbers of the first contact of each sphere with a mesh.
     fn mesh_contacts(&self) -> impl Iterator<Item = usize> {
-        let mut last = None;
+        // Of a tool of several spheres, each has as many.
+        let mut count = (None, 0);
         let contacts = self.contacts.iter().enumerate();
         contacts.filter_map(move |(number, contact)| {
-            let is_first = contact.is_with_mesh() && last != Some(contact.pair);
-            last = Some(contact.pair);
+            if count.0 != Some(contact.pair) {
+                count = (Some(contact.pair), 0);
+            }
+            let is_first = contact.is_with_mesh() && count.1 % MOST_CONTACTS == 0;
+            count.1 += 1;
             is_first.then_some(number)
         })
     }
@@ -202,7 +206,7 @@ impl System {
                     }
                 }
             }
-            let pairs: Vec<usize> = self.box_pairs().collect();
+            let pairs: Vec<usize> = self.solid_pairs().collect();
             for first in pairs {
                 if let Some(plane) = self.moves_between(first, conditions, now) {
                     self.move_between((first, plane), state, conditions, now);

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::hull::Hull;
 use super::joints::WorldJoint;
 use super::mesh::TriangleMesh;
 use super::turning::Turning;
@@ -162,18 +163,22 @@ pub enum Shape {
         /// Half of its length, above 0 \[m\].
         half_length: f64,
     },
-    /// A surface of triangles in the body's axes, for a fixed body.
+    /// A surface of triangles in the body's axes.
     Mesh(Arc<TriangleMesh>),
+    /// A convex solid in the body's axes.
+    Hull(Arc<Hull>),
 }
 
 impl Shape {
     /// Moments of inertia \[kg m²\] about the centre along the body's axes, if `mass` \[kg\] fills it evenly;
-    /// infinite for a half-space and a mesh, which have to be fixed.
+    /// infinite for a half-space, which has to be fixed, and for an open mesh.
     #[must_use]
     pub fn inertia(&self, mass: f64) -> Vector {
         match *self {
             Self::Sphere { radius } => [0.4 * mass * radius * radius; 3],
-            Self::HalfSpace { .. } | Self::Mesh(_) => [f64::INFINITY; 3],
+            Self::HalfSpace { .. } => [f64::INFINITY; 3],
+            Self::Mesh(ref mesh) => mesh.inertia(mass),
+            Self::Hull(ref hull) => hull.mesh().inertia(mass),
             Self::Box {
                 half_extents: [a, b, c],
             } => [b * b + c * c, a * a + c * c, a * a + b * b].map(|sum| mass * sum / 3.0),
@@ -381,7 +386,7 @@ impl WorldBody {
         let shape = format!("{name}.shape");
         match self.shape {
             Shape::Sphere { radius } => above_zero(&shape, &[radius])?,
-            Shape::Mesh(_) => {}
+            Shape::Mesh(_) | Shape::Hull(_) => {}
             Shape::HalfSpace { normal, offset } => {
                 unit_length(&shape, &normal)?;
                 all_finite(&shape, &[offset])?;
@@ -402,10 +407,10 @@ impl WorldBody {
             return Ok(());
         };
         InvalidParameter::unless(
-            !matches!(self.shape, Shape::HalfSpace { .. } | Shape::Mesh(_)),
+            !matches!(self.shape, Shape::HalfSpace { .. }),
             format!("{name}.motion"),
             motion.mass,
-            "none, for a half-space or a mesh is fixed",
+            "none, for a half-space is fixed",
         )?;
         above_zero(&format!("{name}.motion.mass"), &[motion.mass])?;
         above_zero(&format!("{name}.motion.inertia"), &motion.inertia)?;

@@ -5,7 +5,7 @@
 //! of each contact over a step and locates the instant at which another one comes nearer, so no step crosses
 //! a kink.
 
-use super::boxes::Between;
+use super::between::Between;
 use super::mesh::OnMesh;
 use super::scene::Shape;
 use super::vector::Vec3;
@@ -26,7 +26,7 @@ pub(super) enum Feature {
     Cap(i8),
     /// The edge between the round side and a flat end.
     Rim(i8),
-    /// Of two boxes, the plane between them.
+    /// Of two boxes or hulls, the plane between them.
     Between(Between),
     /// Parts of a mesh.
     OnMesh(OnMesh),
@@ -187,7 +187,7 @@ pub(super) fn feature(shape: &Shape, point: Vec3) -> Feature {
     match *shape {
         Shape::Sphere { .. } | Shape::HalfSpace { .. } => Feature::Whole,
         // Which parts push depends on those that did: `System` asks the mesh itself.
-        Shape::Mesh(_) => Feature::OnMesh(OnMesh::Nothing),
+        Shape::Mesh(_) | Shape::Hull(_) => Feature::OnMesh(OnMesh::Nothing),
         Shape::Box { half_extents } => {
             let sign = |value: f64| if value < 0.0 { -1 } else { 1 };
             let mut signs = [0_i8; 3];

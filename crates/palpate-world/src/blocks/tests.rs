@@ -1,3 +1,5 @@
+mod of_hulls;
+
 use super::*;
 use crate::ContactLaw;
 use crate::rigid::Rotation;
@@ -67,10 +69,12 @@ fn force_and_torque_are_the_gradient_of_the_energy() {
         };
         let here = placed(&first, &second);
         let normal = here.normal(plane);
-        let law = quarter(&ContactLaw::spring(1.0));
+        let law = PointLaw::share(&ContactLaw::spring(1.0), 4.0);
         let (way, turn) = (numbers.vector(), numbers.vector());
         let mut powers = [0.0; 2];
-        for found in here.points(plane) {
+        let mut points = [Found::none(); 8];
+        here.points(plane, &mut points);
+        for found in points {
             let force = normal * law.normal_force(found.penetration.max(0.0), 0.0);
             for (power, (rigid, sign)) in powers.iter_mut().zip([(&first, 1.0), (&second, -1.0)]) {
                 let velocity = way + turn.cross(&(found.place - rigid.position));

@@ -151,22 +151,33 @@ impl Mesh {
                 topology = Topology::of(&vertices, &kept, &given)?;
             }
         }
-        let boxes: Vec<Bounds> = kept
+        let dropped = faces.len() - kept.len();
+        Ok(Self::of_parts(vertices, kept, topology, dropped))
+    }
+
+    /// A mesh of parts that are checked.
+    pub(super) fn of_parts(
+        vertices: Vec<Vector3>,
+        faces: Vec<[u32; 3]>,
+        topology: Topology,
+        dropped: usize,
+    ) -> Self {
+        let boxes: Vec<Bounds> = faces
             .iter()
             .map(|face| {
                 let corners = face.iter().map(|&corner| &vertices[corner as usize]);
                 corners.fold(Bounds::empty(), Bounds::with)
             })
             .collect();
-        Ok(Self {
+        Self {
             tree: Tree::over(&boxes),
             reach: vertices.iter().map(Vector3::norm).fold(0.0, f64::max),
-            dropped: faces.len() - kept.len(),
-            faces: kept,
+            is_closed: topology.is_closed(),
+            dropped,
+            faces,
             vertices,
             topology,
-            is_closed,
-        })
+        }
     }
 
     /// Its vertices, each place once `[m]`.
@@ -201,6 +212,11 @@ impl Mesh {
         } else {
             0.0
         }
+    }
+
+    /// Its vertices.
+    pub(crate) fn places(&self) -> &[Vector3] {
+        &self.vertices
     }
 
     /// Largest distance of a vertex from the origin `[m]`.

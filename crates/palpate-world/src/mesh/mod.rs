@@ -3,10 +3,12 @@
 mod build;
 mod cluster;
 mod gather;
+mod mass;
 mod surface;
 mod topology;
 mod tree;
 mod triangle;
 
 pub use build::{Mesh, MeshError};
+pub use mass::MassProperties;
 pub(crate) use surface::{POINTS_PER_MESH, Surface};

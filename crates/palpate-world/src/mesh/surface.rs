@@ -64,6 +64,8 @@ pub(crate) struct Surface {
     /// Numbers of the sphere's and the mesh's parts.
     first: usize,
     second: usize,
+    /// Of the sphere, in the axes of the first `[m]`.
+    centre: Vector3,
     radius: f64,
     gathered: Gathered,
     memory: Memory,
@@ -124,11 +126,13 @@ impl Pushes {
 }
 
 impl Surface {
-    pub fn new(mesh: Arc<Mesh>, first: usize, second: usize, radius: f64) -> Self {
+    /// A sphere about `centre`, in the axes of the first of the two parts `[m]`, and the mesh of the second.
+    pub fn new(mesh: Arc<Mesh>, [first, second]: [usize; 2], centre: Vector3, radius: f64) -> Self {
         Self {
             mesh,
             first,
             second,
+            centre,
             radius,
             gathered: Gathered::none(),
             memory: Memory {
@@ -171,15 +175,24 @@ impl Surface {
         std::mem::take(&mut self.left_out)
     }
 
+    /// The sphere's centre in the mesh's axes, of parts that lie so.
+    fn centre_in(&self, first: &Rigid, second: &Rigid) -> Vector3 {
+        let mut off = first.position - second.position;
+        if self.centre != Vector3::zeros() {
+            off += first.orientation * self.centre;
+        }
+        second.orientation.inverse_transform_vector(&off)
+    }
+
     /// Distance of the surface from the sphere's centre, on whatever side `[m]`.
     pub fn distance(&self, sphere: &Rigid, placed: &Rigid) -> f64 {
-        let nearest = nearest_of(&self.mesh, &centre_in(sphere, placed));
+        let nearest = nearest_of(&self.mesh, &self.centre_in(sphere, placed));
         nearest.map_or(f64::INFINITY, |(distance, _)| distance)
     }
 
     /// Looks at the surface from where the sphere is now.
     pub fn look(&mut self, sphere: &Rigid, placed: &Rigid) {
-        let centre = centre_in(sphere, placed);
+        let centre = self.centre_in(sphere, placed);
         let mut pushes = Pushes::none();
         let is_behind = self.is_behind(&centre);
         self.memory.clearance = 0.0;
@@ -273,11 +286,13 @@ impl Surface {
         let radius = self.radius;
         let About {
             near,
+            pushing,
+            others,
             off,
             reach,
             left_out,
         } = self.gathered.about(mesh, centre, radius);
-        let mut clearance = f64::INFINITY;
+        let mut clearance = others - off;
         // What is seen first hides what lies behind it.
         let mut seen: [(Push, u32); MOST_PUSHES] = [(
             Push {
@@ -287,7 +302,7 @@ impl Surface {
             0,
         ); MOST_PUSHES];
         let mut count = 0;
-        for found in near {
+        for found in &near[..pushing] {
             if found.distance - off > radius {
                 clearance = clearance.min(found.distance - off);
                 continue;
@@ -418,12 +433,6 @@ impl Surface {
     }
 }
 
-/// The sphere's centre in the mesh's axes.
-fn centre_in(sphere: &Rigid, placed: &Rigid) -> Vector3 {
-    let off = sphere.position - placed.position;
-    placed.orientation.inverse_transform_vector(&off)
-}
-
 /// Where a centre is that nothing is known of, or that was inside.
 fn first_seen(mesh: &Mesh, centre: &Vector3, radius: f64, was_inside: bool) -> Standing {
     let Some((distance, triangle)) = nearest_of(mesh, centre) else {
@@ -479,7 +488,7 @@ fn side(mesh: &Mesh, triangle: u32, region: Region, off: &Vector3) -> Option<f64
 
 /// The normal of a contact at a triangle's nearest point, by `out` from the centre, if the distance to the surface has a
 /// minimum there and the centre is in front. A minimum on an edge or corner is that of one of its triangles only.
-fn minimum(
+pub(super) fn minimum(
     mesh: &Mesh,
     triangle: u32,
     region: Region,

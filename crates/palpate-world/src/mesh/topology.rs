@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::build::{Mesh, MeshError};
 use super::tree::size;
-use crate::rigid::Vector3;
+use crate::rigid::{Rotation, Vector3};
 
 /// In place of the neighbour across an edge that has none.
 pub(super) const NONE: u32 = u32::MAX;
@@ -90,6 +90,16 @@ impl Topology {
             around,
             begins,
         })
+    }
+
+    /// Of the same triangles, turned.
+    pub fn turned(&self, by: &Rotation) -> Self {
+        let turned = |all: &[Vector3]| all.iter().map(|normal| by * normal).collect();
+        Self {
+            normals: turned(&self.normals),
+            vertex_normals: turned(&self.vertex_normals),
+            ..self.clone()
+        }
     }
 
     /// Whether every edge has two triangles.

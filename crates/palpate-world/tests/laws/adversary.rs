@@ -163,3 +163,35 @@ fn a_sample_that_is_no_number_gives_no_force_and_says_whose_it_is() {
         );
     }
 }
+
+/// A light ball on a floor under a tool. Up to what a sub-step can follow it is pushed; beyond, there is no force and its
+/// fault, and never a force that grows.
+#[test]
+#[allow(clippy::print_stdout)] // what was measured
+fn a_damper_that_is_too_strong_for_its_masses_gives_no_force() {
+    for (damping, is_followed) in [(10.0, true), (100.0, true), (1e3, false), (1e5, false)] {
+        let law = ContactLaw::spring(2000.0).with_damping(damping);
+        let light = crate::common::ball("light", 0.01, Free::of_mass(0.005)).at([0.0, 0.0, 0.01]);
+        let floor = crate::common::plane("floor", [0.0, 0.0, 1.0]);
+        let world = crate::common::world(0.005, vec![floor, light], law);
+        let told = CoupledParams::new(vec![[0.2; 3]]);
+        let renderer = WorldRenderer::new(&world, WorldLoop::new(0.001), told).unwrap();
+        let mut state = renderer.start();
+        let (mut z, mut v, mut most, mut faults) = (0.03, -0.2_f64, 0.0_f64, 0);
+        for _ in 0..400 {
+            let output = renderer.step(&mut state, &Sample::at(&[[0.0, 0.0, z]]));
+            let force = output.forces[0][2];
+            faults += usize::from(output.fault.is_some());
+            assert!(output.fault.is_none() || force == 0.0, "{force}");
+            most = most.max(force.abs());
+            v += (force - 1.0 - 20.0 * (z - 0.02)) / 0.2 * 0.001;
+            z += v * 0.001;
+            if z < 0.005 {
+                break; // through the ball, and the floor is another contact
+            }
+        }
+        println!("{damping} N s/m: at most {most:.2} N, {faults} samples without a force");
+        assert_eq!(faults == 0, is_followed, "{damping}: {faults}");
+        assert!(most < 60.0, "{damping}: {most}");
+    }
+}

@@ -252,3 +252,67 @@ fn with_a_constant_hand_the_leak_is_its_force_times_the_offset() {
         );
     }
 }
+
+/// A device without a hand falls on a springy floor and bounces: what it has gained when it flies again is what the held
+/// forces created, that of a damper among them.
+#[test]
+#[allow(clippy::print_stdout)] // what was measured
+fn what_held_forces_created_is_what_the_device_has_gained() {
+    let (period, mass, weight) = (0.002, 0.2, 2.0);
+    for (name, method) in [
+        ("basic", BasicParams::default().into()),
+        (
+            "virtual damper",
+            WorldMethod::from(BasicParams {
+                damping: vec![1.0],
+                ..BasicParams::default()
+            }),
+        ),
+        (
+            "god-object",
+            GodObjectParams {
+                stiffness: vec![2000.0],
+                damping: vec![1.0],
+            }
+            .into(),
+        ),
+        ("coupled", CoupledParams::new(vec![[1.5 * mass; 3]]).into()),
+    ] {
+        let world = World {
+            joints: Vec::new(),
+            tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.005 })],
+            bodies: vec![plane("floor", [0.0, 0.0, 1.0])],
+            contacts: vec![palpate_world::Contact {
+                between: [palpate_world::Party::Any, palpate_world::Party::Any],
+                law: ContactLaw::spring(2000.0),
+            }],
+        };
+        let renderer = WorldRenderer::new(&world, WorldLoop::new(period), method).unwrap();
+        let mut state = renderer.start();
+        let (mut z, mut v) = (0.02, 0.0_f64);
+        let energy = |z: f64, v: f64| 0.5 * mass * v * v + weight * z;
+        let at_start = energy(z, v);
+        let mut is_down = false;
+        loop {
+            let force = renderer
+                .step(&mut state, &Sample::at(&[[0.0, 0.0, z]]))
+                .forces[0][2];
+            is_down |= z < 0.005;
+            // It flies again, and the interval before this sample, the last with a force, has ended.
+            if is_down && z > 0.007 && force == 0.0 {
+                break;
+            }
+            let a = (force - weight) / mass;
+            z += v * period + 0.5 * a * period * period;
+            v += a * period;
+        }
+        let gained = energy(z, v) - at_start;
+        let created = state.books().created();
+        println!("{name}: gained {gained:.6} J, created {created:.6} J");
+        assert!(
+            (created - gained).abs() < 2e-5,
+            "{name}: {created} {gained}"
+        );
+        assert!(name == "coupled" || gained > 1e-3, "{name}: {gained}");
+    }
+}

@@ -13,6 +13,7 @@ mod engine;
 mod floor;
 mod god_object;
 mod grasp;
+mod hulls;
 mod ideal;
 mod joints;
 mod resting;

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use palpate_world::{
-    BasicParams, Body, ContactLaw, Free, Mesh, MeshError, Motion, Shape, Vector, WorldLoop,
+    BasicParams, Body, ContactLaw, Free, Hull, Mesh, MeshError, Motion, Shape, Vector, WorldLoop,
     WorldRenderer,
 };
 
-use super::common::{block, fixed, world};
+use super::common::{block, fixed, patch, plane, world};
 
 const SQUARE: [Vector; 4] = [
     [0.0, 0.0, 0.0],
@@ -75,15 +75,53 @@ fn a_closed_mesh_that_is_inside_out_is_turned() {
 }
 
 #[test]
-fn a_mesh_has_to_be_fixed_and_to_meet_a_sphere() {
-    let mesh = Arc::new(block([0.01; 3], 2));
-    let free = Body::new("part", Shape::Mesh(mesh), Motion::Free(Free::of_mass(0.1)));
+fn a_mesh_that_moves_has_to_have_an_inertia_and_to_meet_what_it_can() {
     let law = ContactLaw::spring(1000.0);
-    let faults = |world| {
-        WorldRenderer::new(&world, WorldLoop::new(0.001), BasicParams::default()).unwrap_err()
+    let made = |world| WorldRenderer::new(&world, WorldLoop::new(0.001), BasicParams::default());
+    let faults = |world| made(world).map(|_| ()).unwrap_err();
+    let free = |mesh: Mesh, inertia: Option<Vector>| {
+        let free = Free {
+            inertia,
+            ..Free::of_mass(0.1)
+        };
+        Body::new("part", Shape::Mesh(Arc::new(mesh)), Motion::Free(free))
     };
-    let said = faults(world(0.01, vec![free], law))[0].to_string();
-    assert_eq!(said, "body \"part\": a mesh has to be a fixed body");
+    let open = || Mesh::new(&SQUARE, &[[0, 1, 2], [0, 2, 3]]).unwrap();
+    let said = faults(world(0.01, vec![free(open(), None)], law))[0].to_string();
+    assert!(
+        said.starts_with("body \"part\": the mesh has open edges"),
+        "{said}"
+    );
+    assert!(said.contains("give three moments of inertia"), "{said}");
+    assert!(made(world(0.01, vec![free(open(), Some([1e-5; 3]))], law)).is_ok());
+    // Beside its centre of mass.
+    let beside = block([0.01; 3], 2).vertices().into_iter();
+    let beside: Vec<Vector> = beside.map(|[x, y, z]| [x + 0.002, y, z]).collect();
+    let beside = || Mesh::new(&beside, block([0.01; 3], 2).faces()).unwrap();
+    let said = faults(world(0.01, vec![free(beside(), None)], law))[0].to_string();
+    assert!(said.contains("centre of mass at [0.002"), "{said}");
+    assert!(made(world(0.01, vec![free(beside(), None).balanced()], law)).is_ok());
+    // Round parts have a hull of many corners, and flat ones have none.
+    let floor = || plane("floor", [0.0, 0.0, 1.0], 0.0);
+    let ball = patch(1.0, 12, |u, v| {
+        let (u, v) = (3.0 * u, 1.5 * v);
+        [
+            0.01 * u.cos() * v.cos(),
+            0.01 * u.sin() * v.cos(),
+            0.01 * v.sin(),
+        ]
+    });
+    let said = faults(world(0.01, vec![floor(), free(ball, Some([1e-5; 3]))], law));
+    assert!(
+        said[0].to_string().contains("more than 64 corners"),
+        "{said:?}"
+    );
+    let said = faults(world(
+        0.01,
+        vec![floor(), free(open(), Some([1e-5; 3]))],
+        law,
+    ));
+    assert!(said[0].to_string().contains("lies in a plane"), "{said:?}");
     let ball = Free::of_mass(0.1);
     let cube = Body::new(
         "cube",
@@ -98,4 +136,29 @@ fn a_mesh_has_to_be_fixed_and_to_meet_a_sphere() {
         said.contains("there is no contact of a mesh with a box yet"),
         "{said}"
     );
+}
+
+#[test]
+fn what_is_wrong_with_the_points_of_a_hull_is_named() {
+    let refused = |points: &[Vector], tolerance: f64| {
+        Hull::within(points, tolerance).unwrap_err().to_string()
+    };
+    assert!(refused(&SQUARE, 0.0).contains("lie in a plane"));
+    assert!(refused(&[], 0.0).contains("lie in a plane"));
+    let mut points = SQUARE.to_vec();
+    points.push([0.0, 0.0, f64::INFINITY]);
+    assert!(refused(&points, 0.0).starts_with("point 4 of the hull is not"));
+    points[4][2] = 1.0;
+    assert!(refused(&points, -1.0).contains("-1 m outside"));
+    assert_eq!(Hull::around(&points).unwrap().faces().len(), 5);
+    let round: Vec<Vector> = (0..200)
+        .map(|k| {
+            let (u, z) = (2.4 * f64::from(k), f64::from(k) / 100.0 - 0.995);
+            let r = (1.0 - z * z).sqrt();
+            [r * u.cos(), r * u.sin(), z]
+        })
+        .collect();
+    assert!(refused(&round, 0.0).contains("more than 64 corners, and at most 64 are taken"));
+    let coarse = Hull::within(&round, 0.1).unwrap();
+    assert!(coarse.corners().len() < 60, "{coarse:?}");
 }

@@ -6,6 +6,7 @@ mod placed;
 mod prediction;
 mod spread;
 mod steps;
+mod transmission;
 
 pub(crate) use lateness::Lateness;
 pub(crate) use observer::{Motion, Observer, ObserverParams, Seen};
@@ -13,3 +14,4 @@ pub(crate) use placed::Placed;
 pub(crate) use prediction::{LONGEST_WINDOW_SETTING, PREDICTION, Predictor};
 pub use prediction::{Prediction, PredictionMemory, PredictionName};
 pub use steps::LONGEST_WINDOW;
+pub(crate) use transmission::{Flexure, Sway};

@@ -38,6 +38,8 @@ use crate::parameter::{Parameter, ParameterError};
 pub(crate) struct ObserverParams<S> {
     /// 1/m as told `[1/kg]`; 0 for a device that no force can move.
     pub mobility: S,
+    /// Standard deviation of 1/m to begin with, as a part of it.
+    pub mobility_deviation: S,
     /// Variance of a measured position `[m^2]`.
     pub measurement_variance: S,
     /// Variance of the jerk to begin with `[m^2/s^6]`.
@@ -60,11 +62,21 @@ impl<S: Scalar> ObserverParams<S> {
         let square = |x: f64| S::from_f64(x * x);
         Ok(Self {
             mobility,
+            mobility_deviation: S::from_f64(FIRST_MOBILITY),
             // A position is anywhere within its quantum.
             measurement_variance: quantum * quantum * S::from_f64(1.0 / 12.0),
             jerk_variance: square(FIRST_JERK),
             least_jerk_variance: square(LEAST_JERK),
         })
+    }
+
+    /// The same for a device of two masses with a spring between them, which is known from a calibration: so
+    /// its mass is known better than within a factor of 2.
+    pub fn with_flexure(self) -> Self {
+        Self {
+            mobility_deviation: S::from_f64(FIRST_MOBILITY_CALIBRATED),
+            ..self
+        }
     }
 }
 
@@ -159,6 +171,8 @@ const FIRST_SPEED: f64 = 0.1;
 const FIRST_ACCELERATION: f64 = 20.0;
 /// Standard deviation of 1/m to begin with, as a part of what was told.
 const FIRST_MOBILITY: f64 = 0.5;
+/// The same of a mass that was calibrated together with a transmission: a hand may hold the device otherwise.
+const FIRST_MOBILITY_CALIBRATED: f64 = 0.1;
 /// Standard deviation of lambda to begin with `[1/s]`: a hand of some 0.3 kg damps with 1 or 2 N s/m.
 const FIRST_DAMPING_RATE: f64 = 4.0;
 /// The estimate of lambda stays within this `[1/s]`.
@@ -196,7 +210,7 @@ impl<S: Scalar> Observer<S> {
                     params.measurement_variance,
                     square(FIRST_SPEED),
                     square(FIRST_ACCELERATION),
-                    square(FIRST_MOBILITY) * mobility * mobility,
+                    params.mobility_deviation * params.mobility_deviation * mobility * mobility,
                     square(FIRST_DAMPING_RATE),
                 ],
             },

@@ -13,7 +13,7 @@ use crate::actuator::Held;
 use crate::contact::{Contact, LoopParams, Mass};
 use crate::motion::{Displacement, ObjectMotion};
 use crate::parameter::{ParameterError, ParameterValue};
-use crate::predict::{Lateness, Observer, ObserverParams, Placed};
+use crate::predict::{Flexure, Lateness, Observer, ObserverParams, Placed, Sway};
 use crate::relative_motion::Relative;
 
 /// Coupled rendering by name.
@@ -138,6 +138,7 @@ pub struct Coupled<S> {
     placement: bool,
     correction: bool,
     timing_deviation: S,
+    flexure: Option<Flexure<S>>,
 }
 
 /// What coupled rendering remembers.
@@ -152,6 +153,8 @@ pub struct CoupledMemory<S> {
     /// How well it is known where the object belongs.
     placed: Placed<S>,
     avatar: Avatar<S>,
+    /// Stretch of the device's transmission at the last sample.
+    sway: Sway<S>,
     lateness: Lateness<S>,
     /// Part of the avatar's speed that no force is going to make up for `[m/s]`.
     given_up: S,
@@ -204,8 +207,15 @@ impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
         contact: &Contact<S>,
         loop_params: &LoopParams<S>,
     ) -> Result<Self::Method, ParameterError> {
+        let observer = ObserverParams::new(self.device_mass, self.encoder_quantum)?;
+        let transmission = &loop_params.actuation.transmission;
+        let flexure = transmission.as_ref().map(Flexure::new);
         Ok(Coupled {
-            observer: ObserverParams::new(self.device_mass, self.encoder_quantum)?,
+            observer: if flexure.is_some() {
+                observer.with_flexure()
+            } else {
+                observer
+            },
             object_mobility: match contact.object_mass {
                 Mass::Finite(mass) => S::ONE / mass,
                 Mass::Infinite => S::ZERO,
@@ -213,6 +223,7 @@ impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
             placement: self.placement,
             correction: self.correction,
             timing_deviation: loop_params.actuation.timing_deviation(),
+            flexure,
         })
     }
 
@@ -247,7 +258,16 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             return ended.as_planned(motion);
         };
         let before = observer.motion;
-        let (smoothed, lesson) = observer.see(&self.observer, &ended.seen());
+        let sway = memory.sway;
+        let mut seen = ended.seen();
+        let mut behind = S::ZERO;
+        if let Some(flexure) = &self.flexure {
+            // The centre of mass, by what the motor shows and how far the transmission is stretched.
+            memory.sway = flexure.under(sway, before.mobility, &ended.held, ended.elapsed);
+            behind = flexure.behind(&sway);
+            seen.moved += flexure.behind(&memory.sway) - behind;
+        }
+        let (smoothed, lesson) = observer.see(&self.observer, &seen);
         if let Some(lesson) = lesson.as_ref().filter(|_| self.timing_deviation > S::ZERO) {
             let (held, elapsed, told) = (&ended.held, ended.elapsed, self.timing_deviation);
             let learned = memory
@@ -271,10 +291,11 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             object_velocity -= given_up;
         }
         let start = Relative {
-            penetration: ended.start.penetration + device.offset - object_off,
+            penetration: ended.start.penetration + behind + device.offset - object_off,
             speed: device.velocity + memory.avatar.speed - object_velocity,
         };
-        let (interval, response) = self.interval_past(motion, &device, start, ended, certainty);
+        let (interval, response) =
+            self.interval_past(motion, &device, start, memory.avatar.sway, ended, certainty);
         let touched = interval.course.impulse > S::ZERO;
         memory.placed = match (lesson, &response) {
             (Some(lesson), Some(response)) => {
@@ -325,8 +346,9 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         let virtual_force = now.start.virtual_force;
         let mut object_velocity = now.start.object_velocity;
         let mut avatar = memory.avatar;
+        let behind = self.flexure.map_or(S::ZERO, |it| it.behind(&memory.sway));
         let mut relative = Relative {
-            penetration: now.start.penetration + device.offset,
+            penetration: now.start.penetration + behind + device.offset,
             speed: device.velocity + avatar.speed - object_velocity,
         };
         let at_sample = (device, relative, object_velocity, avatar);
@@ -334,7 +356,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         let mut owed = memory.debt;
         let governed = now.ahead.until_own(period, |piece| {
             let h = piece.duration;
-            let interval = self.interval(motion, &device, relative, virtual_force, h);
+            let interval = self.interval(motion, &device, relative, avatar.sway, virtual_force, h);
             let moved = self.object_moved(
                 &interval,
                 &device,
@@ -357,7 +379,14 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             avatar = moved.avatar;
             relative.speed = device.velocity + avatar.speed - object_velocity;
         });
-        let interval = self.interval(motion, &device, relative, virtual_force, period);
+        let interval = self.interval(
+            motion,
+            &device,
+            relative,
+            avatar.sway,
+            virtual_force,
+            period,
+        );
         let owed = if !motion.is_wall() {
             S::from_f64(REPAID) * owed
         } else if device.mobility > S::ZERO {
@@ -384,7 +413,14 @@ impl<S: Scalar> Method<S> for Coupled<S> {
             if !now.ahead.is_whole() {
                 // A command begins between this sample and the next.
                 (device, relative, object_velocity, avatar) = at_sample;
-                from = self.interval(motion, &device, relative, virtual_force, period);
+                from = self.interval(
+                    motion,
+                    &device,
+                    relative,
+                    avatar.sway,
+                    virtual_force,
+                    period,
+                );
                 held = now.ahead.over_next(force, period);
             }
             let velocity = object_velocity;

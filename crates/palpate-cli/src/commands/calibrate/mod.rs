@@ -80,6 +80,12 @@ fn deliver(
     motion: &Motion,
     before: Option<Calibration>,
 ) -> Result<(), Failure> {
+    // Where the program keeps the time itself, it counts the samples that are missing.
+    if arguments.pipe
+        && let Some(why) = motion.uneven_pace()
+    {
+        return Err(Failure::Declined(format!("no calibration: {why}")));
+    }
     let begun = Instant::now();
     let mut measured = measure(
         &arguments.params(),

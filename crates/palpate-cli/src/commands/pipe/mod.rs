@@ -13,7 +13,7 @@ mod world;
 use std::io;
 
 use palpate::LARGEST_DELAY;
-use palpate_rt::safety::{OscillationParams, Safety, SafetyParams};
+use palpate_rt::safety::{Safety, SafetyParams};
 use palpate_scene::SceneFile;
 use palpate_scene::method::MethodName;
 
@@ -90,7 +90,7 @@ fn set_up(arguments: &PipeArguments, scene: Option<SceneFile>) -> Result<Stream,
     let (parameters, rendered) =
         palpate_rt::parameters(rendering).map_err(|error| wrong_rendered(&error))?;
     let safety = Safety::new(
-        limits(force_limit, soft_start, defaults),
+        SafetyParams::bounding(force_limit, None, soft_start),
         setup.loop_params.period,
     )
     .map_err(|error| Failure::Arguments(error.to_string()))?;
@@ -136,20 +136,6 @@ fn soft_start(arguments: &PipeArguments, defaults: &SafetyParams) -> Result<f64,
     Err(Failure::Arguments(format!(
         "--soft-start is {seconds} s, but must be 0 to 60"
     )))
-}
-
-/// The limits of `run`, as far as a pipe has them: the largest force and the soft start.
-fn limits(force_limit: Option<f64>, soft_start: f64, defaults: SafetyParams) -> SafetyParams {
-    SafetyParams {
-        largest_force: force_limit.unwrap_or(f64::MAX),
-        soft_start,
-        largest_speed: f64::INFINITY,
-        oscillation: OscillationParams {
-            energy: f64::INFINITY,
-            ..defaults.oscillation
-        },
-        ..defaults
-    }
 }
 
 /// What limits a force without having been asked for, if anything does.

@@ -15,6 +15,13 @@ const TOLD: &str = "told";
 fn told(scene: &Scene) -> String {
     let told = scene.told_actuation();
     let mass = scene.told_device_mass.unwrap_or(scene.device.mass);
+    let transmission = told.transmission.map(|it| {
+        [
+            ("resonance_hz", it.resonance),
+            ("resonance_damping_ratio", it.damping_ratio),
+            ("flexible_mass_fraction", it.flexible_mass_fraction),
+        ]
+    });
     [
         ("device_mass_kg", mass),
         ("delay_s", told.delay),
@@ -24,8 +31,10 @@ fn told(scene: &Scene) -> String {
         ("lag_deviation_s", told.lag_deviation),
         ("gain_deviation", told.gain_deviation),
     ]
+    .into_iter()
+    .chain(transmission.into_iter().flatten())
     .map(|(key, value)| format!("{key} = {value}\n"))
-    .concat()
+    .collect()
 }
 
 /// The receipt with the scene as it is run, and with the files it names. `file` is the scene file at

@@ -83,10 +83,31 @@ impl TriangleMesh {
                 OnMesh::Inside
             };
         }
-        if is_behind {
-            OnMesh::Behind(part)
-        } else {
+        if !is_behind {
             OnMesh::Nothing
+        } else if self.is_beyond_border(now) {
+            OnMesh::Inside // round the border of an open mesh, and not through its front
+        } else {
+            OnMesh::Behind(part)
+        }
+    }
+
+    /// Whether the parts that were nearest until now are all on the border of an open mesh, where no surface was crossed.
+    fn is_beyond_border(&self, now: &[OnMesh; MOST_CONTACTS]) -> bool {
+        let mut parts = now.iter().flat_map(|at| match at {
+            OnMesh::Before(parts) => parts.iter().flatten().copied().collect(),
+            _ => Vec::new(),
+        });
+        parts.all(|part| self.is_on_border(part))
+    }
+
+    /// Whether a part is on the border of an open mesh.
+    fn is_on_border(&self, part: Part) -> bool {
+        let is_border = |edge: &usize| self.edges[*edge].faces.len() == 1;
+        match part {
+            Part::Face(_) => false,
+            Part::Edge(edge) => is_border(&edge),
+            Part::Vertex(vertex) => self.edges_at[vertex].iter().any(is_border),
         }
     }
 
@@ -199,7 +220,10 @@ impl TriangleMesh {
         let mut pushes = self.minima(radius, centre);
         pushes.sort_by(|a, b| b.depth.total_cmp(&a.depth));
         let Some(&first) = pushes.first() else {
-            let (part, _) = self.nearest_of_all(centre);
+            let (part, distance) = self.nearest_of_all(centre);
+            if distance < radius && self.is_on_border(part) {
+                return Vec::new(); // beside the border of an open mesh, below its surface
+            }
             return vec![OnMesh::Before([Some(part), None, None])];
         };
         pushes.retain(|push| {

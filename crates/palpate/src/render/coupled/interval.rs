@@ -5,7 +5,7 @@ use super::Coupled;
 use crate::Scalar;
 use crate::actuator::Held;
 use crate::motion::{Displacement, ObjectMotion, Rule};
-use crate::predict::Motion;
+use crate::predict::{Motion, Sway};
 use crate::relative_motion::{Course, Drive, Relative};
 use crate::render::method::Ended;
 use crate::response::Response;
@@ -23,6 +23,8 @@ pub(super) struct Avatar<S> {
     pub wall_offset: S,
     /// Its velocity less the device's `[m/s]`.
     pub speed: S,
+    /// Stretch of its transmission: what the device's would be under the contact's force.
+    pub sway: Sway<S>,
 }
 
 /// Time in which a wall in contact goes back to its place `[s]`. What is taken back while the force
@@ -42,6 +44,8 @@ pub(super) struct Interval<S> {
     /// Rate of the drive's acceleration `[m/s^3]`.
     ramp: S,
     pub course: Course<S>,
+    /// Stretch of the avatar's transmission at its end.
+    sway: Sway<S>,
     duration: S,
 }
 
@@ -51,15 +55,21 @@ impl<S: Scalar> Coupled<S> {
         motion: &ObjectMotion<S>,
         device: &Motion<S>,
         start: Relative<S>,
+        sway: Sway<S>,
         virtual_force: S,
         duration: S,
     ) -> Interval<S> {
         let drive = self.drive(motion, device, virtual_force);
+        let (course, sway) = match &self.flexure {
+            None => (drive.over(start, duration), sway),
+            Some(flexure) => flexure.over(&drive, device.mobility, start, sway, duration),
+        };
         Interval {
             start,
             drive,
             ramp: S::ZERO,
-            course: drive.over(start, duration),
+            course,
+            sway,
             duration,
         }
     }
@@ -71,12 +81,22 @@ impl<S: Scalar> Coupled<S> {
         motion: &ObjectMotion<S>,
         device: &Motion<S>,
         start: Relative<S>,
+        sway: Sway<S>,
         ended: &Ended<S>,
         certainty: S,
     ) -> (Interval<S>, Option<Response<S>>) {
         let drive = self.drive(motion, device, ended.start.virtual_force);
         let h = ended.elapsed;
-        let (mut course, response) = drive.over_with_response(start, h);
+        let (mut course, response, sway) = match &self.flexure {
+            None => {
+                let (course, response) = drive.over_with_response(start, h);
+                (course, response, sway)
+            }
+            Some(flexure) => {
+                let mobility = device.mobility;
+                flexure.over_with_response(&drive, mobility, start, sway, h)
+            }
+        };
         let mut ramp = S::ZERO;
         if let Some(response) = &response {
             ramp = device.ramp(ended.held.mean);
@@ -95,6 +115,7 @@ impl<S: Scalar> Coupled<S> {
             drive,
             ramp,
             course,
+            sway,
             duration: h,
         };
         (interval, response)
@@ -124,6 +145,7 @@ impl<S: Scalar> Coupled<S> {
             drive,
             ramp,
             course,
+            sway,
             duration: h,
         } = interval;
         let h = *h;
@@ -156,7 +178,8 @@ impl<S: Scalar> Coupled<S> {
                 (S::ONE - back) * (avatar.wall_offset + placed).within(most)
             } else {
                 // As far as it stays free.
-                (avatar.wall_offset + course.end.penetration)
+                let apart = self.flexure.map_or(S::ZERO, |it| it.behind(sway));
+                (avatar.wall_offset + course.end.penetration - apart)
                     .max(S::ZERO)
                     .min(avatar.wall_offset.max(S::ZERO))
             };
@@ -167,7 +190,11 @@ impl<S: Scalar> Coupled<S> {
                     velocity: S::ZERO,
                 },
                 shift: by,
-                avatar: Avatar { wall_offset, speed },
+                avatar: Avatar {
+                    wall_offset,
+                    speed,
+                    sway: *sway,
+                },
             };
         }
         // By its own momentum.
@@ -178,6 +205,7 @@ impl<S: Scalar> Coupled<S> {
             shift: by - own,
             avatar: Avatar {
                 speed,
+                sway: *sway,
                 ..Avatar::default()
             },
         }

@@ -13,7 +13,7 @@ use palpate_scene::world::WorldFile;
 
 use super::messages::Messages;
 use super::serving::answer_all;
-use super::{PipeArguments, limits, limits_in_words, soft_start};
+use super::{PipeArguments, limits_in_words, soft_start};
 use crate::failure::Failure;
 use crate::worlds::{self, Names, wrong_world};
 use line::{DeviceColumns, Format};
@@ -45,22 +45,15 @@ fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<Stream, Failure
     let mut scene = file.scene.clone();
     let method = worlds::one_method(flags, &file.scene)?;
     let defaults = SafetyParams::default();
-    let given = flags.force_limit.or(scene.render.force_limit);
-    let force_limit = given.unwrap_or(defaults.largest_force);
-    let force_limit = Some(force_limit).filter(|limit| limit.is_finite());
-    scene.render.force_limit = force_limit;
-    // As the force: none where its limit was switched off.
-    let usual = force_limit.map(|_| defaults.largest_torque);
-    let torque_limit = scene.render.torque_limit.or(usual);
-    scene.render.torque_limit = torque_limit;
+    let is_given = flags.force_limit.or(scene.render.force_limit).is_some();
+    let usual = [defaults.largest_force, defaults.largest_torque];
+    scene.render.settle_limits([flags.force_limit, None], usual);
+    let (force_limit, torque_limit) = (scene.render.force_limit, scene.render.torque_limit);
     let soft_start = soft_start(arguments, &defaults)?;
     let renderer = scene
         .renderer(method)
         .map_err(|faults| wrong_world(flags, file, &faults))?;
-    let limits = SafetyParams {
-        largest_torque: torque_limit.unwrap_or(f64::MAX),
-        ..limits(force_limit, soft_start, defaults)
-    };
+    let limits = SafetyParams::bounding(force_limit, torque_limit, soft_start);
     let world = BoundedWorld::new(renderer, limits)
         .map_err(|error| Failure::Arguments(error.to_string()))?;
     let devices = scene.world.tools.iter().map(|tool| DeviceColumns {
@@ -76,7 +69,7 @@ fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<Stream, Failure
     let mut messages = Messages::start()
         .map_err(|error| Failure::System(format!("no thread for messages: {error}")))?;
     if let Some(limits) = limits_in_words(
-        force_limit.filter(|_| given.is_none()),
+        force_limit.filter(|_| !is_given),
         Some(soft_start).filter(|_| arguments.stream.soft_start.is_none()),
     ) {
         messages.tell(limits);

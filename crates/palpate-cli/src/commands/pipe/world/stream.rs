@@ -44,6 +44,10 @@ pub struct Memory {
     followed: f64,
     /// How far each device went along each axis.
     motion: Vec<[HandMotion; 3]>,
+    /// What the books said of created energy at the last line `[J]`.
+    booked: f64,
+    /// Whether the last line was refused: what changes until the next one is from outside.
+    is_refused: bool,
     /// Whether a line has been answered.
     is_begun: bool,
     /// Whether a force has been limited.
@@ -92,6 +96,7 @@ impl Stream {
         let held = self.world.step(&sample);
         let (fault, limited, bounded) = (held.fault, held.limited, held.bounded);
         answer(&mut self.memory.text, held.wrenches, &self.format);
+        self.count_created(fault.is_some());
         if fault.is_none() {
             self.follow(number, &positions, elapsed.unwrap_or(self.period))?;
         }
@@ -118,6 +123,16 @@ impl Stream {
             self.tell_if_inside(number);
         }
         Ok(())
+    }
+
+    /// Counts the energy that was created since the line before.
+    fn count_created(&mut self, is_refused: bool) {
+        let booked = self.world.state().books().created();
+        if !is_refused && !self.memory.is_refused {
+            self.summary.leak_held_j += booked - self.memory.booked;
+        }
+        self.memory.booked = booked;
+        self.memory.is_refused = is_refused;
     }
 
     /// The limits of each device.
@@ -158,7 +173,9 @@ impl Stream {
             Some(tool) => format!("{}: {}", self.format.devices[tool].name, fault.fault),
             None => match fault.fault {
                 Fault::Overflow => {
-                    "the world has left every scale; a body may fall for ever".into()
+                    "the world cannot be computed: a contact or joint is too stiff or too damped for its masses at this \
+                     period, or a body falls for ever"
+                        .into()
                 }
                 fault => fault.to_string(),
             },

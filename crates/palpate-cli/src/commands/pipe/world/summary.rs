@@ -32,8 +32,9 @@ pub struct WorldSummary {
     dissipated_j: f64,
     /// Work of the held forces on the hands.
     port_work_j: f64,
-    /// Energy that holding forces gave to the hands beyond the contacts' own work.
-    leak_held_j: f64,
+    /// Energy that held forces created: what hands, bodies, contacts and dissipation have gained together;
+    /// without intervals that begin or end at a line that was refused.
+    pub leak_held_j: f64,
 }
 
 impl WorldSummary {
@@ -58,12 +59,11 @@ impl WorldSummary {
         }
     }
 
-    /// The same with the books.
+    /// The same with the books; [`leak_held_j`](Self::leak_held_j) is summed up line by line.
     pub fn with_books(&self, books: &Books) -> Self {
         Self {
             dissipated_j: books.contacts.iter().map(|book| book.dissipated).sum(),
             port_work_j: books.devices.iter().map(|book| book.port_work).sum(),
-            leak_held_j: books.contacts.iter().map(|book| book.leak()).sum(),
             ..self.clone()
         }
     }

@@ -1,0 +1,259 @@
+//! Convex solids with flat faces.
+
+use std::collections::HashMap;
+use std::fmt;
+use std::sync::Arc;
+
+use crate::body::rotation;
+use crate::convex::{NoHull, Polygon, hull};
+use crate::pairs::MOST_POINTS;
+use crate::rigid::{Rotation, Vector3};
+use crate::{MassProperties, Mesh, MeshError, Vector};
+
+/// A convex solid: the least one around some points, in the own axes of the body that has it.
+#[derive(Clone, PartialEq)]
+pub struct Hull {
+    corners: Arc<Corners>,
+    /// The same surface by triangles.
+    mesh: Arc<Mesh>,
+}
+
+/// Why some points have no hull.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum HullError {
+    /// A point that is no place.
+    #[error("point {0} of the hull is not three finite numbers")]
+    NotFinite(usize),
+    /// Fewer than four points, or all of them in a plane.
+    #[error("the points of the hull lie in a plane, or nearly so; it needs four that do not")]
+    Flat,
+    /// More corners than are taken.
+    #[error(
+        "the hull has more than {most} corners, and at most {most} are taken; give fewer points, or say by how much it may \
+         leave points out", most = Hull::MOST_CORNERS
+    )]
+    TooMany,
+    /// A tolerance that is no length.
+    #[error(
+        "the hull may leave points out that are {0} m outside of it; this has to be at least 0 m"
+    )]
+    Within(f64),
+    /// Its surface is not one of triangles: corners that are nearly the same place.
+    #[error("the triangles of the hull's surface: {0}")]
+    Surface(MeshError),
+}
+
+impl fmt::Debug for Hull {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Hull")
+            .field("corners", &self.corners.places.len())
+            .field("faces", &self.corners.faces.len())
+            .finish_non_exhaustive()
+    }
+}
+
+impl Hull {
+    /// Most corners of a hull.
+    pub const MOST_CORNERS: usize = MOST_POINTS;
+
+    /// The least convex solid around `points` `[m]`.
+    ///
+    /// # Errors
+    /// The points lie in a plane, or the solid has more than [`MOST_CORNERS`](Self::MOST_CORNERS) corners.
+    pub fn around(points: &[Vector]) -> Result<Self, HullError> {
+        Self::within(points, 0.0)
+    }
+
+    /// A convex solid whose corners are some of `points` `[m]`, chosen so that no other of them is further outside than
+    /// `tolerance` `[m]`, at least 0.
+    ///
+    /// # Errors
+    /// Those of [`around`](Self::around), or a tolerance that is no such length.
+    pub fn within(points: &[Vector], tolerance: f64) -> Result<Self, HullError> {
+        if !(tolerance >= 0.0 && tolerance.is_finite()) {
+            return Err(HullError::Within(tolerance));
+        }
+        let is_place = |point: &Vector| point.iter().all(|x| x.abs() < 1e100);
+        if let Some(number) = points.iter().position(|point| !is_place(point)) {
+            return Err(HullError::NotFinite(number));
+        }
+        let places: Vec<Vector3> = points.iter().map(|&point| point.into()).collect();
+        let corners = Corners::around(&places, tolerance).map_err(|reason| match reason {
+            NoHull::TooMany => HullError::TooMany,
+            NoHull::Flat | NoHull::Broken => HullError::Flat,
+        })?;
+        let vertices: Vec<Vector> = corners.places.iter().map(|&corner| corner.into()).collect();
+        let mesh = Mesh::new(&vertices, &corners.triangles()).map_err(HullError::Surface)?;
+        Ok(Self {
+            corners: Arc::new(corners),
+            mesh: Arc::new(mesh),
+        })
+    }
+
+    /// Its corners `[m]`.
+    #[must_use]
+    pub fn corners(&self) -> Vec<Vector> {
+        let corners = self.corners.places.iter();
+        corners.map(|&corner| corner.into()).collect()
+    }
+
+    /// Its flat faces, each by the numbers of its corners, counter-clockwise when it is seen from outside.
+    #[must_use]
+    pub fn faces(&self) -> Vec<Vec<usize>> {
+        let faces = self.corners.faces.iter();
+        faces.map(|face| face.corners.clone()).collect()
+    }
+
+    /// Its surface by triangles.
+    #[must_use]
+    pub fn mesh(&self) -> &Arc<Mesh> {
+        &self.mesh
+    }
+
+    /// Centre, principal axes and moments of inertia of a body of `mass` `[kg]` that fills it evenly; see
+    /// [`Mesh::mass_properties`].
+    #[must_use]
+    pub fn mass_properties(&self, mass: f64) -> Option<MassProperties> {
+        self.mesh.mass_properties(mass)
+    }
+
+    /// The same solid in axes that begin at a centre `[m]` and are turned.
+    pub(crate) fn seen_from(&self, of: &MassProperties) -> Self {
+        let (centre, axes) = (of.centre.into(), rotation(of.orientation));
+        Self {
+            corners: Arc::new(self.corners.seen_from(&centre, &axes)),
+            mesh: self.mesh.seen_from(&centre, &axes),
+        }
+    }
+
+    pub(crate) fn by_corners(&self) -> &Arc<Corners> {
+        &self.corners
+    }
+}
+
+/// Corners and flat faces of a convex solid.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Corners {
+    pub places: Vec<Vector3>,
+    pub faces: Vec<Polygon>,
+    pub edges: Vec<Edge>,
+}
+
+/// Where two faces of a convex solid meet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Edge {
+    /// Numbers of its corners.
+    pub ends: [usize; 2],
+    /// Numbers of its faces.
+    pub faces: [usize; 2],
+    /// Unit vector along it, to the side of the cross product of the second face's normal and the first's.
+    pub along: Vector3,
+}
+
+impl Corners {
+    /// Of points, from which the solid may leave those out that are outside of it by no more than `within` `[m]`.
+    pub fn around(points: &[Vector3], within: f64) -> Result<Self, NoHull> {
+        let (places, faces) = hull(points, within, MOST_POINTS)?;
+        Ok(Self {
+            edges: edges(&places, &faces),
+            places,
+            faces,
+        })
+    }
+
+    /// Of a box of half these lengths, above 0 `[m]`: a corner's number has a bit for each axis.
+    pub fn of_box(half: Vector3) -> Self {
+        let side = |number: usize, axis: usize| if number >> axis & 1 == 1 { 1.0 } else { -1.0 };
+        let corner = |number: usize| Vector3::from_fn(|axis, _| side(number, axis) * half[axis]);
+        let places: Vec<Vector3> = (0..8).map(corner).collect();
+        let faces: Vec<Polygon> = (0..6)
+            .map(|number| {
+                let (axis, positive) = (number / 2, number % 2);
+                let [one, other] = [1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3)];
+                let first = positive << axis;
+                let mut corners = vec![first, first + one, first + one + other, first + other];
+                if positive == 0 {
+                    corners.reverse();
+                }
+                Polygon {
+                    corners,
+                    normal: Vector3::ith(axis, 2.0 * positive as f64 - 1.0),
+                    offset: half[axis],
+                }
+            })
+            .collect();
+        Self {
+            edges: edges(&places, &faces),
+            places,
+            faces,
+        }
+    }
+
+    /// Corners of the face that has the most: a corner has the law of a contact over this, so that no face has more than
+    /// the whole law.
+    pub fn most_on_a_face(&self) -> usize {
+        let each = self.faces.iter().map(|face| face.corners.len());
+        each.max().unwrap_or(1)
+    }
+
+    /// Each face as triangles about its first corner.
+    fn triangles(&self) -> Vec<[u32; 3]> {
+        let number = |corner: usize| u32::try_from(corner).unwrap_or(u32::MAX);
+        let faces = self.faces.iter().flat_map(|face| {
+            let (first, others) = (face.corners[0], &face.corners[1..]);
+            others.windows(2).map(move |two| [first, two[0], two[1]])
+        });
+        faces.map(|corners| corners.map(number)).collect()
+    }
+
+    fn seen_from(&self, centre: &Vector3, axes: &Rotation) -> Self {
+        let back = |place: &Vector3| axes.inverse_transform_vector(&(place - centre));
+        let faces = self.faces.iter().map(|face| Polygon {
+            normal: axes.inverse_transform_vector(&face.normal),
+            offset: face.offset - face.normal.dot(centre),
+            corners: face.corners.clone(),
+        });
+        let places: Vec<Vector3> = self.places.iter().map(back).collect();
+        let faces: Vec<Polygon> = faces.collect();
+        Self {
+            edges: edges(&places, &faces),
+            places,
+            faces,
+        }
+    }
+}
+
+/// The edges of a closed surface, each once.
+fn edges(places: &[Vector3], faces: &[Polygon]) -> Vec<Edge> {
+    let sides = |face: &Polygon| {
+        let next = face.corners.iter().cycle().skip(1).copied();
+        face.corners.iter().copied().zip(next).collect::<Vec<_>>()
+    };
+    let mut owner = HashMap::new();
+    for (number, face) in faces.iter().enumerate() {
+        owner.extend(sides(face).into_iter().map(|side| (side, number)));
+    }
+    let mut edges = Vec::new();
+    for (number, face) in faces.iter().enumerate() {
+        for (from, to) in sides(face) {
+            let Some(&other) = owner.get(&(to, from)) else {
+                continue;
+            };
+            if from < to {
+                let along = (places[to] - places[from]).normalize();
+                let turns = faces[other].normal.cross(&face.normal);
+                edges.push(Edge {
+                    ends: [from, to],
+                    faces: [number, other],
+                    along: if along.dot(&turns) < 0.0 {
+                        -along
+                    } else {
+                        along
+                    },
+                });
+            }
+        }
+    }
+    edges
+}
