@@ -64,7 +64,7 @@ mod _palpate {
     #[pymodule_export]
     use super::simulate::{compare, simulate, simulate_figure};
     #[pymodule_export]
-    use super::studies::{heights, tune};
+    use super::studies::{heights, sweep, tune};
     #[pymodule_export]
     use super::suite::{run_suite, suite_names, suite_of_parts, suite_part};
     #[pymodule_export]

@@ -1,10 +1,12 @@
-//! Studies of many runs: `tune` and `heights`.
+//! Studies of many runs: `tune`, `heights` and `sweep`.
 
 use palpate::MethodName;
 use palpate_scene::Scene;
 use palpate_study::heights::report::{HeightsReport, SceneReport};
 use palpate_study::heights::{HeightsError, over_heights};
 use palpate_study::suite::Column;
+use palpate_study::sweep::report::SweepReport;
+use palpate_study::sweep::{Quantity, SweepError, sweep as swept};
 use palpate_study::tune as tuning;
 use palpate_study::tune::report::TuneReport;
 use palpate_study::tune::{Objective, TuneError};
@@ -129,4 +131,44 @@ pub fn heights(
             }
         },
     )
+}
+
+/// Judges methods on a scene at several values of one quantity.
+#[pyfunction]
+pub fn sweep(
+    py: Python<'_>,
+    scene: &Bound<'_, PyScene>,
+    over: &str,
+    values: Vec<f64>,
+    method: Option<&Bound<'_, PyAny>>,
+    heights: bool,
+) -> PyResult<Said> {
+    let quantity = Quantity::ALL.into_iter().find(|known| known.name() == over);
+    let quantity = quantity.ok_or_else(|| {
+        let names = Quantity::ALL.map(Quantity::name).join("\", \"");
+        refused(format!(
+            "over is \"{over}\", but must be one of \"{names}\""
+        ))
+    })?;
+    if values.is_empty() {
+        return Err(refused("values has no value"));
+    }
+    let methods = match method {
+        Some(method) => chosen(method)?,
+        // Without a name, those that have what is varied.
+        None => MethodName::ALL
+            .into_iter()
+            .filter(|method| quantity != Quantity::Damping || tuning::tunable(*method).is_some())
+            .collect(),
+    };
+    let columns: Vec<_> = methods.iter().copied().map(Column::of).collect();
+    let own: Scene = scene.get().scene().clone();
+    let threads = threads()?;
+    let said = interruptible(py, move |stop| {
+        let done = || stop.leave_if_raised();
+        let found = threads.install(|| swept(&own, quantity, &values, &columns, heights, done))?;
+        let report = SweepReport::new(&own.title, quantity, &values, &columns, &found);
+        Ok((palpate_study::json(&report), report.to_string()))
+    })?;
+    said.map_err(|error: SweepError| refused(format!("{}: {error}", scene.get().name)))
 }

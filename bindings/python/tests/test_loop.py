@@ -283,6 +283,25 @@ def test_it_runs_once_and_stops_as_often_as_one_likes() -> None:
     assert len(reports) == 3 and len(set(reports)) == 1
 
 
+def test_the_exit_of_the_interpreter_ends_a_loop_that_something_still_refers_to(tmp_path: Path) -> None:
+    path = tmp_path / "kept.mcap"
+    code = """
+import ctypes, math, sys
+import palpate
+renderer = palpate.Renderer(stiffness=300.0, mass=math.inf, period=0.002, method="basic")
+loop = palpate.Loop(palpate.devices.Pointer(position=0.01), renderer, record=sys.argv[1], priority=0)
+loop.start()
+loop.read(wait=60.0)
+# Nobody lets go of this reference.
+ctypes.pythonapi.Py_IncRef(ctypes.py_object(loop))
+"""
+    done = subprocess.run([sys.executable, "-c", code, str(path)], capture_output=True, text=True, timeout=PATIENCE)
+    assert done.returncode == 0, done.stderr
+    recording = palpate.read_recording(path)
+    assert recording.complete, recording.shortcomings
+    assert recording.events[-1].text == "the loop ended: it was asked to stop"
+
+
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system forks no process")
 @pytest.mark.filterwarnings("ignore:.*multi-threaded.*:DeprecationWarning")
 def test_a_process_that_was_forked_off_is_told_and_the_loop_goes_on() -> None:
@@ -347,6 +366,25 @@ class two_diy:
 
 def arm(port: Path) -> palpate.devices.TwoDiy:
     return palpate.devices.TwoDiy(port, start_pose=(130, 50), origin=(0.019, 0.11), normal=(0, 1))
+
+
+def test_an_inverse3_behind_its_service(program: Program) -> None:
+    command = [str(program.path), "emulate", "inverse3", "--port", "0", "--events-port", "0"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as emulator:
+        assert emulator.stdout is not None
+        url = emulator.stdout.readline().strip()
+        # Where the cursor is when it is opened is 1 mm deep in the wall.
+        inside = wall(object_position=-0.001, period=0.004)
+        with loop(palpate.devices.Inverse3(url), inside) as running:
+            until("a force", lambda: running.status.force[0] < -0.1)
+            ticks = read_until(running, "contact", lambda ticks: (ticks["force_on_device_n"] < -0.1).any())
+            assert "nverse3" in running.device_name
+            assert ticks["penetration_m"].max() > 0.0005
+        assert running.status.force == NONE
+        emulator.send_signal(signal.SIGINT)
+        _, said = emulator.communicate(timeout=PATIENCE)
+    found = re.search(r"in the end \[?(.*?)\]? N", said)
+    assert found and [float(force) for force in found[1].split(",")] == [0.0, 0.0, 0.0], said
 
 
 RUNS = """

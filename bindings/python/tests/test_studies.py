@@ -17,6 +17,28 @@ FIG2 = "experiments/fig2.toml"
 RECORDINGS = "crates/palpate-record/tests/recording"
 
 
+def test_a_sweep_is_that_of_the_program(program: Any, root: Path) -> None:
+    theirs = program.json("sweep", FIG2, "--over", "damping", "--values", "0.1,0.5", "--method", "hfcr,virtual-damper")
+    ours = palpate.sweep(FIG2, "damping", [0.1, 0.5], ["hfcr", "virtual-damper"])
+    assert ours == theirs and str(ours)
+    usual = palpate.sweep(FIG2, "damping", [0.1])
+    assert usual == program.json("sweep", FIG2, "--over", "damping", "--values", "0.1")
+    pantograph = "experiments/fig5.toml"
+    arguments = ("sweep", pantograph, "--over", "friction", "--values", "1", "--method", "basic")
+    assert palpate.sweep(pantograph, "friction", np.float32(1), "basic") == program.json(*arguments)
+    for wrong, words in [
+        ({"over": "mass"}, 'over is "mass", but must be one of "friction", "box", "damping"'),
+        ({"values": []}, "values has no value"),
+        ({"method": "basic"}, "experiments/fig2.toml: column basic: its method has no damping to vary"),
+        ({"values": [-1.0]}, "experiments/fig2.toml:"),
+        ({"over": "box"}, "experiments/fig2.toml:"),
+    ]:
+        given: dict[str, Any] = {"over": "damping", "values": [0.1], "method": "hfcr", **wrong}
+        with pytest.raises(ValueError) as raised:
+            palpate.sweep(FIG2, **given)
+        assert str(raised.value).startswith(words), str(raised.value)
+
+
 def test_a_damping_is_tuned_as_by_the_program(program: Any, root: Path) -> None:
     theirs = program.json("tune", FIG2, "--method", "virtual-damper", "--steps", 7)
     ours = palpate.tune(FIG2, "virtual-damper", steps=7)

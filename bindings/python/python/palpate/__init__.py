@@ -27,7 +27,7 @@ from ._render import render
 from ._renderer import Renderer
 from ._report import FAULTS, IDEAL, LIMITS, PHASES, TICK, Fields, Report, Runs, WorldRuns
 from ._scene import Bench, Scene, compare, simulate
-from ._studies import Map, advise, heights, map, suite, tune
+from ._studies import Map, advise, heights, map, suite, sweep, tune
 from ._values import Leak, Ledger, Output, Situation
 from ._world import World
 from ._world_values import (
@@ -102,5 +102,6 @@ __all__ = [
     "report",
     "simulate",
     "suite",
+    "sweep",
     "tune",
 ]

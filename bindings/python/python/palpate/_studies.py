@@ -69,6 +69,36 @@ def heights(
     return Report._of(_palpate.heights(_scenes(scenes), method, told_mass_factor))
 
 
+def sweep(
+    scene: SceneLike,
+    over: str,
+    values: ArrayLike,
+    method: str | Sequence[str] | None = None,
+    *,
+    heights: bool = False,
+) -> Report:
+    """Judges methods on a scene at several values of one quantity, as `palpate sweep` does.
+
+    Args:
+        scene: A scene, or the path of a scene file.
+        over: What is varied: `"friction"`, a factor on the friction of the device; `"box"`, the safety box of a pantograph
+            along y [m]; `"damping"`, the damping or the cap of the methods [N s/m].
+        values: Its values.
+        method: Name of a method, several names, or `"all"`. `None`: all; of `"damping"` those that have one.
+        heights: Whether each value is judged over 21 start heights too.
+
+    Returns:
+        The report: `values`, and of each its `columns`, one for each method.
+
+    Raises:
+        ValueError: A quantity that the scene or a method does not have, a value that it cannot have, a scene that cannot
+            be run.
+        OSError: A file that cannot be read.
+    """
+    given = np.asarray(values, dtype=np.float64).ravel().tolist()
+    return Report._of(_palpate.sweep(_scene(scene), over, given, method, heights))
+
+
 def suite(
     set: str = "paper",
     method: str | Sequence[str] | None = None,

@@ -20,6 +20,9 @@ const REST: Duration = Duration::from_millis(1);
 /// Ticks that are taken before others may look.
 const AT_ONCE: usize = 4096;
 
+/// Events, each with the number of its tick, its time `[s]`, its kind and its text; and how many are gone.
+pub type Events = (Vec<(u64, f64, String, String)>, u64);
+
 /// The newest ticks and events that Python has not read.
 #[derive(Debug)]
 pub struct Heard {
@@ -82,7 +85,7 @@ impl Heard {
     }
 
     /// The events that wait, and how many are gone since this was asked last.
-    pub fn events(&self) -> (Vec<(u64, f64, String, String)>, u64) {
+    pub fn events(&self) -> Events {
         let mut ring = self.ring();
         let gone = std::mem::take(&mut ring.events_gone);
         let events = std::mem::take(&mut ring.events).into_iter();

@@ -4,6 +4,7 @@ mod devices;
 mod ended;
 mod heard;
 mod held;
+mod options;
 #[cfg(unix)]
 mod two_diy;
 
@@ -11,7 +12,6 @@ pub use devices::Hand;
 #[cfg(unix)]
 pub use two_diy::guard;
 
-use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -30,8 +30,9 @@ use crate::names::refused;
 use crate::renderer::rendering;
 use devices::{Opened, open};
 use ended::{Closed, Ended, ToldEnd};
-use heard::{Heard, listen};
+use heard::{Events, Heard, listen};
 use held::Held;
+use options::Options;
 
 /// Ticks that may wait for the thread that listens: 4 s at 4 kHz.
 const ROOM: usize = 1 << 14;
@@ -40,9 +41,6 @@ const LOOK_EVERY: Duration = Duration::from_millis(20);
 
 type Control = ControlLoop<Box<dyn Device>, MonotonicClock>;
 type Running = LoopThread<Box<dyn Device>, MonotonicClock>;
-
-/// Tick, time `[s]`, kind and text of each event that is kept, and how many there were.
-type EventsNow = (Vec<(u64, f64, String, String)>, u64);
 
 /// A loop in real time on a device.
 #[pyclass(frozen, subclass, name = "Loop", module = "palpate._palpate")]
@@ -90,23 +88,6 @@ struct Runs {
 /// keeps the motors off, and the force `[N]`.
 type Now = (bool, u64, u64, Option<f64>, u64, bool, [f64; 3]);
 
-/// What Python says beside device and renderer.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
-struct Options {
-    record: Option<PathBuf>,
-    scene: Option<String>,
-    ring: usize,
-    largest_speed: f64,
-    range: Option<[f64; 2]>,
-    oscillation: f64,
-    stall_after: Option<f64>,
-    priority: u8,
-    lock_memory: bool,
-    processor: Option<usize>,
-    spin: f64,
-}
-
 #[pymethods]
 impl RealTimeLoop {
     /// Opens the device and prepares the loop; the Python file has the arguments.
@@ -123,39 +104,10 @@ impl RealTimeLoop {
     ) -> PyResult<Self> {
         let options: Options = options.extract()?;
         let (setup, rendering) = rendering(method, parameters, settings)?;
-        let spin = Duration::try_from_secs_f64(options.spin).ok();
-        let spin = spin.filter(|spin| *spin <= Duration::from_secs(1));
-        let spin = spin.ok_or_else(|| {
-            let given = options.spin;
-            refused(format!("spin is {given} s, but must be 0 to 1"))
-        })?;
-        if options.ring == 0 || options.ring > heard::LARGEST {
-            return Err(refused(format!(
-                "ring is {} ticks, but must be 1 to {}",
-                options.ring,
-                heard::LARGEST
-            )));
-        }
-        if options.priority > 98 {
-            return Err(refused(format!(
-                "priority is {}, but must be 0 (none) to 98",
-                options.priority
-            )));
-        }
+        let spin = options.checked_spin()?;
         let clock = MonotonicClock::new().with_spin(spin);
-        let stall = |limits: &SafetyParams| -> SafetyParams {
-            match options.stall_after {
-                // These periods, and nothing else.
-                Some(periods) => SafetyParams {
-                    stall_after_periods: periods,
-                    tolerated_lateness: 0.0,
-                    ..*limits
-                },
-                None => *limits,
-            }
-        };
         let period = Duration::try_from_secs_f64(setup.loop_params.period).map_err(refused)?;
-        let silence = stall(&SafetyParams::default()).stall_after(period);
+        let silence = options.patient(SafetyParams::default()).stall_after(period);
         let Opened {
             device,
             axis,
@@ -163,25 +115,11 @@ impl RealTimeLoop {
             closed,
         } = open(py, device, clock, period, silence)?;
         let capabilities = device.capabilities().clone();
-        let limits = SafetyParams::for_device(&capabilities);
-        let asked = setup.loop_params.force_limit.unwrap_or(f64::MAX);
-        let largest = capabilities.largest_force.unwrap_or(f64::MAX);
-        let mut limits = stall(&SafetyParams {
-            largest_force: asked.min(largest),
-            soft_start,
-            largest_speed: options.largest_speed,
-            range: options.range,
-            ..limits
-        });
-        limits.oscillation.energy = options.oscillation;
+        let limits = options.limits(&capabilities, setup.loop_params.force_limit, soft_start);
         let mut control = Control::new(device, clock, rendering, limits)
             .map_err(refused)?
             .along(axis);
-        let request = Request {
-            priority: (options.priority > 0).then_some(options.priority),
-            lock_memory: options.lock_memory,
-            processor: options.processor,
-        };
+        let request = options.request();
         let (recording, recorder) = match &options.record {
             Some(path) => {
                 let version = env!("CARGO_PKG_VERSION");
@@ -326,7 +264,7 @@ impl RealTimeLoop {
     }
 
     /// What happened beside the ticks since this was asked last, and how many events of that are gone.
-    fn events(&self) -> PyResult<EventsNow> {
+    fn events(&self) -> PyResult<Events> {
         self.check_process()?;
         Ok(self.heard.events())
     }
