@@ -199,6 +199,10 @@ const REPAID_BY_WALLS: f64 = 0.3;
 /// this part.
 const NEGLIGIBLE: f64 = 1e-7;
 
+/// A told transmission is predicted where its resonance times the period exceeds this. With more samples in a period of
+/// the resonance, an observer that takes the device for one mass follows the transmission's force, and does better.
+const FAST_RESONANCE: f64 = 0.1;
+
 impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
     type Method = Coupled<S>;
 
@@ -208,7 +212,9 @@ impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
         loop_params: &LoopParams<S>,
     ) -> Result<Self::Method, ParameterError> {
         let observer = ObserverParams::new(self.device_mass, self.encoder_quantum)?;
-        let transmission = &loop_params.actuation.transmission;
+        let transmission = loop_params.actuation.transmission;
+        let is_fast = |resonance: S| resonance * loop_params.period > S::from_f64(FAST_RESONANCE);
+        let transmission = transmission.filter(|told| is_fast(told.resonance));
         let flexure = transmission.as_ref().map(Flexure::new);
         Ok(Coupled {
             observer: if flexure.is_some() {
