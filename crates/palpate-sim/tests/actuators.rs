@@ -255,15 +255,15 @@ fn told_flexible(stiffness: f64, period: f64) -> [Scene; 2] {
 #[test]
 fn a_told_transmission_takes_coupled_to_a_stiff_wall_on_a_flexible_device() {
     let [untold, told] =
-        told_flexible(19_344.0, 2e-3).map(|scene| error(&scene, MethodName::Coupled));
+        told_flexible(19_344.0, 1e-3).map(|scene| error(&scene, MethodName::Coupled));
     println!("E: untold {untold:.2} %, told {told:.2} %");
-    assert!(told < 20.0 && untold > 45.0);
+    assert!(told < 2.0 && untold > 10.0);
 }
 
-/// With ten samples in a period of the resonance or more, one mass does better, so that is what is taken.
+/// With twenty samples in a period of the resonance or more, one mass does better, so that is what is taken.
 #[test]
 fn a_told_transmission_that_is_slow_against_the_loop_changes_nothing() {
-    for period in [1e-3, 5e-4] {
+    for period in [5e-4, 2.5e-4] {
         let [untold, told] =
             told_flexible(9870.0, period).map(|scene| run(&scene, MethodName::Coupled));
         assert_eq!(untold.ticks, told.ticks);

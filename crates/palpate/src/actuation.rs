@@ -44,7 +44,7 @@ pub struct Actuation<S> {
 
 /// A flexible transmission of a device: motor and sensor are on one side of it, the rest of the device's
 /// mass, and the hand, on the other. Coupled rendering predicts the motion of both sides where the resonance times the
-/// period exceeds 0.1; otherwise one mass follows it better.
+/// period exceeds 0.05; otherwise one mass follows it better.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]

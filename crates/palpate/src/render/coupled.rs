@@ -199,9 +199,9 @@ const REPAID_BY_WALLS: f64 = 0.3;
 /// this part.
 const NEGLIGIBLE: f64 = 1e-7;
 
-/// A told transmission is predicted where its resonance times the period exceeds this. With more samples in a period of
-/// the resonance, an observer that takes the device for one mass follows the transmission's force, and does better.
-const FAST_RESONANCE: f64 = 0.1;
+/// A told transmission is predicted where its resonance times the period exceeds this. With twenty samples in a period of
+/// the resonance or more, an observer that takes the device for one mass follows the transmission's force, and does better.
+const FAST_RESONANCE: f64 = 0.05;
 
 impl<S: Scalar> MethodParams<S> for CoupledParams<S> {
     type Method = Coupled<S>;
