@@ -6,7 +6,7 @@ use palpate_scene::Scene;
 use palpate_sim::replay::samples_and_fraction;
 
 use super::device_file::DeviceFile;
-use super::not_allowed_by;
+use super::wrong::not_allowed_by;
 use crate::arguments::ActuationFlags;
 use crate::failure::{Failure, tell};
 
