@@ -9,14 +9,15 @@ fn solids(numbers: &mut Numbers) -> Vec<Arc<Corners>> {
         let points: Vec<Vector3> = (0..count)
             .map(|_| numbers.vector().normalize() * 0.5)
             .collect();
-        all.push(Corners::around(&points, 0.0).unwrap());
+        all.extend(Corners::around(&points, 0.0));
     }
+    assert_eq!(all.len(), 5, "random points around a sphere have a hull");
     all.into_iter().map(Arc::new).collect()
 }
 
 fn placed(pair: &[Arc<Corners>; 2], first: &Rigid, second: &Rigid) -> Hulls {
-    let share = pair.iter().map(|hull| hull.most_on_a_face()).max();
-    let mut hulls = Hulls::new(pair.clone(), share.unwrap());
+    let share = pair[0].most_on_a_face().max(pair[1].most_on_a_face());
+    let mut hulls = Hulls::new(pair.clone(), share);
     hulls.place([first, second]);
     hulls
 }
