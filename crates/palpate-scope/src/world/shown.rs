@@ -3,7 +3,7 @@
 use palpate_device::{Capabilities, Vector};
 use palpate_record::recording::{BodyTick, ContactTick, Row, Tick};
 use palpate_scene::world::WorldScene;
-use palpate_world::{Motion, Shape};
+use palpate_world::{Mesh, Motion, Shape};
 use serde_json::{Value, json};
 
 use super::coarse::coarse;
@@ -120,17 +120,17 @@ fn shape(shape: &Shape) -> Value {
             radius,
             half_length,
         } => json!({ "cylinder": { "radius_m": radius, "length_m": 2.0 * half_length } }),
-        Shape::Mesh(mesh) => {
-            let (vertices, faces) = coarse(&mesh.vertices(), mesh.faces(), MOST_TRIANGLES);
-            let is_coarse = faces.len() < mesh.faces().len();
-            json!({ "mesh": { "vertices_m": vertices, "faces": faces, "coarse": is_coarse } })
-        }
-        Shape::Hull(hull) => {
-            let mesh = hull.mesh();
-            json!({ "mesh": { "vertices_m": mesh.vertices(), "faces": mesh.faces(), "coarse": false } })
-        }
+        Shape::Mesh(mesh) => triangles(mesh),
+        Shape::Hull(hull) => triangles(hull.mesh()),
         _ => json!({ "other": {} }),
     }
+}
+
+/// The corners of a mesh, one behind the other [m], and each triangle by the numbers of its corners.
+fn triangles(mesh: &Mesh) -> Value {
+    let (vertices, faces) = coarse(&mesh.vertices(), mesh.faces(), MOST_TRIANGLES);
+    let is_coarse = faces.len() < mesh.faces().len();
+    json!({ "mesh": { "vertices_m": vertices, "faces": faces, "coarse": is_coarse } })
 }
 
 /// A tick of a world as a row of the charts: the length of the force on the device, the deepest contact, the sum of
@@ -190,7 +190,22 @@ pub fn frame(
 
 #[cfg(test)]
 mod tests {
+    use palpate_world::Hull;
+
     use super::*;
+
+    #[test]
+    fn a_hull_is_told_by_the_triangles_of_its_surface() {
+        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 3.0]];
+        let told = shape(&Shape::Hull(Hull::around(&corners).unwrap().into()));
+        let numbers = told["mesh"]["vertices_m"].as_array().unwrap();
+        let numbers: Vec<f64> = numbers.iter().map(|x| x.as_f64().unwrap()).collect();
+        assert_eq!(numbers.len(), 12);
+        for corner in corners {
+            assert!(numbers.chunks(3).any(|place| place == corner), "{corner:?}");
+        }
+        assert_eq!(told["mesh"]["faces"].as_array().unwrap().len(), 4);
+    }
 
     #[test]
     fn a_frame_of_a_world_has_the_length_that_it_tells() {
