@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -212,6 +213,63 @@ class World {
   static std::string name(const char *name) { return name == nullptr ? std::string() : std::string(name); }
 
   palpate_world *world_ = nullptr;
+};
+
+/* A recording that is being written. One thread at a time may use it. It can be moved and not copied; one that was moved from
+   or closed records nothing. What is not closed is closed in the end, and nobody hears whether that worked. */
+class Recorder {
+ public:
+  /* Throws Error where the file cannot be begun; a file that is there is not replaced. Every default without `params`. */
+  Recorder(Contact &contact, const std::string &path,
+           const palpate_recorder_params &params = palpate_recorder_params_default()) {
+    detail::check(palpate_recorder_of_contact(contact.handle(), path.c_str(), &params, &recorder_));
+  }
+
+  /* The same of a world, of one device. */
+  Recorder(World &world, const std::string &path,
+           const palpate_recorder_params &params = palpate_recorder_params_default()) {
+    detail::check(palpate_recorder_of_world(world.handle(), path.c_str(), &params, &recorder_));
+  }
+
+  Recorder(Recorder &&other) noexcept : recorder_(std::exchange(other.recorder_, nullptr)) {}
+
+  Recorder &operator=(Recorder &&other) noexcept {
+    std::swap(recorder_, other.recorder_);
+    return *this;
+  }
+
+  Recorder(const Recorder &) = delete;
+  Recorder &operator=(const Recorder &) = delete;
+
+  ~Recorder() { palpate_recorder_close(recorder_, nullptr); }
+
+  /* A tick after its step, with the force on the device that was really sent [N]. It waits for nothing. */
+  palpate_status tick(Contact &contact, const palpate_sample &sample, const palpate_output &output,
+                      double sent_force) noexcept {
+    return palpate_recorder_contact_tick(recorder_, contact.handle(), &sample, &output, sent_force);
+  }
+
+  /* The same of a world. */
+  palpate_status tick(World &world, const palpate_world_sample &sample, const palpate_world_output &output,
+                      const palpate_wrench &sent) noexcept {
+    return palpate_recorder_world_tick(recorder_, world.handle(), &sample, &output, &sent);
+  }
+
+  /* Ticks that found no room so far. */
+  std::uint64_t lost() const noexcept { return palpate_recorder_lost(recorder_); }
+
+  /* Waits until everything is written; what the recording has. Throws Error where the system refused to write. */
+  palpate_recorded close() {
+    palpate_recorded recorded = palpate_recorded_empty();
+    detail::check(palpate_recorder_close(std::exchange(recorder_, nullptr), &recorded));
+    return recorded;
+  }
+
+  /* The handle, for functions of palpate.h. */
+  palpate_recorder *handle() noexcept { return recorder_; }
+
+ private:
+  palpate_recorder *recorder_ = nullptr;
 };
 
 }  // namespace palpate

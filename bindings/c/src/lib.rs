@@ -14,6 +14,8 @@ mod loop_params;
 mod methods;
 mod output;
 mod placed;
+#[cfg(feature = "worlds")]
+mod recorder;
 mod sample;
 mod sized;
 mod status;
@@ -28,6 +30,8 @@ pub use loop_params::*;
 pub use methods::*;
 pub use output::*;
 pub use placed::*;
+#[cfg(feature = "worlds")]
+pub use recorder::*;
 pub use sample::*;
 pub use status::Status;
 #[cfg(feature = "worlds")]

@@ -28,6 +28,8 @@ pub enum Status {
     Scene = 8,
     /// A place or a number of devices or bodies is another one than there are.
     Count = 9,
+    /// A recording cannot be begun or written, or is of something else.
+    Recording = 10,
 }
 
 /// Why a call is refused.
@@ -72,6 +74,9 @@ pub enum Refusal<'a> {
     /// What is wrong with a scene, in words.
     #[cfg(feature = "worlds")]
     Scene(std::string::String),
+    /// What is wrong with a recording, in words.
+    #[cfg(feature = "worlds")]
+    Recording(std::string::String),
     /// A number that says how a world is rendered.
     #[cfg(feature = "worlds")]
     WorldNumber {
@@ -112,6 +117,8 @@ impl Refusal<'_> {
             Self::TooSmall { .. } | Self::NotAligned { .. } => Status::Memory,
             #[cfg(feature = "worlds")]
             Self::Scene(_) => Status::Scene,
+            #[cfg(feature = "worlds")]
+            Self::Recording(_) => Status::Recording,
             #[cfg(feature = "worlds")]
             Self::WorldNumber { .. } => Status::Parameter,
             #[cfg(feature = "worlds")]
@@ -174,7 +181,7 @@ impl fmt::Display for Refusal<'_> {
                 write!(f, "the memory must begin at a multiple of {needed} bytes")
             }
             #[cfg(feature = "worlds")]
-            Self::Scene(words) => f.write_str(words),
+            Self::Scene(words) | Self::Recording(words) => f.write_str(words),
             #[cfg(feature = "worlds")]
             Self::WorldNumber {
                 name,

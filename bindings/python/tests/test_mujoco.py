@@ -298,31 +298,6 @@ def test_an_adapter_of_ones_own_needs_no_engine_of_ours() -> None:
     assert contact.contacts[0].between == ("tip", "ball")
 
 
-@pytest.mark.parametrize("period, stiffness", table.RATES)
-def test_with_palpate_the_force_is_the_mean_of_the_ideal_one(period: float, stiffness: float) -> None:
-    """Required: E of 5 % at most; the aim was 2 %. The engine's own contact is far from that in the same scenes."""
-    for scene in table.scenes(period, stiffness):
-        ideal = palpate.simulate(scene.world)
-        samples = ideal.ideal.shape[1]
-        for told in (1.0, 1.5):
-            error, _ = table.judged(_with_mujoco.with_palpate(scene, 4, "RK4", told, samples)[0], ideal)
-            assert error < 2, (scene.name, told, error)
-        alone, over = table.judged(_with_mujoco.with_engine(scene, 4, "RK4", 0.0, samples)[0], ideal)
-        assert alone > 10 and over > 1.5, (scene.name, alone)
-
-
-def test_the_table_says_every_way(capsys: Any, monkeypatch: Any) -> None:
-    monkeypatch.setattr(table, "RATES", [(0.01, 400.0)])
-    monkeypatch.setattr(table, "DAMPING_RATIOS", (0.0, 0.05))
-    monkeypatch.setattr("sys.argv", ["table", "--steps", "2", "--told", "1", "--integrators", "Euler"])
-    table.main()
-    said = capsys.readouterr().out
-    for scene in ("ball", "ball on floor", "box on floor"):
-        for way in ("engine", "engine, tuned", "palpate"):
-            assert f"| {scene} | 10 | 400 | 2 | Euler | {way} |" in said
-    assert "damping ratio 0.05" in said
-
-
 def test_without_mujoco_the_message_says_how_to_get_it() -> None:
     code = "import sys; sys.modules['mujoco'] = None; import palpate.engines; import palpate.engines.mujoco"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)

@@ -8,12 +8,10 @@ from typing import Any, Iterator
 import numpy as np
 import pytest
 
-import palpate
 from palpate.engines import SimulatedDevice
 
 pybullet = pytest.importorskip("pybullet", reason="pip install palpate[pybullet]")
 
-from palpate.engines import _with_pybullet, table  # noqa: E402
 from palpate.engines.pybullet import Contact  # noqa: E402
 
 FREE: dict[str, Any] = {"force_limit": math.inf, "soft_start": 0}
@@ -208,32 +206,3 @@ def test_what_cannot_be_touched_is_refused(client: int) -> None:
     pybullet.setPhysicsEngineParameter(numSubSteps=4, physicsClientId=client)
     with pytest.raises(ValueError, match="4 sub-steps"):
         Contact(client, bodies=[ball], **law)
-
-
-@pytest.mark.parametrize("period, stiffness", table.RATES)
-def test_with_palpate_the_force_is_the_mean_of_the_ideal_one(period: float, stiffness: float) -> None:
-    """Required: E of 5 % at most. The engine's own contact is far from that in the same scenes."""
-    for scene in table.scenes(period, stiffness):
-        ideal = palpate.simulate(scene.world)
-        samples = ideal.ideal.shape[1]
-        for told in (1.0, 1.5):
-            error, _ = table.judged(_with_pybullet.with_palpate(scene, 4, "Euler", told, samples)[0], ideal)
-            assert error < 5, (scene.name, told, error)
-        alone, over = table.judged(_with_pybullet.with_engine(scene, 4, "Euler", 0.0, samples)[0], ideal)
-        assert alone > 8 and over > 1.1, (scene.name, alone)
-
-
-def test_the_table_says_every_way(capsys: Any, monkeypatch: Any) -> None:
-    monkeypatch.setattr(table, "RATES", [(0.01, 400.0)])
-    monkeypatch.setattr(table, "DAMPING_RATIOS", (0.0, 0.05))
-    arguments = ["table", "--engine", "pybullet", "--steps", "2", "--told", "1"]
-    monkeypatch.setattr("sys.argv", arguments)
-    table.main()
-    said = capsys.readouterr().out
-    for scene in ("ball", "ball on floor", "box on floor"):
-        for way in ("engine", "engine, tuned", "palpate"):
-            assert f"| {scene} | 10 | 400 | 2 | Euler | {way} |" in said
-    monkeypatch.setattr("sys.argv", [*arguments, "--integrators", "RK4"])
-    with pytest.raises(SystemExit):
-        table.main()
-    assert "--integrators RK4: pybullet has Euler" in capsys.readouterr().err

@@ -91,7 +91,7 @@ pub use receipt::receipt;
 pub use recorder::{Account, Recorder};
 pub use rendering::{
     Answer, CHANGE_DURATION, ChangeError, FrameError, Fresh, OneContact, Parameters, Rendered,
-    RenderedWorld, Rendering, Renders, WorldAxis, WorldFrame, parameters,
+    RenderedWorld, Rendering, Renders, WorldAxis, WorldFrame, WorldRows, parameters,
 };
 pub use setup::SetupError;
 pub use statistics::{Durations, LoopStatistics};

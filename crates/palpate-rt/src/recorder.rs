@@ -18,8 +18,6 @@ use crate::tap::{Counted, Listener, Tap, Told, tap};
 const FLUSH_EVERY: Duration = Duration::from_millis(250);
 /// How long the writer rests when it has written everything.
 const REST: Duration = Duration::from_millis(2);
-/// Ticks of one contact that may wait for the disk: 16 s at 4 kHz.
-const ROOM: usize = 1 << 16;
 /// Events that are kept in memory; a recording has all of them.
 const EVENTS_KEPT: usize = 1000;
 
@@ -103,14 +101,29 @@ impl Account {
 }
 
 impl Recorder {
+    /// Ticks of one contact that may wait for the disk, where nobody says otherwise: 16 s at 4 kHz.
+    pub const ROOM: usize = 1 << 16;
+
     /// Begins a recording at `path` and gives the tap for its loop. It ends when the loop closes the
     /// tap.
     ///
     /// # Errors
     /// A file is there already, or cannot be written; the system gives no thread.
     pub fn begin(path: &Path, receipt: &Receipt) -> Result<(Tap, Self), WriteError> {
+        Self::begin_with_room(path, receipt, Self::ROOM)
+    }
+
+    /// As [`begin`](Self::begin), where so many ticks of one contact may wait for the disk.
+    ///
+    /// # Errors
+    /// A file is there already, or cannot be written; the system gives no thread.
+    pub fn begin_with_room(
+        path: &Path,
+        receipt: &Receipt,
+        room: usize,
+    ) -> Result<(Tap, Self), WriteError> {
         let writer = RecordingWriter::create(path, receipt)?;
-        Self::on_thread(Some(writer)).map_err(|source| WriteError::new(path, source))
+        Self::on_thread(Some(writer), room).map_err(|source| WriteError::new(path, source))
     }
 
     /// Listens only.
@@ -118,7 +131,7 @@ impl Recorder {
     /// # Errors
     /// The system gives no thread.
     pub fn without_file() -> io::Result<(Tap, Self)> {
-        Self::on_thread(None)
+        Self::on_thread(None, Self::ROOM)
     }
 
     /// Whether it writes no more: its tap was closed, or the system refused to write, and
@@ -134,8 +147,8 @@ impl Recorder {
         self.failure.get().map(String::as_str)
     }
 
-    fn on_thread(writer: Option<RecordingWriter>) -> io::Result<(Tap, Self)> {
-        let (tap, mut listener) = tap(ROOM);
+    fn on_thread(writer: Option<RecordingWriter>, room: usize) -> io::Result<(Tap, Self)> {
+        let (tap, mut listener) = tap(room);
         let failure = Arc::new(OnceLock::new());
         let told = Arc::clone(&failure);
         let thread = Builder::new()
@@ -225,7 +238,7 @@ fn write_down(listener: &mut Listener, writing: &mut Writing, account: &mut Acco
         let is_last = listener.is_closed();
         let mut rested = true;
         // No more than a part of the room at a time: the flush must come, whoever tells how fast.
-        for told in listener.by_ref().take(ROOM / 16) {
+        for told in listener.by_ref().take(Recorder::ROOM / 16) {
             rested = false;
             match told {
                 Told::Tick(tick, contacts, bodies) => {

@@ -17,7 +17,7 @@ use core::ptr;
 use std::ffi::CString;
 use std::fs;
 
-use palpate_rt::BoundedWorld;
+use palpate_rt::{BoundedWorld, WorldRows};
 use palpate_scene::world::WorldFile;
 use palpate_world::{NOT_TURNED, Quaternion, Vector, WorldError};
 
@@ -30,6 +30,11 @@ pub struct World {
     pub(crate) bounded: BoundedWorld,
     pub(crate) devices: Vec<Device>,
     pub(crate) bodies: Vec<CString>,
+    /// For recordings: the text of the scene, the method,
+    pub(crate) source: String,
+    pub(crate) method: String,
+    /// and room for what they have of a tick.
+    pub(crate) rows: WorldRows,
     /// Room for the sample of a tick: positions [m],
     pub(crate) positions: Vec<Vector>,
     /// and orientations.
@@ -108,13 +113,13 @@ unsafe fn make<'a>(
         let (name, text) = source()?;
         let file =
             WorldFile::parse(&name, &text).map_err(|errors| Refusal::Scene(errors.to_string()))?;
-        *out = Box::into_raw(Box::new(World::new(&file, &asked)?));
+        *out = Box::into_raw(Box::new(World::new(&file, text, &asked)?));
         Ok(())
     })
 }
 
 impl World {
-    fn new<'a>(file: &WorldFile, asked: &Asked) -> Result<Self, Refusal<'a>> {
+    fn new<'a>(file: &WorldFile, source: String, asked: &Asked) -> Result<Self, Refusal<'a>> {
         let mut scene = file.scene.clone();
         let limits = asked.limits(&mut scene.render);
         let method = asked.method.as_ref().unwrap_or(&scene.render.method);
@@ -127,6 +132,9 @@ impl World {
         let named = |name: &str| CString::new(name).unwrap_or_default();
         let tools = &scene.world.tools;
         Ok(Self {
+            source,
+            method: method.to_owned(),
+            rows: WorldRows::new(&scene.world, bounded.state()),
             bounded,
             devices: tools
                 .iter()

@@ -48,6 +48,11 @@ AT(palpate_body_state, velocity, 64);
 AT(palpate_body_state, angular_velocity, 88);
 HAS(palpate_world_ledger, 56, 8);
 AT(palpate_world_ledger, created, 48);
+HAS(palpate_recorder_params, 32, 8);
+AT(palpate_recorder_params, scene, 16);
+AT(palpate_recorder_params, room, 24);
+HAS(palpate_recorded, 32, 8);
+AT(palpate_recorded, lost, 24);
 #endif
 
 int main(void) { return 0; }

@@ -50,8 +50,31 @@ static void worlds(const char *path) {
   }
 }
 
+static void recordings(const std::string &folder) {
+  auto params = palpate::contact_params(1000.0);
+  params.method = "basic";
+  palpate::Contact contact(params, palpate::loop_params(0.001));
+  palpate::Recorder first(contact, folder + "/wrapper.mcap");
+  palpate::Recorder recorder(std::move(first));
+  const auto sample = palpate_sample_at(0.001);
+  auto output = palpate_output_empty();
+  const double force = contact.step(sample, &output);
+  EXPECT(first.tick(contact, sample, output, force) == PALPATE_STATUS_NULL);
+  EXPECT(recorder.tick(contact, sample, output, force) == PALPATE_STATUS_OK);
+  const auto recorded = recorder.close();
+  EXPECT(recorded.ticks == 1 && recorded.ticks_made == 1 && recorded.lost == 0);
+  EXPECT(recorder.close().ticks_made == 0);
+  try {
+    palpate::Recorder again(contact, folder + "/wrapper.mcap");
+    EXPECT(!"a file was replaced");
+  } catch (const palpate::Error &error) {
+    EXPECT(error.status() == PALPATE_STATUS_RECORDING);
+  }
+}
+
 int main(int argc, char **argv) {
   if (argc > 1) worlds(argv[1]);
+  if (argc > 2) recordings(argv[2]);
   auto loop = palpate::loop_params(0.001);
   auto params = palpate::contact_params(1000.0);
   params.method = "basic";

@@ -6,7 +6,8 @@ use std::time::Duration;
 
 use palpate::AlongAxis;
 use palpate_device::clock::MonotonicClock;
-use palpate_device::{Capabilities, Device, Vector};
+use palpate_device::{Capabilities, Device};
+use palpate_devices::{Axis, FIRST_AXIS};
 use palpate_haply::inverse3::{Inverse3, Inverse3Options, Pace, SERVICE};
 use palpate_sim::device::{PointerDevice, PointerHand, PointerParams, SimulatedDevice};
 use pyo3::exceptions::PyOSError;
@@ -119,11 +120,6 @@ struct Inverse3Given {
     device_id: Option<String>,
 }
 
-/// Origin `[m]` and direction of an axis.
-pub type Axis = (Vector, Vector);
-
-const FIRST_AXIS: Axis = ([0.0; 3], [1.0, 0.0, 0.0]);
-
 /// Opens the device that `given` describes, for a loop of `period` that may be silent for `silence`.
 pub fn open(
     py: Python<'_>,
@@ -206,31 +202,19 @@ impl Inverse3Given {
 
 impl Placed {
     fn axis(&self, device: &Capabilities, usual: Axis) -> PyResult<AlongAxis<f64, 3>> {
-        let of = |name: &str, given: &Option<Vec<f64>>, usual: Vector| {
-            let Some(given) = given else {
-                return Ok(usual);
+        palpate_devices::axis(
+            self.origin.as_deref(),
+            self.normal.as_deref(),
+            device,
+            usual,
+        )
+        .map_err(|error| {
+            let what = match error.what() {
+                palpate_devices::Placed::Origin => "origin",
+                palpate_devices::Placed::Normal => "normal",
             };
-            if given.len() != device.axes {
-                return Err(refused(format!(
-                    "{name} has {} numbers, but must have {}, one for each axis of the device \"{}\"",
-                    given.len(),
-                    device.axes,
-                    device.name
-                )));
-            }
-            let mut vector = [0.0; 3];
-            vector[..given.len()].copy_from_slice(given);
-            Ok(vector)
-        };
-        let origin = of("origin", &self.origin, usual.0)?;
-        let normal = of("normal", &self.normal, usual.1)?;
-        let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
-        if !(length.is_finite() && length > 0.0) {
-            return Err(refused(
-                "normal has no direction, but must be finite and not 0 in all axes",
-            ));
-        }
-        along((origin, normal.map(|x| x / length)))
+            refused(format!("{what}: {error}"))
+        })
     }
 }
 

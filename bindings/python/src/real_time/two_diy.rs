@@ -1,19 +1,18 @@
 //! The Haply 2DIY of a loop, with its guardian.
 
-use std::path::PathBuf;
 use std::process::Command;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
+use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
-use palpate_device::{
-    Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Wrench, ZeroWriter,
-};
-use palpate_haply::two_diy::{Board, Calibration, Generation, Options, TwoDiy, ports};
+use palpate_devices::Axis;
+use palpate_devices::two_diy::{Guard, LetGo, OpenError, PortError, Setup, usual_axis};
+use palpate_haply::two_diy::{Board, Calibration, Generation};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 
-use super::devices::{Axis, StartPose, TwoDiyGiven};
+use super::devices::{StartPose, TwoDiyGiven};
 use crate::names::refused;
 
 /// Opens a 2DIY, with the guardian that it is to have.
@@ -57,27 +56,16 @@ pub fn two_diy(
             }
         },
     };
-    let options = Options::of(generation, calibration, period)
-        .map_err(|error| refused(format!("start_pose: {error}")))?;
-    let path = match &given.port {
-        Some(port) => port.clone(),
-        None => likely_port()?,
-    };
-    let said = |error: &dyn std::fmt::Display| PyOSError::new_err(error.to_string());
-    let device =
-        TwoDiy::open(&path, &Options { board, ..options }, clock).map_err(|error| said(&error))?;
-    let device = match given.guardian.as_deref() {
-        None => device,
+    let guard = match given.guardian.as_deref() {
+        None => None,
         Some([program, arguments @ ..]) => {
             let mut command = Command::new(program);
             command.args(arguments);
-            let guarded = device.guarded_by(command, silence, Arc::default());
-            guarded.map_err(|error| {
-                PyOSError::new_err(format!(
-                    "no guardian: {error}. If this program is killed or stopped, only a guardian takes the force \
-                     off this device, which holds it; guardian=False goes without one"
-                ))
-            })?
+            Some(Guard {
+                command,
+                limit: silence,
+                account: Arc::default(),
+            })
         }
         Some([]) => {
             return Err(refused(
@@ -85,79 +73,33 @@ pub fn two_diy(
             ));
         }
     };
-    let [x, y] = generation.usual_origin();
-    let usual = ([x, y, 0.0], [0.0, 1.0, 0.0]);
-    let device = Closing {
-        capabilities: device.capabilities().clone(),
-        device: Some(device),
-        closed: Arc::clone(closed),
+    let setup = Setup {
+        port: given.port.clone(),
+        generation,
+        board,
+        calibration,
     };
-    Ok((Box::new(device), usual))
+    let device = setup.open(period, clock, guard).map_err(not_opened)?;
+    let closed = Arc::clone(closed);
+    let device = LetGo::new(device, move |not| {
+        let _ = closed.set(not.error.to_string());
+    });
+    Ok((Box::new(device), usual_axis(generation)))
 }
 
-fn likely_port() -> PyResult<PathBuf> {
-    let ports = ports().map_err(PyOSError::new_err)?;
-    let likely: Vec<_> = ports.iter().filter(|port| port.guess.is_likely()).collect();
-    match likely[..] {
-        [port] => Ok(port.path.clone().into()),
-        [] => Err(PyOSError::new_err(
-            "no serial port looks like a Haply board; `palpate devices` lists them, port names one",
-        )),
-        _ => {
-            let paths: Vec<_> = likely.iter().map(|port| port.path.as_str()).collect();
-            Err(refused(format!(
-                "several boards may be a 2DIY: {}; port names one",
-                paths.join(", ")
-            )))
+fn not_opened(error: OpenError) -> PyErr {
+    match error {
+        OpenError::StartPose(error) => refused(format!("start_pose: {error}")),
+        OpenError::Port(error @ PortError::NoneLikely) => {
+            PyOSError::new_err(format!("{error}, port names one"))
         }
-    }
-}
-
-/// A 2DIY that says in the end whether its board holds no torque.
-struct Closing {
-    capabilities: Capabilities,
-    /// There until it is closed.
-    device: Option<TwoDiy<MonotonicClock>>,
-    closed: Arc<OnceLock<String>>,
-}
-
-impl Closing {
-    fn with<T>(
-        &mut self,
-        ask: impl FnOnce(&mut TwoDiy<MonotonicClock>) -> Result<T, DeviceError>,
-    ) -> Result<T, DeviceError> {
-        let closed = DeviceError::new(DeviceErrorKind::Disconnected, "the 2DIY is closed");
-        self.device.as_mut().ok_or(closed).and_then(ask)
-    }
-}
-
-impl Device for Closing {
-    fn capabilities(&self) -> &Capabilities {
-        &self.capabilities
-    }
-
-    fn read(&mut self) -> Result<Pose, DeviceError> {
-        self.with(Device::read)
-    }
-
-    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
-        self.with(|device| device.write(wrench))
-    }
-
-    fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
-        self.device.as_mut()?.zero_writer()
-    }
-
-    fn was_cut(&mut self) -> bool {
-        self.device.as_mut().is_some_and(Device::was_cut)
-    }
-}
-
-impl Drop for Closing {
-    fn drop(&mut self) {
-        if let Some(Err(error)) = self.device.take().map(TwoDiy::close) {
-            let _ = self.closed.set(error.to_string());
+        OpenError::Port(error @ PortError::SeveralLikely(_)) => {
+            refused(format!("{error}; port names one"))
         }
+        OpenError::Guardian(_) => {
+            PyOSError::new_err(format!("{error}; guardian=False goes without one"))
+        }
+        OpenError::Port(_) | OpenError::Device(_) => PyOSError::new_err(error.to_string()),
     }
 }
 

@@ -297,7 +297,9 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     let period = Duration::from_millis(20);
     let guarding = Guarding::new(2 * period);
     let clock = MonotonicClock::new();
-    let mut device = two_diy::open(&arguments.device, period, &clock, &guarding)?;
+    let setup = two_diy::setup(&arguments.device);
+    let guarding = arguments.device.is_guarded().then_some(&guarding);
+    let mut device = two_diy::open(&setup, period, &clock, guarding)?;
     let failed = |error: palpate_device::DeviceError| Failure::System(error.to_string());
     let checked = match device.check_motors(&stop) {
         Ok(checked) => checked,

@@ -6,6 +6,8 @@ use std::time::Duration;
 
 use clap::Args;
 use palpate_device::clock::MonotonicClock;
+#[cfg(unix)]
+use palpate_devices::trial::try_out;
 use palpate_rt::realtime::{Answer, Finding, machine};
 use palpate_rt::safety::SafetyParams;
 use serde::Serialize;
@@ -109,7 +111,9 @@ impl GuardianReport {
         let period = Duration::from_secs_f64(1.0 / RATE);
         let limit = SafetyParams::default().stall_after(period);
         #[cfg(unix)]
-        let tried = crate::devices::guarding::try_out(limit, SILENCES)
+        let tried = crate::devices::guarding::command()
+            .map_err(|error| error.to_string())
+            .and_then(|command| try_out(command, limit, SILENCES))
             .map(|tried| (tried.is_first, tried.late));
         #[cfg(not(unix))]
         let tried = Err::<(bool, Vec<Duration>), _>("it needs Linux or macOS".to_owned());

@@ -3,12 +3,12 @@
 use clap::Args;
 use palpate_device::clock::Clock;
 use palpate_device::{Capabilities, Device, DeviceError, Pose, Vector, Wrench, ZeroWriter};
+use palpate_devices::{FIRST_AXIS, Reopen};
 use palpate_haply::inverse3::{
     ConnectError, Inspector, Inverse3, Inverse3Options, OpenError, Pace, SERVICE,
 };
 
-use super::placed::FIRST_AXIS;
-use super::{DeviceArguments, DeviceName, Reconnecting, Reopen};
+use super::{DeviceArguments, DeviceName, reconnecting};
 use crate::failure::{Failure, tell};
 use crate::values::duration;
 
@@ -99,10 +99,10 @@ pub fn open<C: Clock>(
     }
     let clock = clock.clone();
     let reopen: Reopen = Box::new(move || {
-        let device = Inverse3::open(&options, clock.clone()).map_err(refused)?;
+        let device = Inverse3::open(&options, clock.clone()).map_err(|error| error.to_string())?;
         Ok(watched(device, false))
     });
-    Ok((Box::new(Reconnecting::new(device, reopen)?), opened_at))
+    Ok((reconnecting(device, reopen)?, opened_at))
 }
 
 fn watched<C: Clock>(device: Inverse3<C>, says_why: bool) -> Box<dyn Device> {

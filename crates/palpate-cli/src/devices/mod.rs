@@ -7,9 +7,7 @@ mod arguments;
 pub mod guarding;
 pub mod inverse3;
 mod placed;
-mod reconnecting;
 pub mod replayed;
-pub mod standing;
 #[cfg(unix)]
 pub mod two_diy;
 
@@ -18,6 +16,7 @@ pub use arguments::{DeviceArguments, DeviceName};
 use palpate::AlongAxis;
 use palpate_device::clock::Clock;
 use palpate_device::{Device, NullDevice, Vector};
+use palpate_devices::{Axis, FIRST_AXIS, Reconnecting, Reopen};
 use palpate_rt::WorldFrame;
 use palpate_scene::Scene;
 use palpate_scene::world::WorldScene;
@@ -30,7 +29,8 @@ use crate::failure::{Failure, tell};
 #[cfg(unix)]
 use crate::values::duration;
 use guarding::Guarding;
-use reconnecting::{Reconnecting, Reopen};
+#[cfg(unix)]
+use palpate_devices::two_diy::usual_axis;
 
 /// A device that is ready, and where the contact's axis lies in it.
 pub struct Opened {
@@ -57,16 +57,16 @@ pub fn open<C: Clock>(
     let (device, usual): (Box<dyn Device>, _) = match arguments.device {
         DeviceName::Simulated => {
             let device = SimulatedDevice::of(scene, clock.clone()).map_err(Failure::input)?;
-            (Box::new(device), placed::FIRST_AXIS)
+            (Box::new(device), FIRST_AXIS)
         }
-        DeviceName::Null => (Box::new(NullDevice::new(clock.clone())), placed::FIRST_AXIS),
-        DeviceName::Replay => (replayed::open(arguments, clock)?, placed::FIRST_AXIS),
+        DeviceName::Null => (Box::new(NullDevice::new(clock.clone())), FIRST_AXIS),
+        DeviceName::Replay => (replayed::open(arguments, clock)?, FIRST_AXIS),
         DeviceName::Pointer => {
             let params = PointerParams::of(scene);
             let hand = PointerHand::at(params.position);
             let device =
                 PointerDevice::new(params, &hand, clock.clone()).map_err(Failure::input)?;
-            (Box::new(device), placed::FIRST_AXIS)
+            (Box::new(device), FIRST_AXIS)
         }
         DeviceName::Haply2diy => {
             open_two_diy(arguments, scene.loop_params.period, clock, guarding)?
@@ -78,7 +78,7 @@ pub fn open<C: Clock>(
             for (origin, along) in origin.iter_mut().zip(direction) {
                 *origin -= along * scene.device.position;
             }
-            (device, (origin, placed::FIRST_AXIS.1))
+            (device, (origin, FIRST_AXIS.1))
         }
     };
     warn_if_unguarded(device.as_ref(), arguments);
@@ -151,7 +151,7 @@ pub fn open_in_world_with<C: Clock>(
         }
     };
     warn_if_unguarded(device.as_ref(), arguments);
-    let frame = standing::frame(arguments, device.capabilities(), usual, own.position)?;
+    let frame = placed::frame(arguments, device.capabilities(), usual, own.position)?;
     Ok(OpenedInWorld { device, frame })
 }
 
@@ -170,20 +170,19 @@ fn open_two_diy<C: Clock>(
     period_seconds: f64,
     clock: &C,
     guarding: &Guarding,
-) -> Result<(Box<dyn Device>, placed::Axis), Failure> {
+) -> Result<(Box<dyn Device>, Axis), Failure> {
     if !C::RUNS {
         return Err(Failure::Arguments(
             "--fast is for devices without a motor: this one keeps its own time".into(),
         ));
     }
     let period = duration("--period", period_seconds)?;
-    let axis = two_diy::usual_axis(two_diy::generation(arguments));
+    let mut setup = two_diy::setup(arguments);
+    let axis = usual_axis(setup.generation);
     // Only this one is gone on with.
-    let arguments = DeviceArguments {
-        port: Some(two_diy::port(arguments)?),
-        ..arguments.clone()
-    };
-    let device = two_diy::open(&arguments, period, clock, guarding)?;
+    setup.port = Some(setup.port().map_err(two_diy::no_port)?);
+    let guarding = arguments.is_guarded().then_some(guarding);
+    let device = two_diy::open(&setup, period, clock, guarding)?;
     let [first, second] = device.angles();
     tell(format_args!(
         "{}: it counts from here as {first:.1},{second:.1} degrees; if the arm was not in its start \
@@ -194,8 +193,21 @@ fn open_two_diy<C: Clock>(
     if !arguments.reconnect {
         return Ok((device, axis));
     }
-    let reopen = two_diy::reopen(arguments, period, clock.clone(), guarding.clone());
-    Ok((Box::new(Reconnecting::new(device, reopen)?), axis))
+    let reopen = two_diy::reopen(
+        setup,
+        arguments.reconnect_in_start_pose,
+        period,
+        clock.clone(),
+        guarding.cloned(),
+    );
+    Ok((reconnecting(device, reopen)?, axis))
+}
+
+/// A device that is waited for when it has gone.
+fn reconnecting(device: Box<dyn Device>, reopen: Reopen) -> Result<Box<dyn Device>, Failure> {
+    Reconnecting::new(device, reopen, |words| tell(words))
+        .map(|device| Box::new(device) as Box<dyn Device>)
+        .map_err(|error| Failure::System(format!("no thread to reopen with: {error}")))
 }
 
 #[cfg(not(unix))]
@@ -204,7 +216,7 @@ fn open_two_diy<C: Clock>(
     _: f64,
     _: &C,
     _: &Guarding,
-) -> Result<(Box<dyn Device>, placed::Axis), Failure> {
+) -> Result<(Box<dyn Device>, Axis), Failure> {
     Err(Failure::System(
         "the driver of the 2DIY needs Linux or macOS".into(),
     ))

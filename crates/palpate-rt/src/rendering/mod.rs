@@ -5,6 +5,7 @@ mod one_contact;
 mod rendered;
 mod renders;
 mod world;
+mod world_rows;
 
 use palpate::{ParameterError, Running};
 
@@ -14,6 +15,7 @@ pub use palpate::{CHANGE_DURATION, ChangeError};
 pub use rendered::Rendered;
 pub use renders::{Answer, Fresh, Renders};
 pub use world::RenderedWorld;
+pub use world_rows::WorldRows;
 
 /// What a loop renders, in the loop's numbers.
 pub type Rendering = palpate::Rendering<f64>;

@@ -1,11 +1,12 @@
 //! A world with one device, as the loop renders it.
 
 use palpate_device::Vector;
-use palpate_record::recording::{BodyTick, ContactTick, Flags, Phase};
-use palpate_world::{Mode, Motion, Sample, World, WorldRenderer, WorldState};
+use palpate_record::recording::{BodyTick, ContactTick, Flags};
+use palpate_world::{Sample, World, WorldRenderer, WorldState};
 
 use super::frame::WorldFrame;
 use super::renders::{Answer, Fresh, Renders};
+use super::world_rows::WorldRows;
 use crate::setup::SetupError;
 
 /// A world with one device in the loop: its renderer, its state, and where the device stands in it.
@@ -24,11 +25,7 @@ pub struct RenderedWorld {
     created: f64,
     /// Whether the last sample was refused, or there was none: what a sample then changes is from outside.
     is_new: bool,
-    /// Which of the world's bodies move.
-    moving: Vec<usize>,
-    bodies_of_world: usize,
-    contacts: Vec<ContactTick>,
-    bodies: Vec<BodyTick>,
+    rows: WorldRows,
 }
 
 impl RenderedWorld {
@@ -52,11 +49,6 @@ impl RenderedWorld {
             return Err(SetupError::SixAxes);
         }
         let actuation = renderer.in_loop().actuation;
-        let free = |place: &usize| {
-            let body = world.bodies.get(*place);
-            body.is_some_and(|body| matches!(body.motion, Motion::Free(_)))
-        };
-        let moving: Vec<usize> = (0..state.bodies().len()).filter(free).collect();
         Ok(Self {
             acts_at_once: actuation.delay == 0.0 && actuation.lag == 0.0,
             method,
@@ -65,10 +57,7 @@ impl RenderedWorld {
             booked: 0.0,
             created: 0.0,
             is_new: true,
-            bodies_of_world: state.bodies().len(),
-            contacts: Vec::with_capacity(state.contacts().len()),
-            bodies: Vec::with_capacity(moving.len() + tools),
-            moving,
+            rows: WorldRows::new(world, &state),
             state,
             renderer,
         })
@@ -139,62 +128,20 @@ impl Renders for RenderedWorld {
     }
 
     fn account(&mut self, sequence: u64, _: Vector) {
-        self.contacts.clear();
-        let books = &self.state.books().contacts;
-        for (pair, (contact, book)) in (0..).zip(self.state.contacts().iter().zip(books)) {
-            if contact.mode == Mode::Free || self.contacts.len() == self.contacts.capacity() {
-                continue;
-            }
-            self.contacts.push(ContactTick {
-                sequence,
-                pair,
-                flags: Flags::CONTACT,
-                penetration: contact.penetration,
-                stored_energy: book.stored,
-                held_leak: book.leak(),
-                point: contact.point,
-                normal: contact.normal,
-                force: contact.force,
-                phase: Phase::Contact,
-                ..ContactTick::UNKNOWN
-            });
-        }
-        self.bodies.clear();
-        for place in &self.moving {
-            if let Some(body) = self.state.bodies().get(*place) {
-                self.bodies.push(BodyTick {
-                    sequence,
-                    body: u32::try_from(*place).unwrap_or(u32::MAX),
-                    position: body.position,
-                    orientation: body.orientation,
-                    velocity: body.velocity,
-                    angular_velocity: body.angular_velocity,
-                });
-            }
-        }
-        for (number, tool) in self.state.tools().iter().enumerate() {
-            self.bodies.push(BodyTick {
-                sequence,
-                body: u32::try_from(self.bodies_of_world + number).unwrap_or(u32::MAX),
-                position: tool.avatar_position,
-                orientation: [1.0, 0.0, 0.0, 0.0],
-                velocity: tool.avatar_velocity,
-                angular_velocity: [0.0; 3],
-            });
-        }
+        self.rows.fill(sequence, &self.state);
     }
 
     fn contacts(&self) -> &[ContactTick] {
-        &self.contacts
+        self.rows.contacts()
     }
 
     fn bodies(&self) -> &[BodyTick] {
-        &self.bodies
+        self.rows.bodies()
     }
 
     fn flags(&self) -> Flags {
         Flags::default()
-            .with(Flags::CONTACT, !self.contacts.is_empty())
+            .with(Flags::CONTACT, !self.rows.contacts().is_empty())
             .with(Flags::LIMITED_FORCE, self.is_limited)
     }
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
-import time
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._scenes import BODY_MASS, DEVICE_MASS, GRAVITY, HALF, Scene
+from ._rendered import by_engine, by_palpate
+from ._scenes import BODY_MASS, GRAVITY, HALF, Scene
 from .mujoco import Contact
 
 # After it, which says how to get MuJoCo where it is not there.
@@ -52,51 +52,26 @@ def with_engine(
     over the last."""
     made = model(scene, steps, integrator, damping)
     data = mujoco.MjData(made)
-    device = scene.device()
-    tool = mujoco.mj_name2id(made, mujoco.mjtObj.mjOBJ_GEOM, "tool")
-    forces, times, wrench = np.zeros((samples, 3)), [], np.zeros(6)
-    last = device.position
-    for sample in range(samples):
-        begin = time.perf_counter()
-        way = device.position - last if moves else np.zeros(3)
-        last = device.position
-        for step in range(steps):
-            data.mocap_pos[0] = device.position + way * (step / steps)
-            mujoco.mj_step(made, data)
-            for number, contact in enumerate(data.contact[: data.ncon]):
-                if tool in contact.geom:
-                    mujoco.mj_contactForce(made, data, number, wrench)
-                    # The contact's x axis points from the first geom to the second, which is pushed along it.
-                    sign = 1.0 if contact.geom[1] == tool else -1.0
-                    forces[sample] += sign * contact.frame[:3] * wrench[0] / steps
-        times.append(time.perf_counter() - begin)
-        device.hold(forces[sample])
-        if not np.abs(device.position).max() < 1e3:
-            forces[sample:] = math.inf
-            break
-    return forces, float(np.median(times)) / steps
+    tool, wrench = mujoco.mj_name2id(made, mujoco.mjtObj.mjOBJ_GEOM, "tool"), np.zeros(6)
+
+    def step(place: NDArray[np.float64]) -> NDArray[np.float64]:
+        data.mocap_pos[0] = place
+        mujoco.mj_step(made, data)
+        force = np.zeros(3)
+        for number, contact in enumerate(data.contact[: data.ncon]):
+            if tool in contact.geom:
+                mujoco.mj_contactForce(made, data, number, wrench)
+                # The contact's x axis points from the first geom to the second, which is pushed along it.
+                sign = 1.0 if contact.geom[1] == tool else -1.0
+                force += sign * contact.frame[:3] * wrench[0]
+        return force
+
+    return by_engine(scene, steps, samples, moves, step)
 
 
 def with_palpate(scene: Scene, steps: int, integrator: str, told: float, samples: int) -> tuple[NDArray[np.float64], float]:
     """Forces of palpate's contact in the same engine, and the time of a step [s]. `told` is the mass of the device as
     palpate is told, over the true one."""
     made = model(scene, steps, integrator)
-    contact = Contact(
-        made,
-        mujoco.MjData(made),
-        tool="tool",
-        bodies=["body"],
-        stiffness=scene.stiffness,
-        device_mass=told * np.array(DEVICE_MASS),
-        period=scene.period,
-        force_limit=math.inf,
-        soft_start=0,
-    )
-    device = scene.device()
-    forces, times = np.zeros((samples, 3)), []
-    for sample in range(samples):
-        begin = time.perf_counter()
-        forces[sample] = contact.step(device.position)
-        times.append(time.perf_counter() - begin)
-        device.hold(forces[sample])
-    return forces, float(np.median(times)) / steps
+    contact = partial(Contact, made, mujoco.MjData(made), tool="tool", bodies=["body"])
+    return by_palpate(scene, steps, samples, told, contact)

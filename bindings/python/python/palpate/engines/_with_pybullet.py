@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import math
-import time
 from contextlib import contextmanager
+from functools import partial
 from typing import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ._scenes import BODY_MASS, DEVICE_MASS, GRAVITY, HALF, Scene
+from ._rendered import by_engine, by_palpate
+from ._scenes import BODY_MASS, GRAVITY, HALF, Scene
 from .pybullet import Contact
 
 # After it, which says how to get PyBullet where it is not there.
@@ -61,52 +61,27 @@ def with_engine(
 ) -> tuple[NDArray[np.float64], float]:
     """Forces of the engine's own contact, and the time of a step [s]. `moves`: over a period the tool goes on as it did
     over the last."""
-    device = scene.device()
-    forces, times = np.zeros((samples, 3)), []
     with _engine(scene, steps) as (client, body):
         shape = pybullet.createCollisionShape(pybullet.GEOM_SPHERE, radius=scene.tool_radius, physicsClientId=client)
         tool = pybullet.createMultiBody(0, shape, basePosition=scene.start, physicsClientId=client)
         law = {"contactStiffness": scene.stiffness, "contactDamping": damping}
         pybullet.changeDynamics(tool, _BASE, lateralFriction=0, restitution=0, **law, physicsClientId=client)
-        last = device.position
-        for sample in range(samples):
-            begin = time.perf_counter()
-            way = device.position - last if moves else np.zeros(3)
-            last = device.position
-            for step in range(steps):
-                place = (device.position + way * (step / steps)).tolist()
-                pybullet.resetBasePositionAndOrientation(tool, place, (0, 0, 0, 1), physicsClientId=client)
-                pybullet.stepSimulation(physicsClientId=client)
-                for contact in pybullet.getContactPoints(bodyA=tool, bodyB=body, physicsClientId=client):
-                    # Its normal points from the second body to the first, the tool.
-                    forces[sample] += np.array(contact[7]) * contact[9] / steps
-            times.append(time.perf_counter() - begin)
-            device.hold(forces[sample])
-            if not np.abs(device.position).max() < 1e3:
-                forces[sample:] = math.inf
-                break
-    return forces, float(np.median(times)) / steps
+
+        def step(place: NDArray[np.float64]) -> NDArray[np.float64]:
+            pybullet.resetBasePositionAndOrientation(tool, place.tolist(), (0, 0, 0, 1), physicsClientId=client)
+            pybullet.stepSimulation(physicsClientId=client)
+            force = np.zeros(3)
+            for contact in pybullet.getContactPoints(bodyA=tool, bodyB=body, physicsClientId=client):
+                # Its normal points from the second body to the first, the tool.
+                force += np.array(contact[7]) * contact[9]
+            return force
+
+        return by_engine(scene, steps, samples, moves, step)
 
 
 def with_palpate(scene: Scene, steps: int, integrator: str, told: float, samples: int) -> tuple[NDArray[np.float64], float]:
     """Forces of palpate's contact in the same engine, and the time of a step [s]. `told` is the mass of the device as
     palpate is told, over the true one."""
-    device = scene.device()
-    forces, times = np.zeros((samples, 3)), []
     with _engine(scene, steps) as (client, body):
-        contact = Contact(
-            client,
-            tool=scene.tool_radius,
-            bodies=[body],
-            stiffness=scene.stiffness,
-            device_mass=told * np.array(DEVICE_MASS),
-            period=scene.period,
-            force_limit=math.inf,
-            soft_start=0,
-        )
-        for sample in range(samples):
-            begin = time.perf_counter()
-            forces[sample] = contact.step(device.position)
-            times.append(time.perf_counter() - begin)
-            device.hold(forces[sample])
-    return forces, float(np.median(times)) / steps
+        contact = partial(Contact, client, tool=scene.tool_radius, bodies=[body])
+        return by_palpate(scene, steps, samples, told, contact)

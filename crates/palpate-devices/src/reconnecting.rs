@@ -1,5 +1,6 @@
 //! A device that is waited for when it has gone.
 
+use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -10,8 +11,6 @@ use palpate_device::{
     Capabilities, Device, DeviceError, DeviceErrorKind, Pose, Wrench, ZeroWriter,
 };
 
-use crate::failure::{Failure, tell};
-
 /// How often it is tried to open it anew.
 const EVERY: Duration = Duration::from_millis(250);
 
@@ -19,8 +18,8 @@ const EVERY: Duration = Duration::from_millis(250);
 /// board is tried to be told that it holds no torque.
 const CLOSES_WITHIN: Duration = Duration::from_secs(10);
 
-/// Opens a device anew. It may wait, and says so.
-pub type Reopen = Box<dyn FnMut() -> Result<Box<dyn Device>, Failure> + Send>;
+/// Opens a device anew, or says why it cannot. It may wait.
+pub type Reopen = Box<dyn FnMut() -> Result<Box<dyn Device>, String> + Send>;
 
 /// A device in whose place nothing answers while it is gone. It is opened anew by another thread,
 /// and the loop finds it there: it comes back from the trip as from any other, softly.
@@ -53,8 +52,16 @@ fn put(zero: &Shared, writer: Option<Box<dyn ZeroWriter>>) {
 }
 
 impl Reconnecting {
-    /// A device that is there, and what to do when it is not.
-    pub fn new(mut device: Box<dyn Device>, mut reopen: Reopen) -> Result<Self, Failure> {
+    /// A device that is there, and what to do when it is not. `tell` hears, on another thread, that the device has gone,
+    /// why it cannot be opened anew, as often as that changes, and that it is back.
+    ///
+    /// # Errors
+    /// The system gives no thread.
+    pub fn new(
+        mut device: Box<dyn Device>,
+        mut reopen: Reopen,
+        tell: impl Fn(&str) + Send + 'static,
+    ) -> io::Result<Self> {
         let (gone, lost) = sync_channel::<(Box<dyn Device>, DeviceError)>(1);
         let (returns, back) = sync_channel(1);
         let (closes, closed) = sync_channel(1);
@@ -74,7 +81,7 @@ impl Reconnecting {
                     drop(device);
                     // There is room: what was told before has been heard.
                     let _ = closes.try_send(());
-                    tell(format_args!("the device is gone: {error}; waiting for it"));
+                    tell(&format!("the device is gone: {error}; waiting for it"));
                     let mut said = String::new();
                     let opened = loop {
                         if left.load(Ordering::Acquire) {
@@ -83,7 +90,7 @@ impl Reconnecting {
                         std::thread::sleep(EVERY);
                         match reopen() {
                             Ok(device) => break device,
-                            Err(Failure::System(why) | Failure::Arguments(why)) if why != said => {
+                            Err(why) if why != said => {
                                 tell(&why);
                                 said = why;
                             }
@@ -97,8 +104,7 @@ impl Reconnecting {
                         return;
                     }
                 }
-            })
-            .map_err(|error| Failure::System(format!("no thread to reopen with: {error}")))?;
+            })?;
         Ok(Self {
             capabilities: device.capabilities().clone(),
             device: Some(device),
@@ -241,8 +247,8 @@ mod tests {
     #[test]
     fn a_program_does_not_end_before_a_device_that_is_gone_is_closed() {
         let closed = Arc::default();
-        let never: Reopen = Box::new(|| Err(Failure::System("not there".to_owned())));
-        let mut device = Reconnecting::new(slow(&closed), never).unwrap();
+        let never: Reopen = Box::new(|| Err("not there".to_owned()));
+        let mut device = Reconnecting::new(slow(&closed), never, |_| {}).unwrap();
         let error = device.read().unwrap_err();
         assert_eq!(error.kind, DeviceErrorKind::NothingNew);
         drop(device);
@@ -254,7 +260,7 @@ mod tests {
         let (first, second) = (Arc::default(), Arc::default());
         let again = Arc::clone(&second);
         let back: Reopen = Box::new(move || Ok(slow(&again)));
-        let mut device = Reconnecting::new(slow(&first), back).unwrap();
+        let mut device = Reconnecting::new(slow(&first), back, |_| {}).unwrap();
         // The first is lost, the second comes, and is lost as well.
         let mut lost = 0;
         while lost < 2 {

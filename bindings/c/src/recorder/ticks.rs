@@ -1,0 +1,237 @@
+//! A tick on its way to a recording.
+
+use palpate_core::{Limited, Output as CoreOutput, Phase as CorePhase};
+use palpate_record::recording::{ContactTick, Flags, Tick};
+use palpate_rt::answered;
+
+use super::{Of, Recorder, other};
+use crate::contact::Contact;
+use crate::edge::status;
+use crate::output::{Fault, Limit, Output, Phase};
+use crate::sample::Sample;
+use crate::sized::{self, SizedStruct};
+use crate::status::{Refusal, Status};
+use crate::world::{World, WorldOutput, WorldSample, Wrench};
+
+/// Records a tick of the contact that the recorder was made of, after its palpate_contact_step: the sample that went in,
+/// the output that came out, and the force on the device that was really sent [N].
+///
+/// It does not allocate, lock or wait, so the thread of the loop can call it: a tick that finds no room is lost and counted.
+/// Call it once for each tick, refused ones too.
+///
+/// # Safety
+/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn palpate_recorder_contact_tick(
+    recorder: *mut Recorder,
+    contact: *const Contact,
+    sample: *const Sample,
+    output: *const Output,
+    sent_force: f64,
+) -> Status {
+    status(|| {
+        // SAFETY: as the caller says.
+        let recorder = unsafe { recorder.as_mut() }.ok_or(Refusal::Null("recorder"))?;
+        // SAFETY: NULL, or a contact that nobody changes meanwhile.
+        let contact = unsafe { contact.as_ref() }.ok_or(Refusal::Null("contact"))?;
+        // SAFETY: as the caller says.
+        let sample = unsafe { sized::read(sample) }?;
+        // SAFETY: as the caller says.
+        let output = unsafe { sized::read(output.cast::<Answer>()) }?;
+        let Of::Contact = recorder.of else {
+            return Err(other("world", "contact"));
+        };
+        let elapsed = if sample.has_elapsed != 0 {
+            sample.elapsed
+        } else {
+            contact.running.rendering().loop_params.period
+        };
+        let (sequence, time, period) = recorder.goes_on(elapsed);
+        let ledger = contact.running.ledger();
+        let said = ContactTick {
+            sequence,
+            device_position: sample.device_position,
+            force_on_device: sent_force,
+            ..answered(&output.of_core(), ledger)
+        };
+        let is_refused = output.fault != Fault::None as u32;
+        let tick = Tick {
+            sequence,
+            time,
+            period,
+            device_axes: [sample.device_position, f64::NAN, f64::NAN],
+            commanded_force: [output.force_on_device, 0.0, 0.0],
+            commanded_torque: [0.0; 3],
+            delivered_force: [sent_force, 0.0, 0.0],
+            delivered_torque: [0.0; 3],
+            generation: 0,
+            created_energy: ledger.held_leak.accumulated,
+            flags: said.flags.with(Flags::FAULT, is_refused),
+            ..Tick::UNKNOWN
+        };
+        recorder.tap.tick(&tick, &[said]);
+        recorder.ran();
+        Ok(())
+    })
+}
+
+/// Records a tick of the world that the recorder was made of, after its palpate_world_step: the sample that went in, the
+/// output that came out, and what was really sent to its device. The rest is as for palpate_recorder_contact_tick.
+///
+/// # Safety
+/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn palpate_recorder_world_tick(
+    recorder: *mut Recorder,
+    world: *const World,
+    sample: *const WorldSample,
+    output: *const WorldOutput,
+    sent: *const Wrench,
+) -> Status {
+    status(|| {
+        // SAFETY: as the caller says.
+        let recorder = unsafe { recorder.as_mut() }.ok_or(Refusal::Null("recorder"))?;
+        // SAFETY: NULL, or a world that nobody changes meanwhile.
+        let world = unsafe { world.as_ref() }.ok_or(Refusal::Null("world"))?;
+        // SAFETY: as the caller says.
+        let sample = unsafe { sized::read(sample) }?;
+        // SAFETY: as the caller says.
+        let output = unsafe { sized::read(output.cast::<WorldAnswer>()) }?;
+        // SAFETY: as the caller says.
+        let sent = unsafe { sent.as_ref() }.ok_or(Refusal::Null("sent"))?;
+        if !matches!(recorder.of, Of::World(_)) {
+            return Err(other("contact", "world"));
+        }
+        if sample.pose_count != 1 || world.devices.len() != 1 {
+            return Err(Refusal::Count {
+                name: "pose_count",
+                given: sample.pose_count,
+                needed: 1,
+            });
+        }
+        // SAFETY: as the caller says, and there is one.
+        let pose = unsafe { sample.poses.as_ref() }.ok_or(Refusal::Null("poses"))?;
+        let elapsed = if sample.has_elapsed != 0 {
+            sample.elapsed
+        } else {
+            world.bounded.renderer().in_loop().period
+        };
+        let (sequence, time, period) = recorder.goes_on(elapsed);
+        let state = world.bounded.state();
+        let Recorder { of, tap, .. } = recorder;
+        let Of::World(rows) = of else { return Ok(()) };
+        rows.fill(sequence, state);
+        let turns = world.devices.iter().any(|device| device.turns);
+        let is = |limits: u32| output.limited & limits != 0;
+        let flags = Flags::default()
+            .with(Flags::CONTACT, !rows.contacts().is_empty())
+            .with(Flags::LIMITED_FORCE, is(Limit::Force as u32))
+            .with(
+                Flags::SAFETY_LIMITED,
+                is(Limit::Slew as u32 | Limit::SoftStart as u32),
+            )
+            .with(Flags::FAULT, output.fault != Fault::None as u32);
+        let tick = Tick {
+            sequence,
+            time,
+            period,
+            device_axes: pose.position,
+            device_orientation: if turns {
+                pose.orientation
+            } else {
+                Tick::UNKNOWN.device_orientation
+            },
+            commanded_force: sent.force,
+            commanded_torque: sent.torque,
+            delivered_force: sent.force,
+            delivered_torque: sent.torque,
+            generation: 0,
+            created_energy: state.books().created(),
+            flags,
+            ..Tick::UNKNOWN
+        };
+        tap.tick_with_bodies(&tick, rows.contacts(), rows.bodies());
+        recorder.ran();
+        Ok(())
+    })
+}
+
+/// A palpate_output as it comes back from C, where an enum may have any value.
+#[repr(C)]
+#[derive(Clone, Copy)]
+struct Answer {
+    struct_size: usize,
+    force_on_device: f64,
+    force_on_object: f64,
+    object_position: f64,
+    object_velocity: f64,
+    penetration: f64,
+    transition_after: f64,
+    placement_shift: f64,
+    phase: u32,
+    fault: u32,
+    limited: u32,
+    reserved: u32,
+}
+
+const _: () = {
+    use core::mem::offset_of;
+    assert!(size_of::<Answer>() == size_of::<Output>());
+    assert!(offset_of!(Answer, placement_shift) == offset_of!(Output, placement_shift));
+    assert!(offset_of!(Answer, phase) == offset_of!(Output, phase));
+    assert!(offset_of!(Answer, limited) == offset_of!(Output, limited));
+    assert!(size_of::<WorldAnswer>() == size_of::<WorldOutput>());
+    assert!(offset_of!(WorldAnswer, fault) == offset_of!(WorldOutput, fault));
+    assert!(offset_of!(WorldAnswer, limited) == offset_of!(WorldOutput, limited));
+};
+
+// SAFETY: `repr(C)`, a `usize` first, numbers only.
+unsafe impl SizedStruct for Answer {
+    const NAME: &'static str = Output::NAME;
+}
+
+impl Answer {
+    /// As the core has said it, but for the fault, which is said of the tick.
+    fn of_core(&self) -> CoreOutput<f64> {
+        let is = |limit: Limit| self.limited & limit as u32 != 0;
+        CoreOutput {
+            force_on_device: self.force_on_device,
+            force_on_object: self.force_on_object,
+            object_position: self.object_position,
+            object_velocity: self.object_velocity,
+            penetration: self.penetration,
+            transition_after: self.transition_after,
+            placement_shift: self.placement_shift,
+            phase: match self.phase {
+                phase if phase == Phase::Free as u32 => CorePhase::Free,
+                phase if phase == Phase::Contact as u32 => CorePhase::Contact,
+                phase if phase == Phase::Enters as u32 => CorePhase::Enters,
+                phase if phase == Phase::Leaves as u32 => CorePhase::Leaves,
+                _ => CorePhase::Waiting,
+            },
+            limited: Limited {
+                pull: is(Limit::Pull),
+                force: is(Limit::Force),
+                slew: is(Limit::Slew),
+                guard: is(Limit::Guard),
+            },
+            fault: None,
+        }
+    }
+}
+
+/// A palpate_world_output as it comes back from C.
+#[repr(C)]
+#[derive(Clone, Copy)]
+struct WorldAnswer {
+    struct_size: usize,
+    fault: u32,
+    fault_device: u32,
+    limited: u32,
+    rest: [u32; 5],
+}
+
+// SAFETY: `repr(C)`, a `usize` first, numbers only.
+unsafe impl SizedStruct for WorldAnswer {
+    const NAME: &'static str = WorldOutput::NAME;
+}

@@ -1,0 +1,164 @@
+//! What a recording from C holds: the numbers of each tick, bit for bit, and how many there were.
+#![cfg(feature = "worlds")]
+
+use std::ffi::CString;
+use std::mem::MaybeUninit;
+use std::path::Path;
+use std::ptr;
+
+use palpate::*;
+use palpate_record::recording::{Flags, Recording, Row};
+
+/// A wall of 1 kN/m.
+fn wall() -> *mut Contact {
+    let mut in_loop = MaybeUninit::<LoopParams>::uninit();
+    let mut params = MaybeUninit::<ContactParams>::uninit();
+    let mut contact = ptr::null_mut();
+    // SAFETY: as many bytes as are said can be written, and all of them have been when they are read.
+    unsafe {
+        palpate_loop_params_init(in_loop.as_mut_ptr(), size_of::<LoopParams>());
+        palpate_contact_params_init(params.as_mut_ptr(), size_of::<ContactParams>());
+        let (mut in_loop, mut params) = (in_loop.assume_init(), params.assume_init());
+        in_loop.period = 0.001;
+        params.method = c"basic".as_ptr();
+        params.stiffness = 1000.0;
+        let status = palpate_contact_new(&params, &in_loop, &mut contact);
+        assert_eq!(status, Status::Ok);
+    }
+    contact
+}
+
+fn in_c(path: &Path) -> CString {
+    CString::new(path.to_str().unwrap()).unwrap()
+}
+
+fn sample(device_position: f64, elapsed: Option<f64>) -> Sample {
+    Sample {
+        struct_size: size_of::<Sample>(),
+        device_position,
+        elapsed: elapsed.unwrap_or(0.0),
+        virtual_force: 0.0,
+        has_elapsed: elapsed.is_some().into(),
+        reserved: 0,
+    }
+}
+
+fn rows(path: &Path) -> (Recording, Vec<Row>) {
+    let recording = Recording::open(path).unwrap();
+    let rows = recording.rows().unwrap().map(Result::unwrap).collect();
+    (recording, rows)
+}
+
+#[test]
+fn a_contact_is_recorded_as_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("contact.mcap");
+    let contact = wall();
+    let mut recorder = ptr::null_mut();
+    // The third sample is refused; the fourth comes late; half of the last force was sent.
+    let ticks = [
+        (-0.001, None, 1.0),
+        (0.001, None, 1.0),
+        (f64::NAN, None, 1.0),
+        (0.002, Some(0.003), 1.0),
+        (0.003, None, 0.5),
+    ];
+    let mut forces = Vec::new();
+    // SAFETY: contact and recorder are there until they are freed; structs have their sizes.
+    unsafe {
+        let status =
+            palpate_recorder_of_contact(contact, in_c(&path).as_ptr(), ptr::null(), &mut recorder);
+        assert_eq!(status, Status::Ok);
+        for (position, elapsed, share) in ticks {
+            let sample = sample(position, elapsed);
+            let mut output = Output {
+                struct_size: size_of::<Output>(),
+                ..std::mem::zeroed()
+            };
+            let force = palpate_contact_step(contact, &sample, &mut output);
+            let sent = share * force;
+            let status = palpate_recorder_contact_tick(recorder, contact, &sample, &output, sent);
+            assert_eq!(status, Status::Ok);
+            forces.push((force, sent, output.penetration));
+        }
+        assert_eq!(
+            palpate_recorder_close(recorder, ptr::null_mut()),
+            Status::Ok
+        );
+        palpate_contact_free(contact);
+    }
+    let (recording, rows) = rows(&path);
+    assert!(recording.is_complete());
+    assert_eq!((recording.ticks_made(), recording.lost()), (Some(5), 0));
+    assert!(recording.receipt.texts["contact"].contains("a wall of 1000 N/m"));
+    assert_eq!(rows.len(), 5);
+    let times = [0.0, 0.001, 0.002, 0.005, 0.006];
+    for (number, (row, (force, sent, penetration))) in (0..).zip(rows.iter().zip(&forces)) {
+        let (tick, contact) = (row.tick, row.contact);
+        let is_refused = number == 2;
+        assert_eq!(
+            (tick.sequence, contact.sequence),
+            (number as u64, number as u64)
+        );
+        assert!((tick.time - times[number]).abs() < 1e-15);
+        let position = ticks[number].0;
+        assert_eq!(tick.device_axes[0].to_bits(), position.to_bits());
+        assert_eq!(tick.commanded_force, [*force, 0.0, 0.0]);
+        assert_eq!(
+            (tick.delivered_force[0], contact.force_on_device),
+            (*sent, *sent)
+        );
+        assert_eq!(contact.penetration, *penetration);
+        assert_eq!(tick.flags.has(Flags::FAULT), is_refused);
+        assert_eq!(tick.flags.has(Flags::CONTACT), position > 0.0);
+    }
+    assert_eq!(forces[1], (-1.0, -1.0, 0.001));
+    assert!(forces[4].1 < 0.0 && forces[4].1 == 0.5 * forces[4].0);
+}
+
+#[test]
+fn ticks_that_find_no_room_are_counted_and_missing_by_their_number() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("short.mcap");
+    let contact = wall();
+    let mut recorder = ptr::null_mut();
+    let params = RecorderParams {
+        struct_size: size_of::<RecorderParams>(),
+        device: c"a knob".as_ptr(),
+        scene: ptr::null(),
+        room: 2,
+    };
+    let mut recorded = Recorded {
+        struct_size: size_of::<Recorded>(),
+        ticks_made: 0,
+        ticks: 0,
+        lost: 0,
+    };
+    let mut made = 0;
+    // SAFETY: contact and recorder are there until they are freed; structs have their sizes.
+    unsafe {
+        let status =
+            palpate_recorder_of_contact(contact, in_c(&path).as_ptr(), &params, &mut recorder);
+        assert_eq!(status, Status::Ok);
+        while palpate_recorder_lost(recorder) == 0 {
+            let sample = sample(0.001, None);
+            let mut output = Output {
+                struct_size: size_of::<Output>(),
+                ..std::mem::zeroed()
+            };
+            let force = palpate_contact_step(contact, &sample, &mut output);
+            palpate_recorder_contact_tick(recorder, contact, &sample, &output, force);
+            made += 1;
+        }
+        assert_eq!(palpate_recorder_close(recorder, &mut recorded), Status::Ok);
+        palpate_contact_free(contact);
+    }
+    assert_eq!((recorded.ticks_made, recorded.lost), (made, 1));
+    let (recording, rows) = rows(&path);
+    // The last one was the one without room: only the loop's own count knows of it.
+    assert_eq!(rows.len() as u64, recorded.ticks);
+    assert_eq!(recorded.ticks, made - 1);
+    assert_eq!((recording.ticks_made(), recording.lost()), (Some(made), 1));
+    assert!(!recording.is_complete());
+    assert_eq!(recording.receipt.texts["device"], "name = \"a knob\"\n");
+}

@@ -1,0 +1,148 @@
+//! A world in the words of recordings.
+
+use palpate_record::recording::{BodyTick, ContactTick, Flags, Phase};
+use palpate_world::{Mode, Motion, World, WorldState};
+
+/// What a recording has of the contacts and the bodies of a world at a tick. Its room is made once, so that a tick does
+/// not allocate.
+#[derive(Debug)]
+pub struct WorldRows {
+    /// Which of the world's bodies move.
+    moving: Vec<usize>,
+    bodies_of_world: usize,
+    contacts: Vec<ContactTick>,
+    bodies: Vec<BodyTick>,
+}
+
+impl WorldRows {
+    /// Room for the ticks of `world`, which is in a `state`.
+    #[must_use]
+    pub fn new(world: &World, state: &WorldState) -> Self {
+        let free = |place: &usize| {
+            let body = world.bodies.get(*place);
+            body.is_some_and(|body| matches!(body.motion, Motion::Free(_)))
+        };
+        let moving: Vec<usize> = (0..state.bodies().len()).filter(free).collect();
+        Self {
+            bodies_of_world: state.bodies().len(),
+            contacts: Vec::with_capacity(state.contacts().len()),
+            bodies: Vec::with_capacity(moving.len() + state.tools().len()),
+            moving,
+        }
+    }
+
+    /// Takes down the state at the tick of that number. It does not allocate.
+    pub fn fill(&mut self, sequence: u64, state: &WorldState) {
+        self.contacts.clear();
+        let books = &state.books().contacts;
+        for (pair, (contact, book)) in (0..).zip(state.contacts().iter().zip(books)) {
+            if contact.mode == Mode::Free || self.contacts.len() == self.contacts.capacity() {
+                continue;
+            }
+            self.contacts.push(ContactTick {
+                sequence,
+                pair,
+                flags: Flags::CONTACT,
+                penetration: contact.penetration,
+                stored_energy: book.stored,
+                held_leak: book.leak(),
+                point: contact.point,
+                normal: contact.normal,
+                force: contact.force,
+                phase: Phase::Contact,
+                ..ContactTick::UNKNOWN
+            });
+        }
+        self.bodies.clear();
+        for place in &self.moving {
+            if let Some(body) = state.bodies().get(*place) {
+                self.bodies.push(BodyTick {
+                    sequence,
+                    body: u32::try_from(*place).unwrap_or(u32::MAX),
+                    position: body.position,
+                    orientation: body.orientation,
+                    velocity: body.velocity,
+                    angular_velocity: body.angular_velocity,
+                });
+            }
+        }
+        for (number, tool) in state.tools().iter().enumerate() {
+            self.bodies.push(BodyTick {
+                sequence,
+                body: u32::try_from(self.bodies_of_world + number).unwrap_or(u32::MAX),
+                position: tool.avatar_position,
+                orientation: [1.0, 0.0, 0.0, 0.0],
+                velocity: tool.avatar_velocity,
+                angular_velocity: [0.0; 3],
+            });
+        }
+    }
+
+    /// The contacts that touch.
+    #[must_use]
+    pub fn contacts(&self) -> &[ContactTick] {
+        &self.contacts
+    }
+
+    /// The bodies that move, and the avatars of the tools.
+    #[must_use]
+    pub fn bodies(&self) -> &[BodyTick] {
+        &self.bodies
+    }
+}
+
+impl Clone for WorldRows {
+    /// With the same room: that of a cloned `Vec` is what it holds.
+    fn clone(&self) -> Self {
+        let mut contacts = Vec::with_capacity(self.contacts.capacity());
+        contacts.extend_from_slice(&self.contacts);
+        let mut bodies = Vec::with_capacity(self.bodies.capacity());
+        bodies.extend_from_slice(&self.bodies);
+        Self {
+            moving: self.moving.clone(),
+            bodies_of_world: self.bodies_of_world,
+            contacts,
+            bodies,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use palpate_world::{
+        BasicParams, Body, Contact, ContactLaw, Party, Sample, Shape, Tool, WorldLoop,
+        WorldRenderer,
+    };
+
+    #[test]
+    fn a_clone_tells_as_many_contacts_and_bodies() {
+        let floor = Shape::HalfSpace {
+            normal: [0.0, 0.0, 1.0],
+            offset: 0.0,
+        };
+        let world = World {
+            tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.0 })],
+            bodies: vec![Body::new("floor", floor, Motion::Fixed)],
+            contacts: vec![Contact {
+                between: [Party::Any, Party::Any],
+                law: ContactLaw::spring(1000.0),
+            }],
+            joints: Vec::new(),
+        };
+        let renderer =
+            WorldRenderer::new(&world, WorldLoop::new(1e-3), BasicParams::default()).unwrap();
+        let mut state = renderer.start();
+        let mut rows = WorldRows::new(&world, &state).clone();
+        for _ in 0..2 {
+            let _ = renderer.step(&mut state, &Sample::at(&[[0.0, 0.0, -1e-3]]));
+        }
+        rows.fill(7, &state);
+        let [contact] = rows.contacts() else {
+            panic!("{:?}", rows.contacts());
+        };
+        assert_eq!((contact.sequence, contact.penetration), (7, 1e-3));
+        // The avatar of the tool.
+        assert_eq!(rows.bodies().len(), 1);
+    }
+}
