@@ -80,6 +80,10 @@ enum palpate_status
    A place or a number of devices or bodies is another one than there are.
    */
   PALPATE_STATUS_COUNT = 9,
+  /*
+   A recording cannot be begun or written, or is of something else.
+   */
+  PALPATE_STATUS_RECORDING = 10,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -350,6 +354,11 @@ typedef uint32_t palpate_limit;
  A contact that is rendered. One thread at a time may use it.
  */
 typedef struct palpate_contact palpate_contact;
+
+/*
+ A recording that is being written. One thread at a time may use it.
+ */
+typedef struct palpate_recorder palpate_recorder;
 
 /*
  A world that is rendered. One thread at a time may use it.
@@ -646,6 +655,152 @@ typedef struct palpate_ledger {
 } palpate_ledger;
 
 /*
+ What a recording is to have. palpate_recorder_params_default() makes one with every default.
+ */
+typedef struct palpate_recorder_params {
+  /*
+   Size of this struct; palpate_recorder_params_default() sets it.
+   */
+  size_t struct_size;
+  /*
+   Name of the device, in UTF-8; NULL: not said.
+   */
+  const char *device;
+  /*
+   Text of a scene file of what is rendered, in UTF-8, which `palpate replay` of a contact needs; NULL: none.
+   */
+  const char *scene;
+  /*
+   Ticks of one contact that may wait for the disk, 1 to 2^24; each takes about 1 KiB. 0: 65536.
+   */
+  size_t room;
+} palpate_recorder_params;
+
+/*
+ What a recording had in the end. palpate_recorded_empty() makes one to be filled.
+ */
+typedef struct palpate_recorded {
+  /*
+   Size of this struct; palpate_recorded_empty() sets it.
+   */
+  size_t struct_size;
+  /*
+   Ticks that the loop made.
+   */
+  uint64_t ticks_made;
+  /*
+   Ticks that the file has; 0 where the system refused to write it to its end.
+   */
+  uint64_t ticks;
+  /*
+   Ticks that found no room on their way to the disk. The file says which.
+   */
+  uint64_t lost;
+} palpate_recorded;
+
+/*
+ Where a device is. It stands in arrays, so it has no struct_size and stays as it is.
+ */
+typedef struct palpate_pose {
+  /*
+   Measured position of its tool along the world's axes [m].
+   */
+  double position[3];
+  /*
+   Measured orientation, for a device of six axes: a unit quaternion w, x, y, z that turns the tool's axes into those
+   of the world. Not looked at for a device of three axes.
+   */
+  double orientation[4];
+} palpate_pose;
+
+/*
+ One sample of all devices of a world. palpate_world_sample_at() fills it.
+ */
+typedef struct palpate_world_sample {
+  /*
+   Size of this struct; palpate_world_sample_at() sets it.
+   */
+  size_t struct_size;
+  /*
+   The devices, in the order of the scene.
+   */
+  const struct palpate_pose *poses;
+  /*
+   Number of poses: palpate_world_device_count().
+   */
+  size_t pose_count;
+  /*
+   Time since the sample before [s], where `has_elapsed` is not 0.
+   */
+  double elapsed;
+  /*
+   1: `elapsed` was measured. 0: one period.
+   */
+  uint32_t has_elapsed;
+  /*
+   0.
+   */
+  uint32_t reserved;
+} palpate_world_sample;
+
+/*
+ What a tick of a world says beside the wrenches. palpate_world_output_empty() makes one to be filled.
+ */
+typedef struct palpate_world_output {
+  /*
+   Size of this struct; palpate_world_output_empty() sets it.
+   */
+  size_t struct_size;
+  /*
+   Why the sample was refused. Every wrench is then 0.
+   */
+  palpate_fault fault;
+  /*
+   The device whose sample is at fault; PALPATE_NO_DEVICE where it is none of one device.
+   */
+  uint32_t fault_device;
+  /*
+   Limits that changed a wrench: bits of palpate_limit.
+   */
+  uint32_t limited;
+  /*
+   Sub-steps of the tick, with those that were replaced by finer ones.
+   */
+  uint32_t sub_steps;
+  /*
+   Sub-steps that were replaced by finer ones, where contacts begin, end, or begin to slip.
+   */
+  uint32_t refined;
+  /*
+   Such sub-steps that were not: there were too many of them.
+   */
+  uint32_t unrefined;
+  /*
+   1: the fastest contact asked for more sub-steps than a tick may have. A smaller stiffness or a shorter period helps.
+   */
+  uint32_t too_fast;
+  /*
+   Triangles of meshes and contacts with them that a sub-step had no room for.
+   */
+  uint32_t left_out;
+} palpate_world_output;
+
+/*
+ What a device is to give to the hand, and to hold until the next sample. It stands in arrays, so it has no struct_size
+ and stays as it is.
+ */
+typedef struct palpate_wrench {
+  /*
+   Force along the world's axes [N].
+   */
+  double force[3];
+  /*
+   Torque about the tool's centre of mass along the world's axes [N m]; 0 for a device of three axes.
+   */
+  double torque[3];
+} palpate_wrench;
+
+/*
  How a world is rendered, where that is not as its scene says. palpate_world_params_default() fills it.
  */
 typedef struct palpate_world_params {
@@ -672,21 +827,6 @@ typedef struct palpate_world_params {
    */
   double soft_start;
 } palpate_world_params;
-
-/*
- Where a device is. It stands in arrays, so it has no struct_size and stays as it is.
- */
-typedef struct palpate_pose {
-  /*
-   Measured position of its tool along the world's axes [m].
-   */
-  double position[3];
-  /*
-   Measured orientation, for a device of six axes: a unit quaternion w, x, y, z that turns the tool's axes into those
-   of the world. Not looked at for a device of three axes.
-   */
-  double orientation[4];
-} palpate_pose;
 
 /*
  A body at the last sample. palpate_body_state_empty() makes one to be filled.
@@ -744,93 +884,6 @@ typedef struct palpate_world_ledger {
    */
   double created;
 } palpate_world_ledger;
-
-/*
- One sample of all devices of a world. palpate_world_sample_at() fills it.
- */
-typedef struct palpate_world_sample {
-  /*
-   Size of this struct; palpate_world_sample_at() sets it.
-   */
-  size_t struct_size;
-  /*
-   The devices, in the order of the scene.
-   */
-  const struct palpate_pose *poses;
-  /*
-   Number of poses: palpate_world_device_count().
-   */
-  size_t pose_count;
-  /*
-   Time since the sample before [s], where `has_elapsed` is not 0.
-   */
-  double elapsed;
-  /*
-   1: `elapsed` was measured. 0: one period.
-   */
-  uint32_t has_elapsed;
-  /*
-   0.
-   */
-  uint32_t reserved;
-} palpate_world_sample;
-
-/*
- What a device is to give to the hand, and to hold until the next sample. It stands in arrays, so it has no struct_size
- and stays as it is.
- */
-typedef struct palpate_wrench {
-  /*
-   Force along the world's axes [N].
-   */
-  double force[3];
-  /*
-   Torque about the tool's centre of mass along the world's axes [N m]; 0 for a device of three axes.
-   */
-  double torque[3];
-} palpate_wrench;
-
-/*
- What a tick of a world says beside the wrenches. palpate_world_output_empty() makes one to be filled.
- */
-typedef struct palpate_world_output {
-  /*
-   Size of this struct; palpate_world_output_empty() sets it.
-   */
-  size_t struct_size;
-  /*
-   Why the sample was refused. Every wrench is then 0.
-   */
-  palpate_fault fault;
-  /*
-   The device whose sample is at fault; PALPATE_NO_DEVICE where it is none of one device.
-   */
-  uint32_t fault_device;
-  /*
-   Limits that changed a wrench: bits of palpate_limit.
-   */
-  uint32_t limited;
-  /*
-   Sub-steps of the tick, with those that were replaced by finer ones.
-   */
-  uint32_t sub_steps;
-  /*
-   Sub-steps that were replaced by finer ones, where contacts begin, end, or begin to slip.
-   */
-  uint32_t refined;
-  /*
-   Such sub-steps that were not: there were too many of them.
-   */
-  uint32_t unrefined;
-  /*
-   1: the fastest contact asked for more sub-steps than a tick may have. A smaller stiffness or a shorter period helps.
-   */
-  uint32_t too_fast;
-  /*
-   Triangles of meshes and contacts with them that a sub-step had no room for.
-   */
-  uint32_t left_out;
-} palpate_world_output;
 
 #ifdef __cplusplus
 extern "C" {
@@ -1015,6 +1068,87 @@ palpate_status palpate_contact_place(void *memory,
                                      const struct palpate_contact_params *params,
                                      const struct palpate_loop_params *loop_params,
                                      struct palpate_contact **contact);
+
+/*
+ Begins the recording of a contact in a new file at `path`, to be ended by palpate_recorder_close, and puts it into
+ `*recorder`; NULL on an error. A file that is there is not replaced. `params` may be NULL: every default. Not in the
+ library for firmware.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_recorder_of_contact(const struct palpate_contact *contact,
+                                           const char *path,
+                                           const struct palpate_recorder_params *params,
+                                           struct palpate_recorder **recorder);
+
+/*
+ Begins the recording of a world of one device, as palpate_recorder_of_contact does of a contact. `palpate replay` renders
+ its motion anew; files of meshes are looked for beside the recording.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_recorder_of_world(const struct palpate_world *world,
+                                         const char *path,
+                                         const struct palpate_recorder_params *params,
+                                         struct palpate_recorder **recorder);
+
+/*
+ How many ticks found no room so far, since the disk was slower than the loop; 0 where `recorder` is NULL.
+
+ # Safety
+ `recorder` is NULL or a recorder.
+ */
+uint64_t palpate_recorder_lost(const struct palpate_recorder *recorder);
+
+/*
+ Ends a recording: waits until everything is on its way to the disk, writes how many ticks the loop made, and frees the
+ recorder, whatever it answers. PALPATE_STATUS_RECORDING where the system refused to write; what was written before can
+ be read. `recorded` may be NULL. NULL for a recorder is left alone.
+
+ # Safety
+ Each pointer is NULL or to what its type says; the recorder is not used afterwards.
+ */
+palpate_status palpate_recorder_close(struct palpate_recorder *recorder,
+                                      struct palpate_recorded *recorded);
+
+/*
+ Fills parameters of a recording with the defaults. `struct_size` is sizeof(palpate_recorder_params).
+
+ # Safety
+ `params` is NULL, or `struct_size` bytes can be written there.
+ */
+palpate_status palpate_recorder_params_init(struct palpate_recorder_params *params, size_t struct_size);
+
+/*
+ Records a tick of the contact that the recorder was made of, after its palpate_contact_step: the sample that went in,
+ the output that came out, and the force on the device that was really sent [N].
+
+ It does not allocate, lock or wait, so the thread of the loop can call it: a tick that finds no room is lost and counted.
+ Call it once for each tick, refused ones too.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_recorder_contact_tick(struct palpate_recorder *recorder,
+                                             const struct palpate_contact *contact,
+                                             const struct palpate_sample *sample,
+                                             const struct palpate_output *output,
+                                             double sent_force);
+
+/*
+ Records a tick of the world that the recorder was made of, after its palpate_world_step: the sample that went in, the
+ output that came out, and what was really sent to its device. The rest is as for palpate_recorder_contact_tick.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_recorder_world_tick(struct palpate_recorder *recorder,
+                                           const struct palpate_world *world,
+                                           const struct palpate_world_sample *sample,
+                                           const struct palpate_world_output *output,
+                                           const struct palpate_wrench *sent);
 
 /*
  Makes the world of a scene file of format 2, to be freed by palpate_world_free, and puts it into `*world`; NULL on
@@ -1221,6 +1355,19 @@ static inline palpate_world_output palpate_world_output_empty(void) {
   palpate_world_output output = {
       sizeof(palpate_world_output), PALPATE_FAULT_NONE, PALPATE_NO_DEVICE, 0, 0, 0, 0, 0, 0};
   return output;
+}
+
+/* What a recording is to have, with every default: no name of the device, no scene, room for 65536 ticks. */
+static inline palpate_recorder_params palpate_recorder_params_default(void) {
+  palpate_recorder_params params;
+  palpate_recorder_params_init(&params, sizeof params);
+  return params;
+}
+
+/* What a recording had in the end, to be filled by palpate_recorder_close. */
+static inline palpate_recorded palpate_recorded_empty(void) {
+  palpate_recorded recorded = {sizeof(palpate_recorded), 0, 0, 0};
+  return recorded;
 }
 
 /* A body to be filled by palpate_world_body_state. */

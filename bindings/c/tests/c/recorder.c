@@ -99,7 +99,7 @@ static void ticks(palpate_contact *contact, palpate_world *world) {
   EXPECT(recorded.ticks_made == 3 && recorded.ticks == 3 && recorded.lost == 0);
 
   EXPECT(palpate_recorder_of_world(world, in_folder("world.mcap"), NULL, &recorder) == PALPATE_STATUS_OK);
-  REFUSED(palpate_recorder_contact_tick(recorder, contact, &sample, &(palpate_output){sizeof(palpate_output)}, 0.0),
+  REFUSED(palpate_recorder_contact_tick(recorder, contact, &sample, &output, 0.0),
           PALPATE_STATUS_RECORDING, "the recorder was made of a world, and this is a tick of a contact");
   of_world.pose_count = 2;
   REFUSED(palpate_recorder_world_tick(recorder, world, &of_world, &answer, &wrench), PALPATE_STATUS_COUNT, "pose_count is 2");
