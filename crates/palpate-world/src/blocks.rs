@@ -1,4 +1,4 @@
-//! Contact of two boxes or hulls: the plane between them that costs least.
+//! Contact of two boxes or hulls, or of a capsule with another solid: the plane between them that costs least.
 //!
 //! A face of one solid bounds a half-space, and the other solid overlaps it by corners, as it does a half-space that is a
 //! body: E = K/2n sum of p^2 over the corners at depth p > 0, where n corners share the law of the pair: 4 of two boxes, and
@@ -12,6 +12,7 @@
 
 mod boxes;
 mod hulls;
+mod rods;
 
 use std::sync::Arc;
 
@@ -20,8 +21,10 @@ use crate::law::PointLaw;
 use crate::moving::Touch;
 use crate::pairs::{MOST_POINTS, Point};
 use crate::rigid::{Rigid, Vector3};
+use crate::solid::Solid;
 use boxes::Placed;
 use hulls::Hulls;
+use rods::{Other, Rod};
 
 /// Another plane takes over where its depth is less by more than this part of it: round-off decides nothing, and no energy
 /// is made.
@@ -90,6 +93,7 @@ enum Solids {
     /// Half the lengths of each.
     Boxes([Vector3; 2]),
     Hulls(Hulls),
+    Rod(Rod),
 }
 
 /// How two solids touch.
@@ -103,7 +107,7 @@ struct Across {
     found: Vec<Found>,
 }
 
-/// Two boxes or hulls that can touch.
+/// Two boxes or hulls, or a capsule and another solid, that can touch.
 #[derive(Clone, Debug)]
 pub(crate) struct Blocks {
     /// Their numbers among tools and bodies.
@@ -130,6 +134,30 @@ impl Blocks {
         let points = most(|hull| hull.places.len()).unwrap_or(1);
         let solids = Solids::Hulls(Hulls::new(hulls, share));
         Self::new(parts, solids, first_point, share, points)
+    }
+
+    /// Of a capsule, the part of that `side`, and a solid.
+    pub fn of_capsule(
+        parts: [usize; 2],
+        side: usize,
+        [radius, half_length]: [f64; 2],
+        other: Solid,
+        first_point: usize,
+    ) -> Self {
+        let rod = Rod::new(side, radius, half_length, Other::Round(other));
+        Self::new(parts, Solids::Rod(rod), first_point, rods::ENDS, rods::ENDS)
+    }
+
+    /// Of a capsule, the part of that `side`, and a hull.
+    pub fn of_capsule_and_hull(
+        parts: [usize; 2],
+        side: usize,
+        [radius, half_length]: [f64; 2],
+        hull: Arc<Corners>,
+        first_point: usize,
+    ) -> Self {
+        let rod = Rod::new(side, radius, half_length, Other::Flat(hull));
+        Self::new(parts, Solids::Rod(rod), first_point, rods::ENDS, rods::ENDS)
     }
 
     fn new(
@@ -171,11 +199,12 @@ impl Blocks {
         self.across.normal
     }
 
-    /// Largest distance of a corner from the centre of each `[m]`.
+    /// Largest distance of the surface from the centre of each `[m]`.
     pub fn reaches(&self) -> [f64; 2] {
         match &self.solids {
             Solids::Boxes(half) => half.map(|half| half.norm()),
             Solids::Hulls(hulls) => hulls.reaches(),
+            Solids::Rod(rod) => rod.reaches(),
         }
     }
 
@@ -232,6 +261,10 @@ impl Blocks {
             Solids::Hulls(hulls) => {
                 hulls.place([first, second]);
                 across.look_at(hulls, &mut touches[range], law);
+            }
+            Solids::Rod(rod) => {
+                rod.place([first, second]);
+                across.look_at(rod, &mut touches[range], law);
             }
         }
     }

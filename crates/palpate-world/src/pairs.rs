@@ -109,7 +109,7 @@ pub(crate) struct Contacts {
     pub points: Vec<Point>,
     /// The meshes that spheres touch.
     pub surfaces: Vec<Surface>,
-    /// The pairs of boxes and hulls.
+    /// The pairs of boxes, hulls and capsules.
     pub blocks: Vec<Blocks>,
 }
 
@@ -196,10 +196,10 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
                     "shape",
                     format!("{:?} and {:?}", one.name, other.name),
                     format!(
-                        "there is no contact of {} with {} yet: their edges and sides can touch where no corner \
-                         does. A sphere, or a tool of several, may touch any shape, a box or hull another one and a \
-                         half-space, a capsule and a mesh a half-space. Give one of them another shape, or leave the pair \
-                         without a law",
+                        "there is no contact of {} with {} yet: they can touch along an edge or rim where no corner or \
+                         end is. A sphere, or a tool of several, may touch any shape, a box, hull or capsule another one \
+                         and a half-space, a capsule a cylinder, and a mesh a half-space. Give one of them another shape, \
+                         such as a hull, or leave the pair without a law",
                         one.words(),
                         other.words()
                     ),
@@ -273,7 +273,41 @@ fn no_corners(shape: &Candidate<'_>, other: &Candidate<'_>, reason: NoHull) -> W
 }
 
 impl Blocks {
-    /// Of two boxes or hulls; `None` of other shapes.
+    /// Of a capsule and a convex solid other than a sphere; of two capsules the shorter one lies on the other, of equals the
+    /// first one.
+    fn with_capsule(shapes: [&Shape; 2], parts: [usize; 2], first_point: usize) -> Option<Self> {
+        let rod = |side: usize| match shapes[side] {
+            &Shape::Capsule {
+                radius,
+                half_length,
+            } => Some([radius, half_length]),
+            _ => None,
+        };
+        let (side, rod) = match (rod(0), rod(1)) {
+            (Some(one), Some(other)) if other[1] < one[1] => (1, other),
+            (Some(one), _) => (0, one),
+            (None, other) => (1, other?),
+        };
+        match shapes[1 - side] {
+            Shape::Hull(hull) => {
+                let corners = hull.by_corners().clone();
+                Some(Self::of_capsule_and_hull(
+                    parts,
+                    side,
+                    rod,
+                    corners,
+                    first_point,
+                ))
+            }
+            shape @ (Shape::Box { .. } | Shape::Capsule { .. } | Shape::Cylinder { .. }) => {
+                let solid = Solid::of(shape)?;
+                Some(Self::of_capsule(parts, side, rod, solid, first_point))
+            }
+            _ => None,
+        }
+    }
+
+    /// Of two boxes or hulls, or of a capsule and another solid; `None` of other shapes.
     fn between(shapes: [&Shape; 2], parts: [usize; 2], first_point: usize) -> Option<Self> {
         if let [
             Shape::Box { half_extents: a },
@@ -282,6 +316,9 @@ impl Blocks {
         {
             let half = [Vector3::from(*a), Vector3::from(*b)];
             return Some(Self::of_boxes(parts, half, first_point));
+        }
+        if let Some(pair) = Self::with_capsule(shapes, parts, first_point) {
+            return Some(pair);
         }
         let hull = |shape: &Shape| match shape {
             Shape::Hull(hull) => Some(hull.by_corners().clone()),
