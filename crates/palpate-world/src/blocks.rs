@@ -13,18 +13,15 @@
 mod boxes;
 mod hulls;
 mod rods;
+mod shapes;
 
-use std::sync::Arc;
-
-use crate::hull::Corners;
 use crate::law::PointLaw;
 use crate::moving::Touch;
 use crate::pairs::{MOST_POINTS, Point};
 use crate::rigid::{Rigid, Vector3};
-use crate::solid::Solid;
 use boxes::Placed;
 use hulls::Hulls;
-use rods::{Other, Rod};
+use rods::Rod;
 
 /// Another plane takes over where its depth is less by more than this part of it: round-off decides nothing, and no energy
 /// is made.
@@ -121,45 +118,6 @@ pub(crate) struct Blocks {
 }
 
 impl Blocks {
-    /// Of half the lengths of two boxes.
-    pub fn of_boxes(parts: [usize; 2], half: [Vector3; 2], first_point: usize) -> Self {
-        let solids = Solids::Boxes(half);
-        // One for each corner of either.
-        Self::new(parts, solids, first_point, boxes::ON_A_FACE, 8)
-    }
-
-    pub fn of_hulls(parts: [usize; 2], hulls: [Arc<Corners>; 2], first_point: usize) -> Self {
-        let most = |of: fn(&Corners) -> usize| hulls.iter().map(|hull| of(hull)).max();
-        let share = most(Corners::most_on_a_face).unwrap_or(1);
-        let points = most(|hull| hull.places.len()).unwrap_or(1);
-        let solids = Solids::Hulls(Hulls::new(hulls, share));
-        Self::new(parts, solids, first_point, share, points)
-    }
-
-    /// Of a capsule, the part of that `side`, and a solid.
-    pub fn of_capsule(
-        parts: [usize; 2],
-        side: usize,
-        [radius, half_length]: [f64; 2],
-        other: Solid,
-        first_point: usize,
-    ) -> Self {
-        let rod = Rod::new(side, radius, half_length, Other::Round(other));
-        Self::new(parts, Solids::Rod(rod), first_point, rods::ENDS, rods::ENDS)
-    }
-
-    /// Of a capsule, the part of that `side`, and a hull.
-    pub fn of_capsule_and_hull(
-        parts: [usize; 2],
-        side: usize,
-        [radius, half_length]: [f64; 2],
-        hull: Arc<Corners>,
-        first_point: usize,
-    ) -> Self {
-        let rod = Rod::new(side, radius, half_length, Other::Flat(hull));
-        Self::new(parts, Solids::Rod(rod), first_point, rods::ENDS, rods::ENDS)
-    }
-
     fn new(
         parts: [usize; 2],
         solids: Solids,

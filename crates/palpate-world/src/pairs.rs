@@ -272,68 +272,6 @@ fn no_corners(shape: &Candidate<'_>, other: &Candidate<'_>, reason: NoHull) -> W
     WorldError::new(shape.place, "shape", subject, why)
 }
 
-impl Blocks {
-    /// Of a capsule and a convex solid other than a sphere; of two capsules the shorter one lies on the other, of equals the
-    /// first one.
-    fn with_capsule(shapes: [&Shape; 2], parts: [usize; 2], first_point: usize) -> Option<Self> {
-        let rod = |side: usize| match shapes[side] {
-            &Shape::Capsule {
-                radius,
-                half_length,
-            } => Some([radius, half_length]),
-            _ => None,
-        };
-        let (side, rod) = match (rod(0), rod(1)) {
-            (Some(one), Some(other)) if other[1] < one[1] => (1, other),
-            (Some(one), _) => (0, one),
-            (None, other) => (1, other?),
-        };
-        match shapes[1 - side] {
-            Shape::Hull(hull) => {
-                let corners = hull.by_corners().clone();
-                Some(Self::of_capsule_and_hull(
-                    parts,
-                    side,
-                    rod,
-                    corners,
-                    first_point,
-                ))
-            }
-            shape @ (Shape::Box { .. } | Shape::Capsule { .. } | Shape::Cylinder { .. }) => {
-                let solid = Solid::of(shape)?;
-                Some(Self::of_capsule(parts, side, rod, solid, first_point))
-            }
-            _ => None,
-        }
-    }
-
-    /// Of two boxes or hulls, or of a capsule and another solid; `None` of other shapes.
-    fn between(shapes: [&Shape; 2], parts: [usize; 2], first_point: usize) -> Option<Self> {
-        if let [
-            Shape::Box { half_extents: a },
-            Shape::Box { half_extents: b },
-        ] = shapes
-        {
-            let half = [Vector3::from(*a), Vector3::from(*b)];
-            return Some(Self::of_boxes(parts, half, first_point));
-        }
-        if let Some(pair) = Self::with_capsule(shapes, parts, first_point) {
-            return Some(pair);
-        }
-        let hull = |shape: &Shape| match shape {
-            Shape::Hull(hull) => Some(hull.by_corners().clone()),
-            Shape::Box { half_extents } => Some(Arc::new(Corners::of_box((*half_extents).into()))),
-            _ => None,
-        };
-        let [one, other] = shapes;
-        Some(Self::of_hulls(
-            parts,
-            [hull(one)?, hull(other)?],
-            first_point,
-        ))
-    }
-}
-
 /// What a sphere is, or several are; `None` of any other shape.
 fn own_spheres(shape: &Shape) -> Option<Vec<Touching>> {
     let whole = |centre: crate::Vector, radius: f64| Touching {

@@ -41,11 +41,12 @@ pub(super) struct Rod {
     /// Which of the two is the capsule.
     side: usize,
     radius: f64,
-    half_length: f64,
+    pub(super) half_length: f64,
     other: Other,
-    depth: f64,
+    /// As of [`Between::least`] `[m]`.
+    pub(super) depth: f64,
     /// Out of the other solid.
-    out: Vector3,
+    pub(super) out: Vector3,
     found: [Found; ENDS],
 }
 

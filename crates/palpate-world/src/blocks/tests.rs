@@ -1,9 +1,14 @@
 mod of_hulls;
 mod of_rods;
 
+use std::sync::Arc;
+
+use super::rods::Other;
 use super::*;
 use crate::ContactLaw;
+use crate::hull::Corners;
 use crate::rigid::Rotation;
+use crate::solid::Solid;
 
 const HALF: [[f64; 3]; 2] = [[0.5, 0.3, 0.4], [0.35, 0.6, 0.2]];
 
