@@ -54,6 +54,8 @@ fn moved(rigid: &Rigid, way: Vector3, turn: Vector3) -> Rigid {
 trait Pair {
     fn placed(&self, first: &Rigid, second: &Rigid) -> impl Between;
     fn share(&self) -> usize;
+    /// How many points there are: one for each corner of either, or each end.
+    fn points(&self) -> usize;
 }
 
 struct Boxes;
@@ -65,6 +67,10 @@ impl Pair for Boxes {
 
     fn share(&self) -> usize {
         boxes::ON_A_FACE
+    }
+
+    fn points(&self) -> usize {
+        8
     }
 }
 
@@ -94,7 +100,7 @@ fn assert_gradient(
         let normal = here.normal(plane);
         let (way, turn) = (numbers.vector(), numbers.vector());
         let mut powers = [0.0; 2];
-        let mut points = [Found::none(); 16];
+        let mut points = vec![Found::none(); pair.points()];
         here.points(plane, &mut points);
         for found in points.iter().filter(|found| found.penetration > 0.0) {
             let force = normal * law.normal_force(found.penetration, 0.0);

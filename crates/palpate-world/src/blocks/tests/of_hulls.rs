@@ -41,6 +41,10 @@ impl Pair for [Arc<Corners>; 2] {
     fn share(&self) -> usize {
         self[0].most_on_a_face().max(self[1].most_on_a_face())
     }
+
+    fn points(&self) -> usize {
+        self[0].places.len().max(self[1].places.len())
+    }
 }
 
 #[test]

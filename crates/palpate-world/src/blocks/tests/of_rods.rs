@@ -14,6 +14,10 @@ impl Pair for OnSolid {
     fn share(&self) -> usize {
         rods::ENDS
     }
+
+    fn points(&self) -> usize {
+        rods::ENDS
+    }
 }
 
 const RADIUS: f64 = 0.1;
