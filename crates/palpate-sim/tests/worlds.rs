@@ -292,3 +292,9 @@ fn a_hull_is_rendered_as_its_ideal_moves() {
         assert!(known < 0.1 && told < 1.0, "{known} {told}");
     }
 }
+
+#[test]
+fn capsules_on_a_box_on_each_other_and_on_a_hull_are_rendered_as_their_ideal_moves() {
+    let [known, told] = known_and_told("logs");
+    assert!(known < 0.1 && told < 1.0, "{known} {told}");
+}

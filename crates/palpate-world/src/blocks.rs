@@ -1,4 +1,4 @@
-//! Contact of two boxes or hulls: the plane between them that costs least.
+//! Contact of two boxes or hulls, or of a capsule with another solid: the plane between them that costs least.
 //!
 //! A face of one solid bounds a half-space, and the other solid overlaps it by corners, as it does a half-space that is a
 //! body: E = K/2n sum of p^2 over the corners at depth p > 0, where n corners share the law of the pair: 4 of two boxes, and
@@ -12,16 +12,16 @@
 
 mod boxes;
 mod hulls;
+mod rods;
+mod shapes;
 
-use std::sync::Arc;
-
-use crate::hull::Corners;
 use crate::law::PointLaw;
 use crate::moving::Touch;
 use crate::pairs::{MOST_POINTS, Point};
 use crate::rigid::{Rigid, Vector3};
 use boxes::Placed;
 use hulls::Hulls;
+use rods::Rod;
 
 /// Another plane takes over where its depth is less by more than this part of it: round-off decides nothing, and no energy
 /// is made.
@@ -90,6 +90,7 @@ enum Solids {
     /// Half the lengths of each.
     Boxes([Vector3; 2]),
     Hulls(Hulls),
+    Rod(Rod),
 }
 
 /// How two solids touch.
@@ -103,7 +104,7 @@ struct Across {
     found: Vec<Found>,
 }
 
-/// Two boxes or hulls that can touch.
+/// Two boxes or hulls, or a capsule and another solid, that can touch.
 #[derive(Clone, Debug)]
 pub(crate) struct Blocks {
     /// Their numbers among tools and bodies.
@@ -117,21 +118,6 @@ pub(crate) struct Blocks {
 }
 
 impl Blocks {
-    /// Of half the lengths of two boxes.
-    pub fn of_boxes(parts: [usize; 2], half: [Vector3; 2], first_point: usize) -> Self {
-        let solids = Solids::Boxes(half);
-        // One for each corner of either.
-        Self::new(parts, solids, first_point, boxes::ON_A_FACE, 8)
-    }
-
-    pub fn of_hulls(parts: [usize; 2], hulls: [Arc<Corners>; 2], first_point: usize) -> Self {
-        let most = |of: fn(&Corners) -> usize| hulls.iter().map(|hull| of(hull)).max();
-        let share = most(Corners::most_on_a_face).unwrap_or(1);
-        let points = most(|hull| hull.places.len()).unwrap_or(1);
-        let solids = Solids::Hulls(Hulls::new(hulls, share));
-        Self::new(parts, solids, first_point, share, points)
-    }
-
     fn new(
         parts: [usize; 2],
         solids: Solids,
@@ -171,11 +157,12 @@ impl Blocks {
         self.across.normal
     }
 
-    /// Largest distance of a corner from the centre of each `[m]`.
+    /// Largest distance of the surface from the centre of each `[m]`.
     pub fn reaches(&self) -> [f64; 2] {
         match &self.solids {
             Solids::Boxes(half) => half.map(|half| half.norm()),
             Solids::Hulls(hulls) => hulls.reaches(),
+            Solids::Rod(rod) => rod.reaches(),
         }
     }
 
@@ -232,6 +219,10 @@ impl Blocks {
             Solids::Hulls(hulls) => {
                 hulls.place([first, second]);
                 across.look_at(hulls, &mut touches[range], law);
+            }
+            Solids::Rod(rod) => {
+                rod.place([first, second]);
+                across.look_at(rod, &mut touches[range], law);
             }
         }
     }

@@ -154,7 +154,7 @@ pub(crate) struct Moving {
     pub touches: Vec<Touch>,
     /// The meshes that spheres touch.
     pub surfaces: Vec<Surface>,
-    /// The pairs of boxes and hulls.
+    /// The pairs of boxes, hulls and capsules.
     pub blocks: Vec<Blocks>,
     /// The springs of the joints.
     pub links: Vec<Link>,

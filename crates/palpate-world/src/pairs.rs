@@ -109,7 +109,7 @@ pub(crate) struct Contacts {
     pub points: Vec<Point>,
     /// The meshes that spheres touch.
     pub surfaces: Vec<Surface>,
-    /// The pairs of boxes and hulls.
+    /// The pairs of boxes, hulls and capsules.
     pub blocks: Vec<Blocks>,
 }
 
@@ -196,10 +196,10 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
                     "shape",
                     format!("{:?} and {:?}", one.name, other.name),
                     format!(
-                        "there is no contact of {} with {} yet: their edges and sides can touch where no corner \
-                         does. A sphere, or a tool of several, may touch any shape, a box or hull another one and a \
-                         half-space, a capsule and a mesh a half-space. Give one of them another shape, or leave the pair \
-                         without a law",
+                        "there is no contact of {} with {} yet: they can touch along an edge or rim where no corner or \
+                         end is. A sphere, or a tool of several, may touch any shape, a box, hull or capsule another one \
+                         and a half-space, a capsule a cylinder, and a mesh a half-space. Give one of them another shape, \
+                         such as a hull, or leave the pair without a law",
                         one.words(),
                         other.words()
                     ),
@@ -270,31 +270,6 @@ fn no_corners(shape: &Candidate<'_>, other: &Candidate<'_>, reason: NoHull) -> W
     };
     let subject = format!("{:?} and {:?}", shape.name, other.name);
     WorldError::new(shape.place, "shape", subject, why)
-}
-
-impl Blocks {
-    /// Of two boxes or hulls; `None` of other shapes.
-    fn between(shapes: [&Shape; 2], parts: [usize; 2], first_point: usize) -> Option<Self> {
-        if let [
-            Shape::Box { half_extents: a },
-            Shape::Box { half_extents: b },
-        ] = shapes
-        {
-            let half = [Vector3::from(*a), Vector3::from(*b)];
-            return Some(Self::of_boxes(parts, half, first_point));
-        }
-        let hull = |shape: &Shape| match shape {
-            Shape::Hull(hull) => Some(hull.by_corners().clone()),
-            Shape::Box { half_extents } => Some(Arc::new(Corners::of_box((*half_extents).into()))),
-            _ => None,
-        };
-        let [one, other] = shapes;
-        Some(Self::of_hulls(
-            parts,
-            [hull(one)?, hull(other)?],
-            first_point,
-        ))
-    }
 }
 
 /// What a sphere is, or several are; `None` of any other shape.

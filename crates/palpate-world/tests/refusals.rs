@@ -43,17 +43,24 @@ fn a_pair_that_has_a_law_and_no_contact_is_refused_and_one_without_a_law_is_not(
     assert!(WorldRenderer::new(&world, in_loop.clone(), BasicParams::default()).is_ok());
     world.contacts[0].between = [Party::Any, Party::Any];
     assert!(WorldRenderer::new(&world, in_loop.clone(), BasicParams::default()).is_ok());
+    let [radius, half_length] = [0.01, 0.01];
     world.bodies[2].shape = Shape::Capsule {
-        radius: 0.01,
-        half_length: 0.01,
+        radius,
+        half_length,
+    };
+    assert!(WorldRenderer::new(&world, in_loop.clone(), BasicParams::default()).is_ok());
+    world.bodies[2].shape = Shape::Cylinder {
+        radius,
+        half_length,
     };
     let faults = faults(&world, in_loop, BasicParams::default());
     assert_eq!(faults.len(), 1, "{faults:?}");
     assert_eq!(
         faults[0].to_string(),
-        "\"block\" and \"shelf\": there is no contact of a box with a capsule yet: their edges and sides can touch where no \
-         corner does. A sphere, or a tool of several, may touch any shape, a box or hull another one and a half-space, a capsule \
-         and a mesh a half-space. Give one of them another shape, or leave the pair without a law"
+        "\"block\" and \"shelf\": there is no contact of a box with a cylinder yet: they can touch along an edge or rim where \
+         no corner or end is. A sphere, or a tool of several, may touch any shape, a box, hull or capsule another one and a \
+         half-space, a capsule a cylinder, and a mesh a half-space. Give one of them another shape, such as a hull, or leave the \
+         pair without a law"
     );
 }
 

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::between::{Between, Flat, Pair as Solids};
 use super::mesh::{MOST_CONTACTS, OnMesh};
+use super::rod::{Base, Faces, Rod};
 use super::scene::{ContactLaw, InvalidScene, Member, Pair, Shape, SphereAt, Tool, WorldScene};
 use super::surface::{Feature, feature, holds, nearest};
 use super::vector::{Rotation, Vec3};
@@ -23,7 +24,8 @@ pub enum WorldError {
     /// A pair of shapes for which there is no contact yet.
     #[error(
         "pairs[{number}]: {reason}; a sphere can touch a sphere, half-space, box, capsule, cylinder, mesh or hull, \
-         and a box, a capsule, and a hull or mesh of at most {MOST_CORNERS} convex corners a half-space, and a box or hull a box or hull"
+         and a box, a capsule, and a hull or mesh of at most {MOST_CORNERS} convex corners a half-space, a box or hull a box or \
+         hull, and a capsule a box, hull, capsule or cylinder"
     )]
     Pair {
         /// Number of the pair, from 0.
@@ -65,6 +67,8 @@ pub(super) struct Contact {
     surface: Shape,
     /// Of two boxes or hulls, both of them, and the contact's number among those of the pair.
     solids: Option<(Arc<Solids>, usize)>,
+    /// Of a capsule on another convex solid, both of them, and the end.
+    rod: Option<(Arc<Rod>, usize)>,
     pub law: ContactLaw,
 }
 
@@ -97,8 +101,10 @@ pub(super) struct Acceleration {
 pub(super) struct Touch {
     /// p, negative where there is a gap \[m\].
     pub penetration: f64,
-    /// p′ \[m/s\]
+    /// How fast the material of the two approaches there \[m/s\]: p′, but for the ends of a capsule.
     pub rate: f64,
+    /// p′ \[m/s\]
+    pub growth: f64,
     /// n, from the second to the first.
     pub normal: Vec3,
     /// n′ \[1/s\]
@@ -117,6 +123,7 @@ impl Touch {
         Self {
             penetration: 0.0,
             rate: 0.0,
+            growth: 0.0,
             normal: Vec3::ZERO,
             normal_rate: Vec3::ZERO,
             point: Vec3::ZERO,
@@ -135,9 +142,11 @@ impl Touch {
         [first, second]: [&Placed; 2],
     ) -> Self {
         let sliding = first.velocity_at(point) - second.velocity_at(point);
+        let rate = -normal.dot(sliding);
         Self {
             penetration,
-            rate: -normal.dot(sliding),
+            rate,
+            growth: rate,
             normal,
             normal_rate,
             point,
@@ -164,7 +173,7 @@ impl Touch {
         self.normal_rate * self.normal.dot(z) - self.normal * self.normal_rate.dot(z)
     }
 
-    /// p″ \[m/s²\], from the accelerations of the two.
+    /// The rate of `rate` \[m/s²\], from the accelerations of the two.
     pub fn second_rate(
         &self,
         [first, second]: [&Placed; 2],
@@ -186,6 +195,9 @@ impl Contact {
         let (first, second) = (&placed[self.first], &placed[self.second]);
         if let (Some((solids, number)), Feature::Between(plane)) = (&self.solids, feature) {
             return plane.touch(*number, solids, [first, second]);
+        }
+        if let Some((rod, end)) = &self.rod {
+            return rod.touch(*end, [first, second]);
         }
         let centre = first.position + first.rotation.out(self.on_first);
         let velocity = first.velocity_at(centre);
@@ -221,6 +233,7 @@ impl Contact {
         Touch {
             penetration,
             rate,
+            growth: rate,
             normal,
             normal_rate,
             point,
@@ -288,6 +301,9 @@ impl Contact {
     pub fn feature(&self, placed: &[Placed]) -> Feature {
         if let Some(plane) = self.wanted_between(None, placed, 0.0) {
             return Feature::Between(plane);
+        }
+        if self.rod.is_some() {
+            return Feature::Whole;
         }
         feature(&self.surface, self.centre_in_second(placed))
     }
@@ -382,6 +398,35 @@ fn flat(shape: &Shape) -> Option<Flat> {
     }
 }
 
+/// A capsule on another convex solid: of two capsules the shorter one, of equals the first.
+fn rod(shapes: [&Shape; 2]) -> Option<Rod> {
+    let capsule = |side: usize| match *shapes[side] {
+        Shape::Capsule {
+            radius,
+            half_length,
+        } => Some((radius, half_length)),
+        _ => None,
+    };
+    let is_first = match [capsule(0), capsule(1)] {
+        [Some((_, one)), Some((_, other))] => one <= other,
+        [one, _] => one.is_some(),
+    };
+    let (radius, half_length) = capsule(usize::from(!is_first))?;
+    let base = match shapes[usize::from(is_first)] {
+        Shape::Hull(hull) => Base::Flat(Faces::of(hull.wrapped())),
+        shape @ (Shape::Box { .. } | Shape::Capsule { .. } | Shape::Cylinder { .. }) => {
+            Base::Round(shape.clone())
+        }
+        _ => return None,
+    };
+    Some(Rod {
+        is_first,
+        radius,
+        half_length,
+        base,
+    })
+}
+
 fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact>, String> {
     let [one, other] = pair.between.map(|member| Side::of(scene, member));
     if one.member == other.member {
@@ -427,6 +472,7 @@ fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact
         radius,
         surface: surface.clone(),
         solids: None,
+        rod: None,
         law,
     };
     // The share of the law that one has of so many that lie flat together.
@@ -441,6 +487,16 @@ fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact
         let each = hull.corners.iter();
         Ok(each.map(|corner| contact(*corner, 0.0, law)).collect())
     };
+    if let Some(one) = &first.shape
+        && let Some(rod) = rod([one, surface])
+    {
+        let rod = Arc::new(rod);
+        let end = |end: usize| Contact {
+            rod: Some((rod.clone(), end)),
+            ..contact(Vec3::ZERO, 0.0, shared(2.0))
+        };
+        return Ok(vec![end(0), end(1)]);
+    }
     match (&first.shape, surface) {
         (&Some(Shape::Sphere { radius }), Shape::Mesh(_)) => {
             let one = contact(Vec3::ZERO, radius, pair.law);

@@ -57,6 +57,7 @@ mod overlap;
 mod plant;
 pub mod random_worlds;
 mod record;
+mod rod;
 mod run;
 mod scene;
 mod self_check;

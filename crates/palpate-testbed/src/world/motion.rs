@@ -294,7 +294,7 @@ impl System {
     /// (μ N/k_t)′ \[m/s\]
     fn largest_deflection_rate(&self, contact: &Contact, touch: &Touch, now: &Instant) -> f64 {
         let law = &contact.law;
-        let mut rate = law.stiffness * touch.rate;
+        let mut rate = law.stiffness * touch.growth;
         if law.damping > 0.0 {
             let members = [contact.first, contact.second];
             let second_rate = touch.second_rate(

@@ -213,7 +213,7 @@ impl<'a> Run<'a> {
             .iter()
             .zip(&self.now.touches)
             .map(|(condition, touch)| match condition.mode {
-                Mode::Free => touch.rate,
+                Mode::Free => touch.growth,
                 _ => 0.0,
             })
             .collect()
@@ -234,7 +234,7 @@ impl<'a> Run<'a> {
     /// Where between two fractions the gap of a free contact is smallest, if the contact has begun there.
     fn summit(&mut self, time: f64, length: f64, number: usize, from: f64, to: f64) -> Option<f64> {
         let gap = -self.now.touches[number].penetration;
-        let reach = self.now.touches[number].rate.abs() * (to - from) * length;
+        let reach = self.now.touches[number].growth.abs() * (to - from) * length;
         if gap > 2.0 * reach {
             return None; // too far to have been there
         }
@@ -244,7 +244,7 @@ impl<'a> Run<'a> {
             if !self.look(time, length, middle) {
                 return Some(middle);
             }
-            if self.now.touches[number].rate > 0.0 {
+            if self.now.touches[number].growth > 0.0 {
                 low = middle;
             } else {
                 high = middle;

@@ -115,6 +115,11 @@ impl Rotation {
         self.0[0] * v.0[0] + self.0[1] * v.0[1] + self.0[2] * v.0[2]
     }
 
+    /// This rotation after another one.
+    pub fn after(&self, first: &Self) -> Self {
+        Self(first.0.map(|axis| self.out(axis)))
+    }
+
     /// From the world's axes to the body's.
     pub fn back(&self, v: Vec3) -> Vec3 {
         Vec3([self.0[0].dot(v), self.0[1].dot(v), self.0[2].dot(v)])

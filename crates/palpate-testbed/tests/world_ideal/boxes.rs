@@ -48,13 +48,29 @@ fn a_large_box_pushes_as_a_half_space() {
     assert!(on_box.encounters.len() > 4);
 }
 
-fn drift(ideal: &WorldIdeal) -> f64 {
+/// By how much the balance of energy drifts, of the kinetic energy at the start.
+pub fn drift(ideal: &WorldIdeal) -> f64 {
     let start = ideal.states[0].books.balance();
     let apart = ideal
         .states
         .iter()
         .map(|state| (state.books.balance() - start).abs());
     apart.fold(0.0, f64::max) / ideal.states[0].books.kinetic
+}
+
+/// Momentum and angular momentum of all bodies at a sample.
+pub fn sums(scene: &WorldScene, ideal: &WorldIdeal, number: usize) -> [f64; 6] {
+    let mut sums = [0.0; 6];
+    for (body, state) in scene.bodies.iter().zip(&ideal.states[number].bodies) {
+        let mass = body.motion.unwrap().mass;
+        let ([x, y, z], [u, v, w]) = (state.position, state.velocity);
+        let orbital = [y * w - z * v, z * u - x * w, x * v - y * u];
+        for axis in 0..3 {
+            sums[axis] += mass * state.velocity[axis];
+            sums[3 + axis] += mass * orbital[axis] + state.angular_momentum[axis];
+        }
+    }
+    sums
 }
 
 /// Two boxes that tumble into each other, over their faces, edges and corners: no energy comes or goes where another
@@ -103,20 +119,7 @@ fn two_boxes_keep_energy_momentum_and_angular_momentum() {
             };
             let ideal = solve(&scene, 0.002, 100);
             worst[0] = worst[0].max(drift(&ideal));
-            let sums = |number: usize| {
-                let mut sums = [0.0; 6];
-                for (body, state) in scene.bodies.iter().zip(&ideal.states[number].bodies) {
-                    let mass = body.motion.unwrap().mass;
-                    let ([x, y, z], [u, v, w]) = (state.position, state.velocity);
-                    let orbital = [y * w - z * v, z * u - x * w, x * v - y * u];
-                    for axis in 0..3 {
-                        sums[axis] += mass * state.velocity[axis];
-                        sums[3 + axis] += mass * orbital[axis] + state.angular_momentum[axis];
-                    }
-                }
-                sums
-            };
-            let (before, after) = (sums(0), sums(ideal.states.len() - 1));
+            let [before, after] = [0, ideal.states.len() - 1].map(|at| sums(&scene, &ideal, at));
             for (i, (a, b)) in before.iter().zip(after).enumerate() {
                 worst[1 + i / 3] = worst[1 + i / 3].max((a - b).abs());
             }

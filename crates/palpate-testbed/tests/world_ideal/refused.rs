@@ -8,7 +8,7 @@ use crate::{body, device, half_space, pair};
 const BOX: Shape = Shape::Box {
     half_extents: [0.01; 3],
 };
-const CAPSULE: Shape = Shape::Capsule {
+const CYLINDER: Shape = Shape::Cylinder {
     radius: 0.01,
     half_length: 0.02,
 };
@@ -25,7 +25,7 @@ fn scene() -> WorldScene {
         bodies: vec![
             body(BOX, 0.1, [0.0, 0.1, 0.0]),
             body(BOX, 0.1, [0.0, 0.2, 0.0]),
-            body(CAPSULE, 0.1, [0.0, 0.3, 0.0]),
+            body(CYLINDER, 0.1, [0.0, 0.3, 0.0]),
             half_space([0.0, 0.0, 1.0], -1.0),
             half_space([0.0, 1.0, 0.0], -1.0),
         ],
@@ -41,9 +41,9 @@ fn pairs_without_a_contact_are_named() {
         (
             Body(1),
             Body(2),
-            "no contact between the box \"body\" and the capsule \"body\"",
+            "no contact between the box \"body\" and the cylinder \"body\"",
         ),
-        (Body(2), Body(0), "the capsule \"body\""),
+        (Body(2), Body(0), "the cylinder \"body\""),
         (Device(0), Device(1), "both tools"),
         (Device(0), Device(0), "cannot touch itself"),
     ] {

@@ -62,7 +62,7 @@ impl Near {
 impl Solid {
     fn new(own: Arc<Corners>) -> Self {
         Self {
-            reach: own.places.iter().map(Vector3::norm).fold(0.0, f64::max),
+            reach: own.reach(),
             corners: own.places.clone(),
             normals: own.faces.iter().map(|face| face.normal).collect(),
             offsets: own.faces.iter().map(|face| face.offset).collect(),

@@ -12,3 +12,4 @@ mod triangle;
 pub use build::{Mesh, MeshError};
 pub use mass::MassProperties;
 pub(crate) use surface::{POINTS_PER_MESH, Surface};
+pub(crate) use triangle::nearest_point as nearest_of_triangle;

@@ -46,6 +46,11 @@ pub(super) fn nearest([a, b, c]: [&Vector3; 3], place: &Vector3) -> (Vector3, Re
     (a + ab * (of_b / sum) + ac * (of_c / sum), Region::Inside)
 }
 
+/// The nearest point alone.
+pub(crate) fn nearest_point(corners: [&Vector3; 3], place: &Vector3) -> Vector3 {
+    nearest(corners, place).0
+}
+
 /// Where the way from one place to another meets the triangle, as a share of the way; `None` if it does not.
 pub(super) fn crossing(
     [a, b, c]: [&Vector3; 3],

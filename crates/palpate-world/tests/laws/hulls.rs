@@ -3,22 +3,17 @@
 use std::sync::Arc;
 
 use palpate_world::{
-    Body, ContactBook, ContactLaw, CoupledParams, Free, Hull, Motion, Sample, Shape, Vector, World,
-    WorldLoop, WorldRenderer, WorldState,
+    Body, ContactBook, ContactLaw, Free, Hull, Motion, Sample, Shape, Vector, WorldState,
 };
 
-use crate::common::{leave_alone, plane, world};
-
-fn renderer(world: &World) -> WorldRenderer {
-    let method = CoupledParams::new(vec![[0.1; 3]]);
-    WorldRenderer::new(world, WorldLoop::new(0.001), method).unwrap()
-}
+use crate::common::{plane, world};
+use crate::tumbling::{conserves, part, renderer, thrown, turned};
 
 fn hull(points: &[Vector]) -> Shape {
     Shape::Hull(Arc::new(Hull::around(points).unwrap()))
 }
 
-fn box_of(half: Vector) -> Shape {
+pub fn box_of(half: Vector) -> Shape {
     Shape::Box { half_extents: half }
 }
 
@@ -30,13 +25,8 @@ fn corners(half: Vector) -> Vec<Vector> {
         .collect()
 }
 
-/// From -1 to 1, by the number of a case.
-fn part(case: u32, prime: f64) -> f64 {
-    2.0 * (f64::from(case + 1) * prime).fract() - 1.0
-}
-
 /// A solid of some corners on a ball of 30 mm.
-fn stone(case: u32, count: u32) -> Shape {
+pub fn stone(case: u32, count: u32) -> Shape {
     let points: Vec<Vector> = (0..count)
         .map(|k| {
             let at = [0.618, 0.414, 0.732].map(|prime| part(97 * case + k, prime));
@@ -47,115 +37,17 @@ fn stone(case: u32, count: u32) -> Shape {
     hull(&points)
 }
 
-fn turned(a: f64, b: f64, c: f64) -> [f64; 4] {
-    let q = [1.0, a, b, c];
-    let size = q.iter().map(|x| x * x).sum::<f64>().sqrt();
-    q.map(|x| x / size)
-}
-
-/// R I Rᵀ ω of moments along a body's own axes.
-fn spin_of([w, x, y, z]: [f64; 4], omega: Vector, moments: Vector) -> Vector {
-    let axes = [
-        [
-            1.0 - 2.0 * (y * y + z * z),
-            2.0 * (x * y + w * z),
-            2.0 * (x * z - w * y),
-        ],
-        [
-            2.0 * (x * y - w * z),
-            1.0 - 2.0 * (x * x + z * z),
-            2.0 * (y * z + w * x),
-        ],
-        [
-            2.0 * (x * z + w * y),
-            2.0 * (y * z - w * x),
-            1.0 - 2.0 * (x * x + y * y),
-        ],
-    ];
-    let mut spin = [0.0; 3];
-    for (axis, moment) in axes.iter().zip(moments) {
-        let along: f64 = (0..3).map(|n| axis[n] * omega[n]).sum();
-        for n in 0..3 {
-            spin[n] += moment * along * axis[n];
-        }
-    }
-    spin
-}
-
-/// Two solids that fly into each other and tumble: momentum and angular momentum stay to round-off, energy but for the steps.
 #[test]
 fn two_free_hulls_conserve_momentum_angular_momentum_and_energy() {
-    let (mut worst, mut hits) = ([0.0_f64; 3], 0);
-    for case in 0..24_u32 {
-        let turn = |prime: f64| part(case, prime);
-        let free = |sign: f64, mass: f64| Free {
-            velocity: [-0.5 * sign, 0.1 * turn(0.618), 0.1 * turn(0.414)],
-            angular_velocity: [5.0 * turn(0.755), 5.0 * turn(0.570), 5.0 * turn(0.430)],
-            ..Free::of_mass(mass)
-        };
+    let pairs = (0..24).map(|case| {
         let other = if case % 3 == 0 {
             box_of([0.015, 0.025, 0.02])
         } else {
             stone(case + 50, 6 + case % 5)
         };
-        let bodies = vec![
-            Body::new(
-                "one",
-                stone(case, 4 + case % 9),
-                Motion::Free(free(1.0, 0.1)),
-            )
-            .at([0.06, 0.0, 0.0])
-            .turned(turned(turn(0.82), turn(0.67), turn(0.55)))
-            .balanced(),
-            Body::new("other", other, Motion::Free(free(-1.0, 0.06)))
-                .at([-0.06, 0.006 * turn(0.3), 0.006 * turn(0.7)])
-                .turned(turned(turn(0.732), turn(0.236), turn(0.142)))
-                .balanced(),
-        ];
-        let masses = [0.1, 0.06];
-        let moments = [0, 1].map(|body: usize| bodies[body].shape.moments(masses[body]).unwrap());
-        let renderer = renderer(&world(0.005, bodies, ContactLaw::spring(8000.0)));
-        let mut state = renderer.start();
-        let momenta = |state: &WorldState| {
-            let mut sums = [0.0; 6];
-            for ((body, mass), moments) in state.bodies().iter().zip(masses).zip(moments) {
-                let (x, v) = (body.position, body.velocity);
-                let spin = spin_of(body.orientation, body.angular_velocity, moments);
-                for i in 0..3 {
-                    let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-                    sums[i] += mass * v[i];
-                    sums[3 + i] += mass * (x[j] * v[k] - x[k] * v[j]) + spin[i];
-                }
-            }
-            sums
-        };
-        let energy = |state: &WorldState| {
-            let books = state.books();
-            let kinetic: f64 = books.bodies.iter().map(|book| book.kinetic).sum();
-            let stored: f64 = books.contacts.iter().map(|book| book.stored).sum();
-            (kinetic + stored, stored)
-        };
-        let (before, (at_start, _)) = (momenta(&state), energy(&state));
-        let mut most = 0.0_f64;
-        for _ in 0..250 {
-            leave_alone(&renderer, &mut state, 1);
-            most = most.max(energy(&state).1);
-        }
-        hits += u32::from(most > 1e-4);
-        let (after, (at_end, _)) = (momenta(&state), energy(&state));
-        for i in 0..3 {
-            worst[0] = worst[0].max((after[i] - before[i]).abs() / 0.05);
-            worst[1] = worst[1].max((after[3 + i] - before[3 + i]).abs() / 5e-4);
-        }
-        worst[2] = worst[2].max((at_end / at_start - 1.0).abs());
-    }
-    println!(
-        "24 pairs of hulls, {hits} hits: momentum {:.1e}, angular momentum {:.1e}, energy {:.1e} of what there was",
-        worst[0], worst[1], worst[2]
-    );
-    assert!(hits > 15, "{hits}");
-    assert!(worst[0] < 1e-12 && worst[1] < 1e-11, "{worst:?}");
-    assert!(worst[2] < 2e-3, "{worst:?}");
+        thrown(case, [stone(case, 4 + case % 9), other])
+    });
+    conserves("hulls", pairs, 15);
 }
 
 /// A box that a tool knocks off another one, both of them boxes or hulls of the same corners; and the books of the hulls.

@@ -6,6 +6,7 @@
 mod adversary;
 mod books;
 mod boxes;
+mod capsules;
 mod closed_form;
 mod common;
 mod conservation;
@@ -18,3 +19,4 @@ mod ideal;
 mod joints;
 mod resting;
 mod six_axes;
+mod tumbling;

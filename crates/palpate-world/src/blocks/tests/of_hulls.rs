@@ -16,8 +16,7 @@ fn solids(numbers: &mut Numbers) -> Vec<Arc<Corners>> {
 }
 
 fn placed(pair: &[Arc<Corners>; 2], first: &Rigid, second: &Rigid) -> Hulls {
-    let share = pair[0].most_on_a_face().max(pair[1].most_on_a_face());
-    let mut hulls = Hulls::new(pair.clone(), share);
+    let mut hulls = Hulls::new(pair.clone(), pair.share());
     hulls.place([first, second]);
     hulls
 }
@@ -34,92 +33,39 @@ fn pairs(numbers: &mut Numbers) -> Vec<[Arc<Corners>; 2]> {
     all.iter().flat_map(each).collect()
 }
 
+impl Pair for [Arc<Corners>; 2] {
+    fn placed(&self, first: &Rigid, second: &Rigid) -> impl Between {
+        placed(self, first, second)
+    }
+
+    fn share(&self) -> usize {
+        self[0].most_on_a_face().max(self[1].most_on_a_face())
+    }
+
+    fn points(&self) -> usize {
+        self[0].places.len().max(self[1].places.len())
+    }
+}
+
 #[test]
 fn force_and_torque_of_hulls_are_the_gradient_of_the_energy() {
     let mut numbers = Numbers(19);
     let mut seen = [0; 3];
     for pair in pairs(&mut numbers) {
-        for _ in 0..400 {
-            let first = rigid(numbers.vector() * 0.1, numbers.vector() * 3.0);
-            let second = rigid(numbers.vector() * 1.2, numbers.vector() * 3.0);
-            let here = placed(&pair, &first, &second);
-            let (plane, depth) = here.least(None);
-            if !(0.0..0.06).contains(&depth) {
-                continue;
-            }
-            let energy = |first: &Rigid, second: &Rigid| {
-                let (at, depth) = placed(&pair, first, second).least(Some(plane));
-                (at == plane).then_some(0.5 * depth * depth)
-            };
-            let law = PointLaw::share(&ContactLaw::spring(1.0), here.share as f64);
-            let normal = here.normal(plane);
-            let (way, turn) = (numbers.vector(), numbers.vector());
-            let mut powers = [0.0; 2];
-            let mut points = vec![Found::none(); 16];
-            here.points(plane, &mut points);
-            for found in points.iter().filter(|found| found.penetration > 0.0) {
-                let force = normal * law.normal_force(found.penetration, 0.0);
-                for (power, (rigid, sign)) in
-                    powers.iter_mut().zip([(&first, 1.0), (&second, -1.0)])
-                {
-                    let velocity = way + turn.cross(&(found.place - rigid.position));
-                    *power += sign * force.dot(&velocity);
-                }
-            }
-            let h = 1e-6;
-            let [of_first, of_second] = [-h, h].map(|h| {
-                let by = |rigid| moved(rigid, way * h, turn * h);
-                (energy(&by(&first), &second), energy(&first, &by(&second)))
-            });
-            let changes = [of_second.0.zip(of_first.0), of_second.1.zip(of_first.1)];
-            for (change, power) in changes.into_iter().zip(powers) {
-                let Some((up, down)) = change else { continue };
-                let slope = (up - down) / (2.0 * h);
-                assert!((slope + power).abs() < 1e-7, "{plane:?} {slope} {power}");
-            }
-            seen[match plane {
-                Plane::Face { of, .. } => of,
-                Plane::Edges(_) => 2,
-            }] += 1;
-        }
+        assert_gradient(&pair, &mut numbers, 400, 0.06, &mut seen);
     }
     assert!(seen.iter().all(|&seen| seen > 50), "{seen:?}");
 }
 
-/// On a straight way of one through the other the energy has no jump, as long as no more corners are behind a face than share
-/// the law.
+/// As long as no more corners are behind a face than share the law.
 #[test]
 fn the_energy_of_hulls_has_no_jump_where_they_overlap_little() {
     let mut numbers = Numbers(5);
-    let mut changes = 0;
-    for pair in pairs(&mut numbers) {
-        for _ in 0..8 {
-            let (from, to) = (numbers.vector(), numbers.vector());
-            let (turned, turn) = (numbers.vector() * 3.0, numbers.vector());
-            let steps = 2000;
-            let h = 1.0 / f64::from(steps);
-            let first = rigid(Vector3::zeros(), Vector3::zeros());
-            let mut before: Option<(Plane, f64)> = None;
-            for step in 0..steps {
-                let along = h * f64::from(step);
-                let second = rigid(from + (to - from) * along, turned);
-                let second = moved(&second, Vector3::zeros(), turn * along);
-                let here = placed(&pair, &first, &second);
-                let (plane, depth) = here.least(before.map(|(plane, _)| plane));
-                if let Some((old, was)) = before
-                    && was < 0.05
-                {
-                    let most = 4.0 * ((to - from).norm() + turn.norm()) * h;
-                    assert!(
-                        (depth.max(0.0) - was.max(0.0)).abs() < most,
-                        "{old:?} {plane:?} {was} {depth}"
-                    );
-                    changes += u32::from(old != plane && depth > 0.0);
-                }
-                before = Some((plane, depth));
-            }
-        }
-    }
+    let pairs = pairs(&mut numbers);
+    let each = pairs.iter();
+    let changes: u32 = each
+        .map(|pair| changes_without_a_jump(pair, &mut numbers, 8, 4.0, 0.05))
+        .sum();
     assert!(changes > 50, "{changes}");
 }
 

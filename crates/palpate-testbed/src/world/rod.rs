@@ -1,0 +1,225 @@
+//! A capsule on another convex solid: how its two ends lie behind the plane between them.
+//!
+//! Two forces of the shares cos θ and sin θ at the ends push as one does where they balance on the segment. There a sphere
+//! overlaps the other solid by p, and the two ends can hold p (cos θ + sin θ) cos θ and p (cos θ + sin θ) sin θ. The pair takes the
+//! θ of which p (cos θ + sin θ) is largest. Planes have no part in this; that they cost least then is what tests say.
+
+use std::f64::consts::FRAC_PI_2;
+
+use super::contact::{Placed, Touch};
+use super::scene::Shape;
+use super::surface::{feature, nearest};
+use super::vector::{Rotation, Vec3};
+use super::wrapping::{Wrapped, normal_of};
+
+/// Of a difference in time \[s\]. Short, because it reaches back over the instant at which a contact begins.
+const STEP: f64 = 5e-8;
+/// Rounds of Ridders' method; each at least halves what is left.
+const ROUNDS: usize = 60;
+/// Where two angles are the same \[rad\].
+const SAME: f64 = 4e-16;
+
+/// The solid that a capsule is on.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Base {
+    Round(Shape),
+    Flat(Faces),
+}
+
+/// A convex solid by its faces: normal, how far along it, and the corners in their order.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Faces(Vec<(Vec3, f64, Vec<Vec3>)>);
+
+/// A capsule and what it is on.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Rod {
+    /// Whether the capsule is the first of the two.
+    pub is_first: bool,
+    pub radius: f64,
+    pub half_length: f64,
+    pub base: Base,
+}
+
+/// How a capsule lies.
+#[derive(Clone, Copy)]
+struct Lying {
+    /// From the second to the first.
+    normal: Vec3,
+    penetration: f64,
+    point: Vec3,
+}
+
+impl Faces {
+    pub fn of(wrapped: &Wrapped) -> Self {
+        let faces = wrapped.faces.iter().map(|face| {
+            let corners: Vec<Vec3> = face.iter().map(|&corner| wrapped.corners[corner]).collect();
+            let normal = normal_of(&corners).unwrap_or(Vec3::ZERO);
+            (normal, normal.dot(corners[0]), corners)
+        });
+        Self(faces.collect())
+    }
+
+    /// Distance of a point and the normal there; inside, of the face of least depth.
+    fn nearest(&self, point: Vec3) -> (f64, Vec3) {
+        let mut highest = (f64::NEG_INFINITY, Vec3::ZERO);
+        let mut found: Option<Vec3> = None;
+        let mut take = |off: Vec3| {
+            if found.is_none_or(|other| off.norm() < other.norm()) {
+                found = Some(off);
+            }
+        };
+        for (normal, offset, corners) in &self.0 {
+            let height = normal.dot(point) - offset;
+            if height > highest.0 {
+                highest = (height, *normal);
+            }
+            if height <= 0.0 {
+                continue;
+            }
+            let sides =
+                || (0..corners.len()).map(|i| (corners[i], corners[(i + 1) % corners.len()]));
+            let is_over =
+                |(from, to): (Vec3, Vec3)| normal.cross(to - from).dot(point - from) >= 0.0;
+            if sides().all(is_over) {
+                take(*normal * height);
+                continue;
+            }
+            for (from, to) in sides() {
+                let along = to - from;
+                let share = along.dot(point - from) / along.dot(along);
+                take(point - from - along * share.clamp(0.0, 1.0));
+            }
+        }
+        match found.and_then(|off| Some((off.norm(), off.direction()?))) {
+            Some(near) if highest.0 > 1e-12 => near,
+            _ => highest,
+        }
+    }
+}
+
+impl Rod {
+    fn lying(&self, placed: [&Placed; 2], end: usize) -> Lying {
+        let [rod, base] = if self.is_first {
+            placed
+        } else {
+            [placed[1], placed[0]]
+        };
+        let half = rod.rotation.out(Vec3([0.0, 0.0, self.half_length]));
+        let ends = [rod.position - half, rod.position + half];
+        let along = ends[1] - ends[0];
+        let parts = |angle: f64| {
+            let (sine, cosine) = angle.sin_cos();
+            // Of a quarter turn the cosine is round-off.
+            (sine, if angle < FRAC_PI_2 { cosine } else { 0.0 })
+        };
+        let at = |angle: f64| {
+            let (sine, cosine) = parts(angle);
+            let sum = sine + cosine;
+            let place = base
+                .rotation
+                .back(ends[0] + along * (sine / sum) - base.position);
+            let (distance, out) = match &self.base {
+                Base::Round(shape) => {
+                    let near = nearest(shape, feature(shape, place), place);
+                    (near.distance, near.normal)
+                }
+                Base::Flat(faces) => faces.nearest(place),
+            };
+            let (out, overlap) = (base.rotation.out(out), self.radius - distance);
+            let grows = overlap.max(0.0) * (cosine - sine) - out.dot(along) / sum;
+            (overlap, out, grows)
+        };
+        let angle = balanced(|angle| at(angle).2);
+        let (overlap, out, _) = at(angle);
+        let (sine, cosine) = parts(angle);
+        let sum = sine + cosine;
+        let share = [cosine, sine][end];
+        let penetration = if overlap > 0.0 && share > 0.0 {
+            overlap * sum * share
+        } else {
+            // It is above the plane through the nearest place.
+            overlap - out.dot(ends[end] - (ends[0] + along * (sine / sum)))
+        };
+        Lying {
+            normal: if self.is_first { out } else { -out },
+            penetration,
+            point: ends[end] - out * (self.radius - 0.5 * penetration),
+        }
+    }
+
+    /// At one of the two ends.
+    pub fn touch(&self, end: usize, placed: [&Placed; 2]) -> Touch {
+        let here = self.lying(placed, end);
+        let after = |time: f64| {
+            let [first, second] = placed.map(|placed| moved(placed, time));
+            self.lying([&first, &second], end)
+        };
+        let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(|steps| after(steps * STEP));
+        let rate = |of: fn(&Lying) -> Vec3| {
+            ((of(&c) - of(&b)) * 8.0 - (of(&d) - of(&a))) * (1.0 / (12.0 * STEP))
+        };
+        let growth =
+            |of: fn(&Lying) -> f64| ((of(&c) - of(&b)) * 8.0 - (of(&d) - of(&a))) / (12.0 * STEP);
+        let mut touch = Touch::across(
+            here.penetration,
+            here.normal,
+            rate(|lying| lying.normal),
+            here.point,
+            rate(|lying| lying.point),
+            placed,
+        );
+        touch.growth = growth(|lying| lying.penetration);
+        touch
+    }
+}
+
+/// The angle in a quarter turn at which a function falls through 0, or the end at which it is nearest to that (C. Ridders, 1979).
+fn balanced(of: impl Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (0.0, FRAC_PI_2);
+    let (mut of_low, mut of_high) = (of(low), of(high));
+    if of_low <= 0.0 {
+        return low;
+    }
+    if of_high >= 0.0 {
+        return high;
+    }
+    let mut last = f64::NAN;
+    for _ in 0..ROUNDS {
+        let middle = 0.5 * (low + high);
+        let of_middle = of(middle);
+        let root = (of_middle * of_middle - of_low * of_high).sqrt();
+        let next = middle + (middle - low) * of_middle / root;
+        let of_next = of(next);
+        for (place, value) in [(middle, of_middle), (next, of_next)] {
+            if value == 0.0 {
+                return place;
+            }
+            if value > 0.0 && place > low {
+                (low, of_low) = (place, value);
+            } else if value < 0.0 && place < high {
+                (high, of_high) = (place, value);
+            }
+        }
+        if (next - last).abs() <= SAME || high - low <= SAME {
+            return next;
+        }
+        last = next;
+    }
+    last
+}
+
+/// Where a member is after a time at its velocities.
+fn moved(placed: &Placed, time: f64) -> Placed {
+    let rate = placed.turning.norm();
+    let rotation = placed.turning.direction().map_or(placed.rotation, |axis| {
+        let (sine, cosine) = (0.5 * rate * time).sin_cos();
+        let [x, y, z] = (axis * sine).0;
+        let turn = Rotation::of_quaternion([cosine, x, y, z]);
+        turn.after(&placed.rotation)
+    });
+    Placed {
+        position: placed.position + placed.velocity * time,
+        rotation,
+        ..*placed
+    }
+}

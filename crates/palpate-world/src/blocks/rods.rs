@@ -1,0 +1,260 @@
+//! A capsule and another convex solid, and the plane between them.
+//!
+//! A plane that has the other solid behind it is overlapped by the capsule's two ends at depths p1 and p2, and would store
+//! K/4 (p1^2 + p2^2), as a half-space does. The pair stores the least of that over all such planes. Outside of the
+//! other solid that least is what a sphere finds that goes along the capsule's segment: at the share s of the way it overlaps by
+//! p(s), and
+//!
+//! E = K/2 max over s of p(s)^2/(2 ((1 - s)^2 + s^2)),
+//!
+//! by the duality of norms (R. T. Rockafellar, Convex Analysis, 1970, section 31): of all weights of the two ends, those of the
+//! least plane are largest. p is concave along the segment, because the distance from a convex solid is convex; so there is one
+//! such place, and it moves continuously. The ends overlap the plane by p1 = 2 c (1 - s) p and p2 = 2 c s p, c = 1/(2 ((1 - s)^2 + s^2)).
+
+use std::sync::Arc;
+
+use super::{Between, Found, Plane};
+use crate::hull::Corners;
+use crate::mesh::nearest_of_triangle;
+use crate::rigid::{Rigid, Vector3};
+use crate::solid::{Nearest, Solid};
+
+/// A capsule's two ends share the law.
+pub(super) const ENDS: usize = 2;
+/// Looks for the place of most overlap, at most: each third one halves what is left.
+const MOST_LOOKS: usize = 96;
+/// Shares of the segment that are no longer told apart.
+const SAME_PLACE: f64 = 1e-15;
+/// Distances below this have no direction `[m]`.
+const NO_DIRECTION: f64 = 1e-12;
+
+/// What a capsule touches.
+#[derive(Clone, Debug)]
+pub(super) enum Other {
+    Round(Solid),
+    Flat(Arc<Corners>),
+}
+
+/// A capsule and another solid, as they lie.
+#[derive(Clone, Debug)]
+pub(super) struct Rod {
+    /// Which of the two is the capsule.
+    side: usize,
+    radius: f64,
+    pub(super) half_length: f64,
+    other: Other,
+    /// As of [`Between::least`] `[m]`.
+    pub(super) depth: f64,
+    /// Out of the other solid.
+    pub(super) out: Vector3,
+    found: [Found; ENDS],
+}
+
+/// Of a place on the segment.
+#[derive(Clone, Copy)]
+struct Place {
+    /// How deep a sphere there overlaps the other solid `[m]`,
+    overlap: f64,
+    /// and out of that solid.
+    out: Vector3,
+    /// Below 0 where more of E lies further on.
+    slope: f64,
+}
+
+impl Rod {
+    /// `side`: the capsule is the first (0) or second (1) of the two.
+    pub fn new(side: usize, radius: f64, half_length: f64, other: Other) -> Self {
+        Self {
+            side,
+            radius,
+            half_length,
+            other,
+            depth: f64::NEG_INFINITY,
+            out: Vector3::x(),
+            found: [Found::none(); ENDS],
+        }
+    }
+
+    pub fn reaches(&self) -> [f64; 2] {
+        let own = self.radius + self.half_length;
+        let other = match &self.other {
+            Other::Round(solid) => solid.reach(),
+            Other::Flat(corners) => corners.reach(),
+        };
+        if self.side == 0 {
+            [own, other]
+        } else {
+            [other, own]
+        }
+    }
+
+    /// They lie so now.
+    pub fn place(&mut self, rigids: [&Rigid; 2]) {
+        let (rod, other) = (rigids[self.side], rigids[1 - self.side]);
+        let half = rod.orientation * Vector3::new(0.0, 0.0, self.half_length);
+        let ends = [rod.position - half, rod.position + half];
+        let (s, at) = self.most(&ends, other);
+        let weights = [1.0 - s, s];
+        let square = weights.iter().map(|weight| weight * weight).sum::<f64>();
+        let nearest = ends[0] * weights[0] + ends[1] * weights[1];
+        self.out = at.out;
+        self.depth = if at.overlap > 0.0 {
+            at.overlap / (2.0 * square).sqrt()
+        } else {
+            at.overlap
+        };
+        for ((found, weight), end) in self.found.iter_mut().zip(weights).zip(ends) {
+            let penetration = if at.overlap > 0.0 && weight > 0.0 {
+                at.overlap * weight / square
+            } else {
+                // It is above the plane through the nearest place.
+                at.overlap - at.out.dot(&(end - nearest))
+            };
+            *found = Found {
+                penetration,
+                place: end - at.out * (self.radius - 0.5 * penetration),
+            };
+        }
+    }
+
+    fn nearest(&self, other: &Rigid, point: &Vector3) -> Nearest {
+        match &self.other {
+            Other::Round(solid) => solid.nearest(other, point),
+            Other::Flat(corners) => {
+                let off = point - other.position;
+                let nearest = corners.nearest(&other.orientation.inverse_transform_vector(&off));
+                Nearest {
+                    normal: other.orientation * nearest.normal,
+                    ..nearest
+                }
+            }
+        }
+    }
+
+    fn look(&self, ends: &[Vector3; 2], other: &Rigid, s: f64) -> Place {
+        let along = ends[1] - ends[0];
+        let nearest = self.nearest(other, &(ends[0] + along * s));
+        let overlap = self.radius - nearest.distance;
+        let rises = nearest.normal.dot(&along);
+        let slope = if overlap > 0.0 {
+            rises * ((1.0 - s).powi(2) + s * s) + overlap * (2.0 * s - 1.0)
+        } else {
+            rises
+        };
+        Place {
+            overlap,
+            out: nearest.normal,
+            slope,
+        }
+    }
+
+    /// The place on the segment that stores most, as a share of the way: false position (Illinois), and halving where that is slow.
+    fn most(&self, ends: &[Vector3; 2], other: &Rigid) -> (f64, Place) {
+        let look = |s: f64| self.look(ends, other, s);
+        let (mut low, mut high) = (0.0, 1.0);
+        let (first, last) = (look(low), look(high));
+        if first.slope >= 0.0 {
+            return (low, first);
+        }
+        if last.slope <= 0.0 {
+            return (high, last);
+        }
+        let (mut of_low, mut of_high) = (first.slope, last.slope);
+        let mut kept = 0_i8;
+        let mut here = (0.5, look(0.5));
+        for number in 0..MOST_LOOKS {
+            if here.1.slope == 0.0 || high - low < SAME_PLACE {
+                break;
+            }
+            let (s, slope) = (here.0, here.1.slope);
+            if slope < 0.0 {
+                (low, of_low) = (s, slope);
+                of_high *= if kept < 0 { 0.5 } else { 1.0 };
+                kept = -1;
+            } else {
+                (high, of_high) = (s, slope);
+                of_low *= if kept > 0 { 0.5 } else { 1.0 };
+                kept = 1;
+            }
+            let middle = 0.5 * (low + high);
+            let crosses = low - of_low * (high - low) / (of_high - of_low);
+            let next = if number % 3 == 2 || !(low < crosses && crosses < high) {
+                middle
+            } else {
+                crosses
+            };
+            if next <= low || next >= high {
+                break;
+            }
+            here = (next, look(next));
+        }
+        here
+    }
+}
+
+impl Between for Rod {
+    fn least(&self, _: Option<Plane>) -> (Plane, f64) {
+        let plane = Plane::Face {
+            of: 1 - self.side,
+            number: 0,
+        };
+        (plane, self.depth)
+    }
+
+    fn normal(&self, _: Plane) -> Vector3 {
+        if self.side == 0 { self.out } else { -self.out }
+    }
+
+    fn points(&self, _: Plane, found: &mut [Found]) {
+        for (found, own) in found.iter_mut().zip(self.found) {
+            *found = own;
+        }
+    }
+}
+
+impl Corners {
+    /// Largest distance of a corner from the origin of the axes `[m]`.
+    pub(super) fn reach(&self) -> f64 {
+        self.places.iter().map(Vector3::norm).fold(0.0, f64::max)
+    }
+
+    /// The nearest point of the surface; of a point inside, that of least depth.
+    fn nearest(&self, point: &Vector3) -> Nearest {
+        let height = |face: &crate::convex::Polygon| face.normal.dot(point) - face.offset;
+        let mut highest = Nearest {
+            distance: f64::NEG_INFINITY,
+            normal: Vector3::x(),
+        };
+        for face in &self.faces {
+            let height = height(face);
+            if height > highest.distance {
+                highest = Nearest {
+                    distance: height,
+                    normal: face.normal,
+                };
+            }
+        }
+        if highest.distance <= NO_DIRECTION {
+            return highest;
+        }
+        // What is nearest lies on a face that the point is in front of.
+        let (mut least, mut way) = (f64::INFINITY, Vector3::zeros());
+        for face in self.faces.iter().filter(|face| height(face) > 0.0) {
+            let corner = |number: usize| &self.places[number];
+            let (first, others) = (corner(face.corners[0]), &face.corners[1..]);
+            for two in others.windows(2) {
+                let corners = [first, corner(two[0]), corner(two[1])];
+                let off = point - nearest_of_triangle(corners, point);
+                let square = off.norm_squared();
+                if square < least {
+                    (least, way) = (square, off);
+                }
+            }
+        }
+        let distance = least.sqrt();
+        Nearest {
+            distance,
+            normal: way / distance,
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! Which pairs of shapes have a plane between them that is looked for.
+
+use std::sync::Arc;
+
+use super::boxes::ON_A_FACE;
+use super::hulls::Hulls;
+use super::rods::{ENDS, Other, Rod};
+use super::{Blocks, Solids};
+use crate::Shape;
+use crate::hull::Corners;
+use crate::solid::Solid;
+
+impl Blocks {
+    /// Of two boxes or hulls, or of a capsule and another solid; `None` of other shapes.
+    pub fn between(shapes: [&Shape; 2], parts: [usize; 2], first_point: usize) -> Option<Self> {
+        if let [
+            Shape::Box { half_extents: a },
+            Shape::Box { half_extents: b },
+        ] = shapes
+        {
+            let solids = Solids::Boxes([a, b].map(|half| (*half).into()));
+            // One for each corner of either.
+            return Some(Self::new(parts, solids, first_point, ON_A_FACE, 8));
+        }
+        if let Some(rod) = capsule(shapes) {
+            return Some(Self::new(parts, Solids::Rod(rod), first_point, ENDS, ENDS));
+        }
+        let hull = |shape: &Shape| match shape {
+            Shape::Hull(hull) => Some(hull.by_corners().clone()),
+            Shape::Box { half_extents } => Some(Arc::new(Corners::of_box((*half_extents).into()))),
+            _ => None,
+        };
+        let [one, other] = shapes;
+        let hulls = [hull(one)?, hull(other)?];
+        let most = |of: fn(&Corners) -> usize| hulls.iter().map(|hull| of(hull)).max();
+        let share = most(Corners::most_on_a_face).unwrap_or(1);
+        let points = most(|hull| hull.places.len()).unwrap_or(1);
+        let solids = Solids::Hulls(Hulls::new(hulls, share));
+        Some(Self::new(parts, solids, first_point, share, points))
+    }
+}
+
+/// A capsule on another convex solid than a sphere: of two capsules the shorter one, of equals the first.
+fn capsule(shapes: [&Shape; 2]) -> Option<Rod> {
+    let capsule = |side: usize| match shapes[side] {
+        &Shape::Capsule {
+            radius,
+            half_length,
+        } => Some((radius, half_length)),
+        _ => None,
+    };
+    let (side, (radius, half_length)) = match (capsule(0), capsule(1)) {
+        (Some(one), Some(other)) if other.1 < one.1 => (1, other),
+        (Some(one), _) => (0, one),
+        (None, other) => (1, other?),
+    };
+    let other = match shapes[1 - side] {
+        Shape::Hull(hull) => Other::Flat(hull.by_corners().clone()),
+        shape @ (Shape::Box { .. } | Shape::Capsule { .. } | Shape::Cylinder { .. }) => {
+            Other::Round(Solid::of(shape)?)
+        }
+        _ => return None,
+    };
+    Some(Rod::new(side, radius, half_length, other))
+}
