@@ -313,14 +313,11 @@ fn links_without_inertia_need_a_rotor() {
 #[test]
 fn a_scene_finds_its_device_file_beside_itself() {
     let from_file = scene("file = \"small.toml\"", GOOD).unwrap();
-    assert_eq!(
-        from_file.linkage,
-        Some(Linkage::parse("small.toml", GOOD).unwrap())
-    );
-    let device = from_file.linkage.as_ref().unwrap();
+    let device = &from_file.device.pantograph().unwrap().linkage;
+    assert_eq!(*device, Linkage::parse("small.toml", GOOD).unwrap());
     assert_eq!(
         device.effective_mass(0.0).unwrap().to_bits(),
-        from_file.device.mass.to_bits()
+        from_file.device.mass().to_bits()
     );
     // The same numbers as the preset, read from the preset's own file.
     let haply = std::fs::read_to_string(devices().join("haply-2diy-gen3.toml")).unwrap();

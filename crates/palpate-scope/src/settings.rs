@@ -160,7 +160,7 @@ impl Settings {
         self.tell(&mut scene);
         let told = scene.told_actuation();
         ToldState {
-            told_device_mass_kg: scene.told_device_mass.unwrap_or(scene.device.mass),
+            told_device_mass_kg: scene.told_device_mass.unwrap_or(scene.device.mass()),
             told_delay_s: told.delay,
             told_lag_s: told.lag,
             told_gain: told.gain,
