@@ -99,7 +99,10 @@ impl Playground {
     /// The scene with the device as it was chosen.
     fn scene_on(&self, device: DeviceChoice) -> Scene {
         let mut scene = self.scene.clone();
-        scene.device.mass = device.mass_kg;
+        // A scene file has no recorded hand, whose model has the mass.
+        if let Some(mass) = scene.device.mass_mut() {
+            *mass = device.mass_kg;
+        }
         scene.timing.delay_seconds = device.delay_s;
         scene
     }

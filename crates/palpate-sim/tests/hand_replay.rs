@@ -8,7 +8,6 @@ use std::sync::Arc;
 
 use common::{Random, recorded_hands};
 use palpate::{Actuation, AnyRenderer, Contact, LoopParams, ObjectState, Renderer, Sample, Side};
-use palpate_scene::Scene;
 use palpate_scene::method::MethodName;
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::hand_replay::{
@@ -518,7 +517,7 @@ fn what_shows_no_hand_is_refused_by_name() {
 }
 
 #[test]
-fn a_scene_has_one_hand() {
+fn a_scene_of_a_recorded_hand_runs_and_has_no_file() {
     let times: Vec<f64> = (0..100).map(|i| f64::from(i) * 0.01).collect();
     let positions = vec![0.0; 100];
     let recording = Recording {

@@ -115,8 +115,7 @@ fn run(scene: &Scene, params: AnyParams<f64>, side: Side) -> Vec<[f64; 7]> {
             ledger.original_leak.accumulated,
             ledger.held_leak.accumulated,
         ]);
-        let acceleration =
-            (scene.device.hand_force() + sign * output.force_on_device) / scene.device_mass;
+        let acceleration = (scene.user_force + sign * output.force_on_device) / scene.device_mass;
         position += (velocity + 0.5 * acceleration * scene.period) * scene.period;
         velocity += acceleration * scene.period;
     }

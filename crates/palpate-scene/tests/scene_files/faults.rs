@@ -606,9 +606,9 @@ fn a_file_with_mistakes_of_device_hand_and_loop_shows_all_three() {
     assert_eq!(
         said,
         [
-            "scene.toml:22:13: hand.tremor_hz is -8 Hz, but must be finite and greater than 0",
-            "scene.toml:23:12: force_at = \"motors\" is for a device of kind pantograph, whose motors give torques",
-            "scene.toml:28:11: either delay_s, or delay_samples with delay_fraction; not both",
+            "scene.toml:21:13: hand.tremor_hz is -8 Hz, but must be finite and greater than 0",
+            "scene.toml:22:12: force_at = \"motors\" is for a device of kind pantograph, whose motors give torques",
+            "scene.toml:27:11: either delay_s, or delay_samples with delay_fraction; not both",
         ]
     );
 }
