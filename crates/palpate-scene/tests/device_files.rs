@@ -385,10 +385,8 @@ fn a_scene_on_a_preset_is_written_with_its_box_and_one_on_a_file_is_not() {
         let written = read.to_toml().unwrap();
         let again = SceneFile::parse("written", &written).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(again.scene, read, "{written}");
-        let in_motors = Scene {
-            user_force_at: HandForceAt::Motors,
-            ..read
-        };
+        let mut in_motors = read;
+        in_motors.device.pantograph_mut().unwrap().force_at = HandForceAt::Motors;
         let written = in_motors.to_toml().unwrap();
         let again = SceneFile::parse("written", &written).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(again.scene, in_motors, "{written}");

@@ -9,7 +9,7 @@ use palpate_scene::{Device, Hand, Measure, PointMassDevice, Scene, Timing};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::replay::{Replay, ReplaySetup};
 use palpate_sim::run::{Run, Tick};
-use palpate_testbed::device::{Device, PointMass};
+use palpate_testbed::device::{Device as _, PointMass};
 use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::measure::Sampler;
 use proptest::prelude::*;
