@@ -112,7 +112,7 @@ pub fn heights(
         let mut reports = Vec::with_capacity(judged.len());
         for (place, mut scene) in judged.into_iter().enumerate() {
             if told_mass_factor != 1.0 {
-                scene.told_device_mass = Some(told_mass_factor * scene.device.mass);
+                scene.told_device_mass = Some(told_mass_factor * scene.device.mass());
             }
             let found = threads
                 .install(|| over_heights(&scene, &columns, || stop.leave_if_raised()))

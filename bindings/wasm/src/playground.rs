@@ -81,11 +81,11 @@ impl Playground {
             limits: Limits::around(&settings, &scene),
             settings,
             device: DeviceChoice {
-                mass_kg: scene.device.mass,
+                mass_kg: scene.device.mass(),
                 delay_s: scene.delay as f64 * scene.loop_params.period + scene.timing.delay_seconds,
                 cut_off: false,
             },
-            hand: PointerHand::at(scene.device.position),
+            hand: PointerHand::at(scene.device.position()),
             scene,
             lanes: Vec::new(),
             runs: 0,
@@ -99,7 +99,10 @@ impl Playground {
     /// The scene with the device as it was chosen.
     fn scene_on(&self, device: DeviceChoice) -> Scene {
         let mut scene = self.scene.clone();
-        scene.device.mass = device.mass_kg;
+        // A scene file has no recorded hand, whose model has the mass.
+        if let Some(mass) = scene.device.mass_mut() {
+            *mass = device.mass_kg;
+        }
         scene.timing.delay_seconds = device.delay_s;
         scene
     }
@@ -257,7 +260,7 @@ impl Playground {
 
     /// Loops, object, device and hand are where the scene has them.
     fn restart(&mut self) -> Result<(), String> {
-        self.hand.move_to(self.scene.device.position);
+        self.hand.move_to(self.scene.device.position());
         self.begin_with(self.settings.clone(), self.device, false)
     }
 

@@ -161,8 +161,8 @@ impl Flags {
             object: scene.object,
             virtual_force: scene.virtual_force,
             actuation: ReplaySetup::of_scene(&scene).actuation,
-            device_mass: told.or(Some(scene.device.mass)),
-            encoder_quantum: scene.device.encoder_quantum,
+            device_mass: told.or(Some(scene.device.mass())),
+            encoder_quantum: scene.device.encoder_quantum(),
         };
         scene.check().map_err(|error| wrong_flag(&error))?;
         let settings = scene.settings.remove(&method).unwrap_or_default();
@@ -260,11 +260,19 @@ impl Flags {
             scene.told_device_mass = found.or(scene.told_device_mass);
         }
         scene.told_device_mass = self.told_device_mass.or(scene.told_device_mass);
-        let device = &mut scene.device;
-        device.mass = self.device_mass.unwrap_or(device.mass);
         let quantum = file.and_then(DeviceFile::sensor_quantum);
         let quantum = self.encoder_quantum.or(quantum);
-        device.encoder_quantum = quantum.unwrap_or(device.encoder_quantum);
+        if let Some(given) = self.device_mass {
+            let Some(mass) = scene.device.mass_mut() else {
+                let message =
+                    "--device-mass: a recorded hand has moved a device whose mass it states";
+                return Err(Failure::Arguments(message.into()));
+            };
+            *mass = given;
+        }
+        if let Some(given) = quantum {
+            *scene.device.encoder_quantum_mut() = given;
+        }
         for &method in methods {
             let settings = scene.settings.entry(method).or_default();
             *settings = self.settings().or(*settings);

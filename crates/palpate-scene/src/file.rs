@@ -16,13 +16,12 @@ use super::beside::Files;
 use super::check::SceneParameterError;
 use super::device_key::{DeviceFault, RawDevice, ReadDevice, ReadPointMass};
 use super::fault::{Places, SceneError, SceneErrors};
-use super::hand::{RawHand, ReadHand};
-use super::linkage::Linkage;
+use super::hand_key::{RawHand, ReadHand};
 use super::parameter::SceneParameter::{self, self as Of};
 use super::recover::{self, Fault};
 use super::timing::{RawLoop, Timing};
 use super::told::RawTold;
-use super::{Measure, PointMassDevice, Scene, SetupError};
+use super::{Device, HandForceAt, Measure, PantographDevice, Scene, SetupError};
 use crate::method::{GivenSettings, MethodName, Setting, Settings, SettingsError, method_named};
 use crate::world::WorldFile;
 
@@ -359,15 +358,17 @@ impl Reading<'_> {
                 places.take(Parameter::ObjectMass, object.mass_kg),
             )
         };
-        let (linkage, device) = self.device(raw.device, &mut places, files);
+        let before = self.faults.len();
+        let mut device = self.device(raw.device, &mut places, files);
+        let is_that_device = self.faults.len() == before && !self.damaged.contains("device");
         let hand = raw.hand.read(&mut places, files);
-        let ReadHand {
-            force,
-            force_at,
-            tremor,
-            release,
-            grip,
-        } = self.or("hand", hand, ReadHand::default());
+        let hand = self.or("hand", hand, ReadHand::default());
+        for fault in hand.hold(&mut device) {
+            // What stands in the place of a faulty device may be of another kind.
+            if is_that_device {
+                self.in_table("hand", fault);
+            }
+        }
         let period = places.take(Parameter::Period, raw.r#loop.period_s.clone());
         let actuator = raw.r#loop.actuator(&mut places);
         if let Some(alone) = raw.told.alone() {
@@ -413,15 +414,8 @@ impl Reading<'_> {
             },
             object_radius: places.take_or(Of::ObjectRadius, object.radius_m, 0.0),
             virtual_force: places.take_or(Parameter::VirtualForce, object.force_n, 0.0),
-            linkage,
             device,
             told_device_mass,
-            user_force: force,
-            user_force_at: force_at,
-            tremor,
-            release,
-            grip,
-            recorded_hand: None,
             delay,
             timing,
             actuator,
@@ -473,13 +467,13 @@ impl Reading<'_> {
         (settings, places)
     }
 
-    /// The linkage, if the device is one, and the device as a point mass.
+    /// The device, in no hand yet.
     fn device(
         &mut self,
         raw: RawDevice,
         places: &mut Places<SceneParameter>,
         files: Files<'_>,
-    ) -> (Option<Linkage>, PointMassDevice) {
+    ) -> Device {
         let kind = raw.kind.span();
         let device = match raw.read(self.name, files) {
             Ok(device) => device,
@@ -494,17 +488,20 @@ impl Reading<'_> {
             }
         };
         match device {
-            ReadDevice::PointMass(read) => (None, read.device(places)),
+            ReadDevice::PointMass(read) => Device::PointMass(read.device(places)),
             ReadDevice::Pantograph(linkage, position) => {
                 let at = position.as_ref().map_or(kind, Spanned::span);
                 let position = places.take_or(Of::DevicePosition, position, 0.0);
                 let mass = linkage.effective_mass(position);
-                let device = PointMassDevice {
-                    mass: self.or("device", mass.map_err(|error| (at, error.to_string())), 1.0),
+                let mass = mass.map_err(|error| (at, error.to_string()));
+                Device::Pantograph(PantographDevice {
+                    mass: self.or("device", mass, 1.0),
+                    linkage,
                     position,
-                    ..PointMassDevice::default()
-                };
-                (Some(linkage), device)
+                    encoder_quantum: 0.0,
+                    force: 0.0,
+                    force_at: HandForceAt::default(),
+                })
             }
         }
     }

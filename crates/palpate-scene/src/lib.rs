@@ -7,12 +7,14 @@
 
 mod beside;
 mod check;
+mod device;
 mod device_file;
 mod device_key;
 mod drivetrain_key;
 mod fault;
 mod file;
 mod hand;
+mod hand_key;
 mod linkage;
 pub mod method;
 pub mod named_parameters;
@@ -25,9 +27,11 @@ mod write;
 
 pub use beside::beside;
 pub use check::SceneParameterError;
+pub use device::{Device, PantographDevice, PointMassDevice};
 pub use fault::in_plain_words;
 pub use fault::{SceneError, SceneErrors};
 pub use file::{GUARD_ALLOWANCE, GUARD_SPEED, GuardMode, SceneFile};
+pub use hand::{Grip, Hand, Intention, Wave};
 pub use linkage::{HandForceAt, Linkage};
 pub use parameter::SceneParameter;
 pub use timing::{Dropped, Jitter, RateCollapse, Timing};
@@ -35,7 +39,6 @@ pub use told::Told;
 pub use write::Unwritable;
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
 use palpate::{
     AnyParams, AnyRenderer, Contact, LoopParams, Mass, ObjectState, ParameterError, Renderer,
@@ -44,8 +47,6 @@ use palpate::{
 
 pub use palpate_testbed::actuator::ActuatorParams;
 pub use palpate_testbed::drivetrain::{Cogging, Transmission};
-use palpate_testbed::recorded_hand::RecordedHand;
-use palpate_testbed::recorded_path::RecordedPath;
 
 use crate::method::{Basis, MethodName, Settings, SettingsError};
 
@@ -69,25 +70,10 @@ pub struct Scene {
     pub object_radius: f64,
     /// Virtual force f_V on the object `[N]`.
     pub virtual_force: f64,
-    /// The device.
-    pub device: PointMassDevice,
-    /// Mass of the device as the renderer is told `[kg]`; `None` tells it the effective mass.
+    /// The device and the hand that moves it.
+    pub device: Device,
+    /// Mass of the device as the renderer is told `[kg]`; `None` tells it [`Device::mass`].
     pub told_device_mass: Option<f64>,
-    /// Constant force f_u of the hand on the device `[N]`.
-    pub user_force: f64,
-    /// Where that force acts on a linkage; a point mass has one place only.
-    pub user_force_at: HandForceAt,
-    /// The linkage that stands in place of a point mass, if one does; then `device.mass` is its
-    /// effective mass along the contact, and its own friction, encoders and motors count.
-    pub linkage: Option<Linkage>,
-    /// The hand's own mass, spring and damper, if it has any.
-    pub grip: Option<Grip>,
-    /// A recorded hand in place of every other ; no scene file has one.
-    pub recorded_hand: Option<Arc<RecordedHand>>,
-    /// Tremor force of the hand, its amplitude in `[N]`.
-    pub tremor: Option<Wave>,
-    /// When the hand lets go of the device, for good `[s]`.
-    pub release: Option<f64>,
     /// Whole samples between measuring and actuating.
     pub delay: usize,
     /// What else is not perfect about the loop.
@@ -102,67 +88,6 @@ pub struct Scene {
     pub method: MethodName,
     /// Settings of methods; one without an entry takes its defaults.
     pub settings: HashMap<MethodName, Settings>,
-}
-
-/// A point mass.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PointMassDevice {
-    /// Mass `[kg]`.
-    pub mass: f64,
-    /// Position at the start `[m]`.
-    pub position: f64,
-    /// Velocity at the start `[m/s]`.
-    pub velocity: f64,
-    /// Quantum of the position sensor `[m]`; 0 for an ideal one.
-    pub encoder_quantum: f64,
-    /// Viscous friction `[N s/m]`.
-    pub viscous_friction: f64,
-    /// Coulomb friction `[N]`.
-    pub coulomb_friction: f64,
-    /// Largest force of the motor `[N]`; a larger one is sent only in part.
-    pub largest_force: Option<f64>,
-    /// Flexible transmission between the motor, where the sensor is, and the end-point, where the hand
-    /// is; none where they are one rigid body.
-    pub transmission: Option<Transmission>,
-    /// Cogging of the motor.
-    pub cogging: Option<Cogging>,
-    /// Standard deviation of the sensor's white noise, before its quantum `[m]`. No renderer is told.
-    pub noise: f64,
-}
-
-impl PointMassDevice {
-    /// Whether motor and end-point are one rigid body, and the motor does not cog.
-    #[must_use]
-    pub fn is_rigid(&self) -> bool {
-        self.transmission.is_none() && self.cogging.is_none()
-    }
-}
-
-/// A hand that holds the device: its mass moves with it, and a spring and a damper pull it to where
-/// the hand wants to be.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Grip {
-    /// Mass `[kg]`.
-    pub mass: f64,
-    /// Stiffness `[N/m]`.
-    pub stiffness: f64,
-    /// Damping `[N s/m]`.
-    pub damping: f64,
-    /// Where the hand wants to be `[m]`, if it does not follow a recording.
-    pub position: f64,
-    /// Swing of that place, its amplitude in `[m]`.
-    pub swing: Option<Wave>,
-    /// A recorded path of that place, in place of both; the hand rests at its ends.
-    pub intention: Option<Arc<RecordedPath>>,
-}
-
-/// A sine that begins at 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wave {
-    /// Amplitude, in the unit of what swings.
-    pub amplitude: f64,
-    /// Frequency `[Hz]`.
-    pub frequency_hz: f64,
 }
 
 /// The window over which a run is judged.
@@ -243,10 +168,10 @@ impl Scene {
         let basis = Basis {
             stiffness: self.contact.stiffness,
             period: self.loop_params.period,
-            device_mass: Some(self.told_device_mass.unwrap_or(self.device.mass)),
-            encoder_quantum: self.device.encoder_quantum,
+            device_mass: Some(self.told_device_mass.unwrap_or(self.device.mass())),
+            encoder_quantum: self.device.encoder_quantum(),
             recorded: false,
-            stored_energy: stored_energy(&self.contact, self.object, self.device.position),
+            stored_energy: stored_energy(&self.contact, self.object, self.device.position()),
         };
         method.params(&settings, &basis)
     }

@@ -24,7 +24,6 @@ pub enum SceneParameter {
     SensorNoise,
     ToldDeviceMass,
     HandForce,
-    HandForceAt,
     Tremor,
     TremorFrequency,
     Release,
@@ -81,7 +80,6 @@ impl SceneParameter {
             Self::SensorNoise => "device.noise_m",
             Self::ToldDeviceMass => "renderer.device_mass_kg",
             Self::HandForce => "hand.force_n",
-            Self::HandForceAt => "hand.force_at",
             Self::Tremor => "hand.tremor_n",
             Self::TremorFrequency => "hand.tremor_hz",
             Self::Release => "hand.release_s",
@@ -172,7 +170,6 @@ impl ParameterName for SceneParameter {
             | Self::MotorLimit
             | Self::Cogging
             | Self::HandForce
-            | Self::HandForceAt
             | Self::Tremor => "N",
             Self::ToldDeviceMass | Self::HandMass => "kg",
             Self::TremorFrequency | Self::SwingFrequency | Self::Resonance => "Hz",

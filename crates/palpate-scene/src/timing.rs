@@ -186,7 +186,7 @@ impl Scene {
 
     /// The samples and commands of the loop over so many periods.
     pub fn timeline(&self, periods: usize) -> Result<Timeline, InvalidParameter> {
-        match &self.recorded_hand {
+        match self.device.recorded_hand() {
             Some(hand) if self.timing.as_recorded => {
                 let period = self.loop_params.period;
                 let delay = (self.delay, self.timing.delay_seconds);
@@ -211,7 +211,7 @@ impl Scene {
             delay_seconds: self.timing.delay_seconds,
             ..Timing::default()
         };
-        if self.timing.as_recorded && self.recorded_hand.is_none() {
+        if self.timing.as_recorded && self.device.recorded_hand().is_none() {
             let allowed = "those of a recorded hand";
             return refused(SceneParameter::RecordedInstants, 0.0, allowed);
         }

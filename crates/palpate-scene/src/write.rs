@@ -6,7 +6,8 @@ use palpate::{Contact, Guard, LoopParams, Mass, ParameterValue, Side};
 use palpate_testbed::pantograph::SafetyBox;
 
 use super::{
-    Dropped, Grip, HandForceAt, Jitter, Measure, PointMassDevice, Scene, Timing, Told, Wave,
+    Device, Dropped, Grip, Hand, HandForceAt, Intention, Jitter, Measure, PantographDevice,
+    PointMassDevice, Scene, Timing, Told, Wave,
 };
 use crate::method::{MethodName, Settings};
 
@@ -31,13 +32,6 @@ impl Scene {
             virtual_force,
             device,
             told_device_mass,
-            user_force,
-            user_force_at,
-            linkage,
-            grip,
-            recorded_hand,
-            tremor,
-            release,
             delay,
             timing,
             actuator,
@@ -62,12 +56,6 @@ impl Scene {
             actuation: _,
             guard,
         } = *loop_params;
-        if recorded_hand.is_some() {
-            return Err(Unwritable("what a recorded hand did"));
-        }
-        if grip.as_ref().is_some_and(|grip| grip.intention.is_some()) {
-            return Err(Unwritable("where a hand wants to be at every instant"));
-        }
         let mut file = File::default();
         file.line("scene_format", "1");
         file.line("title", &toml::Value::from(title.as_str()).to_string());
@@ -89,31 +77,16 @@ impl Scene {
             file.line("side", "\"negative\"");
         }
 
-        file.table("device");
-        match linkage {
-            Some(linkage) => {
-                file.line("kind", "\"pantograph\"");
-                let (preset, safety_box) = linkage
-                    .as_preset()
-                    .ok_or(Unwritable("what stands in a device file of its own"))?;
-                file.line("preset", &format!("\"{preset}\""));
-                if let Some(SafetyBox { x, y }) = safety_box {
-                    let bounds = format!("{{ x_m = {x:?}, y_m = {y:?} }}");
-                    file.line("safety_box", &bounds);
-                }
-                file.unless_zero("position_m", device.position);
+        match device {
+            Device::PointMass(device) => {
+                file.table("device");
+                file.point_mass(device);
+                file.table("hand");
+                file.hand(&device.hand)?;
             }
-            None => file.point_mass(device),
+            Device::Pantograph(device) => file.pantograph(device)?,
+            Device::Recorded { .. } => return Err(Unwritable("what a recorded hand did")),
         }
-
-        file.table("hand");
-        file.hand(grip.as_ref());
-        file.number("force_n", *user_force);
-        if *user_force_at != HandForceAt::default() {
-            file.line("force_at", &format!("\"{}\"", user_force_at.name()));
-        }
-        file.wave(["tremor_n", "tremor_hz"], *tremor);
-        file.if_given("release_s", *release);
 
         file.table("loop");
         file.number("period_s", period);
@@ -215,17 +188,65 @@ impl File {
         self.unless_zero("noise_m", device.noise);
     }
 
-    fn hand(&mut self, grip: Option<&Grip>) {
-        let Some(grip) = grip else {
-            self.line("kind", "\"constant-force\"");
-            return;
+    fn hand(&mut self, hand: &Hand) -> Result<(), Unwritable> {
+        let Hand {
+            force,
+            tremor,
+            grip,
+            release,
+        } = hand;
+        match grip {
+            Some(grip) => self.grip(grip)?,
+            None => self.line("kind", "\"constant-force\""),
+        }
+        self.number("force_n", *force);
+        self.wave(["tremor_n", "tremor_hz"], *tremor);
+        self.if_given("release_s", *release);
+        Ok(())
+    }
+
+    fn grip(&mut self, grip: &Grip) -> Result<(), Unwritable> {
+        let Intention::Place { position, swing } = grip.intention else {
+            return Err(Unwritable("where a hand wants to be at every instant"));
         };
         self.line("kind", "\"impedance\"");
         self.number("mass_kg", grip.mass);
         self.number("stiffness_n_per_m", grip.stiffness);
         self.number("damping_n_s_per_m", grip.damping);
-        self.number("position_m", grip.position);
-        self.wave(["swing_m", "swing_hz"], grip.swing);
+        self.number("position_m", position);
+        self.wave(["swing_m", "swing_hz"], swing);
+        Ok(())
+    }
+
+    fn pantograph(&mut self, device: &PantographDevice) -> Result<(), Unwritable> {
+        let PantographDevice {
+            linkage,
+            position,
+            // The linkage gives it.
+            mass: _,
+            // A file has no key for it.
+            encoder_quantum: _,
+            force,
+            force_at,
+        } = device;
+        let (preset, safety_box) = linkage
+            .as_preset()
+            .ok_or(Unwritable("what stands in a device file of its own"))?;
+        self.table("device");
+        self.line("kind", "\"pantograph\"");
+        self.line("preset", &format!("\"{preset}\""));
+        if let Some(SafetyBox { x, y }) = safety_box {
+            let bounds = format!("{{ x_m = {x:?}, y_m = {y:?} }}");
+            self.line("safety_box", &bounds);
+        }
+        self.unless_zero("position_m", *position);
+        self.table("hand");
+        self.line("kind", "\"constant-force\"");
+        self.number("force_n", *force);
+        if *force_at != HandForceAt::default() {
+            self.line("force_at", &format!("\"{}\"", force_at.name()));
+        }
+        Ok(())
     }
 
     fn timing(&mut self, timing: &Timing) {

@@ -313,14 +313,11 @@ fn links_without_inertia_need_a_rotor() {
 #[test]
 fn a_scene_finds_its_device_file_beside_itself() {
     let from_file = scene("file = \"small.toml\"", GOOD).unwrap();
-    assert_eq!(
-        from_file.linkage,
-        Some(Linkage::parse("small.toml", GOOD).unwrap())
-    );
-    let device = from_file.linkage.as_ref().unwrap();
+    let device = &from_file.device.pantograph().unwrap().linkage;
+    assert_eq!(*device, Linkage::parse("small.toml", GOOD).unwrap());
     assert_eq!(
         device.effective_mass(0.0).unwrap().to_bits(),
-        from_file.device.mass.to_bits()
+        from_file.device.mass().to_bits()
     );
     // The same numbers as the preset, read from the preset's own file.
     let haply = std::fs::read_to_string(devices().join("haply-2diy-gen3.toml")).unwrap();
@@ -388,10 +385,8 @@ fn a_scene_on_a_preset_is_written_with_its_box_and_one_on_a_file_is_not() {
         let written = read.to_toml().unwrap();
         let again = SceneFile::parse("written", &written).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(again.scene, read, "{written}");
-        let in_motors = Scene {
-            user_force_at: HandForceAt::Motors,
-            ..read
-        };
+        let mut in_motors = read;
+        in_motors.device.pantograph_mut().unwrap().force_at = HandForceAt::Motors;
         let written = in_motors.to_toml().unwrap();
         let again = SceneFile::parse("written", &written).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(again.scene, in_motors, "{written}");

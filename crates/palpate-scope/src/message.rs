@@ -232,7 +232,7 @@ impl<'a> Said<'a> {
         limits: crate::settings::Limits,
         device: DeviceSaid<'a>,
     ) -> Self {
-        let (object, from) = (scene.object.position, scene.device.position);
+        let (object, from) = (scene.object.position, scene.device.position());
         let (low, high) = (object.min(from), object.max(from));
         let margin = (0.75 * (high - low)).max(0.05);
         Self::Hello {

@@ -160,7 +160,7 @@ impl Settings {
         self.tell(&mut scene);
         let told = scene.told_actuation();
         ToldState {
-            told_device_mass_kg: scene.told_device_mass.unwrap_or(scene.device.mass),
+            told_device_mass_kg: scene.told_device_mass.unwrap_or(scene.device.mass()),
             told_delay_s: told.delay,
             told_lag_s: told.lag,
             told_gain: told.gain,
@@ -348,7 +348,7 @@ mod tests {
         };
         let after = before.with(&set, &limits, 2).unwrap();
         let lane = after.scene(&scene, after.lanes[0]);
-        assert_eq!((lane.device.mass, lane.actuator.gain), (0.1, 1.0));
+        assert_eq!((lane.device.mass(), lane.actuator.gain), (0.1, 1.0));
         let told = after.renderings(&scene).unwrap()[0].loop_params.actuation;
         assert_eq!((told.delay, told.lag, told.gain), (0.005, 0.001, 0.9));
         assert_eq!(after.told(&scene).told_device_mass_kg, 0.2);

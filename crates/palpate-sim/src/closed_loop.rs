@@ -249,12 +249,12 @@ impl<'a> Bench<'a> {
     ) -> Result<Run, LoopError> {
         let sign = self.sign;
         let mut in_progress = SampledLoop {
-            sampler: if scene.device.encoder_quantum > 0.0 {
-                Sampler::quantum(scene.device.encoder_quantum)?
+            sampler: if scene.device.encoder_quantum() > 0.0 {
+                Sampler::quantum(scene.device.encoder_quantum())?
             } else {
                 Sampler::Ideal
             },
-            noise: SensorNoise::normal(scene.device.noise, scene.timing.seed)?,
+            noise: SensorNoise::normal(scene.device.noise(), scene.timing.seed)?,
             actuator: Actuator::new(scene.actuator)?,
             sign,
             virtual_force: scene.virtual_force,
@@ -446,7 +446,7 @@ fn nearest_point(position: f64, last: usize) -> usize {
 
 /// When the ideal, which has no safety box, goes where that of the scene would end it `[s]`.
 fn leaves_box_at(scene: &Scene, reference: &Reference) -> Option<f64> {
-    let [low, high] = scene.linkage.as_ref()?.safety_box?.y;
+    let [low, high] = scene.device.pantograph()?.linkage.safety_box?.y;
     let outside = |point: &&IdealPoint| !(low..=high).contains(&point.device_position);
     reference.curve.iter().find(outside).map(|point| point.time)
 }
@@ -463,12 +463,12 @@ pub fn object_mass(scene: &Scene) -> f64 {
 fn exact_ideal(scene: &Scene, sign: f64) -> Result<Ideal, InvalidParameter> {
     Ideal::new(PointMassScene {
         stiffness: scene.contact.stiffness,
-        device_mass: scene.device.mass,
+        device_mass: scene.device.mass(),
         object_mass: object_mass(scene),
-        user_force: sign * scene.user_force,
+        user_force: sign * scene.device.hand_force(),
         virtual_force: sign * scene.virtual_force,
-        device_position: sign * scene.device.position,
-        device_velocity: sign * scene.device.velocity,
+        device_position: sign * scene.device.position(),
+        device_velocity: sign * scene.device.velocity(),
         object_position: sign * scene.object.position,
         object_velocity: sign * scene.object.velocity,
     })

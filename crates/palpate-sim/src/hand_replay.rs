@@ -56,7 +56,7 @@ use std::sync::Arc;
 use crate::replay::ReplaySetup;
 use crate::run::{Reference, Run};
 use palpate_scene::method::MethodName;
-use palpate_scene::{ActuatorParams, HandForceAt, Measure, PointMassDevice, Scene, Timing, Told};
+use palpate_scene::{ActuatorParams, Device, Measure, Scene, Timing, Told};
 
 /// How far, in recording steps, the end of the last period may lie behind that of the recording: time
 /// stamps are written in decimals.
@@ -78,7 +78,6 @@ pub fn scene(hand: Arc<RecordedHand>, setup: &ReplaySetup) -> Result<Scene, Hand
             period,
         });
     }
-    let (position, velocity) = hand.motion(0.0);
     let actuation = setup.actuation;
     let (samples, fraction) = setup.delay();
     Ok(Scene {
@@ -87,22 +86,12 @@ pub fn scene(hand: Arc<RecordedHand>, setup: &ReplaySetup) -> Result<Scene, Hand
         loop_params: setup.loop_params,
         object: setup.object,
         virtual_force: setup.virtual_force,
-        device: PointMassDevice {
-            mass: hand.model().device_mass,
-            position,
-            velocity,
+        device: Device::Recorded {
+            hand,
             encoder_quantum: setup.encoder_quantum,
-            ..PointMassDevice::default()
         },
         told_device_mass: setup.device_mass,
-        user_force: 0.0,
-        user_force_at: HandForceAt::default(),
         object_radius: 0.0,
-        linkage: None,
-        grip: None,
-        recorded_hand: Some(hand),
-        tremor: None,
-        release: None,
         delay: if fraction > 0.0 { 0 } else { samples },
         timing: Timing {
             delay_seconds: if fraction > 0.0 { actuation.delay } else { 0.0 },

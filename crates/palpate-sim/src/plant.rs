@@ -10,7 +10,7 @@ use palpate_testbed::held_mass::HeldMass;
 use palpate_testbed::measure::Sampler;
 use palpate_testbed::pantograph::Pantograph;
 
-use palpate_scene::{HandForceAt, Scene, Wave};
+use palpate_scene::{self as scene, PantographDevice, PointMassDevice, Scene, Wave};
 use palpate_testbed::recorded_hand::HeldByRecording;
 
 use crate::own_device::Seen;
@@ -50,54 +50,32 @@ pub(crate) enum Plant {
 impl Plant {
     /// The plant of a scene that has been checked; `sign` mirrors it to the canonical side.
     pub fn of(scene: &Scene, sign: f64) -> Result<Self, InvalidParameter> {
-        if let Some(linkage) = &scene.linkage {
-            let device = linkage.device(scene.device.position, pushed(scene), false)?;
-            return Ok(Self::Linkage {
-                device: Box::new(device),
-                home: linkage.home()?[1],
-            });
+        match &scene.device {
+            scene::Device::PointMass(device) => Self::of_point_mass(device, sign),
+            scene::Device::Pantograph(device) => Self::of_pantograph(device, false),
+            scene::Device::Recorded { hand, .. } => HeldByRecording::new(Arc::clone(hand), sign)
+                .map(|device| Self::Recorded(Box::new(device))),
         }
-        if let Some(hand) = &scene.recorded_hand {
-            return HeldByRecording::new(Arc::clone(hand), sign)
-                .map(|device| Self::Recorded(Box::new(device)));
-        }
-        let device = &scene.device;
+    }
+
+    /// `ideal`: without the limits of its motors and without the safety box.
+    fn of_pantograph(device: &PantographDevice, ideal: bool) -> Result<Self, InvalidParameter> {
+        let pushed = (device.force, device.force_at);
+        let moved = device.linkage.device(device.position, pushed, ideal)?;
+        Ok(Self::Linkage {
+            device: Box::new(moved),
+            home: device.linkage.home()?[1],
+        })
+    }
+
+    fn of_point_mass(device: &PointMassDevice, sign: f64) -> Result<Self, InvalidParameter> {
         let (position, velocity) = (sign * device.position, sign * device.velocity);
-        if is_free(scene) && device.largest_force.is_none() {
-            return PointMass::new(device.mass, sign * scene.user_force)?
+        if has_closed_form(device) && device.largest_force.is_none() {
+            return PointMass::new(device.mass, sign * device.hand.force)?
                 .starting_at(position, velocity)
                 .map(Self::Free);
         }
-        let wave = |wave: Wave| Sinusoid {
-            amplitude: sign * wave.amplitude,
-            frequency_hz: wave.frequency_hz,
-            phase: 0.0,
-        };
-        let (force, tremor) = (sign * scene.user_force, scene.tremor.map(wave));
-        let hand = match &scene.grip {
-            None => Hand::ConstantForce { force, tremor },
-            Some(grip) => Hand::Impedance {
-                mass: grip.mass,
-                stiffness: grip.stiffness,
-                damping: grip.damping,
-                intention: Intention {
-                    path: match (&grip.intention, grip.swing) {
-                        (Some(path), _) if sign < 0.0 => {
-                            IntendedPath::Recorded(Arc::new(path.mirrored()))
-                        }
-                        (Some(path), _) => IntendedPath::Recorded(Arc::clone(path)),
-                        (None, None) => IntendedPath::Constant(sign * grip.position),
-                        (None, Some(swing)) => IntendedPath::Sinusoid {
-                            centre: sign * grip.position,
-                            swing: wave(swing),
-                        },
-                    },
-                    tremor: None,
-                },
-                force,
-                tremor,
-            },
-        };
+        let hand = held_by(&device.hand, sign);
         let largest_force = device.largest_force.unwrap_or(f64::INFINITY);
         if !device.is_rigid() {
             let params = DrivetrainParams {
@@ -116,7 +94,7 @@ impl Plant {
         }
         let held = HeldMass::new(device.mass, hand)?
             .with_friction(device.viscous_friction, device.coulomb_friction)?;
-        let held = match scene.release {
+        let held = match device.hand.release {
             Some(release) => held.released_at(release)?,
             None => held,
         };
@@ -141,17 +119,17 @@ impl Plant {
 
     /// The same plant without the limits of its motors and its safety box, whose ideal is asked for.
     pub fn without_motor_limits(&self, scene: &Scene, sign: f64) -> Result<Self, InvalidParameter> {
-        match (self, &scene.linkage) {
-            (Self::Linkage { home, .. }, Some(linkage)) => Ok(Self::Linkage {
-                device: Box::new(linkage.device(scene.device.position, pushed(scene), true)?),
-                home: *home,
-            }),
-            (Self::Held { .. } | Self::Drivetrain { .. }, _) => {
-                let mut unlimited = scene.clone();
-                unlimited.device.largest_force = None;
-                Self::of(&unlimited, sign)
+        match &scene.device {
+            _ if matches!(self, Self::Own(_)) => Ok(self.clone()),
+            scene::Device::Pantograph(device) => Self::of_pantograph(device, true),
+            scene::Device::PointMass(device) => {
+                let unlimited = PointMassDevice {
+                    largest_force: None,
+                    ..device.clone()
+                };
+                Self::of_point_mass(&unlimited, sign)
             }
-            (plant, _) => Ok(plant.clone()),
+            scene::Device::Recorded { .. } => Ok(self.clone()),
         }
     }
 
@@ -189,21 +167,57 @@ pub(crate) fn noisy(position: f64, noise: f64) -> f64 {
     }
 }
 
-/// The hand's force on a linkage `[N]`, and where it acts.
-fn pushed(scene: &Scene) -> (f64, HandForceAt) {
-    (scene.user_force, scene.user_force_at)
+/// The hand of a point mass, on the canonical side.
+fn held_by(hand: &scene::Hand, sign: f64) -> Hand {
+    let wave = |wave: Wave| Sinusoid {
+        amplitude: sign * wave.amplitude,
+        frequency_hz: wave.frequency_hz,
+        phase: 0.0,
+    };
+    let (force, tremor) = (sign * hand.force, hand.tremor.map(wave));
+    let Some(grip) = &hand.grip else {
+        return Hand::ConstantForce { force, tremor };
+    };
+    let path = match &grip.intention {
+        scene::Intention::Recorded(path) if sign < 0.0 => {
+            IntendedPath::Recorded(Arc::new(path.mirrored()))
+        }
+        scene::Intention::Recorded(path) => IntendedPath::Recorded(Arc::clone(path)),
+        scene::Intention::Place {
+            position,
+            swing: None,
+        } => IntendedPath::Constant(sign * position),
+        scene::Intention::Place {
+            position,
+            swing: Some(swing),
+        } => IntendedPath::Sinusoid {
+            centre: sign * position,
+            swing: wave(*swing),
+        },
+    };
+    Hand::Impedance {
+        mass: grip.mass,
+        stiffness: grip.stiffness,
+        damping: grip.damping,
+        intention: Intention { path, tremor: None },
+        force,
+        tremor,
+    }
 }
 
 /// Whether the scene's ideal is known in closed form. A motor's limit is no part of the ideal.
 pub(crate) fn is_free(scene: &Scene) -> bool {
-    scene.linkage.is_none()
-        && scene.device.is_rigid()
-        && scene.device.viscous_friction == 0.0
-        && scene.device.coulomb_friction == 0.0
-        && scene.grip.is_none()
-        && scene.recorded_hand.is_none()
-        && scene.tremor.is_none()
-        && scene.release.is_none()
+    scene.device.point_mass().is_some_and(has_closed_form)
+}
+
+/// Whether the motion of a point mass in its hand is known in closed form but for its motor's limit.
+fn has_closed_form(device: &PointMassDevice) -> bool {
+    device.is_rigid()
+        && device.viscous_friction == 0.0
+        && device.coulomb_friction == 0.0
+        && device.hand.grip.is_none()
+        && device.hand.tremor.is_none()
+        && device.hand.release.is_none()
 }
 
 impl Device for Plant {

@@ -83,8 +83,8 @@ impl ReplaySetup {
             } else {
                 scene.told_actuation()
             },
-            device_mass: Some(scene.told_device_mass.unwrap_or(scene.device.mass)),
-            encoder_quantum: scene.device.encoder_quantum,
+            device_mass: Some(scene.told_device_mass.unwrap_or(scene.device.mass())),
+            encoder_quantum: scene.device.encoder_quantum(),
         }
     }
 

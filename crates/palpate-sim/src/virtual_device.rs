@@ -28,12 +28,12 @@ impl VirtualDevice {
         let sign: f64 = scene.contact.side.sign();
         Ok(Self {
             plant: Plant::of(scene, sign)?,
-            sampler: if scene.device.encoder_quantum > 0.0 {
-                Sampler::quantum(scene.device.encoder_quantum)?
+            sampler: if scene.device.encoder_quantum() > 0.0 {
+                Sampler::quantum(scene.device.encoder_quantum())?
             } else {
                 Sampler::Ideal
             },
-            noise: SensorNoise::normal(scene.device.noise, scene.timing.seed)?,
+            noise: SensorNoise::normal(scene.device.noise(), scene.timing.seed)?,
             actuator: Actuator::new(scene.actuator)?,
             sign,
         })

@@ -70,7 +70,7 @@ fn the_device_moves_under_the_delivered_force_and_its_means_are_judged() {
         let period = scene.loop_params.period;
         let steps = 20_000_u32;
         let step = period / f64::from(steps);
-        let mut device = PointMass::new(scene.device.mass, scene.user_force).unwrap();
+        let mut device = PointMass::new(scene.device.mass(), scene.device.hand_force()).unwrap();
         let grid = bench.reference().profile.grid();
         let mut impulses = vec![0.0; grid.intervals()];
         let (mut interval, mut force, mut work) = (0, 0.0, 0.0);
@@ -186,25 +186,25 @@ fn what_is_told_changes_nothing_but_the_renderer() {
 #[test]
 fn a_limit_is_of_the_command_and_the_gain_of_what_is_given() {
     let mut scene = real("fig2", 0.0, 0.0, 1.2, 0.0);
-    scene.device.largest_force = Some(2.0);
+    scene.device.point_mass_mut().unwrap().largest_force = Some(2.0);
     let run = run(&scene, MethodName::Hfcr);
     println!("peak {}", run.force.peak_force);
     assert!((run.force.peak_force - 2.4).abs() < 1e-12);
     let mut device = VirtualDevice::of(&scene).unwrap();
     assert_eq!(device.given_force(5.0), 2.0);
     let work = device.hold(5.0, 0.01);
-    assert!((work - 2.4 * (device.position() - scene.device.position)).abs() < 1e-15);
+    assert!((work - 2.4 * (device.position() - scene.device.position())).abs() < 1e-15);
 }
 
 fn flexible() -> Scene {
     let mut scene = experiment("experiment1");
-    scene.device.transmission = Some(Transmission {
+    scene.device.point_mass_mut().unwrap().transmission = Some(Transmission {
         resonance_hz: 150.0,
         damping_ratio: 0.03,
         motor_share: 0.6,
         backlash: 0.0,
     });
-    scene.device.cogging = Some(Cogging {
+    scene.device.point_mass_mut().unwrap().cogging = Some(Cogging {
         amplitude: 0.05,
         pitch: 0.005,
     });
@@ -215,8 +215,8 @@ fn flexible() -> Scene {
 fn a_flexible_device_has_an_ideal_of_its_own_and_a_stiff_one_that_of_the_point_mass() {
     let plain = experiment("experiment1");
     let mut stiff = flexible();
-    stiff.device.cogging = None;
-    if let Some(transmission) = &mut stiff.device.transmission {
+    stiff.device.point_mass_mut().unwrap().cogging = None;
+    if let Some(transmission) = &mut stiff.device.point_mass_mut().unwrap().transmission {
         transmission.resonance_hz = 4000.0;
     }
     let (a, b) = (Bench::new(&plain).unwrap(), Bench::new(&stiff).unwrap());
@@ -273,7 +273,7 @@ fn a_told_transmission_that_is_slow_against_the_loop_changes_nothing() {
 #[test]
 fn noise_is_what_the_sensor_adds_and_follows_from_the_seed() {
     let mut scene = experiment("fig2");
-    scene.device.noise = 2e-5;
+    scene.device.point_mass_mut().unwrap().noise = 2e-5;
     let first = run(&scene, MethodName::Hfcr);
     assert_eq!(first.ticks, run(&scene, MethodName::Hfcr).ticks);
     scene.timing.seed = 1;
@@ -305,8 +305,8 @@ fn a_scene_of_all_of_it_reads_back_from_its_file_to_the_same_run() {
         gain_deviation: Some(0.02),
         transmission: None,
     };
-    scene.device.noise = 1e-6;
-    if let Some(transmission) = &mut scene.device.transmission {
+    scene.device.point_mass_mut().unwrap().noise = 1e-6;
+    if let Some(transmission) = &mut scene.device.point_mass_mut().unwrap().transmission {
         transmission.backlash = 2e-5;
     }
     let text = scene.to_toml().unwrap();

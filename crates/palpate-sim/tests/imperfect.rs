@@ -70,12 +70,12 @@ fn ideal(scene: &Scene) -> Ideal {
     };
     Ideal::new(PointMassScene {
         stiffness: scene.contact.stiffness,
-        device_mass: scene.device.mass,
+        device_mass: scene.device.mass(),
         object_mass,
-        user_force: scene.user_force,
+        user_force: scene.device.hand_force(),
         virtual_force: scene.virtual_force,
-        device_position: scene.device.position,
-        device_velocity: scene.device.velocity,
+        device_position: scene.device.position(),
+        device_velocity: scene.device.velocity(),
         object_position: scene.object.position,
         object_velocity: scene.object.velocity,
     })
@@ -156,7 +156,7 @@ fn the_device_moves_under_what_was_held_and_the_bench_counts_its_work() {
             .unwrap()
             .run(MethodName::HfcrModSt)
             .unwrap();
-        let mut device = PointMass::new(scene.device.mass, scene.user_force).unwrap();
+        let mut device = PointMass::new(scene.device.mass(), scene.device.hand_force()).unwrap();
         let end = run.last().time;
         // Every instant at which something happens.
         let mut instants: Vec<f64> = run.ticks.iter().map(|tick| tick.time).collect();
@@ -195,9 +195,9 @@ fn the_renderer_gets_the_measured_time_and_hears_what_was_sent_and_no_more() {
     let (mut uneven, mut clipped) = (0, 0);
     for mut scene in scenes() {
         if scene.timing.seed % 2 == 0 {
-            scene.device.largest_force = Some(2.0);
+            scene.device.point_mass_mut().unwrap().largest_force = Some(2.0);
         }
-        let largest = scene.device.largest_force.unwrap_or(f64::INFINITY);
+        let largest = scene.device.largest_force().unwrap_or(f64::INFINITY);
         let bench = Bench::new(&scene).unwrap();
         for method in MethodName::ALL {
             let run = bench.run(method).unwrap();
@@ -291,7 +291,7 @@ fn an_integrated_ideal_is_cut_where_an_exact_one_is() {
     for seed in 0..12 {
         let free = imperfect("experiment1", seed);
         let mut rough = free.clone();
-        rough.device.viscous_friction = 1e-7;
+        rough.device.point_mass_mut().unwrap().viscous_friction = 1e-7;
         let (a, b) = (Bench::new(&free).unwrap(), Bench::new(&rough).unwrap());
         let (a, b) = (&a.reference().profile, &b.reference().profile);
         assert_eq!(a.grid(), b.grid());
@@ -339,7 +339,7 @@ fn a_bench_runs_what_has_its_ideal_and_nothing_else() {
         assert_eq!(error, LoopError::AnotherScene);
     };
     refused(&|scene| scene.contact.stiffness *= 2.0);
-    refused(&|scene| scene.device.mass *= 2.0);
+    refused(&|scene| *scene.device.mass_mut().unwrap() *= 2.0);
     refused(&|scene| scene.loop_params.period *= 2.0);
     refused(&|scene| scene.timing.delay_fraction = 0.5);
     // A delay of an imperfect loop changes when its forces change.

@@ -5,11 +5,11 @@ mod common;
 
 use palpate::{Actuation, Contact, CoupledParams, LoopParams, Mass, ObjectState, Renderer, Side};
 use palpate_scene::method::{MethodName, Settings};
-use palpate_scene::{HandForceAt, Measure, PointMassDevice, Scene, Timing};
+use palpate_scene::{Device, Hand, Measure, PointMassDevice, Scene, Timing};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::replay::{Replay, ReplaySetup};
 use palpate_sim::run::{Run, Tick};
-use palpate_testbed::device::{Device, PointMass};
+use palpate_testbed::device::{Device as _, PointMass};
 use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::measure::Sampler;
 use proptest::prelude::*;
@@ -66,21 +66,15 @@ prop_compose! {
                 velocity: if wall { 0.0 } else { sign * object_velocity * way / period },
             },
             virtual_force: if wall { 1.0 } else { sign * accelerations.1 * per_period * object_mass },
-            device: PointMassDevice {
+            device: Device::PointMass(PointMassDevice {
                 mass: device_mass,
                 position: 0.0,
                 velocity: sign * way / period,
                 encoder_quantum: quantum * way,
+                hand: Hand::pushing(sign * accelerations.0 * per_period * device_mass),
                 ..PointMassDevice::default()
-            },
-            linkage: None,
+            }),
             told_device_mass: None,
-            recorded_hand: None,
-            grip: None,
-            tremor: None,
-            release: None,
-            user_force: sign * accelerations.0 * per_period * device_mass,
-            user_force_at: HandForceAt::default(),
             object_radius: 0.0,
             delay,
             timing: Timing::default(),
@@ -216,7 +210,7 @@ proptest! {
             // saw; with an encoder they differ by each force times at most a quantum.
             let bench_work = run.bench_port_work.unwrap();
             prop_assert!(near(bench_work, books.true_port_work));
-            let quantum = scene.device.encoder_quantum;
+            let quantum = scene.device.encoder_quantum();
             let difference = (bench_work - last.port_work).abs();
             prop_assert!(
                 difference <= 1e-10 * books.turned_over + quantum * books.forces,
@@ -232,7 +226,7 @@ proptest! {
         let bench = Bench::new(&scene).unwrap();
         let sign: f64 = scene.contact.side.sign();
         let period = scene.loop_params.period;
-        let sampler = match scene.device.encoder_quantum {
+        let sampler = match scene.device.encoder_quantum() {
             0.0 => Sampler::Ideal,
             quantum => Sampler::quantum(quantum).unwrap(),
         };
@@ -240,11 +234,11 @@ proptest! {
             let run = bench.run(method).unwrap();
             let renderer = scene.renderer(method).unwrap();
             let mut state = renderer.start(scene.object).unwrap();
-            let mut device = PointMass::new(scene.device.mass, sign * scene.user_force)
+            let mut device = PointMass::new(scene.device.mass(), sign * scene.device.hand_force())
                 .and_then(|device| {
                     device.starting_at(
-                        sign * scene.device.position,
-                        sign * scene.device.velocity,
+                        sign * scene.device.position(),
+                        sign * scene.device.velocity(),
                     )
                 })
                 .unwrap();
@@ -274,13 +268,14 @@ proptest! {
             Side::Positive => Side::Negative,
             Side::Negative => Side::Positive,
         };
+        let device = mirrored.device.point_mass_mut().unwrap();
         for value in [
             &mut mirrored.object.position,
             &mut mirrored.object.velocity,
             &mut mirrored.virtual_force,
-            &mut mirrored.device.position,
-            &mut mirrored.device.velocity,
-            &mut mirrored.user_force,
+            &mut device.position,
+            &mut device.velocity,
+            &mut device.hand.force,
         ] {
             *value = -*value;
         }

@@ -23,13 +23,14 @@ fn imperfect() -> Scene {
 /// The same on the device's other side.
 fn mirrored(mut scene: Scene) -> Scene {
     scene.contact.side = Side::Negative;
+    let device = scene.device.point_mass_mut().unwrap();
     for value in [
         &mut scene.object.position,
         &mut scene.object.velocity,
         &mut scene.virtual_force,
-        &mut scene.device.position,
-        &mut scene.device.velocity,
-        &mut scene.user_force,
+        &mut device.position,
+        &mut device.velocity,
+        &mut device.hand.force,
     ] {
         *value = -*value;
     }

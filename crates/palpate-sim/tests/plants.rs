@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use common::scene as experiment;
 use palpate_scene::method::{MethodName, SettingKey, Settings};
-use palpate_scene::{Grip, Measure, Scene, Wave};
+use palpate_scene::{Grip, Hand, Intention, Measure, Scene, Wave};
 use palpate_sim::closed_loop::{Bench, error_against};
 use palpate_sim::run::Run;
 use palpate_testbed::recorded_path::RecordedPath;
@@ -20,26 +20,35 @@ fn error(run: &Run) -> f64 {
     run.force.fidelity.unwrap().mean_force_error
 }
 
+fn hand_of(scene: &mut Scene) -> &mut Hand {
+    &mut scene.device.point_mass_mut().unwrap().hand
+}
+
 fn in_a_hand() -> Scene {
     let mut scene = experiment("experiment1");
-    scene.device.viscous_friction = 0.2;
-    scene.device.coulomb_friction = 0.02;
-    scene.user_force = 0.0;
-    scene.grip = Some(Grip {
-        mass: 0.1,
-        stiffness: 60.0,
-        damping: 1.0,
-        position: 0.03,
-        swing: Some(Wave {
-            amplitude: 0.02,
-            frequency_hz: 1.0,
+    let device = scene.device.point_mass_mut().unwrap();
+    device.viscous_friction = 0.2;
+    device.coulomb_friction = 0.02;
+    device.hand = Hand {
+        force: 0.0,
+        tremor: Some(Wave {
+            amplitude: 0.1,
+            frequency_hz: 8.0,
         }),
-        intention: None,
-    });
-    scene.tremor = Some(Wave {
-        amplitude: 0.1,
-        frequency_hz: 8.0,
-    });
+        grip: Some(Grip {
+            mass: 0.1,
+            stiffness: 60.0,
+            damping: 1.0,
+            intention: Intention::Place {
+                position: 0.03,
+                swing: Some(Wave {
+                    amplitude: 0.02,
+                    frequency_hz: 1.0,
+                }),
+            },
+        }),
+        release: None,
+    };
     scene
 }
 
@@ -49,7 +58,7 @@ fn a_trace_of_friction_changes_the_judgement_by_a_trace() {
     for name in ["fig2", "experiment1"] {
         let free = experiment(name);
         let mut rough = free.clone();
-        rough.device.viscous_friction = 1e-7;
+        rough.device.point_mass_mut().unwrap().viscous_friction = 1e-7;
         for method in [MethodName::Hfcr, MethodName::VirtualDamper] {
             let (a, b) = (run(&free, method), run(&rough, method));
             let (floor_a, floor_b) = (
@@ -83,7 +92,7 @@ fn friction_keeps_a_loop_together_that_diverges_without_it() {
     let mut scene = experiment("experiment2");
     scene.measure = Measure::Duration(1.24);
     let wild = run(&scene, MethodName::Basic);
-    scene.device.viscous_friction = 8.0;
+    scene.device.point_mass_mut().unwrap().viscous_friction = 8.0;
     let tamed = run(&scene, MethodName::Basic);
     println!(
         "E {} without, {} with friction",
@@ -97,14 +106,14 @@ fn friction_keeps_a_loop_together_that_diverges_without_it() {
 #[test]
 fn a_loop_with_friction_that_runs_away_is_seen_to() {
     let mut scene = experiment("experiment2");
-    scene.device.viscous_friction = 0.01;
+    scene.device.point_mass_mut().unwrap().viscous_friction = 0.01;
     assert_eq!(run(&scene, MethodName::HfcrMod).diverged, Some(true));
 }
 
 #[test]
 fn books_balance_against_the_bench_with_friction_hand_tremor_and_a_weak_motor() {
     let mut scene = in_a_hand();
-    scene.device.largest_force = Some(2.0);
+    scene.device.point_mass_mut().unwrap().largest_force = Some(2.0);
     for method in MethodName::ALL {
         let run = run(&scene, method);
         let ledger = run.last().ledger;
@@ -125,40 +134,40 @@ fn books_balance_against_the_bench_with_friction_hand_tremor_and_a_weak_motor() 
 fn a_mirrored_hand_mirrors_the_run() {
     let mut scene = in_a_hand();
     mirrored(&scene);
-    let grip = scene.grip.as_mut().unwrap();
-    grip.swing = None;
-    grip.intention = Some(recorded_swing(0.02));
-    scene.release = Some(0.3);
+    let hand = hand_of(&mut scene);
+    hand.grip.as_mut().unwrap().intention = Intention::Recorded(recorded_swing(0.02));
+    hand.release = Some(0.3);
     mirrored(&scene);
 }
 
 fn mirrored(scene: &Scene) {
     let mut mirrored = scene.clone();
     mirrored.contact.side = palpate::Side::Negative;
+    let device = mirrored.device.point_mass_mut().unwrap();
     for value in [
         &mut mirrored.object.position,
         &mut mirrored.object.velocity,
         &mut mirrored.virtual_force,
-        &mut mirrored.device.position,
-        &mut mirrored.device.velocity,
+        &mut device.position,
+        &mut device.velocity,
+        &mut device.hand.force,
     ] {
         *value = -*value;
     }
-    if let Some(grip) = &mut mirrored.grip {
-        grip.position = -grip.position;
-        grip.swing = grip.swing.map(|wave| Wave {
-            amplitude: -wave.amplitude,
-            ..wave
-        });
-        grip.intention = grip
-            .intention
-            .as_ref()
-            .map(|path| Arc::new(path.mirrored()));
-    }
-    mirrored.tremor = mirrored.tremor.map(|wave| Wave {
+    let mirror = |wave: Wave| Wave {
         amplitude: -wave.amplitude,
         ..wave
-    });
+    };
+    if let Some(grip) = &mut device.hand.grip {
+        grip.intention = match &grip.intention {
+            Intention::Place { position, swing } => Intention::Place {
+                position: -position,
+                swing: swing.map(mirror),
+            },
+            Intention::Recorded(path) => Intention::Recorded(Arc::new(path.mirrored())),
+        };
+    }
+    device.hand.tremor = device.hand.tremor.map(mirror);
     let (a, b) = (
         run(scene, MethodName::Hfcr),
         run(&mirrored, MethodName::Hfcr),
@@ -186,9 +195,8 @@ fn recorded_swing(amplitude: f64) -> Arc<RecordedPath> {
 fn a_recorded_intention_moves_the_hand_as_the_swing_that_was_recorded() {
     let swung = in_a_hand();
     let mut recorded = swung.clone();
-    let grip = recorded.grip.as_mut().unwrap();
-    grip.swing = None;
-    grip.intention = Some(recorded_swing(0.02));
+    let intention = Intention::Recorded(recorded_swing(0.02));
+    hand_of(&mut recorded).grip.as_mut().unwrap().intention = intention;
     for method in [MethodName::Basic, MethodName::Hfcr] {
         let (a, b) = (run(&swung, method), run(&recorded, method));
         println!("{method}: E {} swung, {} recorded", error(&a), error(&b));
@@ -202,7 +210,8 @@ fn a_recorded_intention_moves_the_hand_as_the_swing_that_was_recorded() {
         assert!(far(&a, &b) < 1e-5, "{method}: {}", far(&a, &b));
     }
     // Another recording is another hand.
-    recorded.grip.as_mut().unwrap().intention = Some(recorded_swing(0.01));
+    let intention = Intention::Recorded(recorded_swing(0.01));
+    hand_of(&mut recorded).grip.as_mut().unwrap().intention = intention;
     assert!(
         (error(&run(&recorded, MethodName::Hfcr)) / error(&run(&swung, MethodName::Hfcr)) - 1.0)
             .abs()
@@ -215,15 +224,16 @@ fn a_hand_lets_go_of_the_loop_and_of_its_ideal() {
     // Pressed to a wall, then let go: the spring throws the device off, and nothing holds it.
     let mut scene = experiment("wall");
     scene.measure = Measure::Duration(0.2);
-    scene.grip = Some(Grip {
-        mass: 0.05,
-        stiffness: 100.0,
-        damping: 4.0,
-        position: 0.02,
-        ..Grip::default()
-    });
-    scene.user_force = 0.0;
-    scene.release = Some(0.1);
+    *hand_of(&mut scene) = Hand {
+        grip: Some(Grip {
+            mass: 0.05,
+            stiffness: 100.0,
+            damping: 4.0,
+            intention: Intention::at(0.02),
+        }),
+        release: Some(0.1),
+        ..Hand::default()
+    };
     let bench = Bench::new(&scene).unwrap();
     let held = bench.run(MethodName::HfcrModSt).unwrap();
     let position = |time: f64| {
@@ -247,9 +257,9 @@ fn a_hand_lets_go_of_the_loop_and_of_its_ideal() {
     // A hand of a constant force lets go, too, and then the ideal is integrated.
     let mut scene = experiment("wall");
     scene.measure = Measure::Duration(0.1);
-    scene.release = Some(0.0);
+    hand_of(&mut scene).release = Some(0.0);
     let run = run(&scene, MethodName::Basic);
-    assert_eq!(run.last().true_device_position, scene.device.position);
+    assert_eq!(run.last().true_device_position, scene.device.position());
 }
 
 #[test]
@@ -310,7 +320,7 @@ fn the_paper_s_experiments_run_on_the_virtual_pantograph() {
         ("fig5", "experiment2", 34.92),
     ] {
         let scene = experiment(name);
-        assert!((scene.device.mass - 0.25).abs() < 1e-4, "effective mass");
+        assert!((scene.device.mass() - 0.25).abs() < 1e-4, "effective mass");
         let bench = Bench::new(&scene).unwrap();
         let reference = bench.reference();
         assert!(reference.error < 1e-6, "{}", reference.error);
@@ -414,7 +424,7 @@ fn point_mass(side: palpate::Side) -> Scene {
     let sign: f64 = side.sign();
     scene.contact.side = side;
     scene.object.position *= sign;
-    scene.user_force *= sign;
+    hand_of(&mut scene).force *= sign;
     scene.virtual_force *= sign;
     scene.delay = 1;
     scene.measure = Measure::Duration(1.0);
@@ -425,9 +435,12 @@ fn point_mass(side: palpate::Side) -> Scene {
 fn a_device_of_the_callers_own_moves_as_the_scene_s_on_both_sides() {
     for side in [palpate::Side::Positive, palpate::Side::Negative] {
         let scene = point_mass(side);
-        let own = palpate_testbed::device::PointMass::new(scene.device.mass, scene.user_force)
-            .and_then(|device| device.starting_at(scene.device.position, scene.device.velocity))
-            .unwrap();
+        let own =
+            palpate_testbed::device::PointMass::new(scene.device.mass(), scene.device.hand_force())
+                .and_then(|device| {
+                    device.starting_at(scene.device.position(), scene.device.velocity())
+                })
+                .unwrap();
         let bench = Bench::with_device(&scene, own).unwrap();
         assert!(bench.reference().error > 0.0, "its ideal is integrated");
         for method in [MethodName::Basic, MethodName::Coupled] {
@@ -447,7 +460,7 @@ fn a_device_of_the_callers_own_moves_as_the_scene_s_on_both_sides() {
 fn a_method_of_the_callers_own_is_told_what_a_built_in_one_is() {
     let scene = point_mass(palpate::Side::Positive);
     let bench = Bench::new(&scene).unwrap();
-    let params = palpate::CoupledParams::new(scene.device.mass);
+    let params = palpate::CoupledParams::new(scene.device.mass());
     let own = bench.run_own(params).unwrap();
     let built_in = bench.run(MethodName::Coupled).unwrap();
     assert_eq!(own.ticks, built_in.ticks);

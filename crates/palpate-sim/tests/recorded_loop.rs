@@ -8,7 +8,7 @@ use std::sync::Arc;
 use common::scene;
 use palpate::Side;
 use palpate_scene::method::MethodName;
-use palpate_scene::{Dropped, Grip, Jitter, Measure, Scene, Wave};
+use palpate_scene::{Dropped, Grip, Hand, Intention, Jitter, Measure, Scene, Wave};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::hand_replay::{
     HandModel, RecordedHand, Recording, largest_departure, scene_at_recorded_instants,
@@ -24,19 +24,23 @@ fn recorded_scene() -> Scene {
     scene.loop_params.period = 0.002;
     scene.contact.stiffness = 400.0;
     scene.object.position = 0.01;
-    scene.device.encoder_quantum = QUANTUM;
-    scene.user_force = 0.0;
-    scene.grip = Some(Grip {
-        mass: 0.0,
-        stiffness: 60.0,
-        damping: 2.0,
-        position: 0.01,
-        swing: Some(Wave {
-            amplitude: 0.02,
-            frequency_hz: 1.5,
+    let device = scene.device.point_mass_mut().unwrap();
+    device.encoder_quantum = QUANTUM;
+    device.hand = Hand {
+        grip: Some(Grip {
+            mass: 0.0,
+            stiffness: 60.0,
+            damping: 2.0,
+            intention: Intention::Place {
+                position: 0.01,
+                swing: Some(Wave {
+                    amplitude: 0.02,
+                    frequency_hz: 1.5,
+                }),
+            },
         }),
-        intention: None,
-    });
+        ..Hand::default()
+    };
     scene.timing.jitter = Jitter::Uniform { bound: 0.0006 };
     scene.timing.dropped = Dropped::Probability(0.03);
     scene.timing.seed = 5;
@@ -47,13 +51,20 @@ fn recorded_scene() -> Scene {
 /// The same on the device's other side.
 fn mirrored(mut scene: Scene) -> Scene {
     scene.contact.side = Side::Negative;
-    let grip = scene.grip.as_mut().unwrap();
-    let swing = grip.swing.as_mut().unwrap();
+    let device = scene.device.point_mass_mut().unwrap();
+    let grip = device.hand.grip.as_mut().unwrap();
+    let Intention::Place {
+        position,
+        swing: Some(swing),
+    } = &mut grip.intention
+    else {
+        panic!("the hand swings")
+    };
     for value in [
         &mut scene.object.position,
         &mut scene.virtual_force,
-        &mut scene.device.position,
-        &mut grip.position,
+        &mut device.position,
+        position,
         &mut swing.amplitude,
     ] {
         *value = -*value;
@@ -83,8 +94,8 @@ impl Recorded {
 
     fn model(scene: &Scene) -> HandModel {
         HandModel {
-            encoder_quantum: scene.device.encoder_quantum,
-            ..HandModel::force_on(scene.device.mass)
+            encoder_quantum: scene.device.encoder_quantum(),
+            ..HandModel::force_on(scene.device.mass())
         }
     }
 
@@ -163,7 +174,7 @@ fn another_method_does_what_it_would_have_done_in_that_hand() {
     let bench = Bench::new(&scene).unwrap();
     let run = bench.run(MethodName::Basic).unwrap();
     let mut holds_on = Recorded::model(&scene);
-    let grip = scene.grip.as_ref().unwrap();
+    let grip = scene.device.grip().unwrap();
     (holds_on.stiffness, holds_on.damping) = (grip.stiffness, grip.damping);
     let hand = Recorded::of(&run).hand_as(&holds_on);
     for method in [MethodName::Coupled, MethodName::Hfcr] {

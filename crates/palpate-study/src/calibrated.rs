@@ -56,10 +56,12 @@ pub fn excite(
     params: &ExcitationParams,
     mut sampled: impl FnMut(),
 ) -> Result<Motion, NotCalibrated> {
-    let at_rest = Scene {
-        user_force: 0.0,
-        ..scene.clone()
-    };
+    let mut at_rest = scene.clone();
+    match &mut at_rest.device {
+        palpate_scene::Device::PointMass(device) => device.hand.force = 0.0,
+        palpate_scene::Device::Pantograph(device) => device.force = 0.0,
+        palpate_scene::Device::Recorded { .. } => {}
+    }
     let clock = SteppedClock::new();
     let mut device = SimulatedDevice::of(&at_rest, clock.clone())?;
     let mut motion = Motion::new(*params)?;

@@ -351,9 +351,9 @@ fn who_stays_in_the_box(scenes: &PaperScenes<'_>) -> Result<Claim, ClaimError> {
     for scene in [scenes.fig5_box, scenes.pantograph[1]] {
         let bench = Bench::new(scene)?;
         let bounds = scene
-            .linkage
-            .as_ref()
-            .and_then(|linkage| linkage.safety_box);
+            .device
+            .pantograph()
+            .and_then(|device| device.linkage.safety_box);
         let lowest = bounds.map_or(f64::NEG_INFINITY, |bounds| bounds.y[0]);
         for (method, stays) in [
             (MethodName::VirtualDamper, false),

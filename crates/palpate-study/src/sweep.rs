@@ -8,8 +8,8 @@ use rayon::prelude::*;
 
 use crate::suite::Column;
 use crate::tune::{HEIGHTS, Spread, at_height, spread, tunable};
-use palpate_scene::Scene;
 use palpate_scene::method::{SettingKey, Settings};
+use palpate_scene::{Device, Scene};
 use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_sim::run::Run;
 
@@ -322,28 +322,28 @@ fn with(scene: &Scene, quantity: Quantity, value: f64) -> Result<Scene, SweepErr
                 value.is_finite() && value >= 0.0,
                 "finite and not below 0, a factor on the scene's",
             )?;
-            let (viscous, coulomb) = match &mut varied.linkage {
-                Some(linkage) => (
-                    &mut linkage.params.viscous_friction,
-                    &mut linkage.params.coulomb_friction,
-                ),
-                None => (
-                    &mut varied.device.viscous_friction,
-                    &mut varied.device.coulomb_friction,
-                ),
+            let none = SweepError::Nothing("the scene's device has no friction to multiply");
+            let (viscous, coulomb) = match &mut varied.device {
+                Device::PointMass(device) => {
+                    (&mut device.viscous_friction, &mut device.coulomb_friction)
+                }
+                Device::Pantograph(device) => {
+                    let params = &mut device.linkage.params;
+                    (&mut params.viscous_friction, &mut params.coulomb_friction)
+                }
+                Device::Recorded { .. } => return Err(none),
             };
             if *viscous == 0.0 && *coulomb == 0.0 {
-                return Err(SweepError::Nothing(
-                    "the scene's device has no friction to multiply",
-                ));
+                return Err(none);
             }
             *viscous *= value;
             *coulomb *= value;
         }
         Quantity::SafetyBox => {
-            let linkage = varied.linkage.take().ok_or(SweepError::Nothing(
+            let device = varied.device.pantograph_mut().ok_or(SweepError::Nothing(
                 "only a device of kind pantograph has a safety box",
             ))?;
+            let linkage = &mut device.linkage;
             unless(value.is_finite() && value > 0.0, "finite and above 0 m")?;
             let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
             let x = linkage.safety_box.map_or(everywhere, |bounds| bounds.x);
@@ -351,7 +351,7 @@ fn with(scene: &Scene, quantity: Quantity, value: f64) -> Result<Scene, SweepErr
                 x,
                 y: [-value, value],
             };
-            varied.linkage = Some(linkage.in_box(bounds));
+            *linkage = linkage.clone().in_box(bounds);
         }
         Quantity::Damping => {
             unless(

@@ -169,7 +169,7 @@ pub(crate) fn at_height(scene: &Scene, height: usize) -> Scene {
     let middle = (HEIGHTS / 2) as f64;
     let share = HEIGHT_RANGE * (height as f64 - middle) / middle;
     let mut scene = scene.clone();
-    scene.object.position += share * (scene.object.position - scene.device.position);
+    scene.object.position += share * (scene.object.position - scene.device.position());
     scene
 }
 

@@ -34,7 +34,7 @@ fn told_the_mass_it_is_at_the_floor_of_the_paper_s_scenes() {
 fn told_half_as_much_again_it_is_as_near_from_every_height() {
     for (name, most) in PAPER_SCENES.into_iter().zip([0.1, 0.2, 0.7]) {
         let mut scene = scene(name);
-        scene.told_device_mass = Some(1.5 * scene.device.mass);
+        scene.told_device_mass = Some(1.5 * scene.device.mass());
         let found = over_heights(&scene, &[Column::of(MethodName::Coupled)], || ()).unwrap();
         println!("{name}: {found:?}");
         let worst = found[0].error.worst;
@@ -127,7 +127,7 @@ fn a_pressed_wall_stays_steady_with_a_delay_and_any_mass_told() {
         scene.contact.stiffness = 14_000.0;
         scene.measure = Measure::Duration(8.0);
         scene.delay = 1;
-        scene.told_device_mass = Some(told * scene.device.mass);
+        scene.told_device_mass = Some(told * scene.device.mass());
         let late: Vec<f64> = coupled(&scene)
             .ticks
             .iter()

@@ -25,7 +25,7 @@ fn every_draw_of_the_desk_lies_in_its_range_and_fills_it() {
     let plants = plants(Set::Desk, 200);
     type Value = fn(&RandomPlant) -> Option<f64>;
     let ranges: [(&str, Value, f64, f64); 17] = [
-        ("mass", |p| Some(p.scene.device.mass), 0.08, 0.4),
+        ("mass", |p| Some(p.scene.device.mass()), 0.08, 0.4),
         ("period", |p| Some(p.scene.loop_params.period), 1e-3, 1e-3),
         ("stiffness", |p| Some(p.scene.contact.stiffness), 500.0, 1e4),
         (
@@ -43,47 +43,47 @@ fn every_draw_of_the_desk_lies_in_its_range_and_fills_it() {
         ("jitter", |p| Some(p.scene.timing.command_jitter), 0.0, 1e-4),
         (
             "quantum",
-            |p| Some(p.scene.device.encoder_quantum),
+            |p| Some(p.scene.device.encoder_quantum()),
             1e-6,
             1e-4,
         ),
         (
             "resonance",
-            |p| Some(p.scene.device.transmission?.resonance_hz),
+            |p| Some(p.scene.device.point_mass()?.transmission?.resonance_hz),
             50.0,
             300.0,
         ),
         (
             "damping ratio",
-            |p| Some(p.scene.device.transmission?.damping_ratio),
+            |p| Some(p.scene.device.point_mass()?.transmission?.damping_ratio),
             0.01,
             0.1,
         ),
         (
             "share",
-            |p| Some(p.scene.device.transmission?.motor_share),
+            |p| Some(p.scene.device.point_mass()?.transmission?.motor_share),
             0.3,
             0.7,
         ),
         (
             "backlash",
-            |p| Some(p.scene.device.transmission?.backlash),
+            |p| Some(p.scene.device.point_mass()?.transmission?.backlash),
             0.0,
             1e-4,
         ),
         (
             "cogging",
-            |p| Some(p.scene.device.cogging?.amplitude / p.scene.user_force),
+            |p| Some(p.scene.device.point_mass()?.cogging?.amplitude / p.scene.device.hand_force()),
             0.0,
             0.2,
         ),
         (
             "friction",
-            |p| Some(p.scene.device.coulomb_friction / p.scene.user_force),
+            |p| Some(p.scene.device.coulomb_friction() / p.scene.device.hand_force()),
             0.0,
             0.3,
         ),
-        ("noise", |p| Some(p.scene.device.noise), 0.0, 5e-6),
+        ("noise", |p| Some(p.scene.device.noise()), 0.0, 5e-6),
         (
             "error of the told gain",
             |p| Some(p.scene.told.gain? / p.scene.actuator.gain - 1.0),
@@ -104,8 +104,16 @@ fn every_draw_of_the_desk_lies_in_its_range_and_fills_it() {
     let share = |is: &dyn Fn(&RandomPlant) -> bool| {
         plants.iter().filter(|plant| is(plant)).count() as f64 / plants.len() as f64
     };
-    let in_hand = share(&|plant| plant.scene.grip.is_some());
-    let flexible = share(&|plant| plant.scene.device.transmission.is_some());
+    let in_hand = share(&|plant| plant.scene.device.grip().is_some());
+    let flexible = share(&|plant| {
+        plant
+            .scene
+            .device
+            .point_mass()
+            .unwrap()
+            .transmission
+            .is_some()
+    });
     println!("in a hand {in_hand}, flexible {flexible}");
     // 70 % of the draws; those that are drawn again are in hands.
     assert!((in_hand - 0.67).abs() < 0.1 && (flexible - 0.5).abs() < 0.1);
@@ -135,14 +143,14 @@ fn a_condition_is_of_what_is_told_and_leaves_the_truth_as_it_is() {
                         assert_eq!(told.delay, scene.timing.delay_seconds + 0.5 * jitter);
                         assert_eq!(told.lag, scene.actuator.lag);
                         assert_eq!(told.gain, scene.actuator.gain);
-                        let device = &scene.device;
+                        let device = scene.device.point_mass().unwrap();
                         assert_eq!(told.transmission.is_some(), device.transmission.is_some());
                         if let (Some(told), Some(of)) = (told.transmission, device.transmission) {
                             // The motor's side has no part of the hand.
                             let mass = scene.told_device_mass.unwrap();
                             let motor = mass * (1.0 - told.flexible_mass_fraction);
                             assert!((motor / (of.motor_share * device.mass) - 1.0).abs() < 1e-12);
-                            let rigid = scene.grip.as_ref().is_none_or(|grip| grip.mass == 0.0);
+                            let rigid = scene.device.grip().is_none_or(|grip| grip.mass == 0.0);
                             let slower = told.resonance / of.resonance_hz;
                             assert!(slower <= 1.0 + 1e-12 && (!rigid || slower > 1.0 - 1e-12));
                         }

@@ -52,58 +52,58 @@ fn every_draw_lies_in_its_range_and_fills_it() {
     let plants = plants(11, 300);
     // Name, value, range; a share of the range that must be met at both ends.
     type Value = fn(&RandomPlant) -> Option<f64>;
-    let device = |plant: &RandomPlant| plant.scene.device.mass;
+    let device = |plant: &RandomPlant| plant.scene.device.mass();
     let ranges: [(&str, Value, f64, f64); 14] = [
-        ("mass", |p| Some(p.scene.device.mass), 0.05, 0.5),
+        ("mass", |p| Some(p.scene.device.mass()), 0.05, 0.5),
         ("period", |p| Some(p.scene.loop_params.period), 1e-3, 0.02),
         ("kappa", |p| Some(p.kappa), 0.01, 2.0),
         ("Kc", |p| Some(p.object_kappa), 0.01, 3.0),
         ("impact speed", |p| Some(p.impact_speed), 0.2, 1.0),
         (
             "push",
-            |p| Some(p.scene.user_force / p.scene.device.mass),
+            |p| Some(p.scene.device.hand_force() / p.scene.device.mass()),
             2.0,
             10.0,
         ),
         (
             "viscous",
-            |p| Some(p.scene.device.viscous_friction / p.scene.device.mass),
+            |p| Some(p.scene.device.viscous_friction() / p.scene.device.mass()),
             0.0,
             1.0,
         ),
         (
             "told",
-            |p| Some(p.scene.told_device_mass? / p.scene.device.mass),
+            |p| Some(p.scene.told_device_mass? / p.scene.device.mass()),
             0.5,
             2.0,
         ),
         (
             "hand mass",
-            |p| Some(p.scene.grip.as_ref()?.mass / p.scene.device.mass),
+            |p| Some(p.scene.device.grip()?.mass / p.scene.device.mass()),
             0.0,
             1.0,
         ),
         (
             "hand stiffness",
-            |p| Some(p.scene.grip.as_ref()?.stiffness),
+            |p| Some(p.scene.device.grip()?.stiffness),
             10.0,
             300.0,
         ),
         (
             "hand damping",
-            |p| Some(p.scene.grip.as_ref()?.damping),
+            |p| Some(p.scene.device.grip()?.damping),
             0.5,
             5.0,
         ),
         (
             "tremor Hz",
-            |p| Some(p.scene.tremor?.frequency_hz),
+            |p| Some(p.scene.device.tremor()?.frequency_hz),
             4.0,
             12.0,
         ),
         (
             "tremor",
-            |p| Some(p.scene.tremor?.amplitude / p.scene.user_force),
+            |p| Some(p.scene.device.tremor()?.amplitude / p.scene.device.hand_force()),
             0.2,
             0.2,
         ),
@@ -137,23 +137,31 @@ fn every_draw_lies_in_its_range_and_fills_it() {
         let scene = &plant.scene;
         let kappa = scene.contact.stiffness * scene.loop_params.period.powi(2) / device(plant);
         assert!((kappa / plant.kappa - 1.0).abs() < 1e-12);
-        let relative = scene.user_force / device(plant) + 9.81;
+        let relative = scene.device.hand_force() / device(plant) + 9.81;
         let speed = (2.0 * relative * scene.object.position).sqrt();
         assert!((speed / plant.impact_speed - 1.0).abs() < 1e-12);
-        assert!([0.0, 1e-6, 1e-5].contains(&scene.device.encoder_quantum));
-        let dry = scene.device.coulomb_friction / scene.user_force;
+        assert!([0.0, 1e-6, 1e-5].contains(&scene.device.encoder_quantum()));
+        let dry = scene.device.coulomb_friction() / scene.device.hand_force();
         assert!(dry == 0.0 || (dry - 0.02).abs() < 1e-12);
         assert_eq!(scene.object.velocity, 0.0);
-        assert_eq!((scene.device.position, scene.device.velocity), (0.0, 0.0));
-        assert!(scene.grip.as_ref().is_none_or(|grip| grip.position == 0.0));
+        assert_eq!(
+            (scene.device.position(), scene.device.velocity()),
+            (0.0, 0.0)
+        );
+        assert!(
+            scene
+                .device
+                .grip()
+                .is_none_or(|grip| grip.intention == palpate_scene::Intention::at(0.0))
+        );
     }
     let share = |is: &dyn Fn(&RandomPlant) -> bool| {
         plants.iter().filter(|plant| is(plant)).count() as f64 / plants.len() as f64
     };
-    let free = share(&|plant| plant.scene.grip.is_none());
-    let trembling = share(&|plant| plant.scene.tremor.is_some());
-    let rubbing = share(&|plant| plant.scene.device.coulomb_friction > 0.0);
-    let ideal = share(&|plant| plant.scene.device.encoder_quantum == 0.0);
+    let free = share(&|plant| plant.scene.device.grip().is_none());
+    let trembling = share(&|plant| plant.scene.device.tremor().is_some());
+    let rubbing = share(&|plant| plant.scene.device.coulomb_friction() > 0.0);
+    let ideal = share(&|plant| plant.scene.device.encoder_quantum() == 0.0);
     println!("no hand {free}, tremor {trembling}, Coulomb {rubbing}, ideal encoder {ideal}");
     // 40 % of the draws; of those that are drawn again, nearly all have a hand.
     assert!((free - 0.46).abs() < 0.08);
@@ -490,7 +498,7 @@ fn the_told_mass_reaches_what_is_derived_from_it_and_nothing_else() {
     scene.told_device_mass = None;
     assert_ne!(run(&scene, MethodName::Hfcr).parameters, told.parameters);
     assert_eq!(run(&scene, MethodName::Basic).force, basic.force);
-    scene.told_device_mass = Some(scene.device.mass);
+    scene.told_device_mass = Some(scene.device.mass());
     let right = run(&scene, MethodName::Hfcr);
     scene.told_device_mass = None;
     assert_eq!(run(&scene, MethodName::Hfcr).parameters, right.parameters);
@@ -505,7 +513,7 @@ fn over_the_start_heights_hfcr_has_its_known_spread() {
         (PAPER_SCENES[2], 100.0, 107.0),
     ] {
         let mut scene = scene(name);
-        scene.told_device_mass = Some(1.5 * scene.device.mass);
+        scene.told_device_mass = Some(1.5 * scene.device.mass());
         let columns = [Column::of(MethodName::HfcrModSt)];
         let found = over_heights(&scene, &columns, || ()).unwrap()[0];
         println!("{name}: {found:?}");

@@ -30,7 +30,7 @@ pub fn run(arguments: &HeightsArguments) -> Result<(), Failure> {
         progress.begin(&file.scene.title);
         let mut scene = file.scene.clone();
         if factor != 1.0 {
-            scene.told_device_mass = Some(factor * scene.device.mass);
+            scene.told_device_mass = Some(factor * scene.device.mass());
         }
         let found =
             over_heights(&scene, &columns, || progress.advance()).map_err(|error| match error {

@@ -76,7 +76,7 @@ pub fn open<C: Clock>(
             // Where the cursor is now is where the scene has its device at the start.
             let direction = inverse3::direction(arguments);
             for (origin, along) in origin.iter_mut().zip(direction) {
-                *origin -= along * scene.device.position;
+                *origin -= along * scene.device.position();
             }
             (device, (origin, FIRST_AXIS.1))
         }

@@ -38,7 +38,6 @@ fn flag_of(parameter: SceneParameter) -> Option<Cow<'static, str>> {
         | SceneParameter::SensorNoise
         | SceneParameter::CommandJitter
         | SceneParameter::HandForce
-        | SceneParameter::HandForceAt
         | SceneParameter::Tremor
         | SceneParameter::TremorFrequency
         | SceneParameter::Release

@@ -93,7 +93,8 @@ fn a_renderer_that_is_told_how_forces_act_hears_what_was_sent() {
         late.actuator = ActuatorParams { gain, lag };
         for limit in [f64::INFINITY, 1.0] {
             let mut weak = late.clone();
-            weak.device.largest_force = Some(limit).filter(|limit| limit.is_finite());
+            weak.device.point_mass_mut().unwrap().largest_force =
+                Some(limit).filter(|limit| limit.is_finite());
             let bench = Bench::new(&weak).unwrap();
             let expected = bench.run(MethodName::Coupled).unwrap();
             assert!(

@@ -135,9 +135,12 @@ fn every_key_ends_up_in_the_scene() {
     assert_eq!(scene.contact.object_mass, Mass::Finite(0.1));
     assert_eq!(scene.contact.stiffness, 400.0);
     assert_eq!((scene.object.position, scene.object.velocity), (0.05, 0.0));
-    assert_eq!((scene.virtual_force, scene.user_force), (-0.981, 1.0));
     assert_eq!(
-        (scene.device.mass, scene.device.encoder_quantum),
+        (scene.virtual_force, scene.device.hand_force()),
+        (-0.981, 1.0)
+    );
+    assert_eq!(
+        (scene.device.mass(), scene.device.encoder_quantum()),
         (0.25, 0.0)
     );
     assert_eq!((scene.loop_params.period, scene.delay), (0.02, 0));
@@ -370,7 +373,7 @@ fn a_method_by_name_suggests_the_nearest() {
 #[test]
 fn a_scene_made_in_code_is_checked_before_it_runs() {
     let mut scene = SceneFile::parse("good", GOOD).unwrap().scene;
-    scene.device.encoder_quantum = -1.0;
+    *scene.device.encoder_quantum_mut() = -1.0;
     let error = Bench::new(&scene).unwrap_err();
     let LoopError::Setup(palpate_scene::SetupError::Parameter(ParameterError {
         parameter,

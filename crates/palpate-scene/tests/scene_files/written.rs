@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use palpate_scene::{Grip, Scene, SceneFile};
+use palpate_scene::{Grip, Intention, Scene, SceneFile};
 use palpate_testbed::recorded_path::RecordedPath;
 
 use crate::{GOOD, common, edited};
@@ -126,13 +126,11 @@ fn every_key_is_written() {
 fn what_has_no_key_is_not_left_out_silently() {
     let mut scene = SceneFile::parse("good", GOOD).unwrap().scene;
     let path = RecordedPath::new(&[0.0, 1.0], &[0.0, 0.1]).unwrap();
-    scene.grip = Some(Grip {
+    scene.device.point_mass_mut().unwrap().hand.grip = Some(Grip {
         mass: 0.1,
         stiffness: 100.0,
         damping: 1.0,
-        position: 0.0,
-        swing: None,
-        intention: Some(Arc::new(path)),
+        intention: Intention::Recorded(Arc::new(path)),
     });
     assert_eq!(
         scene.to_toml().unwrap_err().to_string(),

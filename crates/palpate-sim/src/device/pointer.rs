@@ -93,12 +93,15 @@ impl PointerParams {
     pub fn of(scene: &Scene) -> Self {
         let default = Self::default();
         Self {
-            device_mass: scene.device.mass,
-            encoder_quantum: scene.device.encoder_quantum,
-            position: scene.device.position,
-            viscous_friction: scene.device.viscous_friction.max(default.viscous_friction),
-            dry_friction: scene.device.coulomb_friction.max(default.dry_friction),
-            largest_force: scene.device.largest_force,
+            device_mass: scene.device.mass(),
+            encoder_quantum: scene.device.encoder_quantum(),
+            position: scene.device.position(),
+            viscous_friction: scene
+                .device
+                .viscous_friction()
+                .max(default.viscous_friction),
+            dry_friction: scene.device.coulomb_friction().max(default.dry_friction),
+            largest_force: scene.device.largest_force(),
             delay: scene.delay,
             delay_seconds: scene.timing.delay_seconds,
             actuator: scene.actuator,

@@ -44,7 +44,7 @@ impl<C: Clock> SimulatedDevice<C> {
     /// # Errors
     /// A quantity of the device or the hand outside its range.
     pub fn of(scene: &Scene, clock: C) -> Result<Self, InvalidParameter> {
-        let linkage = scene.linkage.is_some();
+        let linkage = scene.device.pantograph().is_some();
         let name = if linkage {
             "simulated linkage"
         } else {
@@ -53,9 +53,9 @@ impl<C: Clock> SimulatedDevice<C> {
         Ok(Self {
             clock,
             capabilities: Capabilities {
-                largest_force: scene.device.largest_force,
-                effective_mass: Some(scene.device.mass),
-                encoder_quantum: (!linkage).then_some(scene.device.encoder_quantum),
+                largest_force: scene.device.largest_force(),
+                effective_mass: Some(scene.device.mass()),
+                encoder_quantum: (!linkage).then_some(scene.device.encoder_quantum()),
                 ..Capabilities::unknown(name, 1)
             },
             device: VirtualDevice::of(scene)?,

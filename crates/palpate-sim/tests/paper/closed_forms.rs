@@ -176,7 +176,7 @@ fn closed_loop(name: &str, method: impl MethodParams<f64>, samples: usize) -> Ve
     let period = scene.loop_params.period;
     let renderer = Renderer::new(scene.contact, loop_params(period), method).unwrap();
     let mut state = renderer.start(scene.object).unwrap();
-    let mut device = PointMass::new(scene.device.mass, scene.user_force).unwrap();
+    let mut device = PointMass::new(scene.device.mass(), scene.device.hand_force()).unwrap();
     (0..samples)
         .map(|_| {
             let sample = Sample::at(device.position()).with_virtual_force(scene.virtual_force);

@@ -32,7 +32,7 @@ fn the_estimate_of_the_needed_damping_on_the_paper_s_scenes() {
         let Mass::Finite(mass) = scene.contact.object_mass else {
             panic!("an object")
         };
-        let (m, t) = (scene.device.mass, scene.loop_params.period);
+        let (m, t) = (scene.device.mass(), scene.loop_params.period);
         let k = scene.contact.stiffness;
         assert!((damping_of(&wall) / b / ((m + mass) / mass) - 1.0).abs() < 1e-12);
         let kappa = Difficulty::of(k, m, mass, t).unwrap().kappa;

@@ -57,12 +57,12 @@ fn in_closed_loops_the_order_of_leaks_holds_mostly() {
     for _ in 0..loops {
         let mut scene = scene("experiment1");
         let (kappa, object_kappa) = (random.decades(1e-2, 2.0), random.decades(1e-2, 2.0));
-        let (m, t) = (scene.device.mass, scene.loop_params.period);
+        let (m, t) = (scene.device.mass(), scene.loop_params.period);
         let stiffness = kappa * m / (t * t);
         let mass = stiffness * t * t / object_kappa;
         scene.contact = Contact::object(stiffness, mass);
         scene.virtual_force = -9.81 * mass;
-        scene.user_force = random.between(0.5, 1.5) * 9.81 * mass;
+        scene.device.point_mass_mut().unwrap().hand.force = random.between(0.5, 1.5) * 9.81 * mass;
         scene.measure = Measure::Duration(60.0 * t);
         let bench = Bench::new(&scene).unwrap();
         let [smooth, modified, basic] =

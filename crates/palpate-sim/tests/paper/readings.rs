@@ -187,7 +187,7 @@ fn a_device_at_constant_acceleration_leaks_nothing_by_extrapolation() {
 /// FRE `[%]` at the scene's own height with an encoder of this quantum `[m]`.
 fn quantised(name: &str, method: MethodName, predictor: PredictionName, quantum: f64) -> f64 {
     let mut scene = scene(name);
-    scene.device.encoder_quantum = quantum;
+    scene.device.point_mass_mut().unwrap().encoder_quantum = quantum;
     let value = match method {
         MethodName::Hfcr => 0.0,
         _ => 0.5 * scene.contact.stiffness * scene.loop_params.period,

@@ -19,7 +19,7 @@ fn a_hand_in_the_motors_is_nearly_one_at_the_end_point() {
     for (name, within) in [("fig4", 0.2), ("fig5", 5.0)] {
         let at_end_point = scene(name);
         let mut in_motors = at_end_point.clone();
-        in_motors.user_force_at = HandForceAt::Motors;
+        in_motors.device.pantograph_mut().unwrap().force_at = HandForceAt::Motors;
         assert_eq!(in_motors, {
             let mut read = scene(&format!("readings/{name}_motors"));
             read.title.clone_from(&in_motors.title);

@@ -150,25 +150,25 @@ impl DeviceCard {
         put(of_file(Quantity::Lag).or_else(|| told_to("lag_s").filter(|_| !of_a_file)));
         put(of_file(Quantity::Gain).or_else(|| told_to("gain")));
         let is_simulated = named == Some(SIMULATED);
-        let simulated = |key: &'static str, value: fn(&palpate_scene::PointMassDevice) -> f64| {
+        let simulated = |key: &'static str, value: fn(&palpate_scene::Device) -> f64| {
             let scene = scene.as_ref().filter(|_| is_simulated)?;
             first?.said(key, value(&scene.device), "the simulated device of")
         };
         put(of_file(Quantity::ViscousFriction).or_else(|| {
             simulated(Quantity::ViscousFriction.key(), |device| {
-                device.viscous_friction
+                device.viscous_friction()
             })
         }));
         put(of_file(Quantity::CoulombFriction).or_else(|| {
             simulated(Quantity::CoulombFriction.key(), |device| {
-                device.coulomb_friction
+                device.coulomb_friction()
             })
         }));
         put(of_file(Quantity::SensorQuantum)
             .or_else(|| first?.number("encoder_quantum_m"))
             .or_else(|| {
                 simulated(Quantity::SensorQuantum.key(), |device| {
-                    device.encoder_quantum
+                    device.encoder_quantum()
                 })
             }));
         put(of_file(Quantity::Resonance));

@@ -7,7 +7,7 @@ use palpate_testbed::InvalidParameter;
 
 use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_scene::{
-    ActuatorParams, HandForceAt, Measure, PointMassDevice, Scene, SetupError, Timing, Told,
+    ActuatorParams, Device, Hand, Measure, PointMassDevice, Scene, SetupError, Timing, Told,
 };
 use palpate_sim::closed_loop::LoopError;
 use palpate_sim::replay::samples_and_fraction;
@@ -176,21 +176,15 @@ impl Bounce {
             },
             object: ObjectState::at_rest((1.0 + height) * self.gap),
             virtual_force: self.virtual_force(),
-            device: PointMassDevice {
+            device: Device::PointMass(PointMassDevice {
                 mass: self.device.mass,
                 encoder_quantum: self.device.encoder_quantum,
                 viscous_friction: self.device.viscous_friction,
                 coulomb_friction: self.device.coulomb_friction,
+                hand: Hand::pushing(self.user_force()),
                 ..PointMassDevice::default()
-            },
-            user_force: self.user_force(),
-            user_force_at: HandForceAt::default(),
+            }),
             object_radius: 0.0,
-            linkage: None,
-            grip: None,
-            recorded_hand: None,
-            tremor: None,
-            release: None,
             told_device_mass: None,
             delay: if is_whole { samples } else { 0 },
             timing: Timing {

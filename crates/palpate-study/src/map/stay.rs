@@ -6,8 +6,8 @@ use palpate_testbed::sprung_mass::SprungMass;
 
 use super::bounce::{Bounce, BounceError};
 use super::way::Way;
-use palpate_scene::Grip;
 use palpate_scene::method::{MethodName, Settings};
+use palpate_scene::{Grip, Hand, Intention};
 use palpate_sim::closed_loop::LoopError;
 use palpate_sim::sampled_loop::{LoopDevice, SampledLoop, device_of};
 
@@ -141,15 +141,17 @@ impl Bounce {
         (mass, stiffness, damping): HandOnDevice,
     ) -> Result<impl LoopDevice, BounceError> {
         let mut scene = self.scene(0.0, 1);
-        scene.user_force = force;
-        scene.grip = Some(Grip {
-            mass,
-            stiffness,
-            damping,
-            position: 0.0,
-            swing: None,
-            intention: None,
-        });
+        if let Some(device) = scene.device.point_mass_mut() {
+            device.hand = Hand {
+                grip: Some(Grip {
+                    mass,
+                    stiffness,
+                    damping,
+                    intention: Intention::at(0.0),
+                }),
+                ..Hand::pushing(force)
+            };
+        }
         Ok(device_of(&scene, 1.0)?)
     }
 

@@ -211,7 +211,7 @@ impl<'a> Subject<'a> {
             title: scene.title.clone(),
             contact: &scene.contact,
             loop_params: &scene.loop_params,
-            device_mass: Some(scene.device.mass),
+            device_mass: Some(scene.device.mass()),
             delay: scene.delay,
             timing: scene.timing.clone(),
         }

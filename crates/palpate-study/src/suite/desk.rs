@@ -3,7 +3,7 @@
 use palpate::{Contact, LoopParams, ObjectState};
 use palpate_scene::method::MethodName;
 use palpate_scene::{
-    ActuatorParams, Cogging, HandForceAt, Measure, PointMassDevice, Scene, Timing, Told,
+    ActuatorParams, Cogging, Device, Hand, Measure, PointMassDevice, Scene, Timing, Told,
     Transmission,
 };
 
@@ -51,21 +51,20 @@ pub(super) fn base(chance: &mut Chance) -> RandomPlant {
             },
             object: ObjectState::at_rest(impact_speed * impact_speed / (2.0 * (push + GRAVITY))),
             virtual_force: -GRAVITY * object_mass,
-            device: PointMassDevice {
+            device: Device::PointMass(PointMassDevice {
                 mass,
                 encoder_quantum: 1e-6,
                 viscous_friction,
+                hand: Hand {
+                    force: user_force,
+                    tremor,
+                    grip: is_held.then_some(grip),
+                    release: None,
+                },
                 ..PointMassDevice::default()
-            },
+            }),
             told_device_mass: None,
-            user_force,
-            user_force_at: HandForceAt::default(),
             object_radius: 0.0,
-            linkage: None,
-            grip: is_held.then_some(grip),
-            recorded_hand: None,
-            tremor,
-            release: None,
             delay: 0,
             timing: Timing {
                 seed: chance.number(),
@@ -84,7 +83,7 @@ pub(super) fn base(chance: &mut Chance) -> RandomPlant {
 pub(super) fn desk(chance: &mut Chance) -> RandomPlant {
     let mut plant = base(chance);
     let scene = &mut plant.scene;
-    let user_force = scene.user_force;
+    let user_force = scene.device.hand_force();
     scene.timing.delay_seconds = PERIOD * chance.between(0.0, 1.5);
     let lag = chance.between(0.0, 5e-4);
     scene.timing.command_jitter = PERIOD * chance.between(0.0, 0.1);
@@ -103,20 +102,22 @@ pub(super) fn desk(chance: &mut Chance) -> RandomPlant {
     let transmission = transmission(chance, 50.0, 300.0);
     let plays = chance.happens(0.5);
     let backlash = chance.between(0.0, 1e-4);
-    let device = &mut scene.device;
-    device.encoder_quantum = chance.log_between(1e-6, 1e-4);
+    let encoder_quantum = chance.log_between(1e-6, 1e-4);
     let is_noisy = chance.happens(0.5);
     let noise = chance.between(0.0, 5e-6);
-    if rubs {
-        device.coulomb_friction = coulomb_friction;
-    }
-    device.cogging = cogs.then_some(cogging);
-    device.transmission = is_flexible.then_some(Transmission {
-        backlash: if plays { backlash } else { 0.0 },
-        ..transmission
-    });
-    if is_noisy {
-        device.noise = noise;
+    if let Some(device) = scene.device.point_mass_mut() {
+        device.encoder_quantum = encoder_quantum;
+        if rubs {
+            device.coulomb_friction = coulomb_friction;
+        }
+        device.cogging = cogs.then_some(cogging);
+        device.transmission = is_flexible.then_some(Transmission {
+            backlash: if plays { backlash } else { 0.0 },
+            ..transmission
+        });
+        if is_noisy {
+            device.noise = noise;
+        }
     }
     calibrate(scene, chance);
     plant
@@ -127,17 +128,18 @@ pub(super) fn desk(chance: &mut Chance) -> RandomPlant {
 pub(super) fn real(chance: &mut Chance) -> RandomPlant {
     let mut plant = base(chance);
     let scene = &mut plant.scene;
-    let user_force = scene.user_force;
+    let user_force = scene.device.hand_force();
     scene.timing.delay_seconds = PERIOD * chance.between(0.3, 0.7);
     scene.actuator.lag = chance.between(2e-4, 4e-4);
-    let device = &mut scene.device;
-    device.coulomb_friction = user_force * chance.between(0.05, 0.15);
-    device.cogging = Some(Cogging {
-        amplitude: user_force * chance.between(0.05, 0.15),
-        pitch: chance.log_between(0.003, 0.008),
-    });
-    device.transmission = Some(transmission(chance, 120.0, 190.0));
-    device.encoder_quantum = 1e-5;
+    if let Some(device) = scene.device.point_mass_mut() {
+        device.coulomb_friction = user_force * chance.between(0.05, 0.15);
+        device.cogging = Some(Cogging {
+            amplitude: user_force * chance.between(0.05, 0.15),
+            pitch: chance.log_between(0.003, 0.008),
+        });
+        device.transmission = Some(transmission(chance, 120.0, 190.0));
+        device.encoder_quantum = 1e-5;
+    }
     calibrate(scene, chance);
     plant
 }

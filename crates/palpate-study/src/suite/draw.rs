@@ -8,7 +8,8 @@ use super::chance::Chance;
 use super::steps::Step;
 use palpate_scene::method::MethodName;
 use palpate_scene::{
-    ActuatorParams, Grip, HandForceAt, Measure, PointMassDevice, Scene, Timing, Told, Wave,
+    ActuatorParams, Device, Grip, Hand, Intention, Measure, PointMassDevice, Scene, Timing, Told,
+    Wave,
 };
 use palpate_sim::closed_loop::{LoopError, object_mass};
 use palpate_sim::sampled_loop::device_of;
@@ -105,9 +106,7 @@ pub(super) fn grip(chance: &mut Chance, mass: f64) -> Grip {
         stiffness: chance.log_between(10.0, 300.0),
         damping: chance.between(0.5, 5.0),
         // Where the device starts: the spring is relaxed, and the user's force pushes on top.
-        position: 0.0,
-        swing: None,
-        intention: None,
+        intention: Intention::at(0.0),
     }
 }
 
@@ -157,22 +156,21 @@ fn draw(chance: &mut Chance) -> RandomPlant {
             },
             object: ObjectState::at_rest(impact_speed * impact_speed / (2.0 * (push + GRAVITY))),
             virtual_force: -GRAVITY * object_mass,
-            device: PointMassDevice {
+            device: Device::PointMass(PointMassDevice {
                 mass,
                 encoder_quantum,
                 viscous_friction,
                 coulomb_friction: if rubs { 0.02 * user_force } else { 0.0 },
+                hand: Hand {
+                    force: user_force,
+                    tremor,
+                    grip: is_held.then_some(grip),
+                    release: None,
+                },
                 ..PointMassDevice::default()
-            },
+            }),
             told_device_mass: Some(told_device_mass),
-            user_force,
-            user_force_at: HandForceAt::default(),
             object_radius: 0.0,
-            linkage: None,
-            grip: is_held.then_some(grip),
-            recorded_hand: None,
-            tremor,
-            release: None,
             delay: 0,
             timing: Timing::default(),
             actuator: ActuatorParams::default(),

@@ -185,8 +185,8 @@ impl Telling {
                 scene.told_device_mass = None;
                 scene.told = truth(scene);
                 if scene.told.transmission.is_some() {
-                    let of_hand = scene.grip.as_ref().map_or(0.0, |grip| grip.mass);
-                    scene.told_device_mass = Some(scene.device.mass + of_hand);
+                    let of_hand = scene.device.grip().map_or(0.0, |grip| grip.mass);
+                    scene.told_device_mass = Some(scene.device.mass() + of_hand);
                 }
             }
             // What the scene itself says.
@@ -208,11 +208,11 @@ pub(super) fn truth(scene: &Scene) -> Told {
 
 /// The transmission of a scene's device with the mass of the hand beyond it.
 fn true_transmission(scene: &Scene) -> Option<Transmission<f64>> {
-    let transmission = scene.device.transmission?;
-    let mass = scene.device.mass;
+    let transmission = scene.device.point_mass()?.transmission?;
+    let mass = scene.device.mass();
     let (stiffness, damping) = transmission.stiffness_and_damping(mass);
     let of_motor = transmission.motor_share * mass;
-    let of_hand = scene.grip.as_ref().map_or(0.0, |grip| grip.mass);
+    let of_hand = scene.device.grip().map_or(0.0, |grip| grip.mass);
     let all = mass + of_hand;
     let beyond = all - of_motor;
     let reduced = of_motor * beyond / all;

@@ -124,18 +124,30 @@ impl Step {
             Self::Quantum => {
                 lagging(scene);
                 late(scene, 0.5);
-                scene.device.encoder_quantum = 1e-5;
+                if let Some(device) = scene.device.point_mass_mut() {
+                    device.encoder_quantum = 1e-5;
+                }
             }
             Self::Flexible => {
-                scene.device.transmission = Some(Transmission {
-                    resonance_hz: 150.0,
-                    damping_ratio: 0.03,
-                    motor_share: 0.5,
-                    backlash: 0.0,
-                });
+                if let Some(device) = scene.device.point_mass_mut() {
+                    device.transmission = Some(Transmission {
+                        resonance_hz: 150.0,
+                        damping_ratio: 0.03,
+                        motor_share: 0.5,
+                        backlash: 0.0,
+                    });
+                }
             }
-            Self::Friction => scene.device.coulomb_friction = 0.3 * scene.user_force,
-            Self::Noise => scene.device.noise = 5e-6,
+            Self::Friction => {
+                if let Some(device) = scene.device.point_mass_mut() {
+                    device.coulomb_friction = 0.3 * device.hand.force;
+                }
+            }
+            Self::Noise => {
+                if let Some(device) = scene.device.point_mass_mut() {
+                    device.noise = 5e-6;
+                }
+            }
         }
     }
 }

@@ -126,14 +126,15 @@ pub fn write(
 /// In the order of [`PLANT`]. Where there is no hand or no tremor, there is no number of it.
 fn plant_cells(one: &Judged) -> [f64; PLANT.len()] {
     let (plant, scene) = (&one.plant, &one.plant.scene);
-    let grip = |value: fn(&palpate_scene::Grip) -> f64| scene.grip.as_ref().map_or(f64::NAN, value);
-    let tremor =
-        |value: fn(&palpate_scene::Wave) -> f64| scene.tremor.as_ref().map_or(f64::NAN, value);
+    let grip = |value: fn(&palpate_scene::Grip) -> f64| scene.device.grip().map_or(f64::NAN, value);
+    let tremor = |value: fn(&palpate_scene::Wave) -> f64| {
+        scene.device.tremor().as_ref().map_or(f64::NAN, value)
+    };
     [
         plant.index as f64,
         f64::from(plant.redrawn),
-        scene.device.mass,
-        scene.told_device_mass.unwrap_or(scene.device.mass),
+        scene.device.mass(),
+        scene.told_device_mass.unwrap_or(scene.device.mass()),
         scene.loop_params.period,
         plant.kappa,
         plant.object_kappa,
@@ -144,10 +145,10 @@ fn plant_cells(one: &Judged) -> [f64; PLANT.len()] {
         },
         scene.object.position,
         plant.impact_speed,
-        scene.user_force,
-        scene.device.viscous_friction,
-        scene.device.coulomb_friction,
-        scene.device.encoder_quantum,
+        scene.device.hand_force(),
+        scene.device.viscous_friction(),
+        scene.device.coulomb_friction(),
+        scene.device.encoder_quantum(),
         grip(|grip| grip.mass),
         grip(|grip| grip.stiffness),
         grip(|grip| grip.damping),
@@ -166,7 +167,9 @@ fn plant_cells(one: &Judged) -> [f64; PLANT.len()] {
 fn actuator_cells(one: &Judged) -> [f64; ACTUATOR.len()] {
     let scene = &one.plant.scene;
     let told = scene.told_actuation();
-    let (transmission, cogging) = (scene.device.transmission, scene.device.cogging);
+    let device = scene.device.point_mass();
+    let transmission = device.and_then(|device| device.transmission);
+    let cogging = device.and_then(|device| device.cogging);
     let of_transmission =
         |value: fn(palpate_scene::Transmission) -> f64| transmission.map_or(f64::NAN, value);
     [
@@ -183,7 +186,7 @@ fn actuator_cells(one: &Judged) -> [f64; ACTUATOR.len()] {
         of_transmission(|one| one.backlash),
         cogging.map_or(f64::NAN, |one| one.amplitude),
         cogging.map_or(f64::NAN, |one| one.pitch),
-        scene.device.noise,
+        scene.device.noise(),
         scene.timing.seed as f64,
     ]
 }

@@ -168,7 +168,7 @@ fn a_sweep_at_the_scene_s_own_value_is_the_scene() {
     }
     // Friction multiplies both kinds of it.
     let mut rough = fig4.clone();
-    let params = &mut rough.linkage.as_mut().unwrap().params;
+    let params = &mut rough.device.pantograph_mut().unwrap().linkage.params;
     params.viscous_friction *= 3.0;
     params.coulomb_friction *= 3.0;
     let at = swept(&fig4, Quantity::Friction, &[3.0], &hfcr);

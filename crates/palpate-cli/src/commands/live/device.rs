@@ -47,7 +47,7 @@ impl Named {
             scene: scene.clone(),
             clock: *clock,
             guarding: guarding.clone(),
-            hand: is_pointer.then(|| PointerHand::at(scene.device.position)),
+            hand: is_pointer.then(|| PointerHand::at(scene.device.position())),
             first: None,
         };
         devices.first = Some(devices.make(None)?);

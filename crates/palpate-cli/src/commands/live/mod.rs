@@ -146,7 +146,9 @@ fn read(arguments: &LiveArguments) -> Result<(Scene, PathBuf, Vec<MethodName>), 
     }
     tell_what_a_loop_has_not(&scene);
     if arguments.device.device == DeviceName::Pointer
-        && (scene.grip.is_some() || scene.linkage.is_some() || scene.tremor.is_some())
+        && (scene.device.grip().is_some()
+            || scene.device.pantograph().is_some()
+            || scene.device.tremor().is_some())
     {
         tell(
             "note: with the device `pointer` your hand takes the place of the scene's, and a point mass that of its linkage; --device simulated has both",

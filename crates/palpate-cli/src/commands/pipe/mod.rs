@@ -59,7 +59,7 @@ fn set_up(arguments: &PipeArguments, scene: Option<SceneFile>) -> Result<Stream,
     flags.check_settings(&methods)?;
     let motor_limit = scene
         .as_ref()
-        .and_then(|file| file.scene.device.largest_force);
+        .and_then(|file| file.scene.device.largest_force());
     let (mut setup, settings) = match scene {
         Some(file) => flags.live_setup(file.scene, method)?,
         None => (flags.replay_setup("pipe")?, flags.settings()),

@@ -113,7 +113,7 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
                     positions: &held.positions,
                     forces_on_device: Some(&held.forces),
                 },
-                device_mass: scene.device.mass,
+                device_mass: scene.device.mass(),
                 at_its_instants: true,
             };
             let failure = |method, error| match error {

@@ -14,7 +14,7 @@ const TOLD: &str = "told";
 /// What the renderer of `scene` is told of the device, a line of `key = value` each.
 fn told(scene: &Scene) -> String {
     let told = scene.told_actuation();
-    let mass = scene.told_device_mass.unwrap_or(scene.device.mass);
+    let mass = scene.told_device_mass.unwrap_or(scene.device.mass());
     let transmission = told.transmission.map(|it| {
         [
             ("resonance_hz", it.resonance),

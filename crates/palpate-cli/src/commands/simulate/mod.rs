@@ -8,7 +8,8 @@ use std::string::FromUtf8Error;
 use palpate_scene::method::MethodName;
 use palpate_scene::world::WorldFile;
 use palpate_scene::{
-    HandForceAt, Measure, Scene, SceneError, SceneFile, SceneParameter, SetupError, beside,
+    HandForceAt, Intention, Measure, PantographDevice, Scene, SceneError, SceneFile,
+    SceneParameter, SetupError, beside,
 };
 use palpate_sim::closed_loop::{Bench, LoopError};
 
@@ -34,14 +35,14 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     flags.change(&mut scene, &methods)?;
     arguments.timing.change(&mut scene);
     if let Some(place) = arguments.hand_force_at {
-        if scene.linkage.is_none() {
+        let Some(device) = scene.device.pantograph_mut() else {
             return Err(Failure::Arguments(format!(
                 "--hand-force-at {}: the scene's device is a point mass, and only a pantograph has \
                  motors at joints",
                 place.name()
             )));
-        }
-        scene.user_force_at = place;
+        };
+        device.force_at = place;
     }
     let outputs = arguments.results.check(&arguments.scene)?;
     let failure = |method, error| explain((flags, &arguments.timing), &file, method, error);
@@ -86,19 +87,19 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
 fn plant_receipt(scene: &Scene) -> Vec<(String, String)> {
     let device = &scene.device;
     let mut numbers = vec![
-        ("device_position_m", device.position),
-        ("device_velocity_m_per_s", device.velocity),
-        ("device_encoder_quantum_m", device.encoder_quantum),
-        ("device_viscous_n_s_per_m", device.viscous_friction),
-        ("device_coulomb_n", device.coulomb_friction),
-        ("hand_force_n", scene.user_force),
+        ("device_position_m", device.position()),
+        ("device_velocity_m_per_s", device.velocity()),
+        ("device_encoder_quantum_m", device.encoder_quantum()),
+        ("device_viscous_n_s_per_m", device.viscous_friction()),
+        ("device_coulomb_n", device.coulomb_friction()),
+        ("hand_force_n", scene.device.hand_force()),
         ("object_radius_m", scene.object_radius),
     ];
     // A radius of 0 is none.
     numbers.retain(|&(name, value)| name != "object_radius_m" || value != 0.0);
     numbers.extend(
         device
-            .largest_force
+            .largest_force()
             .map(|force| ("device_motor_limit_n", force)),
     );
     numbers.extend(
@@ -106,33 +107,36 @@ fn plant_receipt(scene: &Scene) -> Vec<(String, String)> {
             .told_device_mass
             .map(|mass| ("renderer_device_mass_kg", mass)),
     );
-    if let Some(tremor) = scene.tremor {
+    if let Some(tremor) = device.tremor() {
         numbers.push(("hand_tremor_n", tremor.amplitude));
         numbers.push(("hand_tremor_hz", tremor.frequency_hz));
     }
-    numbers.extend(scene.release.map(|release| ("hand_release_s", release)));
-    if let Some(grip) = &scene.grip {
+    let release = device.hand().and_then(|hand| hand.release);
+    numbers.extend(release.map(|release| ("hand_release_s", release)));
+    if let Some(grip) = device.grip() {
         numbers.push(("hand_mass_kg", grip.mass));
         numbers.push(("hand_stiffness_n_per_m", grip.stiffness));
         numbers.push(("hand_damping_n_s_per_m", grip.damping));
         // A recording is not a number; the scene file names it.
-        if grip.intention.is_none() {
-            numbers.push(("hand_position_m", grip.position));
-        }
-        if let Some(swing) = grip.swing {
-            numbers.push(("hand_swing_m", swing.amplitude));
-            numbers.push(("hand_swing_hz", swing.frequency_hz));
+        if let Intention::Place { position, swing } = grip.intention {
+            numbers.push(("hand_position_m", position));
+            if let Some(swing) = swing {
+                numbers.push(("hand_swing_m", swing.amplitude));
+                numbers.push(("hand_swing_hz", swing.frequency_hz));
+            }
         }
     }
     let mut lines: Vec<(String, String)> = numbers
         .into_iter()
         .map(|(name, value)| (name.to_owned(), value.to_string()))
         .collect();
-    if scene.user_force_at != HandForceAt::default() {
-        let at = scene.user_force_at.name().to_owned();
-        lines.push(("hand_force_at".into(), at));
-    }
-    if let Some(linkage) = &scene.linkage {
+    if let Some(PantographDevice {
+        linkage, force_at, ..
+    }) = device.pantograph()
+    {
+        if *force_at != HandForceAt::default() {
+            lines.push(("hand_force_at".into(), force_at.name().to_owned()));
+        }
         lines.push(("device.title".into(), linkage.title.clone()));
         let keys = linkage.keys.iter().cloned();
         lines.extend(
@@ -186,8 +190,7 @@ fn read_text(path: &Path) -> Result<String, Failure> {
 
 /// Warns of an intention that no hand has.
 fn tell_if_not_a_hand(name: &str, scene: &Scene) {
-    let intention = scene.grip.as_ref().and_then(|grip| grip.intention.as_ref());
-    if let Some(path) = intention
+    if let Some(Intention::Recorded(path)) = scene.device.grip().map(|grip| &grip.intention)
         && let Some(excess) = inside::excess(path.times(), path.positions())
     {
         let column = excess.likely_unit().position_column();
