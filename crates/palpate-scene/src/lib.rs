@@ -23,7 +23,7 @@ mod told;
 pub mod world;
 mod write;
 
-pub use beside::beside;
+pub use beside::{beside, scene_bytes};
 pub use check::SceneParameterError;
 pub use fault::in_plain_words;
 pub use fault::{SceneError, SceneErrors};
