@@ -185,13 +185,13 @@ fn an_inverse3_presses_a_ball_on_a_table() {
     assert!(pushed.iter().any(|[_, y, _]| y.abs() > 0.005));
 }
 
+/// A 2DIY whose hand leads it 32 mm away from its base, into a block before a wall: the report of the
+/// run, and the block's places [m], each with the device's force along y [N].
 #[cfg(unix)]
-#[test]
-fn a_2diy_pushes_a_block_against_a_wall() {
+fn a_block_is_pushed(folder: &Folder) -> (serde_json::Value, Vec<(f64, f64)>) {
     use palpate_haply::two_diy::{Board, Generation};
     use palpate_haply_emulator::two_diy::{self, Hand, PortSettings, Settings};
-    let folder = folder();
-    // It begins where the tool does, and a soft hand leads it 32 mm away from its base.
+    // It begins where the tool does.
     let settings = Settings {
         angles: Some([130.0, 50.0]),
         hand: Hand::Holds {
@@ -212,28 +212,35 @@ fn a_2diy_pushes_a_block_against_a_wall() {
         "record block-at-wall.toml block.mcap --device haply-2diy --port haply --board m0 \
          --origin 0.019,0.1169 --start-pose 130,50 --priority 0 --stall-after 50 --duration 3 --json",
     );
-    assert_eq!(answer.code, 0, "{answer:?}");
-    let report = parse(&answer.stdout);
-    assert!(number(&report, "peak_force_n") > 0.3, "{report}");
+    // 5 where the motors were off for most of the ticks.
+    assert!(matches!(answer.code, 0 | 5), "{answer:?}");
     assert_eq!(emulator.torques(), [0.0; 2]);
     let recording = Recording::open(&folder.path("block.mcap")).unwrap();
-    let mut block = Vec::new();
-    let mut back = 0;
+    let mut pushed = Vec::new();
     for entry in recording.entries().unwrap() {
         if let Entry::Tick(tick, _, bodies) = entry.unwrap() {
-            block.push(bodies[0].position[1]);
             assert!(tick.device_axes[2].is_nan());
-            back += usize::from(tick.commanded_force[1] < -0.3);
+            pushed.push((bodies[0].position[1], tick.commanded_force[1]));
         }
     }
-    let last = block.last().unwrap();
-    assert!(
-        block[0].abs() < 1e-4 && *last > 0.005,
-        "{} to {last} m",
-        block[0]
-    );
+    (parse(&answer.stdout), pushed)
+}
+
+#[cfg(unix)]
+#[test]
+fn a_2diy_pushes_a_block_against_a_wall() {
+    // A busy machine stops the loop now and then for longer than it is allowed to. The motors are off then,
+    // the hand pushes the tool into the block without a force against it, and the run shows nothing here.
+    let (report, pushed) = (0..10)
+        .map(|_| a_block_is_pushed(&folder()))
+        .find(|(report, _)| number(report, "motors_off_ticks") == 0.0)
+        .expect("the loop was stopped in each of ten runs");
+    assert!(number(&report, "peak_force_n") > 0.3, "{report}");
+    let (first, last) = (pushed[0].0, pushed.last().unwrap().0);
+    assert!(first.abs() < 1e-4 && last > 0.005, "{first} to {last} m");
     // The wall is 30 mm away, and half of the block is 15 mm.
-    assert!(block.iter().all(|y| *y < 0.017), "through the wall");
+    assert!(pushed.iter().all(|(y, _)| *y < 0.017), "through the wall");
+    let back = pushed.iter().filter(|(_, force)| *force < -0.3).count();
     assert!(back > 20, "{back} ticks with a force against the hand");
 }
 
