@@ -22,7 +22,7 @@ pub const DEVICE: Limit = Limit::of("a device file or a calibration", 64 * MEBIB
 /// Files of triangles.
 pub const MESH: Limit = Limit::of("a mesh", 256 * MEBIBYTE);
 /// Tables: traces, runs, maps.
-pub const TABLE: Limit = Limit::of("a table", 512 * MEBIBYTE);
+pub const TABLE: Limit = Limit::of("a table", 256 * MEBIBYTE);
 /// Journals of work in progress.
 pub const JOURNAL: Limit = Limit::of("a journal", 512 * MEBIBYTE);
 
