@@ -112,7 +112,7 @@ pub fn messages(errors: &SceneErrors) -> String {
 #[pyfunction]
 pub fn read_scene(path: PathBuf) -> PyResult<(String, String, PathBuf)> {
     let name = path.display().to_string();
-    let bytes = std::fs::read(&path)?;
+    let bytes = palpate_scene::scene_bytes(&path)?;
     let text = String::from_utf8(bytes)
         .map_err(|_| refused(format!("{name}: not UTF-8; save the scene as UTF-8 text")))?;
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();

@@ -1,10 +1,19 @@
-//! The last line of a stream of forces, which takes the force off.
+//! The last lines of a stream: of its input, which may be cut off, and of its forces, which takes the force off.
 
 use std::sync::mpsc::channel;
 use std::thread::Builder;
 use std::time::Duration;
 
 use crate::failure::Failure;
+
+/// Whether a line of a stream was cut off: `0.01` may be what is left of `0.0123`.
+pub fn is_cut_off(line: &[u8]) -> bool {
+    !line.ends_with(b"\n")
+}
+
+/// What is said of a line that was cut off.
+pub const CUT_OFF: &str =
+    "the input ends within the line, so the line may be cut off; a line must end with a newline";
 
 /// How long a reader may take for the last line.
 const LONGEST_WAIT: Duration = Duration::from_secs(1);

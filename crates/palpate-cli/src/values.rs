@@ -57,7 +57,10 @@ pub fn any_methods(text: &str) -> Result<AnyMethods, String> {
         let name = match of_worlds.find(|known| *known == name) {
             Some(name) => name,
             None => method_named(name)
-                .map_err(|error| error.to_string())?
+                .map_err(|error| {
+                    let of_worlds = WorldScene::METHODS.join(", ");
+                    format!("{error}; of a world: {of_worlds}")
+                })?
                 .name(),
         };
         if names.contains(&name) {

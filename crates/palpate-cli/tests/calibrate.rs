@@ -213,3 +213,18 @@ fn a_simulated_device_is_found_as_its_scene_has_it() {
         .unwrap();
     assert!(delay < 0.03e-3, "{delay}");
 }
+
+#[test]
+fn a_last_line_without_a_newline_is_no_sample_of_a_calibration() {
+    let folder = Folder::new();
+    let mut child = child(&folder, "--gain 1");
+    // What is left of 0.0123.
+    child.stdin.take().unwrap().write_all(b"0\n0.01").unwrap();
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{said}");
+    assert!(
+        said.contains("line 2: the input ends within the line"),
+        "{said}"
+    );
+}

@@ -300,9 +300,9 @@ fn a_header_of_other_columns_is_not_guessed_at() {
 }
 
 #[test]
-fn a_last_line_without_an_end_is_answered() {
+fn lines_may_end_as_on_windows() {
     assert_eq!(
-        forces(&format!("{WALL} --method basic"), "0.001\r\n0.002"),
+        forces(&format!("{WALL} --method basic"), "0.001\r\n0.002\r\n"),
         [-1.0, -2.0]
     );
     assert_eq!(forces(WALL, ""), [0.0; 0]);

@@ -303,3 +303,20 @@ fn the_summary_counts_changes() {
     assert_eq!(number(&summary, "samples"), 2.0);
     assert!(summary["force_limit_n"].is_null(), "{summary}");
 }
+
+#[test]
+fn a_last_line_without_a_newline_is_no_sample() {
+    // What is left of 0.0015 would ask for another force.
+    let answer = pipe(&format!("{WALL} --columns force,fault"), "0.001\n0.001");
+    assert_eq!(answer.code, 0, "{answer:?}");
+    assert_eq!(answer.stdout, "-1,\n0,unreadable\n0,\n", "{answer:?}");
+    assert!(
+        answer
+            .stderr
+            .contains("line 2: the input ends within the line"),
+        "{answer:?}"
+    );
+    // With its newline the same line is a sample.
+    let whole = pipe(&format!("{WALL} --columns force,fault"), "0.001\n0.001\n");
+    assert_eq!(whole.stdout, "-1,\n-1,\n0,\n", "{whole:?}");
+}

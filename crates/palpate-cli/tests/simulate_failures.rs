@@ -273,3 +273,13 @@ fn a_scene_that_flags_make_impossible_is_not_blamed_on_the_file() {
         );
     }
 }
+
+#[cfg(unix)]
+#[test]
+fn a_scene_that_does_not_end_is_refused() {
+    let answer = Folder::new().palpate("simulate /dev/zero");
+    assert_eq!(answer.code, 1, "{answer:?}");
+    for words in ["/dev/zero", "16 MiB", "a scene"] {
+        assert!(answer.stderr.contains(words), "{words}: {answer:?}");
+    }
+}

@@ -15,6 +15,7 @@ use std::time::{Duration, Instant};
 use thiserror::Error;
 
 use crate::atomic::WriteError;
+use crate::bounded::JOURNAL;
 use crate::checksum::Checksum;
 pub use crate::lock::Holder;
 use crate::lock::{Locked, is_at, try_lock};
@@ -105,7 +106,10 @@ impl Journal {
         let failed = |source| JournalError::from(WriteError::new(path, source));
         let (mut file, unlocked) = lock(path)?;
         let mut bytes = Vec::new();
-        file.read_to_end(&mut bytes).map_err(failed)?;
+        JOURNAL
+            .reader(&mut file)
+            .read_to_end(&mut bytes)
+            .map_err(failed)?;
         let lines = whole_lines(&bytes).map_err(|line| JournalError::Damaged {
             path: path.to_owned(),
             line,
@@ -213,7 +217,7 @@ fn lock(path: &Path) -> Result<(File, Option<io::Error>), JournalError> {
 
 /// Who last opened the journal at `path`, as far as it says.
 fn last_holder(path: &Path) -> io::Result<Option<Holder>> {
-    let bytes = match fs::read(path) {
+    let bytes = match JOURNAL.bytes(path) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(error),

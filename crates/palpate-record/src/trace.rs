@@ -22,6 +22,7 @@ mod tests;
 use std::io::{self, Read};
 
 use csv::StringRecord;
+use palpate_files::bounded::{Bounded, TABLE};
 use thiserror::Error;
 
 use crate::place::{Place, field_span, first_byte, open_quote, record_span};
@@ -264,7 +265,7 @@ pub fn read_part(
 }
 
 /// The text of a trace, as far as it has been read, and its name.
-struct Text<'a, R> {
+struct Text<'a, R: Read> {
     file: &'a str,
     records: csv::Reader<Growing<R>>,
     /// Offset of the first byte that was read for the last record.
@@ -289,13 +290,13 @@ impl Line {
 /// A fault and the bytes at fault.
 type Fault = (std::ops::Range<usize>, TraceFault);
 
-impl<'a, R: Read> Text<'a, R> {
+impl<'a, R: Read> Text<'a, Bounded<R>> {
     fn new(reader: R, file: &'a str) -> Self {
         let records = csv::ReaderBuilder::new()
             .has_headers(false)
             .flexible(true)
             .comment(Some(b'#'))
-            .from_reader(Growing::new(reader));
+            .from_reader(Growing::new(TABLE.reader(reader)));
         let last = 0;
         Self {
             file,

@@ -3,6 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use palpate_files::bounded::{SCENE, TABLE};
+
 /// Gives the text of a file by the name that stands in a scene.
 pub(super) type Files<'a> = &'a mut dyn FnMut(&str) -> io::Result<String>;
 
@@ -14,5 +16,13 @@ pub(super) fn beside_scene(scene: &str, name: &str) -> String {
 /// The files beside the scene file at `scene`: names count from the folder it stands in.
 pub fn beside(scene: &Path) -> impl FnMut(&str) -> io::Result<String> {
     let folder = scene.parent().map(PathBuf::from).unwrap_or_default();
-    move |name| std::fs::read_to_string(folder.join(name))
+    move |name| TABLE.text(&folder.join(name))
+}
+
+/// The bytes of the scene file at `path`.
+///
+/// # Errors
+/// What the system says; a file that does not end within 16 MiB.
+pub fn scene_bytes(path: &Path) -> io::Result<Vec<u8>> {
+    SCENE.bytes(path)
 }

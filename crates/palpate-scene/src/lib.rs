@@ -25,7 +25,7 @@ mod told;
 pub mod world;
 mod write;
 
-pub use beside::beside;
+pub use beside::{beside, scene_bytes};
 pub use check::SceneParameterError;
 pub use device::{Device, PantographDevice, PointMassDevice};
 pub use fault::in_plain_words;

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use palpate::{Contact, LARGEST_DELAY, Mass};
 use palpate_calibrate::{Calibration, Quantity};
+use palpate_files::bounded::DEVICE;
 use palpate_scene::Told;
 use palpate_study::calibrated;
 use palpate_study::text::digits;
@@ -14,7 +15,8 @@ use crate::failure::{Failure, tell};
 /// Reads a device file.
 pub fn read_calibration(path: &Path) -> Result<Calibration, Failure> {
     let name = path.display().to_string();
-    let text = std::fs::read_to_string(path)
+    let text = DEVICE
+        .text(path)
         .map_err(|error| Failure::System(format!("{name}: {error}")))?;
     Calibration::parse(&name, &text).map_err(|error| {
         Failure::input_at(&error, &error.file, &error.source_text, error.span.clone())

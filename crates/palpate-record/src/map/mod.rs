@@ -21,6 +21,8 @@ use std::io::{self, Read, Write};
 use palpate_files::checksum::Checksum;
 use thiserror::Error;
 
+use palpate_files::bounded::TABLE;
+
 use crate::run::receipt;
 
 /// Keys of the receipt that the file itself is answerable for.
@@ -146,7 +148,7 @@ impl Map {
     pub fn read(mut source: impl Read, file: &str) -> Result<Self, MapError> {
         let file = file.to_owned();
         let mut bytes = Vec::new();
-        if let Err(source) = source.read_to_end(&mut bytes) {
+        if let Err(source) = TABLE.reader(&mut source).read_to_end(&mut bytes) {
             return Err(MapError::Unreadable { file, source });
         }
         let torn = |fault: String| MapError::Torn {

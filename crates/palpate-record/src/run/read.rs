@@ -7,6 +7,8 @@ use csv::StringRecord;
 use thiserror::Error;
 
 use super::{MARK, VERSION, receipt};
+use palpate_files::bounded::TABLE;
+
 use crate::place::{Place, field_span, first_byte, open_quote, record_span};
 
 /// Why a run file could not be read.
@@ -145,7 +147,7 @@ struct Row {
 pub fn read(mut reader: impl Read, file: &str) -> Result<Run, RunError> {
     let file = file.to_owned();
     let mut bytes = Vec::new();
-    if let Err(source) = reader.read_to_end(&mut bytes) {
+    if let Err(source) = TABLE.reader(&mut reader).read_to_end(&mut bytes) {
         return Err(RunError::Unreadable { file, source });
     }
     match String::from_utf8(bytes) {

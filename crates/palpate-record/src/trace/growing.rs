@@ -4,6 +4,10 @@ use std::io::{self, Read};
 
 const MARK: &[u8] = b"\xef\xbb\xbf";
 
+/// Longest line of a trace \[bytes\]: a file without lines, such as `/dev/zero`, is refused there, and not kept up to the
+/// limit of a table.
+const LONGEST_LINE: usize = 1 << 20;
+
 /// A reader that keeps what it has passed on. A byte order mark at the beginning is kept, but not
 /// passed on.
 pub(super) struct Growing<R> {
@@ -11,6 +15,8 @@ pub(super) struct Growing<R> {
     kept: Vec<u8>,
     /// How much of it has been passed on.
     passed: usize,
+    /// Where its last line begins.
+    line: usize,
     /// How much of it is known to be UTF-8.
     valid: usize,
     begun: bool,
@@ -32,6 +38,7 @@ impl<R: Read> Growing<R> {
             reader,
             kept: Vec::new(),
             passed: 0,
+            line: 0,
             valid: 0,
             begun: false,
             ended: false,
@@ -104,6 +111,15 @@ impl<R: Read> Growing<R> {
                 self.ended = true;
                 self.fault = Some(Unread::Io(error));
             }
+        }
+        let feed = self.kept[before..].iter().rposition(|byte| *byte == b'\n');
+        self.line = feed.map_or(self.line, |at| before + at + 1);
+        if self.kept.len() - self.line > LONGEST_LINE && !self.ended {
+            self.ended = true;
+            self.fault = Some(Unread::Io(io::Error::new(
+                io::ErrorKind::FileTooLarge,
+                "a line does not end within 1 MiB, the most that is read of a line",
+            )));
         }
         !self.ended
     }

@@ -2,6 +2,8 @@
 
 use std::io::Read;
 
+use palpate_files::bounded::TABLE;
+
 use thiserror::Error;
 
 /// A recorded motion of so many devices in space.
@@ -44,7 +46,7 @@ pub fn read_world(
     let mut csv = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .comment(Some(b'#'))
-        .from_reader(reader);
+        .from_reader(TABLE.reader(reader));
     let unread = |error: csv::Error| {
         let line = error.position().map(csv::Position::line);
         fault(line, error.to_string())

@@ -338,6 +338,26 @@ fn other_encodings_are_named_by_their_byte() {
 }
 
 #[test]
+fn a_line_without_end_is_refused() {
+    let error = read(io::repeat(0), "zero.csv").unwrap_err();
+    assert!(matches!(error, TraceError::Unreadable { .. }), "{error:?}");
+    let words = error.to_string();
+    assert!(
+        words.contains("zero.csv") && words.contains("1 MiB"),
+        "{words}"
+    );
+    // The same bytes in a line that ends are a header, of which the names are wrong.
+    let ends = read("x,".repeat(1000).as_bytes(), "x.csv").unwrap_err();
+    assert!(matches!(ends, TraceError::Invalid { .. }), "{ends:?}");
+}
+
+#[test]
+fn a_last_line_without_a_newline_is_a_sample_of_a_file() {
+    let trace = read("t_s,position_m\n0,0.01\n0.001,0.0123".as_bytes(), "end.csv").unwrap();
+    assert_eq!(trace.position_m, [0.01, 0.0123]);
+}
+
+#[test]
 fn a_reader_that_fails_is_reported_by_name() {
     struct Broken;
     impl Read for Broken {

@@ -1,17 +1,15 @@
 //! Meshes as a scene file gives them: from a file of a CAD program, by their triangles, or by a formula.
 
-use std::io::Read as _;
 use std::path::Path;
 use std::sync::Arc;
 
+use palpate_files::bounded::MESH;
 use palpate_testbed::world::mesh::gallery;
 use palpate_world::{Hull, Mesh, Shape, Vector};
 use serde::Deserialize;
 
 use super::stl;
 
-/// Largest file of a mesh that is read `[byte]`.
-const LARGEST_FILE: u64 = 256 << 20;
 /// Most squares along an edge of the cube of a bumpy sphere: more have more triangles than a mesh may have.
 const MOST_CELLS: u32 = 288;
 
@@ -285,19 +283,9 @@ fn triangles(path: &Path) -> Result<Numbers, String> {
     Ok((vertices, faces))
 }
 
-/// What is in a file, of which the length may be unknown before it has been read.
 fn bytes_of(path: &Path) -> Result<Vec<u8>, String> {
-    let shown = path.display();
-    let fault = |error: std::io::Error| format!("{shown}: {error}");
-    let file = std::fs::File::open(path).map_err(fault)?;
-    let mut bytes = Vec::new();
-    let read = file.take(LARGEST_FILE + 1).read_to_end(&mut bytes);
-    if read.map_err(fault)? as u64 > LARGEST_FILE {
-        return Err(format!(
-            "{shown} is longer than {LARGEST_FILE} bytes, and at most so many are read"
-        ));
-    }
-    Ok(bytes)
+    MESH.bytes(path)
+        .map_err(|error| format!("{}: {error}", path.display()))
 }
 
 /// The sides of the box along the axes that just holds some points.

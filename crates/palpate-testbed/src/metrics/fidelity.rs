@@ -45,6 +45,10 @@ impl Fidelity {
     }
 }
 
+/// Least share of ∫ f² along all axes that is a force along one of them: the ideal is computed to 1e-11 of a step, and a force of
+/// 1e-8 of the whole is rounding.
+const LEAST_SHARE: f64 = 1e-16;
+
 /// The sums from which a [`Fidelity`] follows.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct ErrorSums {
@@ -75,8 +79,19 @@ impl ErrorSums {
 
     /// The errors; `None` if the ideal force is 0 throughout.
     pub(crate) fn fidelity(&self, period: f64) -> Option<Fidelity> {
+        self.fidelity_beside(period, 0.0)
+    }
+
+    /// ∫ f² of the ideal.
+    pub(crate) fn ideal(&self) -> f64 {
+        self.ideal
+    }
+
+    /// The errors along an axis of a force whose ∫ f² along all axes is `all`; `None` if the ideal force along this axis
+    /// is 0 or rounding, below [`LEAST_SHARE`] of `all`.
+    pub(crate) fn fidelity_beside(&self, period: f64, all: f64) -> Option<Fidelity> {
         let ideal = self.ideal;
-        if ideal <= 0.0 {
+        if ideal <= LEAST_SHARE * all || ideal <= 0.0 {
             return None;
         }
         let percent = |sum: f64| {
@@ -142,5 +157,24 @@ impl<'a> FidelityMeter<'a> {
     #[must_use]
     pub fn fidelity(&self) -> Option<Fidelity> {
         self.sums.fidelity(self.profile.period())
+    }
+}
+
+#[cfg(test)]
+mod axis_tests {
+    use super::*;
+
+    /// An axis whose force is `share` of the force along another axis, and is rendered as 0.
+    fn along(share: f64) -> Option<Fidelity> {
+        let mut sums = ErrorSums::default();
+        sums.add(0.0, share * 1e-3, share * share * 1e-3, 1e-3, 1e-3);
+        sums.fidelity_beside(1e-3, 1e-3 + sums.ideal())
+    }
+
+    #[test]
+    fn an_axis_with_nothing_but_rounding_on_it_has_no_error() {
+        assert_eq!(along(1e-12), None);
+        let error = along(1e-6).unwrap().mean_force_error;
+        assert!((error - 100.0).abs() < 1e-6, "{error}");
     }
 }

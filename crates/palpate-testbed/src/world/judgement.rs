@@ -37,7 +37,7 @@ pub struct DeviceJudgement {
     pub force: Option<Fidelity>,
     /// The torques alone; `None` for a device that does not turn.
     pub torque: Option<TorqueJudgement>,
-    /// Along each axis of the world; `None` where the ideal force is 0.
+    /// Along each axis of the world; `None` where the ideal force is 0 or rounding, below 1e-8 of the force along all axes.
     pub axes: [Option<Fidelity>; 3],
     /// Each ideal touch that the held forces can show apart, in order.
     pub touches: Vec<TouchJudgement>,
@@ -53,7 +53,7 @@ pub struct DeviceJudgement {
 pub struct TorqueJudgement {
     /// All axes together; `None` if the ideal torque is 0.
     pub sum: Option<Fidelity>,
-    /// About each axis of the world; `None` where the ideal torque is 0.
+    /// About each axis of the world; `None` where the ideal torque is 0 or rounding, as for forces.
     pub axes: [Option<Fidelity>; 3],
     /// Largest held torque \[N m\].
     pub peak_torque: f64,
@@ -218,12 +218,13 @@ impl DeviceJudgement {
             let weights = turning.mobility();
             judged_torque(grid, weights, profile, torques, [&mut sum, sum_of_all])
         });
+        let along_all = axes.iter().map(ErrorSums::ideal).sum();
         let (touches, rendered_touches) = touches(grid, profile, held);
         Self {
             sum: sum.fidelity(period),
             force,
             torque,
-            axes: axes.map(|sums| sums.fidelity(period)),
+            axes: axes.map(|sums| sums.fidelity_beside(period, along_all)),
             touches,
             rendered_touches,
             peak_force: held
@@ -262,9 +263,10 @@ fn judged_torque(
             }
         }
     }
+    let about_all = axes.iter().map(ErrorSums::ideal).sum();
     TorqueJudgement {
         sum: own.fidelity(period),
-        axes: axes.map(|sums| sums.fidelity(period)),
+        axes: axes.map(|sums| sums.fidelity_beside(period, about_all)),
         peak_torque: peak,
     }
 }

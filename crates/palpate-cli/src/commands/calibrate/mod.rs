@@ -12,6 +12,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use palpate_calibrate::{Calibration, Measured, Quantity, measure};
+use palpate_files::bounded::DEVICE;
 use palpate_files::outputs::Outputs;
 
 pub use arguments::CalibrateArguments;
@@ -56,7 +57,8 @@ pub fn run(arguments: &CalibrateArguments) -> Result<(), Failure> {
 /// Reads a device file.
 pub fn read_device_file(path: &Path) -> Result<Calibration, Failure> {
     let name = path.display().to_string();
-    let text = std::fs::read_to_string(path)
+    let text = DEVICE
+        .text(path)
         .map_err(|error| Failure::System(format!("{name} cannot be read: {error}")))?;
     Calibration::parse(&name, &text).map_err(|error| {
         Failure::input_at(&error, &error.file, &error.source_text, error.span.clone())

@@ -136,6 +136,9 @@ fn serve(stream: &Mutex<Stream>, input: &mut impl BufRead) -> Result<(), Failure
                 "standard input, line {number}: the line is longer than {LONGEST_LINE} bytes"
             )));
         }
+        if last_line::is_cut_off(&line) {
+            return Err(refused(number, last_line::CUT_OFF));
+        }
         stream.answer(number, String::from_utf8_lossy(&line).trim())?;
         match stream.motion.phase() {
             Phase::Running => {}

@@ -189,6 +189,8 @@ fn serve<S: Answering>(stream: &Mutex<S>, input: &mut impl BufRead) -> Ended {
         let text = String::from_utf8_lossy(&line);
         let text = if too_long {
             Err(format!("the line is longer than {LONGEST_LINE} bytes"))
+        } else if last_line::is_cut_off(&line) {
+            Err(last_line::CUT_OFF.to_owned())
         } else {
             Ok(text.trim())
         };

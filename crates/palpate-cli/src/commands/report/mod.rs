@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use palpate_calibrate::Calibration;
+use palpate_files::bounded::DEVICE;
 use palpate_record::recording::Recording;
 use palpate_study::card::{CalibrationRun, Card, CardError, MOST_RECORDINGS, Sources, utc};
 
@@ -174,7 +175,8 @@ fn make(
 
 fn read_calibration(path: &Path) -> Result<CalibrationRun, Failure> {
     let name = path.display().to_string();
-    let text = std::fs::read_to_string(path)
+    let text = DEVICE
+        .text(path)
         .map_err(|error| Failure::System(format!("{name}: {error}")))?;
     CalibrationRun::parse(&text).map_err(|error| Failure::input(format_args!("{name}: {error}")))
 }

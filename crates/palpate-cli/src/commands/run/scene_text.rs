@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use palpate_files::bounded::SCENE;
 use palpate_record::recording::Receipt;
 use palpate_scene::{Scene, SceneFile, beside};
 
@@ -47,7 +48,8 @@ pub fn put(receipt: Receipt, scene: &Scene, path: &Path) -> Result<Receipt, Fail
     };
     // What names other files goes in as it stands, with these.
     let name = path.display().to_string();
-    let text = std::fs::read_to_string(path)
+    let text = SCENE
+        .text(path)
         .map_err(|error| Failure::System(format!("{name}: {error}")))?;
     let mut named = BTreeMap::new();
     let mut read = beside(path);

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use palpate_device::Capabilities;
 use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
+use palpate_files::bounded::SCENE;
 use palpate_record::recording::Receipt;
 use palpate_rt::realtime::Request;
 use palpate_rt::{ControlLoop, RenderedWorld, SetupError, WorldFrame, receipt};
@@ -175,7 +176,8 @@ pub fn put(
     frame: &WorldFrame,
 ) -> Result<Receipt, Failure> {
     let name = path.display().to_string();
-    let text = std::fs::read_to_string(path)
+    let text = SCENE
+        .text(path)
         .map_err(|error| Failure::System(format!("{name}: {error}")))?;
     Ok(receipt
         .with("world", &text)

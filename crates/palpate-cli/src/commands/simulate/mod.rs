@@ -5,6 +5,7 @@ mod world;
 use std::path::Path;
 use std::string::FromUtf8Error;
 
+use palpate_files::bounded::SCENE;
 use palpate_scene::method::MethodName;
 use palpate_scene::world::WorldFile;
 use palpate_scene::{
@@ -184,7 +185,9 @@ pub(super) fn read_scene(path: &Path) -> Result<SceneFile, Failure> {
 
 fn read_text(path: &Path) -> Result<String, Failure> {
     let name = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|error| Failure::System(format!("{name}: {error}")))?;
+    let bytes = SCENE
+        .bytes(path)
+        .map_err(|error| Failure::System(format!("{name}: {error}")))?;
     String::from_utf8(bytes).map_err(|error| not_utf8(&name, &error))
 }
 

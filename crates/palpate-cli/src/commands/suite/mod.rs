@@ -4,6 +4,7 @@ mod worlds;
 
 use std::path::{Path, PathBuf};
 
+use palpate_files::bounded::SCENE;
 use palpate_files::outputs::Outputs;
 use palpate_scene::method::MethodName;
 use palpate_study::suite::report::SuiteReport;
@@ -75,7 +76,8 @@ impl Compared {
             return Ok(methods.0.iter().copied().map(Column::of).collect());
         };
         let name = path.display();
-        let text = std::fs::read_to_string(path)
+        let text = SCENE
+            .text(path)
             .map_err(|error| Failure::System(format!("{name}: {error}")))?;
         Column::parse(&text).map_err(|error| Failure::input(format!("{name}: {error}")))
     }
