@@ -267,8 +267,8 @@ fn a_device_of_six_axes_is_read_with_its_orientation_and_answered_with_a_torque(
 fn a_last_line_without_a_newline_moves_no_device() {
     let line = "0,0,0.0695,0.1,0,0.0095";
     let arguments = "pipe ball.toml --soft-start 0";
-    let answer = folder().palpate_reading(&format!("{line}\n{line}"), arguments);
-    let whole = folder().palpate_reading(&format!("{line}\n{line}\n"), arguments);
+    let answer = folder().palpate_reading(format!("{line}\n{line}"), arguments);
+    let whole = folder().palpate_reading(format!("{line}\n{line}\n"), arguments);
     let [cut, whole_lines] = [&answer, &whole].map(|it| it.stdout.lines().collect::<Vec<_>>());
     assert_eq!(cut.len(), 3, "{answer:?}");
     assert_eq!(cut[0], whole_lines[0]);
