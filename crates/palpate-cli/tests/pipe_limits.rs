@@ -186,7 +186,7 @@ fn what_is_refused_ends_with_the_force_off() {
 #[test]
 fn the_end_of_the_input_takes_the_force_off_once() {
     let basic = format!("{} --method basic", unlimited(WALL));
-    assert_eq!(pipe(&basic, "0.001\n0.002").stdout, "-1\n-2\n0\n");
+    assert_eq!(pipe(&basic, "0.001\n0.002\n").stdout, "-1\n-2\n0\n");
     // Nothing to take off, where nothing was answered.
     assert_eq!(pipe(&basic, "").stdout, "");
     assert_eq!(pipe(&basic, "position_m\n").stdout, "");

@@ -210,7 +210,7 @@ fn a_block_is_pushed(folder: &Folder) -> (serde_json::Value, Vec<(f64, f64)>) {
     let emulator = two_diy::Emulator::start(&settings).unwrap();
     let answer = folder.palpate(
         "record block-at-wall.toml block.mcap --device haply-2diy --port haply --board m0 \
-         --origin 0.019,0.1169 --start-pose 130,50 --priority 0 --stall-after 50 --duration 3 --json",
+         --origin 0.019,0.1169 --start-pose 130,50 --priority 0 --stall-after 200 --duration 1.2 --json",
     );
     // 5 where the motors were off for most of the ticks.
     assert!(matches!(answer.code, 0 | 5), "{answer:?}");

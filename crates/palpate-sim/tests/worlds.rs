@@ -163,7 +163,7 @@ fn committed() -> Vec<(String, String)> {
         .collect();
     worlds.retain(|(_, source)| !source.contains("quantum_rad"));
     worlds.sort();
-    assert_eq!(worlds.len(), 21);
+    assert_eq!(worlds.len(), 22);
     worlds
 }
 

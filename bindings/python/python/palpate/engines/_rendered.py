@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import math
 import time
-from typing import Any, Callable
+from typing import Any, Callable, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from ._contact import EngineContact
 from ._scenes import DEVICE_MASS, Scene
 
 Vector = NDArray[np.float64]
+
+
+class Stepped(Protocol):
+    """palpate's contact with the bodies of an engine, with the engine's own loop."""
+
+    def step(self, position: ArrayLike, elapsed: float | None = None) -> Vector:
+        """Steps the engine through a period; the force on the device at `position` [m] to hold over it [N]."""
 
 
 def by_engine(
@@ -39,7 +45,7 @@ def by_engine(
 
 
 def by_palpate(
-    scene: Scene, steps: int, samples: int, told: float, contact: Callable[..., EngineContact]
+    scene: Scene, steps: int, samples: int, told: float, contact: Callable[..., Stepped]
 ) -> tuple[NDArray[np.float64], float]:
     """Forces of palpate's contact on the tool [N], one for each sample, and the time of a step of the engine [s]. `contact`
     makes the contact of its law; `told` is the mass of the device as palpate is told, over the true one."""
