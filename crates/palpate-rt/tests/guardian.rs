@@ -27,6 +27,8 @@ struct Guarded {
     account: Arc<GuardianAccount>,
     board: UnixStream,
     watch: JoinHandle<Outcome>,
+    /// What the guardian reads.
+    words: UnixStream,
 }
 
 fn guarded(limit: Duration) -> Guarded {
@@ -42,9 +44,11 @@ fn guarded(limit: Duration) -> Guarded {
         probe: PROBE.to_vec(),
         answer: ANSWER.len(),
     };
+    let words = socket.try_clone().unwrap();
     let watch = Watch::new(socket, OwnedFd::from(port), orders).unwrap();
     let account = Arc::new(GuardianAccount::default());
     Guarded {
+        words,
         guardian: Guardian::beside(driver, Arc::clone(&account)).unwrap(),
         account,
         board,
@@ -109,6 +113,24 @@ fn a_driver_that_speaks_in_time_or_has_no_force_on_is_left_alone() {
     guarded.guardian.dismiss();
     assert_eq!(guarded.watch.join().unwrap(), Outcome::Dismissed);
     assert_eq!(comes(&mut guarded.board, 1, LONG), b"");
+}
+
+/// The room for words is limited. That of a driver of 4 kHz is full after 35 ms.
+#[test]
+fn a_guardian_with_a_long_limit_listens_before_its_room_is_full() {
+    let guarded = guarded(Duration::from_secs(3600));
+    for _ in 0..20 {
+        for _ in 0..100 {
+            guarded.guardian.force().unwrap();
+        }
+        let said = Instant::now();
+        while rustix::io::ioctl_fionread(&guarded.words).unwrap() > 0 {
+            assert!(said.elapsed() < LONG, "nobody listens");
+            sleep(Duration::from_millis(1));
+        }
+    }
+    guarded.guardian.dismiss();
+    assert_eq!(guarded.watch.join().unwrap(), Outcome::Dismissed);
 }
 
 #[test]

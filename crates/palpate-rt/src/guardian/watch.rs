@@ -14,6 +14,10 @@ use super::{CUT, DISMISSED, FORCE, NONE, Orders, TRIES_FOR, WORD, monotonic};
 const ANSWERS_WITHIN: Duration = Duration::from_millis(50);
 /// Nothing is on its way any more when nothing has come for this long.
 const QUIET: Duration = Duration::from_millis(10);
+/// The longest between two looks at the driver's words while they come. Room for them is limited, and there
+/// are eight in a millisecond at 4 kHz: a guardian that slept for a limit of hundreds of periods would be
+/// taken for one that does not listen.
+const LISTENS_WITHIN: Duration = Duration::from_millis(10);
 /// Bytes that are thrown away at a time.
 const MANY: usize = 256;
 
@@ -120,7 +124,8 @@ impl Watch {
             None if heard == Heard::Words => (PollFlags::empty(), Some(monotonic() + limit / 2)),
             None => (PollFlags::IN, None),
         };
-        let timeout = longest.map(|until| timespec(until.saturating_sub(monotonic())));
+        let timeout =
+            longest.map(|until| timespec(until.saturating_sub(monotonic()).min(LISTENS_WITHIN)));
         let mut fds = [
             PollFd::new(&self.socket, events),
             PollFd::new(&self.port, PollFlags::empty()),
