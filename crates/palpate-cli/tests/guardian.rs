@@ -43,10 +43,22 @@ const STOOD_STILL: [&str; 5] = [
 const FLAGS: &str = "--device haply-2diy --start-pose 130,50 --origin 0.019,0.11 --normal 0,1 \
                      --stiffness 300 --method basic --duration inf --soft-start 0";
 
-fn emulator() -> Emulator {
+/// A board that is reached over a socket, whose bytes wait for no worker of the kernel.
+fn emulator(folder: &Folder) -> Emulator {
+    let path = folder.path("haply");
+    emulator_on(PortSettings::Socket { path })
+}
+
+/// A board that is reached as a serial port is.
+fn emulator_on_a_terminal(_: &Folder) -> Emulator {
+    emulator_on(PortSettings::Terminal { link: None })
+}
+
+fn emulator_on(port: PortSettings) -> Emulator {
     let settings = Settings {
         angles: Some([130.0, 50.0]),
         hand: Hand::at([0.019, 0.1169]),
+        port,
         ..Settings::of(Generation::Three, Board::M0)
     };
     Emulator::start(&settings).unwrap()
@@ -112,29 +124,53 @@ fn off_since(emulator: &Emulator) -> Option<Instant> {
     seen.get(last_on + 1).map(|seen| seen.at)
 }
 
-/// Programs that have opened a port, but for this one, which is the board.
-fn holders(port: &Path) -> Vec<u32> {
-    let of = |entry: &std::fs::DirEntry| entry.file_name().to_str()?.parse::<u32>().ok();
+/// Whether a program, but for this one, which is the board, has the port open.
+fn is_held(port: &Path) -> bool {
+    // The board's end of a connection has the socket's path, and the board closes it when all copies of
+    // the other end are closed. 03 is the state "connected".
+    let sockets = std::fs::read_to_string("/proc/net/unix").unwrap();
+    let connected = sockets.lines().any(|line| {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        words.get(5) == Some(&"03") && words.get(7).map(Path::new) == Some(port)
+    });
+    connected
+        || processes()
+            .filter(|id| *id != std::process::id())
+            .any(|id| {
+                let Ok(descriptors) = std::fs::read_dir(format!("/proc/{id}/fd")) else {
+                    return false;
+                };
+                descriptors
+                    .filter_map(|entry| std::fs::read_link(entry.ok()?.path()).ok())
+                    .any(|to| to == port)
+            })
+}
+
+fn processes() -> impl Iterator<Item = u32> {
     std::fs::read_dir("/proc")
         .unwrap()
-        .filter_map(|entry| of(&entry.ok()?))
-        .filter(|id| *id != std::process::id())
+        .filter_map(|entry| entry.ok()?.file_name().to_str()?.parse().ok())
+}
+
+/// Programs that a program started and that have not ended.
+fn children(parent: u32) -> Vec<u32> {
+    processes()
         .filter(|id| {
-            let Ok(descriptors) = std::fs::read_dir(format!("/proc/{id}/fd")) else {
+            let stat = std::fs::read_to_string(format!("/proc/{id}/stat")).unwrap_or_default();
+            let Some((_, rest)) = stat.rsplit_once(") ") else {
                 return false;
             };
-            descriptors
-                .filter_map(|entry| std::fs::read_link(entry.ok()?.path()).ok())
-                .any(|to| to == port)
+            let mut rest = rest.split(' ');
+            rest.next() != Some("Z") && rest.next() == Some(parent.to_string().as_str())
         })
         .collect()
 }
 
-/// The guardian of a loop.
-fn guardian(run: &Running, port: &Path) -> u32 {
+/// The guardian of a loop: the only program that the loop starts.
+fn guardian(run: &Running) -> u32 {
     let mut found = None;
     wait_for("a guardian", || {
-        found = holders(port).into_iter().find(|id| *id != run.id());
+        found = children(run.id()).pop();
         found.is_some()
     });
     found.unwrap()
@@ -146,7 +182,7 @@ fn killed_it_leaves_no_torque(mut run: Running, emulator: &Emulator, port: &Path
     assert!(signal(9, run.id()));
     run.wait().unwrap();
     wait_for("no torque", || !is_on(emulator));
-    wait_for("the end of the guardian", || holders(port).is_empty());
+    wait_for("the end of the guardian", || !is_held(port));
 }
 
 fn signal(number: i32, id: u32) -> bool {
@@ -187,11 +223,17 @@ fn signals() -> Vec<(i32, Does)> {
 
 /// How long a torque stayed on after a signal, which a command sends that takes its time, and after the
 /// last packet with a torque.
-fn strikes(number: i32, does: Does, rest: &str) -> (Duration, Duration) {
-    let (folder, emulator) = (folder(), emulator());
+fn strikes(
+    number: i32,
+    does: Does,
+    rest: &str,
+    board: fn(&Folder) -> Emulator,
+) -> (Duration, Duration) {
+    let folder = folder();
+    let emulator = board(&folder);
     let port = emulator.path();
     let mut run = pressing(&folder, &emulator, rest);
-    let guardian = guardian(&run, &port);
+    let guardian = guardian(&run);
     std::thread::sleep(Duration::from_millis(u64::from(run.id() % 20)));
     let struck = Instant::now();
     assert!(signal(number, run.id()), "{number}");
@@ -220,7 +262,7 @@ fn strikes(number: i32, does: Does, rest: &str) -> (Duration, Duration) {
     wait_for(&what, || !is_on(&emulator));
     // The guardian ends as well, and nobody holds the port. Files are closed one after the other.
     wait_for("the end of the guardian", || {
-        holders(&port).is_empty() && !Path::new(&format!("/proc/{guardian}/fd/0")).exists()
+        !is_held(&port) && !Path::new(&format!("/proc/{guardian}/fd/0")).exists()
     });
     assert!(!is_on(&emulator));
     let off = off_since(&emulator).expect("it was on");
@@ -244,7 +286,7 @@ fn no_signal_leaves_a_torque_on() {
                     let Some((number, does)) = signals.get(index).copied() else {
                         break;
                     };
-                    let after = strikes(number, does, "--priority 0 --stall-after 50");
+                    let after = strikes(number, does, "--priority 0 --stall-after 50", emulator);
                     took.lock().unwrap().push((number, does, after));
                 }
             });
@@ -260,15 +302,16 @@ fn no_signal_leaves_a_torque_on() {
     }
 }
 
-/// As measured at 1 kHz with the default limits: printed, and not bounded, for a busy machine bounds
-/// nothing.
+/// As measured at 1 kHz with the default limits, over a terminal as over a serial port: printed, and not
+/// bounded, for a busy machine bounds nothing.
 #[test]
 fn how_long_a_torque_stays_on_is_measured() {
     const ROUNDS: usize = 10;
     for (number, does, name) in [(9, Does::Kills, "killed"), (19, Does::Stops, "stopped")] {
         for rest in ["", "--stall-after 1.5"] {
-            let mut took: Vec<Duration> =
-                (0..ROUNDS).map(|_| strikes(number, does, rest).1).collect();
+            let mut took: Vec<Duration> = (0..ROUNDS)
+                .map(|_| strikes(number, does, rest, emulator_on_a_terminal).1)
+                .collect();
             took.sort();
             println!(
                 "{name} at 1 kHz {rest}: no torque {:?} after the last packet with one at the median, \
@@ -359,7 +402,8 @@ fn a_loop_that_hangs_or_aborts_leaves_no_torque() {
 
 /// How long a torque stayed on, after the last packet with one, when a loop's own thread did something bad.
 fn silent_after(deed: &str) -> Duration {
-    let emulator = emulator();
+    let folder = folder();
+    let emulator = emulator(&folder);
     let port = emulator.path();
     let start = || {
         let mut bad = Command::new(std::env::current_exe().unwrap());
@@ -386,11 +430,11 @@ fn silent_after(deed: &str) -> Duration {
     if !ends {
         // Nobody but the guardian could have done it; and it stays for as long as the loop.
         assert!(bad.try_wait().unwrap().is_none());
-        assert_eq!(holders(&port).len(), 2);
+        assert_eq!(children(bad.id()).len(), 1);
         bad.kill().unwrap();
         bad.wait().unwrap();
     }
-    wait_for("the end of the guardian", || holders(&port).is_empty());
+    wait_for("the end of the guardian", || !is_held(&port));
     silence(&emulator.seen())
 }
 
@@ -415,7 +459,8 @@ fn a_loop_that_was_stopped_for_a_while_comes_back() {
 
 /// Whether the loop could be seen to come back: not where it lost its board before it was stopped.
 fn stopped_for_a_while_it_comes_back() -> bool {
-    let (folder, emulator) = (folder(), emulator());
+    let folder = folder();
+    let emulator = emulator(&folder);
     let port = emulator.path();
     let begun = Instant::now();
     let mut run = pressing(&folder, &emulator, "--json --priority 0 --stall-after 50");
@@ -459,7 +504,7 @@ fn stopped_for_a_while_it_comes_back() -> bool {
     assert!(report["guardian"]["cuts"].as_u64() >= Some(1), "{report}");
     assert_eq!(report["guardian"]["gone"], false, "{report}");
     assert_eq!(report["guardian"]["silence_s"], 0.05, "{report}");
-    assert!(holders(&port).is_empty());
+    assert!(!is_held(&port));
     let (off, lasted) = (number(&report, "motors_off_s"), number(&report, "lasted_s"));
     println!(
         "no force for {off} s of {lasted} s, {}",
@@ -501,16 +546,17 @@ fn a_loop_that_has_lost_its_guardian_gives_no_force_and_says_how() {
 
 /// A loop's warnings and report, whose guardian got a signal; no torque stayed on.
 fn without_its_guardian(number: i32) -> (String, serde_json::Value) {
-    let (folder, emulator) = (folder(), emulator());
+    let folder = folder();
+    let emulator = emulator(&folder);
     let port = emulator.path();
     let run = pressing(&folder, &emulator, "--json --priority 0 --stall-after 50");
-    assert!(signal(number, guardian(&run, &port)));
+    assert!(signal(number, guardian(&run)));
     wait_for("no torque", || {
         off_since(&emulator).is_some_and(|since| since.elapsed() > Duration::from_millis(300))
     });
     run.signal("TERM");
     let output = run.output();
-    wait_for("the end of the guardian", || holders(&port).is_empty());
+    wait_for("the end of the guardian", || !is_held(&port));
     let report = parse(&String::from_utf8(output.stdout).unwrap());
     (String::from_utf8(output.stderr).unwrap(), report)
 }
@@ -523,34 +569,34 @@ fn a_device_that_comes_back_has_a_guardian_of_its_own() {
         angles: Some([130.0, 50.0]),
         hand: Hand::at([0.019, 0.1169]),
         hand_waits: true,
-        port: PortSettings::Terminal {
-            link: Some(folder.path("haply")),
+        port: PortSettings::Socket {
+            path: folder.path("haply"),
         },
         ..Settings::of(Generation::Three, Board::M0)
     };
     let emulator = Emulator::start(&settings).unwrap();
-    let port = std::fs::read_link(folder.path("haply")).unwrap();
+    let port = emulator.path();
     let rest = "--priority 0 --stall-after 50 --reconnect --reconnect-in-start-pose";
     let mut run = pressing(&folder, &emulator, rest);
-    let first = guardian(&run, &port);
+    let first = guardian(&run);
     emulator.suffer(Fault::Unplug(Duration::from_secs(1)));
     wait_for("the end of the first guardian", || {
         !Path::new(&format!("/proc/{first}/fd/0")).exists()
     });
     assert!(run.try_wait().unwrap().is_none());
     wait_for("the torque again", || is_on(&emulator));
-    let port = std::fs::read_link(folder.path("haply")).unwrap();
-    assert_ne!(guardian(&run, &port), first);
+    assert_ne!(guardian(&run), first);
     killed_it_leaves_no_torque(run, &emulator, &port);
 }
 
 /// Neither what a terminal sends to a loop, nor any signal that can be caught.
 #[test]
 fn a_guardian_heeds_no_signal_and_is_in_no_session_of_the_loop() {
-    let (folder, emulator) = (folder(), emulator());
+    let folder = folder();
+    let emulator = emulator(&folder);
     let port = emulator.path();
     let run = pressing(&folder, &emulator, "--priority 0 --stall-after 50");
-    let guardian = guardian(&run, &port);
+    let guardian = guardian(&run);
     let session = |id: u32| -> i32 {
         let stat = std::fs::read_to_string(format!("/proc/{id}/stat")).unwrap();
         let (_, rest) = stat.rsplit_once(") ").unwrap();
@@ -567,10 +613,10 @@ fn a_guardian_heeds_no_signal_and_is_in_no_session_of_the_loop() {
 
 #[test]
 fn without_a_guardian_it_is_said_that_the_board_holds_its_torque() {
-    let (folder, emulator) = (folder(), emulator());
-    let port = emulator.path();
+    let folder = folder();
+    let emulator = emulator(&folder);
     let run = pressing(&folder, &emulator, "--guardian off --priority 0");
-    assert_eq!(holders(&port), [run.id()]);
+    assert_eq!(children(run.id()), [0; 0]);
     run.signal("TERM");
     let output = run.output();
     let said = String::from_utf8(output.stderr).unwrap();
