@@ -584,7 +584,16 @@ fn a_device_that_comes_back_has_a_guardian_of_its_own() {
         !Path::new(&format!("/proc/{first}/fd/0")).exists()
     });
     assert!(run.try_wait().unwrap().is_none());
-    wait_for("the torque again", || is_on(&emulator));
+    let begun = Instant::now();
+    while !is_on(&emulator) {
+        if begun.elapsed() > PATIENCE {
+            run.signal("TERM");
+            let (angles, output) = (emulator.angles(), run.output());
+            let said = String::from_utf8([output.stderr, output.stdout].concat()).unwrap();
+            panic!("no torque again, the arm at {angles:?} degrees: {said}");
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
     assert_ne!(guardian(&run), first);
     killed_it_leaves_no_torque(run, &emulator, &port);
 }

@@ -19,7 +19,7 @@ struct Ran {
 /// A hand presses into a wall; when it does, `fault` strikes.
 fn with(fault: Fault, comes_back: bool) -> Ran {
     let name = format!("{fault:?}");
-    let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
+    let emulator = Emulator::start(&on_a_socket(in_the_middle(Hand::at(THERE)))).unwrap();
     // More than half of it, so that a machine that is only busy is not taken for the fault.
     let device = open_in_the_middle(&emulator, 2 * PERIOD);
     let (tap, listener) = tap(1 << 15);

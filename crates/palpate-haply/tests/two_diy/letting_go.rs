@@ -62,7 +62,7 @@ fn pressed_wall<D: Device + Send + 'static>(
 fn dropped_or_closed_it_holds_no_torque() {
     let _alone = alone();
     for closed in [true, false] {
-        let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
+        let emulator = Emulator::start(&on_a_socket(in_the_middle(Hand::at(THERE)))).unwrap();
         let mut device = open_in_the_middle(&emulator, SLOW);
         device.read().unwrap();
         device.write([0.3, -0.8, 0.0].into()).unwrap();
@@ -81,7 +81,7 @@ fn dropped_or_closed_it_holds_no_torque() {
 fn a_loop_that_is_stopped_or_panics_leaves_no_torque() {
     let _alone = alone();
     for panics in [true, false] {
-        let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
+        let emulator = Emulator::start(&on_a_socket(in_the_middle(Hand::at(THERE)))).unwrap();
         let mut device = spoilt(&emulator);
         device.panics_at = panics.then_some(60);
         let stop = StopFlag::new();
@@ -107,7 +107,7 @@ fn a_loop_that_is_stopped_or_panics_leaves_no_torque() {
 #[test]
 fn a_loop_that_stands_still_is_cut_off() {
     let _alone = alone();
-    let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
+    let emulator = Emulator::start(&on_a_socket(in_the_middle(Hand::at(THERE)))).unwrap();
     let mut device = spoilt(&emulator);
     device.stands_still_at = Some(60);
     let stop = StopFlag::new();
@@ -138,7 +138,7 @@ fn a_loop_that_stands_still_is_cut_off() {
 fn the_zero_writer_waits_for_nobody() {
     let _alone = alone();
     use palpate_haply_emulator::two_diy::Fault;
-    let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
+    let emulator = Emulator::start(&on_a_socket(in_the_middle(Hand::at(THERE)))).unwrap();
     let mut device = open_in_the_middle(&emulator, SLOW);
     let mut zero = device.zero_writer().unwrap();
     device.read().unwrap();
@@ -164,7 +164,7 @@ fn the_zero_writer_waits_for_nobody() {
 #[test]
 fn a_device_whose_guardian_cannot_be_started_is_closed_again() {
     let _alone = alone();
-    let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
+    let emulator = Emulator::start(&on_a_socket(in_the_middle(Hand::at(THERE)))).unwrap();
     for (program, words) in [
         ("/there/is/no/guardian", "cannot be started"),
         ("true", "does not answer"),

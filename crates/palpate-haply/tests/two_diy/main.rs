@@ -10,6 +10,7 @@ mod replies;
 mod wall;
 
 use std::path::Path;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -17,7 +18,7 @@ use palpate::{AlongAxis, AnyParams, Contact, LoopParams, ObjectState};
 use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
 use palpate_haply::two_diy::{Board, Calibration, Generation, OpenError, Options, TwoDiy};
-use palpate_haply_emulator::two_diy::{Did, Emulator, Hand, Seen, Settings};
+use palpate_haply_emulator::two_diy::{Did, Emulator, Hand, PortSettings, Seen, Settings};
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, Rendering};
 
@@ -42,6 +43,18 @@ fn in_the_middle(hand: Hand) -> Settings {
         hand,
         ..Settings::of(Generation::Three, Board::M0)
     }
+}
+
+/// The same board on a socket. The bytes of a terminal are handed over by a worker of the kernel, which may
+/// have to wait for seconds beside busy loops; here a test would take that for a fault of the board.
+fn on_a_socket(settings: Settings) -> Settings {
+    static NEXT: AtomicU32 = AtomicU32::new(0);
+    let number = NEXT.fetch_add(1, Ordering::Relaxed);
+    // The emulator removes it.
+    let name = format!("palpate-two-diy-{}-{number}", std::process::id());
+    let path = std::env::temp_dir().join(name);
+    let port = PortSettings::Socket { path };
+    Settings { port, ..settings }
 }
 
 /// The clock of every loop here and of its device: stamps on another one are none.

@@ -38,10 +38,10 @@ fn motors_that_are_wired_wrong_are_found() {
             [Swapped, Swapped],
         ),
     ] {
-        let emulator = Emulator::start(&Settings {
+        let emulator = Emulator::start(&on_a_socket(Settings {
             wiring,
             ..Settings::of(generation, generation.usual_board())
-        })
+        }))
         .unwrap();
         let options = Options::of(generation, Calibration::Retracted, SLOW).unwrap();
         let mut device = TwoDiy::open(&emulator.path(), &options, MonotonicClock::new()).unwrap();
@@ -72,10 +72,10 @@ fn motors_that_are_wired_wrong_are_found() {
 #[test]
 fn a_check_gets_over_answers_that_are_lost() {
     let _alone = alone();
-    let emulator = Emulator::start(&Settings::of(
+    let emulator = Emulator::start(&on_a_socket(Settings::of(
         Generation::Three,
         palpate_haply::two_diy::Board::M0,
-    ))
+    )))
     .unwrap();
     // Not waited for long, so that a lost answer counts as many samples that did not come.
     let period = Duration::from_millis(2);
@@ -94,7 +94,7 @@ fn a_check_gets_over_answers_that_are_lost() {
 #[test]
 fn a_check_that_is_ended_in_a_pulse_ends_it() {
     let _alone = alone();
-    let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
+    let emulator = Emulator::start(&on_a_socket(in_the_middle(Hand::at(THERE)))).unwrap();
     let mut device = open_in_the_middle(&emulator, SLOW);
     let stop = StopFlag::new();
     std::thread::scope(|scope| {

@@ -11,10 +11,10 @@ const MILLISECOND: Duration = Duration::from_millis(1);
 fn a_wall_holds_a_hand() {
     let _alone = alone();
     let hand = Hand::at(THERE).swaying([0.0, 0.01], 0.5);
-    let emulator = Emulator::start(&Settings {
+    let emulator = Emulator::start(&on_a_socket(Settings {
         hand_waits: true,
         ..in_the_middle(hand)
-    })
+    }))
     .unwrap();
     let device = open_in_the_middle(&emulator, MILLISECOND);
     let (tap, listener) = tap(1 << 13);
