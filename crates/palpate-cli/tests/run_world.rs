@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Folder, experiment_text, number, parse};
+use common::{Answer, Folder, experiment_text, number, parse};
 use palpate_haply_emulator::inverse3::{Body, Emulator, EmulatorOptions, holding};
 use palpate_record::recording::{Entry, Recording};
 
@@ -151,10 +151,10 @@ fn a_limit_of_the_force_holds_in_every_direction() {
     assert!(limited_aslant > 10, "{limited_aslant} ticks");
 }
 
-#[test]
-fn an_inverse3_presses_a_ball_on_a_table() {
-    let folder = folder();
-    // The service's z is up too. A hand pulls it 9 mm down to where the ball is.
+/// An Inverse3 whose hand pulls it 9 mm down, to where the ball is: how the program answered, and the
+/// forces that the service was told [N].
+fn a_ball_is_pressed(folder: &Folder) -> (Answer, Vec<[f64; 3]>) {
+    // The service's z is up too.
     let mut body = Body {
         start: [0.01, 0.02, 0.1],
         ..Body::default()
@@ -170,16 +170,28 @@ fn an_inverse3_presses_a_ball_on_a_table() {
          --service-priority 0 --stall-after 50 --duration 2 --json",
         emulator.url()
     ));
+    let received = emulator.received();
+    let forces = received.iter().filter_map(|message| message.force);
+    (answer, forces.collect())
+}
+
+#[test]
+fn an_inverse3_presses_a_ball_on_a_table() {
+    // A busy machine stops the loop now and then for longer than it is allowed to, and its motors are off then.
+    let (answer, pushed) = (0..10)
+        .map(|_| {
+            let (answer, pushed) = a_ball_is_pressed(&folder());
+            assert_eq!(pushed.last(), Some(&[0.0; 3]));
+            // 5 where the motors were off for most of the ticks.
+            assert!(matches!(answer.code, 0 | 5), "{answer:?}");
+            (answer, pushed)
+        })
+        .find(|(answer, _)| number(&parse(&answer.stdout), "motors_off_ticks") == 0.0)
+        .expect("the loop was stopped in each of ten runs");
     assert_eq!(answer.code, 0, "{answer:?}");
     let report = parse(&answer.stdout);
     assert_eq!(report["device"], "Haply Inverse3");
     assert!(number(&report, "peak_force_n") > 0.3, "{report}");
-    let pushed: Vec<_> = emulator
-        .received()
-        .iter()
-        .filter_map(|message| message.force)
-        .collect();
-    assert_eq!(pushed.last(), Some(&[0.0; 3]));
     // The ball is under the tool, 4 mm beside its middle: it pushes up, and a little to the side.
     assert!(pushed.iter().any(|[_, _, z]| *z > 0.3));
     assert!(pushed.iter().any(|[_, y, _]| y.abs() > 0.005));
