@@ -58,7 +58,7 @@ pub enum Command {
 pub struct SessionEnd {
     /// The loops that ran last.
     pub lanes: Vec<LaneEnd>,
-    /// Recordings that ended or failed before their loop did, or whose loop was not the last.
+    /// Recordings that ended or failed before their loop did, or whose loop was not the last, by name.
     pub recordings: Vec<Written>,
     /// Why loops that were to begin anew did not, if they did not.
     pub failed: Option<String>,

@@ -269,6 +269,8 @@ impl Running {
                 recording,
             });
         }
+        // They were written side by side, and ended as the disk let them.
+        self.written.sort_by(|one, other| one.path.cmp(&other.path));
         SessionEnd {
             lanes,
             recordings: self.written,
