@@ -129,12 +129,18 @@ impl Told {
 
     /// Waits for its end: code, standard output, and all that it said.
     fn end(mut self) -> (Option<i32>, String, String) {
+        // Beside standard error: the report of a loop that was often late does not fit into a pipe, and the
+        // program would wait for its reader.
+        let mut stdout: ChildStdout = self.child.stdout.take().unwrap();
+        let report = std::thread::spawn(move || {
+            let mut output = String::new();
+            stdout.read_to_string(&mut output).unwrap();
+            output
+        });
         for line in &mut self.lines {
             self.said += &(line.unwrap() + "\n");
         }
-        let mut output = String::new();
-        let stdout: Option<ChildStdout> = self.child.stdout.take();
-        stdout.unwrap().read_to_string(&mut output).unwrap();
+        let output = report.join().unwrap();
         (self.child.wait().unwrap().code(), output, self.said)
     }
 }
