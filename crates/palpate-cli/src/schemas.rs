@@ -9,7 +9,8 @@ use schemars::generate::SchemaSettings;
 use schemars::transform::{Transform, transform_subschemas};
 use schemars::{JsonSchema, Schema};
 
-use crate::commands::{bench, demo, devices, doctor, pipe, run};
+use crate::commands::{bench, demo, devices, doctor, run};
+use palpate_pipe as pipe;
 use palpate_study::{
     advise, calibration, card, claims, compare, heights, map, recording, report, suite, sweep,
     tune, world,
@@ -68,7 +69,7 @@ fn the_committed_schemas_are_those_of_the_reports() {
         ("world-compare", schema::<world::compare::WorldComparison>()),
         ("world-suite", schema::<world::suite::WorldSuiteReport>()),
         ("world-tune", schema::<world::tune::WorldTuneReport>()),
-        ("world-pipe", schema::<pipe::WorldSummary>()),
+        ("world-pipe", schema::<pipe::world::WorldSummary>()),
     ];
     let writes = std::env::var_os("PALPATE_WRITE_SCHEMAS").is_some();
     for (name, schema) in &schemas {

@@ -47,7 +47,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<(), Failure> {
     };
     arguments.told.check()?;
     let motion = if arguments.pipe {
-        stream::excite(params, arguments.time, arguments.device.unit)?
+        stream::excite(arguments, params)?
     } else {
         device::excite(arguments, params)?
     };

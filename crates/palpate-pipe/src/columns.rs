@@ -37,7 +37,7 @@ const OF_ROW: [&str; 15] = [
 
 impl Column {
     /// Every column.
-    fn all() -> impl Iterator<Item = Self> {
+    pub fn all() -> impl Iterator<Item = Self> {
         let named = |name| recording::Column::named(name).map(Self::OfRow);
         let own = [Self::Limited, Self::Fault];
         OF_ROW.into_iter().filter_map(named).chain(own)
@@ -52,8 +52,9 @@ impl Column {
         }
     }
 
-    /// What `--columns` calls it.
-    fn short_name(self) -> &'static str {
+    /// What whoever asks for it may call it, without the unit.
+    #[must_use]
+    pub fn short_name(self) -> &'static str {
         match self {
             // What a pipe is for, and what its input calls so.
             Self::OfRow(column) if column.name == "force_on_device_n" => "force",
@@ -64,20 +65,14 @@ impl Column {
     }
 }
 
-/// What the flag says of itself.
-pub fn help() -> String {
-    let names: Vec<_> = Column::all().map(Column::short_name).collect();
-    format!(
-        "Columns to print, in this order, separated by commas: {}; all in SI units",
-        names.join(", ")
-    )
-}
-
 /// Columns in the order in which they are printed.
 #[derive(Clone, Debug)]
 pub struct Columns(Vec<Column>);
 
 /// Names separated by commas, with or without their units.
+///
+/// # Errors
+/// A name that no column has, or one that is there twice.
 pub fn columns(text: &str) -> Result<Columns, String> {
     let mut columns: Vec<Column> = Vec::new();
     for name in text.split(',').map(str::trim) {
@@ -119,6 +114,7 @@ pub struct Row {
 
 impl Row {
     /// The last line of the output: the same without a force.
+    #[must_use]
     pub fn end(mut self) -> Self {
         self.values.contact.force_on_device = 0.0;
         self.values.contact.force_on_object = 0.0;
@@ -145,6 +141,7 @@ impl Row {
 
 impl Columns {
     /// The first line of the output, if it is asked for.
+    #[must_use]
     pub fn header(&self) -> String {
         let names: Vec<_> = self.0.iter().map(|column| column.header()).collect();
         names.join(",") + "\n"

@@ -9,29 +9,38 @@ use palpate_record::unit::HandMotion;
 use palpate_rt::BoundedWorld;
 use palpate_world::{NOT_TURNED, Sample, Vector};
 
-use super::super::line::Refusal;
-use super::super::messages::Messages;
-use super::super::serving::{Answering, Stopped};
 use super::line::{self, Format};
+use super::names::Names;
 use super::summary::WorldSummary;
-use crate::inside;
-use crate::worlds::Names;
+use crate::line::Refusal;
+use crate::messages::Messages;
+use crate::mistake::Mistakes;
+use crate::serving::{Answering, Stopped};
 
 /// Refused lines that are told one by one; of more, each doubling is.
 const TOLD_EACH: u64 = 8;
 
 /// The renderer of a world between two streams, and what it needs between two lines.
 pub struct Stream {
+    /// Renderer, state and limits.
     pub world: BoundedWorld,
+    /// How tools and bodies are called.
     pub names: Names,
     /// Nominal time from line to line `[s]`.
     pub period: f64,
+    /// What the lines hold.
     pub format: Format,
+    /// Whether the names of the columns come first.
     pub is_header_asked: bool,
+    /// Where the answers go; flushed after each.
     pub output: Box<dyn Write + Send>,
     /// None once the end has been told.
     pub messages: Option<Messages>,
+    /// How the caller calls what is likely to be a mistake.
+    pub mistakes: Mistakes,
+    /// What was done so far.
     pub summary: WorldSummary,
+    /// What is known from the lines before.
     pub memory: Memory,
 }
 
@@ -161,7 +170,10 @@ impl Stream {
             for (motion, coordinate) in motions.iter_mut().zip(position) {
                 motion.add(memory.followed, *coordinate);
                 if let Some(excess) = motion.excess() {
-                    return Err(Stopped::at_line(number, &inside::not_a_hand(&excess)));
+                    return Err(Stopped::at_line(
+                        number,
+                        &(self.mistakes.not_a_hand)(&excess),
+                    ));
                 }
             }
         }

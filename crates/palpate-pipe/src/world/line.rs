@@ -3,7 +3,7 @@
 use palpate_record::unit::LengthUnit;
 use palpate_world::{NOT_TURNED, Quaternion, Vector};
 
-use super::super::line::Refusal;
+use crate::line::Refusal;
 
 /// What the lines hold, as the flags say it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,6 +21,7 @@ pub struct Format {
 /// A device as far as the columns say it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DeviceColumns {
+    /// What the device is called.
     pub name: String,
     /// Whether it has six axes: an orientation behind the position, a torque behind the force.
     pub turns: bool,
@@ -39,6 +40,7 @@ pub struct Sample {
 
 impl Format {
     /// The columns of the input.
+    #[must_use]
     pub fn columns(&self) -> Vec<String> {
         let unit = self.unit.position_column().trim_start_matches("position_");
         let time = self.time.then(|| "t_s".to_owned());
@@ -51,12 +53,14 @@ impl Format {
     }
 
     /// The columns of the output.
+    #[must_use]
     pub fn forces(&self) -> Vec<String> {
         let torques = ["tx_n_m", "ty_n_m", "tz_n_m"];
         named(&self.devices, |axis| format!("f{axis}_n"), &torques)
     }
 
     /// Whether a line is the header of these columns.
+    #[must_use]
     pub fn is_header(&self, text: &str) -> bool {
         text.split(',').map(str::trim).eq(self.columns())
     }
