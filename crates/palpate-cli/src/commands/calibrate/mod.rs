@@ -2,10 +2,6 @@
 
 mod arguments;
 mod device;
-#[cfg(all(test, unix))]
-mod emulated_tests;
-mod settling;
-mod shaker;
 mod stream;
 
 use std::path::Path;

@@ -11,17 +11,14 @@ use palpate_device::clock::MonotonicClock;
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile};
 use palpate_scope::{Home, LaneEnd, Session, Setup, Written};
+use palpate_session::{GuardianReport, RunReport, Subject};
 
 pub use arguments::LiveArguments;
 use device::{Named, most_lanes};
 use serving::{listen, serve};
 
-use super::run::report::Subject;
-use super::run::{
-    Asked, Report, guarding, limits, outcome, request, scene_text, tell_what_a_loop_has_not,
-};
+use super::run::{Asked, guarding, limits, outcome, request, scene_text, tell_what_a_loop_has_not};
 use super::simulate::{AnyScene, read_any};
-use crate::devices::guarding::GuardianReport;
 use crate::devices::{DeviceName, replayed};
 use crate::failure::{Failure, tell};
 use crate::recorded::{open as open_recording, whole_or_said};
@@ -80,7 +77,7 @@ pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
     };
     let mut ended = Ok(());
     for lane in end.lanes {
-        let guardian = guarding.report(&arguments.device, &lane.capabilities);
+        let guardian = guarding.report(arguments.device.is_guarded(), &lane.capabilities);
         add(&mut ended, report(lane, guardian, &asked));
     }
     for written in end.recordings {
@@ -186,7 +183,7 @@ fn report(lane: LaneEnd, guardian: Option<GuardianReport>, asked: &Asked) -> Res
         }) => (None, Some(Failure::System(error.to_string()))),
         None => (None, None),
     };
-    let report = Report::new(
+    let report = RunReport::new(
         Subject {
             title: &lane.scene.title,
             method: lane.scene.method.name(),

@@ -8,8 +8,8 @@ use palpate_device::clock::Clock;
 use palpate_record::recording::{Receipt, Recording};
 use palpate_rt::realtime::{Answer, Request};
 use palpate_rt::{Account, ControlLoop, LoopEnd, LoopThread, Recorder, Renders, StopFlag};
+use palpate_session::Guarding;
 
-use crate::devices::guarding::Guarding;
 use crate::failure::{Failure, tell};
 use crate::progress::Progress;
 use crate::recorded::open as open_recording;
