@@ -3,7 +3,6 @@
 mod arguments;
 mod driving;
 pub mod outcome;
-pub mod scene_text;
 pub mod world;
 
 use std::path::Path;
@@ -16,6 +15,7 @@ use palpate_rt::{ControlLoop, SetupError, receipt};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile, Timing};
 use palpate_session::{Guarding, RunReport, Subject};
+use palpate_study::recording::put_scene;
 
 pub use arguments::{
     RealtimeArguments, RecordArguments, RunArguments, SafetyArguments, SessionArguments,
@@ -158,7 +158,7 @@ impl Session<'_> {
             Some(out) => {
                 let version = env!("CARGO_PKG_VERSION");
                 let receipt = receipt(version, &capabilities, &limits, &request);
-                let receipt = scene_text::put(receipt, self.scene, self.path)?;
+                let receipt = put_scene(receipt, self.scene, self.path)?;
                 Some((out, receipt))
             }
             None => None,
