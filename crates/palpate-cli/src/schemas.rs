@@ -60,7 +60,7 @@ fn the_committed_schemas_are_those_of_the_reports() {
         ("heights", schema::<heights::report::HeightsReport>()),
         ("info", schema::<recording::report::RecordingReport>()),
         ("map-report", schema::<map::report::MapReport>()),
-        ("pipe", schema::<pipe::Summary>()),
+        ("pipe", schema::<pipe::PipeSummary>()),
         ("report", schema::<report::Report>()),
         ("run", schema::<session::RunReport>()),
         ("suite", schema::<suite::report::SuiteReport>()),

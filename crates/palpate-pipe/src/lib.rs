@@ -1,11 +1,11 @@
 //! A renderer between two streams of lines: positions in, forces on the device out.
 //!
 //! A program in any language that owns a device writes a line for each sample and reads a line with the force that it
-//! commands until the next. [`Stream`] renders one contact, [`world::Stream`] a world, and [`calibrate()`] excites a
+//! commands until the next. [`Stream`] renders one contact, [`world::WorldStream`] a world, and [`calibrate()`] excites a
 //! device to be calibrated. [`answer_all`] serves a stream on a thread of its own until the input ends or a signal comes.
 //! The last line always takes the force off.
 //!
-//! What a line is and what is said of one that is none stands in [`Format`] and [`world::Format`]. Flags, exit codes, and
+//! What a line is and what is said of one that is none stands in [`Format`] and [`world::WorldFormat`]. Flags, exit codes, and
 //! how messages reach a person are the caller's: [`Messages`] takes a function that writes them, [`Mistakes`] the
 //! caller's words.
 
@@ -23,14 +23,14 @@ pub mod world;
 
 pub use calibrating::{CalibratingError, calibrate};
 pub use change::{Change, Changeable, rendering};
-pub use columns::{Column, Columns, Row, columns};
+pub use columns::{Answer, AnswerColumn, Columns, columns};
 pub use last_line::LastLineUnread;
 pub use line::{Format, Line, Refusal};
 pub use messages::Messages;
 pub use mistake::Mistakes;
 pub use serving::{Answering, Ended, ServeError, Served, Stopped, answer_all};
 pub use stream::{Memory, Stream};
-pub use summary::Summary;
+pub use summary::PipeSummary;
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

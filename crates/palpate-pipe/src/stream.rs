@@ -10,12 +10,12 @@ use palpate_rt::safety::{self, Safety};
 use palpate_rt::{CHANGE_DURATION, Rendered, answered};
 
 use crate::change::{Change, Changeable};
-use crate::columns::{Columns, Row};
+use crate::columns::{Answer, Columns};
 use crate::line::{Format, Line, Refusal};
 use crate::messages::Messages;
 use crate::mistake::Mistakes;
 use crate::serving::{Answering, Stopped};
-use crate::summary::Summary;
+use crate::summary::PipeSummary;
 
 /// Refused lines that are told one by one; of more, each doubling is: a dead sensor at 1 kHz would
 /// bury whatever else standard error has to say.
@@ -42,7 +42,7 @@ pub struct Stream {
     /// How the caller calls what is likely to be a mistake.
     pub mistakes: Mistakes,
     /// What was done so far.
-    pub summary: Summary,
+    pub summary: PipeSummary,
     /// What is known from the lines before.
     pub memory: Memory,
 }
@@ -63,7 +63,7 @@ pub struct Memory {
     /// Whether a force has been limited.
     is_limited: bool,
     /// What was answered last.
-    last: Option<Row>,
+    last: Option<Answer>,
     /// The line of the output that is being made.
     text: String,
     /// Whether the last line of the output has been written.
@@ -98,7 +98,7 @@ impl Stream {
         number: u64,
         sample: Option<(Option<f64>, f64)>,
         unread: Option<String>,
-    ) -> Result<Row, Stopped> {
+    ) -> Result<Answer, Stopped> {
         let period = self.changeable.setup.loop_params.period;
         // The renderer is told that a sample came and is lost.
         let (time, position) = sample.unwrap_or((None, f64::NAN));
@@ -152,7 +152,7 @@ impl Stream {
                  forces are counted, and the summary has their number"
             ));
         }
-        Ok(Row {
+        Ok(Answer {
             values: recording::Row {
                 tick: Tick {
                     time: if self.format.time {
@@ -228,7 +228,7 @@ impl Stream {
 }
 
 impl Answering for Stream {
-    type Summary = Summary;
+    type Summary = PipeSummary;
 
     fn is_ended(&self) -> bool {
         self.memory.is_ended
@@ -286,7 +286,7 @@ impl Answering for Stream {
         self.output.flush()
     }
 
-    fn finish(&mut self) -> (Summary, Option<Messages>) {
+    fn finish(&mut self) -> (PipeSummary, Option<Messages>) {
         let summary = self.summary.with_books(self.rendered.ledger());
         (summary, self.messages.take())
     }

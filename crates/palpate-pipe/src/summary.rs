@@ -13,7 +13,7 @@ const FORMAT: &str = "palpate pipe 1";
 /// What a pipe did, for its end.
 #[derive(Debug, Clone, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Summary {
+pub struct PipeSummary {
     #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
     format: &'static str,
     /// Lines that were answered.
@@ -37,7 +37,7 @@ pub struct Summary {
     leak_held_j: f64,
 }
 
-impl Summary {
+impl PipeSummary {
     /// Nothing has been done yet.
     #[must_use]
     pub fn new(force_limit_n: Option<f64>, soft_start_s: f64) -> Self {
@@ -74,7 +74,7 @@ impl Summary {
     }
 }
 
-impl fmt::Display for Summary {
+impl fmt::Display for PipeSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,

@@ -7,7 +7,7 @@ use crate::line::Refusal;
 
 /// What the lines hold, as the flags say it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Format {
+pub struct WorldFormat {
     /// Whether a time stands before the positions.
     pub time: bool,
     /// Unit of the positions.
@@ -29,7 +29,7 @@ pub struct DeviceColumns {
 
 /// A line that was understood.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sample {
+pub struct WorldSample {
     /// Time `[s]`, if the lines have one.
     pub time: Option<f64>,
     /// Position of each device `[m]`.
@@ -38,7 +38,7 @@ pub struct Sample {
     pub orientations: Vec<Quaternion>,
 }
 
-impl Format {
+impl WorldFormat {
     /// The columns of the input.
     #[must_use]
     pub fn columns(&self) -> Vec<String> {
@@ -69,7 +69,7 @@ impl Format {
     ///
     /// # Errors
     /// It is no sample.
-    pub fn parse(&self, text: &str) -> Result<Sample, Refusal> {
+    pub fn parse(&self, text: &str) -> Result<WorldSample, Refusal> {
         let shape = format!("`{}`", self.columns().join(","));
         if text.is_empty() {
             let why = format!("the line is empty; a line is {shape}");
@@ -109,7 +109,7 @@ impl Format {
         if time.is_some_and(|time| !time.is_finite()) {
             return Err(Refusal::Line("the time is not a finite number".into()));
         }
-        let mut sample = Sample {
+        let mut sample = WorldSample {
             time,
             positions: Vec::with_capacity(self.devices.len()),
             orientations: Vec::with_capacity(self.devices.len()),
@@ -151,8 +151,8 @@ fn named(devices: &[DeviceColumns], column: impl Fn(char) -> String, more: &[&st
 mod tests {
     use super::*;
 
-    fn of(devices: &[&str], time: bool) -> Format {
-        Format {
+    fn of(devices: &[&str], time: bool) -> WorldFormat {
+        WorldFormat {
             time,
             unit: LengthUnit::Metre,
             is_unit_given: false,
@@ -174,7 +174,7 @@ mod tests {
         let two = two.unwrap();
         assert_eq!(two.time, Some(0.5));
         assert_eq!(two.positions, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
-        let millimetres = Format {
+        let millimetres = WorldFormat {
             unit: LengthUnit::Millimetre,
             ..of(&["tool"], false)
         };

@@ -5,7 +5,7 @@ mod names;
 mod stream;
 mod summary;
 
-pub use line::{DeviceColumns, Format, Sample};
+pub use line::{DeviceColumns, WorldFormat, WorldSample};
 pub use names::Names;
-pub use stream::{Memory, Stream};
+pub use stream::{WorldMemory, WorldStream};
 pub use summary::WorldSummary;

@@ -9,7 +9,7 @@ use palpate_record::unit::HandMotion;
 use palpate_rt::BoundedWorld;
 use palpate_world::{NOT_TURNED, Sample, Vector};
 
-use super::line::{self, Format};
+use super::line::{self, WorldFormat};
 use super::names::Names;
 use super::summary::WorldSummary;
 use crate::line::Refusal;
@@ -21,7 +21,7 @@ use crate::serving::{Answering, Stopped};
 const TOLD_EACH: u64 = 8;
 
 /// The renderer of a world between two streams, and what it needs between two lines.
-pub struct Stream {
+pub struct WorldStream {
     /// Renderer, state and limits.
     pub world: BoundedWorld,
     /// How tools and bodies are called.
@@ -29,7 +29,7 @@ pub struct Stream {
     /// Nominal time from line to line `[s]`.
     pub period: f64,
     /// What the lines hold.
-    pub format: Format,
+    pub format: WorldFormat,
     /// Whether the names of the columns come first.
     pub is_header_asked: bool,
     /// Where the answers go; flushed after each.
@@ -41,12 +41,12 @@ pub struct Stream {
     /// What was done so far.
     pub summary: WorldSummary,
     /// What is known from the lines before.
-    pub memory: Memory,
+    pub memory: WorldMemory,
 }
 
 /// What is known from the lines before.
 #[derive(Default)]
-pub struct Memory {
+pub struct WorldMemory {
     /// Time of the last line that had one `[s]`.
     last_time: Option<f64>,
     /// Sum of the times between samples that were used `[s]`.
@@ -67,7 +67,7 @@ pub struct Memory {
     text: String,
 }
 
-impl Stream {
+impl WorldStream {
     fn tell(&mut self, message: impl std::fmt::Display) {
         if let Some(messages) = &mut self.messages {
             messages.tell(message);
@@ -78,7 +78,7 @@ impl Stream {
     fn render(
         &mut self,
         number: u64,
-        sample: Option<line::Sample>,
+        sample: Option<line::WorldSample>,
         unread: Option<String>,
     ) -> Result<(), Stopped> {
         // The renderer is told that a sample came and is lost.
@@ -230,7 +230,7 @@ impl Stream {
 }
 
 /// Puts the forces, and the torques of devices that turn, into the line of the output.
-fn answer(text: &mut String, wrenches: &[Wrench], format: &Format) {
+fn answer(text: &mut String, wrenches: &[Wrench], format: &WorldFormat) {
     text.clear();
     let devices = wrenches.iter().zip(&format.devices);
     let numbers = devices.flat_map(|(wrench, device)| {
@@ -245,7 +245,7 @@ fn answer(text: &mut String, wrenches: &[Wrench], format: &Format) {
     text.push('\n');
 }
 
-impl Answering for Stream {
+impl Answering for WorldStream {
     type Summary = WorldSummary;
 
     fn write_header(&mut self) -> io::Result<()> {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
-use palpate_pipe::{Column, Columns, columns};
+use palpate_pipe::{AnswerColumn, Columns, columns};
 use palpate_record::unit::LengthUnit;
 
 use crate::arguments::{Flags, Given};
@@ -57,7 +57,7 @@ pub struct StreamArguments {
 
 /// Help of `--columns`: the names.
 fn columns_help() -> String {
-    let names = Column::all().map(Column::short_name);
+    let names = AnswerColumn::all().map(AnswerColumn::short_name);
     let names: Vec<_> = names.collect();
     format!(
         "Columns to print, in this order, separated by commas: {}; all in SI units",

@@ -7,7 +7,7 @@ mod world;
 use std::io;
 
 use palpate::LARGEST_DELAY;
-use palpate_pipe::{Changeable, Format, Memory, Stream, Summary, rendering};
+use palpate_pipe::{Changeable, Format, Memory, PipeSummary, Stream, rendering};
 use palpate_rt::safety::{Safety, SafetyParams};
 use palpate_scene::SceneFile;
 use palpate_scene::method::MethodName;
@@ -101,7 +101,7 @@ fn set_up(arguments: &PipeArguments, scene: Option<SceneFile>) -> Result<Stream,
         output: Box::new(io::stdout()),
         messages: Some(messages()?),
         mistakes: MISTAKES,
-        summary: Summary::new(force_limit, soft_start),
+        summary: PipeSummary::new(force_limit, soft_start),
         memory: Memory::default(),
     };
     if let Some(limits) = limits_in_words(

@@ -3,7 +3,9 @@
 use std::io;
 use std::path::Path;
 
-use palpate_pipe::world::{DeviceColumns, Format, Memory, Names, Stream, WorldSummary};
+use palpate_pipe::world::{
+    DeviceColumns, Names, WorldFormat, WorldMemory, WorldStream, WorldSummary,
+};
 use palpate_rt::BoundedWorld;
 use palpate_rt::safety::SafetyParams;
 use palpate_scene::world::WorldFile;
@@ -33,7 +35,7 @@ pub fn run(arguments: &PipeArguments, path: &Path, file: &WorldFile) -> Result<(
 }
 
 /// The stream as arguments and file say it; nothing has been read or written yet.
-fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<Stream, Failure> {
+fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<WorldStream, Failure> {
     let flags = &arguments.flags;
     let mut scene = file.scene.clone();
     let method = worlds::one_method(flags, &file.scene)?;
@@ -53,7 +55,7 @@ fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<Stream, Failure
         name: tool.name.clone(),
         turns: tool.turns,
     });
-    let format = Format {
+    let format = WorldFormat {
         time: arguments.stream.time,
         unit: arguments.stream.unit.unwrap_or_default(),
         is_unit_given: arguments.stream.unit.is_some(),
@@ -66,7 +68,7 @@ fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<Stream, Failure
     ) {
         messages.tell(limits);
     }
-    Ok(Stream {
+    Ok(WorldStream {
         names: Names::of(&scene.world),
         world,
         period: scene.timing.period,
@@ -80,6 +82,6 @@ fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<Stream, Failure
             torque_limit.filter(|_| scene.world.tools.iter().any(|tool| tool.turns)),
             soft_start,
         ),
-        memory: Memory::default(),
+        memory: WorldMemory::default(),
     })
 }
