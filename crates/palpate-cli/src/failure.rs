@@ -10,6 +10,7 @@ use palpate_files::outputs::OutputError;
 use palpate_plot::map::NotInTheMap;
 use palpate_scene::SceneError;
 use palpate_study::map::receipt::NoNumber;
+use palpate_study::recording::PutSceneError;
 
 use crate::excerpt::Excerpt;
 
@@ -77,6 +78,16 @@ impl From<NotInTheMap> for Failure {
 impl From<NoNumber> for Failure {
     fn from(error: NoNumber) -> Self {
         Self::input(error)
+    }
+}
+
+impl From<PutSceneError> for Failure {
+    fn from(error: PutSceneError) -> Self {
+        match error {
+            PutSceneError::Invalid(faults) => Self::inputs(faults),
+            PutSceneError::Changed { .. } => Self::Arguments(error.to_string()),
+            other => Self::System(other.to_string()),
+        }
     }
 }
 

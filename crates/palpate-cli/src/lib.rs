@@ -11,7 +11,6 @@ mod excerpt;
 mod failure;
 mod hand;
 mod inside;
-mod last_line;
 mod progress;
 mod recorded;
 mod results;

@@ -9,7 +9,9 @@ use schemars::generate::SchemaSettings;
 use schemars::transform::{Transform, transform_subschemas};
 use schemars::{JsonSchema, Schema};
 
-use crate::commands::{bench, demo, devices, doctor, pipe, run};
+use crate::commands::demo;
+use palpate_pipe as pipe;
+use palpate_session as session;
 use palpate_study::{
     advise, calibration, card, claims, compare, heights, map, recording, report, suite, sweep,
     tune, world,
@@ -44,23 +46,23 @@ fn folder() -> PathBuf {
 fn the_committed_schemas_are_those_of_the_reports() {
     let schemas = [
         ("advise", schema::<advise::Advice>()),
-        ("bench-loop", schema::<Vec<bench::Report>>()),
+        ("bench-loop", schema::<Vec<session::BenchReport>>()),
         ("calibrate", schema::<calibration::CalibrationReport>()),
         ("card", schema::<card::Card>()),
         ("claims", schema::<claims::report::ClaimsReport>()),
         ("compare", schema::<compare::Comparison>()),
         ("demo", schema::<demo::DemoReport>()),
-        ("devices", schema::<devices::List>()),
+        ("devices", schema::<session::DeviceList>()),
         #[cfg(unix)]
-        ("devices-check", schema::<devices::MotorsReport>()),
-        ("doctor", schema::<doctor::Report>()),
+        ("devices-check", schema::<session::MotorsReport>()),
+        ("doctor", schema::<session::MachineReport>()),
         ("figure", schema::<report::DrawingReport>()),
         ("heights", schema::<heights::report::HeightsReport>()),
         ("info", schema::<recording::report::RecordingReport>()),
         ("map-report", schema::<map::report::MapReport>()),
-        ("pipe", schema::<pipe::Summary>()),
+        ("pipe", schema::<pipe::PipeSummary>()),
         ("report", schema::<report::Report>()),
-        ("run", schema::<run::Report>()),
+        ("run", schema::<session::RunReport>()),
         ("suite", schema::<suite::report::SuiteReport>()),
         ("sweep", schema::<sweep::report::SweepReport>()),
         ("tune", schema::<tune::report::TuneReport>()),
@@ -68,7 +70,7 @@ fn the_committed_schemas_are_those_of_the_reports() {
         ("world-compare", schema::<world::compare::WorldComparison>()),
         ("world-suite", schema::<world::suite::WorldSuiteReport>()),
         ("world-tune", schema::<world::tune::WorldTuneReport>()),
-        ("world-pipe", schema::<pipe::WorldSummary>()),
+        ("world-pipe", schema::<pipe::world::WorldSummary>()),
     ];
     let writes = std::env::var_os("PALPATE_WRITE_SCHEMAS").is_some();
     for (name, schema) in &schemas {

@@ -5,20 +5,17 @@ mod device_file;
 mod wrong;
 
 use palpate::{
-    Allowed, BasicParams, Contact, Guard, LoopParams, Mass, ObjectState, Parameter, Range,
-    Renderer, Side,
+    Allowed, BasicParams, Contact, LoopParams, Mass, ObjectState, Parameter, Range, Renderer,
 };
 use palpate_scene::method::{MethodName, Setting, Settings};
 use palpate_scene::{Dropped, GUARD_ALLOWANCE, GUARD_SPEED, Jitter, Scene, SceneParameter};
 use palpate_sim::replay::ReplaySetup;
-use palpate_sim::run::Run;
 
 use crate::arguments::{Flags, TimingFlags, flag_of_setting};
 use crate::failure::Failure;
 use crate::values::AnyMethods;
 use device_file::DeviceFile;
 pub use device_file::read_calibration;
-use palpate_study::report::{Subject, parameters_of, timing_of};
 use wrong::not_allowed;
 pub use wrong::{wrong_flag, wrong_on_bench, wrong_rendered, wrong_setup};
 
@@ -360,82 +357,4 @@ pub fn check_contact(setup: &ReplaySetup) -> Result<(), Failure> {
         .and_then(|renderer| renderer.start(setup.object))
         .map(|_| ())
         .map_err(|error| wrong_rendered(&error))
-}
-
-/// What made some runs, for the receipt of a run file.
-pub fn receipt(
-    subject: &Subject,
-    object: ObjectState<f64>,
-    virtual_force: f64,
-    runs: &[Run],
-) -> Vec<(String, String)> {
-    let contact = subject.contact;
-    let limits = subject.loop_params;
-    let optional = |value: Option<f64>| value.map_or_else(|| "none".into(), |v| v.to_string());
-    let mut lines = vec![
-        (
-            "palpate_version".to_owned(),
-            env!("CARGO_PKG_VERSION").to_owned(),
-        ),
-        (
-            "stiffness_n_per_m".to_owned(),
-            contact.stiffness.to_string(),
-        ),
-        (
-            "object_mass_kg".to_owned(),
-            match contact.object_mass {
-                Mass::Finite(mass) => mass.to_string(),
-                Mass::Infinite => "inf".into(),
-            },
-        ),
-        (
-            "side".to_owned(),
-            match contact.side {
-                Side::Positive => "positive",
-                Side::Negative => "negative",
-            }
-            .to_owned(),
-        ),
-        ("unilateral".to_owned(), contact.unilateral.to_string()),
-        ("period_s".to_owned(), limits.period.to_string()),
-        ("delay_samples".to_owned(), subject.delay.to_string()),
-        ("force_limit_n".to_owned(), optional(limits.force_limit)),
-        ("slew_limit_n_per_s".to_owned(), optional(limits.slew_limit)),
-        ("largest_gap_s".to_owned(), limits.bridged_gap().to_string()),
-        (
-            "guard".to_owned(),
-            match limits.guard {
-                Guard::Off => "off".into(),
-                Guard::Report(guard) => {
-                    format!("report, {} m/s, {} J", guard.largest_speed, guard.allowance)
-                }
-                Guard::Limit(guard) => {
-                    format!("limit, {} m/s, {} J", guard.largest_speed, guard.allowance)
-                }
-            },
-        ),
-        (
-            "speed_limit_m_per_s".to_owned(),
-            optional(limits.speed_limit),
-        ),
-        ("device_mass_kg".to_owned(), optional(subject.device_mass)),
-        ("object_position_m".to_owned(), object.position.to_string()),
-        (
-            "object_velocity_m_per_s".to_owned(),
-            object.velocity.to_string(),
-        ),
-        ("virtual_force_n".to_owned(), virtual_force.to_string()),
-    ];
-    for (name, value) in timing_of(&subject.timing) {
-        lines.push((format!("loop_{name}"), value.to_string()));
-    }
-    for run in runs {
-        for (name, value) in parameters_of(&run.parameters) {
-            let value = value
-                .as_str()
-                .map_or_else(|| value.to_string(), str::to_owned);
-            lines.push((format!("{}.{name}", run.method), value));
-        }
-    }
-    lines
 }

@@ -290,11 +290,14 @@ pub fn pair(text: &str) -> Result<[f64; 2], String> {
 
 /// A flag's time.
 pub fn duration(flag: &str, seconds: f64) -> Result<Duration, Failure> {
-    Duration::try_from_secs_f64(seconds).map_err(|_| {
-        Failure::Arguments(format!(
-            "{flag}: {seconds} s is no time; allowed: 0 to 1e19"
-        ))
-    })
+    Duration::try_from_secs_f64(seconds).map_err(|_| no_time(flag, seconds))
+}
+
+/// A flag's number of seconds is no time.
+pub fn no_time(flag: &str, seconds: f64) -> Failure {
+    Failure::Arguments(format!(
+        "{flag}: {seconds} s is no time; allowed: 0 to 1e19"
+    ))
 }
 
 /// A delay in periods that the bench can hold.

@@ -5,8 +5,7 @@ use std::path::Path;
 use palpate_device::Capabilities;
 use palpate_rt::WorldFrame;
 use palpate_scene::world::{WorldFile, WorldScene};
-use palpate_study::text::digits;
-use palpate_world::{ContactState, Place, Side, World, WorldError};
+use palpate_world::{Place, WorldError};
 
 use crate::arguments::{Flags, Given};
 use crate::failure::Failure;
@@ -92,35 +91,4 @@ pub fn wrong_world(flags: &Flags, file: &WorldFile, faults: &[WorldError]) -> Fa
     }
     let error = file.at(first.place, first.field, first.to_string());
     Failure::input_at(&error, &error.file, &error.source_text, error.span.clone())
-}
-
-/// The names of a world's tools and bodies.
-pub struct Names {
-    tools: Vec<String>,
-    bodies: Vec<String>,
-}
-
-impl Names {
-    pub fn of(world: &World) -> Self {
-        Self {
-            tools: world.tools.iter().map(|tool| tool.name.clone()).collect(),
-            bodies: world.bodies.iter().map(|body| body.name.clone()).collect(),
-        }
-    }
-
-    fn side(&self, side: Side) -> &str {
-        match side {
-            Side::Tool(number) => &self.tools[number],
-            Side::Body(number) => &self.bodies[number],
-        }
-    }
-
-    /// Two that overlap, in words.
-    pub fn overlap(&self, contact: &ContactState) -> String {
-        let [one, other] = contact.between.map(|side| self.side(side));
-        format!(
-            "\"{one}\" and \"{other}\" overlap by {} m",
-            digits(contact.penetration)
-        )
-    }
 }

@@ -1,8 +1,9 @@
 //! Devices made ready for a loop: where a contact or a world stands in them, a Haply 2DIY opened with its guardian and
-//! let go of in the end, a device that is waited for when it has gone.
+//! let go of in the end, an Inverse3 that says how its connection was, a device that is waited for when it has gone.
 //!
 //! Flags, their messages, and what is said to whom are the caller's.
 
+pub mod inverse3;
 mod placed;
 mod reconnecting;
 #[cfg(unix)]

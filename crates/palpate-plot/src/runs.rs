@@ -4,8 +4,8 @@ use palpate_figure::{Kind, Role, Series};
 use palpate_sim::run::{Reference, Run};
 use palpate_study::report::Replayed;
 
-use crate::Recorded;
 use crate::series::{JOULE_TO_MILLIJOULE, METRE_TO_MILLIMETRE, ideal_device, ideal_object};
+use palpate_study::recording::RecordedCurves;
 
 /// Whose motion the device's is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,7 +30,7 @@ pub struct RunsFigure<'a> {
     /// Whose motion the device's is.
     pub devices: Devices,
     /// What was recorded.
-    pub recorded: Option<&'a Recorded>,
+    pub recorded: Option<&'a RecordedCurves>,
 }
 
 impl<'a> RunsFigure<'a> {
@@ -40,7 +40,7 @@ impl<'a> RunsFigure<'a> {
         replayed: &Replayed,
         title: &str,
         (reference, runs): (&'a Reference, &'a [Run]),
-        recorded: Option<&'a Recorded>,
+        recorded: Option<&'a RecordedCurves>,
     ) -> Self {
         let (of, devices) = match replayed.known_to() {
             None => (title.to_owned(), Devices::Recorded),
@@ -78,7 +78,7 @@ impl RunsFigure<'_> {
 
     /// The object as it was recorded.
     pub(super) fn recorded_object(&self) -> Option<Series> {
-        let positions = |recorded: &Recorded| {
+        let positions = |recorded: &RecordedCurves| {
             let places = &recorded.object_position;
             curve(
                 recorded,
@@ -93,7 +93,7 @@ impl RunsFigure<'_> {
 
     /// The device as it was recorded, where the runs have others.
     pub(super) fn recorded_device(&self) -> Option<Series> {
-        let positions = |recorded: &Recorded| {
+        let positions = |recorded: &RecordedCurves| {
             let places = &recorded.device_position;
             curve(recorded, "", places, METRE_TO_MILLIMETRE, Kind::Line)
         };
@@ -103,7 +103,7 @@ impl RunsFigure<'_> {
 
     /// The force as it was recorded.
     pub(super) fn recorded_force(&self) -> Option<Series> {
-        let forces = |recorded: &Recorded| {
+        let forces = |recorded: &RecordedCurves| {
             curve(
                 recorded,
                 "recorded",
@@ -117,7 +117,7 @@ impl RunsFigure<'_> {
 
     /// The energy that the recorded force created.
     pub(super) fn recorded_leak(&self) -> Option<Series> {
-        let leaks = |recorded: &Recorded| {
+        let leaks = |recorded: &RecordedCurves| {
             let leaks = &recorded.held_leak;
             curve(recorded, "recorded", leaks, JOULE_TO_MILLIJOULE, Kind::Line)
         };
@@ -125,7 +125,7 @@ impl RunsFigure<'_> {
     }
 }
 
-fn curve(recorded: &Recorded, name: &str, values: &[f64], scale: f64, kind: Kind) -> Series {
+fn curve(recorded: &RecordedCurves, name: &str, values: &[f64], scale: f64, kind: Kind) -> Series {
     Series {
         name: name.into(),
         kind,

@@ -22,6 +22,9 @@ pub enum Device {
         hand: Arc<RecordedHand>,
         /// Quantum of the position sensor `[m]`; 0 for an ideal one.
         encoder_quantum: f64,
+        /// Whether the loop samples when the recorded one did, whether there is a position or not, in place of every
+        /// period. Then [`Timing`](crate::Timing) says nothing but a delay in seconds.
+        at_its_instants: bool,
     },
 }
 
@@ -229,6 +232,19 @@ impl Device {
         match self {
             Self::Pantograph(device) => Some(device),
             Self::PointMass(_) | Self::Recorded { .. } => None,
+        }
+    }
+
+    /// The hand at whose recorded instants the loop samples, if it does so.
+    #[must_use]
+    pub fn sampled_as_recorded(&self) -> Option<&Arc<RecordedHand>> {
+        match self {
+            Self::Recorded {
+                hand,
+                at_its_instants: true,
+                ..
+            } => Some(hand),
+            Self::Recorded { .. } | Self::PointMass(_) | Self::Pantograph(_) => None,
         }
     }
 

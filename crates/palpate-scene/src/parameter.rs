@@ -47,8 +47,6 @@ pub enum SceneParameter {
     CollapseUntil,
     CollapsePeriod,
     Seed,
-    /// No scene file has it.
-    RecordedInstants,
     Collisions,
     Duration,
 }
@@ -103,7 +101,6 @@ impl SceneParameter {
             Self::CollapseUntil => "loop.collapse.until_s",
             Self::CollapsePeriod => "loop.collapse.period_s",
             Self::Seed => "loop.seed",
-            Self::RecordedInstants => "recorded instants",
             Self::Collisions => "measure.collisions",
             Self::Duration => "measure.duration_s",
         }
@@ -186,7 +183,6 @@ impl ParameterName for SceneParameter {
             | Self::ToldDelay
             | Self::Duration => "s",
             Self::DelayFraction => "periods",
-            Self::RecordedInstants => "samples",
             Self::DropProbability
             | Self::DroppedSamples
             | Self::Seed

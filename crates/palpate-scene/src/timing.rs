@@ -33,9 +33,6 @@ pub struct Timing {
     pub collapse: Option<RateCollapse>,
     /// Seed of the random numbers.
     pub seed: u64,
-    /// Samples are taken when those of the recorded hand were, in place of all of the above but
-    /// `delay_seconds`. No scene file has it.
-    pub as_recorded: bool,
 }
 
 /// `[loop]` of a scene file.
@@ -137,7 +134,6 @@ impl RawLoop {
                 period: places.take(SceneParameter::CollapsePeriod, collapse.period_s),
             }),
             seed: places.take_or(SceneParameter::Seed, self.seed, 0),
-            as_recorded: false,
         };
         Ok((
             places.take_or(Parameter::Delay, self.delay_samples, 0),
@@ -186,13 +182,13 @@ impl Scene {
 
     /// The samples and commands of the loop over so many periods.
     pub fn timeline(&self, periods: usize) -> Result<Timeline, InvalidParameter> {
-        match self.device.recorded_hand() {
-            Some(hand) if self.timing.as_recorded => {
+        match self.device.sampled_as_recorded() {
+            Some(hand) => {
                 let period = self.loop_params.period;
                 let delay = (self.delay, self.timing.delay_seconds);
                 Timeline::at_instants(hand.times(), delay, period, periods)
             }
-            _ => Timeline::new(self.schedule(), periods),
+            None => Timeline::new(self.schedule(), periods),
         }
     }
 
@@ -206,16 +202,11 @@ impl Scene {
             })
         };
         let only_as_recorded = Timing {
-            as_recorded: true,
             seed: self.timing.seed,
             delay_seconds: self.timing.delay_seconds,
             ..Timing::default()
         };
-        if self.timing.as_recorded && self.device.recorded_hand().is_none() {
-            let allowed = "those of a recorded hand";
-            return refused(SceneParameter::RecordedInstants, 0.0, allowed);
-        }
-        if self.timing.as_recorded && self.timing != only_as_recorded {
+        if self.device.sampled_as_recorded().is_some() && self.timing != only_as_recorded {
             let allowed = "left out, like jitter and drops, of a loop that samples as recorded";
             let fraction = self.timing.delay_fraction;
             return refused(SceneParameter::DelayFraction, fraction, allowed);

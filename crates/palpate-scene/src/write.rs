@@ -258,8 +258,6 @@ impl File {
             dropped,
             collapse,
             seed,
-            // A recorded hand has been refused.
-            as_recorded: _,
         } = timing;
         self.unless_zero("delay_fraction", *delay_fraction);
         self.unless_zero("delay_s", *delay_seconds);

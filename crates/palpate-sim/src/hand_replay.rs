@@ -89,6 +89,7 @@ pub fn scene(hand: Arc<RecordedHand>, setup: &ReplaySetup) -> Result<Scene, Hand
         device: Device::Recorded {
             hand,
             encoder_quantum: setup.encoder_quantum,
+            at_its_instants: false,
         },
         told_device_mass: setup.device_mass,
         object_radius: 0.0,
@@ -124,7 +125,12 @@ pub fn scene_at_recorded_instants(
     setup: &ReplaySetup,
 ) -> Result<Scene, HandError> {
     let mut scene = scene(hand, setup)?;
-    scene.timing.as_recorded = true;
+    if let Device::Recorded {
+        at_its_instants, ..
+    } = &mut scene.device
+    {
+        *at_its_instants = true;
+    }
     Ok(scene)
 }
 

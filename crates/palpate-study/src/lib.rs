@@ -4,7 +4,8 @@
 //! returns the numbers. [`tune`] asks how a method's damping changes its errors, [`heights`] how the start
 //! height does, [`suite`] judges methods on plants drawn at random, and [`map`] asks what can be rendered
 //! at all. [`advise`] asks that of one device and one contact. [`sweep`] varies one quantity of a scene, and
-//! [`claims`] checks the numbers of the paper. [`calibrated`] calibrates the device of a scene.
+//! [`claims`] checks the numbers of the paper. [`calibrated`] calibrates the device of a scene, and
+//! [`hand_replay`] holds the hand of a recording against another force.
 //!
 //! Reports are types: [`report::Report`] of runs, [`compare::Comparison`] of runs on several scenes, those of
 //! the studies (`tune::report` and so on), [`recording::report`] of a recording, [`calibration`] of a calibration, and [`card`] of a device. Each has its numbers as
@@ -17,6 +18,7 @@ pub mod calibration;
 pub mod card;
 pub mod claims;
 pub mod compare;
+pub mod hand_replay;
 pub mod heights;
 mod json;
 pub mod map;

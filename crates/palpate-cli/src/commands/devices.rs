@@ -1,25 +1,17 @@
 //! `palpate devices`: what a loop can run on here, and whether a device is wired as it should be.
 
-use std::fmt;
+#[cfg(unix)]
 use std::time::Duration;
 
 use clap::{Args, Subcommand, ValueEnum};
-use palpate_haply::inverse3::{self, Found, SERVICE};
-use palpate_haply::two_diy::{Guess, Port, ports};
-use palpate_study::json;
-use serde::Serialize;
+use palpate_haply::inverse3::SERVICE;
+use palpate_session::DeviceList;
 
 use crate::devices::DeviceArguments;
 use crate::failure::Failure;
-use crate::results::{print, print_report};
-
-/// Name and version of the JSON report.
-const FORMAT: &str = "palpate devices 1";
-
-/// What is said of every 2DIY, since it may hurt.
-pub const LATCH_WARNING: &str = "the board of a 2DIY has no watchdog: if the cable is pulled, it may \
-     hold its last torque until its power is switched off; if the program is killed, a guardian takes \
-     the torque off, unless it was started with --guardian off";
+#[cfg(unix)]
+use crate::results::print;
+use crate::results::print_report;
 
 /// Arguments of `devices`.
 #[derive(Args, Debug)]
@@ -82,196 +74,9 @@ pub fn run(arguments: &DevicesArguments) -> Result<(), Failure> {
     }
 }
 
-#[derive(Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct List {
-    #[cfg_attr(test, schemars(extend("const" = FORMAT)))]
-    format: &'static str,
-    built_in: Vec<BuiltIn>,
-    serial_ports: Vec<PortReport>,
-    inverse_service: ServiceReport,
-}
-
-#[derive(Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-struct ServiceReport {
-    url: String,
-    devices: Vec<Inverse3Report>,
-    why_none: Option<String>,
-}
-
-#[derive(Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-struct Inverse3Report {
-    device_id: String,
-    model: String,
-    why_not: Option<String>,
-    open: String,
-}
-
-/// How long a service may take to answer `[s]`.
-const PATIENCE: Duration = Duration::from_millis(500);
-
-impl ServiceReport {
-    fn of(url: &str) -> Self {
-        let service = if url == SERVICE {
-            String::new()
-        } else {
-            format!(" --service {url}")
-        };
-        let report = |found: Found| Inverse3Report {
-            open: format!("--device inverse3 --device-id {}{service}", found.device_id),
-            device_id: found.device_id,
-            model: found.model,
-            why_not: found.unfit.map(|unfit| unfit.to_string()),
-        };
-        let (devices, why_none) = match inverse3::devices(url, PATIENCE) {
-            Ok(found) => (found.into_iter().map(report).collect(), None),
-            Err(error) => (Vec::new(), Some(error.to_string())),
-        };
-        Self {
-            url: url.to_owned(),
-            devices,
-            why_none,
-        }
-    }
-}
-
-#[derive(Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-struct BuiltIn {
-    device: &'static str,
-    what: &'static str,
-    open: &'static str,
-}
-
-#[derive(Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-struct PortReport {
-    path: String,
-    description: String,
-    guess: &'static str,
-    likely_haply_2diy: bool,
-    open: Option<String>,
-}
-
-const BUILT_IN: [BuiltIn; 3] = [
-    BuiltIn {
-        device: "simulated",
-        what: "device and hand of the scene",
-        open: "--device simulated",
-    },
-    BuiltIn {
-        device: "replay",
-        what: "a recorded motion",
-        open: "--device replay --motion REC.mcap",
-    },
-    BuiltIn {
-        device: "null",
-        what: "none: at rest at 0",
-        open: "--device null",
-    },
-];
-
-impl From<Port> for PortReport {
-    fn from(port: Port) -> Self {
-        let board = match port.guess {
-            Guess::M0 => " --board m0",
-            Guess::M3 | Guess::Arduino | Guess::OtherUsb | Guess::Other => "",
-        };
-        let open = format!("--device haply-2diy --port {}{board}", port.path);
-        Self {
-            guess: match port.guess {
-                Guess::M0 => "a Haply M0, if it is one of Haply's",
-                Guess::M3 => "a Haply M3 or development kit, if it is one of Haply's",
-                Guess::Arduino => "perhaps a board of Haply's",
-                Guess::OtherUsb | Guess::Other => "not known",
-            },
-            likely_haply_2diy: port.guess.is_likely(),
-            open: port.guess.is_likely().then_some(open),
-            path: port.path,
-            description: port.description,
-        }
-    }
-}
-
 fn list(arguments: &DevicesArguments) -> Result<(), Failure> {
-    let list = List {
-        format: FORMAT,
-        built_in: BUILT_IN.into(),
-        serial_ports: ports()
-            .map_err(Failure::System)?
-            .into_iter()
-            .map(PortReport::from)
-            .collect(),
-        inverse_service: ServiceReport::of(&arguments.service),
-    };
+    let list = DeviceList::of(&arguments.service).map_err(Failure::System)?;
     print_report(&list, arguments.json)
-}
-
-impl fmt::Display for List {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "Always there")?;
-        for built_in in &self.built_in {
-            let BuiltIn { device, what, open } = built_in;
-            writeln!(f, "  {device:<10} {what}\n             {open}")?;
-        }
-        writeln!(f, "\nSerial ports, the likeliest Haply 2DIY first")?;
-        if self.serial_ports.is_empty() {
-            writeln!(f, "  none; `palpate emulate haply-2diy` gives one to try")?;
-        }
-        for port in &self.serial_ports {
-            writeln!(f, "  {}  {}: {}", port.path, port.description, port.guess)?;
-            if let Some(open) = &port.open {
-                writeln!(f, "             {open}")?;
-            }
-        }
-        if self.serial_ports.iter().any(|port| port.likely_haply_2diy) {
-            writeln!(f, "\nMind that {LATCH_WARNING}.")?;
-        }
-        let ServiceReport {
-            url,
-            devices,
-            why_none,
-        } = &self.inverse_service;
-        writeln!(f, "\nInverse3, behind the service at {url}")?;
-        if let Some(why) = why_none {
-            writeln!(f, "  {why}")?;
-        } else if devices.is_empty() {
-            writeln!(f, "  the service has none")?;
-        }
-        for device in devices {
-            let fit = device.why_not.as_deref().unwrap_or("ready");
-            writeln!(f, "  {}  {}: {fit}", device.device_id, device.model)?;
-            writeln!(f, "             {}", device.open)?;
-        }
-        Ok(())
-    }
-}
-
-/// Name and version of the JSON report on motors.
-#[cfg(unix)]
-const MOTORS_FORMAT: &str = "palpate devices check 1";
-
-/// What the motors of a device did.
-#[cfg(unix)]
-#[derive(Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct MotorsReport {
-    board: &'static str,
-    #[cfg_attr(test, schemars(extend("const" = MOTORS_FORMAT)))]
-    format: &'static str,
-    motors: Vec<MotorReport>,
-}
-
-/// What a motor did.
-#[cfg(unix)]
-#[derive(Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-struct MotorReport {
-    /// By how much each joint turned `[degrees]`.
-    turned_deg: [f64; 2],
-    verdict: &'static str,
 }
 
 #[cfg(unix)]
@@ -279,8 +84,9 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
     use palpate_device::clock::MonotonicClock;
     use palpate_haply::two_diy::{Unchecked, Verdict};
     use palpate_rt::StopFlag;
+    use palpate_session::{Guarding, MotorsReport};
+    use palpate_study::json;
 
-    use crate::devices::guarding::Guarding;
     use crate::devices::two_diy;
 
     if !arguments.may_move {
@@ -320,16 +126,7 @@ fn check(arguments: &CheckArguments) -> Result<(), Failure> {
         .iter()
         .all(|checked| checked.verdict == Verdict::Fine);
     print(&if arguments.json {
-        let motors = checked.iter().map(|checked| MotorReport {
-            turned_deg: checked.turned.map(f64::from),
-            verdict: checked.verdict.name(),
-        });
-        let report = MotorsReport {
-            board,
-            format: MOTORS_FORMAT,
-            motors: motors.collect(),
-        };
-        json(&report) + "\n"
+        json(&MotorsReport::new(board, &checked)) + "\n"
     } else {
         let [first, second] = angles;
         let mut text = format!("board {board}, joints at {first:.2} and {second:.2} degrees\n");

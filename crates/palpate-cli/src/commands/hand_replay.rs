@@ -1,22 +1,20 @@
-//! The hand of a recording, held against a new force; whatever the recording came from.
+//! The hand of a recording, held against a new force: what flags say of the hand, and what is said of the replay.
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
 use palpate_scene::method::{MethodName, Settings};
-use palpate_sim::closed_loop::{Bench, LoopError};
-use palpate_sim::hand_replay::{
-    self, HandError, HandModel, REACH, RecordedHand, Recording, largest_departure,
-    largest_ideal_departure,
-};
+use palpate_sim::closed_loop::LoopError;
+use palpate_sim::hand_replay::{HandError, HandModel, REACH, Recording};
 use palpate_sim::replay::ReplaySetup;
-use palpate_sim::run::{Reference, Run};
+use palpate_study::hand_replay::{
+    HandRecording, HandReplayError, HandReplayStep, close_loop as close,
+};
 use palpate_testbed::InvalidParameter;
 
 use crate::arguments::ReplayFlags;
 use crate::failure::{Failure, tell};
 use crate::progress::Progress;
-use palpate_study::report::Replayed;
+pub use palpate_study::hand_replay::ReplayRuns;
 use palpate_study::text::digits;
 
 /// What was recorded of a hand.
@@ -29,16 +27,6 @@ pub struct Recorded<'a> {
     pub device_mass: f64,
     /// Whether the loop samples when the recorded one did; else every period.
     pub at_its_instants: bool,
-}
-
-/// The runs of a replay.
-pub struct ReplayRuns {
-    /// Its ideal.
-    pub reference: Reference,
-    /// One for each method.
-    pub runs: Vec<Run>,
-    /// What was replayed, and how well it is known.
-    pub replayed: Replayed,
 }
 
 /// Estimates the hand of a recording, and closes the loop of `setup` by each of `methods`. What cannot
@@ -57,59 +45,39 @@ pub fn close_loop(
         damping: flags.hand_damping.unwrap_or(HandModel::USUAL_DAMPING),
         ..HandModel::force_on(recorded.device_mass)
     };
-    progress.begin("the hand's force");
-    let in_recording = |error| in_recording(recorded.name, error);
-    let hand = RecordedHand::estimate(&recorded.recording, &model).map_err(in_recording)?;
-    let hand = Arc::new(hand);
-    let scene_of = if recorded.at_its_instants {
-        hand_replay::scene_at_recorded_instants
-    } else {
-        hand_replay::scene
+    let is_assumed = flags.hand_stiffness.is_none() || flags.hand_damping.is_none();
+    let recording = HandRecording {
+        recording: recorded.recording,
+        at_its_instants: recorded.at_its_instants,
     };
-    let mut scene = scene_of(Arc::clone(&hand), setup).map_err(in_recording)?;
-    scene.settings.clone_from(settings);
-    progress.begin("ideal");
-    let bench = Bench::new(&scene).map_err(|error| failure(scene.method, error))?;
-    within_reach(recorded.name, &hand, bench.reference())?;
-    let mut runs = Vec::with_capacity(methods.len());
-    for &method in methods {
-        progress.begin(method.name());
-        runs.push(bench.run(method).map_err(|error| failure(method, error))?);
-        progress.advance();
-    }
-    let departures: Vec<(MethodName, f64)> = methods
-        .iter()
-        .zip(&runs)
-        .map(|(method, run)| (*method, largest_departure(&hand, run)))
-        .collect();
-    for (method, departure) in departures
-        .iter()
-        .filter(|(_, by)| *by > REACH || by.is_nan())
-    {
+    let begins = |step| match step {
+        HandReplayStep::Hand => progress.begin("the hand's force"),
+        HandReplayStep::Ideal => progress.begin("ideal"),
+        HandReplayStep::Method(method) => progress.begin(method.name()),
+        HandReplayStep::Done => progress.advance(),
+    };
+    let told = (setup, &model, is_assumed);
+    let (runs, beyond) =
+        close(&recording, told, (methods, settings), begins).map_err(|error| match error {
+            HandReplayError::Hand(error) => in_recording(recorded.name, error),
+            HandReplayError::Loop(method, error) => failure(method, error),
+            HandReplayError::OutOfReach { model, departure } => {
+                out_of_reach(recorded.name, &model, departure)
+            }
+        })?;
+    for (method, departure) in beyond {
         tell(format_args!(
             "warning: {method}: the device leaves the recorded motion by {} m, farther than an arm reaches \
              ({REACH} m); what stands in its row is no answer of a hand",
-            digits(*departure)
+            digits(departure)
         ));
     }
-    let force_recorded = recorded.recording.forces_on_device.is_some();
-    let is_assumed = flags.hand_stiffness.is_none() || flags.hand_damping.is_none();
-    let replayed = Replayed::hand(&hand, force_recorded, is_assumed, departures);
-    Ok(ReplayRuns {
-        reference: bench.reference().clone(),
-        runs,
-        replayed,
-    })
+    Ok(runs)
 }
 
 /// Refuses a replay in which even the ideal device goes where no hand can follow.
-fn within_reach(name: &str, hand: &RecordedHand, ideal: &Reference) -> Result<(), Failure> {
-    let departure = largest_ideal_departure(hand, ideal);
-    if departure <= REACH {
-        return Ok(());
-    }
-    let model = hand.model();
-    Err(Failure::Arguments(format!(
+fn out_of_reach(name: &str, model: &HandModel, departure: f64) -> Failure {
+    Failure::Arguments(format!(
         "{name}: held by a hand of {} N/m and {} N s/m, the device would leave the recorded motion by {} m \
          under the new force, even were that ideal, and no arm reaches farther than {REACH} m; allowed: a \
          hand that holds on (--hand-stiffness {} --hand-damping {} unless you say otherwise), and contact, \
@@ -119,7 +87,7 @@ fn within_reach(name: &str, hand: &RecordedHand, ideal: &Reference) -> Result<()
         digits(departure),
         HandModel::USUAL_STIFFNESS,
         HandModel::USUAL_DAMPING,
-    )))
+    ))
 }
 
 /// A recording without a hand, or a flag that gave a wrong model of it.

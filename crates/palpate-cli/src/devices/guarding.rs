@@ -1,144 +1,18 @@
-//! Guardians of devices that hold their last force.
+//! The guardian of devices that hold their last force: this program once more.
 
-use std::time::Duration;
+use std::io;
+use std::os::unix::process::CommandExt;
+use std::process::Command;
 
-use palpate_device::Capabilities;
-#[cfg(unix)]
-use palpate_rt::guardian::Unguarded;
-use serde::Serialize;
-
-use super::DeviceArguments;
-
-#[cfg(unix)]
-pub use on_unix::command;
-
-/// How the devices of a session are guarded.
-#[derive(Clone, Debug)]
-pub struct Guarding {
-    /// How long the loop may be silent while a force is on.
-    pub limit: Duration,
-    /// What the guardians have done.
-    #[cfg(unix)]
-    pub account: std::sync::Arc<palpate_rt::guardian::GuardianAccount>,
-}
-
-/// The guardian of a run, for reports.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct GuardianReport {
-    /// Whether there was one.
-    on: bool,
-    /// How long the loop might be silent `[s]`.
-    silence_s: Option<f64>,
-    /// Whether the machine served the guardian before everybody else.
-    first: Option<bool>,
-    /// How often it commanded no force.
-    cuts: u64,
-    /// Whether it was lost before the device was closed.
-    gone: bool,
-    /// How: `ended` or `not-listening`.
-    lost: Option<&'static str>,
-    #[serde(skip)]
-    lost_in_words: Option<&'static str>,
-}
-
-impl Guarding {
-    /// Guardians that command no force after `limit` of silence.
-    pub fn new(limit: Duration) -> Self {
-        Self {
-            limit,
-            #[cfg(unix)]
-            account: std::sync::Arc::default(),
-        }
-    }
-
-    /// How a guardian was lost before its device was closed, if one was: a key and a sentence.
-    pub fn lost(&self) -> Option<(&'static str, &'static str)> {
-        #[cfg(unix)]
-        let lost = self.account.lost().map(|how| match how {
-            Unguarded::Ended => ("ended", "the guardian ended"),
-            Unguarded::NotListening => (
-                "not-listening",
-                "the guardian is there and does not listen, as if it were stopped",
-            ),
-        });
-        #[cfg(not(unix))]
-        let lost = None;
-        lost
-    }
-
-    /// How a device was guarded; `None`: it holds no force by itself.
-    pub fn report(
-        &self,
-        arguments: &DeviceArguments,
-        device: &Capabilities,
-    ) -> Option<GuardianReport> {
-        if !device.holds_last_force {
-            return None;
-        }
-        let on = arguments.is_guarded();
-        #[cfg(unix)]
-        let (first, cuts) = (self.account.is_first(), self.account.cuts());
-        #[cfg(not(unix))]
-        let (first, cuts) = (false, 0);
-        let lost = self.lost();
-        Some(GuardianReport {
-            on,
-            silence_s: on.then_some(self.limit.as_secs_f64()),
-            first: on.then_some(first),
-            cuts,
-            gone: lost.is_some(),
-            lost: lost.map(|(key, _)| key),
-            lost_in_words: lost.map(|(_, words)| words),
-        })
-    }
-}
-
-impl std::fmt::Display for GuardianReport {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Some(silence) = self.silence_s else {
-            return write!(
-                f,
-                "guardian: off, as asked for; the device holds its last force if this program is killed"
-            );
-        };
-        write!(
-            f,
-            "guardian: commands no force after {} ms of silence; SCHED_FIFO, priority 99: {}",
-            palpate_study::text::digits(1e3 * silence),
-            if self.first == Some(true) {
-                "granted"
-            } else {
-                "refused"
-            }
-        )?;
-        if self.cuts > 0 {
-            let times = palpate_study::text::counted(self.cuts, "time");
-            write!(f, "\nthe guardian commanded no force {times}")?;
-        }
-        if let Some(lost) = self.lost_in_words {
-            write!(f, "\n{lost}; the loop commanded no force from then on")?;
-        }
-        Ok(())
-    }
-}
-
-#[cfg(unix)]
-mod on_unix {
-    use std::io;
-    use std::os::unix::process::CommandExt;
-    use std::process::Command;
-
-    /// This program once more, as a guardian.
-    pub fn command() -> io::Result<Command> {
-        // On Linux by a name that stays right when the file is replaced by a newer one.
-        let program = if cfg!(target_os = "linux") {
-            "/proc/self/exe".into()
-        } else {
-            std::env::current_exe()?
-        };
-        let mut command = Command::new(program);
-        command.arg0("palpate").arg("guardian");
-        Ok(command)
-    }
+/// This program once more, as a guardian.
+pub fn command() -> io::Result<Command> {
+    // On Linux by a name that stays right when the file is replaced by a newer one.
+    let program = if cfg!(target_os = "linux") {
+        "/proc/self/exe".into()
+    } else {
+        std::env::current_exe()?
+    };
+    let mut command = Command::new(program);
+    command.arg0("palpate").arg("guardian");
+    Ok(command)
 }

@@ -2,11 +2,10 @@
 
 use clap::Args;
 use palpate_device::clock::Clock;
-use palpate_device::{Capabilities, Device, DeviceError, Pose, Vector, Wrench, ZeroWriter};
+use palpate_device::{Device, Vector};
+use palpate_devices::inverse3::Overheard;
 use palpate_devices::{FIRST_AXIS, Reopen};
-use palpate_haply::inverse3::{
-    ConnectError, Inspector, Inverse3, Inverse3Options, OpenError, Pace, SERVICE,
-};
+use palpate_haply::inverse3::{ConnectError, Inverse3, Inverse3Options, OpenError, Pace, SERVICE};
 
 use super::{DeviceArguments, DeviceName, reconnecting};
 use crate::failure::{Failure, tell};
@@ -106,12 +105,7 @@ pub fn open<C: Clock>(
 }
 
 fn watched<C: Clock>(device: Inverse3<C>, says_why: bool) -> Box<dyn Device> {
-    let inspector = device.inspector();
-    Box::new(Watched {
-        device,
-        inspector,
-        says_why,
-    })
+    Box::new(Overheard::new(device, says_why, tell))
 }
 
 /// Of the contact's axis, of length 1; what is no direction is refused where it is placed.
@@ -133,61 +127,5 @@ fn refused(error: OpenError) -> Failure {
         | OpenError::Several { .. }
         | OpenError::NotThere { .. } => Failure::Arguments(error.to_string()),
         _ => Failure::System(error.to_string()),
-    }
-}
-
-/// Tells in the end what did not go over the connection as it should.
-struct Watched<C> {
-    device: Inverse3<C>,
-    inspector: Inspector,
-    /// Whether nobody else says why it is gone.
-    says_why: bool,
-}
-
-impl<C: Clock> Device for Watched<C> {
-    fn capabilities(&self) -> &Capabilities {
-        self.device.capabilities()
-    }
-
-    fn read(&mut self) -> Result<Pose, DeviceError> {
-        self.device.read()
-    }
-
-    fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
-        self.device.write(wrench)
-    }
-
-    fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
-        self.device.zero_writer()
-    }
-
-    fn was_cut(&mut self) -> bool {
-        self.device.was_cut()
-    }
-}
-
-impl<C> Drop for Watched<C> {
-    fn drop(&mut self) {
-        if let Some(why) = self.inspector.lost().filter(|_| self.says_why) {
-            tell(format_args!("the Inverse3 is gone: {why}"));
-        }
-        let counts = self.inspector.counts();
-        let said: Vec<String> = [
-            (counts.late, "came late"),
-            (counts.lost, "never came"),
-            (counts.surplus, "answered nothing"),
-            (counts.garbage, "were no frames"),
-        ]
-        .iter()
-        .filter(|(count, _)| *count > 0)
-        .map(|(count, what)| format!("{count} {what}"))
-        .collect();
-        if !said.is_empty() {
-            tell(format_args!(
-                "of the service's answers to {} messages {}",
-                counts.sent,
-                said.join(", ")
-            ));
-        }
     }
 }

@@ -4,6 +4,7 @@
 //! to a device has a file of its own.
 
 mod arguments;
+#[cfg(unix)]
 pub mod guarding;
 pub mod inverse3;
 mod placed;
@@ -28,9 +29,9 @@ use palpate_sim::device::{
 use crate::failure::{Failure, tell};
 #[cfg(unix)]
 use crate::values::duration;
-use guarding::Guarding;
 #[cfg(unix)]
 use palpate_devices::two_diy::usual_axis;
+use palpate_session::Guarding;
 
 /// A device that is ready, and where the contact's axis lies in it.
 pub struct Opened {

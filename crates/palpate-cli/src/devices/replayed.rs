@@ -6,10 +6,10 @@ use palpate_device::clock::Clock;
 use palpate_device::{Device, ReplayDevice};
 use palpate_record::trace::Part;
 use palpate_record::unit::LengthUnit;
+use palpate_study::recording::Ticks;
 
 use super::DeviceArguments;
 use crate::failure::Failure;
-use crate::recorded::ticks::Ticks;
 use crate::recorded::trace::read_trace;
 use crate::recorded::{self, open as open_recording};
 use crate::values::duration;
@@ -57,7 +57,8 @@ fn motion(
                 "--unit is the unit of a trace; a recording has metres".into(),
             ));
         }
-        let curves = Ticks::of(&open_recording(path)?, part)?.curves;
+        let ticks = Ticks::of(&open_recording(path)?, part).map_err(Failure::input)?;
+        let curves = ticks.curves;
         return Ok((curves.time, curves.device_position));
     }
     let trace = read_trace(path, &path.display().to_string(), part, unit)?.trace;

@@ -9,10 +9,11 @@ use palpate_devices::Reopen;
 use palpate_devices::two_diy::{Guard, LetGo, OpenError, PortError, Setup};
 use palpate_haply::two_diy::{Board, Calibration, Generation, TwoDiy};
 use palpate_rt::guardian::GuardianError;
+use palpate_session::Guarding;
 use rustix::termios::{QueueSelector, tcflush};
 
 use super::DeviceArguments;
-use super::guarding::{Guarding, command};
+use super::guarding::command;
 use crate::failure::{Failure, tell};
 use crate::values::{BoardName, StartPose};
 

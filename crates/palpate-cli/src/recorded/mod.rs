@@ -1,6 +1,5 @@
 //! Recordings, as commands meet them.
 
-pub mod ticks;
 pub mod trace;
 
 use std::path::{Path, PathBuf};

@@ -52,7 +52,6 @@ fn flag_of(parameter: SceneParameter) -> Option<Cow<'static, str>> {
         | SceneParameter::CollapseFrom
         | SceneParameter::CollapseUntil
         | SceneParameter::CollapsePeriod
-        | SceneParameter::RecordedInstants
         | SceneParameter::Collisions
         | SceneParameter::Duration => return None,
     }))

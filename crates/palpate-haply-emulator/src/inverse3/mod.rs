@@ -14,6 +14,7 @@ mod frames;
 mod http;
 mod service;
 mod stepped;
+mod timed_fault;
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
@@ -35,6 +36,7 @@ use palpate_haply::inverse3::Status;
 pub use device::{Body, holding};
 pub use fault::{Fault, Latency};
 pub use stepped::{Delays, SteppedInverse3};
+pub use timed_fault::{NoTimedFault, TimedFault};
 
 /// How often a thread that waits looks whether it is to end.
 const LOOK: Duration = Duration::from_millis(5);

@@ -12,6 +12,7 @@ mod port;
 mod pty;
 mod socket;
 mod stepped;
+mod timed_fault;
 mod usb;
 
 use std::collections::VecDeque;
@@ -26,6 +27,7 @@ use std::time::{Duration, Instant};
 pub use arm::{Hand, Wiring};
 pub use firmware::Did;
 pub use stepped::SteppedTwoDiy;
+pub use timed_fault::{FaultKind, NoTimedFault, TimedFault};
 pub use usb::Usb;
 
 use arm::Arm;

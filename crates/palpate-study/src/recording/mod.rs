@@ -1,9 +1,15 @@
 //! What is in a recording, and what is not.
 
+mod curves;
+mod put_scene;
 pub mod report;
 mod scene;
+mod ticks;
 
+pub use curves::RecordedCurves;
+pub use put_scene::{PutSceneError, put_scene};
 pub use scene::{NoScene, scene_of};
+pub use ticks::{HeldDevice, Ticks, TicksError};
 
 use palpate_record::recording::{Gap, LoopTime, Recording, WHOLE};
 

@@ -5,6 +5,7 @@ mod drawing;
 #[cfg(feature = "schema")]
 mod in_json;
 mod parameters;
+mod receipt;
 mod recording;
 mod replayed;
 mod text;
@@ -13,6 +14,7 @@ mod timing;
 pub use actuator::{of as actuator_of, told as told_lines};
 pub use drawing::DrawingReport;
 pub use parameters::of as parameters_of;
+pub use receipt::{plant_receipt, receipt};
 pub use recording::FromRecording;
 pub use replayed::{HandReport, Replayed};
 pub use timing::of as timing_of;

@@ -2,24 +2,20 @@
 //! layer, a supervisor and a guardian between the excitation and the motor.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread::{Builder, JoinHandle};
-use std::time::Duration;
+use std::thread::Builder;
 
 use palpate_calibrate::ExcitationParams;
-use palpate_device::Device;
 use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
 use palpate_rt::StopFlag;
 use palpate_rt::realtime::Request;
-use palpate_rt::safety::{Heartbeat, SafetyParams, Supervisor};
+use palpate_rt::safety::{Heartbeat, SafetyParams};
 use palpate_scene::{Scene, SceneFile};
+use palpate_session::{Guarding, ShakeError, Shaker, Watched};
 use palpate_study::calibration::Motion;
 
 use super::CalibrateArguments;
-use super::shaker::Shaker;
 use crate::commands::run::request;
 use crate::commands::simulate::read_scene;
-use crate::devices::guarding::Guarding;
 use crate::devices::{Opened, open};
 use crate::failure::{Failure, tell};
 use crate::values::duration;
@@ -98,9 +94,12 @@ fn on<C: Clock>(
     let guarding = Guarding::new(stall_limit);
     let Opened { mut device, axis } = open(&arguments.device, scene, clock, &guarding)?;
     let heartbeat = Arc::new(Heartbeat::default());
-    let watched = Watched::start(device.as_mut(), &heartbeat, clock, &request, stall_limit)?;
-    let opened = Opened { device, axis };
-    let shaker = Shaker::new(opened, clock.clone(), params, heartbeat, stall_limit)?.waiting(wait);
+    let watched = Watched::start(device.as_mut(), &heartbeat, clock, &request, stall_limit)
+        .map_err(|error| Failure::System(format!("no thread for the supervisor: {error}")))?;
+    let timed = (clock.clone(), period);
+    let shaker = Shaker::new((device, axis), timed, params, heartbeat, stall_limit)
+        .map_err(refused)?
+        .waiting(wait);
     if let Some(wait) = wait {
         tell(format_args!(
             "bring the device to where it is calibrated and hold it still: the force begins when it has \
@@ -123,50 +122,16 @@ fn on<C: Clock>(
         .join()
         .map_err(|_| Failure::System("the loop ended for a fault of the program".into()));
     watched.end();
-    ended?
+    ended?.map_err(refused)
 }
 
-/// A supervisor on a thread of its own, where the device has a second way to command no force.
-struct Watched {
-    ended: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
-}
-
-impl Watched {
-    fn start<C: Clock>(
-        device: &mut dyn Device,
-        heartbeat: &Arc<Heartbeat>,
-        clock: &C,
-        request: &Request,
-        stall_limit: Duration,
-    ) -> Result<Self, Failure> {
-        let ended = Arc::new(AtomicBool::new(false));
-        // On a clock that only sleepers move, nobody is late.
-        let zero = device.zero_writer().filter(|_| C::RUNS);
-        let start = |zero| {
-            let supervisor = Supervisor::new(Arc::clone(heartbeat), zero, stall_limit);
-            let request = Request {
-                priority: request.priority.map(|priority| (priority + 1).min(99)),
-                ..*request
-            };
-            let (clock, ended) = (clock.clone(), Arc::clone(&ended));
-            Builder::new()
-                .name("palpate supervisor".to_owned())
-                .spawn(move || {
-                    // What is refused here is refused to the loop, which says so.
-                    let _ = request.ask();
-                    supervisor.watch(&clock, stall_limit / 4, &ended);
-                })
-                .map_err(|error| Failure::System(format!("no thread for the supervisor: {error}")))
-        };
-        let thread = zero.map(start).transpose()?;
-        Ok(Self { ended, thread })
-    }
-
-    fn end(self) {
-        self.ended.store(true, Ordering::Release);
-        if let Some(thread) = self.thread {
-            let _ = thread.join();
-        }
+/// Why a device could not be excited, as an exit code.
+fn refused(error: ShakeError) -> Failure {
+    let message = error.to_string();
+    match error {
+        ShakeError::Params(_) | ShakeError::Safety(_) => Failure::Arguments(message),
+        ShakeError::Lost(_) => Failure::System(message),
+        ShakeError::Signalled => Failure::Interrupted(message),
+        ShakeError::Declined(_) => Failure::Declined(message),
     }
 }

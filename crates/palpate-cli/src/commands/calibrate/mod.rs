@@ -2,10 +2,6 @@
 
 mod arguments;
 mod device;
-#[cfg(all(test, unix))]
-mod emulated_tests;
-mod settling;
-mod shaker;
 mod stream;
 
 use std::path::Path;
@@ -47,7 +43,7 @@ pub fn run(arguments: &CalibrateArguments) -> Result<(), Failure> {
     };
     arguments.told.check()?;
     let motion = if arguments.pipe {
-        stream::excite(params, arguments.time, arguments.device.unit)?
+        stream::excite(arguments, params)?
     } else {
         device::excite(arguments, params)?
     };

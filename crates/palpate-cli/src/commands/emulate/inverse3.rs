@@ -1,12 +1,9 @@
 //! `palpate emulate inverse3`: Haply's Inverse Service, with a device behind it.
 
-use std::fmt;
-use std::time::{Duration, Instant};
-
 use clap::{Args, ValueEnum};
 use palpate_haply::inverse3::Form;
 use palpate_haply_emulator::inverse3::{
-    Body, Emulator, EmulatorError, EmulatorOptions, Fault, Latency,
+    Body, Emulator, EmulatorError, EmulatorOptions, Latency, TimedFault,
 };
 use palpate_rt::StopFlag;
 use palpate_testbed::hand::{Hand, Intention, Sinusoid};
@@ -44,7 +41,7 @@ pub struct Inverse3EmulatorArguments {
     #[arg(long, value_name = "s", value_parser = number)]
     pub duration: Option<f64>,
     /// Something that goes wrong, and when
-    #[arg(long, value_name = "KIND[=s]@s", value_parser = timed_fault)]
+    #[arg(long, value_name = "KIND[=s]@s", value_parser = str::parse::<TimedFault>)]
     pub fault: Vec<TimedFault>,
     /// Mass of the device along each axis [kg]
     #[arg(long, value_name = "kg", value_parser = number, default_value = "0.2")]
@@ -109,82 +106,6 @@ fn triple(text: &str) -> Result<Triple, String> {
     }
 }
 
-/// Something that goes wrong.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Trouble {
-    /// With the next answer.
-    Answer(Fault),
-    /// The device is unplugged for so long.
-    Unplug(Duration),
-    /// Its motors have no power for so long.
-    NoPower(Duration),
-}
-
-impl fmt::Display for Trouble {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Answer(fault) => fault.fmt(f),
-            Self::Unplug(lasts) => {
-                write!(f, "the device is unplugged for {} s", lasts.as_secs_f64())
-            }
-            Self::NoPower(lasts) => {
-                write!(f, "the motors have no power for {} s", lasts.as_secs_f64())
-            }
-        }
-    }
-}
-
-/// A fault, and when it strikes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TimedFault {
-    at: Duration,
-    trouble: Trouble,
-}
-
-/// Kinds that need no time.
-const KINDS: [(&str, Fault); 8] = [
-    ("lost", Fault::Dropped),
-    ("twice", Fault::Twice),
-    ("late", Fault::Late),
-    ("garbage", Fault::Garbage),
-    ("half", Fault::HalfFrame),
-    ("half-bytes", Fault::HalfBytes),
-    ("disconnect", Fault::Disconnect),
-    ("close", Fault::Close),
-];
-
-fn timed_fault(text: &str) -> Result<TimedFault, String> {
-    let time = |text: &str| {
-        let seconds: f64 = text.trim().parse().ok()?;
-        Duration::try_from_secs_f64(seconds).ok()
-    };
-    let understood = || {
-        let (what, at) = text.split_once('@')?;
-        let trouble = match what.split_once('=') {
-            Some(("stall", value)) => Trouble::Answer(Fault::Stall(time(value)?)),
-            Some(("unplug", value)) => Trouble::Unplug(time(value)?),
-            Some(("no-power", value)) => Trouble::NoPower(time(value)?),
-            Some(_) => return None,
-            None => {
-                let (_, fault) = KINDS.iter().find(|(name, _)| *name == what)?;
-                Trouble::Answer(*fault)
-            }
-        };
-        Some(TimedFault {
-            at: time(at)?,
-            trouble,
-        })
-    };
-    understood().ok_or_else(|| {
-        let kinds: Vec<&str> = KINDS.iter().map(|(name, _)| *name).collect();
-        format!(
-            "KIND@SECONDS is needed, with one of {}, or KIND=SECONDS@SECONDS, with one of stall, \
-             unplug, no-power",
-            kinds.join(", ")
-        )
-    })
-}
-
 /// Emulates until it is over.
 pub fn run(arguments: &Inverse3EmulatorArguments) -> Result<(), Failure> {
     let until = arguments
@@ -229,7 +150,8 @@ pub fn run(arguments: &Inverse3EmulatorArguments) -> Result<(), Failure> {
         emulator.events_url()
     ));
     let id = arguments.device_id[0].as_str();
-    suffer(&emulator, id, &arguments.fault, &stop, until);
+    let is_over = |since| stop.is_raised() || until.is_some_and(|until| since >= until);
+    emulator.suffer(id, &arguments.fault, is_over, |words| tell(words));
     let largest = emulator
         .received()
         .iter()
@@ -244,44 +166,6 @@ pub fn run(arguments: &Inverse3EmulatorArguments) -> Result<(), Failure> {
         served.sessions, served.messages
     ));
     Ok(())
-}
-
-/// Until it is over, with what goes wrong meanwhile.
-fn suffer(
-    emulator: &Emulator,
-    id: &str,
-    faults: &[TimedFault],
-    stop: &StopFlag,
-    until: Option<Duration>,
-) {
-    // What ends by itself is two changes.
-    let mut changes: Vec<(Duration, Trouble, bool)> = Vec::new();
-    for &TimedFault { at, trouble } in faults {
-        changes.push((at, trouble, true));
-        if let Trouble::Unplug(lasts) | Trouble::NoPower(lasts) = trouble {
-            changes.push((at.saturating_add(lasts), trouble, false));
-        }
-    }
-    changes.sort_by_key(|(at, ..)| *at);
-    let mut changes = changes.into_iter().peekable();
-    let begun = Instant::now();
-    while !stop.is_raised() && until.is_none_or(|until| begun.elapsed() < until) {
-        while let Some((at, trouble, begins)) = changes.next_if(|(at, ..)| begun.elapsed() >= *at) {
-            let word = if begins { "" } else { "over: " };
-            tell(format_args!(
-                "at {:.1} s: {word}{trouble}",
-                at.as_secs_f64()
-            ));
-            match trouble {
-                Trouble::Answer(fault) => emulator.inject(fault),
-                Trouble::Unplug(_) => emulator.set_present(id, !begins),
-                Trouble::NoPower(_) => {
-                    emulator.set_status(id, |status| status.power_supply = Some(!begins));
-                }
-            }
-        }
-        std::thread::sleep(Duration::from_millis(5));
-    }
 }
 
 fn hands(arguments: &Inverse3EmulatorArguments) -> Result<[Hand; 3], Failure> {

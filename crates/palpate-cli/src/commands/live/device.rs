@@ -3,9 +3,9 @@
 use palpate_device::clock::MonotonicClock;
 use palpate_scene::Scene;
 use palpate_scope::{Devices, Placed};
+use palpate_session::Guarding;
 use palpate_sim::device::{PointerDevice, PointerHand, PointerParams};
 
-use crate::devices::guarding::Guarding;
 use crate::devices::{DeviceArguments, DeviceName, Opened, open};
 use crate::failure::Failure;
 

@@ -11,23 +11,20 @@ use palpate_device::clock::MonotonicClock;
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile};
 use palpate_scope::{Home, LaneEnd, Session, Setup, Written};
+use palpate_session::{GuardianReport, RunReport, Subject};
 
 pub use arguments::LiveArguments;
 use device::{Named, most_lanes};
 use serving::{listen, serve};
 
-use super::run::report::Subject;
-use super::run::{
-    Asked, Report, guarding, limits, outcome, request, scene_text, tell_what_a_loop_has_not,
-};
+use super::run::{Asked, guarding, limits, outcome, request, tell_what_a_loop_has_not};
 use super::simulate::{AnyScene, read_any};
-use crate::devices::guarding::GuardianReport;
 use crate::devices::{DeviceName, replayed};
 use crate::failure::{Failure, tell};
 use crate::recorded::{open as open_recording, whole_or_said};
 use crate::results::print;
 use crate::values::duration;
-use palpate_study::recording::in_a_line;
+use palpate_study::recording::{in_a_line, put_scene};
 
 /// What is shown without a scene, and by which methods.
 const SCENE: &str = include_str!("../../../experiments/live.toml");
@@ -63,7 +60,7 @@ pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
         receipts: Box::new(move |scene, device| {
             let version = env!("CARGO_PKG_VERSION");
             let receipt = palpate_rt::receipt(version, device, &limits(device, &told), &request);
-            scene_text::put(receipt, scene, &scene_path).map_err(|failure| failure.message())
+            put_scene(receipt, scene, &scene_path).map_err(|error| Failure::from(error).message())
         }),
         folder: folder(arguments.record.as_deref()),
         record: arguments.record.clone(),
@@ -80,7 +77,7 @@ pub fn run(arguments: &LiveArguments) -> Result<(), Failure> {
     };
     let mut ended = Ok(());
     for lane in end.lanes {
-        let guardian = guarding.report(&arguments.device, &lane.capabilities);
+        let guardian = guarding.report(arguments.device.is_guarded(), &lane.capabilities);
         add(&mut ended, report(lane, guardian, &asked));
     }
     for written in end.recordings {
@@ -186,7 +183,7 @@ fn report(lane: LaneEnd, guardian: Option<GuardianReport>, asked: &Asked) -> Res
         }) => (None, Some(Failure::System(error.to_string()))),
         None => (None, None),
     };
-    let report = Report::new(
+    let report = RunReport::new(
         Subject {
             title: &lane.scene.title,
             method: lane.scene.method.name(),

@@ -5,14 +5,13 @@ use std::path::Path;
 use palpate_device::clock::MonotonicClock;
 use palpate_scene::world::WorldFile;
 use palpate_scope::{Home, MOST_LANES, Session, WorldLane, WorldLaneEnd, WorldSetup};
+use palpate_session::{Energies, GuardianReport, RunReport, Subject};
 use palpate_sim::device::SpatialHand;
 
-use super::super::run::report::{Energies, Report, Subject};
 use super::super::run::world::{FLAGS, rendered};
 use super::super::run::{Asked, guarding, limits, outcome, request};
 use super::serving::{listen, serve};
 use super::{LiveArguments, add};
-use crate::devices::guarding::GuardianReport;
 use crate::devices::{DeviceName, OpenedInWorld, open_in_world_with};
 use crate::failure::Failure;
 use crate::results::print;
@@ -111,7 +110,7 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
     };
     let mut ended = Ok(());
     for lane in end.lanes {
-        let guardian = guarding.report(&arguments.device, &lane.capabilities);
+        let guardian = guarding.report(arguments.device.is_guarded(), &lane.capabilities);
         add(
             &mut ended,
             report(&lane, (&scene.title, period), guardian, &asked),
@@ -137,7 +136,7 @@ fn report(
         method: lane.method,
         period,
     };
-    let report = Report::new(
+    let report = RunReport::new(
         subject,
         &lane.capabilities,
         &lane.end,

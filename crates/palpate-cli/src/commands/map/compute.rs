@@ -1,17 +1,13 @@
-//! Cells into a journal, and from it into a file.
+//! A map that is computed into its file: who follows it, and how it ended as an exit code.
 
-use std::collections::BTreeMap;
-use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::io;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
 
-use palpate_files::atomic::{Existing, check};
 use palpate_files::journal::{Journal, JournalError};
-use palpate_record::map::{Format, Map, Row};
-use palpate_study::map::receipt;
+use palpate_record::map::Map;
 use palpate_study::map::report::Speed;
-use palpate_study::map::{Done, MapParams, compute};
+use palpate_study::map::{MapFollower, MapJob, MapJobError, MapParams};
 
 use super::arguments::{Shard, WorkArguments};
 use super::files::Files;
@@ -31,6 +27,36 @@ pub struct Computed {
     pub journal: Option<Journal>,
 }
 
+/// Shows the progress.
+struct Shown(Option<Progress>);
+
+impl MapFollower for Shown {
+    fn is_unlocked(&mut self, journal: &Path, why: &io::Error) {
+        tell(format_args!(
+            "warning: {} cannot be locked ({why}); see to it that no other map is computed into it",
+            journal.display()
+        ));
+    }
+
+    fn begin(&mut self, cells: usize) {
+        // A second handler cannot be set; there is one map in a run of the program.
+        let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
+        let progress = Progress::new(cells);
+        progress.begin("cells");
+        self.0 = Some(progress);
+    }
+
+    fn advance(&mut self) {
+        if let Some(progress) = &self.0 {
+            progress.advance();
+        }
+    }
+
+    fn end(&mut self) {
+        self.0 = None;
+    }
+}
+
 /// Computes a map, or a part, into the file at `out`.
 ///
 /// A journal beside it keeps what is done.
@@ -41,158 +67,42 @@ pub fn run(
     out: &Path,
     files: &Files,
 ) -> Result<Computed, Failure> {
-    let receipt = receipt::of(params, (shard.number, shard.of));
-    let head = receipt::line(&receipt);
-    let journal_path = journal_of(out);
-    let mut done = BTreeMap::new();
-    // Nothing is looked at before nobody else can change it.
-    let found = Journal::open(&journal_path).map_err(unusable)?;
-    if let Some(why) = &found.unlocked {
-        tell(format_args!(
-            "warning: {} cannot be locked ({why}); see to it that no other map is computed into it",
-            journal_path.display()
-        ));
-    }
-    let mut journal = found.journal;
-    if work.resume
-        && let Some(map) = complete(out, &receipt, files.overwrites())?
-    {
-        let is_of_another = found.head.is_some_and(|begun| begun != head);
-        return Ok(Computed {
-            map,
-            speed: None,
-            journal: Some(journal).filter(|_| !is_of_another),
-        });
-    }
-    if !work.resume && !files.overwrites() {
-        // It may have come since it was looked for.
-        check(out, Existing::Keep)?;
-    }
-    match found.head {
-        None => journal.begin(&head).map_err(unusable)?,
-        Some(_) if !work.resume => {
-            return Err(Failure::input(format!(
-                "{} keeps {} cells of a map that was interrupted; go on with --resume, or delete it",
-                journal_path.display(),
-                found.lines.len()
-            )));
-        }
-        Some(begun) if begun != head => {
-            return Err(Failure::input(format!(
-                "{} is of another map; give the arguments it was begun with, or delete it\n  \
-                 begun: {begun}\n  now:   {head}",
-                journal_path.display()
-            )));
-        }
-        Some(_) => {
-            for line in &found.lines {
-                let rows = rows_of(line).map_err(|fault| {
-                    Failure::input(format!("{}: {fault}", journal_path.display()))
-                })?;
-                if let Some(first) = rows.first() {
-                    done.insert(first.cell, rows);
-                }
-            }
-        }
-    }
-
-    let cells: Vec<usize> = params
-        .shard(shard.number, shard.of)
-        .into_iter()
-        .filter(|cell| !done.contains_key(&(*cell as u64)))
-        .collect();
     let threads = work
         .threads
         .map(usize::from)
         .or_else(|| std::thread::available_parallelism().ok().map(Into::into))
         .unwrap_or(1);
-    // A second handler cannot be set; there is one map in a run of the program.
-    let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
-
-    let progress = Progress::new(cells.len());
-    progress.begin("cells");
-    let start = Instant::now();
-    let (mut ticks, mut fault) = (0, None);
-    let ended = compute(params, &cells, threads, &STOP, |result| {
-        ticks += result.ticks;
-        let rows = result.rows(params);
-        if let Err(error) = journal.append(&line_of(&rows)) {
-            fault = Some(error);
-            return ControlFlow::Break(());
-        }
-        done.insert(result.index as u64, rows);
-        progress.advance();
-        ControlFlow::Continue(())
-    })
-    .map_err(Failure::input)?;
-    let seconds = start.elapsed().as_secs_f64();
-    drop(progress);
-    let kept = done.len();
-    let whole = params.shard(shard.number, shard.of).len();
-    let keeps = format!(
-        "{kept} of {whole} cells are kept in {}; go on with --resume",
-        journal_path.display()
-    );
-    if let Some(error) = fault {
-        return Err(Failure::System(format!("{error}\n{keeps}")));
-    }
-    if ended == Done::Stopped {
-        return Err(Failure::Interrupted(format!("stopped: {keeps}")));
-    }
-    let map = Map {
-        receipt,
-        rows: done.into_values().flatten().collect(),
-    };
-    files
-        .write_map(&map)
-        .map_err(|error| Failure::System(format!("{}\n{keeps}", error.message())))?;
-    let speed = Speed {
-        ticks,
-        seconds,
+    let job = MapJob {
+        params,
+        part: (shard.number, shard.of),
         threads,
+        out,
+        is_resumed: work.resume,
+        overwrites: files.overwrites(),
     };
+    let computed = job.run(&STOP, &mut Shown(None)).map_err(refused)?;
+    // One that was there stays as it is.
+    if computed.speed.is_some() {
+        files
+            .write_map(&computed.map)
+            .map_err(|error| Failure::System(format!("{}\n{}", error.message(), computed.keeps)))?;
+    }
     Ok(Computed {
-        map,
-        speed: Some(speed),
-        journal: Some(journal),
+        map: computed.map,
+        speed: computed.speed,
+        journal: computed.journal,
     })
 }
 
-/// The map that is already at `out`, if it is this one.
-///
-/// # Errors
-/// It is something else, and is not to be overwritten.
-fn complete(
-    out: &Path,
-    receipt: &[(String, String)],
-    may_overwrite: bool,
-) -> Result<Option<Map>, Failure> {
-    let Ok(file) = std::fs::File::open(out) else {
-        return Ok(None);
-    };
-    match Map::read(file, &out.display().to_string()) {
-        Ok(map) if map.receipt == receipt => Ok(Some(map)),
-        _ if may_overwrite => Ok(None),
-        Ok(map) if map.format() != Some(Format::BouncesAndStays) => Err(Failure::input(format!(
-            "{} is by an older version and has bounces alone; name another file with --out, or replace it \
-             with --overwrite",
-            out.display()
-        ))),
-        Ok(_) => Err(Failure::input(format!(
-            "{} is another map, and complete; name another file with --out, or replace it with \
-             --overwrite",
-            out.display()
-        ))),
-        Err(error) => Err(Failure::input(format!(
-            "{error}; name another file with --out, or replace it with --overwrite"
-        ))),
+/// Why a map could not be computed, as an exit code.
+fn refused(error: MapJobError) -> Failure {
+    match error {
+        MapJobError::Journal(error) => unusable(error),
+        MapJobError::There(error) => error.into(),
+        MapJobError::Unwritten { .. } => Failure::System(error.to_string()),
+        MapJobError::Stopped(_) => Failure::Interrupted(error.to_string()),
+        other => Failure::input(other),
     }
-}
-
-fn journal_of(out: &Path) -> PathBuf {
-    let mut name = out.as_os_str().to_owned();
-    name.push(".journal");
-    name.into()
 }
 
 /// Why a journal cannot be used, and what to do.
@@ -205,16 +115,4 @@ pub fn unusable(error: JournalError) -> Failure {
         )),
         JournalError::Damaged { .. } => Failure::input(error),
     }
-}
-
-/// All rows of a cell on one line of a journal.
-fn line_of(rows: &[Row]) -> String {
-    let lines: Vec<String> = rows.iter().map(Row::to_line).collect();
-    lines.join(";")
-}
-
-fn rows_of(line: &str) -> Result<Vec<Row>, String> {
-    line.split(';')
-        .map(|row| Row::from_line(row, Format::BouncesAndStays))
-        .collect()
 }

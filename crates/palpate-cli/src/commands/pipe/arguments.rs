@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
+use palpate_pipe::{AnswerColumn, Columns, columns};
 use palpate_record::unit::LengthUnit;
 
-use super::columns::{Columns, columns, help};
 use crate::arguments::{Flags, Given};
 use crate::values::{length_unit, number};
 
@@ -44,7 +44,7 @@ pub struct StreamArguments {
     #[arg(long, value_name = "UNIT", value_parser = length_unit)]
     pub unit: Option<LengthUnit>,
     /// Columns to print.
-    #[arg(long, value_name = "NAMES", value_parser = columns, default_value = "force", help = help())]
+    #[arg(long, value_name = "NAMES", value_parser = columns, default_value = "force", help = columns_help())]
     pub columns: Columns,
     /// Print the names of the columns first, with their units
     #[arg(long)]
@@ -53,4 +53,14 @@ pub struct StreamArguments {
     /// 0: at once [default: 0.2]
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true)]
     pub soft_start: Option<f64>,
+}
+
+/// Help of `--columns`: the names.
+fn columns_help() -> String {
+    let names = AnswerColumn::all().map(AnswerColumn::short_name);
+    let names: Vec<_> = names.collect();
+    format!(
+        "Columns to print, in this order, separated by commas: {}; all in SI units",
+        names.join(", ")
+    )
 }

@@ -1,18 +1,13 @@
 //! `palpate pipe`: a renderer between standard input and standard output.
 
+mod answering;
 mod arguments;
-mod change;
-mod columns;
-pub mod line;
-mod messages;
-mod serving;
-mod stream;
-mod summary;
 mod world;
 
 use std::io;
 
 use palpate::LARGEST_DELAY;
+use palpate_pipe::{Changeable, Format, Memory, PipeSummary, Stream, rendering};
 use palpate_rt::safety::{Safety, SafetyParams};
 use palpate_scene::SceneFile;
 use palpate_scene::method::MethodName;
@@ -22,14 +17,7 @@ pub use arguments::PipeArguments;
 use super::simulate::{AnyScene, read_any};
 use crate::failure::Failure;
 use crate::setup::{check_contact, wrong_rendered, wrong_setup};
-use change::{Changeable, rendering};
-use line::Format;
-use messages::Messages;
-use serving::answer_all;
-use stream::{Memory, Stream};
-pub use summary::Summary;
-#[cfg(test)]
-pub use world::WorldSummary;
+use answering::{MISTAKES, answer, messages};
 
 /// Answers every line of standard input until it ends, or a signal ends it.
 pub fn run(arguments: &PipeArguments) -> Result<(), Failure> {
@@ -40,7 +28,7 @@ pub fn run(arguments: &PipeArguments) -> Result<(), Failure> {
         (_, Some(AnyScene::Contact(file))) => Some(*file),
         (_, None) | (None, Some(_)) => None,
     };
-    answer_all(|| set_up(arguments, scene), arguments.json)
+    answer(|| set_up(arguments, scene), arguments.json)
 }
 
 /// The stream as the arguments say it; nothing has been read or written yet.
@@ -111,11 +99,9 @@ fn set_up(arguments: &PipeArguments, scene: Option<SceneFile>) -> Result<Stream,
         columns: arguments.stream.columns.clone(),
         is_header_asked: arguments.stream.header,
         output: Box::new(io::stdout()),
-        messages: Some(
-            Messages::start()
-                .map_err(|error| Failure::System(format!("no thread for messages: {error}")))?,
-        ),
-        summary: Summary::new(force_limit, soft_start),
+        messages: Some(messages()?),
+        mistakes: MISTAKES,
+        summary: PipeSummary::new(force_limit, soft_start),
         memory: Memory::default(),
     };
     if let Some(limits) = limits_in_words(

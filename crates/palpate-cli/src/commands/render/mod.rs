@@ -21,9 +21,9 @@ use crate::inside;
 use crate::progress::Progress;
 use crate::recorded::trace::{STANDARD_INPUT, how_to_cut, read_trace};
 use crate::results::deliver;
-use crate::setup::{check_contact, receipt, wrong_on_bench, wrong_setup};
+use crate::setup::{check_contact, wrong_on_bench, wrong_setup};
 use palpate_plot::RunsFigure;
-use palpate_study::report::{Replayed, Report, Subject, told_lines};
+use palpate_study::report::{Replayed, Report, Subject, receipt, told_lines};
 
 /// Renders a recorded motion by the methods that were named.
 pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {

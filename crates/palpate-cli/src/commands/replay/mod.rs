@@ -19,14 +19,13 @@ use super::simulate::in_file;
 use crate::arguments::{Flags, Given, PartFlags, ReplayFlags, ReplayKind, Results};
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::recorded::ticks::Ticks;
 use crate::recorded::trace::how_to_cut;
 use crate::recorded::{open, whole_or_said};
 use crate::results::deliver;
-use crate::setup::{receipt, wrong_flag, wrong_on_bench, wrong_setup};
+use crate::setup::{wrong_flag, wrong_on_bench, wrong_setup};
 use palpate_plot::RunsFigure;
-use palpate_study::recording::{NoScene, scene_of};
-use palpate_study::report::{FromRecording, Replayed, Report, Subject, told_lines};
+use palpate_study::recording::{NoScene, Ticks, scene_of};
+use palpate_study::report::{FromRecording, Replayed, Report, Subject, receipt, told_lines};
 
 /// Arguments of `replay`.
 #[derive(Args, Debug)]
@@ -69,13 +68,13 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
     flags.change(&mut scene, &methods)?;
     let progress = Progress::new(methods.len());
     progress.begin(&format!("reading {name}"));
-    let mut ticks = Ticks::of(&recording, &part)?;
+    let mut ticks = Ticks::of(&recording, &part).map_err(Failure::input)?;
     let mut setup = ReplaySetup::of_scene(&scene);
     // A flag of its position or velocity puts it elsewhere.
     if !flags.gives(Parameter::ObjectPosition.into())
         && !flags.gives(Parameter::ObjectVelocity.into())
     {
-        ticks.place_object(&mut setup, arguments.replay.replay);
+        ticks.place_object(&mut setup, arguments.replay.replay == ReplayKind::Hand);
     }
     let failure = |method, error: ReplayError| match error {
         ReplayError::Setup(SetupError::Parameter(parameter))
@@ -102,7 +101,8 @@ pub fn run(arguments: &ReplayArguments) -> Result<(), Failure> {
             let delay = file.scene.delay;
             let longest_gap = setup.loop_params.bridged_gap();
             let period = file.scene.loop_params.period;
-            let held = ticks.held_device(&name, delay, period, longest_gap)?;
+            let held = ticks.held_device(&name, delay, period, longest_gap);
+            let held = held.map_err(Failure::input)?;
             if let Some(start) = held.times.first() {
                 ticks.curves.count_from(*start);
             }

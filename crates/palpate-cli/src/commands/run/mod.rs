@@ -3,8 +3,6 @@
 mod arguments;
 mod driving;
 pub mod outcome;
-pub mod report;
-pub mod scene_text;
 pub mod world;
 
 use std::path::Path;
@@ -16,21 +14,19 @@ use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, SetupError, receipt};
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile, Timing};
+use palpate_session::{Guarding, RunReport, Subject};
+use palpate_study::recording::put_scene;
 
 pub use arguments::{
     RealtimeArguments, RecordArguments, RunArguments, SafetyArguments, SessionArguments,
 };
 pub use outcome::Asked;
-pub use report::Report;
-pub use report::TimingReport;
 
-use crate::devices::guarding::Guarding;
 use crate::devices::{DeviceName, Opened, open, replayed};
 use crate::failure::{Failure, tell};
 use crate::results::print_report;
 use crate::values::duration;
 use driving::{Ran, drive, most_periods};
-use report::Subject;
 
 use super::simulate::{AnyScene, read_any};
 
@@ -140,7 +136,7 @@ struct Session<'a> {
 }
 
 /// Who is told what a loop did.
-type Told<'a> = &'a dyn Fn(&Report) -> Result<(), Failure>;
+type Told<'a> = &'a dyn Fn(&RunReport) -> Result<(), Failure>;
 
 impl Session<'_> {
     fn on<C: Clock>(&self, clock: &C, request: Request) -> Result<(), Failure> {
@@ -162,7 +158,7 @@ impl Session<'_> {
             Some(out) => {
                 let version = env!("CARGO_PKG_VERSION");
                 let receipt = receipt(version, &capabilities, &limits, &request);
-                let receipt = scene_text::put(receipt, self.scene, self.path)?;
+                let receipt = put_scene(receipt, self.scene, self.path)?;
                 Some((out, receipt))
             }
             None => None,
@@ -174,7 +170,7 @@ impl Session<'_> {
             recording,
             unwritten,
         } = drive(control, record, request, most, &guarding)?;
-        let report = Report::new(
+        let report = RunReport::new(
             Subject {
                 title: &self.scene.title,
                 method: self.method.name(),
@@ -186,7 +182,7 @@ impl Session<'_> {
             &account,
             recording.as_ref(),
         )
-        .guarded(guarding.report(arguments, &capabilities));
+        .guarded(guarding.report(arguments.is_guarded(), &capabilities));
         (self.told)(&report)?;
         let asked = Asked {
             duration: self.arguments.duration,

@@ -9,9 +9,9 @@ use palpate_record::recording::Receipt;
 use palpate_rt::realtime::Request;
 use palpate_rt::{ControlLoop, RenderedWorld, SetupError, WorldFrame, receipt};
 use palpate_scene::world::{WorldFile, WorldScene};
+use palpate_session::{Energies, RunReport, Subject};
 
 use super::driving::{Ran, drive, most_periods};
-use super::report::{Energies, Report, Subject};
 use super::{Asked, SessionArguments, guarding, limits, outcome, request};
 use crate::devices::{OpenedInWorld, open_in_world};
 use crate::failure::Failure;
@@ -121,7 +121,7 @@ impl Session<'_> {
             unwritten,
         } = drive(control, record, request, most, &guarding)?;
         let books = end.control.rendered().state().books();
-        let report = Report::new(
+        let report = RunReport::new(
             Subject {
                 title: &scene.title,
                 method: worlds::known(method),
@@ -134,7 +134,7 @@ impl Session<'_> {
             recording.as_ref(),
         )
         .with_energies(Energies::of_world(&end, books))
-        .guarded(guarding.report(&arguments.device, &capabilities));
+        .guarded(guarding.report(arguments.device.is_guarded(), &capabilities));
         print_report(&report, arguments.json)?;
         let asked = Asked {
             duration: arguments.duration,

@@ -9,8 +9,7 @@ use palpate_files::bounded::SCENE;
 use palpate_scene::method::MethodName;
 use palpate_scene::world::WorldFile;
 use palpate_scene::{
-    HandForceAt, Intention, Measure, PantographDevice, Scene, SceneError, SceneFile,
-    SceneParameter, SetupError, beside,
+    Intention, Measure, Scene, SceneError, SceneFile, SceneParameter, SetupError, beside,
 };
 use palpate_sim::closed_loop::{Bench, LoopError};
 
@@ -19,9 +18,9 @@ use crate::failure::{Failure, tell};
 use crate::inside;
 use crate::progress::Progress;
 use crate::results::deliver;
-use crate::setup::{receipt, wrong_flag, wrong_setup};
+use crate::setup::{wrong_flag, wrong_setup};
 use palpate_plot::{Devices, RunsFigure};
-use palpate_study::report::{Report, Subject, actuator_of};
+use palpate_study::report::{Report, Subject, actuator_of, plant_receipt, receipt};
 
 /// Simulates a scene by the methods that were named, or by its own.
 pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
@@ -82,74 +81,6 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
         },
         progress,
     )
-}
-
-/// Device, hand and window of a scene, under the names of its keys, for the receipt of a run file.
-fn plant_receipt(scene: &Scene) -> Vec<(String, String)> {
-    let device = &scene.device;
-    let mut numbers = vec![
-        ("device_position_m", device.position()),
-        ("device_velocity_m_per_s", device.velocity()),
-        ("device_encoder_quantum_m", device.encoder_quantum()),
-        ("device_viscous_n_s_per_m", device.viscous_friction()),
-        ("device_coulomb_n", device.coulomb_friction()),
-        ("hand_force_n", scene.device.hand_force()),
-        ("object_radius_m", scene.object_radius),
-    ];
-    // A radius of 0 is none.
-    numbers.retain(|&(name, value)| name != "object_radius_m" || value != 0.0);
-    numbers.extend(
-        device
-            .largest_force()
-            .map(|force| ("device_motor_limit_n", force)),
-    );
-    numbers.extend(
-        scene
-            .told_device_mass
-            .map(|mass| ("renderer_device_mass_kg", mass)),
-    );
-    if let Some(tremor) = device.tremor() {
-        numbers.push(("hand_tremor_n", tremor.amplitude));
-        numbers.push(("hand_tremor_hz", tremor.frequency_hz));
-    }
-    let release = device.hand().and_then(|hand| hand.release);
-    numbers.extend(release.map(|release| ("hand_release_s", release)));
-    if let Some(grip) = device.grip() {
-        numbers.push(("hand_mass_kg", grip.mass));
-        numbers.push(("hand_stiffness_n_per_m", grip.stiffness));
-        numbers.push(("hand_damping_n_s_per_m", grip.damping));
-        // A recording is not a number; the scene file names it.
-        if let Intention::Place { position, swing } = grip.intention {
-            numbers.push(("hand_position_m", position));
-            if let Some(swing) = swing {
-                numbers.push(("hand_swing_m", swing.amplitude));
-                numbers.push(("hand_swing_hz", swing.frequency_hz));
-            }
-        }
-    }
-    let mut lines: Vec<(String, String)> = numbers
-        .into_iter()
-        .map(|(name, value)| (name.to_owned(), value.to_string()))
-        .collect();
-    if let Some(PantographDevice {
-        linkage, force_at, ..
-    }) = device.pantograph()
-    {
-        if *force_at != HandForceAt::default() {
-            lines.push(("hand_force_at".into(), force_at.name().to_owned()));
-        }
-        lines.push(("device.title".into(), linkage.title.clone()));
-        let keys = linkage.keys.iter().cloned();
-        lines.extend(
-            keys.filter(|(key, _)| key != "title")
-                .map(|(key, value)| (format!("device.{key}"), value)),
-        );
-    }
-    lines.push(match scene.measure {
-        Measure::Collisions(count) => ("measure_collisions".into(), count.to_string()),
-        Measure::Duration(duration) => ("measure_duration_s".into(), duration.to_string()),
-    });
-    lines
 }
 
 /// A scene file of any format.

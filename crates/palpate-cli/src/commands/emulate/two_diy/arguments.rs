@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum, ValueHint};
+#[cfg(unix)]
+use palpate_haply_emulator::two_diy::TimedFault;
 
 use crate::commands::emulate::AmplifierFlags;
 use crate::values::{BoardName, number, pair};
@@ -36,7 +38,8 @@ pub struct TwoDiyArguments {
     #[arg(long, value_name = "s", value_parser = number)]
     pub duration: Option<f64>,
     /// Something that goes wrong, and when
-    #[arg(long, value_name = "KIND[=VALUE]@s", value_parser = timed_fault)]
+    #[cfg(unix)]
+    #[arg(long, value_name = "KIND[=VALUE]@s", value_parser = str::parse::<TimedFault>)]
     pub fault: Vec<TimedFault>,
     /// The line to the board.
     #[command(flatten)]
@@ -107,67 +110,4 @@ pub enum WiringName {
     /// Motor 2 does nothing
     #[value(name = "dead-2")]
     Dead2,
-}
-
-/// A fault and when it strikes [s].
-#[derive(Clone, Debug, PartialEq)]
-pub struct TimedFault {
-    /// When, after the start [s].
-    pub at: f64,
-    /// Its kind.
-    pub kind: FaultKind,
-    /// How long, how far, how many.
-    pub value: f64,
-}
-
-/// Kinds of faults.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FaultKind {
-    Stall,
-    Unplug,
-    Garbage,
-    Half,
-    Lost,
-    Late,
-    Twice,
-    OtherId,
-    NotANumber,
-    Slip,
-}
-
-impl FaultKind {
-    /// Every kind with its name and the value that it has if none is given.
-    pub const NAMED: [(&'static str, Self, f64); 10] = [
-        ("stall", Self::Stall, 0.05),
-        ("unplug", Self::Unplug, 2.0),
-        ("garbage", Self::Garbage, 5.0),
-        ("half", Self::Half, 0.0),
-        ("lost", Self::Lost, 0.0),
-        ("late", Self::Late, 0.005),
-        ("twice", Self::Twice, 0.0),
-        ("other-id", Self::OtherId, 0.0),
-        ("nan", Self::NotANumber, 0.0),
-        ("slip", Self::Slip, 25.0),
-    ];
-}
-
-/// `KIND[=VALUE]@SECONDS`.
-fn timed_fault(text: &str) -> Result<TimedFault, String> {
-    let understood = || {
-        let (what, at) = text.split_once('@')?;
-        let (name, value) = match what.split_once('=') {
-            Some((name, value)) => (name, Some(value.parse::<f64>().ok()?)),
-            None => (what, None),
-        };
-        let (_, kind, usual) = FaultKind::NAMED.iter().find(|(known, ..)| *known == name)?;
-        Some(TimedFault {
-            at: at.parse().ok()?,
-            kind: *kind,
-            value: value.unwrap_or(*usual),
-        })
-    };
-    understood().ok_or_else(|| {
-        let kinds = FaultKind::NAMED.map(|(name, ..)| name).join(", ");
-        format!("KIND[=VALUE]@SECONDS is needed, such as stall=0.05@3; the kinds are {kinds}")
-    })
 }

@@ -3,19 +3,15 @@
 use std::time::{Duration, Instant};
 
 use palpate_haply::two_diy::Generation;
-use palpate_haply_emulator::two_diy::{
-    Did, Emulator, Fault, Hand, PortSettings, Settings, Usb, Wiring,
-};
+use palpate_haply_emulator::two_diy::{Did, Emulator, Hand, PortSettings, Settings, Usb, Wiring};
 use palpate_rt::StopFlag;
 
-use super::arguments::{
-    FaultKind, HandArguments, TimedFault, TwoDiyArguments, UsbFlags, WiringName,
-};
+use super::arguments::{HandArguments, TwoDiyArguments, UsbFlags, WiringName};
 use crate::commands::emulate::within;
 use crate::devices::two_diy::board;
 use crate::failure::{Failure, tell};
 use crate::results::print;
-use crate::values::duration;
+use crate::values::{duration, no_time};
 
 pub fn run(arguments: &TwoDiyArguments) -> Result<(), Failure> {
     let generation = match arguments.generation {
@@ -32,7 +28,7 @@ pub fn run(arguments: &TwoDiyArguments) -> Result<(), Failure> {
     let mut faults = arguments
         .fault
         .iter()
-        .map(fault)
+        .map(|timed| timed.fault().map_err(|seconds| no_time("--fault", seconds)))
         .collect::<Result<Vec<_>, _>>()?;
     faults.sort_by_key(|(at, _)| *at);
     let mut faults = faults.into_iter().peekable();
@@ -95,29 +91,6 @@ pub fn run(arguments: &TwoDiyArguments) -> Result<(), Failure> {
         "where the arm is in the end, its mass is {along_x:.4} kg along x and {along_y:.4} kg along y"
     ));
     Ok(())
-}
-
-fn fault(timed: &TimedFault) -> Result<(Duration, Fault), Failure> {
-    let value = timed.value;
-    let time = || duration("--fault", value);
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a cast saturates, and so many bytes nobody sends"
-    )]
-    let fault = match timed.kind {
-        FaultKind::Stall => Fault::Stall(time()?),
-        FaultKind::Unplug => Fault::Unplug(time()?),
-        FaultKind::Garbage => Fault::Garbage(vec![0x77; (value as usize).min(10_000)]),
-        FaultKind::Half => Fault::HalfAnswer,
-        FaultKind::Lost => Fault::NoAnswer,
-        FaultKind::Late => Fault::LateAnswer(time()?),
-        FaultKind::Twice => Fault::TwoAnswers,
-        FaultKind::OtherId => Fault::OtherId,
-        FaultKind::NotANumber => Fault::NotANumber,
-        FaultKind::Slip => Fault::Slip(value),
-    };
-    Ok((duration("--fault", timed.at)?, fault))
 }
 
 fn usb(flags: UsbFlags) -> Result<Usb, Failure> {

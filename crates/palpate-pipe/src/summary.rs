@@ -12,9 +12,9 @@ const FORMAT: &str = "palpate pipe 1";
 
 /// What a pipe did, for its end.
 #[derive(Debug, Clone, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct Summary {
-    #[cfg_attr(test, schemars(extend("const" = FORMAT)))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PipeSummary {
+    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
     format: &'static str,
     /// Lines that were answered.
     pub samples: u64,
@@ -37,8 +37,9 @@ pub struct Summary {
     leak_held_j: f64,
 }
 
-impl Summary {
+impl PipeSummary {
     /// Nothing has been done yet.
+    #[must_use]
     pub fn new(force_limit_n: Option<f64>, soft_start_s: f64) -> Self {
         Self {
             format: FORMAT,
@@ -59,6 +60,7 @@ impl Summary {
     }
 
     /// The same with the books.
+    #[must_use]
     pub fn with_books(&self, ledger: &Ledger<f64>) -> Self {
         Self {
             stored_energy_j: ledger.stored,
@@ -72,7 +74,7 @@ impl Summary {
     }
 }
 
-impl fmt::Display for Summary {
+impl fmt::Display for PipeSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,

@@ -2,7 +2,7 @@
 
 use palpate_record::unit::LengthUnit;
 
-use super::change::Change;
+use crate::change::Change;
 
 /// What the lines hold, as the flags or the header say it. The text of a line decides nothing:
 /// `0,001` is a time and a position or a decimal comma, and a guess would move a motor.
@@ -41,6 +41,7 @@ pub enum Refusal {
 
 impl Format {
     /// A line, as it is called in messages.
+    #[must_use]
     pub fn shape(&self) -> String {
         let position = self.unit.position_column();
         if self.time {

@@ -3,11 +3,11 @@
 use palpate_record::unit::LengthUnit;
 use palpate_world::{NOT_TURNED, Quaternion, Vector};
 
-use super::super::line::Refusal;
+use crate::line::Refusal;
 
 /// What the lines hold, as the flags say it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Format {
+pub struct WorldFormat {
     /// Whether a time stands before the positions.
     pub time: bool,
     /// Unit of the positions.
@@ -21,6 +21,7 @@ pub struct Format {
 /// A device as far as the columns say it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DeviceColumns {
+    /// What the device is called.
     pub name: String,
     /// Whether it has six axes: an orientation behind the position, a torque behind the force.
     pub turns: bool,
@@ -28,7 +29,7 @@ pub struct DeviceColumns {
 
 /// A line that was understood.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sample {
+pub struct WorldSample {
     /// Time `[s]`, if the lines have one.
     pub time: Option<f64>,
     /// Position of each device `[m]`.
@@ -37,8 +38,9 @@ pub struct Sample {
     pub orientations: Vec<Quaternion>,
 }
 
-impl Format {
+impl WorldFormat {
     /// The columns of the input.
+    #[must_use]
     pub fn columns(&self) -> Vec<String> {
         let unit = self.unit.position_column().trim_start_matches("position_");
         let time = self.time.then(|| "t_s".to_owned());
@@ -51,12 +53,14 @@ impl Format {
     }
 
     /// The columns of the output.
+    #[must_use]
     pub fn forces(&self) -> Vec<String> {
         let torques = ["tx_n_m", "ty_n_m", "tz_n_m"];
         named(&self.devices, |axis| format!("f{axis}_n"), &torques)
     }
 
     /// Whether a line is the header of these columns.
+    #[must_use]
     pub fn is_header(&self, text: &str) -> bool {
         text.split(',').map(str::trim).eq(self.columns())
     }
@@ -65,7 +69,7 @@ impl Format {
     ///
     /// # Errors
     /// It is no sample.
-    pub fn parse(&self, text: &str) -> Result<Sample, Refusal> {
+    pub fn parse(&self, text: &str) -> Result<WorldSample, Refusal> {
         let shape = format!("`{}`", self.columns().join(","));
         if text.is_empty() {
             let why = format!("the line is empty; a line is {shape}");
@@ -105,7 +109,7 @@ impl Format {
         if time.is_some_and(|time| !time.is_finite()) {
             return Err(Refusal::Line("the time is not a finite number".into()));
         }
-        let mut sample = Sample {
+        let mut sample = WorldSample {
             time,
             positions: Vec::with_capacity(self.devices.len()),
             orientations: Vec::with_capacity(self.devices.len()),
@@ -147,8 +151,8 @@ fn named(devices: &[DeviceColumns], column: impl Fn(char) -> String, more: &[&st
 mod tests {
     use super::*;
 
-    fn of(devices: &[&str], time: bool) -> Format {
-        Format {
+    fn of(devices: &[&str], time: bool) -> WorldFormat {
+        WorldFormat {
             time,
             unit: LengthUnit::Metre,
             is_unit_given: false,
@@ -170,7 +174,7 @@ mod tests {
         let two = two.unwrap();
         assert_eq!(two.time, Some(0.5));
         assert_eq!(two.positions, [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]);
-        let millimetres = Format {
+        let millimetres = WorldFormat {
             unit: LengthUnit::Millimetre,
             ..of(&["tool"], false)
         };

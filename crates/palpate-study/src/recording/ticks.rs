@@ -1,21 +1,65 @@
 //! What a replay takes from the ticks of a recording.
 
-use palpate_record::recording::{Flags, Recording, Row};
+use palpate_record::recording::{Flags, Recording, RecordingError, Row};
 use palpate_record::trace::Part;
 use palpate_sim::replay::ReplaySetup;
 
-use crate::arguments::ReplayKind;
-use crate::failure::Failure;
-use palpate_plot::Recorded;
+use super::RecordedCurves;
+use crate::text::counted;
+
+/// Why a recording cannot be replayed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TicksError {
+    /// It is not one of one contact.
+    #[error("{0}: not every tick has one contact; a replay needs a recording of one contact")]
+    Contacts(String),
+    /// It cannot be read.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// The part of it that was asked for is too short.
+    #[error("{name}: the part that --from and --to name has {ticks}, but needs at least 2{ends}")]
+    Part {
+        /// The recording.
+        name: String,
+        /// What the part has, in words.
+        ticks: String,
+        /// Where the recording begins and ends, in words.
+        ends: String,
+    },
+    /// The device was not seen for too long.
+    #[error(
+        "{name}: no position between tick {} at {} s and tick {} at {} s; a hand is \
+         estimated across {longest} s at most: state a longer --largest-gap, or \
+         replay the motion with --replay motion",
+        from.0, from.1, to.0, to.1
+    )]
+    Gap {
+        /// The recording.
+        name: String,
+        /// Number and time `[s]` of the last tick before it.
+        from: (u64, f64),
+        /// Number and time `[s]` of the first tick after it.
+        to: (u64, f64),
+        /// Longest that is bridged `[s]`.
+        longest: f64,
+    },
+    /// No force is known.
+    #[error(
+        "{0}: no tick says which force was sent, so what the hand did cannot be told from \
+         what the motor did; --replay motion needs no force"
+    )]
+    NoForce(String),
+}
 
 /// The ticks of a recording, each with its one contact.
-#[derive(Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Ticks {
     all: Vec<Row>,
     /// What had leaked at the first position `[J]`.
     leak_before: Option<f64>,
     /// Those in which the device was seen.
-    pub curves: Recorded,
+    pub curves: RecordedCurves,
     /// Ticks in which it was not seen.
     pub without_position: u64,
     /// Strongest force that was sent `[N]`.
@@ -28,16 +72,14 @@ impl Ticks {
     /// # Errors
     /// What cannot be read; a tick that has not one contact; fewer than two ticks in a part that is not
     /// the whole.
-    pub fn of(recording: &Recording, part: &Part) -> Result<Self, Failure> {
+    pub fn of(recording: &Recording, part: &Part) -> Result<Self, TicksError> {
         if !recording.has_one_contact_each {
-            return Err(Failure::input(format_args!(
-                "{}: not every tick has one contact; a replay needs a recording of one contact",
-                recording.path().display()
-            )));
+            let name = recording.path().display().to_string();
+            return Err(TicksError::Contacts(name));
         }
         let mut ticks = Self::default();
-        for row in recording.rows().map_err(Failure::input)? {
-            let row = row.map_err(Failure::input)?;
+        for row in recording.rows()? {
+            let row = row?;
             if row.tick.time > part.to {
                 break;
             }
@@ -47,15 +89,16 @@ impl Ticks {
         }
         if ticks.all.len() < 2 && *part != Part::WHOLE {
             let ends = recording.first.zip(recording.last);
-            return Err(Failure::input(format_args!(
-                "{}: the part that --from and --to name has {}, but needs at least 2{}",
-                recording.path().display(),
-                palpate_study::text::counted(ticks.all.len() as u64, "tick"),
-                ends.map_or_else(String::new, |(first, last)| format!(
-                    "; the times of the recording begin at {} s and end at {} s",
-                    first.time, last.time
-                ))
-            )));
+            return Err(TicksError::Part {
+                name: recording.path().display().to_string(),
+                ticks: counted(ticks.all.len() as u64, "tick"),
+                ends: ends.map_or_else(String::new, |(first, last)| {
+                    format!(
+                        "; the times of the recording begin at {} s and end at {} s",
+                        first.time, last.time
+                    )
+                }),
+            });
         }
         Ok(ticks)
     }
@@ -77,12 +120,9 @@ impl Ticks {
         self.curves.held_leak.push(contact.held_leak - first);
     }
 
-    /// Puts the object where it was at the first tick that a replay of this kind begins with.
-    pub fn place_object(&self, setup: &mut ReplaySetup, kind: ReplayKind) {
-        let begins = match kind {
-            ReplayKind::Motion => is_seen,
-            ReplayKind::Hand => is_believed,
-        };
+    /// Puts the object where it was at the first tick that a replay begins with: of the motion, or of the hand.
+    pub fn place_object(&self, setup: &mut ReplaySetup, is_of_hand: bool) {
+        let begins = if is_of_hand { is_believed } else { is_seen };
         let first = self.all.iter().find(|row| begins(row));
         if let Some(first) = first.map(|row| row.contact)
             && first.object_position.is_finite()
@@ -104,7 +144,7 @@ impl Ticks {
         delay: usize,
         period: f64,
         longest_gap: f64,
-    ) -> Result<HeldDevice, Failure> {
+    ) -> Result<HeldDevice, TicksError> {
         let mut samples: Vec<Sample> = Vec::with_capacity(self.all.len());
         let mut unseen: Vec<&Row> = Vec::new();
         let mut first_seen: Option<&Row> = None;
@@ -117,12 +157,12 @@ impl Ticks {
             if let Some(last) = last_seen {
                 // Time that runs backwards is for the estimate to refuse.
                 if row.tick.time - last.tick.time > longest_gap {
-                    return Err(Failure::input(format_args!(
-                        "{name}: no position between tick {} at {} s and tick {} at {} s; a hand is \
-                         estimated across {longest_gap} s at most: state a longer --largest-gap, or \
-                         replay the motion with --replay motion",
-                        last.tick.sequence, last.tick.time, row.tick.sequence, row.tick.time
-                    )));
+                    return Err(TicksError::Gap {
+                        name: name.to_owned(),
+                        from: (last.tick.sequence, last.tick.time),
+                        to: (row.tick.sequence, row.tick.time),
+                        longest: longest_gap,
+                    });
                 }
                 bridge(&mut samples, (last, row), &unseen, period);
             }
@@ -136,12 +176,8 @@ impl Ticks {
             last_seen = Some(row);
         }
         let from_the_start = first_seen.is_none_or(|first| first.tick.sequence == 0);
-        let forces = acting(&samples, delay, from_the_start).ok_or_else(|| {
-            Failure::input(format_args!(
-                "{name}: no tick says which force was sent, so what the hand did cannot be told from \
-                 what the motor did; --replay motion needs no force"
-            ))
-        })?;
+        let forces = acting(&samples, delay, from_the_start)
+            .ok_or_else(|| TicksError::NoForce(name.to_owned()))?;
         Ok(HeldDevice {
             times: samples.iter().map(|sample| sample.time).collect(),
             positions: samples.iter().map(|sample| sample.position).collect(),
@@ -151,10 +187,11 @@ impl Ticks {
 }
 
 /// What is known of a device in a hand, sample by sample.
+#[derive(Clone, Debug)]
 pub struct HeldDevice {
-    /// `[s]`
+    /// Times of the samples `[s]`.
     pub times: Vec<f64>,
-    /// `[m]`; NaN where it was not seen.
+    /// Positions `[m]`; NaN where it was not seen.
     pub positions: Vec<f64>,
     /// Force on the device, held until the next sample `[N]`.
     pub forces: Vec<f64>,

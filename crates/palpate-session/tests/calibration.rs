@@ -1,4 +1,6 @@
 //! Calibration of the emulated devices in simulated time: what was put in is found.
+#![cfg(unix)]
+#![allow(missing_docs, clippy::cast_possible_truncation)]
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -13,11 +15,8 @@ use palpate_haply_emulator::inverse3::{Body, Latency, SteppedInverse3};
 use palpate_haply_emulator::two_diy::{Hand, Settings, SteppedTwoDiy, Usb};
 use palpate_rt::StopFlag;
 use palpate_rt::safety::{Heartbeat, SafetyParams};
+use palpate_session::{ShakeDeclined, ShakeError, Shaker};
 use palpate_testbed::actuator::ActuatorParams;
-
-use super::shaker::Shaker;
-use crate::devices::Opened;
-use crate::failure::Failure;
 
 const PUT_IN: ActuatorParams = ActuatorParams {
     gain: 0.9,
@@ -31,20 +30,18 @@ fn calibrated(
     normal: [f64; 3],
     params: ExcitationParams,
     wait: Option<Duration>,
-) -> Result<Calibration, Failure> {
-    let opened = Opened {
-        device: Box::new(device),
-        axis: AlongAxis::new([0.0; 3], normal).unwrap(),
-    };
+) -> Result<Calibration, ShakeError> {
+    let axis = AlongAxis::new([0.0; 3], normal).unwrap();
     let period = Duration::from_secs_f64(params.period);
     let limit = SafetyParams::default().stall_after(period);
     let heartbeat = Arc::new(Heartbeat::default());
-    let shaker = Shaker::new(opened, clock.clone(), params, heartbeat, limit)?.waiting(wait);
+    let opened: (Box<dyn Device>, _) = (Box::new(device), axis);
+    let timed = (clock.clone(), period);
+    let shaker = Shaker::new(opened, timed, params, heartbeat, limit)?.waiting(wait);
     let motion = shaker.run(&StopFlag::new())?;
     let (positions, forces) = (&motion.positions, &motion.forces);
-    measure(&params, motion.excited(), positions, forces)
-        .map(|measured| measured.fitted.calibration)
-        .map_err(|declined| Failure::Declined(declined.to_string()))
+    let measured = measure(&params, motion.excited(), positions, forces);
+    Ok(measured.unwrap().fitted.calibration)
 }
 
 /// Refuses a calibration that is further from what was put in than three of its deviations, or than
@@ -164,9 +161,10 @@ fn a_device_is_calibrated_where_the_hand_brings_it() {
             wait,
         )
     };
-    let Err(Failure::Declined(why)) = run(None) else {
+    let Err(ShakeError::Declined(why)) = run(None) else {
         panic!("calibrated on the way");
     };
+    let why = why.to_string();
     assert!(why.contains("from where it started"), "{why}");
     let there = Settings {
         angles: Some([148.62, 31.38]),
@@ -193,7 +191,7 @@ fn a_device_that_is_never_still_is_not_calibrated() {
     let params = ExcitationParams::new(1e-3);
     let wait = Some(Duration::from_secs(1));
     match calibrated(device, &clock, [0.0, 1.0, 0.0], params, wait) {
-        Err(Failure::Declined(why)) => assert!(why.contains("never still"), "{why}"),
+        Err(ShakeError::Declined(ShakeDeclined::NeverStill { .. })) => {}
         other => panic!("{other:?}"),
     }
 }

@@ -11,9 +11,9 @@ const FORMAT: &str = "palpate world pipe 1";
 
 /// What a pipe of a world did, for its end.
 #[derive(Debug, Clone, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WorldSummary {
-    #[cfg_attr(test, schemars(extend("const" = FORMAT)))]
+    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
     format: &'static str,
     /// Lines that were answered.
     pub samples: u64,
@@ -39,6 +39,7 @@ pub struct WorldSummary {
 
 impl WorldSummary {
     /// Nothing has been done yet.
+    #[must_use]
     pub fn new(
         force_limit_n: Option<f64>,
         torque_limit_n_m: Option<f64>,
@@ -60,6 +61,7 @@ impl WorldSummary {
     }
 
     /// The same with the books; [`leak_held_j`](Self::leak_held_j) is summed up line by line.
+    #[must_use]
     pub fn with_books(&self, books: &Books) -> Self {
         Self {
             dissipated_j: books.contacts.iter().map(|book| book.dissipated).sum(),

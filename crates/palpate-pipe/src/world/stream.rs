@@ -9,35 +9,44 @@ use palpate_record::unit::HandMotion;
 use palpate_rt::BoundedWorld;
 use palpate_world::{NOT_TURNED, Sample, Vector};
 
-use super::super::line::Refusal;
-use super::super::messages::Messages;
-use super::super::serving::{Answering, Stopped};
-use super::line::{self, Format};
+use super::line::{self, WorldFormat};
+use super::names::Names;
 use super::summary::WorldSummary;
-use crate::inside;
-use crate::worlds::Names;
+use crate::line::Refusal;
+use crate::messages::Messages;
+use crate::mistake::Mistakes;
+use crate::serving::{Answering, Stopped};
 
 /// Refused lines that are told one by one; of more, each doubling is.
 const TOLD_EACH: u64 = 8;
 
 /// The renderer of a world between two streams, and what it needs between two lines.
-pub struct Stream {
+pub struct WorldStream {
+    /// Renderer, state and limits.
     pub world: BoundedWorld,
+    /// How tools and bodies are called.
     pub names: Names,
     /// Nominal time from line to line `[s]`.
     pub period: f64,
-    pub format: Format,
+    /// What the lines hold.
+    pub format: WorldFormat,
+    /// Whether the names of the columns come first.
     pub is_header_asked: bool,
+    /// Where the answers go; flushed after each.
     pub output: Box<dyn Write + Send>,
     /// None once the end has been told.
     pub messages: Option<Messages>,
+    /// How the caller calls what is likely to be a mistake.
+    pub mistakes: Mistakes,
+    /// What was done so far.
     pub summary: WorldSummary,
-    pub memory: Memory,
+    /// What is known from the lines before.
+    pub memory: WorldMemory,
 }
 
 /// What is known from the lines before.
 #[derive(Default)]
-pub struct Memory {
+pub struct WorldMemory {
     /// Time of the last line that had one `[s]`.
     last_time: Option<f64>,
     /// Sum of the times between samples that were used `[s]`.
@@ -58,7 +67,7 @@ pub struct Memory {
     text: String,
 }
 
-impl Stream {
+impl WorldStream {
     fn tell(&mut self, message: impl std::fmt::Display) {
         if let Some(messages) = &mut self.messages {
             messages.tell(message);
@@ -69,7 +78,7 @@ impl Stream {
     fn render(
         &mut self,
         number: u64,
-        sample: Option<line::Sample>,
+        sample: Option<line::WorldSample>,
         unread: Option<String>,
     ) -> Result<(), Stopped> {
         // The renderer is told that a sample came and is lost.
@@ -161,7 +170,10 @@ impl Stream {
             for (motion, coordinate) in motions.iter_mut().zip(position) {
                 motion.add(memory.followed, *coordinate);
                 if let Some(excess) = motion.excess() {
-                    return Err(Stopped::at_line(number, &inside::not_a_hand(&excess)));
+                    return Err(Stopped::at_line(
+                        number,
+                        &(self.mistakes.not_a_hand)(&excess),
+                    ));
                 }
             }
         }
@@ -218,7 +230,7 @@ impl Stream {
 }
 
 /// Puts the forces, and the torques of devices that turn, into the line of the output.
-fn answer(text: &mut String, wrenches: &[Wrench], format: &Format) {
+fn answer(text: &mut String, wrenches: &[Wrench], format: &WorldFormat) {
     text.clear();
     let devices = wrenches.iter().zip(&format.devices);
     let numbers = devices.flat_map(|(wrench, device)| {
@@ -233,7 +245,7 @@ fn answer(text: &mut String, wrenches: &[Wrench], format: &Format) {
     text.push('\n');
 }
 
-impl Answering for Stream {
+impl Answering for WorldStream {
     type Summary = WorldSummary;
 
     fn write_header(&mut self) -> io::Result<()> {

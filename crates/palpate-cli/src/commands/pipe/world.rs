@@ -1,24 +1,19 @@
 //! `palpate pipe` with a world: the positions of all devices in, a force on each of them out.
 
-mod line;
-mod stream;
-mod summary;
-
 use std::io;
 use std::path::Path;
 
+use palpate_pipe::world::{
+    DeviceColumns, Names, WorldFormat, WorldMemory, WorldStream, WorldSummary,
+};
 use palpate_rt::BoundedWorld;
 use palpate_rt::safety::SafetyParams;
 use palpate_scene::world::WorldFile;
 
-use super::messages::Messages;
-use super::serving::answer_all;
+use super::answering::{MISTAKES, answer, messages};
 use super::{PipeArguments, limits_in_words, soft_start};
 use crate::failure::Failure;
-use crate::worlds::{self, Names, wrong_world};
-use line::{DeviceColumns, Format};
-use stream::{Memory, Stream};
-pub use summary::WorldSummary;
+use crate::worlds::{self, wrong_world};
 
 /// What a pipe of a world takes beside its file; everything else is said in the file.
 const FLAGS: [&str; 9] = [
@@ -36,11 +31,11 @@ const FLAGS: [&str; 9] = [
 /// Answers every line of standard input until it ends, or a signal ends it.
 pub fn run(arguments: &PipeArguments, path: &Path, file: &WorldFile) -> Result<(), Failure> {
     worlds::only(&arguments.given, &FLAGS, path)?;
-    answer_all(|| set_up(arguments, file), arguments.json)
+    answer(|| set_up(arguments, file), arguments.json)
 }
 
 /// The stream as arguments and file say it; nothing has been read or written yet.
-fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<Stream, Failure> {
+fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<WorldStream, Failure> {
     let flags = &arguments.flags;
     let mut scene = file.scene.clone();
     let method = worlds::one_method(flags, &file.scene)?;
@@ -60,21 +55,20 @@ fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<Stream, Failure
         name: tool.name.clone(),
         turns: tool.turns,
     });
-    let format = Format {
+    let format = WorldFormat {
         time: arguments.stream.time,
         unit: arguments.stream.unit.unwrap_or_default(),
         is_unit_given: arguments.stream.unit.is_some(),
         devices: devices.collect(),
     };
-    let mut messages = Messages::start()
-        .map_err(|error| Failure::System(format!("no thread for messages: {error}")))?;
+    let mut messages = messages()?;
     if let Some(limits) = limits_in_words(
         force_limit.filter(|_| !is_given),
         Some(soft_start).filter(|_| arguments.stream.soft_start.is_none()),
     ) {
         messages.tell(limits);
     }
-    Ok(Stream {
+    Ok(WorldStream {
         names: Names::of(&scene.world),
         world,
         period: scene.timing.period,
@@ -82,11 +76,12 @@ fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<Stream, Failure
         is_header_asked: arguments.stream.header,
         output: Box::new(io::stdout()),
         messages: Some(messages),
+        mistakes: MISTAKES,
         summary: WorldSummary::new(
             force_limit,
             torque_limit.filter(|_| scene.world.tools.iter().any(|tool| tool.turns)),
             soft_start,
         ),
-        memory: Memory::default(),
+        memory: WorldMemory::default(),
     })
 }

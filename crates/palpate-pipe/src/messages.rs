@@ -1,4 +1,4 @@
-//! What is said on standard error while a motor is held.
+//! What is said while a motor is held.
 
 use std::fmt;
 use std::io;
@@ -6,15 +6,14 @@ use std::sync::mpsc::{Receiver, SyncSender, channel, sync_channel};
 use std::thread::Builder;
 use std::time::Duration;
 
-use crate::failure::tell;
-
 /// Messages that wait to be written; more are left out.
 const MOST_WAITING: usize = 1024;
-/// How long the end waits for a standard error that nobody reads.
+/// How long the end waits for messages that nobody takes.
 const LONGEST_WAIT: Duration = Duration::from_secs(1);
 
 /// Messages to standard error, written by a thread of their own: a program that starts the pipe as
 /// a child and does not read its standard error must not stop the forces.
+#[derive(Debug)]
 pub struct Messages {
     sender: SyncSender<String>,
     written: Receiver<()>,
@@ -22,11 +21,11 @@ pub struct Messages {
 }
 
 impl Messages {
-    /// Starts the thread.
+    /// Starts the thread, which writes each message by `tell`.
     ///
     /// # Errors
     /// The system gives no thread.
-    pub fn start() -> io::Result<Self> {
+    pub fn start(tell: impl Fn(String) + Send + 'static) -> io::Result<Self> {
         let (sender, messages) = sync_channel::<String>(MOST_WAITING);
         let (done, written) = channel();
         Builder::new()

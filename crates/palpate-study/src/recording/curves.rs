@@ -1,8 +1,8 @@
 //! What a recording has beside the motion.
 
 /// What a recording has beside the motion, tick by tick.
-#[derive(Debug, Default)]
-pub struct Recorded {
+#[derive(Clone, Debug, Default)]
+pub struct RecordedCurves {
     /// Time `[s]`.
     pub time: Vec<f64>,
     /// Device position `[m]`.
@@ -15,7 +15,7 @@ pub struct Recorded {
     pub held_leak: Vec<f64>,
 }
 
-impl Recorded {
+impl RecordedCurves {
     /// Lets time count from `start` `[s]`.
     pub fn count_from(&mut self, start: f64) {
         self.time.iter_mut().for_each(|time| *time -= start);

@@ -4,11 +4,10 @@ use std::fmt;
 
 use palpate::{Contact, Parameter};
 use palpate_rt::{ChangeError, Parameters, Rendering};
-use palpate_scene::method::{MethodName, Settings, SettingsError, nearest};
+use palpate_scene::method::{MethodName, Settings, nearest};
 use palpate_scene::{SceneParameter, SceneParameterError, SetupError};
 use palpate_sim::replay::ReplaySetup;
 
-use crate::arguments::flag_of_setting;
 use palpate_study::text::exactly;
 
 /// Names of what can be set.
@@ -85,10 +84,15 @@ fn allowed() -> String {
 }
 
 /// What the pipe renders now, so that it can be changed.
+#[derive(Debug)]
 pub struct Changeable {
+    /// The other end of the renderer's parameters.
     pub parameters: Parameters,
+    /// Contact, loop and object as they are now.
     pub setup: ReplaySetup,
+    /// The method, which stays.
     pub method: MethodName,
+    /// Its settings, which stay.
     pub settings: Settings,
 }
 
@@ -145,10 +149,7 @@ pub fn rendering(
 fn in_words(error: &SetupError) -> String {
     match error {
         SetupError::Parameter(error) => named(error),
-        SetupError::Settings(SettingsError::Unused { setting, .. }) => {
-            format!("{} cannot be used", flag_of_setting(setting))
-        }
-        SetupError::Settings(other) => other.to_string(),
+        SetupError::Settings(error) => error.to_string(),
     }
 }
 

@@ -4,20 +4,85 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use palpate::AlongAxis;
-use palpate_calibrate::{ExcitationParams, Phase};
+use palpate_calibrate::{ExcitationError, ExcitationParams, Phase, Stop};
 use palpate_device::clock::Clock;
 use palpate_device::{Device, DeviceError, DeviceErrorKind, Pose, Vector, Wrench};
 use palpate_rt::StopFlag;
-use palpate_rt::safety::{Heartbeat, OscillationParams, Rendered, Safety, SafetyParams, Trip};
+use palpate_rt::safety::{
+    Heartbeat, OscillationParams, Rendered, Safety, SafetyError, SafetyParams, Trip,
+};
 use palpate_study::calibration::Motion;
 
-use super::settling::{PATIENCE, Settling};
-use crate::devices::Opened;
-use crate::failure::Failure;
-use crate::values::duration;
+use crate::settling::{PATIENCE, Settling};
 
 /// Part of the samples that may be missing.
 const MOST_MISSING: f64 = 0.02;
+
+/// Why a device could not be excited to the end.
+#[derive(Debug, thiserror::Error)]
+pub enum ShakeError {
+    /// A parameter of the excitation out of its range.
+    #[error(transparent)]
+    Params(#[from] ExcitationError),
+    /// A limit out of its range.
+    #[error(transparent)]
+    Safety(#[from] SafetyError),
+    /// The device cannot be read or written.
+    #[error("the device: {0}")]
+    Lost(DeviceError),
+    /// Somebody ended it.
+    #[error("stopped by a signal before the end: no calibration, and no force")]
+    Signalled,
+    /// It, or its hand, does not let anything be said of it.
+    #[error(transparent)]
+    Declined(#[from] ShakeDeclined),
+}
+
+/// Why an excitation says nothing of the device.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum ShakeDeclined {
+    /// Too many samples are missing.
+    #[error(
+        "no calibration: {missed} of {length} samples are missing, for deadlines that were missed or \
+         for a device that had nothing new; a longer --period, or a --priority that the machine \
+         grants, helps"
+    )]
+    Missing {
+        /// Samples that are missing.
+        missed: usize,
+        /// Samples of the whole.
+        length: usize,
+    },
+    /// It did not come to rest.
+    #[error(
+        "no calibration: the device was never still for half a second within {:.0} s: it moved by \
+         more than {:.2} mm, root mean square",
+        within.as_secs_f64(),
+        tremor * 1e3
+    )]
+    NeverStill {
+        /// How long it was waited for.
+        within: Duration,
+        /// How far it might tremble, root mean square `[m]`.
+        tremor: f64,
+    },
+    /// The excitation stopped.
+    #[error("stopped: {0}")]
+    Stopped(Stop),
+    /// It went too far in another direction than the axis.
+    #[error(
+        "stopped: the device is {:.1} mm from where it started, across the axis that is \
+         calibrated: guide it along the axis",
+        away * 1e3
+    )]
+    Across {
+        /// How far it is from its start `[m]`.
+        away: f64,
+    },
+    /// Safety took the force off.
+    #[error("stopped: safety took the force off ({})", .0.name())]
+    Tripped(Trip),
+}
 
 /// The loop: sleep, sample, ask the excitation, pass through safety, command.
 pub struct Shaker<C> {
@@ -43,19 +108,18 @@ pub struct Shaker<C> {
 }
 
 impl<C: Clock> Shaker<C> {
-    /// A loop that has not begun, on a device that is open.
+    /// A loop of `period`, which `params` say too, that has not begun, along an axis of a device that is open.
     ///
     /// # Errors
     /// A parameter of the excitation out of its range.
     pub fn new(
-        opened: Opened,
-        clock: C,
+        (device, axis): (Box<dyn Device>, AlongAxis<f64, 3>),
+        (clock, period): (C, Duration),
         params: ExcitationParams,
         heartbeat: Arc<Heartbeat>,
         stall_limit: Duration,
-    ) -> Result<Self, Failure> {
-        let wrong = |error: &dyn std::fmt::Display| Failure::Arguments(error.to_string());
-        let limits = SafetyParams::for_device(opened.device.capabilities());
+    ) -> Result<Self, ShakeError> {
+        let limits = SafetyParams::for_device(device.capabilities());
         let limits = SafetyParams {
             largest_force: params.largest_force.min(limits.largest_force),
             // Nothing is rendered that could create energy.
@@ -66,14 +130,14 @@ impl<C: Clock> Shaker<C> {
             ..limits
         };
         Ok(Self {
-            device: opened.device,
-            axis: opened.axis,
+            device,
+            axis,
             clock,
-            period: duration("--period", params.period)?,
-            safety: Safety::new(limits, params.period).map_err(|error| wrong(&error))?,
+            period,
+            safety: Safety::new(limits, params.period)?,
             heartbeat,
             stall_limit,
-            motion: Motion::new(params).map_err(|error| wrong(&error))?,
+            motion: Motion::new(params)?,
             wait: None,
             tremor: params.tremor,
             start: None,
@@ -84,6 +148,7 @@ impl<C: Clock> Shaker<C> {
     }
 
     /// The same loop, but it begins when the device is still, and not before `wait` has passed.
+    #[must_use]
     pub fn waiting(self, wait: Option<Duration>) -> Self {
         Self { wait, ..self }
     }
@@ -93,7 +158,7 @@ impl<C: Clock> Shaker<C> {
     /// # Errors
     /// The device is lost or does not come to rest, safety or the excitation stopped it, a signal came,
     /// or too many samples are missing.
-    pub fn run(mut self, stop: &StopFlag) -> Result<Motion, Failure> {
+    pub fn run(mut self, stop: &StopFlag) -> Result<Motion, ShakeError> {
         let ended = self.until_still(stop).and_then(|()| self.until_done(stop));
         // A device that does not take it is asked again once; more cannot be done here.
         if self.device.write(Wrench::NONE).is_err() {
@@ -104,19 +169,15 @@ impl<C: Clock> Shaker<C> {
         let mut motion = self.motion;
         let missed = motion.missed();
         if missed as f64 > MOST_MISSING * motion.length() as f64 {
-            return Err(Failure::Declined(format!(
-                "no calibration: {missed} of {} samples are missing, for deadlines that were missed or \
-                 for a device that had nothing new; a longer --period, or a --priority that the machine \
-                 grants, helps",
-                motion.length()
-            )));
+            let length = motion.length();
+            return Err(ShakeDeclined::Missing { missed, length }.into());
         }
         motion.fill();
         Ok(motion)
     }
 
     /// Waits without force until the device is still.
-    fn until_still(&mut self, stop: &StopFlag) -> Result<(), Failure> {
+    fn until_still(&mut self, stop: &StopFlag) -> Result<(), ShakeError> {
         let Some(wait) = self.wait else {
             return Ok(());
         };
@@ -136,35 +197,31 @@ impl<C: Clock> Shaker<C> {
             self.write(Wrench::NONE)?;
             deadline = (deadline + self.period).max(self.clock.now());
         }
-        Err(Failure::Declined(format!(
-            "no calibration: the device was never still for half a second within {:.0} s: it moved by \
-             more than {:.2} mm, root mean square",
-            (wait + PATIENCE).as_secs_f64(),
-            self.tremor * 1e3
-        )))
+        let (within, tremor) = (wait + PATIENCE, self.tremor);
+        Err(ShakeDeclined::NeverStill { within, tremor }.into())
     }
 
     /// What the device says; nothing where it has nothing new.
-    fn read(&mut self) -> Result<Option<Pose>, Failure> {
+    fn read(&mut self) -> Result<Option<Pose>, ShakeError> {
         match self.device.read() {
             Ok(pose) if self.last.is_none_or(|last| pose.time > last) => Ok(Some(pose)),
             Ok(_) => Ok(None),
             Err(error) if error.kind == DeviceErrorKind::NothingNew => Ok(None),
-            Err(error) => Err(lost(&error)),
+            Err(error) => Err(ShakeError::Lost(error)),
         }
     }
 
-    fn write(&mut self, wrench: Wrench) -> Result<Wrench, Failure> {
-        self.device.write(wrench).map_err(|error| lost(&error))
+    fn write(&mut self, wrench: Wrench) -> Result<Wrench, ShakeError> {
+        self.device.write(wrench).map_err(ShakeError::Lost)
     }
 
-    fn until_done(&mut self, stop: &StopFlag) -> Result<(), Failure> {
+    fn until_done(&mut self, stop: &StopFlag) -> Result<(), ShakeError> {
         let mut deadline = self.clock.now();
         loop {
             match self.motion.phase() {
                 Phase::Running => {}
                 Phase::Done => return Ok(()),
-                Phase::Stopped(why) => return Err(Failure::Declined(format!("stopped: {why}"))),
+                Phase::Stopped(why) => return Err(ShakeDeclined::Stopped(why).into()),
             }
             goes_on(stop)?;
             self.clock.sleep_until(deadline);
@@ -180,7 +237,7 @@ impl<C: Clock> Shaker<C> {
         }
     }
 
-    fn tick(&mut self, woke: Duration) -> Result<(), Failure> {
+    fn tick(&mut self, woke: Duration) -> Result<(), ShakeError> {
         let read = self.read();
         let late = self.clock.now().saturating_sub(woke) > self.stall_limit;
         let cuts = self.heartbeat.cuts();
@@ -196,11 +253,7 @@ impl<C: Clock> Shaker<C> {
         let start = *self.start.get_or_insert(pose.position);
         let away = distance(pose.position, start);
         if away > self.reach {
-            return Err(Failure::Declined(format!(
-                "stopped: the device is {:.1} mm from where it started, across the axis that is \
-                 calibrated: guide it along the axis",
-                away * 1e3
-            )));
+            return Err(ShakeDeclined::Across { away }.into());
         }
         let coordinate = self.axis.coordinate(pose.position);
         let force = self.motion.take(Some(pose.time.as_secs_f64()), coordinate);
@@ -218,16 +271,13 @@ impl<C: Clock> Shaker<C> {
         }
         let passing = [Trip::StaleSample, Trip::Stalled];
         if let Some(trip) = verdict.tripped.filter(|trip| !passing.contains(trip)) {
-            return Err(Failure::Declined(format!(
-                "stopped: safety took the force off ({})",
-                trip.name()
-            )));
+            return Err(ShakeDeclined::Tripped(trip).into());
         }
         self.command(verdict.wrench)
     }
 
     /// Commands a wrench, and notes what the device says that it holds.
-    fn command(&mut self, wrench: Wrench) -> Result<(), Failure> {
+    fn command(&mut self, wrench: Wrench) -> Result<(), ShakeError> {
         let sent = self.write(wrench)?;
         let along = self.axis.vector(1.0);
         let force = (0..3).map(|i| sent.force[i] * along[i]).sum();
@@ -236,15 +286,9 @@ impl<C: Clock> Shaker<C> {
     }
 }
 
-fn lost(error: &DeviceError) -> Failure {
-    Failure::System(format!("the device: {error}"))
-}
-
-fn goes_on(stop: &StopFlag) -> Result<(), Failure> {
+fn goes_on(stop: &StopFlag) -> Result<(), ShakeError> {
     if stop.is_raised() {
-        return Err(Failure::Interrupted(
-            "stopped by a signal before the end: no calibration, and no force".into(),
-        ));
+        return Err(ShakeError::Signalled);
     }
     Ok(())
 }

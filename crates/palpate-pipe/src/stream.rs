@@ -9,13 +9,13 @@ use palpate_record::unit::HandMotion;
 use palpate_rt::safety::{self, Safety};
 use palpate_rt::{CHANGE_DURATION, Rendered, answered};
 
-use super::change::Changeable;
-use super::columns::{Columns, Row};
-use super::line::{Format, Line, Refusal};
-use super::messages::Messages;
-use super::serving::{Answering, Stopped};
-use super::summary::Summary;
-use crate::inside;
+use crate::change::{Change, Changeable};
+use crate::columns::{Answer, Columns};
+use crate::line::{Format, Line, Refusal};
+use crate::messages::Messages;
+use crate::mistake::Mistakes;
+use crate::serving::{Answering, Stopped};
+use crate::summary::PipeSummary;
 
 /// Refused lines that are told one by one; of more, each doubling is: a dead sensor at 1 kHz would
 /// bury whatever else standard error has to say.
@@ -23,16 +23,27 @@ const TOLD_EACH: u64 = 8;
 
 /// A renderer between two streams, and what it needs between two lines.
 pub struct Stream {
+    /// What a line can change.
     pub changeable: Changeable,
+    /// The renderer, its object and its books.
     pub rendered: Rendered,
+    /// What bounds the forces.
     pub safety: Safety,
+    /// What the lines hold.
     pub format: Format,
+    /// What is answered.
     pub columns: Columns,
+    /// Whether the names of the columns come first.
     pub is_header_asked: bool,
+    /// Where the answers go; flushed after each.
     pub output: Box<dyn Write + Send>,
     /// None once the end has been told.
     pub messages: Option<Messages>,
-    pub summary: Summary,
+    /// How the caller calls what is likely to be a mistake.
+    pub mistakes: Mistakes,
+    /// What was done so far.
+    pub summary: PipeSummary,
+    /// What is known from the lines before.
     pub memory: Memory,
 }
 
@@ -52,7 +63,7 @@ pub struct Memory {
     /// Whether a force has been limited.
     is_limited: bool,
     /// What was answered last.
-    last: Option<Row>,
+    last: Option<Answer>,
     /// The line of the output that is being made.
     text: String,
     /// Whether the last line of the output has been written.
@@ -67,7 +78,7 @@ impl Stream {
         }
     }
 
-    fn change(&mut self, number: u64, change: Result<super::change::Change, String>) {
+    fn change(&mut self, number: u64, change: Result<Change, String>) {
         match change.and_then(|change| self.changeable.make(&change).map(|()| change)) {
             Ok(change) => {
                 self.summary.changes += 1;
@@ -87,7 +98,7 @@ impl Stream {
         number: u64,
         sample: Option<(Option<f64>, f64)>,
         unread: Option<String>,
-    ) -> Result<Row, Stopped> {
+    ) -> Result<Answer, Stopped> {
         let period = self.changeable.setup.loop_params.period;
         // The renderer is told that a sample came and is lost.
         let (time, position) = sample.unwrap_or((None, f64::NAN));
@@ -141,7 +152,7 @@ impl Stream {
                  forces are counted, and the summary has their number"
             ));
         }
-        Ok(Row {
+        Ok(Answer {
             values: recording::Row {
                 tick: Tick {
                     time: if self.format.time {
@@ -173,15 +184,17 @@ impl Stream {
         let motion = &mut self.memory.motion;
         motion.add(self.memory.followed, position);
         match motion.excess() {
-            Some(excess) => Err(Stopped::at_line(number, &inside::not_a_hand(&excess))),
+            Some(excess) => Err(Stopped::at_line(
+                number,
+                &(self.mistakes.not_a_hand)(&excess),
+            )),
             None => Ok(()),
         }
     }
 
     fn tell_if_inside(&mut self, number: u64, position: f64) {
-        let Some(inside) =
-            inside::at_start(&self.changeable.setup, position, self.format.is_unit_given)
-        else {
+        let (setup, is_unit_given) = (&self.changeable.setup, self.format.is_unit_given);
+        let Some(inside) = (self.mistakes.inside)(setup, position, is_unit_given) else {
             return;
         };
         let soft = self.safety.params().soft_start;
@@ -215,7 +228,7 @@ impl Stream {
 }
 
 impl Answering for Stream {
-    type Summary = Summary;
+    type Summary = PipeSummary;
 
     fn is_ended(&self) -> bool {
         self.memory.is_ended
@@ -273,7 +286,7 @@ impl Answering for Stream {
         self.output.flush()
     }
 
-    fn finish(&mut self) -> (Summary, Option<Messages>) {
+    fn finish(&mut self) -> (PipeSummary, Option<Messages>) {
         let summary = self.summary.with_books(self.rendered.ledger());
         (summary, self.messages.take())
     }

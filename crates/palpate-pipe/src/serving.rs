@@ -10,9 +10,8 @@ use std::time::Duration;
 use palpate_rt::StopFlag;
 use serde::Serialize;
 
-use super::messages::Messages;
-use crate::failure::Failure;
-use crate::last_line;
+use crate::last_line::{self, LastLineUnread};
+use crate::messages::Messages;
 
 /// Longest line that is read as a sample `[bytes]`; the rest of a longer one is skipped.
 const LONGEST_LINE: u64 = 4096;
@@ -25,39 +24,72 @@ pub trait Answering: Send + 'static {
     type Summary: Serialize + fmt::Display;
 
     /// Prints the names of the columns, if they are asked for.
+    ///
+    /// # Errors
+    /// They cannot be written.
     fn write_header(&mut self) -> io::Result<()>;
     /// Answers the line with this number, if it is to be answered; `Err` as its text says why it
     /// could not be read.
+    ///
+    /// # Errors
+    /// No further line is answered.
     fn take(&mut self, number: u64, text: Result<&str, String>) -> Result<(), Stopped>;
     /// Whether nothing is answered any more.
     fn is_ended(&self) -> bool;
     /// Takes the force off with a last line, if a line was answered: whoever reads holds the force of
     /// the line that came last.
+    ///
+    /// # Errors
+    /// It cannot be written.
     fn end(&mut self) -> io::Result<()>;
     /// What was done, and the messages, which are not to be used any more.
     fn finish(&mut self) -> (Self::Summary, Option<Messages>);
 }
 
-/// Answers every line of standard input until it ends, or a signal ends it. The summary is told at the end, as
-/// JSON if that is asked for.
-pub fn answer_all<S: Answering>(
-    set_up: impl FnOnce() -> Result<S, Failure>,
-    as_json: bool,
-) -> Result<(), Failure> {
-    let stop =
-        StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
-    let stream = Arc::new(Mutex::new(set_up()?));
-    let ended = serve_until(&stream, &stop)?;
+/// What a stream did.
+#[derive(Debug)]
+pub struct Served<Summary> {
+    /// For the end.
+    pub summary: Summary,
+    /// Where the end is to be told; none if it has been.
+    pub messages: Option<Messages>,
+    /// How it ended.
+    pub ended: Ended,
+}
+
+/// A stream could not be served, or not ended as it should.
+#[derive(Debug, thiserror::Error)]
+pub enum ServeError {
+    /// The system gives no thread.
+    #[error("no thread for the pipe: {0}")]
+    Thread(io::Error),
+    /// The thread that answered panicked; the force is off.
+    #[error(
+        "a line could not be answered for a fault of the program; the last line takes the force off"
+    )]
+    Panicked,
+    /// Nobody reads.
+    #[error(transparent)]
+    LastLine(#[from] LastLineUnread),
+}
+
+/// Answers every line of `input`, which is opened in the thread that reads it, until it ends or `stop` is raised.
+///
+/// # Errors
+/// There is no thread, it panicked, or nobody read the last line.
+pub fn answer_all<S: Answering, I: BufRead>(
+    stream: S,
+    input: impl FnOnce() -> I + Send + 'static,
+    stop: &StopFlag,
+) -> Result<Served<S::Summary>, ServeError> {
+    let stream = Arc::new(Mutex::new(stream));
+    let ended = serve_until(&stream, input, stop)?;
     let (summary, messages) = locked(&stream).finish();
-    if let Some(messages) = messages {
-        if as_json {
-            let summary = serde_json::to_string(&summary);
-            messages.finish(summary.expect("a summary has string keys only"));
-        } else {
-            messages.finish(summary);
-        }
-    }
-    ended.into()
+    Ok(Served {
+        summary,
+        messages,
+        ended,
+    })
 }
 
 /// Why no further line is answered.
@@ -71,13 +103,15 @@ pub enum Stopped {
 
 impl Stopped {
     /// Refused for what stands in a line.
+    #[must_use]
     pub fn at_line(number: u64, why: &str) -> Self {
         Self::Refused(format!("standard input, line {number}: {why}"))
     }
 }
 
-/// How the pipe ended.
-enum Ended {
+/// How a stream ended.
+#[derive(Debug)]
+pub enum Ended {
     /// The input did.
     Done,
     /// A line or the output stopped it.
@@ -88,32 +122,6 @@ enum Ended {
     Signalled,
 }
 
-impl From<Ended> for Result<(), Failure> {
-    fn from(ended: Ended) -> Self {
-        match ended {
-            Ended::Done => Ok(()),
-            Ended::Stopped(Stopped::Refused(why)) => Err(Failure::input(why)),
-            Ended::Stopped(Stopped::Unwritten(error)) => unless_broken(error),
-            Ended::Unread(error) => Err(Failure::System(format!(
-                "standard input cannot be read: {error}"
-            ))),
-            Ended::Signalled => Err(Failure::Interrupted(
-                "stopped by a signal; the last line takes the force off".into(),
-            )),
-        }
-    }
-}
-
-/// A reader that has left is no error.
-fn unless_broken(error: io::Error) -> Result<(), Failure> {
-    if error.kind() == io::ErrorKind::BrokenPipe {
-        return Ok(());
-    }
-    Err(Failure::System(format!(
-        "standard output cannot be written: {error}"
-    )))
-}
-
 /// The stream, for this thread. What a thread that panicked has left can still be ended.
 fn locked<S>(stream: &Mutex<S>) -> MutexGuard<'_, S> {
     stream.lock().unwrap_or_else(PoisonError::into_inner)
@@ -121,34 +129,35 @@ fn locked<S>(stream: &Mutex<S>) -> MutexGuard<'_, S> {
 
 /// Answers lines in a thread of its own until the input ends or `stop` is raised: a thread that waits
 /// for a line cannot look at signals.
-fn serve_until<S: Answering>(stream: &Arc<Mutex<S>>, stop: &StopFlag) -> Result<Ended, Failure> {
+fn serve_until<S: Answering, I: BufRead>(
+    stream: &Arc<Mutex<S>>,
+    input: impl FnOnce() -> I + Send + 'static,
+    stop: &StopFlag,
+) -> Result<Ended, ServeError> {
     let (sender, served) = channel();
     let server = Arc::clone(stream);
     Builder::new()
         .name("palpate pipe".to_owned())
         .spawn(move || {
-            let ended = serve(&server, &mut io::stdin().lock());
+            let ended = serve(&server, &mut input());
             let written = locked(&server).end();
             let _ = sender.send(match (ended, written) {
                 (Ended::Done, Err(error)) => Ended::Stopped(Stopped::Unwritten(error)),
                 (ended, _) => ended,
             });
         })
-        .map_err(|error| Failure::System(format!("no thread for the pipe: {error}")))?;
+        .map_err(ServeError::Thread)?;
     loop {
         match served.recv_timeout(LOOK_EVERY) {
             Ok(ended) => return Ok(ended),
             Err(RecvTimeoutError::Timeout) if !stop.is_raised() => {}
             Err(RecvTimeoutError::Timeout) => {
-                return let_go(stream).map(|()| Ended::Signalled);
+                let_go(stream)?;
+                return Ok(Ended::Signalled);
             }
             Err(RecvTimeoutError::Disconnected) => {
                 let_go(stream)?;
-                return Err(Failure::System(
-                    "a line could not be answered for a fault of the program; the last line takes the \
-                     force off"
-                        .into(),
-                ));
+                return Err(ServeError::Panicked);
             }
         }
     }
@@ -156,7 +165,7 @@ fn serve_until<S: Answering>(stream: &Arc<Mutex<S>>, stop: &StopFlag) -> Result<
 
 /// Takes the force off from beside the thread that answers. That one may wait for ever for a reader
 /// that does not read.
-fn let_go<S: Answering>(stream: &Arc<Mutex<S>>) -> Result<(), Failure> {
+fn let_go<S: Answering>(stream: &Arc<Mutex<S>>) -> Result<(), LastLineUnread> {
     let ending = Arc::clone(stream);
     last_line::write_beside(move || {
         let _ = locked(&ending).end();

@@ -1,13 +1,34 @@
-//! The scene of a recording, for its receipt.
+//! The scene into the receipt of a recording.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use palpate_files::bounded::SCENE;
 use palpate_record::recording::Receipt;
-use palpate_scene::{Scene, SceneFile, beside};
+use palpate_scene::{Scene, SceneErrors, SceneFile, beside};
 
-use crate::failure::Failure;
+/// Why a receipt cannot hold a scene.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PutSceneError {
+    /// Its file cannot be read.
+    #[error("{0}")]
+    Unreadable(String),
+    /// Its file is no scene any more.
+    #[error(transparent)]
+    Invalid(#[from] SceneErrors),
+    /// It names other files, and is not as its own file has it.
+    #[error(
+        "{name}: {why}, so a recording can hold this scene only as its file has it; put \
+         what the flags change into the file"
+    )]
+    Changed {
+        /// The file.
+        name: String,
+        /// Why it cannot be written.
+        why: String,
+    },
+}
 
 /// Text of the receipt that holds what the renderer was told of the device.
 const TOLD: &str = "told";
@@ -40,7 +61,10 @@ fn told(scene: &Scene) -> String {
 
 /// The receipt with the scene as it is run, and with the files it names. `file` is the scene file at
 /// `path`, which `scene` comes from.
-pub fn put(receipt: Receipt, scene: &Scene, path: &Path) -> Result<Receipt, Failure> {
+///
+/// # Errors
+/// The file cannot be read, or the scene names other files and was changed.
+pub fn put_scene(receipt: Receipt, scene: &Scene, path: &Path) -> Result<Receipt, PutSceneError> {
     let receipt = receipt.with(TOLD, &told(scene));
     let unwritable = match scene.to_toml() {
         Ok(text) => return Ok(receipt.with("scene", &text)),
@@ -50,7 +74,7 @@ pub fn put(receipt: Receipt, scene: &Scene, path: &Path) -> Result<Receipt, Fail
     let name = path.display().to_string();
     let text = SCENE
         .text(path)
-        .map_err(|error| Failure::System(format!("{name}: {error}")))?;
+        .map_err(|error| PutSceneError::Unreadable(format!("{name}: {error}")))?;
     let mut named = BTreeMap::new();
     let mut read = beside(path);
     let mut reads = |file: &str| {
@@ -58,14 +82,10 @@ pub fn put(receipt: Receipt, scene: &Scene, path: &Path) -> Result<Receipt, Fail
         named.insert(file.to_owned(), text.clone());
         Ok(text)
     };
-    let as_it_stands = SceneFile::parse_with(&name, &text, &mut reads)
-        .map_err(Failure::inputs)?
-        .scene;
+    let as_it_stands = SceneFile::parse_with(&name, &text, &mut reads)?.scene;
     if as_it_stands != *scene {
-        return Err(Failure::Arguments(format!(
-            "{name}: {unwritable}, so a recording can hold this scene only as its file has it; put \
-             what the flags change into the file"
-        )));
+        let why = unwritable.to_string();
+        return Err(PutSceneError::Changed { name, why });
     }
     Ok(named
         .iter()

@@ -7,7 +7,7 @@ use palpate_scene::method::nearest;
 
 /// A quantity that a line can say.
 #[derive(Clone, Copy, Debug)]
-pub enum Column {
+pub enum AnswerColumn {
     /// A column of a row of a recording.
     OfRow(&'static recording::Column),
     /// Limits that changed the force.
@@ -35,9 +35,9 @@ const OF_ROW: [&str; 15] = [
     "leak_held_j",
 ];
 
-impl Column {
+impl AnswerColumn {
     /// Every column.
-    fn all() -> impl Iterator<Item = Self> {
+    pub fn all() -> impl Iterator<Item = Self> {
         let named = |name| recording::Column::named(name).map(Self::OfRow);
         let own = [Self::Limited, Self::Fault];
         OF_ROW.into_iter().filter_map(named).chain(own)
@@ -52,8 +52,9 @@ impl Column {
         }
     }
 
-    /// What `--columns` calls it.
-    fn short_name(self) -> &'static str {
+    /// What whoever asks for it may call it, without the unit.
+    #[must_use]
+    pub fn short_name(self) -> &'static str {
         match self {
             // What a pipe is for, and what its input calls so.
             Self::OfRow(column) if column.name == "force_on_device_n" => "force",
@@ -64,27 +65,21 @@ impl Column {
     }
 }
 
-/// What the flag says of itself.
-pub fn help() -> String {
-    let names: Vec<_> = Column::all().map(Column::short_name).collect();
-    format!(
-        "Columns to print, in this order, separated by commas: {}; all in SI units",
-        names.join(", ")
-    )
-}
-
 /// Columns in the order in which they are printed.
 #[derive(Clone, Debug)]
-pub struct Columns(Vec<Column>);
+pub struct Columns(Vec<AnswerColumn>);
 
 /// Names separated by commas, with or without their units.
+///
+/// # Errors
+/// A name that no column has, or one that is there twice.
 pub fn columns(text: &str) -> Result<Columns, String> {
-    let mut columns: Vec<Column> = Vec::new();
+    let mut columns: Vec<AnswerColumn> = Vec::new();
     for name in text.split(',').map(str::trim) {
-        let found =
-            Column::all().find(|column| [column.short_name(), column.header()].contains(&name));
+        let found = AnswerColumn::all()
+            .find(|column| [column.short_name(), column.header()].contains(&name));
         let Some(column) = found else {
-            let all: Vec<_> = Column::all().map(Column::short_name).collect();
+            let all: Vec<_> = AnswerColumn::all().map(AnswerColumn::short_name).collect();
             let nearest = nearest(name, &all)
                 .map(|near| format!("did you mean \"{near}\"? "))
                 .unwrap_or_default();
@@ -106,7 +101,7 @@ pub fn columns(text: &str) -> Result<Columns, String> {
 
 /// What there is to say of a line that was answered.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct Answer {
     /// What the renderer made of it; the force on the device is the one that is to be commanded.
     pub values: recording::Row,
     /// Whether the force was still coming in.
@@ -117,8 +112,9 @@ pub struct Row {
     pub ended: bool,
 }
 
-impl Row {
+impl Answer {
     /// The last line of the output: the same without a force.
+    #[must_use]
     pub fn end(mut self) -> Self {
         self.values.contact.force_on_device = 0.0;
         self.values.contact.force_on_object = 0.0;
@@ -145,28 +141,29 @@ impl Row {
 
 impl Columns {
     /// The first line of the output, if it is asked for.
+    #[must_use]
     pub fn header(&self) -> String {
         let names: Vec<_> = self.0.iter().map(|column| column.header()).collect();
         names.join(",") + "\n"
     }
 
     /// Puts a line in place of what `line` holds. A number that is not known is `nan`.
-    pub fn write(&self, row: &Row, line: &mut String) {
+    pub fn write(&self, row: &Answer, line: &mut String) {
         line.clear();
         for (at, &column) in self.0.iter().enumerate() {
             if at > 0 {
                 line.push(',');
             }
             match column {
-                Column::OfRow(column) => match column.value(&row.values) {
+                AnswerColumn::OfRow(column) => match column.value(&row.values) {
                     Value::Number(number) if number.is_nan() => line.push_str("nan"),
                     // Adding 0 turns -0 into 0. A string takes whatever is written into it.
                     Value::Number(number) => drop(write!(line, "{}", number + 0.0)),
                     Value::Phase(_) if row.ended => line.push_str("ended"),
                     other => line.push_str(&other.text()),
                 },
-                Column::Limited => line.push_str(&row.limits()),
-                Column::Fault => line.push_str(row.fault),
+                AnswerColumn::Limited => line.push_str(&row.limits()),
+                AnswerColumn::Fault => line.push_str(row.fault),
             }
         }
         line.push('\n');
@@ -179,6 +176,6 @@ mod tests {
 
     #[test]
     fn every_column_that_a_pipe_names_is_one_of_a_row() {
-        assert_eq!(Column::all().count(), OF_ROW.len() + 2);
+        assert_eq!(AnswerColumn::all().count(), OF_ROW.len() + 2);
     }
 }

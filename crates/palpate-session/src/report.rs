@@ -1,4 +1,4 @@
-//! What a run has to say.
+//! What a loop in real time has to say.
 
 use std::fmt;
 use std::time::Duration;
@@ -12,7 +12,7 @@ use palpate_rt::{Account, Durations, LoopEnd, LoopStatistics, RenderedWorld, Ren
 use palpate_world::Books;
 use serde::Serialize;
 
-use crate::devices::guarding::GuardianReport;
+use crate::guardian::GuardianReport;
 use palpate_study::recording::in_a_line;
 use palpate_study::recording::motors_off;
 use palpate_study::text::{counted, digits, lines, number, plain_table};
@@ -25,9 +25,9 @@ const SHOWN: usize = 8;
 
 /// A run, for people and programs.
 #[derive(Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct Report {
-    #[cfg_attr(test, schemars(extend("const" = FORMAT)))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RunReport {
+    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
     format: &'static str,
     title: String,
     method: &'static str,
@@ -65,7 +65,7 @@ pub struct Report {
 }
 
 #[derive(Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct AnswerReport {
     asked: String,
     granted: bool,
@@ -73,7 +73,7 @@ struct AnswerReport {
 }
 
 #[derive(Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct EventReport {
     tick: u64,
     t_s: f64,
@@ -83,7 +83,7 @@ struct EventReport {
 
 /// What the file says, read back.
 #[derive(Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct RecordingReport {
     file: String,
     /// Whether it is whole and holds as many ticks as the loop counted.
@@ -100,7 +100,7 @@ struct RecordingReport {
 
 /// How a loop kept time.
 #[derive(Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TimingReport {
     ticks: u64,
     missed_deadlines: u64,
@@ -112,7 +112,7 @@ pub struct TimingReport {
 
 /// Of durations `[s]`.
 #[derive(Clone, Copy, Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct Percentiles {
     median: f64,
     p99: f64,
@@ -170,6 +170,7 @@ pub struct Energies {
 
 impl Energies {
     /// Of a world: summed over its devices, contacts and bodies.
+    #[must_use]
     pub fn of_world<D: Device, C: Clock>(
         end: &LoopEnd<D, C, RenderedWorld>,
         books: &Books,
@@ -182,7 +183,9 @@ impl Energies {
     }
 }
 
-impl Report {
+impl RunReport {
+    /// What there is to say of a loop on `device` that came to this `end`; a `recording` of it was read back.
+    #[must_use]
     pub fn new<D: Device, C: Clock, R: Renders>(
         subject: Subject<'_>,
         device: &Capabilities,
@@ -239,8 +242,9 @@ impl Report {
     }
 }
 
-impl Report {
+impl RunReport {
     /// The same, with these energies in place of those of one contact.
+    #[must_use]
     pub fn with_energies(self, energies: Energies) -> Self {
         Self {
             leak_held_j: energies.leak_held,
@@ -251,6 +255,7 @@ impl Report {
     }
 
     /// The same, with what is to be said of the device's guardian.
+    #[must_use]
     pub fn guarded(self, guardian: Option<GuardianReport>) -> Self {
         Self { guardian, ..self }
     }
@@ -265,7 +270,7 @@ fn event(event: &Event) -> EventReport {
     }
 }
 
-impl Report {
+impl RunReport {
     /// That the motors were off for a part of the time, after how it ended.
     fn but_motors_off(&self) -> String {
         match self.motors_off_ticks {
@@ -278,7 +283,7 @@ impl Report {
     }
 }
 
-impl fmt::Display for Report {
+impl fmt::Display for RunReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", self.title)?;
         writeln!(

@@ -1,0 +1,72 @@
+//! A stream between standard input and standard output, and how it ended as an exit code.
+
+use std::io;
+
+use palpate_pipe::{Answering, Ended, Messages, Mistakes, ServeError, Stopped, answer_all};
+use palpate_rt::StopFlag;
+
+use crate::failure::{Failure, tell};
+use crate::inside;
+
+/// What is said of a device inside the object at the start, and of a motion that no hand makes.
+pub const MISTAKES: Mistakes = Mistakes {
+    inside: inside::at_start,
+    not_a_hand: inside::not_a_hand,
+};
+
+/// Messages to standard error.
+pub fn messages() -> Result<Messages, Failure> {
+    Messages::start(tell)
+        .map_err(|error| Failure::System(format!("no thread for messages: {error}")))
+}
+
+/// Answers every line of standard input until it ends, or a signal ends it. The summary is told at the end, as
+/// JSON if that is asked for.
+pub fn answer<S: Answering>(
+    set_up: impl FnOnce() -> Result<S, Failure>,
+    as_json: bool,
+) -> Result<(), Failure> {
+    let stop =
+        StopFlag::on_signals().map_err(|error| Failure::System(format!("no signals: {error}")))?;
+    let served = answer_all(set_up()?, || io::stdin().lock(), &stop)?;
+    if let Some(messages) = served.messages {
+        if as_json {
+            let summary = serde_json::to_string(&served.summary);
+            messages.finish(summary.expect("a summary has string keys only"));
+        } else {
+            messages.finish(served.summary);
+        }
+    }
+    outcome(served.ended)
+}
+
+impl From<ServeError> for Failure {
+    fn from(error: ServeError) -> Self {
+        Self::System(error.to_string())
+    }
+}
+
+/// How a stream ended, as an exit code.
+fn outcome(ended: Ended) -> Result<(), Failure> {
+    match ended {
+        Ended::Done => Ok(()),
+        Ended::Stopped(Stopped::Refused(why)) => Err(Failure::input(why)),
+        Ended::Stopped(Stopped::Unwritten(error)) => unless_broken(error),
+        Ended::Unread(error) => Err(Failure::System(format!(
+            "standard input cannot be read: {error}"
+        ))),
+        Ended::Signalled => Err(Failure::Interrupted(
+            "stopped by a signal; the last line takes the force off".into(),
+        )),
+    }
+}
+
+/// A reader that has left is no error.
+fn unless_broken(error: io::Error) -> Result<(), Failure> {
+    if error.kind() == io::ErrorKind::BrokenPipe {
+        return Ok(());
+    }
+    Err(Failure::System(format!(
+        "standard output cannot be written: {error}"
+    )))
+}

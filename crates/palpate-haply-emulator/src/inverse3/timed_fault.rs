@@ -1,0 +1,136 @@
+//! What goes wrong with an emulated service or its device, and when.
+
+use std::fmt;
+use std::str::FromStr;
+use std::time::{Duration, Instant};
+
+use super::{Emulator, Fault};
+
+/// Something that goes wrong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Trouble {
+    /// With the next answer.
+    Answer(Fault),
+    /// The device is unplugged for so long.
+    Unplug(Duration),
+    /// Its motors have no power for so long.
+    NoPower(Duration),
+}
+
+impl fmt::Display for Trouble {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Answer(fault) => fault.fmt(f),
+            Self::Unplug(lasts) => {
+                write!(f, "the device is unplugged for {} s", lasts.as_secs_f64())
+            }
+            Self::NoPower(lasts) => {
+                write!(f, "the motors have no power for {} s", lasts.as_secs_f64())
+            }
+        }
+    }
+}
+
+/// A fault, and when it strikes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimedFault {
+    at: Duration,
+    trouble: Trouble,
+}
+
+/// Kinds that need no time.
+const KINDS: [(&str, Fault); 8] = [
+    ("lost", Fault::Dropped),
+    ("twice", Fault::Twice),
+    ("late", Fault::Late),
+    ("garbage", Fault::Garbage),
+    ("half", Fault::HalfFrame),
+    ("half-bytes", Fault::HalfBytes),
+    ("disconnect", Fault::Disconnect),
+    ("close", Fault::Close),
+];
+
+/// A text is no timed fault.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct NoTimedFault(String);
+
+/// `KIND@SECONDS`, or `KIND=SECONDS@SECONDS`.
+impl FromStr for TimedFault {
+    type Err = NoTimedFault;
+
+    fn from_str(text: &str) -> Result<Self, NoTimedFault> {
+        let time = |text: &str| {
+            let seconds: f64 = text.trim().parse().ok()?;
+            Duration::try_from_secs_f64(seconds).ok()
+        };
+        let understood = || {
+            let (what, at) = text.split_once('@')?;
+            let trouble = match what.split_once('=') {
+                Some(("stall", value)) => Trouble::Answer(Fault::Stall(time(value)?)),
+                Some(("unplug", value)) => Trouble::Unplug(time(value)?),
+                Some(("no-power", value)) => Trouble::NoPower(time(value)?),
+                Some(_) => return None,
+                None => {
+                    let (_, fault) = KINDS.iter().find(|(name, _)| *name == what)?;
+                    Trouble::Answer(*fault)
+                }
+            };
+            Some(TimedFault {
+                at: time(at)?,
+                trouble,
+            })
+        };
+        understood().ok_or_else(|| {
+        let kinds: Vec<&str> = KINDS.iter().map(|(name, _)| *name).collect();
+        NoTimedFault(format!(
+            "KIND@SECONDS is needed, with one of {}, or KIND=SECONDS@SECONDS, with one of stall, \
+             unplug, no-power",
+            kinds.join(", ")
+        ))
+    })
+    }
+}
+
+impl Emulator {
+    /// Lets `faults` strike the device of this name, each at its time from now on, until it `is_over` for the time that has
+    /// passed. What strikes is `told`, in words.
+    pub fn suffer(
+        &self,
+        id: &str,
+        faults: &[TimedFault],
+        is_over: impl Fn(Duration) -> bool,
+        told: impl Fn(fmt::Arguments),
+    ) {
+        // What ends by itself is two changes.
+        let mut changes: Vec<(Duration, Trouble, bool)> = Vec::new();
+        for &TimedFault { at, trouble } in faults {
+            changes.push((at, trouble, true));
+            if let Trouble::Unplug(lasts) | Trouble::NoPower(lasts) = trouble {
+                changes.push((at.saturating_add(lasts), trouble, false));
+            }
+        }
+        changes.sort_by_key(|(at, ..)| *at);
+        let mut changes = changes.into_iter().peekable();
+        let begun = Instant::now();
+        while !is_over(begun.elapsed()) {
+            while let Some((at, trouble, begins)) =
+                changes.next_if(|(at, ..)| begun.elapsed() >= *at)
+            {
+                let word = if begins { "" } else { "over: " };
+                told(format_args!(
+                    "at {:.1} s: {word}{trouble}",
+                    at.as_secs_f64()
+                ));
+                match trouble {
+                    Trouble::Answer(fault) => self.inject(fault),
+                    Trouble::Unplug(_) => self.set_present(id, !begins),
+                    Trouble::NoPower(_) => {
+                        self.set_status(id, |status| status.power_supply = Some(!begins));
+                    }
+                }
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+}

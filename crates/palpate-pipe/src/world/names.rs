@@ -1,0 +1,39 @@
+//! How the tools and bodies of a world are called.
+
+use palpate_study::text::digits;
+use palpate_world::{ContactState, Side, World};
+
+/// The names of a world's tools and bodies.
+#[derive(Clone, Debug)]
+pub struct Names {
+    tools: Vec<String>,
+    bodies: Vec<String>,
+}
+
+impl Names {
+    /// Those of `world`.
+    #[must_use]
+    pub fn of(world: &World) -> Self {
+        Self {
+            tools: world.tools.iter().map(|tool| tool.name.clone()).collect(),
+            bodies: world.bodies.iter().map(|body| body.name.clone()).collect(),
+        }
+    }
+
+    fn side(&self, side: Side) -> &str {
+        match side {
+            Side::Tool(number) => &self.tools[number],
+            Side::Body(number) => &self.bodies[number],
+        }
+    }
+
+    /// Two that overlap, in words.
+    #[must_use]
+    pub fn overlap(&self, contact: &ContactState) -> String {
+        let [one, other] = contact.between.map(|side| self.side(side));
+        format!(
+            "\"{one}\" and \"{other}\" overlap by {} m",
+            digits(contact.penetration)
+        )
+    }
+}

@@ -1,0 +1,115 @@
+//! How the loop keeps time on this machine.
+
+use std::fmt;
+use std::io;
+use std::time::Duration;
+
+use palpate::{AnyParams, Contact, LoopParams, ObjectState};
+use palpate_device::NullDevice;
+use palpate_device::clock::MonotonicClock;
+use palpate_rt::realtime::{Answer, Request};
+use palpate_rt::safety::SafetyParams;
+use palpate_rt::{ControlLoop, LoopThread, Rendering, SetupError, StopFlag};
+use serde::Serialize;
+
+use crate::report::TimingReport;
+
+/// Name and version of the JSON report, which is a list of these.
+const FORMAT: &str = "palpate bench loop 1";
+
+/// The report on one rate.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct BenchReport {
+    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    format: &'static str,
+    #[serde(flatten)]
+    measured: Measured,
+}
+
+/// A loop that was measured.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Measured {
+    rate_hz: f64,
+    refused: Vec<String>,
+    timing: TimingReport,
+}
+
+impl BenchReport {
+    /// Of a loop that was measured.
+    #[must_use]
+    pub fn of(measured: Measured) -> Self {
+        Self {
+            format: FORMAT,
+            measured,
+        }
+    }
+
+    /// The loop that was measured.
+    #[must_use]
+    pub fn measured(&self) -> &Measured {
+        &self.measured
+    }
+}
+
+/// Why a loop could not be measured.
+#[derive(Debug, thiserror::Error)]
+pub enum MeasureError {
+    /// No loop has such a rate.
+    #[error(transparent)]
+    Rate(#[from] SetupError),
+    /// The system gives no thread.
+    #[error("no thread for the loop: {0}")]
+    Thread(io::Error),
+}
+
+/// Runs a loop of coupled rendering at `rate` `[Hz]` on no device, for so long.
+///
+/// # Errors
+/// The rate is none, or there is no thread.
+pub fn measure(
+    clock: &MonotonicClock,
+    request: Request,
+    rate: f64,
+    lasts: Duration,
+) -> Result<Measured, MeasureError> {
+    let period = 1.0 / rate;
+    // Pressed 1 mm into a wall, so that every tick renders.
+    let rendering = Rendering {
+        contact: Contact::object(1000.0, f64::INFINITY),
+        loop_params: LoopParams::new(period),
+        params: AnyParams::Coupled(palpate::CoupledParams::new(0.2)),
+        virtual_force: 0.0,
+        object: ObjectState {
+            position: -1e-3,
+            velocity: 0.0,
+        },
+    };
+    let device = NullDevice::new(*clock);
+    let control = ControlLoop::new(device, *clock, rendering, SafetyParams::default())?;
+    let periods = lasts.as_nanos().div_ceil(control.period().as_nanos());
+    let most = Some(u64::try_from(periods).unwrap_or(u64::MAX));
+    let running = LoopThread::start(control, request, &StopFlag::new(), most)
+        .map_err(MeasureError::Thread)?;
+    let refused = running
+        .answers()
+        .iter()
+        .filter(|answer| !answer.is_granted());
+    let refused = refused.map(Answer::to_string).collect();
+    Ok(Measured {
+        rate_hz: rate,
+        refused,
+        timing: (&running.join().statistics).into(),
+    })
+}
+
+impl fmt::Display for Measured {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} Hz: {}", self.rate_hz, self.timing)?;
+        for refused in &self.refused {
+            writeln!(f, "{refused}")?;
+        }
+        Ok(())
+    }
+}

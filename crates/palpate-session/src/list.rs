@@ -1,0 +1,185 @@
+//! The devices that a loop can run on here.
+
+use std::fmt;
+use std::time::Duration;
+
+use palpate_haply::inverse3::{self, Found, SERVICE};
+use palpate_haply::two_diy::{Guess, Port, ports};
+use serde::Serialize;
+
+/// Name and version of the JSON report.
+const FORMAT: &str = "palpate devices 1";
+
+/// What is said of every 2DIY, since it may hurt.
+pub const LATCH_WARNING: &str = "the board of a 2DIY has no watchdog: if the cable is pulled, it may \
+     hold its last torque until its power is switched off; if the program is killed, a guardian takes \
+     the torque off, unless it was started with --guardian off";
+
+/// The devices that a loop can run on here.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct DeviceList {
+    #[cfg_attr(feature = "schema", schemars(extend("const" = FORMAT)))]
+    format: &'static str,
+    built_in: Vec<BuiltIn>,
+    serial_ports: Vec<PortReport>,
+    inverse_service: ServiceReport,
+}
+
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct ServiceReport {
+    url: String,
+    devices: Vec<Inverse3Report>,
+    why_none: Option<String>,
+}
+
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct Inverse3Report {
+    device_id: String,
+    model: String,
+    why_not: Option<String>,
+    open: String,
+}
+
+/// How long a service may take to answer `[s]`.
+const PATIENCE: Duration = Duration::from_millis(500);
+
+impl ServiceReport {
+    fn of(url: &str) -> Self {
+        let service = if url == SERVICE {
+            String::new()
+        } else {
+            format!(" --service {url}")
+        };
+        let report = |found: Found| Inverse3Report {
+            open: format!("--device inverse3 --device-id {}{service}", found.device_id),
+            device_id: found.device_id,
+            model: found.model,
+            why_not: found.unfit.map(|unfit| unfit.to_string()),
+        };
+        let (devices, why_none) = match inverse3::devices(url, PATIENCE) {
+            Ok(found) => (found.into_iter().map(report).collect(), None),
+            Err(error) => (Vec::new(), Some(error.to_string())),
+        };
+        Self {
+            url: url.to_owned(),
+            devices,
+            why_none,
+        }
+    }
+}
+
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct BuiltIn {
+    device: &'static str,
+    what: &'static str,
+    open: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct PortReport {
+    path: String,
+    description: String,
+    guess: &'static str,
+    likely_haply_2diy: bool,
+    open: Option<String>,
+}
+
+const BUILT_IN: [BuiltIn; 3] = [
+    BuiltIn {
+        device: "simulated",
+        what: "device and hand of the scene",
+        open: "--device simulated",
+    },
+    BuiltIn {
+        device: "replay",
+        what: "a recorded motion",
+        open: "--device replay --motion REC.mcap",
+    },
+    BuiltIn {
+        device: "null",
+        what: "none: at rest at 0",
+        open: "--device null",
+    },
+];
+
+impl From<Port> for PortReport {
+    fn from(port: Port) -> Self {
+        let board = match port.guess {
+            Guess::M0 => " --board m0",
+            Guess::M3 | Guess::Arduino | Guess::OtherUsb | Guess::Other => "",
+        };
+        let open = format!("--device haply-2diy --port {}{board}", port.path);
+        Self {
+            guess: match port.guess {
+                Guess::M0 => "a Haply M0, if it is one of Haply's",
+                Guess::M3 => "a Haply M3 or development kit, if it is one of Haply's",
+                Guess::Arduino => "perhaps a board of Haply's",
+                Guess::OtherUsb | Guess::Other => "not known",
+            },
+            likely_haply_2diy: port.guess.is_likely(),
+            open: port.guess.is_likely().then_some(open),
+            path: port.path,
+            description: port.description,
+        }
+    }
+}
+
+impl DeviceList {
+    /// Those that are always there, those on serial ports, and those of the Inverse Service at `service`.
+    ///
+    /// # Errors
+    /// The serial ports cannot be listed.
+    pub fn of(service: &str) -> Result<Self, String> {
+        Ok(Self {
+            format: FORMAT,
+            built_in: BUILT_IN.into(),
+            serial_ports: ports()?.into_iter().map(PortReport::from).collect(),
+            inverse_service: ServiceReport::of(service),
+        })
+    }
+}
+
+impl fmt::Display for DeviceList {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "Always there")?;
+        for built_in in &self.built_in {
+            let BuiltIn { device, what, open } = built_in;
+            writeln!(f, "  {device:<10} {what}\n             {open}")?;
+        }
+        writeln!(f, "\nSerial ports, the likeliest Haply 2DIY first")?;
+        if self.serial_ports.is_empty() {
+            writeln!(f, "  none; `palpate emulate haply-2diy` gives one to try")?;
+        }
+        for port in &self.serial_ports {
+            writeln!(f, "  {}  {}: {}", port.path, port.description, port.guess)?;
+            if let Some(open) = &port.open {
+                writeln!(f, "             {open}")?;
+            }
+        }
+        if self.serial_ports.iter().any(|port| port.likely_haply_2diy) {
+            writeln!(f, "\nMind that {LATCH_WARNING}.")?;
+        }
+        let ServiceReport {
+            url,
+            devices,
+            why_none,
+        } = &self.inverse_service;
+        writeln!(f, "\nInverse3, behind the service at {url}")?;
+        if let Some(why) = why_none {
+            writeln!(f, "  {why}")?;
+        } else if devices.is_empty() {
+            writeln!(f, "  the service has none")?;
+        }
+        for device in devices {
+            let fit = device.why_not.as_deref().unwrap_or("ready");
+            writeln!(f, "  {}  {}: {fit}", device.device_id, device.model)?;
+            writeln!(f, "             {}", device.open)?;
+        }
+        Ok(())
+    }
+}

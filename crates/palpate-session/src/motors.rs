@@ -1,0 +1,42 @@
+//! Whether each motor of a device turns its own joint.
+
+use palpate_haply::two_diy::Checked;
+use serde::Serialize;
+
+/// Name and version of the JSON report on motors.
+const MOTORS_FORMAT: &str = "palpate devices check 1";
+
+/// What the motors of a device did.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct MotorsReport {
+    board: &'static str,
+    #[cfg_attr(feature = "schema", schemars(extend("const" = MOTORS_FORMAT)))]
+    format: &'static str,
+    motors: Vec<MotorReport>,
+}
+
+impl MotorsReport {
+    /// Of what was `checked` on a board of this name.
+    #[must_use]
+    pub fn new(board: &'static str, checked: &[Checked]) -> Self {
+        let motors = checked.iter().map(|checked| MotorReport {
+            turned_deg: checked.turned.map(f64::from),
+            verdict: checked.verdict.name(),
+        });
+        Self {
+            board,
+            format: MOTORS_FORMAT,
+            motors: motors.collect(),
+        }
+    }
+}
+
+/// What a motor did.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+struct MotorReport {
+    /// By how much each joint turned `[degrees]`.
+    turned_deg: [f64; 2],
+    verdict: &'static str,
+}

@@ -1,0 +1,119 @@
+//! The hand of a recording, held against a new force; whatever the recording came from.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use palpate_scene::method::{MethodName, Settings};
+use palpate_sim::closed_loop::{Bench, LoopError};
+use palpate_sim::hand_replay::{
+    self, HandError, HandModel, REACH, RecordedHand, Recording, largest_departure,
+    largest_ideal_departure,
+};
+use palpate_sim::replay::ReplaySetup;
+use palpate_sim::run::{Reference, Run};
+
+use crate::report::Replayed;
+
+/// What was recorded of a hand.
+#[derive(Clone, Copy, Debug)]
+pub struct HandRecording<'a> {
+    /// Motion and force.
+    pub recording: Recording<'a>,
+    /// Whether the loop samples when the recorded one did; else every period.
+    pub at_its_instants: bool,
+}
+
+/// The runs of a replay.
+#[derive(Clone, Debug)]
+pub struct ReplayRuns {
+    /// Its ideal.
+    pub reference: Reference,
+    /// One for each method.
+    pub runs: Vec<Run>,
+    /// What was replayed, and how well it is known.
+    pub replayed: Replayed,
+}
+
+/// Why the loop could not be closed around a recorded hand.
+#[derive(Debug)]
+pub enum HandReplayError {
+    /// The recording has no hand, or its model is wrong.
+    Hand(HandError),
+    /// A method cannot be set up, or the loop not be run.
+    Loop(MethodName, LoopError),
+    /// Even the ideal device goes where no hand can follow.
+    OutOfReach {
+        /// The hand.
+        model: HandModel,
+        /// How far the device leaves the recorded motion `[m]`.
+        departure: f64,
+    },
+}
+
+/// Estimates the hand of a recording by `model`, and closes the loop of `setup` by each of `methods`; `begins` hears what
+/// is begun. Whether the model's stiffness or damping `is_assumed` stands in what is reported. With the runs comes
+/// how far the device leaves the recorded motion under each method, where that is farther than an arm reaches `[m]`.
+///
+/// # Errors
+/// There is no hand, its model is wrong, a method cannot be set up, or no hand could follow.
+pub fn close_loop(
+    recorded: &HandRecording,
+    (setup, model, is_assumed): (&ReplaySetup, &HandModel, bool),
+    (methods, settings): (&[MethodName], &HashMap<MethodName, Settings>),
+    mut begins: impl FnMut(HandReplayStep),
+) -> Result<(ReplayRuns, Vec<(MethodName, f64)>), HandReplayError> {
+    begins(HandReplayStep::Hand);
+    let hand = RecordedHand::estimate(&recorded.recording, model).map_err(HandReplayError::Hand)?;
+    let hand = Arc::new(hand);
+    let scene_of = if recorded.at_its_instants {
+        hand_replay::scene_at_recorded_instants
+    } else {
+        hand_replay::scene
+    };
+    let mut scene = scene_of(Arc::clone(&hand), setup).map_err(HandReplayError::Hand)?;
+    scene.settings.clone_from(settings);
+    begins(HandReplayStep::Ideal);
+    let failed = HandReplayError::Loop;
+    let bench = Bench::new(&scene).map_err(|error| failed(scene.method, error))?;
+    let departure = largest_ideal_departure(&hand, bench.reference());
+    if departure > REACH || departure.is_nan() {
+        let model = *hand.model();
+        return Err(HandReplayError::OutOfReach { model, departure });
+    }
+    let mut runs = Vec::with_capacity(methods.len());
+    for &method in methods {
+        begins(HandReplayStep::Method(method));
+        runs.push(bench.run(method).map_err(|error| failed(method, error))?);
+        begins(HandReplayStep::Done);
+    }
+    let departures: Vec<(MethodName, f64)> = methods
+        .iter()
+        .zip(&runs)
+        .map(|(method, run)| (*method, largest_departure(&hand, run)))
+        .collect();
+    let beyond = departures.iter().copied();
+    let beyond = beyond
+        .filter(|(_, by)| *by > REACH || by.is_nan())
+        .collect();
+    let force_recorded = recorded.recording.forces_on_device.is_some();
+    let replayed = Replayed::hand(&hand, force_recorded, is_assumed, departures);
+    let runs = ReplayRuns {
+        reference: bench.reference().clone(),
+        runs,
+        replayed,
+    };
+    Ok((runs, beyond))
+}
+
+/// What a replay of a hand is at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HandReplayStep {
+    /// The hand's force is estimated.
+    Hand,
+    /// The ideal is computed.
+    Ideal,
+    /// The loop is closed by this method.
+    Method(MethodName),
+    /// That has been done.
+    Done,
+}
