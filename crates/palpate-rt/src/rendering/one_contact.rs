@@ -136,6 +136,10 @@ impl Renders for OneContact {
         self.said.flags
     }
 
+    fn learned_lateness(&self) -> f64 {
+        self.rendered.learned_lateness()
+    }
+
     fn created_energy(&self) -> f64 {
         self.delivered.leak
     }
