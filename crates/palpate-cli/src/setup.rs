@@ -16,8 +16,8 @@ use palpate_sim::run::Run;
 use crate::arguments::{Flags, TimingFlags, flag_of_setting};
 use crate::failure::Failure;
 use crate::values::AnyMethods;
-use device_file::{DeviceFile, warn_of_resonance};
 pub use device_file::read_calibration;
+use device_file::{DeviceFile, warn_of_resonance};
 use palpate_study::report::{Subject, parameters_of, timing_of};
 use wrong::not_allowed;
 pub use wrong::{wrong_flag, wrong_on_bench, wrong_rendered, wrong_setup};
@@ -196,6 +196,7 @@ impl Flags {
         let file = self.device_file(period)?;
         let file = file.as_ref();
         let device_mass = self.device_mass.or_else(|| file?.device_mass());
+        let actuation = self.actuation.actuation(period, file)?;
         warn_of_resonance(file, &self.actuation, device_mass, &contact, period);
         let quantum = || file?.sensor_quantum();
         Ok(ReplaySetup {
@@ -206,7 +207,7 @@ impl Flags {
                 velocity,
             },
             virtual_force,
-            actuation: self.actuation.actuation(period, file)?,
+            actuation,
             device_mass,
             encoder_quantum: self.encoder_quantum.or_else(quantum).unwrap_or(0.0),
         })
@@ -256,7 +257,7 @@ impl Flags {
             scene.told_device_mass = found.or(scene.told_device_mass);
         }
         scene.told_device_mass = self.told_device_mass.or(scene.told_device_mass);
-        let told_mass = self.device_mass.or(scene.told_device_mass);
+        let told_mass = scene.told_device_mass.or(self.device_mass);
         warn_of_resonance(
             file,
             &self.actuation,

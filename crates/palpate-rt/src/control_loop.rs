@@ -10,12 +10,12 @@ use palpate_record::recording::{ContactTick, Flags, Row, Tick};
 
 use crate::deadlines::Deadlines;
 use crate::held::HeldSince;
+use crate::lateness_watch::LatenessWatch;
 use crate::motors_off::MotorsOff;
 use crate::note::{Ending, Note, Noted};
 use crate::rendering::{Fresh, OneContact, Parameters, RenderedWorld, Rendering, Renders};
 use crate::safety::{self, Heartbeat, Safety, SafetyParams, Supervisor, Trip, Verdict};
 use crate::setup::SetupError;
-use crate::lateness_watch::LatenessWatch;
 use crate::statistics::LoopStatistics;
 use crate::stop::StopFlag;
 use crate::tap::Tap;

@@ -1,8 +1,6 @@
 //! From flags and a device file to the actuation that a scene has and its renderer is told.
 
-use palpate::{
-    Actuation, Allowed, LARGEST_DELAY, Parameter, ParameterError, Range, Transmission,
-};
+use palpate::{Actuation, Allowed, LARGEST_DELAY, Parameter, ParameterError, Range, Transmission};
 use palpate_calibrate::Quantity;
 use palpate_scene::Scene;
 use palpate_sim::replay::samples_and_fraction;
@@ -114,7 +112,9 @@ impl ActuationFlags {
         before: Option<Transmission<f64>>,
     ) -> Result<Option<Transmission<f64>>, Failure> {
         if !self.tell_a_transmission() {
-            return Ok(file.and_then(|file| file.told(self).transmission).or(before));
+            return Ok(file
+                .and_then(|file| file.told(self).transmission)
+                .or(before));
         }
         let missing = |parameter: &str, quantity: Quantity| {
             Failure::Arguments(format!(
@@ -134,12 +134,9 @@ impl ActuationFlags {
                 .ok_or_else(|| missing(flag, quantity))
         };
         Ok(Some(Transmission {
-            resonance: value(
-                self.resonance,
-                "--resonance",
-                Quantity::Resonance,
-                |it| it.resonance,
-            )?,
+            resonance: value(self.resonance, "--resonance", Quantity::Resonance, |it| {
+                it.resonance
+            })?,
             damping_ratio: value(
                 self.resonance_damping_ratio,
                 "--resonance-damping-ratio",

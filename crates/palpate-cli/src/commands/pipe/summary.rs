@@ -107,7 +107,10 @@ impl fmt::Display for Summary {
                 "later"
             };
             let milliseconds = digits(1e3 * self.learned_lateness_s.abs());
-            write!(f, "; learned: commands begin {milliseconds} ms {than} than told")?;
+            write!(
+                f,
+                "; learned: commands begin {milliseconds} ms {than} than told"
+            )?;
         }
         Ok(())
     }
