@@ -4,9 +4,9 @@ use std::path::Path;
 
 use palpate_device::Capabilities;
 use palpate_rt::WorldFrame;
-use palpate_scene::world::{WorldFile, WorldScene};
+use palpate_scene::world::{WorldFile, WorldScene, usual_guard};
 use palpate_study::text::digits;
-use palpate_world::{ContactState, Place, Side, World, WorldError};
+use palpate_world::{ContactState, Place, Side, World, WorldError, WorldGuard};
 
 use crate::arguments::{Flags, Given};
 use crate::failure::Failure;
@@ -39,6 +39,22 @@ pub fn methods<'a>(flags: &'a Flags, scene: &'a WorldScene) -> Vec<&'a str> {
         }
         Some(methods) => methods.names.clone(),
     }
+}
+
+/// The world with the guard that flags ask for; without such a flag, the file's own.
+pub fn guarded(flags: &Flags, file: &WorldFile) -> WorldFile {
+    let mut file = file.clone();
+    if let Some(mode) = flags.guard {
+        let guard = &mut file.scene.render.guard;
+        let mut params = match *guard {
+            WorldGuard::Off => usual_guard(),
+            WorldGuard::Report(params) | WorldGuard::Limit(params) => params,
+        };
+        params.largest_speed = flags.guard_speed.unwrap_or(params.largest_speed);
+        params.allowance = flags.guard_allowance.unwrap_or(params.allowance);
+        *guard = mode.of_world(params);
+    }
+    file
 }
 
 /// The one method by its name.
@@ -87,6 +103,18 @@ pub fn told_of(
 /// file.
 pub fn wrong_world(flags: &Flags, file: &WorldFile, faults: &[WorldError]) -> Failure {
     let first = &faults[0];
+    for (field, flag, value) in [
+        ("guard.largest_speed", "--guard-speed", flags.guard_speed),
+        (
+            "guard.allowance",
+            "--guard-allowance",
+            flags.guard_allowance,
+        ),
+    ] {
+        if first.field == field && value.is_some() {
+            return Failure::Arguments(format!("{flag}: {}", first.message));
+        }
+    }
     if flags.method.is_some() && first.place == Place::Method {
         return Failure::Arguments(format!("--method: {}", first.message));
     }

@@ -2,7 +2,7 @@
 
 use palpate_device::Vector;
 use palpate_record::recording::{BodyTick, ContactTick, Flags};
-use palpate_world::{Sample, World, WorldRenderer, WorldState};
+use palpate_world::{Limited, Sample, World, WorldRenderer, WorldState};
 
 use super::frame::WorldFrame;
 use super::renders::{Answer, Fresh, Renders};
@@ -18,7 +18,7 @@ pub struct RenderedWorld {
     frame: WorldFrame,
     /// Whether what was held is what acted: the renderer is told of no delay and no lag.
     acts_at_once: bool,
-    is_limited: bool,
+    limited: Limited,
     /// What the books said of created energy at the last sample `[J]`.
     booked: f64,
     /// As much of it as was created while the motors were on `[J]`.
@@ -53,7 +53,7 @@ impl RenderedWorld {
             acts_at_once: actuation.delay == 0.0 && actuation.lag == 0.0,
             method,
             frame,
-            is_limited: false,
+            limited: Limited::default(),
             booked: 0.0,
             created: 0.0,
             is_new: true,
@@ -102,7 +102,7 @@ impl Renders for RenderedWorld {
         );
         let force = output.forces.first().copied().unwrap_or_default();
         let fault = output.fault.map(|fault| fault.fault);
-        self.is_limited = output.limited.force;
+        self.limited = output.limited;
         let booked = self.state.books().created();
         let is_from_outside = sample.was_off || self.is_new || fault.is_some();
         if !is_from_outside {
@@ -142,7 +142,8 @@ impl Renders for RenderedWorld {
     fn flags(&self) -> Flags {
         Flags::default()
             .with(Flags::CONTACT, !self.rows.contacts().is_empty())
-            .with(Flags::LIMITED_FORCE, self.is_limited)
+            .with(Flags::LIMITED_FORCE, self.limited.force)
+            .with(Flags::LIMITED_GUARD, self.limited.guard)
     }
 
     fn created_energy(&self) -> f64 {

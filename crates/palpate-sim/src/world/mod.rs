@@ -61,6 +61,8 @@ pub struct WorldRun {
     pub refused: usize,
     /// Samples at which a limit changed a force.
     pub limited: usize,
+    /// Samples at which forces exceeded the guard's bound.
+    pub guarded: usize,
     /// Intervals in which a contact changed its mode more often than the tick could follow at its finest.
     pub coarse: usize,
 }
@@ -201,6 +203,7 @@ impl WorldBench {
             books: Books::default(),
             refused: 0,
             limited: 0,
+            guarded: 0,
             coarse: 0,
         };
         let end = grid.edge(grid.intervals());
@@ -218,6 +221,7 @@ impl WorldBench {
             let output = renderer.step(&mut state, &sample);
             run.refused += usize::from(output.fault.is_some());
             run.limited += usize::from(output.limited.any());
+            run.guarded += usize::from(output.limited.guard);
             run.coarse += usize::from(output.effort.unrefined > 0);
             run.commanded.push(output.forces.to_vec());
             plant.hold_wrenches(output.forces, output.torques);

@@ -27,6 +27,7 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
         .collect();
     known.extend(["stall_after", "listen", "allow_host"]);
     worlds::only(&arguments.given, &known, path)?;
+    let file = &worlds::guarded(&arguments.flags, file);
     let scene = &file.scene;
     let methods = worlds::methods(&arguments.flags, scene);
     let is_virtual = matches!(

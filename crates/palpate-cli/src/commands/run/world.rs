@@ -20,13 +20,16 @@ use crate::values::duration;
 use crate::worlds::{self, wrong_world};
 
 /// What a loop of a world takes beside its file; everything else is said in the file.
-pub const FLAGS: [&str; 28] = [
+pub const FLAGS: [&str; 31] = [
     "scene",
     "record",
     "duration",
     "fast",
     "json",
     "method",
+    "guard",
+    "guard_speed",
+    "guard_allowance",
     "device",
     "port",
     "generation",
@@ -61,7 +64,7 @@ pub fn run_session(
     known.push("stall_after");
     worlds::only(&arguments.given, &known, path)?;
     let session = Session {
-        file,
+        file: &worlds::guarded(&arguments.flags, file),
         path,
         record,
         arguments,

@@ -21,7 +21,7 @@ use stream::{Memory, Stream};
 pub use summary::WorldSummary;
 
 /// What a pipe of a world takes beside its file; everything else is said in the file.
-const FLAGS: [&str; 9] = [
+const FLAGS: [&str; 12] = [
     "file",
     "scene",
     "time",
@@ -30,6 +30,9 @@ const FLAGS: [&str; 9] = [
     "soft_start",
     "force_limit",
     "method",
+    "guard",
+    "guard_speed",
+    "guard_allowance",
     "json",
 ];
 
@@ -42,6 +45,7 @@ pub fn run(arguments: &PipeArguments, path: &Path, file: &WorldFile) -> Result<(
 /// The stream as arguments and file say it; nothing has been read or written yet.
 fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<Stream, Failure> {
     let flags = &arguments.flags;
+    let file = &worlds::guarded(flags, file);
     let mut scene = file.scene.clone();
     let method = worlds::one_method(flags, &file.scene)?;
     let defaults = SafetyParams::default();
