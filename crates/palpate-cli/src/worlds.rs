@@ -4,6 +4,7 @@ use std::path::Path;
 
 use palpate_device::Capabilities;
 use palpate_rt::WorldFrame;
+use palpate_rt::safety::SafetyParams;
 use palpate_scene::world::{WorldFile, WorldScene, usual_guard};
 use palpate_study::text::digits;
 use palpate_world::{ContactState, Place, Side, World, WorldError, WorldGuard};
@@ -73,13 +74,13 @@ pub fn known(method: &str) -> &'static str {
     all.find(|name| *name == method).unwrap_or("unknown")
 }
 
-/// The scene as the renderer of a loop with one device is told it: no force above `largest_force` `[N]`, a sensor as coarse
-/// as the device says, and a device that does not move along the axes of the world that none of its own stands for.
+/// The scene as the renderer of a loop with one device is told it: no force and no torque above those of `limits`, a sensor
+/// as coarse as the device says, and a device that does not move along the axes of the world that none of its own stands for.
 pub fn told_of(
     scene: &WorldScene,
     frame: &WorldFrame,
     device: &Capabilities,
-    largest_force: f64,
+    limits: &SafetyParams,
 ) -> WorldScene {
     let mut told = scene.clone();
     if let Some(quantum) = device.encoder_quantum {
@@ -87,8 +88,15 @@ pub fn told_of(
             own.quantum = own.quantum.map(|of_file| of_file.max(quantum));
         }
     }
+    let SafetyParams {
+        largest_force,
+        largest_torque,
+        ..
+    } = *limits;
     let limit = told.render.force_limit.unwrap_or(largest_force);
     told.render.force_limit = Some(limit.min(largest_force));
+    let limit = told.render.torque_limit.unwrap_or(largest_torque);
+    told.render.torque_limit = Some(limit.min(largest_torque));
     for mass in &mut told.render.device_mass {
         for (axis, mass) in mass.iter_mut().enumerate() {
             if !frame.has(axis) {

@@ -13,6 +13,7 @@ use palpate_testbed::world::{
 use palpate_world::{Books, Quaternion, Sample, Vector, WorldError, WorldRenderer};
 
 pub use judged::as_judged;
+pub(crate) use judged::judged_turning;
 pub use rendered::as_rendered;
 
 /// Most periods of a window.

@@ -73,14 +73,9 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
             let OpenedInWorld { device, frame } =
                 open_in_world_with(&device, &file.scene, &clock, &guarding, hand.as_ref())?;
             let limits = limits(device.capabilities(), &safety);
-            let world = rendered(
-                &file,
-                method,
-                (&frame, device.capabilities()),
-                limits.largest_force,
-            )
-            .map_err(|faults| Failure::input(&faults[0]))?
-            .map_err(Failure::input)?;
+            let world = rendered(&file, method, (&frame, device.capabilities()), &limits)
+                .map_err(|faults| Failure::input(&faults[0]))?
+                .map_err(Failure::input)?;
             Ok(WorldLane {
                 device,
                 world,
