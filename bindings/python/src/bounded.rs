@@ -9,6 +9,7 @@ pub fn names(limited: Limited, bounded: Bounded) -> Vec<&'static str> {
         (limited.force || bounded.force, "force"),
         (limited.torque, "torque"),
         (limited.offset, "offset"),
+        (limited.guard, "guard"),
         (bounded.soft_start, "soft-start"),
     ];
     let names = acted.into_iter();

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use palpate_device::Capabilities;
 use palpate_rt::WorldFrame;
-use palpate_scene::world::{WorldFile, WorldScene};
-use palpate_world::{Place, WorldError};
+use palpate_rt::safety::SafetyParams;
+use palpate_scene::world::{WorldFile, WorldScene, usual_guard};
+use palpate_world::{Place, WorldError, WorldGuard};
 
 use crate::arguments::{Flags, Given};
 use crate::failure::Failure;
@@ -40,6 +41,22 @@ pub fn methods<'a>(flags: &'a Flags, scene: &'a WorldScene) -> Vec<&'a str> {
     }
 }
 
+/// The world with the guard that flags ask for; without such a flag, the file's own.
+pub fn guarded(flags: &Flags, file: &WorldFile) -> WorldFile {
+    let mut file = file.clone();
+    if let Some(mode) = flags.guard {
+        let guard = &mut file.scene.render.guard;
+        let mut params = match *guard {
+            WorldGuard::Off => usual_guard(),
+            WorldGuard::Report(params) | WorldGuard::Limit(params) => params,
+        };
+        params.largest_speed = flags.guard_speed.unwrap_or(params.largest_speed);
+        params.allowance = flags.guard_allowance.unwrap_or(params.allowance);
+        *guard = mode.of_world(params);
+    }
+    file
+}
+
 /// The one method by its name.
 pub fn one_method<'a>(flags: &'a Flags, scene: &'a WorldScene) -> Result<&'a str, Failure> {
     match methods(flags, scene)[..] {
@@ -56,13 +73,13 @@ pub fn known(method: &str) -> &'static str {
     all.find(|name| *name == method).unwrap_or("unknown")
 }
 
-/// The scene as the renderer of a loop with one device is told it: no force above `largest_force` `[N]`, a sensor as coarse
-/// as the device says, and a device that does not move along the axes of the world that none of its own stands for.
+/// The scene as the renderer of a loop with one device is told it: no force and no torque above those of `limits`, a sensor
+/// as coarse as the device says, and a device that does not move along the axes of the world that none of its own stands for.
 pub fn told_of(
     scene: &WorldScene,
     frame: &WorldFrame,
     device: &Capabilities,
-    largest_force: f64,
+    limits: &SafetyParams,
 ) -> WorldScene {
     let mut told = scene.clone();
     if let Some(quantum) = device.encoder_quantum {
@@ -70,8 +87,15 @@ pub fn told_of(
             own.quantum = own.quantum.map(|of_file| of_file.max(quantum));
         }
     }
+    let SafetyParams {
+        largest_force,
+        largest_torque,
+        ..
+    } = *limits;
     let limit = told.render.force_limit.unwrap_or(largest_force);
     told.render.force_limit = Some(limit.min(largest_force));
+    let limit = told.render.torque_limit.unwrap_or(largest_torque);
+    told.render.torque_limit = Some(limit.min(largest_torque));
     for mass in &mut told.render.device_mass {
         for (axis, mass) in mass.iter_mut().enumerate() {
             if !frame.has(axis) {
@@ -86,6 +110,18 @@ pub fn told_of(
 /// file.
 pub fn wrong_world(flags: &Flags, file: &WorldFile, faults: &[WorldError]) -> Failure {
     let first = &faults[0];
+    for (field, flag, value) in [
+        ("guard.largest_speed", "--guard-speed", flags.guard_speed),
+        (
+            "guard.allowance",
+            "--guard-allowance",
+            flags.guard_allowance,
+        ),
+    ] {
+        if first.field == field && value.is_some() {
+            return Failure::Arguments(format!("{flag}: {}", first.message));
+        }
+    }
     if flags.method.is_some() && first.place == Place::Method {
         return Failure::Arguments(format!("--method: {}", first.message));
     }

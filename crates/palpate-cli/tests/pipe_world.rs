@@ -281,3 +281,30 @@ fn a_last_line_without_a_newline_moves_no_device() {
         "{answer:?}"
     );
 }
+
+#[test]
+fn a_guard_holds_back_in_a_pipe_and_says_so() {
+    let pipe = |more: &str| {
+        let arguments = format!("pipe ball.toml --soft-start 0 --json {more}");
+        let answer = folder().palpate_reading(lines(&motion()), &arguments);
+        assert_eq!(answer.code, 0, "{answer:?}");
+        answer
+    };
+    let guarded = |answer: &common::Answer| {
+        let said = answer.stderr.lines().find(|line| line.starts_with('{'));
+        let report: serde_json::Value = serde_json::from_str(said.unwrap()).unwrap();
+        report["guarded"].as_u64().unwrap()
+    };
+    let open = pipe("");
+    let reporting = pipe("--guard report --guard-allowance 1e-4");
+    assert_eq!(open.stdout, reporting.stdout);
+    assert_eq!(guarded(&open), 0);
+    assert!(guarded(&reporting) > 20);
+    assert!(
+        reporting.stderr.contains("more energy than there is"),
+        "{}",
+        reporting.stderr
+    );
+    let limiting = pipe("--guard limit --guard-allowance 1e-4");
+    assert!(guarded(&limiting) > 20 && limiting.stdout != open.stdout);
+}

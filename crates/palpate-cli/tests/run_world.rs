@@ -279,3 +279,69 @@ fn the_motion_of_a_recording_is_replayed_in_its_world() {
         &["--replay", "is a world"],
     );
 }
+
+#[test]
+fn a_device_of_six_axes_is_run_and_its_turns_and_torques_are_recorded() {
+    let folder = Folder::new();
+    folder.write("box.toml", experiment_text("worlds/box"));
+    let report = parse(&folder.succeed("record box.toml box.mcap --fast --duration 0.3 --json"));
+    assert_eq!(report["trip"], serde_json::Value::Null);
+    assert!(number(&report, "peak_force_n") > 1.0, "{report}");
+    let (mut torque, mut turned, mut avatar): (f64, f64, f64) = (0.0, 0.0, 0.0);
+    let mut first = None;
+    for entry in Recording::open(&folder.path("box.mcap"))
+        .unwrap()
+        .entries()
+        .unwrap()
+    {
+        let Entry::Tick(tick, _, bodies) = entry.unwrap() else {
+            continue;
+        };
+        let length = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        assert_eq!(tick.commanded_torque, tick.delivered_torque);
+        torque = torque.max(length(tick.delivered_torque));
+        let start = *first.get_or_insert(tick.device_orientation);
+        let apart = |q: [f64; 4]| {
+            let parts = q.iter().zip(start);
+            parts
+                .map(|(q, start)| (q - start).abs())
+                .fold(0.0, f64::max)
+        };
+        turned = turned.max(apart(tick.device_orientation));
+        let of_tool = bodies.last().unwrap().orientation;
+        let own = of_tool.iter().zip(tick.device_orientation);
+        avatar = own.fold(avatar, |most, (avatar, device)| {
+            most.max((avatar - device).abs())
+        });
+    }
+    // The box tips, and its avatar is near the device, but not in its place.
+    assert!(torque > 0.01 && torque <= 1.0, "{torque} N m");
+    assert!(turned > 0.05, "{turned}");
+    assert!(avatar > 0.0 && avatar < 0.15, "{avatar}");
+    folder.succeed("convert box.mcap");
+    assert!(folder.read("box.csv").contains("delivered_torque_1_n_m"));
+
+    folder.fail(
+        "run box.toml --device pointer --fast --duration 0.1",
+        3,
+        &["six axes", "--device simulated"],
+    );
+    folder.fail(
+        "run box.toml --fast --duration 0.1 --world-axes y,x,z",
+        3,
+        &["box.toml", "x,y,z"],
+    );
+}
+
+#[test]
+fn a_guard_acts_in_a_loop_of_a_world_and_is_counted() {
+    let folder = folder();
+    let guarded = |name: &str, more: &str| {
+        let record = format!("record ball-on-table.toml {name} --fast --duration 1 --json");
+        let _ = folder.succeed(&format!("{record} {more}"));
+        let info = parse(&folder.succeed(&format!("info {name} --json")));
+        info["flags"]["limited-guard"].as_u64().unwrap_or(0)
+    };
+    assert_eq!(guarded("a.mcap", "--guard limit"), 0);
+    assert!(guarded("b.mcap", "--guard limit --guard-allowance 0.001") > 10);
+}

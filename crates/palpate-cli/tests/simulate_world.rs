@@ -361,3 +361,34 @@ fn a_recorded_motion_is_rendered_in_a_world() {
         &["is one contact"],
     );
 }
+
+#[test]
+fn a_guard_is_asked_for_by_flags_or_the_file_and_what_it_holds_back_is_counted() {
+    let folder = Folder::new();
+    folder.write("ball.toml", BALL);
+    let guarded = |arguments: &str| {
+        let report = folder.json(arguments);
+        assert_eq!(schema::check(&report), "world");
+        let count = |key: &str| report["methods"][0][key].as_u64().unwrap();
+        assert!(count("limited_samples") >= count("guarded_samples"));
+        (count("guarded_samples"), error(&report, "coupled"))
+    };
+    let open = guarded("simulate ball.toml");
+    assert_eq!(guarded("simulate ball.toml --guard limit"), open);
+    let (seen, error) = guarded("simulate ball.toml --guard report --guard-allowance 1e-4");
+    assert!(seen > 10 && error == open.1, "{seen} {error}");
+    let (acted, error) = guarded("simulate ball.toml --guard limit --guard-allowance 1e-4");
+    assert!(acted > 10 && error > 10.0 * open.1, "{acted} {error}");
+    // The file's own, of which a flag changes the speed.
+    let guard = "[render]\nguard = { mode = \"limit\", allowance_j = 1e-4 }";
+    folder.write("guarded.toml", BALL.replace("[render]", guard));
+    assert_eq!(guarded("simulate guarded.toml"), (acted, error));
+    let (fewer, _) = guarded("simulate guarded.toml --guard limit --guard-speed 0.1");
+    assert!(fewer < acted, "{fewer} {acted}");
+    assert_eq!(guarded("simulate guarded.toml --guard off"), open);
+    folder.fail(
+        "simulate ball.toml --guard limit --guard-speed 0",
+        2,
+        &["--guard-speed", "above 0"],
+    );
+}

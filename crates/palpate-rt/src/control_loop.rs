@@ -101,13 +101,17 @@ impl<D: Device, C: Clock> ControlLoop<D, C, RenderedWorld> {
     /// A loop that renders a world on `device`. It ticks from the first call of [`tick`](Self::tick) on.
     ///
     /// # Errors
-    /// A limit of the safety outside its range; a period below a nanosecond or above 10 s.
+    /// A limit of the safety outside its range; a period below a nanosecond or above 10 s; a tool that turns, and a device
+    /// that gives no torque about three axes.
     pub fn of_world(
         device: D,
         clock: C,
         world: RenderedWorld,
         limits: SafetyParams,
     ) -> Result<Self, SetupError> {
+        if world.turns() && device.capabilities().torque_axes != 3 {
+            return Err(SetupError::SixAxes);
+        }
         Self::rendering(device, clock, world, limits)
     }
 }
@@ -260,7 +264,7 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
         if self.device.write(Wrench::NONE).is_err() {
             let _ = self.device.write(Wrench::NONE);
         }
-        self.held.change([0.0; 3], self.clock.now());
+        self.held.change(Wrench::NONE, self.clock.now());
         self.motors_off.let_go();
         self.safety.let_go();
         self.heartbeat.end();
@@ -310,9 +314,10 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
                 let held = self.held.take(reading.time);
                 let answer = self.rendered.step(&Fresh {
                     position: reading.position,
+                    orientation: reading.orientation,
                     elapsed,
                     held,
-                    was_off: self.is_off && held == Some([0.0; 3]),
+                    was_off: self.is_off && held == Some(Wrench::NONE),
                 });
                 fault = answer.fault;
                 self.last = Some(reading);
@@ -320,7 +325,7 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
                     elapsed,
                     position: reading.position,
                     coordinate: answer.coordinate,
-                    wrench: Wrench::of_force(answer.force),
+                    wrench: answer.wrench,
                     created_energy: self.rendered.created_energy(),
                     refused: fault.is_some(),
                     stalled,
@@ -452,7 +457,7 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
     /// The books learn that no force was held from `cut` on.
     fn book_cut(&mut self, cut: Option<Duration>) {
         if let Some(at) = cut {
-            self.held.change([0.0; 3], at);
+            self.held.change(Wrench::NONE, at);
             self.motors_off.cut(at);
         }
     }
@@ -522,10 +527,9 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
                 Wrench::NONE
             }
         };
-        self.held.change(delivered.force, self.clock.now());
+        self.held.change(delivered, self.clock.now());
         let sent = written.ok().and_then(|_| self.device.last_sent());
-        self.rendered
-            .report_written(delivered.force, sent.map(|sent| sent.force));
+        self.rendered.report_written(delivered, sent);
         delivered
     }
 

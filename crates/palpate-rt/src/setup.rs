@@ -19,12 +19,15 @@ pub enum SetupError {
         "the world has {0} devices; a loop in real time has one so far, and `palpate pipe` renders a world of several"
     )]
     Devices(usize),
-    /// A world whose tool turns.
+    /// A world whose tool turns, on a device that does not.
     #[error(
-        "the world's device has six axes (inertia_kg_m2); a loop in real time gives no torque so far, and `palpate \
-         pipe` renders it"
+        "the world's device has six axes (inertia_kg_m2), and this device has no torque about three axes; allowed: a \
+         device that has, such as simulated"
     )]
     SixAxes,
+    /// A world whose tool turns, on a device whose axes are not those of the world.
+    #[error("a device of six axes has the axes of the world, x,y,z; its place may be another one")]
+    TurnedFrame,
     /// A period that no clock can keep `[s]`.
     #[error("the period is {0} s; allowed: a nanosecond to 10 s")]
     Period(f64),

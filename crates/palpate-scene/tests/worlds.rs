@@ -1,8 +1,8 @@
 //! Scene files of format 2: what they say, and how their faults are said.
 #![allow(missing_docs)]
 
-use palpate_scene::world::WorldFile;
-use palpate_world::{Motion, Party, Shape};
+use palpate_scene::world::{WorldFile, usual_guard};
+use palpate_world::{Motion, Party, Shape, WorldGuard, WorldGuardParams};
 
 const BALL: &str = r#"
 format = 2
@@ -223,4 +223,52 @@ fn one_star_is_any_pair_and_other_words_say_what_is_allowed() {
             "{fault}"
         );
     }
+}
+
+#[test]
+fn a_guard_is_read_and_its_faults_are_said() {
+    let with = |guard: &str| BALL.replace("[render]", &format!("[render]\nguard = {guard}"));
+    let read = |guard: &str| {
+        let scene = WorldFile::parse("ball.toml", &with(guard)).unwrap().scene;
+        assert_eq!(scene.in_loop().guard, scene.render.guard);
+        scene.render.guard
+    };
+    assert_eq!(
+        read("{ mode = \"limit\" }"),
+        WorldGuard::Limit(usual_guard())
+    );
+    assert_eq!(read("{ mode = \"off\", allowance_j = 1 }"), WorldGuard::Off);
+    let all = "{ mode = \"report\", speed_m_per_s = 2, turning_rad_per_s = 5, allowance_j = 0.1, late_samples = 2 }";
+    let params = WorldGuardParams {
+        largest_speed: 2.0,
+        largest_turning: 5.0,
+        allowance: 0.1,
+        late: 2,
+    };
+    assert_eq!(read(all), WorldGuard::Report(params));
+    for (guard, words) in [
+        ("{ mode = \"on\" }", "limit"),
+        (
+            "{ mode = \"limit\", speed_m_per_s = 0 }",
+            "speed_m_per_s is 0, and has to be above 0",
+        ),
+        (
+            "{ mode = \"limit\", allowance_j = -1 }",
+            "allowance_j is -1, and has to be at least 0",
+        ),
+        ("{ mode = \"limit\", allowance = 1 }", "allowance"),
+    ] {
+        let said = said(&with(guard));
+        assert!(
+            said.len() == 1 && said[0].contains(words),
+            "{guard}: {said:?}"
+        );
+    }
+    // What a renderer alone knows is said at its key.
+    let late = with("{ mode = \"limit\", late_samples = 9 }");
+    let file = WorldFile::parse("ball.toml", &late).unwrap();
+    let faults = file.scene.renderer("coupled").unwrap_err();
+    let error = file.at(faults[0].place, faults[0].field, faults[0].to_string());
+    assert!(error.to_string().contains("at most 8"), "{error}");
+    assert_eq!(&late[error.span.clone()], "9");
 }

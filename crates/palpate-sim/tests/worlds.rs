@@ -2,9 +2,10 @@
 #![allow(missing_docs)]
 #![allow(clippy::print_stdout)] // what was measured
 
-use palpate_scene::world::WorldFile;
+use palpate_scene::world::{WorldFile, usual_guard};
 use palpate_sim::world::{WorldBench, WorldRun};
 use palpate_testbed::world::LedPath;
+use palpate_world::WorldGuard;
 
 /// A tool that a constant force presses into a groove of two planes: nothing about the device is unknown but what
 /// its observer has to find.
@@ -192,6 +193,30 @@ fn in_the_committed_worlds_coupled_rendering_is_near_the_floor_and_at_it_with_th
 
 /// A pop is a sample at which a tool that has overlapped the wall is not pushed back to its own side any more. The wall
 /// of the pocket is thinner than the overlap.
+/// A guard that is asked for as the program asks for one does not act where devices are known well enough: every
+/// commanded force stays the same to the last bit.
+#[test]
+fn the_guard_leaves_every_committed_world_as_it_is() {
+    for (name, source) in committed() {
+        let mut scene = WorldFile::parse(&name, &source).unwrap().scene;
+        let bench = WorldBench::new(&scene).unwrap();
+        let mut commanded = |guard| {
+            scene.render.guard = guard;
+            let run = bench.run("coupled", &scene.renderer("coupled").unwrap());
+            let run = run.unwrap();
+            (run.commanded, run.guarded)
+        };
+        let (open, _) = commanded(WorldGuard::Off);
+        let (kept, acted) = commanded(WorldGuard::Limit(usual_guard()));
+        assert_eq!(acted, 0, "{name}");
+        let bits = |run: &[Vec<[f64; 3]>]| -> Vec<u64> {
+            let all = run.iter().flatten().flatten();
+            all.map(|force| force.to_bits()).collect()
+        };
+        assert_eq!(bits(&open), bits(&kept), "{name}");
+    }
+}
+
 #[test]
 fn a_probe_in_a_pocket_does_not_pop_through_its_thin_wall() {
     let (_, source) = committed()

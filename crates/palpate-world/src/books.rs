@@ -112,6 +112,11 @@ pub struct Books {
 }
 
 impl Books {
+    /// Sum of what the contacts' stored energy changed by from outside `[J]`.
+    pub(crate) fn observed(&self) -> f64 {
+        self.contacts.iter().map(|book| book.observed).sum()
+    }
+
     /// Energy that held forces created `[J]`; negative where they took more than contacts and damping account for.
     ///
     /// ```text

@@ -158,6 +158,27 @@ impl Commands {
             .any(|force| force > 0.0)
     }
 
+    /// Sum of the magnitudes of what is still to act on a tool before the command of this sample does, and of what a `lag`
+    /// `[s]` carries over, as forces over one `period` `[s]`, delivered `[N]`. Zero where nothing is followed.
+    pub fn claims(&self, tool: usize, lag: f64, period: f64) -> f64 {
+        let gain = self.actuator.gain();
+        let of_axis = |axis: &UnderWay<f64>| {
+            let mut claim = gain * Ahead::new(&self.actuator, axis).magnitude();
+            if lag > 0.0 {
+                let now = axis.passing(&self.actuator, NOW * period).held.mean;
+                claim += now.abs() * lag / period;
+            }
+            claim
+        };
+        let tool = self.tools.get(tool);
+        tool.map_or(0.0, |tool| tool.under_way.iter().map(of_axis).sum())
+    }
+
+    /// Delivered over commanded force.
+    pub fn gain(&self) -> f64 {
+        self.actuator.gain()
+    }
+
     pub fn send(&mut self, intended: &[Vector3], sent: &[Vector]) {
         for (tool, (intended, sent)) in self.tools.iter_mut().zip(intended.iter().zip(sent)) {
             for (axis, under_way) in tool.under_way.iter_mut().enumerate() {
@@ -178,3 +199,6 @@ impl Commands {
         }
     }
 }
+
+/// A part of a period in which nothing changes.
+const NOW: f64 = 1e-6;

@@ -2,7 +2,7 @@
 
 use palpate::Actuation;
 
-use crate::{Place, SubSteps, WorldError};
+use crate::{Place, SubSteps, WorldError, WorldGuard};
 
 /// The loop in which a world is rendered: the same for every tool.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,6 +23,8 @@ pub struct WorldLoop {
     pub actuation: Actuation<f64>,
     /// How finely an interval is integrated.
     pub sub_steps: SubSteps,
+    /// Bound on the energy that held forces give out, of all tools together.
+    pub guard: WorldGuard,
 }
 
 impl WorldLoop {
@@ -38,6 +40,7 @@ impl WorldLoop {
             turning_limit: Some(100.0),
             actuation: Actuation::default(),
             sub_steps: SubSteps::default(),
+            guard: WorldGuard::Off,
         }
     }
 
@@ -63,6 +66,12 @@ impl WorldLoop {
     #[must_use]
     pub fn with_actuation(self, actuation: Actuation<f64>) -> Self {
         Self { actuation, ..self }
+    }
+
+    /// The same loop with a bound on the energy that its forces give out.
+    #[must_use]
+    pub fn with_guard(self, guard: WorldGuard) -> Self {
+        Self { guard, ..self }
     }
 
     pub(crate) fn bridged_gap(&self) -> f64 {
@@ -134,6 +143,10 @@ impl WorldLoop {
                 format!("finer is {finer}, and has to be 1 to {MOST_SUB_STEPS}"),
             );
         }
+        faults.extend(self.guard.faults());
+        let mut fault = |field, message: String| {
+            faults.push(WorldError::new(Place::Loop, field, "the loop", message));
+        };
         let timed = palpate::LoopParams {
             actuation: self.actuation,
             ..palpate::LoopParams::new(self.period)

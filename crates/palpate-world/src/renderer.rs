@@ -6,6 +6,7 @@ use palpate::Fault;
 use crate::blocks::Blocks;
 use crate::books::{BodyBook, Books, ContactBook, DeviceBook, JointBook};
 use crate::commands::Commands;
+use crate::guard::{Account, most_of};
 use crate::link::{Link, links_of};
 use crate::mesh::Surface;
 use crate::method::{Checked, Memory, WorldMethod};
@@ -16,7 +17,8 @@ use crate::rigid::{Mobility, Rigid, Vector3};
 use crate::state::{BodyState, ContactState, Progress, ToolState, WorldState, quaternion};
 use crate::tracking::Tracking;
 use crate::{
-    Body, Effort, Limited, Motion, Output, Sample, Vector, World, WorldError, WorldFault, WorldLoop,
+    Body, Effort, Limited, Motion, Output, Sample, Vector, World, WorldError, WorldFault,
+    WorldGuard, WorldLoop,
 };
 
 /// A world, rendered by one method in one loop. Immutable: a tick cannot change a parameter, and one renderer serves
@@ -166,8 +168,13 @@ impl WorldRenderer {
                 joints: self.joints_at_start(),
                 devices: vec![DeviceBook::default(); self.tools],
             },
+            guard: Account::new(&self.in_loop.guard, self.tools, 0.0),
             now,
         };
+        let books = &progress.books;
+        let bodies: f64 = books.bodies.iter().map(|book| book.kinetic).sum();
+        let joints: f64 = books.joints.iter().map(|book| book.stored).sum();
+        progress.guard.appeared(bodies + joints);
         let memory = self.method.memory(self);
         self.publish(&mut progress, &memory);
         WorldState { progress, memory }
@@ -214,6 +221,7 @@ impl WorldRenderer {
         let duration = *elapsed.as_ref().unwrap_or(&self.in_loop.period);
         progress.commands.pass(duration);
         progress.torque_commands.pass(duration);
+        self.account(progress, elapsed.is_ok());
         let answer = elapsed.and_then(|elapsed| self.try_step(progress, memory, sample, elapsed));
         let (limited, effort, fault) = match answer {
             Ok((limited, effort)) => (limited, effort, None),
@@ -263,7 +271,9 @@ impl WorldRenderer {
             effort
         } else {
             state.now.forget_sides();
+            let before = state.books.observed();
             self.method.begin(self, state, memory, positions);
+            state.guard.appeared(state.books.observed() - before);
             Effort::default()
         };
         state.tracking.trust();
@@ -276,7 +286,53 @@ impl WorldRenderer {
         let limits = (&self.in_loop.force_limits, &self.in_loop.torque_limits);
         limited.force = limit(&state.intended, &mut state.forces, limits.0);
         limited.torque = limit(&state.intended_torques, &mut state.torques, limits.1);
+        limited.guard = self.guard(state);
         Ok((limited, effort))
+    }
+
+    /// The guard takes account of an interval that has ended, with a sample that is believed or not.
+    fn account(&self, state: &mut Progress, is_believed: bool) {
+        let Some(params) = self.in_loop.guard.params() else {
+            return;
+        };
+        let is_known = is_believed && state.tracking.in_progress;
+        let tracking = &state.tracking;
+        let moved = is_known.then_some(|tool| tracking.moved(tool));
+        let commands = (&state.commands, &state.torque_commands);
+        state
+            .guard
+            .pass(params, commands, moved, self.in_loop.period);
+    }
+
+    /// Keeps forces and torques to what the guard lets pass, if it is to; whether they exceed it.
+    fn guard(&self, state: &mut Progress) -> bool {
+        let Some(params) = self.in_loop.guard.params() else {
+            return false;
+        };
+        let period = self.in_loop.period;
+        let lag = self.in_loop.actuation.lag;
+        let expected: f64 = (0..self.tools)
+            .map(|tool| {
+                state.commands.claims(tool, lag, period) * params.largest_speed
+                    + state.torque_commands.claims(tool, lag, period) * params.largest_turning
+            })
+            .sum();
+        let free = state
+            .guard
+            .free(params, &state.books, expected * period, period);
+        let gain = state.commands.gain();
+        let asked = most_of(params, &state.forces, &state.torques) * gain * period;
+        if asked <= free {
+            return false;
+        }
+        // From here on asked is above 0.
+        if matches!(self.in_loop.guard, WorldGuard::Limit(_)) {
+            let kept = free / asked;
+            for vector in state.forces.iter_mut().chain(&mut state.torques) {
+                *vector = vector.map(|x| x * kept + 0.0);
+            }
+        }
+        true
     }
 }
 
@@ -312,6 +368,7 @@ impl WorldRenderer {
         }
         for book in &mut state.books.contacts {
             book.observed -= book.stored;
+            state.guard.appeared(-book.stored);
             book.stored = 0.0;
         }
     }

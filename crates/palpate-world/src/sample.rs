@@ -56,13 +56,16 @@ pub struct Limited {
     /// An offset of an avatar exceeded [`CoupledParams::offset_limit`](crate::CoupledParams::offset_limit)
     /// or [`CoupledParams::turn_limit`](crate::CoupledParams::turn_limit).
     pub offset: bool,
+    /// Forces and torques could give out more energy than there is: the bound of
+    /// [`WorldLoop::guard`](crate::WorldLoop::guard).
+    pub guard: bool,
 }
 
 impl Limited {
     /// Whether any limit acted.
     #[must_use]
     pub fn any(self) -> bool {
-        self.force || self.torque || self.offset
+        self.force || self.torque || self.offset || self.guard
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::books::Books;
 use crate::commands::Commands;
+use crate::guard::Account;
 use crate::law::Mode;
 use crate::method::Memory;
 use crate::moving::Moving;
@@ -41,6 +42,7 @@ pub(crate) struct Progress {
     pub bodies: Vec<BodyState>,
     pub contacts: Vec<ContactState>,
     pub books: Books,
+    pub guard: Account,
 }
 
 /// Writes the contacts of a world in motion.

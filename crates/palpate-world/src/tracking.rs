@@ -115,6 +115,12 @@ impl Tracking {
         }
     }
 
+    /// By how much a tool went `[m]` and turned `[rad]` from the last sample that was used to the one that is believed.
+    pub fn moved(&self, tool: usize) -> [Vector3; 2] {
+        let turn = self.seen_turn[tool] * self.trusted_turn[tool].inverse();
+        [self.seen[tool] - self.trusted[tool], turn.scaled_axis()]
+    }
+
     /// The last sample is used.
     pub fn trust(&mut self) {
         self.trusted.copy_from_slice(&self.seen);

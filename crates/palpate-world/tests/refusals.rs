@@ -4,7 +4,7 @@
 use palpate::Actuation;
 use palpate_world::{
     BasicParams, Body, Contact, ContactLaw, CoupledParams, Free, Motion, Party, Place, Prior,
-    Shape, SubSteps, Tool, World, WorldError, WorldLoop, WorldMethod, WorldRenderer,
+    Shape, SubSteps, Tool, World, WorldError, WorldGuard, WorldLoop, WorldMethod, WorldRenderer,
 };
 
 fn a_world() -> World {
@@ -117,6 +117,7 @@ fn every_parameter_of_loop_and_method_outside_its_range_is_said() {
             least: 0,
             ..SubSteps::default()
         },
+        guard: WorldGuard::Off,
     };
     let method = CoupledParams {
         device_mass: vec![[0.1, -0.1, 0.1], [0.1; 3]],

@@ -66,6 +66,7 @@ impl From<&Held<'_>> for WorldOutput {
             limited: bit(held.limited.force || held.bounded.force, Limit::Force)
                 | bit(held.limited.torque, Limit::Torque)
                 | bit(held.limited.offset, Limit::Offset)
+                | bit(held.limited.guard, Limit::Guard)
                 | bit(held.bounded.slew, Limit::Slew)
                 | bit(held.bounded.soft_start, Limit::SoftStart),
             sub_steps: held.effort.sub_steps,

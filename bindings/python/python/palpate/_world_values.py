@@ -32,7 +32,7 @@ class WorldOutput(NamedTuple):
     sample. Where a device of six axes is among them, each row has the torque about the mass centre [N m] behind the
     force, 0 for a device that does not turn."""
     limited: tuple[str, ...]
-    """Limits that acted: `force`, `torque`, `offset` of an avatar, `soft-start`."""
+    """Limits that acted: `force`, `torque`, `offset` of an avatar, `guard`, `soft-start`."""
     effort: Effort
     """What the tick has cost."""
     fault: str | None

@@ -144,7 +144,7 @@ pub struct Flags {
         help_heading = "Loop"
     )]
     pub guard_speed: Option<f64>,
-    /// Energy that the guard lets out on top [J] [default: 0.001]
+    /// Energy that the guard lets out on top [J] [default: 0.001; 0.05 in a world]
     #[arg(
         long,
         value_name = "J",

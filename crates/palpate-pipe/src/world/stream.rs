@@ -118,6 +118,13 @@ impl WorldStream {
         }
         self.summary.samples += 1;
         self.summary.limited += u64::from(shortened);
+        self.summary.guarded += u64::from(limited.guard);
+        if limited.guard && self.summary.guarded == 1 {
+            self.tell(format_args!(
+                "line {number}: the forces could give out more energy than there is; further ones are counted, and \
+                 the summary has their number"
+            ));
+        }
         self.summary.softened += u64::from(bounded.soft_start);
         if shortened && !self.memory.is_limited {
             self.memory.is_limited = true;

@@ -21,6 +21,8 @@ pub struct WorldSummary {
     pub refused: u64,
     /// Lines with a force that a limit changed.
     pub limited: u64,
+    /// Lines with a force that exceeded the guard's bound.
+    pub guarded: u64,
     /// Lines with a force that was still coming in.
     pub softened: u64,
     /// Largest force on each device; none: no limit.
@@ -50,6 +52,7 @@ impl WorldSummary {
             samples: 0,
             refused: 0,
             limited: 0,
+            guarded: 0,
             softened: 0,
             force_limit_n,
             torque_limit_n_m,
@@ -81,6 +84,10 @@ impl fmt::Display for WorldSummary {
             counted(self.limited, "line"),
             digits(1e3 * self.leak_held_j),
             digits(1e3 * self.dissipated_j),
-        )
+        )?;
+        match self.guarded {
+            0 => Ok(()),
+            many => write!(f, "; {} beyond the guard's bound", counted(many, "line")),
+        }
     }
 }

@@ -122,6 +122,12 @@ impl WorldFrame {
         Self::new(axes, vector("device_place_m")?, vector("world_place_m")?).ok()
     }
 
+    /// Whether the axes of the device are those of the world, in their order and direction.
+    #[must_use]
+    pub fn is_aligned(&self) -> bool {
+        self.axes == Self::the_same().axes
+    }
+
     /// Whether an axis of the device stands for this axis of the world.
     #[must_use]
     pub fn has(&self, axis: usize) -> bool {

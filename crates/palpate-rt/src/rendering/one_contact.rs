@@ -1,7 +1,7 @@
 //! One contact along an axis of the device's space, as the loop renders it.
 
 use palpate::{AlongAxis, Output, ParameterError};
-use palpate_device::Vector;
+use palpate_device::{Vector, Wrench};
 use palpate_record::recording::{ContactTick, Flags};
 
 use super::renders::{Answer, Fresh, Renders};
@@ -81,7 +81,7 @@ impl Renders for OneContact {
         if let Some(mean) = sample.held
             && !self.is_told_how_forces_act()
         {
-            let held = -self.along_axis(mean);
+            let held = -self.along_axis(mean.force);
             self.rendered.report_held(held);
         }
         let coordinate = self.axis.coordinate(sample.position);
@@ -91,15 +91,15 @@ impl Renders for OneContact {
         self.delivered.close(&before, &after, sample.was_off);
         self.last = Some((sample.position, output));
         Answer {
-            force: self.axis.vector(output.force_on_device),
+            wrench: Wrench::of_force(self.axis.vector(output.force_on_device)),
             coordinate,
             fault: output.fault,
         }
     }
 
-    fn report_written(&mut self, held: Vector, sent: Option<Vector>) {
+    fn report_written(&mut self, held: Wrench, sent: Option<Wrench>) {
         if self.is_told_how_forces_act() {
-            let sent = self.along_axis(sent.unwrap_or(held));
+            let sent = self.along_axis(sent.unwrap_or(held).force);
             self.rendered.report_sent(-sent);
         }
     }

@@ -1,7 +1,7 @@
-//! What the loop asks of what it renders: a position in, a force out.
+//! What the loop asks of what it renders: a pose in, a wrench out.
 
 use palpate::Fault;
-use palpate_device::Vector;
+use palpate_device::{Vector, Wrench};
 use palpate_record::recording::{BodyTick, ContactTick, Flags};
 
 use super::{Parameters, Rendering};
@@ -35,9 +35,9 @@ pub trait Renders: Send {
     /// Renders a fresh sample.
     fn step(&mut self, sample: &Fresh) -> Answer;
 
-    /// Hears which force the device holds from now on by its own account `[N]`, and which one was sent to its motors
-    /// where the device says that apart.
-    fn report_written(&mut self, held: Vector, sent: Option<Vector>);
+    /// Hears what the device holds from now on by its own account, and what was sent to its motors where the device says
+    /// that apart.
+    fn report_written(&mut self, held: Wrench, sent: Option<Wrench>);
 
     /// Makes ready what is to be said of tick number `sequence`, at which the device holds `delivered` `[N]`.
     fn account(&mut self, sequence: u64, delivered: Vector);
@@ -69,10 +69,12 @@ pub trait Renders: Send {
 pub struct Fresh {
     /// Where the device is `[m]`.
     pub position: Vector,
+    /// How it is turned, a unit quaternion `[w, x, y, z]`, if it measures that.
+    pub orientation: Option<[f64; 4]>,
     /// Time since the last fresh sample `[s]`; `None` for the first.
     pub elapsed: Option<f64>,
-    /// Mean of the force that the device held since the last sample `[N]`; `None` before the first force.
-    pub held: Option<Vector>,
+    /// Mean of what the device held since the last sample; `None` before the first command.
+    pub held: Option<Wrench>,
     /// Whether a trip kept the motors off since the last sample.
     pub was_off: bool,
 }
@@ -80,8 +82,8 @@ pub struct Fresh {
 /// What a renderer answers to a sample.
 #[derive(Clone, Copy, Debug)]
 pub struct Answer {
-    /// Force for the device `[N]`, before the limits of the safety.
-    pub force: Vector,
+    /// Force and torque for the device, before the limits of the safety.
+    pub wrench: Wrench,
     /// Where the device is along the axis of a contact `[m]`; 0 where there is no axis.
     pub coordinate: f64,
     /// Why the sample was refused, if it was.

@@ -1,8 +1,8 @@
 //! A world with one device, as the loop renders it.
 
-use palpate_device::Vector;
+use palpate_device::{Vector, Wrench};
 use palpate_record::recording::{BodyTick, ContactTick, Flags};
-use palpate_world::{Sample, World, WorldRenderer, WorldState};
+use palpate_world::{Limited, Sample, World, WorldRenderer, WorldState};
 
 use super::frame::WorldFrame;
 use super::renders::{Answer, Fresh, Renders};
@@ -16,9 +16,11 @@ pub struct RenderedWorld {
     state: WorldState,
     method: &'static str,
     frame: WorldFrame,
+    /// Whether the tool turns.
+    turns: bool,
     /// Whether what was held is what acted: the renderer is told of no delay and no lag.
     acts_at_once: bool,
-    is_limited: bool,
+    limited: Limited,
     /// What the books said of created energy at the last sample `[J]`.
     booked: f64,
     /// As much of it as was created while the motors were on `[J]`.
@@ -32,8 +34,8 @@ impl RenderedWorld {
     /// `world`, which `renderer` renders by the method of that name, with a device that stands in it as `frame` says.
     ///
     /// # Errors
-    /// The world has another number of tools than one: a loop has one device so far. A tool that turns: a loop gives no
-    /// torque so far.
+    /// The world has another number of tools than one: a loop has one device so far. A tool that turns, with a frame whose
+    /// axes are not those of the world.
     pub fn new(
         world: &World,
         renderer: WorldRenderer,
@@ -45,15 +47,17 @@ impl RenderedWorld {
         if tools != 1 {
             return Err(SetupError::Devices(tools));
         }
-        if world.tools.iter().any(|tool| tool.turns) {
-            return Err(SetupError::SixAxes);
+        let turns = world.tools.iter().any(|tool| tool.turns);
+        if turns && !frame.is_aligned() {
+            return Err(SetupError::TurnedFrame);
         }
         let actuation = renderer.in_loop().actuation;
         Ok(Self {
             acts_at_once: actuation.delay == 0.0 && actuation.lag == 0.0,
             method,
             frame,
-            is_limited: false,
+            turns,
+            limited: Limited::default(),
             booked: 0.0,
             created: 0.0,
             is_new: true,
@@ -67,6 +71,21 @@ impl RenderedWorld {
     #[must_use]
     pub fn frame(&self) -> &WorldFrame {
         &self.frame
+    }
+
+    /// Whether the tool turns: a device of six axes.
+    #[must_use]
+    pub fn turns(&self) -> bool {
+        self.turns
+    }
+
+    /// Tells the renderer what was sent, or held, in the axes of the device.
+    fn report(&mut self, wrench: Wrench) {
+        let force = self.frame.of_device(wrench.force);
+        self.renderer.report_sent(&mut self.state, 0, force);
+        // A device of six axes has those of the world.
+        self.renderer
+            .report_sent_torque(&mut self.state, 0, wrench.torque);
     }
 
     /// The world at the last sample.
@@ -89,20 +108,22 @@ impl Renders for RenderedWorld {
         if let Some(held) = sample.held
             && self.acts_at_once
         {
-            let held = self.frame.of_device(held);
-            self.renderer.report_sent(&mut self.state, 0, held);
+            self.report(held);
         }
+        // An orientation that is missing is none that can be used.
+        let orientations = [sample.orientation.unwrap_or([f64::NAN; 4])];
         let positions = [self.frame.in_world(sample.position)];
         let output = self.renderer.step(
             &mut self.state,
             &Sample {
                 elapsed: sample.elapsed,
-                ..Sample::at(&positions)
+                ..Sample::at(&positions).turned(&orientations)
             },
         );
         let force = output.forces.first().copied().unwrap_or_default();
+        let torque = output.torques.first().copied().unwrap_or_default();
         let fault = output.fault.map(|fault| fault.fault);
-        self.is_limited = output.limited.force;
+        self.limited = output.limited;
         let booked = self.state.books().created();
         let is_from_outside = sample.was_off || self.is_new || fault.is_some();
         if !is_from_outside {
@@ -111,20 +132,22 @@ impl Renders for RenderedWorld {
         self.booked = booked;
         self.is_new = fault.is_some();
         Answer {
-            force: self.frame.on_device(force),
+            wrench: Wrench {
+                force: self.frame.on_device(force),
+                torque,
+            },
             coordinate: 0.0,
             fault,
         }
     }
 
-    fn report_written(&mut self, held: Vector, sent: Option<Vector>) {
+    fn report_written(&mut self, held: Wrench, sent: Option<Wrench>) {
         let sent = if self.acts_at_once {
             held
         } else {
             sent.unwrap_or(held)
         };
-        let sent = self.frame.of_device(sent);
-        self.renderer.report_sent(&mut self.state, 0, sent);
+        self.report(sent);
     }
 
     fn account(&mut self, sequence: u64, _: Vector) {
@@ -142,7 +165,11 @@ impl Renders for RenderedWorld {
     fn flags(&self) -> Flags {
         Flags::default()
             .with(Flags::CONTACT, !self.rows.contacts().is_empty())
-            .with(Flags::LIMITED_FORCE, self.is_limited)
+            .with(
+                Flags::LIMITED_FORCE,
+                self.limited.force || self.limited.torque,
+            )
+            .with(Flags::LIMITED_GUARD, self.limited.guard)
     }
 
     fn created_energy(&self) -> f64 {

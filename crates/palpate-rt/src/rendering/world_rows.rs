@@ -71,9 +71,9 @@ impl WorldRows {
                 sequence,
                 body: u32::try_from(self.bodies_of_world + number).unwrap_or(u32::MAX),
                 position: tool.avatar_position,
-                orientation: [1.0, 0.0, 0.0, 0.0],
+                orientation: tool.avatar_orientation,
                 velocity: tool.avatar_velocity,
-                angular_velocity: [0.0; 3],
+                angular_velocity: tool.angular_velocity,
             });
         }
     }

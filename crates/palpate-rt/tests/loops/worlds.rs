@@ -7,9 +7,10 @@ use palpate_device::{Device, ScriptedDevice, Step, Vector};
 use palpate_record::recording::Flags;
 use palpate_rt::safety::{OscillationParams, SafetyParams, Trip};
 use palpate_rt::{ControlLoop, RenderedWorld, SetupError, Told, WorldAxis, WorldFrame, tap};
-use palpate_scene::world::{WorldFile, WorldScene};
+use palpate_scene::world::{WorldFile, WorldScene, usual_guard};
 use palpate_sim::device::SpatialDevice;
 use palpate_sim::world::WorldBench;
+use palpate_world::{WorldGuard, WorldGuardParams};
 
 use crate::wide;
 
@@ -298,4 +299,80 @@ fn the_device_in_space_gives_what_it_was_told() {
     let mut device = SpatialDevice::new(&scene.devices[0], &scene.timing.actuator, clock).unwrap();
     let held = device.write([1.0, -2.0, 0.5].into()).unwrap();
     assert_eq!(held.force, [1.0, -2.0, 0.5]);
+}
+
+/// A device of six axes in the loop moves and turns as the simulator's does.
+#[test]
+fn six_axes_in_the_loop_are_those_of_the_simulator() {
+    for (name, torque) in [("box.toml", 1e-2), ("peg.toml", 1e-3)] {
+        let scene = scene(name);
+        let bench = WorldBench::new(&scene).unwrap();
+        let expected = bench
+            .run("coupled", &scene.renderer("coupled").unwrap())
+            .unwrap();
+        let mut control = in_space(&scene, "coupled", wide());
+        let (mut worst, mut most): (f64, f64) = (0.0, 0.0);
+        let samples = expected.positions.iter().zip(&expected.orientations);
+        for (positions, turns) in samples.take(150) {
+            let tick = control.tick().tick;
+            let now = control.device().position();
+            let off: Vector = std::array::from_fn(|axis| now[axis] - positions[0][axis]);
+            worst = worst.max(length(off));
+            let turned = control.device().orientation().unwrap();
+            let parts = turned.iter().zip(turns[0]);
+            worst = parts.fold(worst, |worst, (now, then)| worst.max((now - then).abs()));
+            most = most.max(length(tick.commanded_torque));
+            assert_eq!(tick.delivered_torque, tick.commanded_torque, "{name}");
+            let measured = tick.device_orientation;
+            assert!((measured[0] - turned[0]).abs() < 1e-3, "{measured:?}");
+        }
+        println!(
+            "{name}: {worst:.1e} m or quaternion parts from the simulator's motion, torques up to {most:.4} N m"
+        );
+        assert!(worst < 1e-6 && most > torque, "{name}: {worst} {most}");
+    }
+}
+
+#[test]
+fn a_tool_that_turns_needs_a_device_that_turns_with_the_axes_of_the_world() {
+    let scene = scene("box.toml");
+    let renderer = scene.renderer("coupled").unwrap();
+    let clock = SteppedClock::new();
+    let world = rendered(&scene, "coupled", WorldFrame::the_same());
+    let device = ScriptedDevice::new(clock.clone(), 3, Vec::new());
+    let refused = ControlLoop::of_world(device, clock, world, wide());
+    assert_eq!(refused.err(), Some(SetupError::SixAxes));
+    let axes = [1, 0, 2].map(|axis| Some(WorldAxis::along(axis)));
+    let frame = WorldFrame::new(axes, [0.0; 3], [0.0; 3]).unwrap();
+    let refused = RenderedWorld::new(&scene.world, renderer, "coupled", frame);
+    assert_eq!(refused.unwrap_err(), SetupError::TurnedFrame);
+}
+
+/// What the guard lets pass is what the loop commands, and the recording says so.
+#[test]
+fn the_guard_of_a_world_acts_in_the_loop() {
+    let mut scene = scene("box.toml");
+    let forces = |scene: &WorldScene| {
+        let mut control = in_space(scene, "coupled", wide());
+        let ticks: Vec<_> = (0..100).map(|_| control.tick().tick).collect();
+        let guarded = ticks
+            .iter()
+            .position(|tick| tick.flags.has(Flags::LIMITED_GUARD));
+        let power = ticks
+            .iter()
+            .map(|tick| length(tick.commanded_force) + 10.0 * length(tick.commanded_torque));
+        (guarded, power.collect::<Vec<f64>>())
+    };
+    let (guarded, open) = forces(&scene);
+    assert_eq!(guarded, None);
+    scene.render.guard = WorldGuard::Limit(WorldGuardParams {
+        allowance: 5e-4,
+        ..usual_guard()
+    });
+    let (guarded, kept) = forces(&scene);
+    let first = guarded.unwrap();
+    // Up to there both loops are one. Nothing has been put in yet: 0.5 mJ over 1 ms, against 1 m/s and 10 rad/s.
+    assert_eq!(open[..first], kept[..first]);
+    println!("{} W in place of {} W", kept[first], open[first]);
+    assert!(open[first] > 0.5 && kept[first] < 0.55, "{kept:?}");
 }

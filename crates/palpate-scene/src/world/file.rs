@@ -6,11 +6,13 @@ use std::path::{Path, PathBuf};
 
 use palpate_world::{
     Body, Contact, ContactLaw, Free, Motion, NOT_TURNED, Place, Quaternion, Shape, Vector, World,
+    WorldGuard,
 };
 use serde::Deserialize;
 use toml::Spanned;
 
 use super::device::RawDevice;
+use super::guard::RawGuard;
 use super::joint::RawJoint;
 use super::pair::Pair;
 use super::per_axis::PerAxis;
@@ -97,6 +99,7 @@ struct RawRender {
     coupling_rotational_stiffness_n_m_per_rad: Option<Spanned<f64>>,
     coupling_inertia_kg_m2: Option<Spanned<f64>>,
     torque_limit_n_m: Option<Spanned<f64>>,
+    guard: Option<RawGuard>,
 }
 
 #[derive(Deserialize, Default)]
@@ -404,6 +407,7 @@ impl Reading {
                     .map(|value| self.number("coupling_inertia_kg_m2", value, Least::Above0)),
             },
             actuator: self.actuator([told.delay_s, told.lag_s, told.gain], actuator),
+            guard: raw.guard.map_or(WorldGuard::Off, |guard| self.guard(guard)),
         }
     }
 

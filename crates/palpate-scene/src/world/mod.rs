@@ -2,6 +2,7 @@
 
 mod device;
 mod file;
+mod guard;
 mod joint;
 mod mesh;
 mod pair;
@@ -12,9 +13,10 @@ mod shape;
 mod stl;
 
 pub use file::WorldFile;
+pub use guard::{GUARD_TURNING, WORLD_GUARD_ALLOWANCE, usual_guard};
 pub use rendering::WorldSettings;
 
-use palpate_world::{Quaternion, Vector, World};
+use palpate_world::{Quaternion, Vector, World, WorldGuard};
 
 /// A closed loop of devices and a world, to simulate or to render.
 #[derive(Clone, Debug, PartialEq)]
@@ -160,4 +162,6 @@ pub struct WorldRender {
     pub torque_limit: Option<f64>,
     /// The actuators as the renderer is told; the true ones where no file says another.
     pub actuator: WorldActuator,
+    /// Bound on the energy that the forces on all devices give out.
+    pub guard: WorldGuard,
 }

@@ -3,7 +3,7 @@
 use palpate::Actuation;
 use palpate_world::{
     BasicParams, CoupledParams, GodObjectParams, Place, VirtualCouplingParams, WorldError,
-    WorldLoop, WorldMethod, WorldRenderer,
+    WorldGuard, WorldLoop, WorldMethod, WorldRenderer,
 };
 
 use super::{Coupling, WorldActuator, WorldRender, WorldScene};
@@ -125,13 +125,16 @@ impl WorldScene {
         }
     }
 
-    /// The scene with devices that are led along a recorded motion: its renderer is told that no force moves them.
+    /// The scene with devices that are led along a recorded motion: its renderer is told that no force moves them, and has
+    /// no guard.
     #[must_use]
     pub fn led(&self) -> Self {
         let mut scene = self.clone();
         for mass in &mut scene.render.device_mass {
             *mass = [f64::INFINITY; 3];
         }
+        // Nobody holds them.
+        scene.render.guard = WorldGuard::Off;
         scene
     }
 
@@ -151,6 +154,7 @@ impl WorldScene {
         in_loop
             .with_force_limits(each(self.render.force_limit))
             .with_torque_limits(each(self.render.torque_limit))
+            .with_guard(self.render.guard)
     }
 
     /// The method of that name, with the scene's settings.

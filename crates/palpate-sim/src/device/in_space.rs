@@ -14,28 +14,32 @@ use palpate_testbed::hand::{Hand, Intention, Sinusoid};
 use palpate_testbed::held_mass::HeldMass;
 use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::measure::Sampler;
+use palpate_testbed::world::HeldTurning;
 
 use super::{PointerDevice, PointerHand, PointerParams};
+use crate::world::judged_turning;
 
 /// Most forces that begin later: those of the longest delay that a scene can state.
 const MOST_LATER: usize = DelayedHold::LONGEST_DELAY + 1;
 
 /// The device of a world with its hand, moved by the time that passes on the loop's clock. Along each axis it is a mass
-/// in a hand, as the scene says; its axes are those of the world.
+/// in a hand, as the scene says; its axes are those of the world. A device of six axes turns in its hand, too.
 #[derive(Clone, Debug)]
 pub struct SpatialDevice<C> {
     clock: C,
     capabilities: Capabilities,
     axes: [Axis; 3],
+    /// How it turns, of a device of six axes.
+    turning: Option<HeldTurning>,
     moved_until: Option<Duration>,
-    /// Force on the device that the motors hold `[N]`.
-    held: Vector,
-    /// Force that was written last `[N]`.
-    written: Vector,
+    /// What the motors hold on the device.
+    held: Wrench,
+    /// What was written last.
+    written: Wrench,
     /// Time from a write to the beginning of its force.
     late: Duration,
-    /// Forces that begin later, with the instant of each, oldest first.
-    later: VecDeque<(Duration, Vector)>,
+    /// Wrenches that begin later, with the instant of each, oldest first.
+    later: VecDeque<(Duration, Wrench)>,
     cut: Cut,
 }
 
@@ -57,6 +61,14 @@ impl<C: Clock> SpatialDevice<C> {
         actuator: &WorldActuator,
         clock: C,
     ) -> Result<Self, InvalidParameter> {
+        let motors = ActuatorParams {
+            gain: actuator.gain,
+            lag: actuator.lag,
+        };
+        let turning = device.turning.as_ref().map(judged_turning);
+        let turning = turning
+            .map(|turning| HeldTurning::checked(&turning, motors))
+            .transpose()?;
         let axis = |number: usize| -> Result<Axis, InvalidParameter> {
             let hand = &device.hand;
             let (force, mass) = (hand.force[number], device.mass[number]);
@@ -80,20 +92,21 @@ impl<C: Clock> SpatialDevice<C> {
             Ok(Axis {
                 mass: HeldMass::new(mass, hand)?
                     .starting_at(device.position[number], device.velocity[number])?,
-                motor: Actuator::new(ActuatorParams {
-                    gain: actuator.gain,
-                    lag: actuator.lag,
-                })?,
+                motor: Actuator::new(motors)?,
                 sensor: sensor(device.quantum[number])?,
             })
         };
         Ok(Self {
             clock,
-            capabilities: capabilities("simulated", device),
+            capabilities: Capabilities {
+                torque_axes: if turning.is_some() { 3 } else { 0 },
+                ..capabilities("simulated", device)
+            },
             axes: [axis(0)?, axis(1)?, axis(2)?],
+            turning,
             moved_until: None,
-            held: [0.0; 3],
-            written: [0.0; 3],
+            held: Wrench::NONE,
+            written: Wrench::NONE,
             late: Duration::try_from_secs_f64(actuator.delay).unwrap_or_default(),
             later: VecDeque::with_capacity(MOST_LATER),
             cut: Cut::none(),
@@ -106,13 +119,19 @@ impl<C: Clock> SpatialDevice<C> {
         self.axes.each_ref().map(|axis| axis.mass.position())
     }
 
+    /// How it is truly turned at the last call, a unit quaternion `[w, x, y, z]`; `None` for a device of three axes.
+    #[must_use]
+    pub fn orientation(&self) -> Option<[f64; 4]> {
+        self.turning.as_ref().map(HeldTurning::orientation)
+    }
+
     /// Moves on to now, and returns that.
     fn move_on(&mut self) -> Duration {
         let now = self.clock.now();
         let mut from = *self.moved_until.get_or_insert(now);
         if let Some(cut) = self.cut.between(from, now) {
             self.hold(from, cut);
-            self.held = [0.0; 3];
+            self.held = Wrench::NONE;
             self.later.clear();
             from = cut;
         }
@@ -123,12 +142,12 @@ impl<C: Clock> SpatialDevice<C> {
 
     /// Moves under what is held, and under what begins on the way.
     fn hold(&mut self, mut from: Duration, until: Duration) {
-        while let Some(&(begins, force)) = self.later.front()
+        while let Some(&(begins, wrench)) = self.later.front()
             && begins <= until
         {
             self.advance(begins.saturating_sub(from));
             from = from.max(begins);
-            self.held = force;
+            self.held = wrench;
             self.later.pop_front();
         }
         self.advance(until.saturating_sub(from));
@@ -137,7 +156,10 @@ impl<C: Clock> SpatialDevice<C> {
     fn advance(&mut self, duration: Duration) {
         let duration = duration.as_secs_f64();
         if duration > 0.0 {
-            for (axis, force) in self.axes.iter_mut().zip(self.held) {
+            if let Some(turning) = &mut self.turning {
+                let _ = turning.advance(self.held.torque, duration);
+            }
+            for (axis, force) in self.axes.iter_mut().zip(self.held.force) {
                 // The testbed has the force on the object, which is the other one.
                 axis.motor.drive(&mut axis.mass, -force, duration);
             }
@@ -154,26 +176,33 @@ impl<C: Clock> Device for SpatialDevice<C> {
         let time = self.move_on();
         let axes = self.axes.each_ref();
         let position = axes.map(|axis| axis.sensor.sample(axis.mass.position()));
-        Ok(Pose::at(position, time))
+        Ok(Pose {
+            orientation: self.turning.as_ref().map(HeldTurning::measured),
+            ..Pose::at(position, time)
+        })
     }
 
     fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
         let now = self.move_on();
         self.cut.is_over();
-        self.written = wrench.force;
+        // Motors that it has.
+        self.written = match self.turning {
+            Some(_) => wrench,
+            None => Wrench::of_force(wrench.force),
+        };
         if self.late > Duration::ZERO {
             if self.later.len() == MOST_LATER {
                 self.later.pop_front();
             }
-            self.later.push_back((now + self.late, wrench.force));
+            self.later.push_back((now + self.late, self.written));
         } else {
-            self.held = wrench.force;
+            self.held = self.written;
         }
-        Ok(Wrench::of_force(self.held))
+        Ok(self.held)
     }
 
     fn last_sent(&self) -> Option<Wrench> {
-        Some(Wrench::of_force(self.written))
+        Some(self.written)
     }
 
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {

@@ -128,7 +128,8 @@ fn judged_tremor(tremor: &Tremor) -> [Vec<Sinusoid>; 3] {
     })
 }
 
-fn judged_turning(turning: &DeviceTurning) -> judge::Turning {
+/// How a device turns, as the judge has it.
+pub(crate) fn judged_turning(turning: &DeviceTurning) -> judge::Turning {
     let hand = &turning.hand;
     judge::Turning {
         inertia: turning.inertia,

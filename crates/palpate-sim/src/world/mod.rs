@@ -13,6 +13,7 @@ use palpate_testbed::world::{
 use palpate_world::{Books, Quaternion, Sample, Vector, WorldError, WorldRenderer};
 
 pub use judged::as_judged;
+pub(crate) use judged::judged_turning;
 pub use rendered::as_rendered;
 
 /// Most periods of a window.
@@ -61,6 +62,8 @@ pub struct WorldRun {
     pub refused: usize,
     /// Samples at which a limit changed a force.
     pub limited: usize,
+    /// Samples at which forces exceeded the guard's bound.
+    pub guarded: usize,
     /// Intervals in which a contact changed its mode more often than the tick could follow at its finest.
     pub coarse: usize,
 }
@@ -201,6 +204,7 @@ impl WorldBench {
             books: Books::default(),
             refused: 0,
             limited: 0,
+            guarded: 0,
             coarse: 0,
         };
         let end = grid.edge(grid.intervals());
@@ -218,6 +222,7 @@ impl WorldBench {
             let output = renderer.step(&mut state, &sample);
             run.refused += usize::from(output.fault.is_some());
             run.limited += usize::from(output.limited.any());
+            run.guarded += usize::from(output.limited.guard);
             run.coarse += usize::from(output.effort.unrefined > 0);
             run.commanded.push(output.forces.to_vec());
             plant.hold_wrenches(output.forces, output.torques);

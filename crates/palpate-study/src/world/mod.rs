@@ -73,6 +73,8 @@ pub struct WorldMethodReport {
     pub refused_samples: usize,
     /// Samples at which a limit changed a force.
     pub limited_samples: usize,
+    /// Samples at which forces exceeded the guard's bound, whether it kept them to it or not.
+    pub guarded_samples: usize,
     /// Samples at which contacts changed their mode more often than the renderer follows at its finest.
     pub coarse_samples: usize,
 }
@@ -195,6 +197,7 @@ fn of_run(run: &WorldRun, of_devices: &[(&str, f64)]) -> WorldMethodReport {
         dissipated_j: contacts.iter().map(|book| book.dissipated).sum(),
         refused_samples: run.refused,
         limited_samples: run.limited,
+        guarded_samples: run.guarded,
         coarse_samples: run.coarse,
     }
 }

@@ -4,7 +4,8 @@ use super::dormand_prince::Step;
 use super::scene::Vector;
 use super::turning::{Turning, rotation_vector, turned_by};
 use super::vector::{Rotation, Vec3, quaternion_rate};
-use crate::actuator::ActuatorParams;
+use crate::InvalidParameter;
+use crate::actuator::{Actuator, ActuatorParams};
 
 /// Longest step of the integration \[s\]: the fastest hand of a loop turns a device by a small part of a turn in it.
 const LONGEST_STEP: f64 = 6.25e-5;
@@ -14,7 +15,7 @@ const STEP_IN_LAGS: f64 = 0.125;
 /// A device that turns, between measuring and actuating: quaternion and angular momentum, integrated in steps of
 /// order 5.
 #[derive(Debug, Clone)]
-pub(super) struct HeldTurning {
+pub struct HeldTurning {
     turning: Turning,
     actuator: ActuatorParams,
     state: [f64; 7],
@@ -25,8 +26,23 @@ pub(super) struct HeldTurning {
 }
 
 impl HeldTurning {
+    /// A device as it is at the start, with an actuator about each axis that gives no torque yet.
+    ///
+    /// # Errors
+    ///
+    /// A quantity of the device or of the actuator outside its range, by its value and what is allowed.
+    pub fn checked(turning: &Turning, actuator: ActuatorParams) -> Result<Self, InvalidParameter> {
+        turning.check("turning").map_err(|wrong| InvalidParameter {
+            name: "turning",
+            value: wrong.value,
+            allowed: wrong.allowed,
+        })?;
+        Actuator::new(actuator)?;
+        Ok(Self::new(turning, actuator))
+    }
+
     /// Of a checked device, and a checked actuator that gives no torque yet.
-    pub fn new(turning: &Turning, actuator: ActuatorParams) -> Self {
+    pub(super) fn new(turning: &Turning, actuator: ActuatorParams) -> Self {
         let rotation = Rotation::of_quaternion(turning.orientation);
         let momentum = turning.angular_momentum(&rotation, Vec3(turning.angular_velocity));
         let mut state = [0.0; 7];
@@ -43,6 +59,7 @@ impl HeldTurning {
     }
 
     /// Unit quaternion \[w, x, y, z\].
+    #[must_use]
     pub fn orientation(&self) -> [f64; 4] {
         let q = [0, 1, 2, 3].map(|i: usize| self.state[i]);
         let length = q.iter().map(|part| part * part).sum::<f64>().sqrt();
@@ -50,6 +67,7 @@ impl HeldTurning {
     }
 
     /// What the sensor says: the rotation vector from the start, rounded to the quantum.
+    #[must_use]
     pub fn measured(&self) -> [f64; 4] {
         let quantum = self.turning.quantum;
         if quantum == 0.0 {
@@ -61,7 +79,8 @@ impl HeldTurning {
         turned_by(Vec3(rounded), start)
     }
 
-    /// In world axes \[rad/s\].
+    /// How fast it turns, in world axes \[rad/s\].
+    #[must_use]
     pub fn angular_velocity(&self) -> Vector {
         let rotation = Rotation::of_quaternion(self.orientation());
         let momentum = Vec3::of(&self.state[4..]);
@@ -70,7 +89,7 @@ impl HeldTurning {
 
     /// Moves on for `duration` \[s\] while a torque on the tool is commanded \[N m\]; the delivered angular impulse
     /// \[N m s\].
-    pub fn advance(&mut self, command: Vector, duration: f64) -> Vec3 {
+    pub fn advance(&mut self, command: Vector, duration: f64) -> Vector {
         let ActuatorParams { gain, lag } = self.actuator;
         let aim = Vec3(command) * gain;
         let (mut excess, mut longest) = (Vec3::ZERO, LONGEST_STEP);
@@ -102,6 +121,6 @@ impl HeldTurning {
         }
         self.time += duration;
         self.torque = aim + excess * left(duration);
-        aim * duration + excess * (lag * (1.0 - left(duration)))
+        (aim * duration + excess * (lag * (1.0 - left(duration)))).0
     }
 }

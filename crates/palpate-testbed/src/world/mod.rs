@@ -67,6 +67,7 @@ mod vector;
 mod wrapping;
 
 pub use contact::WorldError;
+pub use held_turning::HeldTurning;
 pub use hull::Hull;
 pub use ideal::{TOLERANCE, WorldIdeal};
 pub use joints::{Freedom, WorldJoint};

@@ -244,7 +244,7 @@ impl WorldPlant {
                 && let Some(angular_impulse) = device.angular_impulses.last_mut()
             {
                 let delivered = turning.advance(*torque, duration);
-                for (sum, part) in angular_impulse.iter_mut().zip(delivered.0) {
+                for (sum, part) in angular_impulse.iter_mut().zip(delivered) {
                     *sum += part;
                 }
             }

@@ -20,7 +20,7 @@ use crate::solid::Solid;
 use crate::tracking::Tracking;
 use crate::{
     ContactBook, CoupledParams, Effort, Limited, MOST_POINTS, Mode, Place, Sample, Shape, Tool,
-    ToolState, Vector, WorldError, WorldLoop,
+    ToolState, Vector, WorldError, WorldGuard, WorldLoop,
 };
 
 /// Contacts of tools with the bodies of another engine, in one loop. Immutable: one renderer serves any number of
@@ -50,6 +50,10 @@ impl EngineRenderer {
     ) -> Result<Self, Vec<WorldError>> {
         let (pairs, mut faults) = pairs(tools, bodies);
         faults.extend(in_loop.faults(tools.len()));
+        if in_loop.guard != WorldGuard::Off {
+            let message = "guard is asked for, and an engine's bodies have no books that it could reckon with";
+            faults.push(WorldError::new(Place::Loop, "guard", "the loop", message));
+        }
         match params.check(tools) {
             Ok(coupled) if faults.is_empty() => Ok(Self {
                 in_loop,

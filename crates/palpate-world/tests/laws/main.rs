@@ -14,6 +14,7 @@ mod engine;
 mod floor;
 mod god_object;
 mod grasp;
+mod guard;
 mod hulls;
 mod ideal;
 mod joints;

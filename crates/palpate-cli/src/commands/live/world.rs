@@ -26,6 +26,7 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
         .collect();
     known.extend(["stall_after", "listen", "allow_host"]);
     worlds::only(&arguments.given, &known, path)?;
+    let file = &worlds::guarded(&arguments.flags, file);
     let scene = &file.scene;
     let methods = worlds::methods(&arguments.flags, scene);
     let is_virtual = matches!(
@@ -71,14 +72,9 @@ pub fn run(arguments: &LiveArguments, path: &Path, file: &WorldFile) -> Result<(
             let OpenedInWorld { device, frame } =
                 open_in_world_with(&device, &file.scene, &clock, &guarding, hand.as_ref())?;
             let limits = limits(device.capabilities(), &safety);
-            let world = rendered(
-                &file,
-                method,
-                (&frame, device.capabilities()),
-                limits.largest_force,
-            )
-            .map_err(|faults| Failure::input(&faults[0]))?
-            .map_err(Failure::input)?;
+            let world = rendered(&file, method, (&frame, device.capabilities()), &limits)
+                .map_err(|faults| Failure::input(&faults[0]))?
+                .map_err(Failure::input)?;
             Ok(WorldLane {
                 device,
                 world,

@@ -16,7 +16,7 @@ use crate::failure::Failure;
 use crate::worlds::{self, wrong_world};
 
 /// What a pipe of a world takes beside its file; everything else is said in the file.
-const FLAGS: [&str; 9] = [
+const FLAGS: [&str; 12] = [
     "file",
     "scene",
     "time",
@@ -25,6 +25,9 @@ const FLAGS: [&str; 9] = [
     "soft_start",
     "force_limit",
     "method",
+    "guard",
+    "guard_speed",
+    "guard_allowance",
     "json",
 ];
 
@@ -37,6 +40,7 @@ pub fn run(arguments: &PipeArguments, path: &Path, file: &WorldFile) -> Result<(
 /// The stream as arguments and file say it; nothing has been read or written yet.
 fn set_up(arguments: &PipeArguments, file: &WorldFile) -> Result<WorldStream, Failure> {
     let flags = &arguments.flags;
+    let file = &worlds::guarded(flags, file);
     let mut scene = file.scene.clone();
     let method = worlds::one_method(flags, &file.scene)?;
     let defaults = SafetyParams::default();

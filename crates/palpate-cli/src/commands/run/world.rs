@@ -7,6 +7,7 @@ use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
 use palpate_files::bounded::SCENE;
 use palpate_record::recording::Receipt;
 use palpate_rt::realtime::Request;
+use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, RenderedWorld, SetupError, WorldFrame, receipt};
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_session::{Energies, RunReport, Subject};
@@ -20,13 +21,16 @@ use crate::values::duration;
 use crate::worlds::{self, wrong_world};
 
 /// What a loop of a world takes beside its file; everything else is said in the file.
-pub const FLAGS: [&str; 28] = [
+pub const FLAGS: [&str; 31] = [
     "scene",
     "record",
     "duration",
     "fast",
     "json",
     "method",
+    "guard",
+    "guard_speed",
+    "guard_allowance",
     "device",
     "port",
     "generation",
@@ -61,7 +65,7 @@ pub fn run_session(
     known.push("stall_after");
     worlds::only(&arguments.given, &known, path)?;
     let session = Session {
-        file,
+        file: &worlds::guarded(&arguments.flags, file),
         path,
         record,
         arguments,
@@ -94,14 +98,9 @@ impl Session<'_> {
             open_in_world(&arguments.device, scene, clock, &guarding)?;
         let limits = limits(device.capabilities(), &arguments.safety);
         let capabilities = device.capabilities().clone();
-        let world = rendered(
-            self.file,
-            method,
-            (&frame, &capabilities),
-            limits.largest_force,
-        )
-        .map_err(|faults| wrong_world(&arguments.flags, self.file, &faults))?
-        .map_err(|error| self.wrong(error))?;
+        let world = rendered(self.file, method, (&frame, &capabilities), &limits)
+            .map_err(|faults| wrong_world(&arguments.flags, self.file, &faults))?
+            .map_err(|error| self.wrong(error))?;
         let control = ControlLoop::of_world(device, clock.clone(), world, limits)
             .map_err(|error| self.wrong(error))?;
         let most = most_periods(arguments.duration, control.period())?;
@@ -153,16 +152,15 @@ impl Session<'_> {
     }
 }
 
-/// What a loop renders of a world, on a device that stands in it as `frame` says and is given at most `largest_force`
-/// `[N]`. The renderer is told how coarse the device's sensor is, and that the device does not move along the axes that it
+/// What a loop renders of a world, on a device that stands in it as `frame` says and is given no more than `limits` say. The renderer is told how coarse the device's sensor is, and that the device does not move along the axes that it
 /// has not.
 pub fn rendered(
     file: &WorldFile,
     method: &str,
     (frame, device): (&WorldFrame, &Capabilities),
-    largest_force: f64,
+    limits: &SafetyParams,
 ) -> Result<Result<RenderedWorld, SetupError>, Vec<palpate_world::WorldError>> {
-    let scene: WorldScene = worlds::told_of(&file.scene, frame, device, largest_force);
+    let scene: WorldScene = worlds::told_of(&file.scene, frame, device, limits);
     let renderer = scene.renderer(method)?;
     let method = worlds::known(method);
     Ok(RenderedWorld::new(&scene.world, renderer, method, *frame))

@@ -13,12 +13,20 @@ use crate::results::print_report;
 use crate::worlds::{self, wrong_world};
 
 /// What a simulation of a world takes beside its file; everything else is said in the file.
-const FLAGS: [&str; 3] = ["scene", "method", "json"];
+const FLAGS: [&str; 6] = [
+    "scene",
+    "method",
+    "json",
+    "guard",
+    "guard_speed",
+    "guard_allowance",
+];
 
 /// Simulates a world by the methods that were named, or by its own.
 pub fn run(arguments: &SimulateArguments, path: &Path, file: &WorldFile) -> Result<(), Failure> {
     worlds::only(&arguments.given, &FLAGS, path)?;
     let flags = &arguments.flags;
+    let file = &worlds::guarded(flags, file);
     let scene = &file.scene;
     let methods = worlds::methods(flags, scene);
     // What is wrong with a method is said before the ideal is computed.

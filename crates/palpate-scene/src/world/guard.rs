@@ -1,0 +1,86 @@
+//! The bound on the energy that the forces of a world give out, as a file says it.
+
+use palpate_world::{Place, WorldGuard, WorldGuardParams};
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::file::{Least, Reading};
+use crate::file::{GUARD_SPEED, GuardMode};
+
+/// Turning of a device that a guard reckons with where none is stated `[rad/s]`: that of a brisk wrist.
+pub const GUARD_TURNING: f64 = 10.0;
+/// Allowance of a world's guard where none is stated `[J]`.
+pub const WORLD_GUARD_ALLOWANCE: f64 = 0.05;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawGuard {
+    mode: GuardMode,
+    speed_m_per_s: Option<Spanned<f64>>,
+    turning_rad_per_s: Option<Spanned<f64>>,
+    allowance_j: Option<Spanned<f64>>,
+    late_samples: Option<Spanned<usize>>,
+}
+
+impl GuardMode {
+    /// The guard of a world by this mode.
+    #[must_use]
+    pub fn of_world(self, params: WorldGuardParams) -> WorldGuard {
+        match self {
+            Self::Off => WorldGuard::Off,
+            Self::Report => WorldGuard::Report(params),
+            Self::Limit => WorldGuard::Limit(params),
+        }
+    }
+}
+
+/// What a guard reckons with where nothing else is stated.
+#[must_use]
+pub fn usual_guard() -> WorldGuardParams {
+    WorldGuardParams {
+        largest_speed: GUARD_SPEED,
+        largest_turning: GUARD_TURNING,
+        allowance: WORLD_GUARD_ALLOWANCE,
+        late: 0,
+    }
+}
+
+impl Reading {
+    pub(super) fn guard(&mut self, raw: RawGuard) -> WorldGuard {
+        let usual = usual_guard();
+        let mut or = |key: &str, field, value: Option<Spanned<f64>>, otherwise, least| {
+            value.map_or(otherwise, |value| {
+                let checked = self.number(key, value.clone(), least);
+                self.places.take(Place::Loop, field, value);
+                checked
+            })
+        };
+        let params = WorldGuardParams {
+            largest_speed: or(
+                "speed_m_per_s",
+                "guard.largest_speed",
+                raw.speed_m_per_s,
+                usual.largest_speed,
+                Least::Above0,
+            ),
+            largest_turning: or(
+                "turning_rad_per_s",
+                "guard.largest_turning",
+                raw.turning_rad_per_s,
+                usual.largest_turning,
+                Least::Above0,
+            ),
+            allowance: or(
+                "allowance_j",
+                "guard.allowance",
+                raw.allowance_j,
+                usual.allowance,
+                Least::AtLeast0,
+            ),
+            late: raw.late_samples.map_or(usual.late, |late| {
+                self.places.take(Place::Loop, "guard.late", late)
+            }),
+        };
+        raw.mode.of_world(params)
+    }
+}

@@ -1,0 +1,418 @@
+//! The guard: what the hands are given in a loop that is broken, and by an adversary who moves the devices as it suits him.
+
+use nalgebra::UnitQuaternion;
+use palpate::Actuation;
+use palpate_world::{
+    BasicParams, Contact, ContactLaw, CoupledParams, Free, GodObjectParams, Party, Place,
+    Quaternion, Sample, Shape, Tool, Vector, VirtualCouplingParams, World, WorldGuard,
+    WorldGuardParams, WorldLoop, WorldMethod, WorldRenderer, WorldState,
+};
+
+use crate::common::{ball, plane};
+use crate::ideal::dot;
+
+type Rotation = UnitQuaternion<f64>;
+
+const SPEED: f64 = 1.0;
+const TURNING: f64 = 10.0;
+
+fn guard(allowance: f64, late: usize) -> WorldGuardParams {
+    WorldGuardParams {
+        largest_speed: SPEED,
+        largest_turning: TURNING,
+        allowance,
+        late,
+    }
+}
+
+/// Energy that there was for the hands at a sample, by the books: what was put in and not taken by damping and friction.
+fn there(state: &WorldState, at_start: f64) -> f64 {
+    let books = state.books();
+    let potential: f64 = books.bodies.iter().map(|book| book.potential).sum();
+    let taken: f64 = books.contacts.iter().map(|book| book.dissipated).sum();
+    at_start - potential - taken
+}
+
+/// A corner of two stiff walls, in a plane.
+fn corner(law: ContactLaw) -> World {
+    World {
+        joints: Vec::new(),
+        tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.005 })],
+        bodies: vec![
+            plane("floor", [0.0, 0.0, 1.0]),
+            plane("wall", [1.0, 0.0, 0.0]),
+        ],
+        contacts: vec![Contact {
+            between: [Party::Any, Party::Any],
+            law,
+        }],
+    }
+}
+
+/// What a loop gave to a hand.
+#[derive(Debug)]
+struct Given {
+    /// The most that was given by the end of an interval with a force, beyond what there was for it at the sample from which
+    /// that force was computed `[J]`.
+    most: f64,
+    /// Samples at which the guard acted.
+    acted: usize,
+    /// Largest force that acted `[N]`.
+    peak: f64,
+}
+
+/// A device of 0.2 kg falls into the corner, and a hand of 200 N/m and 1 N s/m presses it there, for a second. Each force acts two samples later than
+/// the renderer is told. What the hand gets is counted with the forces that really act.
+fn broken(method: impl Into<WorldMethod>, guard: WorldGuard) -> Given {
+    let (period, mass, late) = (1e-3, 0.2, 2);
+    let law = ContactLaw::spring(20_000.0).with_damping(1.0);
+    let in_loop = WorldLoop::new(period).with_guard(guard);
+    let renderer = WorldRenderer::new(&corner(law), in_loop, method).unwrap();
+    let mut state = renderer.start();
+    let rest = [0.0, 0.0, -0.002];
+    let (mut x, mut v) = ([0.008_f64, 0.0, 0.01], [0.0_f64; 3]);
+    let mut queue = vec![([0.0; 3], 0.0); late];
+    let mut given = Given {
+        most: f64::NEG_INFINITY,
+        acted: 0,
+        peak: 0.0,
+    };
+    // What a guard that is told nothing of it, or none at all, does not hold back may be faster.
+    let is_told = matches!(guard, WorldGuard::Limit(WorldGuardParams { late: 2, .. }));
+    let mut work = 0.0;
+    for _ in 0..1000 {
+        let output = renderer.step(&mut state, &Sample::at(&[x]));
+        if output.fault.is_some() {
+            // The device flies faster than any.
+            assert!(!is_told, "{:?}", output.fault);
+            break;
+        }
+        given.acted += usize::from(output.limited.guard);
+        let sent = output.forces[0];
+        queue.push((sent, there(&state, 0.0)));
+        let (force, there) = queue.remove(0);
+        given.peak = given.peak.max(dot(force, force).sqrt());
+        let before = x;
+        for axis in 0..3 {
+            for _ in 0..20 {
+                let hand = 200.0 * (rest[axis] - x[axis]) - v[axis];
+                v[axis] += period / 20.0 * (force[axis] + hand) / mass;
+                x[axis] += period / 20.0 * v[axis];
+            }
+        }
+        let way = [0, 1, 2].map(|axis| x[axis] - before[axis]);
+        assert!(
+            !is_told || dot(way, way).sqrt() < SPEED * period,
+            "the guard's premise: {way:?}"
+        );
+        work += dot(force, way);
+        if force != [0.0; 3] {
+            given.most = given.most.max(work - there);
+        }
+    }
+    given
+}
+
+fn in_the_corner() -> [(&'static str, WorldMethod); 3] {
+    [
+        ("basic", BasicParams::default().into()),
+        (
+            "god-object",
+            GodObjectParams {
+                stiffness: vec![20_000.0],
+                damping: vec![1.0],
+            }
+            .into(),
+        ),
+        ("coupled", CoupledParams::new(vec![[0.2; 3]]).into()),
+    ]
+}
+
+#[test]
+fn a_loop_with_an_untold_delay_gives_out_no_more_than_the_allowance() {
+    for (name, method) in in_the_corner() {
+        for allowance in [0.01, 0.1] {
+            let given = broken(method.clone(), WorldGuard::Limit(guard(allowance, 2)));
+            println!("{name}, {allowance} J, told of 2 samples: {given:?}");
+            assert!(given.most <= allowance * (1.0 + 1e-9), "{name}: {given:?}");
+            assert!(given.acted > 0 && given.peak > 1.0, "{name}: {given:?}");
+        }
+    }
+}
+
+/// Without the guard the same loop gives out many times as much, and a guard that reports changes nothing.
+#[test]
+fn without_the_guard_the_same_loop_gives_out_many_times_as_much() {
+    for (name, method) in in_the_corner() {
+        let open = broken(method.clone(), WorldGuard::Off);
+        let told = broken(method.clone(), WorldGuard::Limit(guard(0.01, 0)));
+        println!("{name}: {open:?}; with a guard of .01 J that is told of no lateness {told:?}");
+        assert!(open.most > 10.0 * 0.1, "{name}: {open:?}");
+        // What it is not told of, it does not see all of.
+        assert!(told.most > 0.02, "{name}: {told:?}");
+    }
+    let method = CoupledParams::new(vec![[0.2; 3]]);
+    let open = broken(method.clone(), WorldGuard::Off);
+    let seen = broken(method, WorldGuard::Report(guard(0.01, 2)));
+    assert_eq!(open.most.to_bits(), seen.most.to_bits());
+    assert!(seen.acted > 100, "{seen:?}");
+}
+
+const ALLOWANCE: f64 = 2e-3;
+/// Moves of an attack.
+const LENGTH: usize = 40;
+/// One of an attack: where each tool goes, and how the first one turns.
+type Move = [usize; 3];
+
+/// Along an axis, back, or nowhere.
+fn direction(number: usize) -> Vector {
+    let mut direction = [0.0; 3];
+    if number < 6 {
+        direction[number / 2] = if number.is_multiple_of(2) { 1.0 } else { -1.0 };
+    }
+    direction
+}
+
+/// Two tools, of which the first is a box that turns, a ball of 50 g and a floor.
+fn crowd() -> World {
+    let block = Shape::Box {
+        half_extents: [0.01, 0.008, 0.006],
+    };
+    let weight = Free::of_mass(0.05).pulled_by([0.0, 0.0, -0.5]);
+    World {
+        joints: Vec::new(),
+        tools: vec![
+            Tool::new("block", block).turning(),
+            Tool::new("finger", Shape::Sphere { radius: 0.004 }),
+        ],
+        bodies: vec![
+            plane("floor", [0.0, 0.0, 1.0]),
+            ball("ball", 0.01, weight).at([0.025, 0.0, 0.01]),
+        ],
+        contacts: vec![Contact {
+            between: [Party::Any, Party::Any],
+            law: ContactLaw::spring(4000.0)
+                .with_damping(1.0)
+                .with_friction(0.5),
+        }],
+    }
+}
+
+struct Target {
+    renderer: WorldRenderer,
+    period: f64,
+    /// Samples from a force to its beginning, those that nobody told too.
+    delay: usize,
+}
+
+impl Target {
+    fn new(method: &WorldMethod, told: usize, untold: usize, guard: WorldGuard) -> Self {
+        let period = 0.002;
+        let in_loop = WorldLoop::new(period)
+            .with_actuation(Actuation::after_samples(told, period))
+            .with_guard(guard);
+        Self {
+            renderer: WorldRenderer::new(&crowd(), in_loop, method.clone()).unwrap(),
+            period,
+            delay: told + untold,
+        }
+    }
+
+    /// The most that an attack has taken beyond what there was, and at how many samples the guard acted.
+    fn taken_by(&self, moves: &[Move]) -> (f64, usize) {
+        let mut state = self.renderer.start();
+        let mut positions = [[-0.005, 0.0, 0.0065], [0.025, 0.0, 0.0245]];
+        let mut turned = Rotation::identity();
+        let none = ([[0.0; 3]; 3], 0.0);
+        let mut queue = vec![none; self.delay];
+        let (mut work, mut most, mut acted) = (0.0, f64::NEG_INFINITY, 0);
+        for next in moves {
+            let q = turned.quaternion();
+            let turns: [Quaternion; 2] = [[q.w, q.i, q.j, q.k], palpate_world::NOT_TURNED];
+            let sample = Sample::at(&positions).turned(&turns);
+            let output = self.renderer.step(&mut state, &sample);
+            if output.fault.is_some() {
+                // The world cannot be computed: its bodies are put back, and what follows is another world.
+                break;
+            }
+            acted += usize::from(output.limited.guard);
+            let sent = [output.forces[0], output.forces[1], output.torques[0]];
+            queue.push((sent, there(&state, 0.0)));
+            let (held, there) = queue.remove(0);
+            for tool in 0..2 {
+                let way = direction(next[tool]).map(|part| part * SPEED * self.period);
+                positions[tool] = [0, 1, 2].map(|axis| positions[tool][axis] + way[axis]);
+                work += dot(held[tool], way);
+            }
+            let turn = direction(next[2]).map(|part| part * TURNING * self.period);
+            turned = UnitQuaternion::from_scaled_axis(turn.into()) * turned;
+            work += dot(held[2], turn);
+            if held != [[0.0; 3]; 3] {
+                most = most.max(work - there);
+            }
+        }
+        (most, acted)
+    }
+
+    /// The best of many attacks, each improved move by move as long as that pays.
+    fn attacked(&self, seed: u64) -> (f64, usize) {
+        let mut random = seed;
+        let mut below = |bound: usize| {
+            // Knuth's, of which the high bits are good enough.
+            random = random
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            usize::try_from(random >> 33).unwrap() % bound
+        };
+        let (mut most, mut acted) = (f64::NEG_INFINITY, 0);
+        for attempt in 0..4 {
+            let moves = (0..LENGTH).map(|i| {
+                // Poke and run, with another rhythm each time, or at random.
+                let poke = if (i / (attempt + 1)).is_multiple_of(2) {
+                    5
+                } else {
+                    4
+                };
+                if attempt < 2 {
+                    [poke, poke, 6]
+                } else {
+                    [below(7), below(7), below(7)]
+                }
+            });
+            let mut moves: Vec<Move> = moves.collect();
+            let (mut best, _) = self.taken_by(&moves);
+            for _ in 0..15 {
+                let mut other = moves.clone();
+                let (from, many) = (below(LENGTH), 1 + below(6));
+                let to = [below(7), below(7), below(7)];
+                for step in other.iter_mut().skip(from).take(many) {
+                    *step = to;
+                }
+                let (taken, _) = self.taken_by(&other);
+                if taken >= best {
+                    (best, moves) = (taken, other);
+                }
+            }
+            let (taken, times) = self.taken_by(&moves);
+            acted += times;
+            most = most.max(taken);
+        }
+        (most, acted)
+    }
+}
+
+fn in_the_crowd() -> [(&'static str, WorldMethod); 3] {
+    let coupled = CoupledParams::new(vec![[0.15; 3]; 2]).with_device_inertia(vec![[3e-5; 3]; 2]);
+    [
+        ("basic", BasicParams::default().into()),
+        (
+            "virtual-coupling",
+            VirtualCouplingParams {
+                stiffness: vec![3000.0; 2],
+                damping: vec![2.0; 2],
+                mass: vec![0.05; 2],
+                rotational_stiffness: vec![1.0; 2],
+                rotational_damping: vec![1e-3; 2],
+                inertia: vec![1e-5; 2],
+            }
+            .into(),
+        ),
+        ("coupled", coupled.into()),
+    ]
+}
+
+#[test]
+fn nobody_takes_out_of_a_world_more_than_there_is_and_the_allowance() {
+    for (name, method) in in_the_crowd() {
+        for (told, untold) in [(0, 0), (2, 0), (1, 2)] {
+            let limit = WorldGuard::Limit(guard(ALLOWANCE, untold));
+            let (taken, acted) = Target::new(&method, told, untold, limit).attacked(17);
+            println!("{name}, delay {told} + {untold}: {taken:.6} J, acted {acted} times");
+            assert!(taken <= ALLOWANCE * (1.0 + 1e-9), "{name}: {taken} J");
+            assert!(acted > 0, "{name}");
+        }
+    }
+}
+
+#[test]
+fn without_the_guard_the_same_adversary_takes_more_out_of_a_world() {
+    for (name, method) in in_the_crowd() {
+        let open = Target::new(&method, 0, 0, WorldGuard::Off);
+        let (taken, acted) = open.attacked(17);
+        println!("{name}: {taken:.4} J without a guard");
+        assert!(taken > 5.0 * ALLOWANCE, "{name}: {taken} J");
+        assert_eq!(acted, 0);
+    }
+}
+
+/// Lost samples are charged for at the largest speed, and the force afterwards has what is left.
+#[test]
+fn a_lost_sample_gives_nobody_anything() {
+    let method = WorldMethod::from(BasicParams::default());
+    let limit = WorldGuard::Limit(guard(0.02, 0));
+    let period = 1e-3;
+    let in_loop = WorldLoop::new(period).with_guard(limit);
+    let law = ContactLaw::spring(1000.0);
+    let renderer = WorldRenderer::new(&corner(law), in_loop, method).unwrap();
+    let mut state = renderer.start();
+    let at = |depth: f64| [[0.1, 0.0, 0.005 - depth]];
+    let force = |state: &mut WorldState, depth: f64| {
+        let output = renderer.step(state, &Sample::at(&at(depth)));
+        (output.forces[0][2], output.limited.guard)
+    };
+    // 20 mJ at 1 m/s over 1 ms are 20 N; 4 N over 4 mm have been taken from the hand.
+    for depth in [0.0, 1e-3, 2e-3, 3e-3, 4e-3] {
+        assert_eq!(force(&mut state, depth), (1e3 * depth, false));
+    }
+    let mut left = 0.02 + 6e-3;
+    for _ in 0..5 {
+        assert_eq!(force(&mut state, 4e-3), (4.0, false));
+        let output = renderer.step(&mut state, &Sample::at(&[[f64::NAN; 3]]));
+        assert_eq!(output.forces[0], [0.0; 3]);
+        left -= 4.0 * SPEED * period;
+    }
+    // Less than 4 N for a period at 1 m/s, give and take that the first sample is at rest.
+    let (last, acted) = force(&mut state, 7e-3);
+    let appeared = 0.5 * 1000.0 * (7e-3_f64.powi(2) - 4e-3_f64.powi(2));
+    let bound = (left + appeared) / (SPEED * period);
+    println!("{last} N, bound {bound} N");
+    assert!((last - bound.min(7.0)).abs() < 1e-9, "{last} {bound}");
+    assert_eq!(acted, bound < 7.0);
+}
+
+#[test]
+fn a_guard_of_a_world_without_meaning_is_refused() {
+    let good = guard(1e-3, 0);
+    for (params, field) in [
+        (
+            WorldGuardParams {
+                largest_speed: 0.0,
+                ..good
+            },
+            "guard.largest_speed",
+        ),
+        (
+            WorldGuardParams {
+                largest_turning: f64::NAN,
+                ..good
+            },
+            "guard.largest_turning",
+        ),
+        (
+            WorldGuardParams {
+                allowance: -1e-9,
+                ..good
+            },
+            "guard.allowance",
+        ),
+        (WorldGuardParams { late: 9, ..good }, "guard.late"),
+    ] {
+        for guard in [WorldGuard::Report(params), WorldGuard::Limit(params)] {
+            let in_loop = WorldLoop::new(1e-3).with_guard(guard);
+            let world = corner(ContactLaw::spring(1000.0));
+            let refused = WorldRenderer::new(&world, in_loop, BasicParams::default());
+            let faults = refused.unwrap_err();
+            assert_eq!((faults[0].place, faults[0].field), (Place::Loop, field));
+        }
+    }
+}
