@@ -2,8 +2,6 @@
 
 use std::path::Path;
 
-use palpate_device::Capabilities;
-use palpate_rt::WorldFrame;
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_study::text::digits;
 use palpate_world::{ContactState, Place, Side, World, WorldError};
@@ -55,32 +53,6 @@ pub fn one_method<'a>(flags: &'a Flags, scene: &'a WorldScene) -> Result<&'a str
 pub fn known(method: &str) -> &'static str {
     let mut all = WorldScene::METHODS.into_iter();
     all.find(|name| *name == method).unwrap_or("unknown")
-}
-
-/// The scene as the renderer of a loop with one device is told it: no force above `largest_force` `[N]`, a sensor as coarse
-/// as the device says, and a device that does not move along the axes of the world that none of its own stands for.
-pub fn told_of(
-    scene: &WorldScene,
-    frame: &WorldFrame,
-    device: &Capabilities,
-    largest_force: f64,
-) -> WorldScene {
-    let mut told = scene.clone();
-    if let Some(quantum) = device.encoder_quantum {
-        for own in &mut told.devices {
-            own.quantum = own.quantum.map(|of_file| of_file.max(quantum));
-        }
-    }
-    let limit = told.render.force_limit.unwrap_or(largest_force);
-    told.render.force_limit = Some(limit.min(largest_force));
-    for mass in &mut told.render.device_mass {
-        for (axis, mass) in mass.iter_mut().enumerate() {
-            if !frame.has(axis) {
-                *mass = f64::INFINITY;
-            }
-        }
-    }
-    told
 }
 
 /// What is wrong with a world that has been read: the fault lies in a flag if one gave the method, else in the

@@ -9,6 +9,7 @@ use palpate_record::recording::Receipt;
 use palpate_rt::realtime::Request;
 use palpate_rt::{ControlLoop, RenderedWorld, SetupError, WorldFrame, receipt};
 use palpate_scene::world::{WorldFile, WorldScene};
+use palpate_sim::device::told_of;
 
 use super::driving::{Ran, drive, most_periods};
 use super::report::{Energies, Report, Subject};
@@ -162,7 +163,8 @@ pub fn rendered(
     (frame, device): (&WorldFrame, &Capabilities),
     largest_force: f64,
 ) -> Result<Result<RenderedWorld, SetupError>, Vec<palpate_world::WorldError>> {
-    let scene: WorldScene = worlds::told_of(&file.scene, frame, device, largest_force);
+    let has_axis = |axis| frame.has(axis);
+    let scene: WorldScene = told_of(&file.scene, device, has_axis, largest_force);
     let renderer = scene.renderer(method)?;
     let method = worlds::known(method);
     Ok(RenderedWorld::new(&scene.world, renderer, method, *frame))
