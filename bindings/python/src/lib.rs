@@ -8,6 +8,7 @@ mod bounded;
 mod calibration;
 mod card;
 mod checked;
+mod claims;
 mod columns;
 mod engine;
 mod figures;
@@ -41,6 +42,8 @@ mod _palpate {
     #[pymodule_export]
     use super::card::report;
     #[pymodule_export]
+    use super::claims::claims;
+    #[pymodule_export]
     use super::columns::{columns, ideal_columns};
     #[pymodule_export]
     use super::engine::EngineContact;
@@ -52,7 +55,7 @@ mod _palpate {
     #[pymodule_export]
     use super::real_time::guard;
     #[pymodule_export]
-    use super::real_time::{Hand, RealTimeLoop};
+    use super::real_time::{Hand, HandInWorld, RealTimeLoop};
     #[pymodule_export]
     use super::recording::{read_recording, recorded_columns};
     #[pymodule_export]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use numpy::PyArray1;
 use palpate_record::recording::{
-    Entry, Event, Flags, Kind, Phase, Recording, RecordingError, Row, Value, columns,
+    BodyTick, Entry, Event, Flags, Kind, Phase, Recording, RecordingError, Row, Value, columns,
 };
 use palpate_study::recording::report::RecordingReport;
 use pyo3::exceptions::PyOSError;
@@ -32,20 +32,22 @@ type InPython<'py> = (
     Bound<'py, PyArray1<u64>>,
     Vec<(u64, f64, String, String)>,
     Vec<(String, String)>,
+    Bound<'py, PyArray1<u64>>,
 );
 
-/// Reads a recording: the report on it as JSON and as text, its rows, one for each contact of a tick, its events, and the texts of its
-/// receipt.
+/// Reads a recording: the report on it as JSON and as text, its rows, one for each contact of a tick, its events, the texts of its
+/// receipt, and the bodies of a world.
 #[pyfunction]
 pub fn read_recording(py: Python<'_>, path: PathBuf) -> PyResult<InPython<'_>> {
     let read = interruptible(py, move |stop| {
         let recording = Recording::open(&path)?;
         let report = RecordingReport::new(&recording)?;
-        let mut words = Words::new();
+        let (mut words, mut of_bodies) = (Words::new(), Words::new());
         let mut events = Vec::new();
         for entry in recording.entries()? {
             match entry? {
-                Entry::Tick(tick, contacts, _) => {
+                Entry::Tick(tick, contacts, bodies) => {
+                    of_bodies.extend(bodies.iter().flat_map(body));
                     for row in Row::of(tick, &contacts) {
                         words.extend(columns().iter().map(|column| word(column.value(&row))));
                     }
@@ -55,9 +57,9 @@ pub fn read_recording(py: Python<'_>, path: PathBuf) -> PyResult<InPython<'_>> {
             stop.leave_if_raised();
         }
         let said = (palpate_study::json(&report), report.to_string());
-        Ok((said, words, events, recording.receipt.texts))
+        Ok((said, words, events, recording.receipt.texts, of_bodies))
     })?;
-    let (said, words, events, texts) = read.map_err(|error| match error {
+    let (said, words, events, texts, of_bodies) = read.map_err(|error| match error {
         RecordingError::Unreadable { .. } => PyOSError::new_err(error.to_string()),
         RecordingError::Invalid { .. } => refused(error),
     })?;
@@ -75,7 +77,24 @@ pub fn read_recording(py: Python<'_>, path: PathBuf) -> PyResult<InPython<'_>> {
         array(py, words),
         events.collect(),
         texts.into_iter().collect(),
+        array(py, of_bodies),
     ))
+}
+
+/// Words of a body at a tick: number of the tick, number of the body, its place and its motion.
+const BODY: usize = 15;
+
+/// A body at a tick, in words.
+pub fn body(body: &BodyTick) -> [u64; BODY] {
+    let mut words = [0; BODY];
+    words[0] = body.sequence;
+    words[1] = body.body.into();
+    let numbers = body.position.iter().chain(&body.orientation);
+    let numbers = numbers.chain(&body.velocity).chain(&body.angular_velocity);
+    for (word, number) in words[2..].iter_mut().zip(numbers) {
+        *word = number.to_bits();
+    }
+    words
 }
 
 /// A value in a word of 64 bits: a number, or a count.

@@ -33,6 +33,10 @@ pub struct PyWorld {
     pub name: String,
     folder: PathBuf,
     pub method: String,
+    /// Largest length of a force `[N]`; None: no limit.
+    pub force_limit: Option<f64>,
+    /// Time over which a force comes in `[s]`.
+    pub soft_start: f64,
     bounded: BoundedWorld,
     last: Option<Answer>,
 }
@@ -59,6 +63,11 @@ impl PyWorld {
     /// The world and its loop as they were described.
     pub fn scene(&self) -> &WorldScene {
         &self.file.scene
+    }
+
+    /// Its text, as the file has it.
+    pub fn text(&self) -> &str {
+        &self.text
     }
 
     /// The world at the last sample.
@@ -136,6 +145,8 @@ impl PyWorld {
             .renderer(&method)
             .map_err(|faults| wrong(&file, is_file, &faults))?;
         Ok(Self {
+            force_limit: scene.render.force_limit,
+            soft_start,
             bounded: BoundedWorld::new(renderer, limits).map_err(refused)?,
             name: name.unwrap_or_else(|| file.scene.title.clone()),
             is_file,

@@ -8,6 +8,7 @@ import signal
 import sys
 import threading
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -70,6 +71,46 @@ def test_python_goes_on_while_a_thread_renders() -> None:
         if seen >= 10:
             return
     pytest.fail(f"seen inside render {seen} times only")
+
+
+def at_work() -> dict[str, int]:
+    """Processor time of each thread that renders here, in ticks of the kernel, by its number."""
+    found = {}
+    for task in Path("/proc/self/task").iterdir():
+        try:
+            name, rest = (task / "stat").read_text().split("(", 1)[1].rsplit(")", 1)
+        except OSError:
+            # It has ended meanwhile.
+            continue
+        if name == "palpate":
+            fields = rest.split()
+            found[task.name] = int(fields[11]) + int(fields[12])
+    return found
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="/proc shows the threads of a process")
+def test_two_threads_render_at_once_and_neither_waits_for_the_other() -> None:
+    """Two runs are seen under way at the same time, each getting on while the other is there. With a lock that both need,
+    one of them would stand still. How fast both are then is a matter of free processors, and is not asked."""
+    for samples in (400_000, 800_000, 1_600_000, 3_200_000):
+        rendering = [threading.Thread(target=render_long, args=(samples,)) for _ in range(2)]
+        for thread in rendering:
+            thread.start()
+        first: dict[str, int] = {}
+        both_got_on = False
+        while any(thread.is_alive() for thread in rendering):
+            now = at_work()
+            if len(now) == 2:
+                # Since both were seen for the first time; of others this begins anew.
+                first = first if first.keys() == now.keys() else now
+                both_got_on |= all(now[task] - first[task] >= 3 for task in now)
+            time.sleep(0.001)
+        for thread in rendering:
+            thread.join()
+        # A machine that is busy may let this thread run too seldom: then again, for longer.
+        if both_got_on:
+            return
+    pytest.fail("two runs were never seen to get on at once")
 
 
 def test_renderers_in_threads_do_not_touch_each_other() -> None:

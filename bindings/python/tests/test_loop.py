@@ -77,7 +77,8 @@ def test_a_change_is_in_force_from_the_tick_that_carries_its_number() -> None:
     with loop(pressing(), wall()) as running:
         read_until(running, "contact", lambda ticks: ticks["penetration_m"][-1] > 0)
         assert running.change(stiffness=600.0) == 1
-        ticks = read_until(running, "the change", lambda ticks: ticks["generation"][-1] == 1 and ticks["t_s"][-1] > ticks["t_s"][ticks["generation"] == 1][0] + 0.15)
+        # A tenth of a second of ticks, and not of a machine that may leave some out.
+        ticks = read_until(running, "the change", lambda ticks: (ticks["generation"] == 1).sum() > 100)
         last = ticks[-1]
         assert last["force_on_device_n"] == pytest.approx(-600.0 * last["penetration_m"], rel=1e-6)
         assert running.change(method="hfcr", mass=0.5, damping=0.5) == 2

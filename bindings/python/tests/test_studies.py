@@ -39,6 +39,13 @@ def test_a_sweep_is_that_of_the_program(program: Any, root: Path) -> None:
         assert str(raised.value).startswith(words), str(raised.value)
 
 
+def test_the_paper_s_claims_are_those_of_the_program(program: Any) -> None:
+    ours = palpate.claims()
+    assert ours == program.json("claims")
+    assert ours.format == "palpate claims 1" and len(ours.claims) > 5
+    assert str(ours).strip() == program("claims").strip()
+
+
 def test_a_damping_is_tuned_as_by_the_program(program: Any, root: Path) -> None:
     theirs = program.json("tune", FIG2, "--method", "virtual-damper", "--steps", 7)
     ours = palpate.tune(FIG2, "virtual-damper", steps=7)

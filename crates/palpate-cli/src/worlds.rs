@@ -2,9 +2,6 @@
 
 use std::path::Path;
 
-use palpate_device::Capabilities;
-use palpate_rt::WorldFrame;
-use palpate_rt::safety::SafetyParams;
 use palpate_scene::world::{WorldFile, WorldScene, usual_guard};
 use palpate_world::{Place, WorldError, WorldGuard};
 
@@ -71,39 +68,6 @@ pub fn one_method<'a>(flags: &'a Flags, scene: &'a WorldScene) -> Result<&'a str
 pub fn known(method: &str) -> &'static str {
     let mut all = WorldScene::METHODS.into_iter();
     all.find(|name| *name == method).unwrap_or("unknown")
-}
-
-/// The scene as the renderer of a loop with one device is told it: no force and no torque above those of `limits`, a sensor
-/// as coarse as the device says, and a device that does not move along the axes of the world that none of its own stands for.
-pub fn told_of(
-    scene: &WorldScene,
-    frame: &WorldFrame,
-    device: &Capabilities,
-    limits: &SafetyParams,
-) -> WorldScene {
-    let mut told = scene.clone();
-    if let Some(quantum) = device.encoder_quantum {
-        for own in &mut told.devices {
-            own.quantum = own.quantum.map(|of_file| of_file.max(quantum));
-        }
-    }
-    let SafetyParams {
-        largest_force,
-        largest_torque,
-        ..
-    } = *limits;
-    let limit = told.render.force_limit.unwrap_or(largest_force);
-    told.render.force_limit = Some(limit.min(largest_force));
-    let limit = told.render.torque_limit.unwrap_or(largest_torque);
-    told.render.torque_limit = Some(limit.min(largest_torque));
-    for mass in &mut told.render.device_mass {
-        for (axis, mass) in mass.iter_mut().enumerate() {
-            if !frame.has(axis) {
-                *mass = f64::INFINITY;
-            }
-        }
-    }
-    told
 }
 
 /// What is wrong with a world that has been read: the fault lies in a flag if one gave the method, else in the

@@ -23,8 +23,8 @@ impl PhysicsHooks for WithoutTool {
 
 /// Contacts of a tool with bodies of a [`PhysicsWorld`], in a loop with a device.
 ///
-/// What else accelerates a body, its weight and its other contacts, is taken from the step before: the engine does not say
-/// it beforehand.
+/// What else accelerates a body, its weight and its other contacts, the engine does not say beforehand: it is taken to go on
+/// as it went from the step before the last to the last one.
 pub struct Contact {
     renderer: EngineRenderer,
     state: EngineState,
@@ -39,8 +39,9 @@ struct Touched {
     theirs: (Vector, Vector),
     /// Velocity that it would have after the step if nothing but our wrench acted `[m/s]`, `[rad/s]`.
     expected: (Vector, Vector),
-    /// Acceleration by everything else in the last step `[m/s^2]`, `[rad/s^2]`; none before the first.
-    other: Option<(Vector, Vector)>,
+    /// Acceleration by everything else in the last step and in the one before it `[m/s^2]`, `[rad/s^2]`; none before the
+    /// first.
+    others: Option<[(Vector, Vector); 2]>,
 }
 
 impl Contact {
@@ -48,6 +49,8 @@ impl Contact {
     ///
     /// # Errors
     /// A collider of another shape, or what palpate refuses, in words.
+    ///
+    /// Into how many parts the engine divides a step is asked here; it may not change afterwards.
     pub fn new(
         world: &PhysicsWorld,
         radius: f64,
@@ -62,9 +65,9 @@ impl Contact {
             .map(|(number, handle)| described(world, number, *handle, law))
             .collect();
         let tool = Tool::new("tool", Shape::Sphere { radius });
-        // Rapier divides a step into four by itself, and moves a body by the velocity at the end of each part: nearer to the
-        // mean over the step than to its end.
-        let stepping = Stepping::MeanVelocity;
+        // Rapier divides a step, and moves a body by the velocity at the end of each part.
+        let parts = world.integration_parameters.num_solver_iterations;
+        let stepping = Stepping::Parts(u32::try_from(parts).unwrap_or(u32::MAX));
         let renderer = EngineRenderer::new(&[tool], &described?, stepping, in_loop, device);
         let renderer = renderer.map_err(|faults| {
             let faults: Vec<String> = faults.iter().map(ToString::to_string).collect();
@@ -131,7 +134,7 @@ impl Touched {
             handle,
             theirs: (Vector::ZERO, Vector::ZERO),
             expected: (Vector::ZERO, Vector::ZERO),
-            other: None,
+            others: None,
         }
     }
 
@@ -145,7 +148,10 @@ impl Touched {
             return now;
         }
         let weight = world.gravity * body.gravity_scale();
-        let (linear, angular) = self.other.unwrap_or((weight, Vector::ZERO));
+        let (linear, angular) = match self.others {
+            Some([last, before]) => (last.0 * 2.0 - before.0, last.1 * 2.0 - before.1),
+            None => (weight, Vector::ZERO),
+        };
         now.velocity = body.linvel().to_array();
         now.angular_velocity = body.angvel().to_array();
         now.acceleration = linear.to_array();
@@ -193,7 +199,9 @@ impl Touched {
         body.add_force(self.theirs.0, false);
         body.add_torque(self.theirs.1, false);
         let (linear, angular) = self.expected;
-        self.other = Some(((body.linvel() - linear) / h, (body.angvel() - angular) / h));
+        let last = ((body.linvel() - linear) / h, (body.angvel() - angular) / h);
+        let before = self.others.map_or(last, |[before, _]| before);
+        self.others = Some([last, before]);
     }
 }
 

@@ -1,16 +1,12 @@
 //! Contact with the bodies of the physics engine Rapier: a hand pushes a cube over a floor.
 //!
 //! The engine moves the cube and keeps its contact with the floor; the contact of the tool is palpate's. `cargo run
-//! --release` prints what the hand feels, `cargo test --release` tests the way into the engine and out of it.
+//! --release` prints what the hand feels, `cargo run --release --bin table` how near contacts are to the ideal, `cargo test
+//! --release` tests the way into the engine and out of it.
 
-mod contact;
-#[cfg(test)]
-mod tests;
-
+use palpate_example_rapier::contact::{Contact, WithoutTool};
 use palpate_world::{ContactLaw, CoupledParams, WorldLoop};
 use rapier3d_f64::prelude::*;
-
-use contact::{Contact, WithoutTool};
 
 const PERIOD: f64 = 0.004;
 const STEPS: u32 = 4;

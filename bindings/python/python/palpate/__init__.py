@@ -22,12 +22,12 @@ from ._device_file import Calibration, DeviceReport, Excitation, calibrate, repo
 from ._loop import Granted, Loop, LoopError, LoopReport, LoopStatus, Spread
 from ._methods import METHODS, Method, Setting
 from ._palpate import __version__
-from ._recording import FLAGS, RECORDED, Event, Recording, read_recording
+from ._recording import BODIES, FLAGS, RECORDED, Event, Recording, read_recording
 from ._render import render
 from ._renderer import Renderer
 from ._report import FAULTS, IDEAL, LIMITS, PHASES, TICK, Fields, Report, Runs, WorldRuns
 from ._scene import Bench, Scene, compare, simulate
-from ._studies import Map, advise, heights, map, suite, sweep, tune
+from ._studies import Map, advise, claims, heights, map, suite, sweep, tune
 from ._values import Leak, Ledger, Output, Situation
 from ._world import World
 from ._world_values import (
@@ -45,6 +45,7 @@ from ._world_values import (
 )
 
 __all__ = [
+    "BODIES",
     "FAULTS",
     "FLAGS",
     "IDEAL",
@@ -93,6 +94,7 @@ __all__ = [
     "__version__",
     "advise",
     "calibrate",
+    "claims",
     "compare",
     "devices",
     "heights",

@@ -1,4 +1,4 @@
-"""`Loop`: a renderer on a device in real time, beside Python."""
+"""`Loop`: a renderer or a world on a device in real time, beside Python."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from . import _palpate
 from ._methods import METHODS
-from ._recording import RECORDED, Event
+from ._recording import BODIES, RECORDED, Event
 from ._renderer import Renderer
+from ._world import World
 from .devices import Device
 
 
@@ -94,14 +95,20 @@ class LoopReport(NamedTuple):
 
 
 class Loop(_palpate.Loop):
-    """A renderer on a device in real time: the loop of `palpate run`, in a thread that never waits for Python.
+    """A renderer or a world on a device in real time: the loop of `palpate run`, in a thread that never waits for Python.
 
         with palpate.Loop(palpate.devices.Pointer(), palpate.Renderer(stiffness=400.0, ...)) as loop:
             ticks = loop.read(wait=1.0)
 
     The thread samples the device, renders, and commands the force through a safety layer (`docs/realtime.md`). Python reads
     what it did, and changes what it renders. The loop begins the renderer anew; the renderer itself is left as it is, and
-    its `force_limit` and `soft_start` are the loop's.
+    its `force_limit` and `soft_start` are the loop's. A world is begun anew likewise:
+
+        world = palpate.World("experiments/worlds/paddle.toml")
+        device = palpate.devices.PointerInWorld(world)
+        with palpate.Loop(device, world) as loop:
+            device.move_to([0.0, 0.0, 0.01])
+            ticks, bodies = loop.read(wait=1.0), loop.bodies
 
     The loop ends, and the device is commanded no force, when the `with` block is left by its end, by an exception or by
     Ctrl-C; by `stop`; when the interpreter exits; when nobody refers to the loop any more. A signal that ends Python at once,
@@ -109,7 +116,7 @@ class Loop(_palpate.Loop):
 
     Args:
         device: One of `palpate.devices`.
-        renderer: What is rendered.
+        renderer: What is rendered: a `Renderer`, or a `World` with one device of three axes.
         record: A recording (MCAP) to write; a file that is there is not overwritten.
         ring: Ticks that wait for `read`; of more, the oldest make room and are counted.
         largest_speed: Speed of the device above which the motors are off [m/s].
@@ -131,11 +138,18 @@ class Loop(_palpate.Loop):
     """What the machine was asked for, and what it granted; empty before the start."""
     report: LoopReport | None
     """What the loop has left behind; `None` before its end."""
+    bodies: NDArray[np.void]
+    """The bodies of a world at the ticks that the last `read` gave: an array with the fields of `palpate.BODIES`. Those that
+    move, and the avatar of the device."""
+    body_names: tuple[str, ...]
+    """The names of a world's bodies by the field `body`; the last is the device, whose avatar it is. Of a renderer none."""
+    contact_names: tuple[tuple[str, str], ...]
+    """Between which two each contact of a world is, by the field `pair` of its row. Of a renderer none."""
 
     def __new__(
         cls,
         device: Device,
-        renderer: Renderer,
+        renderer: Renderer | World,
         *,
         record: str | os.PathLike[str] | None = None,
         ring: int = 65536,
@@ -159,13 +173,22 @@ class Loop(_palpate.Loop):
             "processor": processor,
             "spin": spin,
             "record": record,
-            "scene": _scene(device, renderer) if record is not None else None,
+            "scene": None,
         }
-        method, given, soft_start, settings = _split(renderer.parameters)
-        made = super().__new__(cls, device._given(), method, given, soft_start, settings, options)
+        rendered: Any = renderer
+        parameters: dict[str, Any] = {}
+        if not isinstance(renderer, World):
+            if record is not None:
+                options["scene"] = _scene(device, renderer)
+            parameters = dict(renderer.parameters)
+            method, given, soft_start, settings = _split(parameters)
+            rendered = (method, given, soft_start, settings)
+        made = super().__new__(cls, device._given(), rendered, options)
         made.granted = []
         made.report = None
-        made._parameters = dict(renderer.parameters)
+        made.bodies = np.empty(0, BODIES)
+        made.body_names, made.contact_names = _names(renderer)
+        made._parameters = parameters
         made._started = made._said = False
         return made
 
@@ -208,13 +231,18 @@ class Loop(_palpate.Loop):
     def read(self, wait: float = 0.0) -> NDArray[np.void]:
         """The ticks since the last `read`, oldest first: an array with the fields of `palpate.RECORDED`.
 
+        Of a world, a tick has an element for each of its contacts, and one without a value of a contact where nothing
+        touches; `contact_names` has the names, and `bodies` the bodies at these ticks.
+
         Args:
             wait: How long to wait for the first of them [s]; 0: not at all.
 
         Raises:
             LoopError: The loop has ended by itself and all its ticks were read; or no tick came within `wait`.
         """
-        ticks = self.take(wait).view(RECORDED)
+        words, bodies = self.take(wait)
+        ticks = words.view(RECORDED)
+        self.bodies = bodies.view(BODIES)
         if len(ticks) == 0:
             self._say_why(wait)
         return ticks
@@ -257,7 +285,10 @@ class Loop(_palpate.Loop):
         Raises:
             ValueError: A value that is not allowed; the period, the side and the limits of the loop do not change.
             RuntimeError: The loop has ended.
+            TypeError: The loop renders a world, which stays as it was described.
         """
+        if not self._parameters:
+            raise TypeError("a loop of a World renders it as it was described; make another Loop with another World")
         for name in ("force_limit", "soft_start"):
             if name in changes:
                 raise ValueError(f"{name} is a limit of the loop, and stays while it runs; make another Loop")
@@ -272,7 +303,7 @@ class Loop(_palpate.Loop):
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """What is rendered now, as arguments of `palpate.Renderer`."""
+        """What is rendered now, as arguments of `palpate.Renderer`; of a world none."""
         return dict(self._parameters)
 
     @property
@@ -318,6 +349,14 @@ def _stop_all() -> None:
 
 
 atexit.register(_stop_all)
+
+
+def _names(renderer: Renderer | World) -> tuple[tuple[str, ...], tuple[tuple[str, str], ...]]:
+    """The names of bodies and of contacts, by their numbers in rows."""
+    if not isinstance(renderer, World):
+        return (), ()
+    devices, bodies = renderer.names()
+    return (*bodies, *devices), tuple(contact.between for contact in renderer.contacts)
 
 
 def _split(parameters: dict[str, Any]) -> tuple[Any, dict[str, Any], float, dict[str, Any]]:

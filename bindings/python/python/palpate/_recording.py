@@ -17,6 +17,18 @@ _COLUMNS, (_PHASES, _FLAGS) = _palpate.recorded_columns()
 
 RECORDED: np.dtype[np.void] = np.dtype([(name, "f8" if number else "u8") for name, number in _COLUMNS])
 """The fields of a tick of a recording and of its contact: numbers, and counts and codes as whole numbers."""
+BODIES: np.dtype[np.void] = np.dtype(
+    [
+        ("sequence", "u8"),
+        ("body", "u8"),
+        ("position_m", "f8", (3,)),
+        ("orientation", "f8", (4,)),
+        ("velocity_m_per_s", "f8", (3,)),
+        ("angular_velocity_rad_per_s", "f8", (3,)),
+    ]
+)
+"""The fields of a body of a world at a tick: number of the tick, number of the body, position of the centre of mass, unit
+quaternion w, x, y, z, and velocities, along the axes of the world."""
 FLAGS: tuple[str, ...] = tuple(_FLAGS)
 """What the field `flags` of a tick of a recording means: `FLAGS[bit]` holds where the bit is set."""
 
@@ -37,7 +49,7 @@ class Event(NamedTuple):
 class Recording(Table, Report):
     """What a loop with a device did: the report of `palpate info --json`, and every tick."""
 
-    __slots__ = ("events", "texts", "ticks")
+    __slots__ = ("bodies", "events", "texts", "ticks")
 
     ticks: NDArray[np.void]
     """The ticks that are there, in their order: an array with the fields of `palpate.RECORDED`.
@@ -46,6 +58,9 @@ class Recording(Table, Report):
     """
     events: list[Event]
     """What happened beside the ticks."""
+    bodies: NDArray[np.void]
+    """The bodies of a world at these ticks: an array with the fields of `palpate.BODIES`, those that move and then the avatars
+    of the devices. Of a recording of one contact it is empty."""
     texts: dict[str, str]
     """The texts of the receipt, such as `scene`: what made the recording."""
 
@@ -56,17 +71,19 @@ class Recording(Table, Report):
         ticks: NDArray[np.void] | None = None,
         events: Sequence[Event] = (),
         texts: Mapping[str, str] = {},
+        bodies: NDArray[np.void] | None = None,
     ) -> None:
         super().__init__(fields, text)
         self.ticks = np.empty(0, RECORDED) if ticks is None else ticks
         self.events = list(events)
         self.texts = dict(texts)
+        self.bodies = np.empty(0, BODIES) if bodies is None else bodies
 
     def _columns(self) -> dict[str, NDArray[Any]]:
         return of_records(self.ticks)
 
     def __reduce__(self) -> Any:
-        return (type(self), (dict(self), str(self), self.ticks, self.events, self.texts))
+        return (type(self), (dict(self), str(self), self.ticks, self.events, self.texts, self.bodies))
 
 
 def read_recording(path: str | os.PathLike[str]) -> Recording:
@@ -78,11 +95,12 @@ def read_recording(path: str | os.PathLike[str]) -> Recording:
         ValueError: A file that is no recording.
         OSError: A file that cannot be read.
     """
-    (fields, text), words, events, texts = _palpate.read_recording(path)
+    (fields, text), words, events, texts, bodies = _palpate.read_recording(path)
     return Recording(
         json.loads(fields, object_hook=Fields),
         text,
         words.view(RECORDED),
         [Event(*event) for event in events],
         dict(texts),
+        bodies.view(BODIES),
     )

@@ -99,6 +99,15 @@ def sweep(
     return Report._of(_palpate.sweep(_scene(scene), over, given, method, heights))
 
 
+def claims() -> Report:
+    """Computes anew the numbers that the paper of HFCR claims, as `palpate claims` does. It takes some ten seconds.
+
+    Returns:
+        The report: `claims`, and of each where it stands, the numbers that were `found`, and whether it `holds`.
+    """
+    return Report._of(_palpate.claims())
+
+
 def suite(
     set: str = "paper",
     method: str | Sequence[str] | None = None,

@@ -7,6 +7,13 @@
     device = palpate.devices.TwoDiy("/dev/ttyACM0")
     device = palpate.devices.Inverse3()
 
+A world of one device runs on these:
+
+    device = palpate.devices.PointerInWorld(world)  # the world's device in a hand that this program leads
+    device = palpate.devices.Simulated(world)  # device and hand of the world
+    device = palpate.devices.TwoDiy(world_axes=["x", "z"])  # its plane stands upright in the world
+    device = palpate.devices.Inverse3()
+
 A device is opened when a loop is made with it.
 """
 
@@ -16,17 +23,21 @@ import os
 import sys
 from typing import Any, Sequence
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from . import _palpate
 from ._scene import Scene
+from ._world import World
 
-__all__ = ["Device", "Inverse3", "Pointer", "Simulated", "TwoDiy"]
+__all__ = ["Device", "Inverse3", "Pointer", "PointerInWorld", "Simulated", "TwoDiy"]
 
 
 class Device:
     """What a `palpate.Loop` runs on."""
 
     def _given(self) -> dict[str, Any]:
-        raise TypeError("a Device is one of palpate.devices: Pointer, Simulated, TwoDiy or Inverse3")
+        raise TypeError("a Device is one of palpate.devices: Pointer, PointerInWorld, Simulated, TwoDiy or Inverse3")
 
     def _in_scene(self) -> dict[str, Any] | None:
         """The device as a table of a scene; None where nobody knows its mass."""
@@ -101,22 +112,64 @@ class Pointer(Device):
         }
 
 
-class Simulated(Device):
-    """The device and the hand of a scene, in real time. The scene's contact and loop are not used.
+class PointerInWorld(Device):
+    """The device of a world in a hand that a program leads through space.
+
+    Along each axis of the world it is a `Pointer` with the mass and the sensor that the world's device has along it. It
+    begins where that device does; its motors have the world's delay, lag and gain.
 
     Args:
-        scene: A `palpate.Scene`, or the path of a scene file.
+        world: A world with one device of three axes.
     """
 
-    def __init__(self, scene: Scene | str | os.PathLike[str]) -> None:
-        self._scene = scene if isinstance(scene, Scene) else Scene.read(scene)
+    def __init__(self, world: World) -> None:
+        self._world = world
+        devices = world.to_dict()["device"]
+        self._hand = _palpate.HandInWorld(devices[0].get("position_m", [0.0, 0.0, 0.0]))
+
+    def move_to(self, target: ArrayLike) -> None:
+        """Leads the hand to `target`, three coordinates in the world [m]; a hand that has let go takes hold again.
+
+        Raises:
+            ValueError: Not three numbers that are finite.
+        """
+        given = np.asarray(target, dtype=np.float64)
+        if given.shape != (3,):
+            raise ValueError(f"target has the shape {given.shape}, but must have (3,): x, y, z")
+        self._hand.move_to(given.tolist())
+
+    def let_go(self) -> None:
+        """Lets go of the device."""
+        self._hand.let_go()
+
+    @property
+    def target(self) -> tuple[float, float, float] | None:
+        """Where the hand wants to be in the world [m]; `None`: it has let go."""
+        target = self._hand.target
+        return None if target is None else (target[0], target[1], target[2])
 
     def _given(self) -> dict[str, Any]:
+        return {"kind": "pointer-in-world", "world": self._world, "hand": self._hand}
+
+
+class Simulated(Device):
+    """The device and the hand of a scene or of a world, in real time. Contacts and loop of it are not used.
+
+    Args:
+        scene: A `palpate.Scene`, the path of a scene file, or a `palpate.World` with one device.
+    """
+
+    def __init__(self, scene: Scene | World | str | os.PathLike[str]) -> None:
+        self._scene = scene if isinstance(scene, (Scene, World)) else Scene.read(scene)
+
+    def _given(self) -> dict[str, Any]:
+        if isinstance(self._scene, World):
+            return {"kind": "simulated-in-world", "world": self._scene}
         return {"kind": "simulated", "scene": self._scene}
 
     def _in_scene(self) -> dict[str, Any] | None:
         table = self._scene.to_dict()["device"]
-        return table if table["kind"] == "point-mass" else None
+        return table if isinstance(self._scene, Scene) and table["kind"] == "point-mass" else None
 
 
 class TwoDiy(Device):
@@ -131,8 +184,11 @@ class TwoDiy(Device):
         board: `"m0"`, `"m3"` or `"dev"`; `None`: found out where its first angles tell.
         start_pose: Pose of the arm while it is opened: `"retracted"`, `"extended"`, or two angles [degrees]. Elsewhere
             forces point in wrong directions.
-        origin: Where the contact's coordinate is 0, along the device's two axes [m]; `None`: the usual place.
-        normal: Direction in which the contact's coordinate grows; `None`: away from the base.
+        origin: Where the contact's coordinate is 0, along the device's two axes [m]; of a world, what place of the device is
+            that at which the world's device begins. `None`: the usual place.
+        normal: Direction in which the contact's coordinate grows; `None`: away from the base. Not for a world.
+        world_axes: Which axis of the world each of its two is, such as `["x", "-z"]`, with - where it points the other
+            way; `None`: x and y. Along the third the tool stays where it begins. For a world only.
         guardian: Whether there is a guardian.
     """
 
@@ -145,6 +201,7 @@ class TwoDiy(Device):
         start_pose: str | tuple[float, float] = "retracted",
         origin: Sequence[float] | None = None,
         normal: Sequence[float] | None = None,
+        world_axes: Sequence[str] | None = None,
         guardian: bool = True,
     ) -> None:
         self._values: dict[str, Any] = {
@@ -154,6 +211,7 @@ class TwoDiy(Device):
             "start_pose": start_pose,
             "origin": None if origin is None else list(origin),
             "normal": None if normal is None else list(normal),
+            "world_axes": None if world_axes is None else list(world_axes),
             "guardian": _guardian() if guardian else None,
         }
 
@@ -168,8 +226,11 @@ class Inverse3(Device):
         service: URL of the service's simulation channel; `None`: `ws://localhost:10001`.
         events: URL of its events channel, which tells why a device is gone; `None`: not listened to.
         device_id: Which Inverse3 of the service; `None`: the only one.
-        origin: Where the contact's coordinate is 0 [m]; `None`: where the cursor is when the device is opened.
-        normal: Direction in which the contact's coordinate grows; `None`: along x.
+        origin: Where the contact's coordinate is 0 [m]; of a world, what place of the device is that at which the world's
+            device begins. `None`: where the cursor is when the device is opened.
+        normal: Direction in which the contact's coordinate grows; `None`: along x. Not for a world.
+        world_axes: Which axis of the world each of its three is, such as `["x", "-z", "y"]`; `None`: x, y and z. For a
+            world only.
     """
 
     def __init__(
@@ -180,6 +241,7 @@ class Inverse3(Device):
         device_id: str | None = None,
         origin: Sequence[float] | None = None,
         normal: Sequence[float] | None = None,
+        world_axes: Sequence[str] | None = None,
     ) -> None:
         self._values: dict[str, Any] = {
             "service": service,
@@ -187,6 +249,7 @@ class Inverse3(Device):
             "device_id": device_id,
             "origin": None if origin is None else list(origin),
             "normal": None if normal is None else list(normal),
+            "world_axes": None if world_axes is None else list(world_axes),
         }
 
     def _given(self) -> dict[str, Any]:

@@ -90,6 +90,7 @@ struct Pointer {
 struct Placed {
     origin: Option<Vec<f64>>,
     normal: Option<Vec<f64>>,
+    world_axes: Option<Vec<String>>,
 }
 
 /// The device `haply-2diy`.
@@ -114,7 +115,7 @@ pub enum StartPose {
 /// The device `inverse3`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-struct Inverse3Given {
+pub struct Inverse3Given {
     service: Option<String>,
     events: Option<String>,
     device_id: Option<String>,
@@ -160,6 +161,12 @@ pub fn open(
             let axis = placed.axis(device.capabilities(), usual)?;
             (Box::new(device), axis)
         }
+        "simulated-in-world" | "pointer-in-world" => {
+            return Err(refused(
+                "device is of a World, and a Renderer renders one contact; render a World on it, or take a Pointer or a \
+                 Simulated of a Scene",
+            ));
+        }
         other => return Err(refused(format!("there is no device \"{other}\""))),
     };
     let held = Held::default();
@@ -189,7 +196,8 @@ impl Pointer {
 }
 
 impl Inverse3Given {
-    fn options(&self, period: Duration) -> Inverse3Options {
+    /// How the driver is asked to run a loop of that period.
+    pub fn options(&self, period: Duration) -> Inverse3Options {
         Inverse3Options {
             service: self.service.clone().unwrap_or_else(|| SERVICE.to_owned()),
             events: self.events.clone(),
@@ -202,6 +210,11 @@ impl Inverse3Given {
 
 impl Placed {
     fn axis(&self, device: &Capabilities, usual: Axis) -> PyResult<AlongAxis<f64, 3>> {
+        if self.world_axes.is_some() {
+            return Err(refused(
+                "world_axes is for a World; the contact of a Renderer lies along normal",
+            ));
+        }
         palpate_devices::axis(
             self.origin.as_deref(),
             self.normal.as_deref(),
@@ -223,10 +236,11 @@ fn along((origin, direction): Axis) -> PyResult<AlongAxis<f64, 3>> {
 }
 
 #[cfg(unix)]
-use super::two_diy::two_diy;
+pub use super::two_diy::two_diy;
 
+/// Says that there is no driver.
 #[cfg(not(unix))]
-fn two_diy(
+pub fn two_diy(
     _: &TwoDiyGiven,
     _: MonotonicClock,
     _: Duration,

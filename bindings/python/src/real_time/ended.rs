@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
-use palpate_rt::{Account, Durations, Ending, LoopEnd, Recorder};
+use palpate_rt::{Account, Durations, Ending, LoopEnd, Recorder, Renders};
 
 /// What a device could not do at its end, if it could not let go.
 pub type Closed = Arc<OnceLock<String>>;
@@ -56,7 +56,7 @@ impl Ended {
     }
 
     /// Of a loop whose thread has ended.
-    pub fn of(end: &LoopEnd<Box<dyn Device>, MonotonicClock>) -> Self {
+    pub fn of<R: Renders>(end: &LoopEnd<Box<dyn Device>, MonotonicClock, R>) -> Self {
         let statistics = &end.statistics;
         let spread = |durations: &Durations| {
             [

@@ -9,7 +9,7 @@ use palpate_record::recording::{Event, Flags, Row, Tick, columns};
 use palpate_rt::{Listener, Tap, Told};
 
 use crate::columns::Words;
-use crate::recording::word;
+use crate::recording::{body, word};
 
 /// Most ticks that a ring holds: 4 minutes at 4 kHz, some 500 MB.
 pub const LARGEST: usize = 1_000_000;
@@ -19,6 +19,15 @@ const EVENTS_KEPT: usize = 1000;
 const REST: Duration = Duration::from_millis(1);
 /// Ticks that are taken before others may look.
 const AT_ONCE: usize = 4096;
+
+/// A tick as Python takes it: a row for each contact, and one for each body of a world.
+#[derive(Debug, Default)]
+pub struct Rows {
+    /// Of contacts, or of the tick alone where there is none.
+    pub contacts: Words,
+    /// Of bodies.
+    pub bodies: Words,
+}
 
 /// Events, each with the number of its tick, its time `[s]`, its kind and its text; and how many are gone.
 pub type Events = (Vec<(u64, f64, String, String)>, u64);
@@ -33,7 +42,7 @@ pub struct Heard {
 
 #[derive(Debug, Default)]
 struct Ring {
-    rows: VecDeque<Words>,
+    rows: VecDeque<Rows>,
     /// Ticks that were in the ring and made room for newer ones.
     overwritten: u64,
     events: VecDeque<Event>,
@@ -72,7 +81,7 @@ impl Heard {
     }
 
     /// Takes what is there, after waiting up to `wait` for something or for the end.
-    pub fn take(&self, wait: Duration) -> Words {
+    pub fn take(&self, wait: Duration) -> Rows {
         let mut ring = self.ring();
         if ring.rows.is_empty() && !ring.closed && wait > Duration::ZERO {
             let nothing = |ring: &mut Ring| ring.rows.is_empty() && !ring.closed;
@@ -81,7 +90,12 @@ impl Heard {
         }
         let rows = std::mem::take(&mut ring.rows);
         drop(ring);
-        rows.into_iter().flatten().collect()
+        let mut taken = Rows::default();
+        for row in rows {
+            taken.contacts.extend(row.contacts);
+            taken.bodies.extend(row.bodies);
+        }
+        taken
     }
 
     /// The events that wait, and how many are gone since this was asked last.
@@ -147,7 +161,7 @@ impl Heard {
 /// What came since the ring was told last.
 #[derive(Default)]
 struct News {
-    rows: Vec<Words>,
+    rows: Vec<Rows>,
     events: Vec<Event>,
     last: Option<Tick>,
     /// Ticks before the last one that found no room on their way here.
@@ -177,7 +191,10 @@ pub fn listen(mut listener: Listener, mut recording: Option<Tap>, heard: &Heard)
                         let values = columns().iter();
                         values.map(move |column| word(column.value(&row)))
                     });
-                    news.rows.push(words.collect());
+                    news.rows.push(Rows {
+                        contacts: words.collect(),
+                        bodies: bodies.iter().flat_map(body).collect(),
+                    });
                 }
                 Told::Note(noted) => {
                     if let Some(recording) = &mut recording {

@@ -1,14 +1,17 @@
 //! `Loop`: the loop of `palpate run` beside Python, which never runs in a tick.
 
+mod control;
 mod devices;
 mod ended;
 mod heard;
 mod held;
+mod in_world;
 mod options;
 #[cfg(unix)]
 mod two_diy;
 
 pub use devices::Hand;
+pub use in_world::HandInWorld;
 #[cfg(unix)]
 pub use two_diy::guard;
 
@@ -16,11 +19,11 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use numpy::PyArray1;
-use palpate_device::Device;
+use palpate_device::Capabilities;
 use palpate_device::clock::MonotonicClock;
 use palpate_rt::realtime::{Answer, Request};
 use palpate_rt::safety::SafetyParams;
-use palpate_rt::{ControlLoop, LoopThread, Parameters, Recorder, StopFlag, receipt, tap};
+use palpate_rt::{ControlLoop, Parameters, Recorder, receipt, tap};
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -28,19 +31,19 @@ use pyo3::types::PyDict;
 use crate::columns::array;
 use crate::names::refused;
 use crate::renderer::rendering;
+use crate::world::PyWorld;
+use control::{Control, Running};
 use devices::{Opened, open};
 use ended::{Closed, Ended, ToldEnd};
-use heard::{Events, Heard, listen};
+use heard::{Events, Heard, Rows, listen};
 use held::Held;
+use in_world::OpenedInWorld;
 use options::Options;
 
 /// Ticks that may wait for the thread that listens: 4 s at 4 kHz.
 const ROOM: usize = 1 << 14;
 /// How often somebody who waits looks whether Python has a signal to handle.
 const LOOK_EVERY: Duration = Duration::from_millis(20);
-
-type Control = ControlLoop<Box<dyn Device>, MonotonicClock>;
-type Running = LoopThread<Box<dyn Device>, MonotonicClock>;
 
 /// A loop in real time on a device.
 #[pyclass(frozen, subclass, name = "Loop", module = "palpate._palpate")]
@@ -88,46 +91,134 @@ struct Runs {
 /// keeps the motors off, and the force `[N]`.
 type Now = (bool, u64, u64, Option<f64>, u64, bool, [f64; 3]);
 
+/// Words of rows of contacts, and of bodies.
+type Taken<'py> = (Bound<'py, PyArray1<u64>>, Bound<'py, PyArray1<u64>>);
+
+/// A loop that is ready, and what is known of it.
+struct Prepared {
+    control: Control,
+    period: f64,
+    capabilities: Capabilities,
+    limits: SafetyParams,
+    held: Held,
+    closed: Closed,
+    /// What a recording's receipt has of it, by name.
+    texts: Vec<(&'static str, String)>,
+}
+
+/// A loop of one contact: method, parameters, soft start and settings.
+fn prepare_contact(
+    py: Python<'_>,
+    device: &Bound<'_, PyDict>,
+    rendered: &Bound<'_, PyAny>,
+    clock: MonotonicClock,
+    options: &Options,
+) -> PyResult<Prepared> {
+    let (method, parameters, soft_start, settings): (
+        Bound<'_, PyAny>,
+        Bound<'_, PyDict>,
+        f64,
+        Bound<'_, PyDict>,
+    ) = rendered.extract()?;
+    let (setup, rendering) = rendering(&method, &parameters, &settings)?;
+    let seconds = setup.loop_params.period;
+    let period = Duration::try_from_secs_f64(seconds).map_err(refused)?;
+    let silence = options.patient(SafetyParams::default()).stall_after(period);
+    let Opened {
+        device,
+        axis,
+        held,
+        closed,
+    } = open(py, device, clock, period, silence)?;
+    let capabilities = device.capabilities().clone();
+    let limits = options.limits(&capabilities, setup.loop_params.force_limit, soft_start);
+    let control = ControlLoop::new(device, clock, rendering, limits).map_err(refused)?;
+    Ok(Prepared {
+        control: Control::Contact(control.along(axis)),
+        period: seconds,
+        capabilities,
+        limits,
+        held,
+        closed,
+        texts: options
+            .scene
+            .iter()
+            .map(|text| ("scene", text.clone()))
+            .collect(),
+    })
+}
+
+/// A loop of a world with one device.
+fn prepare_world(
+    py: Python<'_>,
+    device: &Bound<'_, PyDict>,
+    world: &PyWorld,
+    clock: MonotonicClock,
+    options: &Options,
+) -> PyResult<Prepared> {
+    let scene = world.scene();
+    let seconds = scene.timing.period;
+    let period = Duration::try_from_secs_f64(seconds).map_err(refused)?;
+    let silence = options.patient(SafetyParams::default()).stall_after(period);
+    let OpenedInWorld {
+        device,
+        frame,
+        held,
+        closed,
+    } = in_world::open(py, device, scene, clock, (period, silence))?;
+    let capabilities = device.capabilities().clone();
+    let limits = options.limits(&capabilities, world.force_limit, world.soft_start);
+    let rendered = in_world::rendered(world, &frame, &capabilities, &limits)?;
+    let control = ControlLoop::of_world(device, clock, rendered, limits).map_err(refused)?;
+    Ok(Prepared {
+        control: Control::World(control),
+        period: seconds,
+        capabilities,
+        limits,
+        held,
+        closed,
+        texts: vec![
+            ("world", world.text().to_owned()),
+            ("method", format!("name = \"{}\"\n", world.method)),
+            ("frame", frame.to_string()),
+        ],
+    })
+}
+
 #[pymethods]
 impl RealTimeLoop {
-    /// Opens the device and prepares the loop; the Python file has the arguments.
+    /// Opens the device and prepares the loop; the Python file has the arguments. `rendered` is a world, or method,
+    /// parameters and settings of a contact.
     #[new]
-    #[pyo3(signature = (device, method, parameters, soft_start, settings, options))]
     fn new(
         py: Python<'_>,
         device: &Bound<'_, PyDict>,
-        method: &Bound<'_, PyAny>,
-        parameters: &Bound<'_, PyDict>,
-        soft_start: f64,
-        settings: &Bound<'_, PyDict>,
+        rendered: &Bound<'_, PyAny>,
         options: &Bound<'_, PyDict>,
     ) -> PyResult<Self> {
         let options: Options = options.extract()?;
-        let (setup, rendering) = rendering(method, parameters, settings)?;
-        let spin = options.checked_spin()?;
-        let clock = MonotonicClock::new().with_spin(spin);
-        let period = Duration::try_from_secs_f64(setup.loop_params.period).map_err(refused)?;
-        let silence = options.patient(SafetyParams::default()).stall_after(period);
-        let Opened {
-            device,
-            axis,
+        let clock = MonotonicClock::new().with_spin(options.checked_spin()?);
+        let prepared = match rendered.cast::<PyWorld>() {
+            Ok(world) => prepare_world(py, device, &world.borrow(), clock, &options)?,
+            Err(_) => prepare_contact(py, device, rendered, clock, &options)?,
+        };
+        let Prepared {
+            mut control,
+            period,
+            capabilities,
+            limits,
             held,
             closed,
-        } = open(py, device, clock, period, silence)?;
-        let capabilities = device.capabilities().clone();
-        let limits = options.limits(&capabilities, setup.loop_params.force_limit, soft_start);
-        let mut control = Control::new(device, clock, rendering, limits)
-            .map_err(refused)?
-            .along(axis);
+            texts,
+        } = prepared;
         let request = options.request();
         let (recording, recorder) = match &options.record {
             Some(path) => {
                 let version = env!("CARGO_PKG_VERSION");
                 let receipt = receipt(version, &capabilities, &limits, &request);
-                let receipt = match &options.scene {
-                    Some(scene) => receipt.with("scene", scene),
-                    None => receipt,
-                };
+                let receipt = texts
+                    .iter()
+                    .fold(receipt, |receipt, (name, text)| receipt.with(name, text));
                 let (tap, recorder) = Recorder::begin(path, &receipt)
                     .map_err(|error| PyOSError::new_err(error.to_string()))?;
                 (Some(tap), Some(recorder))
@@ -143,7 +234,7 @@ impl RealTimeLoop {
             process: std::process::id(),
             device: capabilities.name,
             limits,
-            period: setup.loop_params.period,
+            period,
             stage: Mutex::new(Stage::Made(Box::new(Made {
                 control: control.tapped(tap),
                 request,
@@ -186,8 +277,7 @@ impl RealTimeLoop {
                 .name("palpate listener".to_owned())
                 .spawn(move || listen(listening.listener, listening.recording, &heard))
                 .map_err(no_thread)?;
-            let thread =
-                LoopThread::start(control, request, &StopFlag::new(), None).map_err(no_thread)?;
+            let thread = control.start(request).map_err(no_thread)?;
             let answers = thread.answers().iter().map(told_answer).collect();
             *stage = Stage::Runs(Box::new(Runs {
                 thread,
@@ -234,7 +324,7 @@ impl RealTimeLoop {
 
     /// The ticks since the last read; waits up to `wait` `[s]` for the first of them, and ends that wait
     /// where the loop has ended.
-    fn take<'py>(&self, py: Python<'py>, wait: f64) -> PyResult<Bound<'py, PyArray1<u64>>> {
+    fn take<'py>(&self, py: Python<'py>, wait: f64) -> PyResult<Taken<'py>> {
         self.check_process()?;
         let wait = Duration::try_from_secs_f64(wait).map_err(|_| {
             refused(format!(
@@ -243,21 +333,22 @@ impl RealTimeLoop {
         })?;
         let until = Instant::now().checked_add(wait);
         loop {
-            let words = py.detach(|| {
+            let rows = py.detach(|| {
                 let left = until.map_or(LOOK_EVERY, |until| {
                     until.saturating_duration_since(Instant::now())
                 });
                 self.heard.take(left.min(LOOK_EVERY))
             });
             let is_over = until.is_some_and(|until| until <= Instant::now());
-            if !words.is_empty() || is_over || self.heard.is_closed() {
+            let is_empty = rows.contacts.is_empty();
+            if !is_empty || is_over || self.heard.is_closed() {
                 // What was told between the two looks is not left behind.
-                let words = if words.is_empty() {
+                let Rows { contacts, bodies } = if is_empty {
                     self.heard.take(Duration::ZERO)
                 } else {
-                    words
+                    rows
                 };
-                return Ok(array(py, words));
+                return Ok((array(py, contacts), array(py, bodies)));
             }
             py.check_signals()?;
         }
@@ -347,11 +438,7 @@ impl RealTimeLoop {
                     ears,
                     closed,
                 } = *runs;
-                thread.stop();
-                let end = thread.join();
-                let mut ended = Ended::of(&end);
-                // Closes the device.
-                drop(end);
+                let mut ended = thread.end();
                 let is_deaf = ears.join().is_err();
                 ended.closes(recorder, &closed);
                 if is_deaf {

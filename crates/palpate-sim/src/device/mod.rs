@@ -3,7 +3,9 @@
 mod in_space;
 mod pointer;
 mod simulated;
+mod told;
 
 pub use in_space::{SpatialDevice, SpatialHand, SpatialPointer};
 pub use pointer::{PointerDevice, PointerHand, PointerParams};
 pub use simulated::SimulatedDevice;
+pub use told::told_of;

@@ -36,6 +36,9 @@ pub enum Stepping {
     MeanVelocity,
     /// x += h v', v' the velocity after the step: semi-implicit Euler, as most engines do.
     EndVelocity,
+    /// The same in so many equal parts of the step, at least 1: engines that divide a step by themselves, as Rapier and
+    /// Box2D do.
+    Parts(u32),
 }
 
 /// A body of an engine at the beginning of a step. Everything is along the world's axes; its reference point is where

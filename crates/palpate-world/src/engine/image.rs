@@ -141,6 +141,8 @@ impl Image {
         let velocity = match stepping {
             Stepping::MeanVelocity => before + gained * 0.5,
             Stepping::EndVelocity => before + gained,
+            // Of n parts, part k ends with k/n of it.
+            Stepping::Parts(parts) => before + gained * (0.5 + 0.5 / f64::from(parts.max(1))),
         };
         self.way - velocity * h
     }

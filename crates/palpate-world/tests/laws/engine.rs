@@ -56,9 +56,14 @@ impl Engine {
                 self.now.acceleration[axis] + self.now.mobility[axis][axis] * wrench.force[axis];
             let before = self.now.velocity[axis];
             let after = before + h * a;
-            self.now.position[axis] += h * match self.stepping {
-                Stepping::MeanVelocity => 0.5 * (before + after),
-                Stepping::EndVelocity => after,
+            self.now.position[axis] += match self.stepping {
+                Stepping::MeanVelocity => h * 0.5 * (before + after),
+                Stepping::EndVelocity => h * after,
+                Stepping::Parts(parts) => {
+                    let part = h / f64::from(parts);
+                    let velocities = (1..=parts).map(|k| before + f64::from(k) * part * a);
+                    velocities.map(|velocity| part * velocity).sum()
+                }
             };
             self.now.velocity[axis] = after;
             // A ball looks the same however it is turned.
@@ -205,6 +210,14 @@ fn an_engine_s_ball_gives_the_forces_of_a_world() {
             10,
             Stepping::EndVelocity,
             1.0,
+        ),
+        (
+            "400 N/m, 10 ms, 4 steps of 4 parts",
+            soft,
+            0.01,
+            4,
+            Stepping::Parts(4),
+            0.5,
         ),
         (
             "4000 N/m, 1 ms, 1 step",

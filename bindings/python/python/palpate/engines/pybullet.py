@@ -38,8 +38,8 @@ class Contact(EngineContact):
 
     The engine is stepped by this: a period is one or more of its steps. It is stepped first, with the wrenches that
     avatars and bodies exert on each other meanwhile, and then the force is known that the device holds while that time
-    passes. What else accelerates a body, its weight and its other contacts, is taken from the step before: PyBullet does
-    not say it beforehand.
+    passes. What else accelerates a body, its weight and its other contacts, PyBullet does not say beforehand: it is taken to
+    go on as it went from the step before the last to the last one.
 
     Args:
         client: Number of the client, as `pybullet.connect` gives it.
@@ -105,8 +105,9 @@ class Contact(EngineContact):
     _numbers: list[int]
     _wrenches: NDArray[np.float64]
     """What the engine was last told, a row for each body: force [N], torque about the centre of mass [N m]."""
-    _others: list[NDArray[np.float64] | None]
-    """Acceleration of each body by everything else in the last step [m/s^2], [rad/s^2]; none before the first."""
+    _others: list[tuple[NDArray[np.float64], NDArray[np.float64]] | None]
+    """Acceleration of each body by everything else in the last step and in the one before it [m/s^2], [rad/s^2]; none
+    before the first."""
     _before: list[NDArray[np.float64]]
     _pushes: bool
 
@@ -173,9 +174,10 @@ class Contact(EngineContact):
             raise ValueError("pull() comes after push() and a step of the engine")
         self._pushes = False
         h = _time_step(self.client)
-        self._others = [
-            (self._velocity(number) - before) / h for number, before in zip(self._numbers, self._before)
-        ]
+        for place, (number, before) in enumerate(zip(self._numbers, self._before)):
+            last = (self._velocity(number) - before) / h
+            known = self._others[place]
+            self._others[place] = (last, last if known is None else known[0])
 
     def reset(self) -> None:
         """Begins anew: nothing sampled, nothing touched, the books empty. For after a body was put elsewhere."""
@@ -200,7 +202,7 @@ class Contact(EngineContact):
             # An inertia of 0 is of a body that does not turn.
             mobility[3:, 3:] = axes @ np.diag([1.0 / i if i > 0 else 0.0 for i in inertia]) @ axes.T
             known = self._others[place]
-            other = self._weight() if known is None else known
+            other = self._weight() if known is None else 2 * known[0] - known[1]
         row = body_row(position, (w, x, y, z), velocity[:3], velocity[3:], other[:3], other[3:], mobility)
         return row, velocity, mobility
 

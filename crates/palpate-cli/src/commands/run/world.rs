@@ -11,6 +11,7 @@ use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, RenderedWorld, SetupError, WorldFrame, receipt};
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_session::{Energies, RunReport, Subject};
+use palpate_sim::device::told_of;
 
 use super::driving::{Ran, drive, most_periods};
 use super::{Asked, SessionArguments, guarding, limits, outcome, request};
@@ -160,7 +161,9 @@ pub fn rendered(
     (frame, device): (&WorldFrame, &Capabilities),
     limits: &SafetyParams,
 ) -> Result<Result<RenderedWorld, SetupError>, Vec<palpate_world::WorldError>> {
-    let scene: WorldScene = worlds::told_of(&file.scene, frame, device, limits);
+    let has_axis = |axis| frame.has(axis);
+    let (force, torque) = (limits.largest_force, limits.largest_torque);
+    let scene: WorldScene = told_of(&file.scene, device, has_axis, force, torque);
     let renderer = scene.renderer(method)?;
     let method = worlds::known(method);
     Ok(RenderedWorld::new(&scene.world, renderer, method, *frame))

@@ -1,0 +1,98 @@
+//! A loop of one contact or of a world, before and while it runs.
+
+use std::io;
+
+use palpate_device::Device;
+use palpate_device::clock::MonotonicClock;
+use palpate_rt::realtime::{Answer, Request};
+use palpate_rt::{ControlLoop, LoopEnd, LoopThread, Parameters, RenderedWorld, StopFlag, Tap};
+
+use super::ended::Ended;
+
+/// A loop that has not begun.
+pub enum Control {
+    Contact(ControlLoop<Box<dyn Device>, MonotonicClock>),
+    World(ControlLoop<Box<dyn Device>, MonotonicClock, RenderedWorld>),
+}
+
+/// A loop in its thread.
+pub enum Running {
+    Contact(LoopThread<Box<dyn Device>, MonotonicClock>),
+    World(LoopThread<Box<dyn Device>, MonotonicClock, RenderedWorld>),
+}
+
+impl Control {
+    /// The same loop, telling `tap` what it does.
+    pub fn tapped(self, tap: Tap) -> Self {
+        match self {
+            Self::Contact(control) => Self::Contact(control.tapped(tap)),
+            Self::World(control) => Self::World(control.tapped(tap)),
+        }
+    }
+
+    /// The other end of what changes while it runs; a world does not.
+    pub fn parameters(&mut self) -> Option<Parameters> {
+        match self {
+            Self::Contact(control) => control.parameters(),
+            Self::World(control) => control.parameters(),
+        }
+    }
+
+    /// Starts the loop's thread, and runs it until it is stopped or the device is gone.
+    pub fn start(self, request: Request) -> io::Result<Running> {
+        let stop = StopFlag::new();
+        Ok(match self {
+            Self::Contact(control) => {
+                Running::Contact(LoopThread::start(control, request, &stop, None)?)
+            }
+            Self::World(control) => {
+                Running::World(LoopThread::start(control, request, &stop, None)?)
+            }
+        })
+    }
+}
+
+impl Running {
+    /// What the machine was asked for, and what it granted.
+    pub fn answers(&self) -> &[Answer] {
+        match self {
+            Self::Contact(thread) => thread.answers(),
+            Self::World(thread) => thread.answers(),
+        }
+    }
+
+    /// How often the supervisor has commanded no force so far.
+    pub fn cuts(&self) -> u64 {
+        match self {
+            Self::Contact(thread) => thread.cuts(),
+            Self::World(thread) => thread.cuts(),
+        }
+    }
+
+    /// Ends a trip that stays, with the next tick.
+    pub fn rearm(&self) {
+        match self {
+            Self::Contact(thread) => thread.rearm(),
+            Self::World(thread) => thread.rearm(),
+        }
+    }
+
+    /// Ends the loop, waits for its end and closes the device.
+    pub fn end(self) -> Ended {
+        match self {
+            Self::Contact(thread) => {
+                thread.stop();
+                closed(thread.join())
+            }
+            Self::World(thread) => {
+                thread.stop();
+                closed(thread.join())
+            }
+        }
+    }
+}
+
+/// What a loop leaves behind once its device is closed.
+fn closed<R: palpate_rt::Renders>(end: LoopEnd<Box<dyn Device>, MonotonicClock, R>) -> Ended {
+    Ended::of(&end)
+}

@@ -1,0 +1,238 @@
+//! A world on a device: which device, where it stands in the world, and what is rendered on it.
+
+use std::time::Duration;
+
+use palpate_device::clock::MonotonicClock;
+use palpate_device::{Capabilities, Device, Vector};
+use palpate_devices::{WorldPlaceError, world_frame};
+use palpate_haply::inverse3::Inverse3;
+use palpate_rt::safety::SafetyParams;
+use palpate_rt::{RenderedWorld, WorldAxis, WorldFrame};
+use palpate_scene::world::{WorldActuator, WorldDevice, WorldScene};
+use palpate_sim::device::{SpatialDevice, SpatialHand, SpatialPointer, told_of};
+use pyo3::exceptions::PyOSError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::devices::{Inverse3Given, TwoDiyGiven, two_diy};
+use super::ended::Closed;
+use super::held::{Held, Telling};
+use crate::names::{refused, wrong_on_bench};
+use crate::world::PyWorld;
+
+/// A device that is ready, and where it stands in the world.
+pub struct OpenedInWorld {
+    /// The device.
+    pub device: Box<dyn Device>,
+    /// Where it stands.
+    pub frame: WorldFrame,
+    /// The force that it holds.
+    pub held: Held,
+    /// Why it could not be let go of in the end, if it could not.
+    pub closed: Closed,
+}
+
+/// Where a hand wants to have its device in a world, set by Python at any time.
+#[pyclass(frozen, name = "HandInWorld", module = "palpate._palpate")]
+pub struct HandInWorld(SpatialHand);
+
+#[pymethods]
+impl HandInWorld {
+    /// A hand that holds its device at `target` `[m]`.
+    #[new]
+    fn new(target: Vector) -> PyResult<Self> {
+        let hand = Self(SpatialHand::at([0.0; 3]));
+        hand.move_to(target)?;
+        Ok(hand)
+    }
+
+    /// Wants to be at `target` `[m]`, and takes hold of the device if it had let go.
+    fn move_to(&self, target: Vector) -> PyResult<()> {
+        if let Some(wrong) = target.iter().find(|x| !x.is_finite()) {
+            return Err(refused(format!(
+                "target has a coordinate of {wrong} m, but all must be finite"
+            )));
+        }
+        self.0.move_to(target);
+        Ok(())
+    }
+
+    /// Lets go of the device.
+    fn let_go(&self) {
+        self.0.let_go();
+    }
+
+    /// Where it wants to be `[m]`; None if it holds nothing.
+    #[getter]
+    fn target(&self) -> Option<Vector> {
+        self.0.target()
+    }
+}
+
+/// Where a device stands in a world, as far as somebody says so.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Standing {
+    origin: Option<Vec<f64>>,
+    normal: Option<Vec<f64>>,
+    world_axes: Option<Vec<String>>,
+}
+
+/// Opens the device that `given` describes, for a loop of `period` that renders `scene` and may be silent for `silence`.
+pub fn open(
+    py: Python<'_>,
+    given: &Bound<'_, PyDict>,
+    scene: &WorldScene,
+    clock: MonotonicClock,
+    (period, silence): (Duration, Duration),
+) -> PyResult<OpenedInWorld> {
+    let own = only_device(scene)?;
+    let kind: String = given.as_any().get_item("kind")?.extract()?;
+    let closed = Closed::default();
+    let (device, frame): (Box<dyn Device>, _) = match kind.as_str() {
+        "simulated-in-world" => {
+            let (own, actuator) = own_device(given)?;
+            let device = SpatialDevice::new(&own, &actuator, clock);
+            let device = device.map_err(|error| wrong_on_bench(&error))?;
+            let frame = Standing::nowhere().frame(device.capabilities(), None, own.position)?;
+            (Box::new(device), frame)
+        }
+        "pointer-in-world" => {
+            let hand: Py<HandInWorld> = given.as_any().get_item("hand")?.extract()?;
+            let (own, actuator) = own_device(given)?;
+            let device = SpatialPointer::new(&own, &actuator, &hand.get().0, clock);
+            let device = device.map_err(|error| wrong_on_bench(&error))?;
+            let frame = Standing::nowhere().frame(device.capabilities(), None, own.position)?;
+            (Box::new(device), frame)
+        }
+        "haply-2diy" => {
+            let (device_given, standing): (TwoDiyGiven, Standing) =
+                (given.extract()?, given.extract()?);
+            standing.check()?;
+            let opening = || two_diy(&device_given, clock, period, silence, &closed);
+            let (device, (usual, _)) = py.detach(opening)?;
+            let frame = standing.frame(device.capabilities(), Some(usual), own.position)?;
+            (device, frame)
+        }
+        "inverse3" => {
+            let (device_given, standing): (Inverse3Given, Standing) =
+                (given.extract()?, given.extract()?);
+            standing.check()?;
+            let options = device_given.options(period);
+            let device = py.detach(|| Inverse3::open(&options, clock));
+            let device = device.map_err(|error| PyOSError::new_err(error.to_string()))?;
+            let usual = device.opened_at();
+            let frame = standing.frame(device.capabilities(), Some(usual), own.position)?;
+            (Box::new(device), frame)
+        }
+        _ => {
+            return Err(refused(
+                "device moves along one axis, or is of a scene of one contact; a world runs on \
+                 palpate.devices.PointerInWorld, Simulated of a World, TwoDiy and Inverse3",
+            ));
+        }
+    };
+    let held = Held::default();
+    Ok(OpenedInWorld {
+        device: Box::new(Telling::new(device, held.clone())),
+        frame,
+        held,
+        closed,
+    })
+}
+
+/// The one device of a world.
+fn only_device(scene: &WorldScene) -> PyResult<&WorldDevice> {
+    match &scene.devices[..] {
+        [own] => Ok(own),
+        several => Err(refused(format!(
+            "the world has {} devices; a loop in real time has one so far, and World.step takes several",
+            several.len()
+        ))),
+    }
+}
+
+/// Device and motors of the world that a simulated device is of.
+fn own_device(given: &Bound<'_, PyDict>) -> PyResult<(WorldDevice, WorldActuator)> {
+    let world = given.as_any().get_item("world")?;
+    let world = world.cast::<PyWorld>()?.borrow();
+    let scene = world.scene();
+    Ok((only_device(scene)?.clone(), scene.timing.actuator))
+}
+
+/// What a loop renders of a world, on a device that stands in it as `frame` says and is given no more than `limits` let
+/// through.
+pub fn rendered(
+    world: &PyWorld,
+    frame: &WorldFrame,
+    device: &Capabilities,
+    limits: &SafetyParams,
+) -> PyResult<RenderedWorld> {
+    let has_axis = |axis| frame.has(axis);
+    let (force, torque) = (limits.largest_force, limits.largest_torque);
+    let scene = told_of(world.scene(), device, has_axis, force, torque);
+    let renderer = scene
+        .renderer(&world.method)
+        .map_err(|faults| world.wrong(&faults))?;
+    let mut methods = WorldScene::METHODS.into_iter();
+    let method = methods.find(|name| *name == world.method);
+    RenderedWorld::new(&scene.world, renderer, method.unwrap_or("unknown"), *frame).map_err(refused)
+}
+
+impl Standing {
+    fn nowhere() -> Self {
+        Self {
+            origin: None,
+            normal: None,
+            world_axes: None,
+        }
+    }
+
+    fn check(&self) -> PyResult<()> {
+        if self.normal.is_some() {
+            return Err(refused(
+                "normal is for a Renderer; how a device stands in a World is said by world_axes",
+            ));
+        }
+        Ok(())
+    }
+
+    fn frame(
+        &self,
+        device: &Capabilities,
+        usual: Option<Vector>,
+        place: Vector,
+    ) -> PyResult<WorldFrame> {
+        let axes = self.world_axes.as_deref().map(axes).transpose()?;
+        let frame = world_frame(
+            self.origin.as_deref(),
+            axes.as_deref(),
+            device,
+            usual,
+            place,
+        );
+        frame.map_err(|error| match error {
+            WorldPlaceError::Origin(_) => refused(format!("origin: {error}")),
+            _ => refused(format!("world_axes: {error}")),
+        })
+    }
+}
+
+/// Axes of the world by their letters, with - where the device's axis points the other way.
+fn axes(words: &[String]) -> PyResult<Vec<WorldAxis>> {
+    let axis = |word: &String| {
+        let letter = word.strip_prefix('-').unwrap_or(word);
+        let number = ["x", "y", "z"].iter().position(|name| *name == letter);
+        let along = WorldAxis::along(number.ok_or_else(|| {
+            refused(format!(
+                "world_axes names \"{word}\", but must name x, y and z, with - where the device's axis points the other way"
+            ))
+        })?);
+        Ok(if letter == word {
+            along
+        } else {
+            along.reversed()
+        })
+    };
+    words.iter().map(axis).collect()
+}
