@@ -375,12 +375,12 @@ fn a_guard_is_asked_for_by_flags_or_the_file_and_what_it_holds_back_is_counted()
     };
     let open = guarded("simulate ball.toml");
     assert_eq!(guarded("simulate ball.toml --guard limit"), open);
-    let (seen, error) = guarded("simulate ball.toml --guard report --guard-allowance 1e-4");
-    assert!(seen > 10 && error == open.1, "{seen} {error}");
-    let (acted, error) = guarded("simulate ball.toml --guard limit --guard-allowance 1e-4");
-    assert!(acted > 10 && error > 10.0 * open.1, "{acted} {error}");
+    let (seen, error) = guarded("simulate ball.toml --guard report --guard-allowance 1e-5");
+    assert!(seen > 4 && error == open.1, "{seen} {error}");
+    let (acted, error) = guarded("simulate ball.toml --guard limit --guard-allowance 1e-5");
+    assert!(acted > 4 && error > 10.0 * open.1, "{acted} {error}");
     // The file's own, of which a flag changes the speed.
-    let guard = "[render]\nguard = { mode = \"limit\", allowance_j = 1e-4 }";
+    let guard = "[render]\nguard = { mode = \"limit\", allowance_j = 1e-5 }";
     folder.write("guarded.toml", BALL.replace("[render]", guard));
     assert_eq!(guarded("simulate guarded.toml"), (acted, error));
     let (fewer, _) = guarded("simulate guarded.toml --guard limit --guard-speed 0.1");
