@@ -16,8 +16,8 @@ use palpate_sim::run::Run;
 use crate::arguments::{Flags, TimingFlags, flag_of_setting};
 use crate::failure::Failure;
 use crate::values::AnyMethods;
-use device_file::DeviceFile;
 pub use device_file::read_calibration;
+use device_file::{DeviceFile, warn_of_resonance};
 use palpate_study::report::{Subject, parameters_of, timing_of};
 use wrong::not_allowed;
 pub use wrong::{wrong_flag, wrong_on_bench, wrong_rendered, wrong_setup};
@@ -195,9 +195,9 @@ impl Flags {
         let period = needed(self.period, "--period", "s")?;
         let file = self.device_file(period)?;
         let file = file.as_ref();
-        if let Some(file) = file {
-            file.warn_of_resonance(&contact, period);
-        }
+        let device_mass = self.device_mass.or_else(|| file?.device_mass());
+        let actuation = self.actuation.actuation(period, file)?;
+        warn_of_resonance(file, &self.actuation, device_mass, &contact, period);
         let quantum = || file?.sensor_quantum();
         Ok(ReplaySetup {
             contact,
@@ -207,8 +207,8 @@ impl Flags {
                 velocity,
             },
             virtual_force,
-            actuation: self.actuation.actuation(period, file),
-            device_mass: self.device_mass.or_else(|| file?.device_mass()),
+            actuation,
+            device_mass,
             encoder_quantum: self.encoder_quantum.or_else(quantum).unwrap_or(0.0),
         })
     }
@@ -251,15 +251,20 @@ impl Flags {
         scene.virtual_force = self.force.unwrap_or(scene.virtual_force);
         let file = self.device_file(scene.loop_params.period)?;
         let file = file.as_ref();
-        if let Some(file) = file {
-            file.warn_of_resonance(&scene.contact, scene.loop_params.period);
-        }
-        self.actuation.change(scene, file);
+        self.actuation.change(scene, file)?;
         if self.device_mass.is_none() {
             let found = file.and_then(DeviceFile::device_mass);
             scene.told_device_mass = found.or(scene.told_device_mass);
         }
         scene.told_device_mass = self.told_device_mass.or(scene.told_device_mass);
+        let told_mass = scene.told_device_mass.or(self.device_mass);
+        warn_of_resonance(
+            file,
+            &self.actuation,
+            told_mass.or(Some(scene.device.mass())),
+            &scene.contact,
+            scene.loop_params.period,
+        );
         let quantum = file.and_then(DeviceFile::sensor_quantum);
         let quantum = self.encoder_quantum.or(quantum);
         if let Some(given) = self.device_mass {
@@ -340,15 +345,15 @@ impl Flags {
             Parameter::LagDeviation => self.actuation.lag_deviation.is_some(),
             Parameter::Gain => self.actuation.gain.or(self.actuation.told_gain).is_some(),
             Parameter::GainDeviation => self.actuation.gain_deviation.is_some(),
+            Parameter::Resonance => self.actuation.resonance.is_some(),
+            Parameter::ResonanceDampingRatio => self.actuation.resonance_damping_ratio.is_some(),
+            Parameter::FlexibleMassFraction => self.actuation.flexible_mass_fraction.is_some(),
             Parameter::DerivedDamping
             | Parameter::AxisOrigin
             | Parameter::AxisNormal
             | Parameter::AxisNormalLength
             | Parameter::Kappa
             | Parameter::ObjectKappa
-            | Parameter::Resonance
-            | Parameter::ResonanceDampingRatio
-            | Parameter::FlexibleMassFraction
             | Parameter::Own { .. } => false,
         }
     }

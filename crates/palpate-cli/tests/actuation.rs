@@ -336,3 +336,226 @@ fn a_map_takes_fractions_of_delay_and_a_lag() {
     );
     folder.fail("map --delay 1025 --out x.csv", 2, &["a number of periods"]);
 }
+
+/// What a calibration says of a flexible transmission, in a loop in which `coupled` uses it.
+const TRANSMISSION: &str =
+    "--resonance 100 --resonance-damping-ratio 0.03 --flexible-mass-fraction 0.5";
+
+fn flexible_folder() -> Folder {
+    let folder = folder();
+    folder.write("flexible.toml", experiment_text("coupled/flexible"));
+    let keys = "resonance_damping_ratio = 0.03\n";
+    folder.write("whole.toml", format!("{FLEXIBLE}{keys}"));
+    folder.write("part.toml", FLEXIBLE);
+    let told = "[told]\nresonance_hz = 100\nresonance_damping_ratio = 0.03\nflexible_mass_fraction = 0.5\n";
+    folder.write(
+        "told.toml",
+        format!("{}\n{told}", experiment_text("coupled/flexible")),
+    );
+    folder
+}
+
+#[test]
+fn flags_tell_a_transmission_as_a_scene_and_a_device_file_do() {
+    let folder = flexible_folder();
+    let methods = |command: &str| {
+        let answer = folder.palpate(&format!("{command} --json"));
+        assert_eq!(answer.code, 0, "{command}: {answer:?}");
+        parse(&answer.stdout)["methods"].take()
+    };
+    let simulate = "simulate flexible.toml --method coupled";
+    let by_flags = methods(&format!("{simulate} {TRANSMISSION}"));
+    assert_eq!(methods("simulate told.toml --method coupled"), by_flags);
+    assert_ne!(methods(simulate), by_flags);
+    // One flag stands in place of one key, of a scene and of a file.
+    let softer = format!("{simulate} {TRANSMISSION}").replace("100", "80");
+    assert_eq!(
+        methods("simulate told.toml --method coupled --resonance 80"),
+        methods(&softer)
+    );
+    assert_ne!(methods(&softer), by_flags);
+    let rest = "--told-delay 0.5 --told-lag 0.0002 --told-device-mass 0.2";
+    assert_eq!(
+        methods(&format!(
+            "{simulate} --device-file whole.toml --resonance 80"
+        )),
+        methods(&format!("{softer} {rest}"))
+    );
+    let answer = folder.palpate(&format!(
+        "{simulate} --device-file whole.toml --resonance 80"
+    ));
+    told(
+        &answer,
+        &[
+            "resonance_damping_ratio 0.03, flexible_mass_fraction 0.5",
+            "--resonance stands in place of resonance_hz",
+        ],
+    );
+    // A flag says what the file leaves open.
+    let completed = "--device-file part.toml --resonance-damping-ratio 0.03";
+    assert_eq!(
+        methods(&format!("{simulate} {completed}")),
+        methods(&format!("{simulate} --device-file whole.toml"))
+    );
+}
+
+#[test]
+fn a_part_of_a_transmission_is_refused_where_nothing_says_the_rest() {
+    let folder = flexible_folder();
+    let render = "render tap.csv --stiffness 400 --mass 0.1 --period 0.01";
+    let pipe = "pipe --stiffness 400 --mass 0.1 --period 0.01 --device-mass 0.2";
+    for command in ["simulate flexible.toml", render, pipe] {
+        for (flags, missing) in [
+            ("--resonance 100", "--resonance-damping-ratio is missing"),
+            (
+                "--resonance 100 --resonance-damping-ratio 0.03",
+                "--flexible-mass-fraction is missing",
+            ),
+            ("--flexible-mass-fraction 0.5", "--resonance is missing"),
+        ] {
+            folder.fail(&format!("{command} {flags}"), 2, &[missing, "all three"]);
+        }
+    }
+}
+
+#[test]
+fn a_pipe_is_told_of_a_transmission_and_warns_of_what_it_cannot_render() {
+    let folder = flexible_folder();
+    let plain = piped(&folder, "");
+    assert_ne!(piped(&folder, TRANSMISSION), plain);
+    // Where a period of the resonance has twenty samples, one mass is rendered, told or not.
+    assert_eq!(piped(&folder, &TRANSMISSION.replace("100", "40")), plain);
+    // 40 Hz with the 0.1 kg of the motor's side.
+    for (stiffness, is_beyond) in [(6000, false), (7000, true)] {
+        let pipe = format!(
+            "pipe --stiffness {stiffness} --mass inf --period 0.001 --device-mass 0.2 {TRANSMISSION}"
+        );
+        let answer = folder.palpate_reading("0\n", &pipe);
+        assert_eq!(answer.code, 0, "{answer:?}");
+        let warned = answer
+            .stderr
+            .matches("--resonance is 100 Hz, which allows 6317 N/m")
+            .count();
+        assert_eq!(warned, usize::from(is_beyond), "{answer:?}");
+    }
+}
+
+#[test]
+fn a_recording_has_the_transmission_that_flags_told() {
+    let folder = flexible_folder();
+    folder.succeed(&format!(
+        "record flexible.toml rec.mcap --method coupled --fast --duration 0.2 {TRANSMISSION}"
+    ));
+    let info = folder.json("info rec.mcap");
+    for (key, value) in [
+        ("resonance_hz", 100.0),
+        ("resonance_damping_ratio", 0.03),
+        ("flexible_mass_fraction", 0.5),
+    ] {
+        assert_eq!(number(&info["told"], key), value, "{info}");
+    }
+    assert!(folder.succeed("info rec.mcap").contains("100 Hz"));
+    let report = folder.json(&format!("replay rec.mcap --method coupled {TRANSMISSION}"));
+    assert_eq!(number(&report["actuator"], "told_resonance_hz"), 100.0);
+}
+
+#[test]
+fn a_resonance_by_flag_bounds_what_is_advised() {
+    let folder = folder();
+    let advise = "advise --period 0.001 --device-mass 0.2 --delay 0.5 --lag 0.0002 --stiffness 7000 \
+                  --viscous-friction 2 --method coupled";
+    let advised = |flags: &str| folder.json(&format!("{advise} {flags}"));
+    assert_eq!(advised("")["verdict"]["answer"], "yes");
+    let flexible = advised("--resonance 100 --flexible-mass-fraction 0.5");
+    assert_eq!(flexible["verdict"]["answer"], "too-flexible");
+    let stiffest = number(&flexible["device"], "stiffest_by_resonance_n_per_m");
+    assert!((stiffest - 6316.5).abs() < 0.1, "{stiffest}");
+    assert_eq!(advised("--resonance 300")["verdict"]["answer"], "yes");
+    for (flags, said) in [
+        ("--resonance 0", "--resonance is 0 Hz"),
+        (
+            "--resonance 100 --flexible-mass-fraction 1",
+            "must be from 0 to below 1",
+        ),
+        ("--flexible-mass-fraction 0.5", "--resonance is missing"),
+    ] {
+        folder.fail(&format!("{advise} {flags}"), 2, &[said]);
+    }
+}
+
+/// A wall that a hand presses, in a loop with half a period of delay that nobody tells, but for a deviation.
+const LATE: &str = "\
+scene_format = 1
+title = \"A pressed wall with an untold delay\"
+
+[object]
+mass_kg = inf
+stiffness_n_per_m = 20000
+position_m = 0.001
+
+[device]
+kind = \"point-mass\"
+mass_kg = 0.2
+
+[hand]
+kind = \"impedance\"
+mass_kg = 0.05
+stiffness_n_per_m = 300
+damping_n_s_per_m = 3
+position_m = 0.0
+force_n = 2
+
+[loop]
+period_s = 0.001
+delay_s = 0.0005
+
+[measure]
+duration_s = 1
+
+[renderer]
+method = \"coupled\"
+
+[told]
+delay_s = 0
+delay_deviation_s = 0.0003
+";
+
+#[test]
+fn a_lateness_that_was_learned_is_said() {
+    let folder = folder();
+    folder.write("late.toml", LATE);
+    let ran = folder.succeed("record late.toml rec.mcap --fast --duration 2.5");
+    let last = ran.lines().rfind(|line| line.contains("learned-lateness"));
+    let words: Vec<&str> = last.unwrap().split_whitespace().collect();
+    let at = words.iter().position(|word| *word == "begin").unwrap();
+    let milliseconds: f64 = words[at + 1].parse().unwrap();
+    assert_eq!(words[at + 2..at + 6], ["ms", "later", "than", "told,"]);
+    assert!((milliseconds - 0.5).abs() < 0.1, "{ran}");
+    let info = folder.succeed("info rec.mcap");
+    assert!(info.contains("learned-lateness: "), "{info}");
+    folder.write(
+        "certain.toml",
+        LATE.replace("delay_deviation_s = 0.0003", "delay_deviation_s = 0"),
+    );
+    let certain = folder.succeed("record certain.toml certain.mcap --fast --duration 2.5");
+    assert!(!certain.contains("learned-lateness"), "{certain}");
+}
+
+#[test]
+fn a_pipe_says_at_its_end_which_lateness_it_has_learned() {
+    let folder = folder();
+    let lines: String = (0..120)
+        .map(|i| format!("{}\n", 5e-5 * f64::from(i)))
+        .collect();
+    let answer = folder.palpate_reading(&lines, &format!("{PIPE} --delay-deviation 0.3"));
+    assert_eq!(answer.code, 0, "{answer:?}");
+    assert!(
+        answer.stderr.contains("; learned: commands begin "),
+        "{answer:?}"
+    );
+    let answer = folder.palpate_reading(&lines, &format!("{PIPE} --delay-deviation 0.3 --json"));
+    let learned = number(&parse(&answer.stderr), "learned_lateness_s");
+    assert!(learned != 0.0 && learned.abs() <= 4.0 * 0.3e-3, "{learned}");
+    let answer = folder.palpate_reading(&lines, PIPE);
+    assert!(!answer.stderr.contains("learned"), "{answer:?}");
+}

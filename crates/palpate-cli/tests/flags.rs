@@ -7,7 +7,7 @@ use common::{
 };
 
 /// Each flag, a value that is not allowed, and what is said of it.
-const WRONG: [(&str, &str, &str); 64] = [
+const WRONG: [(&str, &str, &str); 69] = [
     ("--stiffness", "0", "0 N/m"),
     ("--stiffness", "-400", "-400 N/m"),
     ("--stiffness", "nan", "NaN N/m"),
@@ -41,6 +41,11 @@ const WRONG: [(&str, &str, &str); 64] = [
     ("--gain", "0", "is 0, but must be"),
     ("--gain", "much", "a number is needed"),
     ("--gain-deviation", "-1", "is -1, but must be"),
+    ("--resonance", "0", "0 Hz"),
+    ("--resonance", "inf", "inf Hz"),
+    ("--resonance-damping-ratio", "1.5", "must be from 0 to 1"),
+    ("--flexible-mass-fraction", "1", "must be from 0 to below 1"),
+    ("--flexible-mass-fraction", "nan", "is NaN, but must be"),
     ("--force-limit", "0", "inf for no limit"),
     ("--force-limit", "nan", "inf for no limit"),
     ("--slew-limit", "-1", "-1 N/s"),

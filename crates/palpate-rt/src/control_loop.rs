@@ -10,6 +10,7 @@ use palpate_record::recording::{ContactTick, Flags, Row, Tick};
 
 use crate::deadlines::Deadlines;
 use crate::held::HeldSince;
+use crate::lateness_watch::LatenessWatch;
 use crate::motors_off::MotorsOff;
 use crate::note::{Ending, Note, Noted};
 use crate::rendering::{Fresh, OneContact, Parameters, RenderedWorld, Rendering, Renders};
@@ -45,6 +46,7 @@ pub struct ControlLoop<D: Device, C: Clock, R: Renders = OneContact> {
     heartbeat: Arc<Heartbeat>,
     cuts: u64,
     statistics: LoopStatistics,
+    lateness: LatenessWatch,
     tap: Option<Tap>,
     sequence: u64,
     lost: bool,
@@ -140,6 +142,7 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
             heartbeat: Arc::default(),
             cuts: 0,
             statistics: LoopStatistics::new(),
+            lateness: LatenessWatch::default(),
             tap: None,
             sequence: 0,
             lost: false,
@@ -334,6 +337,10 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
             Sampled::Gone(trip) => self.safety.trip_on(trip),
         };
         self.notes_of(&verdict);
+        let (lateness, period) = (self.rendered.learned_lateness(), self.rendered.period());
+        if let Some(lateness) = self.lateness.news(lateness, period, woke) {
+            self.note(Note::LearnedLateness(lateness));
+        }
         let cut = self.supervisor_cut();
         if cut.is_some() {
             self.book_cut(cut);

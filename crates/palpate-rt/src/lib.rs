@@ -57,6 +57,7 @@ mod delivered;
 )]
 pub mod guardian;
 mod held;
+mod lateness_watch;
 mod motors_off;
 mod note;
 #[allow(clippy::disallowed_methods, reason = "asks before the first tick")]

@@ -41,6 +41,9 @@ pub enum Note {
     },
     /// Deadlines were missed, and skipped.
     MissedDeadlines(u64),
+    /// Commands begin so much later than the renderer was told, by what it has learned `[s]`: negative where they
+    /// begin earlier.
+    LearnedLateness(f64),
     /// The loop has ended; the device was commanded no force.
     Ended(Ending),
 }
@@ -139,6 +142,7 @@ impl Noted {
                 "missed-deadline".to_owned(),
                 format!("deadlines missed and skipped: {number}"),
             ),
+            Note::LearnedLateness(lateness) => ("learned-lateness".to_owned(), learned(lateness)),
             Note::Ended(ending) => (
                 "ended".to_owned(),
                 format!("the loop ended: {}", ending.text()),
@@ -151,6 +155,15 @@ impl Noted {
             text,
         }
     }
+}
+
+/// How late commands are, in words.
+fn learned(lateness: f64) -> String {
+    let than = if lateness < 0.0 { "earlier" } else { "later" };
+    format!(
+        "commands begin {:.3} ms {than} than told, by what the renderer has learned from contact",
+        1e3 * lateness.abs()
+    )
 }
 
 /// What has oscillated, in words.

@@ -6,7 +6,8 @@ use clap::{Args, ValueHint};
 
 use crate::values::{number, periods};
 
-/// Delay, lag and gain, each with its standard deviation, and the file that a calibration leaves.
+/// Delay, lag and gain, each with its standard deviation, a flexible transmission, and the file that a
+/// calibration leaves.
 #[derive(Args, Debug, Default)]
 #[command(next_help_heading = "Actuator")]
 pub struct ActuationFlags {
@@ -40,9 +41,21 @@ pub struct ActuationFlags {
     /// Gain as the renderer is told; simulate and tune only [default: the true one, or the scene's]
     #[arg(long, value_name = "FACTOR", value_parser = number, allow_hyphen_values = true)]
     pub told_gain: Option<f64>,
+    /// First resonance of a flexible transmission, with the motor free and nothing held, as the renderer is
+    /// told [Hz]; it comes with --resonance-damping-ratio and --flexible-mass-fraction, or with those of a
+    /// scene or a device file [default: none, or the scene's]
+    #[arg(long, value_name = "Hz", value_parser = number, allow_hyphen_values = true)]
+    pub resonance: Option<f64>,
+    /// Damping ratio of that resonance as the renderer is told, 0 to 1
+    #[arg(long, value_name = "RATIO", value_parser = number, allow_hyphen_values = true)]
+    pub resonance_damping_ratio: Option<f64>,
+    /// Part of the device's mass beyond the transmission, seen from the motor, as the renderer is told,
+    /// 0 to below 1
+    #[arg(long, value_name = "FRACTION", value_parser = number, allow_hyphen_values = true)]
+    pub flexible_mass_fraction: Option<f64>,
     /// What the renderer is told of the device, as `palpate calibrate` has found it (TOML): mass, delay,
-    /// lag and gain with their deviations, and the quantum of the sensor; a flag given beside it counts
-    /// in its place
+    /// lag and gain with their deviations, the quantum of the sensor, and a flexible transmission; a flag
+    /// given beside it counts in its place
     #[arg(long, value_name = "FILE.toml", value_hint = ValueHint::FilePath)]
     pub device_file: Option<PathBuf>,
 }

@@ -1,12 +1,12 @@
 //! From flags and a device file to the actuation that a scene has and its renderer is told.
 
-use palpate::{Actuation, Allowed, LARGEST_DELAY, Parameter, ParameterError, Range};
+use palpate::{Actuation, Allowed, LARGEST_DELAY, Parameter, ParameterError, Range, Transmission};
 use palpate_calibrate::Quantity;
 use palpate_scene::Scene;
 use palpate_sim::replay::samples_and_fraction;
 
 use super::device_file::DeviceFile;
-use super::wrong::not_allowed_by;
+use super::wrong::{not_allowed, not_allowed_by};
 use crate::arguments::ActuationFlags;
 use crate::failure::{Failure, tell};
 
@@ -61,7 +61,95 @@ impl ActuationFlags {
                 "--delay-deviation is {deviation} periods, but must be finite and not below 0"
             )));
         }
+        self.check_transmission()
+    }
+
+    /// Refuses what no transmission can have.
+    fn check_transmission(&self) -> Result<(), Failure> {
+        type IsAllowed = fn(f64) -> bool;
+        let of: [(Parameter, IsAllowed, Allowed, Option<f64>); 3] = [
+            (
+                Parameter::Resonance,
+                |value| Range::Positive.contains(value),
+                Allowed::Range(Range::Positive),
+                self.resonance,
+            ),
+            (
+                Parameter::ResonanceDampingRatio,
+                |value| (0.0..=1.0).contains(&value),
+                Allowed::Words("from 0 to 1"),
+                self.resonance_damping_ratio,
+            ),
+            (
+                Parameter::FlexibleMassFraction,
+                |value| (0.0..1.0).contains(&value),
+                Allowed::Words("from 0 to below 1"),
+                self.flexible_mass_fraction,
+            ),
+        ];
+        for (parameter, is_allowed, allowed, value) in of {
+            if let Some(value) = value
+                && !is_allowed(value)
+            {
+                return Err(not_allowed(parameter, value, allowed));
+            }
+        }
         Ok(())
+    }
+
+    /// Whether a flag says something of a flexible transmission.
+    pub fn tell_a_transmission(&self) -> bool {
+        self.resonance.is_some()
+            || self.resonance_damping_ratio.is_some()
+            || self.flexible_mass_fraction.is_some()
+    }
+
+    /// The flexible transmission that a renderer is told: what `file` says in place of `before`, and flags in place
+    /// of both. Where a flag says a part of it, the rest must be known.
+    fn transmission(
+        &self,
+        file: Option<&DeviceFile>,
+        before: Option<Transmission<f64>>,
+    ) -> Result<Option<Transmission<f64>>, Failure> {
+        if !self.tell_a_transmission() {
+            return Ok(file
+                .and_then(|file| file.told(self).transmission)
+                .or(before));
+        }
+        let missing = |parameter: &str, quantity: Quantity| {
+            Failure::Arguments(format!(
+                "a flexible transmission is told by --resonance, --resonance-damping-ratio and \
+                 --flexible-mass-fraction, all three: {parameter} is missing, and neither a scene nor a device file \
+                 says {}",
+                quantity.key()
+            ))
+        };
+        let value = |given: Option<f64>,
+                     flag: &str,
+                     quantity: Quantity,
+                     of: fn(Transmission<f64>) -> f64| {
+            given
+                .or_else(|| file.and_then(|file| file.value(quantity)))
+                .or_else(|| before.map(of))
+                .ok_or_else(|| missing(flag, quantity))
+        };
+        Ok(Some(Transmission {
+            resonance: value(self.resonance, "--resonance", Quantity::Resonance, |it| {
+                it.resonance
+            })?,
+            damping_ratio: value(
+                self.resonance_damping_ratio,
+                "--resonance-damping-ratio",
+                Quantity::ResonanceDampingRatio,
+                |it| it.damping_ratio,
+            )?,
+            flexible_mass_fraction: value(
+                self.flexible_mass_fraction,
+                "--flexible-mass-fraction",
+                Quantity::FlexibleMassFraction,
+                |it| it.flexible_mass_fraction,
+            )?,
+        }))
     }
 
     /// Refuses what is told where no actuator is simulated that could have another value.
@@ -83,6 +171,7 @@ impl ActuationFlags {
     /// Whether any of them changes what is simulated.
     pub fn change_a_scene(&self) -> bool {
         self.device_file.is_some()
+            || self.tell_a_transmission()
             || [
                 self.delay,
                 self.delay_deviation,
@@ -99,9 +188,10 @@ impl ActuationFlags {
     }
 
     /// Puts the flags, and what `file` says beside them, in place of the scene's values.
-    pub fn change(&self, scene: &mut Scene, file: Option<&DeviceFile>) {
+    pub fn change(&self, scene: &mut Scene, file: Option<&DeviceFile>) -> Result<(), Failure> {
         let period = scene.loop_params.period;
         let told = &mut scene.told;
+        told.transmission = self.transmission(file, told.transmission)?;
         if let Some(file) = file {
             let known = file.told(self);
             told.delay = known.delay.or(told.delay);
@@ -110,7 +200,6 @@ impl ActuationFlags {
             told.lag_deviation = known.lag_deviation.or(told.lag_deviation);
             told.gain = known.gain.or(told.gain);
             told.gain_deviation = known.gain_deviation.or(told.gain_deviation);
-            told.transmission = known.transmission.or(told.transmission);
         }
         // What a flag says is so, and is told.
         if let Some(periods) = self.delay {
@@ -147,25 +236,30 @@ impl ActuationFlags {
         if told.delay.is_none() && periods > LARGEST_DELAY as f64 {
             tell_too_long(periods);
         }
+        Ok(())
     }
 
     /// What flags and `file` say of an actuator that no scene describes, in a loop of `period` `[s]`.
-    pub fn actuation(&self, period: f64, file: Option<&DeviceFile>) -> Actuation<f64> {
+    pub fn actuation(
+        &self,
+        period: f64,
+        file: Option<&DeviceFile>,
+    ) -> Result<Actuation<f64>, Failure> {
         let known = file.map(|file| file.told(self)).unwrap_or_default();
         let in_seconds = |periods: f64| periods * period;
         let perfect = Actuation::default();
         let or_known =
             |flag: Option<f64>, known: Option<f64>, perfect: f64| flag.or(known).unwrap_or(perfect);
         let delay_deviation = self.delay_deviation.map(in_seconds);
-        Actuation {
+        Ok(Actuation {
             delay: or_known(self.delay.map(in_seconds), known.delay, perfect.delay),
             lag: or_known(self.lag, known.lag, perfect.lag),
             gain: or_known(self.gain, known.gain, perfect.gain),
             delay_deviation: or_known(delay_deviation, known.delay_deviation, 0.0),
             lag_deviation: or_known(self.lag_deviation, known.lag_deviation, 0.0),
             gain_deviation: or_known(self.gain_deviation, known.gain_deviation, 0.0),
-            transmission: known.transmission,
-        }
+            transmission: self.transmission(file, None)?,
+        })
     }
 
     /// The flag that says a quantity of a device file, if it was given.
@@ -180,6 +274,13 @@ impl ActuationFlags {
             }
             Quantity::Lag => first(&[("--told-lag", self.told_lag), ("--lag", self.lag)]),
             Quantity::Gain => first(&[("--told-gain", self.told_gain), ("--gain", self.gain)]),
+            Quantity::Resonance => first(&[("--resonance", self.resonance)]),
+            Quantity::ResonanceDampingRatio => {
+                first(&[("--resonance-damping-ratio", self.resonance_damping_ratio)])
+            }
+            Quantity::FlexibleMassFraction => {
+                first(&[("--flexible-mass-fraction", self.flexible_mass_fraction)])
+            }
             _ => None,
         }
     }

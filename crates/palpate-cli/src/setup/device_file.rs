@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use palpate::{Contact, LARGEST_DELAY, Mass};
-use palpate_calibrate::{Calibration, Quantity};
+use palpate_calibrate::{Calibration, Known, Quantity};
 use palpate_files::bounded::DEVICE;
 use palpate_scene::Told;
 use palpate_study::calibrated;
@@ -21,6 +21,51 @@ pub fn read_calibration(path: &Path) -> Result<Calibration, Failure> {
     Calibration::parse(&name, &text).map_err(|error| {
         Failure::input_at(&error, &error.file, &error.source_text, error.span.clone())
     })
+}
+
+/// Warns of a contact that is stiffer than the first resonance allows which `file` or `flags` say, in a loop of
+/// `period` `[s]`. `device_mass`: where the file has none `[kg]`.
+pub fn warn_of_resonance(
+    file: Option<&DeviceFile>,
+    flags: &ActuationFlags,
+    device_mass: Option<f64>,
+    contact: &Contact<f64>,
+    period: f64,
+) {
+    let mut known = file.map_or_else(Calibration::default, |file| file.calibration.clone());
+    for (quantity, value) in [
+        (Quantity::Resonance, flags.resonance),
+        (Quantity::FlexibleMassFraction, flags.flexible_mass_fraction),
+        (
+            Quantity::DeviceMass,
+            device_mass.filter(|_| known.value(Quantity::DeviceMass).is_none()),
+        ),
+    ] {
+        if let Some(value) = value {
+            known.set(quantity, Known::given(value, "given"));
+        }
+    }
+    let object_mass = match contact.object_mass {
+        Mass::Finite(mass) => mass,
+        Mass::Infinite => f64::INFINITY,
+    };
+    let Some(stiffest) = known.stiffest_contact(object_mass, period) else {
+        return;
+    };
+    if contact.stiffness <= stiffest {
+        return;
+    }
+    let hertz = known.value(Quantity::Resonance).unwrap_or_default();
+    let who = match (flags.resonance, file) {
+        (None, Some(file)) => format!("{} has a resonance of {hertz} Hz", file.path.display()),
+        _ => format!("--resonance is {hertz} Hz"),
+    };
+    tell(format_args!(
+        "warning: {who}, which allows {} N/m with this object at a period of {period} s; \
+         at {} N/m the force can be far from the contact's, or the loop can gain energy",
+        digits(stiffest),
+        contact.stiffness
+    ));
 }
 
 /// A device file that was read.
@@ -50,32 +95,14 @@ impl DeviceFile {
         Ok(file)
     }
 
-    /// Warns of a contact that is stiffer than the device's first resonance allows.
-    pub fn warn_of_resonance(&self, contact: &Contact<f64>, period: f64) {
-        let object_mass = match contact.object_mass {
-            Mass::Finite(mass) => mass,
-            Mass::Infinite => f64::INFINITY,
-        };
-        let Some(stiffest) = self.calibration.stiffest_contact(object_mass, period) else {
-            return;
-        };
-        if contact.stiffness <= stiffest {
-            return;
-        }
-        let hertz = self.calibration.value(Quantity::Resonance);
-        tell(format_args!(
-            "warning: {} has a resonance of {} Hz, which allows {} N/m with this object at a period of {period} s; \
-             at {} N/m the force can be far from the contact's, or the loop can gain energy",
-            self.path.display(),
-            hertz.unwrap_or_default(),
-            digits(stiffest),
-            contact.stiffness
-        ));
-    }
-
     /// Mass of the device `[kg]`.
     pub fn device_mass(&self) -> Option<f64> {
         self.calibration.value(Quantity::DeviceMass)
+    }
+
+    /// What it says of a `quantity`.
+    pub fn value(&self, quantity: Quantity) -> Option<f64> {
+        self.calibration.value(quantity)
     }
 
     /// Quantum of the position sensor `[m]`.
@@ -111,9 +138,9 @@ impl DeviceFile {
                 Quantity::Resonance
                 | Quantity::ResonanceDampingRatio
                 | Quantity::FlexibleMassFraction
-                    if told.transmission.is_some() =>
+                    if told.transmission.is_some() || flags.actuation.tell_a_transmission() =>
                 {
-                    None
+                    flags.actuation.beside(*quantity)
                 }
                 _ => continue,
             };

@@ -81,6 +81,9 @@ fn flag_of_rendered(parameter: Parameter) -> Option<Cow<'static, str>> {
         Parameter::LagDeviation => "--lag-deviation",
         Parameter::Gain => "--gain",
         Parameter::GainDeviation => "--gain-deviation",
+        Parameter::Resonance => "--resonance",
+        Parameter::ResonanceDampingRatio => "--resonance-damping-ratio",
+        Parameter::FlexibleMassFraction => "--flexible-mass-fraction",
         Parameter::Setting(setting) => return Some(flag_of_setting(setting).into()),
         // Nobody gives these by a flag.
         Parameter::DerivedDamping
@@ -89,9 +92,6 @@ fn flag_of_rendered(parameter: Parameter) -> Option<Cow<'static, str>> {
         | Parameter::AxisNormalLength
         | Parameter::Kappa
         | Parameter::ObjectKappa
-        | Parameter::Resonance
-        | Parameter::ResonanceDampingRatio
-        | Parameter::FlexibleMassFraction
         | Parameter::Own { .. } => return None,
     }))
 }

@@ -40,11 +40,13 @@ impl OneContact {
         self.axis = axis;
     }
 
-    /// Whether the renderer is told of more than a delay of whole samples. Then it works out what acts
-    /// on the device from what was sent; else what was held is what acts.
+    /// Whether the renderer is told of more than a delay of whole samples that is certain. Then it works out what acts
+    /// on the device from what was sent, and can learn how late that is; else what was held is what acts.
     fn is_told_how_forces_act(&self) -> bool {
         let told = &self.rendered.rendering().loop_params;
-        !told.actuation.is_of_whole_samples(told.period)
+        let actuation = &told.actuation;
+        let is_certain = actuation.delay_deviation <= 0.0 && actuation.lag_deviation <= 0.0;
+        !(is_certain && actuation.is_of_whole_samples(told.period))
     }
 
     /// The part of a force along the contact's axis `[N]`.
@@ -134,6 +136,10 @@ impl Renders for OneContact {
 
     fn flags(&self) -> Flags {
         self.said.flags
+    }
+
+    fn learned_lateness(&self) -> f64 {
+        self.rendered.learned_lateness()
     }
 
     fn created_energy(&self) -> f64 {

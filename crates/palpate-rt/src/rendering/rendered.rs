@@ -39,6 +39,13 @@ impl Rendered {
         self.running.ledger()
     }
 
+    /// By how much later than told the commands begin, by what the method has learned so far `[s]`; 0 where it
+    /// learns nothing of it.
+    #[must_use]
+    pub fn learned_lateness(&self) -> f64 {
+        self.running.learned_lateness()
+    }
+
     /// Takes a change, if one has come in. Its number.
     pub fn take_change(&mut self) -> Option<u32> {
         if !self.changes.update() {

@@ -55,6 +55,11 @@ pub trait Renders: Send {
         Flags::default()
     }
 
+    /// By how much later than told the commands begin, by what the method has learned so far `[s]`.
+    fn learned_lateness(&self) -> f64 {
+        0.0
+    }
+
     /// Energy that held forces created since the start while the motors were on `[J]`, as of the last sample.
     fn created_energy(&self) -> f64;
 }

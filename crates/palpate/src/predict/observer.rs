@@ -185,7 +185,7 @@ const HEAVIEST: f64 = 1e3;
 const SURPRISE: f64 = 25.0;
 /// Square of the standard deviations that are left of a surprise when a kick has been reckoned with.
 const EXPLAINED: f64 = 4.0;
-/// Standard deviation of a mobility in doubt, as a part of it.
+/// Largest standard deviation of a mobility in doubt, as a part of it.
 const DOUBT: f64 = 0.25;
 /// How fast the jerk's variance follows the innovations, per sample.
 const JERK_GAIN: f64 = 0.2;
@@ -292,8 +292,18 @@ impl<S: Scalar> Observer<S> {
         let most = S::from_f64(MOST_DAMPING_RATE);
         let damping_rate = within(before.damping_rate + gain[4] * innovation, -most, most);
         if surprised {
-            // The device may have been grabbed or let go.
-            let deviation = S::from_f64(DOUBT) * mobility;
+            // The device may have been grabbed or let go. That part of its mass which came or went changes the
+            // velocity, and what a force does to it, by the same part. A kick that is small against both is of
+            // friction or of a hand, and says as little of the mass.
+            let speed = before.velocity.abs() + S::HALF * h * mobility * f.abs();
+            let kicked = innovation.abs() / h;
+            let most = S::from_f64(DOUBT);
+            let part = if kicked < most * speed {
+                kicked / speed
+            } else {
+                most
+            };
+            let deviation = part * mobility;
             let u = known.upper[MOBILITY][DAMPING_RATE - 1];
             let has = known.diagonal[MOBILITY] + u * u * known.diagonal[DAMPING_RATE];
             known.doubt(MOBILITY, deviation * deviation - has);

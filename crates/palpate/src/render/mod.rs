@@ -136,6 +136,12 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         Ok(())
     }
 
+    /// By how much later than told the commands begin, by what the method has learned so far `[s]`: negative where
+    /// they begin earlier. Coupled rendering learns it where a deviation of the delay is told; else it is 0.
+    pub fn learned_lateness(&self, state: &State<S, M::Memory>) -> S {
+        self.method.lateness(&state.memory)
+    }
+
     /// Says what was really sent for the last output, as a force on the object `[N]`, where it is not
     /// the output's: the motor clips it, or a driver has limited it. It acts when the output's would
     /// have. A force that is not finite is left as it is.

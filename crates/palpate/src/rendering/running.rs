@@ -90,6 +90,12 @@ impl<S: Scalar> Running<S> {
         self.state.ledger()
     }
 
+    /// By how much later than told the commands begin, by what the method has learned so far `[s]`; 0 where it
+    /// learns nothing of it.
+    pub fn learned_lateness(&self) -> S {
+        self.renderer.learned_lateness(&self.state)
+    }
+
     /// Renders `rendering` from the next tick on, without a step in the force: stiffness, mass and
     /// virtual force pass over to the new ones in [`CHANGE_DURATION`](super::CHANGE_DURATION), and so
     /// does the difference that another method makes. The energy of it is booked in the ledger as

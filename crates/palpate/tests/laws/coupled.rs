@@ -288,3 +288,40 @@ fn a_wall_that_waited_for_a_sample_goes_back_to_its_place() {
     assert!(waited > 100, "{waited}");
     assert!((1e-5..5e-3).contains(&farthest), "{farthest}");
 }
+
+/// After a collision that has taught the mass, dry friction changes its sign: a kick of a micrometre to an exact sensor,
+/// and no reason to doubt the mass.
+#[test]
+fn a_kick_of_friction_puts_no_learned_mass_in_doubt() {
+    const FRICTION: f64 = 0.01;
+    let (mass, period) = (0.07, 0.0012);
+    for told in [0.035, 0.05, 0.07, 0.1, 0.14] {
+        let params = CoupledParams::new(told);
+        let loop_params = LoopParams {
+            actuation: palpate::Actuation::after_samples(1, period),
+            ..LoopParams::new(period)
+        };
+        let contact = Contact::object(16_000.0, 0.025);
+        let renderer: Loop = Renderer::new(contact, loop_params, params).unwrap();
+        let mut state = renderer.start(ObjectState::at_rest(0.01)).unwrap();
+        let mut device = device(mass);
+        let (mut late, mut learned, mut touched) = (0.0, Vec::new(), false);
+        for _ in 0..400 {
+            let sample = Sample::at(device.position).with_virtual_force(-0.25);
+            let output = renderer.step(&mut state, sample);
+            assert_eq!(output.fault, None);
+            touched |= output.penetration > 0.0;
+            device.user_force = 0.2 - FRICTION.copysign(device.velocity);
+            device.hold(late, period);
+            late = output.force_on_device;
+            if touched {
+                learned.push(state.memory().device_mass().unwrap());
+            }
+        }
+        // Two samples of delay and one to see what they did.
+        let off = |mass_now: &f64| (mass_now / mass - 1.0).abs();
+        let worst = learned[6..].iter().map(off).fold(0.0, f64::max);
+        println!("told {told} kg: mass off by up to {:.2} %", 100.0 * worst);
+        assert!(worst < 0.05, "told {told} kg: off by {worst}");
+    }
+}

@@ -39,6 +39,16 @@ pub struct AdviseArguments {
     #[arg(long, value_name = "s", value_parser = number, allow_hyphen_values = true,
           help_heading = "Device")]
     pub lag: Option<f64>,
+    /// First resonance of a flexible transmission, beyond which no contact gets a yes [Hz] [default: that of
+    /// --device-file, or none]
+    #[arg(long, value_name = "Hz", value_parser = number, allow_hyphen_values = true,
+          help_heading = "Device")]
+    pub resonance: Option<f64>,
+    /// Part of the device's mass beyond the transmission, seen from the motor, 0 to below 1 [default: that of
+    /// --device-file, or 0]
+    #[arg(long, value_name = "FRACTION", value_parser = number, allow_hyphen_values = true,
+          help_heading = "Device")]
+    pub flexible_mass_fraction: Option<f64>,
     /// A device file of `palpate calibrate` (TOML): mass, delay, lag and quantum, and the resonance, beyond
     /// which no contact gets a yes
     #[arg(long, value_name = "FILE.toml", value_hint = ValueHint::FilePath, help_heading = "Device")]

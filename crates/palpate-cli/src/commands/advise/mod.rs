@@ -4,7 +4,7 @@ mod arguments;
 
 pub use arguments::AdviseArguments;
 
-use palpate_calibrate::{Calibration, Quantity};
+use palpate_calibrate::{Calibration, Known, Quantity};
 use palpate_plot::shown_of;
 use palpate_scene::SetupError;
 use palpate_study::advise::{Advice, FAITHFUL_PERCENT};
@@ -30,7 +30,7 @@ pub fn run(arguments: &AdviseArguments) -> Result<(), Failure> {
     })
     .map_err(|error| refused(&error))?;
     drop(progress);
-    let stiffest = file.and_then(|file| file.stiffest_contact(bounce.object_mass, bounce.period));
+    let stiffest = stiffest_by_resonance(arguments, file.unwrap_or_default(), &bounce);
     if let Some(stiffest) = stiffest {
         advice.bounded_by_a_resonance(stiffest);
     }
@@ -46,6 +46,28 @@ pub fn run(arguments: &AdviseArguments) -> Result<(), Failure> {
         advice.wrote(path);
     }
     print_report(&advice, arguments.json)
+}
+
+/// Stiffest contact that the first resonance of flags or `file` allows `[N/m]`; none where none is known.
+fn stiffest_by_resonance(
+    arguments: &AdviseArguments,
+    file: Calibration,
+    bounce: &Bounce,
+) -> Option<f64> {
+    let mut known = file;
+    for (quantity, given) in [
+        (Quantity::DeviceMass, arguments.device_mass),
+        (Quantity::Resonance, arguments.resonance),
+        (
+            Quantity::FlexibleMassFraction,
+            arguments.flexible_mass_fraction,
+        ),
+    ] {
+        if let Some(value) = given {
+            known.set(quantity, Known::given(value, "given"));
+        }
+    }
+    known.stiffest_contact(bounce.object_mass, bounce.period)
 }
 
 /// The scene that is asked about, on the device of flags and `file`; a softest stiffness stands in where
@@ -93,6 +115,25 @@ fn bounce(arguments: &AdviseArguments, file: Option<&Calibration>) -> Result<Bou
     let of_file = of_file.map(|seconds| seconds / period);
     let delay = arguments.delay.or(of_file).unwrap_or(0.0);
     let lag = arguments.lag.or(known(Quantity::Lag)).unwrap_or(0.0);
+    if let Some(resonance) = arguments.resonance {
+        positive("--resonance", resonance, "Hz")?;
+    }
+    if let Some(fraction) = arguments.flexible_mass_fraction
+        && !(0.0..1.0).contains(&fraction)
+    {
+        return Err(Failure::Arguments(format!(
+            "--flexible-mass-fraction is {fraction}, but must be from 0 to below 1"
+        )));
+    }
+    if arguments.flexible_mass_fraction.is_some()
+        && arguments.resonance.is_none()
+        && known(Quantity::Resonance).is_none()
+    {
+        return Err(Failure::Arguments(
+            "--flexible-mass-fraction is for a device with a resonance, and none is known: --resonance is missing"
+                .into(),
+        ));
+    }
     Ok(Bounce {
         device: BounceDevice {
             mass,

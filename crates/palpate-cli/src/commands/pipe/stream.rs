@@ -275,6 +275,7 @@ impl Answering for Stream {
 
     fn finish(&mut self) -> (Summary, Option<Messages>) {
         let summary = self.summary.with_books(self.rendered.ledger());
+        let summary = summary.with_learned_lateness(self.rendered.learned_lateness());
         (summary, self.messages.take())
     }
 }

@@ -35,6 +35,9 @@ pub struct Summary {
     outside_work_j: f64,
     leak_original_j: f64,
     leak_held_j: f64,
+    /// By how much later than told the commands begin, by what the method has learned; 0 where it learns nothing of
+    /// it.
+    learned_lateness_s: f64,
 }
 
 impl Summary {
@@ -55,6 +58,7 @@ impl Summary {
             outside_work_j: 0.0,
             leak_original_j: 0.0,
             leak_held_j: 0.0,
+            learned_lateness_s: 0.0,
         }
     }
 
@@ -72,6 +76,16 @@ impl Summary {
     }
 }
 
+impl Summary {
+    /// The same, with the lateness of commands that was learned `[s]`.
+    pub fn with_learned_lateness(self, learned_lateness_s: f64) -> Self {
+        Self {
+            learned_lateness_s,
+            ..self
+        }
+    }
+}
+
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
@@ -85,6 +99,18 @@ impl fmt::Display for Summary {
         )?;
         if self.changes > 0 {
             write!(f, "; {} made", counted(self.changes, "change"))?;
+        }
+        if self.learned_lateness_s != 0.0 {
+            let than = if self.learned_lateness_s < 0.0 {
+                "earlier"
+            } else {
+                "later"
+            };
+            let milliseconds = digits(1e3 * self.learned_lateness_s.abs());
+            write!(
+                f,
+                "; learned: commands begin {milliseconds} ms {than} than told"
+            )?;
         }
         Ok(())
     }
