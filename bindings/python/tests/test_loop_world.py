@@ -252,8 +252,9 @@ def test_wrong_devices_and_worlds_are_said() -> None:
             loop(device, rendered)  # type: ignore[arg-type]
     with pytest.raises(OSError, match="nowhere"):
         loop(palpate.devices.TwoDiy("/nowhere"), model)
-    with pytest.raises(ValueError, match="ring is 0 ticks"):
-        loop(pointer, model, ring=0)
+    for changes, message in [({"ring": 0}, "ring is 0 ticks"), ({"range": (-1.0, 1.0)}, "range is along the axis")]:
+        with pytest.raises(ValueError, match=message):
+            loop(pointer, model, **changes)
 
 
 def test_an_inverse3_stands_in_a_world(program: Program) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Callable
 
@@ -17,7 +18,7 @@ MEGABYTE = 2**20
 
 def resident() -> int:
     """Memory that this process occupies [B]."""
-    return int(Path("/proc/self/statm").read_text().split()[1]) * 4096
+    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGESIZE")
 
 
 def grown(work: Callable[[], None]) -> int:

@@ -120,7 +120,7 @@ class Loop(_palpate.Loop):
         record: A recording (MCAP) to write; a file that is there is not overwritten.
         ring: Ticks that wait for `read`; of more, the oldest make room and are counted.
         largest_speed: Speed of the device above which the motors are off [m/s].
-        range: Where the device may be along the contact's axis, from and to [m]; `None`: anywhere.
+        range: Where the device may be along the contact's axis, from and to [m]; `None`: anywhere. Not for a world.
         oscillation: Energy created within a fifth of a second that counts as oscillation [J]; `math.inf`: none does.
         stall_after: Periods from tick to tick after which a supervisor commands no force; `None`: 1.5, or a period and 3 ms
             where that is more.
@@ -177,7 +177,10 @@ class Loop(_palpate.Loop):
         }
         rendered: Any = renderer
         parameters: dict[str, Any] = {}
-        if not isinstance(renderer, World):
+        if isinstance(renderer, World):
+            if range is not None:
+                raise ValueError("range is along the axis of a Renderer's contact, which a World has not")
+        else:
             if record is not None:
                 options["scene"] = _scene(device, renderer)
             parameters = dict(renderer.parameters)

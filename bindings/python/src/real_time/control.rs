@@ -5,14 +5,14 @@ use std::io;
 use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
 use palpate_rt::realtime::{Answer, Request};
-use palpate_rt::{ControlLoop, LoopEnd, LoopThread, Parameters, RenderedWorld, StopFlag, Tap};
+use palpate_rt::{ControlLoop, LoopThread, Parameters, RenderedWorld, StopFlag, Tap};
 
 use super::ended::Ended;
 
 /// A loop that has not begun.
 pub enum Control {
-    Contact(ControlLoop<Box<dyn Device>, MonotonicClock>),
-    World(ControlLoop<Box<dyn Device>, MonotonicClock, RenderedWorld>),
+    Contact(Box<ControlLoop<Box<dyn Device>, MonotonicClock>>),
+    World(Box<ControlLoop<Box<dyn Device>, MonotonicClock, RenderedWorld>>),
 }
 
 /// A loop in its thread.
@@ -25,8 +25,8 @@ impl Control {
     /// The same loop, telling `tap` what it does.
     pub fn tapped(self, tap: Tap) -> Self {
         match self {
-            Self::Contact(control) => Self::Contact(control.tapped(tap)),
-            Self::World(control) => Self::World(control.tapped(tap)),
+            Self::Contact(control) => Self::Contact(Box::new(control.tapped(tap))),
+            Self::World(control) => Self::World(Box::new(control.tapped(tap))),
         }
     }
 
@@ -43,10 +43,10 @@ impl Control {
         let stop = StopFlag::new();
         Ok(match self {
             Self::Contact(control) => {
-                Running::Contact(LoopThread::start(control, request, &stop, None)?)
+                Running::Contact(LoopThread::start(*control, request, &stop, None)?)
             }
             Self::World(control) => {
-                Running::World(LoopThread::start(control, request, &stop, None)?)
+                Running::World(LoopThread::start(*control, request, &stop, None)?)
             }
         })
     }
@@ -82,17 +82,13 @@ impl Running {
         match self {
             Self::Contact(thread) => {
                 thread.stop();
-                closed(thread.join())
+                // What it gives back holds the device, which closes as it goes.
+                Ended::of(&thread.join())
             }
             Self::World(thread) => {
                 thread.stop();
-                closed(thread.join())
+                Ended::of(&thread.join())
             }
         }
     }
-}
-
-/// What a loop leaves behind once its device is closed.
-fn closed<R: palpate_rt::Renders>(end: LoopEnd<Box<dyn Device>, MonotonicClock, R>) -> Ended {
-    Ended::of(&end)
 }

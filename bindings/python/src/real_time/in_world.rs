@@ -157,7 +157,7 @@ fn own_device(given: &Bound<'_, PyDict>) -> PyResult<(WorldDevice, WorldActuator
     let world = given.as_any().get_item("world")?;
     let world = world.cast::<PyWorld>()?.borrow();
     let scene = world.scene();
-    Ok((only_device(scene)?.clone(), scene.timing.actuator))
+    Ok((*only_device(scene)?, scene.timing.actuator))
 }
 
 /// What a loop renders of a world, on a device that stands in it as `frame` says and is given no more than `limits` let

@@ -134,7 +134,7 @@ fn prepare_contact(
     let limits = options.limits(&capabilities, setup.loop_params.force_limit, soft_start);
     let control = ControlLoop::new(device, clock, rendering, limits).map_err(refused)?;
     Ok(Prepared {
-        control: Control::Contact(control.along(axis)),
+        control: Control::Contact(Box::new(control.along(axis))),
         period: seconds,
         capabilities,
         limits,
@@ -171,7 +171,7 @@ fn prepare_world(
     let rendered = in_world::rendered(world, &frame, &capabilities, &limits)?;
     let control = ControlLoop::of_world(device, clock, rendered, limits).map_err(refused)?;
     Ok(Prepared {
-        control: Control::World(control),
+        control: Control::World(Box::new(control)),
         period: seconds,
         capabilities,
         limits,
