@@ -14,7 +14,6 @@ __attribute__((section(".vectors"), used)) static const void *const vectors[] = 
     stack_top, reset, fault, fault, fault, fault, fault,
 };
 
-static volatile uint32_t *const coprocessors = (volatile uint32_t *)0xE000ED88;
 static volatile uint32_t *const timer = (volatile uint32_t *)0xE000E010; /* control, reload, value */
 static const uint32_t largest_count = 0x00ffffff;
 static uint32_t empty;
@@ -22,7 +21,7 @@ static uint32_t empty;
 void reset(void) {
 #ifdef __ARM_FP
   /* The unit for floating point is off after a reset. */
-  *coprocessors |= 0xf << 20;
+  *(volatile uint32_t *)0xE000ED88 |= 0xf << 20;
   __asm__ volatile("dsb\nisb" ::: "memory");
 #endif
   const uint32_t *from = data_load;

@@ -68,15 +68,19 @@ static const char *fault_name(palpate_fault fault) {
 }
 
 #ifdef COUNT
-static void show(const char *name, uint32_t tick, const palpate_output_f32 *output, uint32_t instructions) {
+enum { COUNTING = 1 };
+#else
+enum { COUNTING = 0 };
+#endif
+
+static void show_count(const char *name, uint32_t tick, const palpate_output_f32 *output, uint32_t instructions) {
   put("count "), put(name), put_byte(' '), put_number(tick), put_byte(' '), put(phase_name(output->phase));
   /* Its stack is not measured. */
   put_byte(' '), put_number(instructions), put(" 0");
   end_line();
 }
-#else
-static void show(const char *name, uint32_t tick, const palpate_output_f32 *output, uint32_t instructions) {
-  (void)instructions;
+
+static void show_tick(const char *name, uint32_t tick, const palpate_output_f32 *output) {
   put(name), put_byte(' '), put_number(tick);
   put_bits(output->force_on_device);
   put_bits(output->object_position);
@@ -91,7 +95,19 @@ static void show(const char *name, uint32_t tick, const palpate_output_f32 *outp
   put_byte(' '), put(fault_name(output->fault));
   end_line();
 }
-#endif
+
+static void show_ledger(const char *name, const palpate_contact_f32 *contact) {
+  palpate_ledger_f32 ledger = palpate_ledger_f32_empty();
+  palpate_contact_f32_ledger(contact, &ledger);
+  put(name), put(" ledger");
+  put_bits(ledger.stored);
+  put_bits(ledger.port_work);
+  put_bits(ledger.virtual_force_work);
+  put_bits(ledger.outside_work);
+  put_bits(ledger.original_leak);
+  put_bits(ledger.held_leak);
+  end_line();
+}
 
 static int replay(const char *name, const palpate_contact_params *params) {
   palpate_loop_params loop = palpate_loop_params_default();
@@ -117,20 +133,14 @@ static int replay(const char *name, const palpate_contact_params *params) {
     sample.virtual_force = of_bits(samples[tick].virtual_force);
     const uint32_t before = reading();
     palpate_contact_f32_step(contact, &sample, &output);
-    show(name, tick, &output, instructions_between(before, reading()));
+    const uint32_t instructions = instructions_between(before, reading());
+    if (COUNTING) {
+      show_count(name, tick, &output, instructions);
+    } else {
+      show_tick(name, tick, &output);
+    }
   }
-#ifndef COUNT
-  palpate_ledger_f32 ledger = palpate_ledger_f32_empty();
-  palpate_contact_f32_ledger(contact, &ledger);
-  put(name), put(" ledger");
-  put_bits(ledger.stored);
-  put_bits(ledger.port_work);
-  put_bits(ledger.virtual_force_work);
-  put_bits(ledger.outside_work);
-  put_bits(ledger.original_leak);
-  put_bits(ledger.held_leak);
-  end_line();
-#endif
+  if (!COUNTING) show_ledger(name, contact);
   return 0;
 }
 
