@@ -91,7 +91,7 @@ static class Program
         }
         Refused(contact, loop, "virtual-damper has no setting \"dampening\"; it has ",
             "virtual-damper", new Palpate.Setting("dampening", 0.5));
-        Refused(contact, loop, "damping_n_s_per_m is -1 N s/m, but must be ",
+        Refused(contact, loop, "damping is -1 N s/m, but must be ",
             "virtual-damper", new Palpate.Setting("damping_n_s_per_m", -1.0));
         Refused(contact, loop, "prediction is \"a guess\", but must be one of its words",
             "virtual-damper", damping, new Palpate.Setting("prediction", "a guess"));
