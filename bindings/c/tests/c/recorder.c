@@ -147,7 +147,7 @@ static void devices(const char *scene, palpate_world *of_one) {
   EXPECT(palpate_recorder_of_device(world, 0, in_folder("left.mcap"), NULL, &left) == PALPATE_STATUS_OK);
   EXPECT(palpate_recorder_of_device(world, 1, in_folder("right.mcap"), NULL, &right) == PALPATE_STATUS_OK);
   for (int tick = 0; tick < 200; tick++) {
-    const double in = tick < 100 ? 2e-6 * tick : 2e-4;
+    const double in = 2e-6 * tick; /* 0.2 mm into the cube in the end */
     palpate_pose poses[2] = {{{-0.0202 + in, 0.0005, 0.016}, {1.0, 0.0, 0.0, 0.0}},
                              {{0.0202 - in, -0.0003, 0.016}, {1.0, 0.0, 0.0, 0.0}}};
     palpate_world_sample sample = palpate_world_sample_at(poses, 2);
