@@ -1,25 +1,30 @@
-//! What tests/c/trace.c prints, from the core without C: the two must not differ in a bit.
+//! What tests/c/trace.c prints, from the core without C: the two must not differ in a bit. The parameters are those
+//! that C says in double, rounded once.
 
 use palpate_core::{
     Actuation, Basis, Contact, Fault, LoopParams, MethodName, ObjectState, Phase, Rendering,
-    Running, Sample, Settings, SettingsError,
+    Running, Sample, Scalar, Settings, SettingsError,
 };
 
 const PERIOD: f64 = 0.01;
 const DEVICE_MASS: f64 = 0.1;
 
-fn rendering(
+fn rendering<S: Scalar>(
     method: MethodName,
     stiffness: f64,
     mass: f64,
     object_position: f64,
-) -> Result<Rendering<f64>, SettingsError> {
+) -> Result<Rendering<S>, SettingsError> {
+    let number = S::from_f64;
+    let actuation = Actuation::after(number(0.005))
+        .with_lag(number(0.0003))
+        .with_gain(number(0.98));
     let loop_params = LoopParams {
         actuation: Actuation {
-            delay_deviation: 0.0005,
-            ..Actuation::after(0.005).with_lag(0.0003).with_gain(0.98)
+            delay_deviation: number(0.0005),
+            ..actuation
         },
-        ..LoopParams::new(PERIOD).with_force_limit(20.0)
+        ..LoopParams::new(number(PERIOD)).with_force_limit(number(20.0))
     };
     let basis = Basis {
         stiffness,
@@ -30,29 +35,30 @@ fn rendering(
         stored_energy: 0.0,
     };
     Ok(Rendering {
-        contact: Contact::object(stiffness, mass),
+        contact: Contact::object(number(stiffness), number(mass)),
         loop_params,
         params: method.params(&Settings::default(), &basis)?,
-        virtual_force: 0.0,
-        object: ObjectState::at_rest(object_position),
+        virtual_force: S::ZERO,
+        object: ObjectState::at_rest(number(object_position)),
     })
 }
 
-fn run(
+fn run<S: Scalar>(
     method: MethodName,
     object_position: f64,
     positions: &[f64],
 ) -> Result<(), Box<dyn std::error::Error>> {
-    let mut running = Running::new(rendering(method, 100.0, 0.1, object_position)?)?;
+    let number = S::from_f64;
+    let mut running = Running::<S>::new(rendering(method, 100.0, 0.1, object_position)?)?;
     for (tick, &position) in positions.iter().enumerate() {
-        let mut sample =
-            Sample::at(if tick == 50 { f64::NAN } else { position }).with_virtual_force(-0.981);
+        let position = if tick == 50 { f64::NAN } else { position };
+        let mut sample = Sample::at(number(position)).with_virtual_force(number(-0.981));
         match tick {
             15 => running.change(rendering(method, 200.0, 0.2, object_position)?)?,
-            30 => sample = sample.after(0.013),
+            30 => sample = sample.after(number(0.013)),
             60 => running.teleport(ObjectState {
-                position: object_position - 0.001,
-                velocity: -0.1,
+                position: number(object_position - 0.001),
+                velocity: number(-0.1),
             })?,
             70 => running.change(rendering(MethodName::Basic, 200.0, 0.2, object_position)?)?,
             _ => {}
@@ -60,10 +66,10 @@ fn run(
         let output = running.step(sample);
         let force = output.force_on_device;
         if tick % 7 == 3 {
-            running.report_sent(-(0.5 * force));
+            running.report_sent(-(number(0.5) * force));
         }
         if tick % 7 == 5 {
-            running.report_held(-(0.9 * force));
+            running.report_held(-(number(0.9) * force));
         }
         let ledger = running.ledger();
         let numbers = [
@@ -88,7 +94,7 @@ fn run(
         ];
         print!("{method} {tick}");
         for number in numbers {
-            print!(" {:016x}", number.to_bits());
+            print!(" {:016x}", number.to_f64().to_bits());
         }
         let phases = [
             Phase::Free,
@@ -121,9 +127,14 @@ fn run(
 
 fn main() {
     let mut arguments = std::env::args().skip(1);
-    let usage = "usage: trace TABLE.csv OBJECT_POSITION";
+    let usage = "usage: trace TABLE.csv OBJECT_POSITION double|float";
     let path = arguments.next().expect(usage);
     let object_position = arguments.next().expect(usage).parse().expect(usage);
+    let run = match arguments.next().as_deref() {
+        Some("double") => run::<f64>,
+        Some("float") => run::<f32>,
+        _ => panic!("{usage}"),
+    };
     let table = std::fs::read_to_string(path).expect("the table can be read");
     let positions: Vec<f64> = table
         .lines()

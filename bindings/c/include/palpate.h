@@ -28,6 +28,12 @@
 #define PALPATE_CONTACT_ALIGN_MAX 8
 
 /*
+ Bytes that a contact in float has at most, for memory that is laid out by the compiler;
+ palpate_contact_f32_size() says how many it has. It may begin at a multiple of PALPATE_CONTACT_ALIGN_MAX.
+ */
+#define PALPATE_CONTACT_F32_SIZE_MAX 2048
+
+/*
  `fault_device` where the fault is none of one device.
  */
 #define PALPATE_NO_DEVICE UINT32_MAX
@@ -351,7 +357,14 @@ typedef uint32_t palpate_limit;
 #endif // __cplusplus
 
 /*
- A contact that is rendered. One thread at a time may use it.
+ A contact that is rendered; its ticks are in double, or in float where its name ends with f32. One thread at a
+ time may use it.
+ */
+typedef struct palpate_contact_f32 palpate_contact_f32;
+
+/*
+ A contact that is rendered; its ticks are in double, or in float where its name ends with f32. One thread at a
+ time may use it.
  */
 typedef struct palpate_contact palpate_contact;
 
@@ -518,11 +531,11 @@ typedef struct palpate_loop_params {
 } palpate_loop_params;
 
 /*
- One sample of the device. palpate_sample_at() fills it.
+ One sample of the device. palpate_sample_at() fills it, palpate_sample_f32_at() one in float.
  */
 typedef struct palpate_sample {
   /*
-   Size of this struct; palpate_sample_at() sets it.
+   Size of this struct.
    */
   size_t struct_size;
   /*
@@ -548,11 +561,12 @@ typedef struct palpate_sample {
 } palpate_sample;
 
 /*
- The answer to a sample, along the contact's axis. palpate_output_empty() makes one to be filled.
+ The answer to a sample, along the contact's axis. palpate_output_empty() makes one to be filled,
+ palpate_output_f32_empty() one in float.
  */
 typedef struct palpate_output {
   /*
-   Size of this struct; palpate_output_empty() sets it.
+   Size of this struct.
    */
   size_t struct_size;
   /*
@@ -605,11 +619,11 @@ typedef struct palpate_output {
 /*
  Books of the object's energy, positive into the object; they balance at every sample: stored less
  stored at the start = port_work + virtual_force_work + outside_work + held_leak.
- palpate_ledger_empty() makes one to be filled.
+ palpate_ledger_empty() makes one to be filled, palpate_ledger_f32_empty() one in float.
  */
 typedef struct palpate_ledger {
   /*
-   Size of this struct; palpate_ledger_empty() sets it.
+   Size of this struct.
    */
   size_t struct_size;
   /*
@@ -653,6 +667,144 @@ typedef struct palpate_ledger {
    */
   double original_leak_absolute;
 } palpate_ledger;
+
+/*
+ One sample of the device. palpate_sample_at() fills it, palpate_sample_f32_at() one in float.
+ */
+typedef struct palpate_sample_f32 {
+  /*
+   Size of this struct.
+   */
+  size_t struct_size;
+  /*
+   Measured position of the device's end-point along the contact's axis [m].
+   */
+  float device_position;
+  /*
+   Time since the sample before [s], where `has_elapsed` is not 0.
+   */
+  float elapsed;
+  /*
+   Virtual force on the object over the coming interval [N], beside that of the contact.
+   */
+  float virtual_force;
+  /*
+   1: `elapsed` was measured. 0: one period.
+   */
+  uint32_t has_elapsed;
+  /*
+   0.
+   */
+  uint32_t reserved;
+} palpate_sample_f32;
+
+/*
+ The answer to a sample, along the contact's axis. palpate_output_empty() makes one to be filled,
+ palpate_output_f32_empty() one in float.
+ */
+typedef struct palpate_output_f32 {
+  /*
+   Size of this struct.
+   */
+  size_t struct_size;
+  /*
+   Force on the device: what the motor is to be commanded, and to hold until the next sample [N].
+   */
+  float force_on_device;
+  /*
+   The same force on the object, opposite in sign [N].
+   */
+  float force_on_object;
+  /*
+   Position of the object's surface at this sample [m].
+   */
+  float object_position;
+  /*
+   Velocity of the object at this sample [m/s].
+   */
+  float object_velocity;
+  /*
+   Penetration of the device into the object at this sample, positive in contact on either side [m].
+   */
+  float penetration;
+  /*
+   Instant of the predicted transition, after this sample [s]; 0 where there is none.
+   */
+  float transition_after;
+  /*
+   How far coupled rendering has shifted the object over the last interval [m]; a display takes it
+   off again.
+   */
+  float placement_shift;
+  /*
+   What the coming interval is predicted to hold.
+   */
+  palpate_phase phase;
+  /*
+   Why the sample was refused.
+   */
+  palpate_fault fault;
+  /*
+   Limits that changed the force: bits of palpate_limit.
+   */
+  uint32_t limited;
+  /*
+   0.
+   */
+  uint32_t reserved;
+} palpate_output_f32;
+
+/*
+ Books of the object's energy, positive into the object; they balance at every sample: stored less
+ stored at the start = port_work + virtual_force_work + outside_work + held_leak.
+ palpate_ledger_empty() makes one to be filled, palpate_ledger_f32_empty() one in float.
+ */
+typedef struct palpate_ledger_f32 {
+  /*
+   Size of this struct.
+   */
+  size_t struct_size;
+  /*
+   Kinetic energy of the object and elastic energy of the contact at the last sample [J].
+   */
+  float stored;
+  /*
+   Work of the held force on the object's side of the port [J].
+   */
+  float port_work;
+  /*
+   Work of the virtual force on the object [J].
+   */
+  float virtual_force_work;
+  /*
+   Placing the object anew, other parameters, and what passed while no sample could be trusted [J].
+   */
+  float outside_work;
+  /*
+   Energy that the force which was held has created, less what it has destroyed [J].
+   */
+  float held_leak;
+  /*
+   The same over the last closed interval [J].
+   */
+  float held_leak_last;
+  /*
+   Sum of the absolute leaks of all closed intervals [J].
+   */
+  float held_leak_absolute;
+  /*
+   Energy that the plain spring force would have created over the same motion [J].
+   */
+  float original_leak;
+  /*
+   The same over the last closed interval [J].
+   */
+  float original_leak_last;
+  /*
+   Sum of its absolute leaks over all closed intervals [J].
+   */
+  float original_leak_absolute;
+} palpate_ledger_f32;
 
 /*
  What a recording is to have. palpate_recorder_params_default() makes one with every default.
@@ -921,6 +1073,30 @@ palpate_status palpate_contact_new(const struct palpate_contact_params *params,
 void palpate_contact_free(struct palpate_contact *contact);
 
 /*
+ Bytes that a contact has.
+ */
+size_t palpate_contact_size(void);
+
+/*
+ A multiple of this is where a contact may begin.
+ */
+size_t palpate_contact_align(void);
+
+/*
+ Makes a contact in `size` bytes of the caller's at `memory`, and puts it into `*contact`; NULL on an
+ error. It is there as long as the memory is; nothing has to be freed.
+
+ # Safety
+ `memory` is NULL, or `size` bytes can be written there. Each other pointer is NULL or to what its type
+ says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_contact_place(void *memory,
+                                     size_t size,
+                                     const struct palpate_contact_params *params,
+                                     const struct palpate_loop_params *loop_params,
+                                     struct palpate_contact **contact);
+
+/*
  One tick: takes a sample and gives the force on the device [N], to be held until the next one.
 
  It cannot fail: the force is a finite number for any input, and 0 where a sample is refused or an
@@ -994,6 +1170,110 @@ palpate_status palpate_contact_ledger(const struct palpate_contact *contact, str
 size_t palpate_contact_describe(const struct palpate_contact *contact, char *memory, size_t size);
 
 /*
+ As palpate_contact_new, in float: the parameters are rounded once. Not in the library for firmware.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_contact_f32_new(const struct palpate_contact_params *params,
+                                       const struct palpate_loop_params *loop_params,
+                                       struct palpate_contact_f32 **contact);
+
+/*
+ As palpate_contact_free, in float. Not in the library for firmware.
+
+ # Safety
+ `contact` is NULL or a contact, and is not used afterwards.
+ */
+void palpate_contact_f32_free(struct palpate_contact_f32 *contact);
+
+/*
+ As palpate_contact_size, in float.
+ */
+size_t palpate_contact_f32_size(void);
+
+/*
+ As palpate_contact_align, in float.
+ */
+size_t palpate_contact_f32_align(void);
+
+/*
+ As palpate_contact_place, in float: the parameters are rounded once.
+
+ # Safety
+ `memory` is NULL, or `size` bytes can be written there. Each other pointer is NULL or to what its type
+ says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_contact_f32_place(void *memory,
+                                         size_t size,
+                                         const struct palpate_contact_params *params,
+                                         const struct palpate_loop_params *loop_params,
+                                         struct palpate_contact_f32 **contact);
+
+/*
+ As palpate_contact_step, in float.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+float palpate_contact_f32_step(struct palpate_contact_f32 *contact,
+                               const struct palpate_sample_f32 *sample,
+                               struct palpate_output_f32 *output);
+
+/*
+ As palpate_contact_report_sent, in float.
+
+ # Safety
+ `contact` is NULL or a contact.
+ */
+palpate_status palpate_contact_f32_report_sent(struct palpate_contact_f32 *contact, float force_on_device);
+
+/*
+ As palpate_contact_report_held, in float.
+
+ # Safety
+ `contact` is NULL or a contact.
+ */
+palpate_status palpate_contact_f32_report_held(struct palpate_contact_f32 *contact, float force_on_device);
+
+/*
+ As palpate_contact_change, in float.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_contact_f32_change(struct palpate_contact_f32 *contact,
+                                          const struct palpate_contact_params *params,
+                                          const struct palpate_loop_params *loop_params);
+
+/*
+ As palpate_contact_teleport, in float.
+
+ # Safety
+ `contact` is NULL or a contact.
+ */
+palpate_status palpate_contact_f32_teleport(struct palpate_contact_f32 *contact,
+                                            float position,
+                                            float velocity);
+
+/*
+ As palpate_contact_ledger, in float.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_contact_f32_ledger(const struct palpate_contact_f32 *contact,
+                                          struct palpate_ledger_f32 *ledger);
+
+/*
+ As palpate_contact_describe, in float.
+
+ # Safety
+ `contact` is NULL or a contact; `memory` is NULL, or `size` bytes can be written there.
+ */
+size_t palpate_contact_f32_describe(const struct palpate_contact_f32 *contact, char *memory, size_t size);
+
+/*
  Fills parameters of a contact with the defaults. `struct_size` is sizeof(palpate_contact_params).
 
  # Safety
@@ -1046,30 +1326,6 @@ size_t palpate_method_text(size_t method, uint32_t what, char *memory, size_t si
 size_t palpate_setting_text(size_t method, size_t setting, uint32_t what, char *memory, size_t size);
 
 /*
- Bytes that a contact has.
- */
-size_t palpate_contact_size(void);
-
-/*
- A multiple of this is where a contact may begin.
- */
-size_t palpate_contact_align(void);
-
-/*
- Makes a contact in `size` bytes of the caller's at `memory`, and puts it into `*contact`; NULL on an
- error. It is there as long as the memory is; nothing has to be freed.
-
- # Safety
- `memory` is NULL, or `size` bytes can be written there. Each other pointer is NULL or to what its type
- says; structs have the sizes that they begin with.
- */
-palpate_status palpate_contact_place(void *memory,
-                                     size_t size,
-                                     const struct palpate_contact_params *params,
-                                     const struct palpate_loop_params *loop_params,
-                                     struct palpate_contact **contact);
-
-/*
  Begins the recording of a contact in a new file at `path`, to be ended by palpate_recorder_close, and puts it into
  `*recorder`; NULL on an error. A file that is there is not replaced. `params` may be NULL: every default. Not in the
  library for firmware.
@@ -1084,7 +1340,8 @@ palpate_status palpate_recorder_of_contact(const struct palpate_contact *contact
 
 /*
  Begins the recording of a world of one device, as palpate_recorder_of_contact does of a contact. `palpate replay` renders
- its motion anew; files of meshes are looked for beside the recording.
+ its motion anew; files of meshes are looked for beside the recording. A world of several devices takes
+ palpate_recorder_of_device.
 
  # Safety
  Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
@@ -1093,6 +1350,20 @@ palpate_status palpate_recorder_of_world(const struct palpate_world *world,
                                          const char *path,
                                          const struct palpate_recorder_params *params,
                                          struct palpate_recorder **recorder);
+
+/*
+ Begins the recording of one device of a world, by its place in the scene, with all contacts and bodies of the world. The
+ recordings of several devices of a world are several recorders and files; a tick has the same number in each.
+ The rest is as for palpate_recorder_of_contact.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_recorder_of_device(const struct palpate_world *world,
+                                          size_t device,
+                                          const char *path,
+                                          const struct palpate_recorder_params *params,
+                                          struct palpate_recorder **recorder);
 
 /*
  How many ticks found no room so far, since the disk was slower than the loop; 0 where `recorder` is NULL.
@@ -1139,7 +1410,8 @@ palpate_status palpate_recorder_contact_tick(struct palpate_recorder *recorder,
 
 /*
  Records a tick of the world that the recorder was made of, after its palpate_world_step: the sample that went in, the
- output that came out, and what was really sent to its device. The rest is as for palpate_recorder_contact_tick.
+ output that came out, and what was really sent to the device that is recorded. The rest is as for
+ palpate_recorder_contact_tick.
 
  # Safety
  Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
@@ -1328,6 +1600,26 @@ static inline palpate_output palpate_output_empty(void) {
   palpate_output output = {
       sizeof(palpate_output), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, PALPATE_PHASE_WAITING, PALPATE_FAULT_NONE, 0, 0};
   return output;
+}
+
+/* palpate_sample_at, in float. */
+static inline palpate_sample_f32 palpate_sample_f32_at(float device_position) {
+  palpate_sample_f32 sample = {sizeof(palpate_sample_f32), device_position, 0.0f, 0.0f, 0, 0};
+  return sample;
+}
+
+/* palpate_output_empty, in float. */
+static inline palpate_output_f32 palpate_output_f32_empty(void) {
+  palpate_output_f32 output = {sizeof(palpate_output_f32), 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f,
+                               PALPATE_PHASE_WAITING, PALPATE_FAULT_NONE, 0, 0};
+  return output;
+}
+
+/* palpate_ledger_empty, in float. */
+static inline palpate_ledger_f32 palpate_ledger_f32_empty(void) {
+  palpate_ledger_f32 ledger = {
+      sizeof(palpate_ledger_f32), 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
+  return ledger;
 }
 
 /* Books to be filled by palpate_contact_ledger. */

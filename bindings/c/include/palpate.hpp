@@ -74,74 +74,130 @@ inline std::vector<std::string> method_names() {
   return names;
 }
 
-/* A contact that is rendered. One thread at a time may use it. It can be moved and not copied; one that
-   was moved from gives 0 N. */
-class Contact {
+namespace detail {
+
+/* The structs and functions of palpate.h for ticks in double or in float. */
+template <typename Number>
+struct Ticks;
+
+template <>
+struct Ticks<double> {
+  using Handle = palpate_contact;
+  using Sample = palpate_sample;
+  using Output = palpate_output;
+  using Ledger = palpate_ledger;
+  static constexpr auto make = palpate_contact_new;
+  static constexpr auto free = palpate_contact_free;
+  static Sample sample_at(double device_position) noexcept { return palpate_sample_at(device_position); }
+  static constexpr auto step = palpate_contact_step;
+  static constexpr auto report_sent = palpate_contact_report_sent;
+  static constexpr auto report_held = palpate_contact_report_held;
+  static constexpr auto change = palpate_contact_change;
+  static constexpr auto teleport = palpate_contact_teleport;
+  static Ledger empty_ledger() noexcept { return palpate_ledger_empty(); }
+  static constexpr auto ledger = palpate_contact_ledger;
+  static constexpr auto describe = palpate_contact_describe;
+};
+
+template <>
+struct Ticks<float> {
+  using Handle = palpate_contact_f32;
+  using Sample = palpate_sample_f32;
+  using Output = palpate_output_f32;
+  using Ledger = palpate_ledger_f32;
+  static constexpr auto make = palpate_contact_f32_new;
+  static constexpr auto free = palpate_contact_f32_free;
+  static Sample sample_at(float device_position) noexcept { return palpate_sample_f32_at(device_position); }
+  static constexpr auto step = palpate_contact_f32_step;
+  static constexpr auto report_sent = palpate_contact_f32_report_sent;
+  static constexpr auto report_held = palpate_contact_f32_report_held;
+  static constexpr auto change = palpate_contact_f32_change;
+  static constexpr auto teleport = palpate_contact_f32_teleport;
+  static Ledger empty_ledger() noexcept { return palpate_ledger_f32_empty(); }
+  static constexpr auto ledger = palpate_contact_f32_ledger;
+  static constexpr auto describe = palpate_contact_f32_describe;
+};
+
+}  // namespace detail
+
+/* A contact that is rendered, with ticks in `Number`: Contact and ContactF32. One thread at a time may use it. It can be
+   moved and not copied; one that was moved from gives 0 N. */
+template <typename Number>
+class BasicContact {
+  using Ticks = detail::Ticks<Number>;
+
  public:
+  using Handle = typename Ticks::Handle;
+  using Sample = typename Ticks::Sample;
+  using Output = typename Ticks::Output;
+  using Ledger = typename Ticks::Ledger;
+
   /* Throws Error where a parameter is outside its range. */
-  Contact(const palpate_contact_params &params, const palpate_loop_params &loop) {
+  BasicContact(const palpate_contact_params &params, const palpate_loop_params &loop) {
     if (palpate_abi_version() != PALPATE_ABI_VERSION) {
       throw Error(PALPATE_STATUS_STRUCT_SIZE, "this program was compiled with another palpate.h than the library has");
     }
-    detail::check(palpate_contact_new(&params, &loop, &contact_));
+    detail::check(Ticks::make(&params, &loop, &contact_));
   }
 
-  Contact(Contact &&other) noexcept : contact_(std::exchange(other.contact_, nullptr)) {}
+  BasicContact(BasicContact &&other) noexcept : contact_(std::exchange(other.contact_, nullptr)) {}
 
-  Contact &operator=(Contact &&other) noexcept {
+  BasicContact &operator=(BasicContact &&other) noexcept {
     std::swap(contact_, other.contact_);
     return *this;
   }
 
-  Contact(const Contact &) = delete;
-  Contact &operator=(const Contact &) = delete;
+  BasicContact(const BasicContact &) = delete;
+  BasicContact &operator=(const BasicContact &) = delete;
 
-  ~Contact() { palpate_contact_free(contact_); }
+  ~BasicContact() { Ticks::free(contact_); }
 
   /* One tick: the force on the device [N], from its position [m]. */
-  double step(double device_position) noexcept { return step(palpate_sample_at(device_position), nullptr); }
+  Number step(Number device_position) noexcept { return step(Ticks::sample_at(device_position), nullptr); }
 
   /* One tick, with all that goes in and, where `output` is not null, all that comes out. */
-  double step(const palpate_sample &sample, palpate_output *output) noexcept {
-    return palpate_contact_step(contact_, &sample, output);
-  }
+  Number step(const Sample &sample, Output *output) noexcept { return Ticks::step(contact_, &sample, output); }
 
   /* The force on the device that was really sent for the last tick [N]. */
-  void report_sent(double force_on_device) noexcept { palpate_contact_report_sent(contact_, force_on_device); }
+  void report_sent(Number force_on_device) noexcept { Ticks::report_sent(contact_, force_on_device); }
 
   /* The force on the device that has really acted since the last sample, in the mean [N]. */
-  void report_held(double force_on_device) noexcept { palpate_contact_report_held(contact_, force_on_device); }
+  void report_held(Number force_on_device) noexcept { Ticks::report_held(contact_, force_on_device); }
 
   /* Renders something else from the next tick on, without a step in the force. Throws Error. */
   void change(const palpate_contact_params &params, const palpate_loop_params &loop) {
-    detail::check(palpate_contact_change(contact_, &params, &loop));
+    detail::check(Ticks::change(contact_, &params, &loop));
   }
 
   /* Puts the object at `position` [m] with `velocity` [m/s] with the next sample. Throws Error. */
-  void teleport(double position, double velocity = 0.0) {
-    detail::check(palpate_contact_teleport(contact_, position, velocity));
+  void teleport(Number position, Number velocity = 0) {
+    detail::check(Ticks::teleport(contact_, position, velocity));
   }
 
   /* The books up to the last sample. */
-  palpate_ledger ledger() const noexcept {
-    palpate_ledger ledger = palpate_ledger_empty();
-    palpate_contact_ledger(contact_, &ledger);
+  Ledger ledger() const noexcept {
+    Ledger ledger = Ticks::empty_ledger();
+    Ticks::ledger(contact_, &ledger);
     return ledger;
   }
 
   /* What is rendered, in words. */
   std::string description() const {
-    return detail::text([this](char *memory, std::size_t size) {
-      return palpate_contact_describe(contact_, memory, size);
-    });
+    return detail::text(
+        [this](char *memory, std::size_t size) { return Ticks::describe(contact_, memory, size); });
   }
 
   /* The handle, for functions of palpate.h. */
-  palpate_contact *handle() noexcept { return contact_; }
+  Handle *handle() noexcept { return contact_; }
 
  private:
-  palpate_contact *contact_ = nullptr;
+  Handle *contact_ = nullptr;
 };
+
+/* A contact with ticks in double. */
+using Contact = BasicContact<double>;
+/* The same in float. */
+using ContactF32 = BasicContact<float>;
 
 /* A world of a scene file of format 2. One thread at a time may use it. It can be moved and not copied; one that was moved
    from gives no force. */
@@ -225,7 +281,13 @@ class Recorder {
     detail::check(palpate_recorder_of_contact(contact.handle(), path.c_str(), &params, &recorder_));
   }
 
-  /* The same of a world, of one device. */
+  /* The same of one device of a world of several, by its place in the scene: each has a recording of its own. */
+  Recorder(World &world, std::size_t device, const std::string &path,
+           const palpate_recorder_params &params = palpate_recorder_params_default()) {
+    detail::check(palpate_recorder_of_device(world.handle(), device, path.c_str(), &params, &recorder_));
+  }
+
+  /* The same of a world of one device. */
   Recorder(World &world, const std::string &path,
            const palpate_recorder_params &params = palpate_recorder_params_default()) {
     detail::check(palpate_recorder_of_world(world.handle(), path.c_str(), &params, &recorder_));
@@ -249,7 +311,7 @@ class Recorder {
     return palpate_recorder_contact_tick(recorder_, contact.handle(), &sample, &output, sent_force);
   }
 
-  /* The same of a world. */
+  /* The same of a world, with what was really sent to the device that is recorded. */
   palpate_status tick(World &world, const palpate_world_sample &sample, const palpate_world_output &output,
                       const palpate_wrench &sent) noexcept {
     return palpate_recorder_world_tick(recorder_, world.handle(), &sample, &output, &sent);

@@ -3,7 +3,9 @@
 use core::ffi::c_char;
 use core::ptr;
 
-use palpate_core::{Basis, Contact, MethodName, ObjectState, Rendering, Side as CoreSide};
+use palpate_core::{
+    Basis, Contact, Mass, MethodName, ObjectState, Rendering, Scalar, Side as CoreSide,
+};
 
 use crate::edge::status;
 use crate::loop_params::LoopParams;
@@ -94,8 +96,12 @@ impl ContactParams {
     ///
     /// # Safety
     /// The texts and the settings are what their documentation says.
-    unsafe fn rendering<'a>(&self, of_loop: &LoopParams) -> Result<Rendering<f64>, Refusal<'a>> {
-        let of_loop = of_loop.checked()?;
+    unsafe fn rendering<'a, S: Scalar>(
+        &self,
+        of_loop: &LoopParams,
+    ) -> Result<Rendering<S>, Refusal<'a>> {
+        let period = of_loop.period;
+        let of_loop = of_loop.checked::<S>()?;
         let method = if self.method.is_null() {
             MethodName::default()
         } else {
@@ -123,12 +129,20 @@ impl ContactParams {
             1 => true,
             given => return Err(choice("unilateral", given, "0 or 1")),
         };
-        if !self.virtual_force.is_finite() {
+        let virtual_force = S::from_f64(self.virtual_force);
+        if !virtual_force.is_finite() {
             return Err(methods::not_finite_virtual_force(self.virtual_force));
         }
         let contact = Contact {
+            stiffness: S::from_f64(self.stiffness),
+            // A mass that is infinite only when it is rounded is no wall.
+            object_mass: if self.object_mass == f64::INFINITY {
+                Mass::Infinite
+            } else {
+                Mass::Finite(S::from_f64(self.object_mass))
+            },
+            side,
             unilateral,
-            ..Contact::object(self.stiffness, self.object_mass).on(side)
         };
         let moving = if self.object_mass.is_finite() {
             0.5 * self.object_mass * self.object_velocity * self.object_velocity
@@ -137,7 +151,7 @@ impl ContactParams {
         };
         let basis = Basis {
             stiffness: self.stiffness,
-            period: of_loop.params.period,
+            period,
             device_mass: of_loop.device_mass,
             encoder_quantum: of_loop.encoder_quantum,
             recorded: of_loop.recorded,
@@ -154,23 +168,23 @@ impl ContactParams {
             contact,
             loop_params: of_loop.params,
             params: method.params(&settings, &basis)?,
-            virtual_force: self.virtual_force,
+            virtual_force,
             object: ObjectState {
-                position: self.object_position,
-                velocity: self.object_velocity,
+                position: S::from_f64(self.object_position),
+                velocity: S::from_f64(self.object_velocity),
             },
         })
     }
 }
 
-/// What is to be rendered, as two structs of C say it.
+/// What is to be rendered, as two structs of C say it, rounded to the numbers of a tick.
 ///
 /// # Safety
 /// Both are NULL or what their documentation says, with the sizes that they begin with.
-pub(crate) unsafe fn rendering<'a>(
+pub(crate) unsafe fn rendering<'a, S: Scalar>(
     params: *const ContactParams,
     loop_params: *const LoopParams,
-) -> Result<Rendering<f64>, Refusal<'a>> {
+) -> Result<Rendering<S>, Refusal<'a>> {
     // SAFETY: as the caller says.
     let (contact, of_loop) = unsafe { (sized::read(params)?, sized::read(loop_params)?) };
     // SAFETY: as the caller says.

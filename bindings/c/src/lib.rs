@@ -12,8 +12,8 @@ mod edge;
 mod last_error;
 mod loop_params;
 mod methods;
+mod number;
 mod output;
-mod placed;
 #[cfg(feature = "worlds")]
 mod recorder;
 mod sample;
@@ -29,7 +29,6 @@ pub use last_error::palpate_last_error;
 pub use loop_params::*;
 pub use methods::*;
 pub use output::*;
-pub use placed::*;
 #[cfg(feature = "worlds")]
 pub use recorder::*;
 pub use sample::*;

@@ -1,7 +1,7 @@
 //! The loop and the device in it, as C says them.
 
 use palpate_core::{
-    Actuation, Allowed, Guard, GuardParams, LoopParams as Core, Parameter, ParameterError,
+    Actuation, Allowed, Guard, GuardParams, LoopParams as Core, Parameter, ParameterError, Scalar,
 };
 
 use crate::edge::status;
@@ -73,8 +73,8 @@ unsafe impl SizedStruct for LoopParams {
 }
 
 /// The loop as the core has it, with what methods are derived from.
-pub(crate) struct Loop {
-    pub params: Core<f64>,
+pub(crate) struct Loop<S> {
+    pub params: Core<S>,
     pub device_mass: Option<f64>,
     pub encoder_quantum: f64,
     pub recorded: bool,
@@ -117,12 +117,13 @@ impl Default for LoopParams {
 }
 
 impl LoopParams {
-    /// As the core has it; the core checks what it has.
-    pub(crate) fn checked(&self) -> Result<Loop, Refusal<'static>> {
-        let limit = |limit: f64| (limit != f64::INFINITY).then_some(limit);
+    /// As the core has it, rounded to its numbers; the core checks what it has.
+    pub(crate) fn checked<S: Scalar>(&self) -> Result<Loop<S>, Refusal<'static>> {
+        let number = S::from_f64;
+        let limit = |limit: f64| (limit != f64::INFINITY).then_some(number(limit));
         let guard_params = GuardParams {
-            largest_speed: self.guard_speed,
-            allowance: self.guard_allowance,
+            largest_speed: number(self.guard_speed),
+            allowance: number(self.guard_allowance),
         };
         let guard = match self.guard {
             0 => Guard::Off,
@@ -158,18 +159,18 @@ impl LoopParams {
         }
         Ok(Loop {
             params: Core {
-                period: self.period,
-                largest_gap: (self.largest_gap != 0.0).then_some(self.largest_gap),
+                period: number(self.period),
+                largest_gap: (self.largest_gap != 0.0).then_some(number(self.largest_gap)),
                 speed_limit: limit(self.speed_limit),
                 force_limit: limit(self.force_limit),
                 slew_limit: limit(self.slew_limit),
                 actuation: Actuation {
-                    delay: self.delay,
-                    lag: self.lag,
-                    gain: self.gain,
-                    delay_deviation: self.delay_deviation,
-                    lag_deviation: self.lag_deviation,
-                    gain_deviation: self.gain_deviation,
+                    delay: number(self.delay),
+                    lag: number(self.lag),
+                    gain: number(self.gain),
+                    delay_deviation: number(self.delay_deviation),
+                    lag_deviation: number(self.lag_deviation),
+                    gain_deviation: number(self.gain_deviation),
                     transmission: None,
                 },
                 guard,

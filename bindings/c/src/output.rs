@@ -4,6 +4,7 @@ use palpate_core::{
     Fault as CoreFault, Ledger as CoreLedger, Limited, Output as CoreOutput, Phase as CorePhase,
 };
 
+use crate::number::Number;
 use crate::sized::SizedStruct;
 
 /// What the object is predicted to do in the coming interval.
@@ -90,27 +91,28 @@ pub enum Limit {
     SoftStart = 64,
 }
 
-/// The answer to a sample, along the contact's axis. palpate_output_empty() makes one to be filled.
+/// The answer to a sample, along the contact's axis. palpate_output_empty() makes one to be filled,
+/// palpate_output_f32_empty() one in float.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
-pub struct Output {
-    /// Size of this struct; palpate_output_empty() sets it.
+pub struct Output<S> {
+    /// Size of this struct.
     pub struct_size: usize,
     /// Force on the device: what the motor is to be commanded, and to hold until the next sample [N].
-    pub force_on_device: f64,
+    pub force_on_device: S,
     /// The same force on the object, opposite in sign [N].
-    pub force_on_object: f64,
+    pub force_on_object: S,
     /// Position of the object's surface at this sample [m].
-    pub object_position: f64,
+    pub object_position: S,
     /// Velocity of the object at this sample [m/s].
-    pub object_velocity: f64,
+    pub object_velocity: S,
     /// Penetration of the device into the object at this sample, positive in contact on either side [m].
-    pub penetration: f64,
+    pub penetration: S,
     /// Instant of the predicted transition, after this sample [s]; 0 where there is none.
-    pub transition_after: f64,
+    pub transition_after: S,
     /// How far coupled rendering has shifted the object over the last interval [m]; a display takes it
     /// off again.
-    pub placement_shift: f64,
+    pub placement_shift: S,
     /// What the coming interval is predicted to hold.
     pub phase: Phase,
     /// Why the sample was refused.
@@ -122,22 +124,22 @@ pub struct Output {
 }
 
 // SAFETY: `repr(C)`, a `usize` first, numbers only. It is written, never read from C.
-unsafe impl SizedStruct for Output {
-    const NAME: &'static str = "palpate_output";
+unsafe impl<S: Number> SizedStruct for Output<S> {
+    const NAME: &'static str = S::OUTPUT;
 }
 
-impl Output {
+impl<S: Number> Output<S> {
     /// No force, and why.
     pub fn refused(fault: Fault) -> Self {
         Self {
             struct_size: size_of::<Self>(),
-            force_on_device: 0.0,
-            force_on_object: 0.0,
-            object_position: 0.0,
-            object_velocity: 0.0,
-            penetration: 0.0,
-            transition_after: 0.0,
-            placement_shift: 0.0,
+            force_on_device: S::ZERO,
+            force_on_object: S::ZERO,
+            object_position: S::ZERO,
+            object_velocity: S::ZERO,
+            penetration: S::ZERO,
+            transition_after: S::ZERO,
+            placement_shift: S::ZERO,
             phase: Phase::Waiting,
             fault,
             limited: 0,
@@ -154,9 +156,9 @@ fn bits(limited: Limited) -> u32 {
         | bit(limited.guard, Limit::Guard)
 }
 
-impl From<CoreOutput<f64>> for Output {
+impl<S: Number> From<CoreOutput<S>> for Output<S> {
     #[inline]
-    fn from(output: CoreOutput<f64>) -> Self {
+    fn from(output: CoreOutput<S>) -> Self {
         Self {
             struct_size: size_of::<Self>(),
             force_on_device: output.force_on_device,
@@ -182,41 +184,41 @@ impl From<CoreOutput<f64>> for Output {
 
 /// Books of the object's energy, positive into the object; they balance at every sample: stored less
 /// stored at the start = port_work + virtual_force_work + outside_work + held_leak.
-/// palpate_ledger_empty() makes one to be filled.
+/// palpate_ledger_empty() makes one to be filled, palpate_ledger_f32_empty() one in float.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
-pub struct Ledger {
-    /// Size of this struct; palpate_ledger_empty() sets it.
+pub struct Ledger<S> {
+    /// Size of this struct.
     pub struct_size: usize,
     /// Kinetic energy of the object and elastic energy of the contact at the last sample [J].
-    pub stored: f64,
+    pub stored: S,
     /// Work of the held force on the object's side of the port [J].
-    pub port_work: f64,
+    pub port_work: S,
     /// Work of the virtual force on the object [J].
-    pub virtual_force_work: f64,
+    pub virtual_force_work: S,
     /// Placing the object anew, other parameters, and what passed while no sample could be trusted [J].
-    pub outside_work: f64,
+    pub outside_work: S,
     /// Energy that the force which was held has created, less what it has destroyed [J].
-    pub held_leak: f64,
+    pub held_leak: S,
     /// The same over the last closed interval [J].
-    pub held_leak_last: f64,
+    pub held_leak_last: S,
     /// Sum of the absolute leaks of all closed intervals [J].
-    pub held_leak_absolute: f64,
+    pub held_leak_absolute: S,
     /// Energy that the plain spring force would have created over the same motion [J].
-    pub original_leak: f64,
+    pub original_leak: S,
     /// The same over the last closed interval [J].
-    pub original_leak_last: f64,
+    pub original_leak_last: S,
     /// Sum of its absolute leaks over all closed intervals [J].
-    pub original_leak_absolute: f64,
+    pub original_leak_absolute: S,
 }
 
 // SAFETY: `repr(C)`, a `usize` first, numbers only.
-unsafe impl SizedStruct for Ledger {
-    const NAME: &'static str = "palpate_ledger";
+unsafe impl<S: Number> SizedStruct for Ledger<S> {
+    const NAME: &'static str = S::LEDGER;
 }
 
-impl From<&CoreLedger<f64>> for Ledger {
-    fn from(ledger: &CoreLedger<f64>) -> Self {
+impl<S: Number> From<&CoreLedger<S>> for Ledger<S> {
+    fn from(ledger: &CoreLedger<S>) -> Self {
         Self {
             struct_size: size_of::<Self>(),
             stored: ledger.stored,

@@ -2,20 +2,21 @@
 
 use palpate_core::Sample as Core;
 
+use crate::number::Number;
 use crate::sized::SizedStruct;
 
-/// One sample of the device. palpate_sample_at() fills it.
+/// One sample of the device. palpate_sample_at() fills it, palpate_sample_f32_at() one in float.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
-pub struct Sample {
-    /// Size of this struct; palpate_sample_at() sets it.
+pub struct Sample<S> {
+    /// Size of this struct.
     pub struct_size: usize,
     /// Measured position of the device's end-point along the contact's axis [m].
-    pub device_position: f64,
+    pub device_position: S,
     /// Time since the sample before [s], where `has_elapsed` is not 0.
-    pub elapsed: f64,
+    pub elapsed: S,
     /// Virtual force on the object over the coming interval [N], beside that of the contact.
-    pub virtual_force: f64,
+    pub virtual_force: S,
     /// 1: `elapsed` was measured. 0: one period.
     pub has_elapsed: u32,
     /// 0.
@@ -23,13 +24,13 @@ pub struct Sample {
 }
 
 // SAFETY: `repr(C)`, a `usize` first, numbers only.
-unsafe impl SizedStruct for Sample {
-    const NAME: &'static str = "palpate_sample";
+unsafe impl<S: Number> SizedStruct for Sample<S> {
+    const NAME: &'static str = S::SAMPLE;
 }
 
-impl From<Sample> for Core<f64> {
+impl<S: Number> From<Sample<S>> for Core<S> {
     #[inline]
-    fn from(sample: Sample) -> Self {
+    fn from(sample: Sample<S>) -> Self {
         Self {
             device_position: sample.device_position,
             elapsed: (sample.has_elapsed != 0).then_some(sample.elapsed),

@@ -31,12 +31,12 @@ fn contact_params(method: &CStr) -> ContactParams {
     params
 }
 
-fn sample(device_position: f64) -> Sample {
+fn sample<S: From<u8>>(device_position: S) -> Sample<S> {
     Sample {
-        struct_size: size_of::<Sample>(),
+        struct_size: size_of::<Sample<S>>(),
         device_position,
-        elapsed: 0.0,
-        virtual_force: 0.0,
+        elapsed: S::from(0),
+        virtual_force: S::from(0),
         has_elapsed: 0,
         reserved: 0,
     }
@@ -53,13 +53,13 @@ fn last_error() -> &'static str {
 fn a_contact_lives_from_new_to_free() {
     let (params, loop_params) = (contact_params(c"basic"), loop_params());
     let mut contact = ptr::null_mut();
-    let mut output = MaybeUninit::<Output>::uninit();
+    let mut output = MaybeUninit::<Output<f64>>::uninit();
     // SAFETY: every pointer is to what its type says, and `contact` is not used after it is freed.
     unsafe {
         output
             .as_mut_ptr()
             .cast::<usize>()
-            .write(size_of::<Output>());
+            .write(size_of::<Output<f64>>());
         assert_eq!(
             palpate_contact_new(&params, &loop_params, &mut contact),
             Status::Ok
@@ -111,6 +111,57 @@ fn a_contact_in_memory_of_the_callers_is_made_nowhere_else() {
         assert_eq!(status, Status::Memory);
         assert!(contact.is_null());
     }
+}
+
+#[test]
+fn a_contact_in_float_lives_in_less_memory() {
+    let (params, loop_params) = (contact_params(c"basic"), loop_params());
+    let size = palpate_contact_f32_size();
+    assert!(size < palpate_contact_size());
+    let mut memory: Vec<MaybeUninit<f64>> = vec![MaybeUninit::uninit(); size.div_ceil(8)];
+    let mut output = MaybeUninit::<Output<f32>>::uninit();
+    let mut contact = ptr::null_mut();
+    // SAFETY: `size` bytes can be written, and every other pointer is to what its type says.
+    unsafe {
+        let memory = memory.as_mut_ptr().cast::<c_void>();
+        let less = palpate_contact_f32_place(memory, size - 1, &params, &loop_params, &mut contact);
+        assert_eq!(less, Status::Memory);
+        assert!(contact.is_null());
+        let status = palpate_contact_f32_place(memory, size, &params, &loop_params, &mut contact);
+        assert_eq!(status, Status::Ok);
+        let room = output.as_mut_ptr().cast::<usize>();
+        room.write(size_of::<Output<f32>>());
+        let force = palpate_contact_f32_step(contact, &sample(0.001_f32), output.as_mut_ptr());
+        // The nearest float to 1000 N/m times 1 mm.
+        assert_eq!(force, -(1000.0_f32 * 0.001_f32));
+        let output = output.assume_init();
+        assert_eq!(
+            (output.force_on_device, output.phase),
+            (force, Phase::Contact)
+        );
+        // It is not the library's to free.
+        palpate_contact_f32_free(contact);
+        assert_eq!(
+            palpate_contact_f32_step(contact, &sample(0.0_f32), ptr::null_mut()),
+            0.0
+        );
+    }
+}
+
+#[test]
+fn what_is_no_number_in_float_is_refused() {
+    let (mut params, of_loop) = (contact_params(c"basic"), loop_params());
+    let mut contact: *mut Contact<f32> = ptr::null_mut();
+    // Finite in double, not so in float.
+    params.object_mass = 1e39;
+    // SAFETY: every pointer is to what its type says.
+    let status = unsafe { palpate_contact_f32_new(&params, &of_loop, &mut contact) };
+    assert_eq!(status, Status::Parameter);
+    assert!(
+        last_error().starts_with("object_mass is inf kg"),
+        "{}",
+        last_error()
+    );
 }
 
 #[test]

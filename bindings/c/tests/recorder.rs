@@ -10,7 +10,7 @@ use palpate::*;
 use palpate_record::recording::{Flags, Recording, Row};
 
 /// A wall of 1 kN/m.
-fn wall() -> *mut Contact {
+fn wall() -> *mut Contact<f64> {
     let mut in_loop = MaybeUninit::<LoopParams>::uninit();
     let mut params = MaybeUninit::<ContactParams>::uninit();
     let mut contact = ptr::null_mut();
@@ -32,9 +32,9 @@ fn in_c(path: &Path) -> CString {
     CString::new(path.to_str().unwrap()).unwrap()
 }
 
-fn sample(device_position: f64, elapsed: Option<f64>) -> Sample {
+fn sample(device_position: f64, elapsed: Option<f64>) -> Sample<f64> {
     Sample {
-        struct_size: size_of::<Sample>(),
+        struct_size: size_of::<Sample<f64>>(),
         device_position,
         elapsed: elapsed.unwrap_or(0.0),
         virtual_force: 0.0,
@@ -72,7 +72,7 @@ fn a_contact_is_recorded_as_it_was() {
         for (position, elapsed, share) in ticks {
             let sample = sample(position, elapsed);
             let mut output = Output {
-                struct_size: size_of::<Output>(),
+                struct_size: size_of::<Output<f64>>(),
                 ..std::mem::zeroed()
             };
             let force = palpate_contact_step(contact, &sample, &mut output);
@@ -117,6 +117,82 @@ fn a_contact_is_recorded_as_it_was() {
 }
 
 #[test]
+fn each_device_of_a_world_has_a_recording_of_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../experiments/worlds/pinch.toml");
+    let paths = [
+        folder.path().join("left.mcap"),
+        folder.path().join("right.mcap"),
+    ];
+    let mut world = ptr::null_mut();
+    let mut recorders = [ptr::null_mut(); 2];
+    let mut told = Vec::new();
+    // SAFETY: world and recorders are there until they are freed; structs have their sizes, and there are as many
+    // poses and wrenches as devices.
+    unsafe {
+        let status = palpate_world_open(in_c(&scene).as_ptr(), ptr::null(), &mut world);
+        assert_eq!(status, Status::Ok);
+        for (device, path) in paths.iter().enumerate() {
+            let (path, recorder) = (in_c(path), &mut recorders[device]);
+            let status =
+                palpate_recorder_of_device(world, device, path.as_ptr(), ptr::null(), recorder);
+            assert_eq!(status, Status::Ok);
+        }
+        for tick in 0..200 {
+            let inwards = 2e-6 * f64::from(tick);
+            let poses = [-1.0, 1.0].map(|side| Pose {
+                position: [side * (0.0202 - inwards), 0.0, 0.016],
+                orientation: [1.0, 0.0, 0.0, 0.0],
+            });
+            let sample = WorldSample {
+                struct_size: size_of::<WorldSample>(),
+                poses: poses.as_ptr(),
+                pose_count: 2,
+                ..std::mem::zeroed()
+            };
+            let mut output = WorldOutput {
+                struct_size: size_of::<WorldOutput>(),
+                ..std::mem::zeroed()
+            };
+            let mut wrenches: [Wrench; 2] = std::mem::zeroed();
+            palpate_world_step(world, &sample, wrenches.as_mut_ptr(), 2, &mut output);
+            for (recorder, wrench) in recorders.iter().zip(&wrenches) {
+                let status =
+                    palpate_recorder_world_tick(*recorder, world, &sample, &output, wrench);
+                assert_eq!(status, Status::Ok);
+            }
+            told.push((poses, wrenches));
+        }
+        for recorder in recorders {
+            assert_eq!(
+                palpate_recorder_close(recorder, ptr::null_mut()),
+                Status::Ok
+            );
+        }
+        palpate_world_free(world);
+    }
+    // Contacts and bodies are those of the world, whichever device is recorded.
+    let rows = paths.each_ref().map(|path| rows(path));
+    for (device, (recording, rows)) in rows.iter().enumerate() {
+        let mut ticks: Vec<_> = rows.iter().map(|row| row.tick).collect();
+        ticks.dedup_by_key(|tick| tick.sequence);
+        assert_eq!(ticks.len(), told.len());
+        for (tick, (poses, wrenches)) in ticks.iter().zip(&told) {
+            assert_eq!(tick.device_axes, poses[device].position);
+            assert_eq!(tick.delivered_force, wrenches[device].force);
+        }
+        let last = ticks.last().unwrap();
+        // The fingers press inwards from either side, and the cube stands on its table by four corners.
+        let outwards = last.delivered_force[0] * [-1.0, 1.0][device];
+        assert!(outwards > 0.01, "{outwards}");
+        assert_eq!((last.contacts, last.bodies), (2 + 4, 1 + 2));
+        let names = ["left", "right"];
+        let which = format!("name = {:?}\nplace = {device}\nof = 2\n", names[device]);
+        assert_eq!(recording.receipt.texts["device of the world"], which);
+    }
+}
+
+#[test]
 fn ticks_that_find_no_room_are_counted_and_missing_by_their_number() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("short.mcap");
@@ -143,7 +219,7 @@ fn ticks_that_find_no_room_are_counted_and_missing_by_their_number() {
         while palpate_recorder_lost(recorder) == 0 {
             let sample = sample(0.001, None);
             let mut output = Output {
-                struct_size: size_of::<Output>(),
+                struct_size: size_of::<Output<f64>>(),
                 ..std::mem::zeroed()
             };
             let force = palpate_contact_step(contact, &sample, &mut output);

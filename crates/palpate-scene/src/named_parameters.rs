@@ -25,7 +25,7 @@ mod tests {
             stored_energy: 0.5,
         };
         for method in MethodName::ALL {
-            let params = method.params(&Settings::default(), &basis).unwrap();
+            let params = method.params::<f64>(&Settings::default(), &basis).unwrap();
             let said = params.to_string();
             let expected = match method {
                 MethodName::HfcrModSt => MethodName::Hfcr,
@@ -35,7 +35,7 @@ mod tests {
             assert!(!said.contains(['{', '}', ':']), "{said}");
             assert!(!said.contains(char::is_uppercase), "{said}");
         }
-        let coupled = MethodName::Coupled.params(&Settings::default(), &basis);
+        let coupled = MethodName::Coupled.params::<f64>(&Settings::default(), &basis);
         assert_eq!(
             coupled.unwrap().to_string(),
             "coupled (device_mass_kg 0.25, encoder_quantum_m 0.000001, placement true, correction true)"

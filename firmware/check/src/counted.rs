@@ -21,12 +21,12 @@ pub struct Counted {
     pub stack: u32,
 }
 
-/// Counts on `core`.
+/// Counts on `core` by its program `count`, or by `count-in-c`.
 ///
 /// # Errors
 /// The program does not run, or says what it should not.
-pub fn counted(core: Core) -> Result<Vec<Counted>, Box<dyn Error>> {
-    let said = core.run("count", Time::Counted, 0)?;
+pub fn counted(core: Core, program: &str) -> Result<Vec<Counted>, Box<dyn Error>> {
+    let said = core.run(program, Time::Counted, 0)?;
     let mut names: Vec<&str> = Vec::new();
     let mut ticks: Vec<Vec<(u32, u32)>> = Vec::new();
     for line in said.lines() {
@@ -101,7 +101,7 @@ pub fn table() -> Result<String, Box<dyn Error>> {
     );
     for core in CORES {
         let nothing = code_size(core, "size")?;
-        for counted in counted(core)? {
+        for counted in counted(core, "count")? {
             let (method, scene) = counted.name.split_once('-').ok_or("a name without scene")?;
             // The knob's tick is more than a method.
             let code = match scene {
@@ -113,6 +113,20 @@ pub fn table() -> Result<String, Box<dyn Error>> {
                 "| {}, {method}, {scene} | {} | {} | {} | {} | {code} |",
                 core.name, counted.median, counted.percentile_99, counted.largest, counted.stack
             )?;
+        }
+        // Where no compiler for C is there, its rows are not.
+        if core.program("count-in-c")?.exists() {
+            for counted in counted(core, "count-in-c")? {
+                writeln!(
+                    text,
+                    "| {}, {}, from C | {} | {} | {} | | |",
+                    core.name,
+                    counted.name.replacen('-', ", ", 1),
+                    counted.median,
+                    counted.percentile_99,
+                    counted.largest
+                )?;
+            }
         }
     }
     Ok(text)

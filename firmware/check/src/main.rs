@@ -1,4 +1,4 @@
-//! What `firmware/run` prints and draws: `trace`, `table` and `figure FILE`.
+//! What `firmware/run` prints and draws: `trace`, `samples`, `table` and `figure FILE`.
 #![allow(clippy::print_stdout)] // its output is what it is for
 
 use std::error::Error;
@@ -9,12 +9,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["trace"] => print!("{}", trace::recorded()?),
+        ["samples"] => print!("{}", trace::in_c()),
         ["table"] => print!("{}", counted::table()?),
         ["figure", file] => {
             std::fs::write(file, drawn::figure()?)?;
             println!("wrote {file}");
         }
-        _ => return Err("say what to do: trace, table or figure FILE".into()),
+        _ => return Err("say what to do: trace, samples, table or figure FILE".into()),
     }
     Ok(())
 }

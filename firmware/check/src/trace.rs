@@ -14,6 +14,23 @@ const DEVICE_MASS: f64 = 0.1;
 /// Force of the hand on it, and its opposite on the block `[N]`.
 const HAND: f64 = 3.0;
 
+/// The samples of the committed trace for a program in C: a line of bits for each, as `float` has them.
+pub fn in_c() -> String {
+    let mut text = String::new();
+    for sample in palpate_firmware_trace::samples() {
+        let elapsed = sample.elapsed.unwrap_or_default().to_bits();
+        let (position, force) = (sample.device_position, sample.virtual_force);
+        let _ = writeln!(
+            text,
+            "{{0x{:08x}, 0x{elapsed:08x}, 0x{:08x}, {}}},",
+            position.to_bits(),
+            force.to_bits(),
+            u32::from(sample.elapsed.is_some()),
+        );
+    }
+    text
+}
+
 /// Text of the trace. Cells are rounded to a nanometre, as a fine encoder would.
 pub fn recorded() -> Result<String, Box<dyn Error>> {
     let contact = Contact::object(1000.0, 0.1);

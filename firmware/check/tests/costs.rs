@@ -10,10 +10,26 @@ const CYCLES: u32 = 42_000;
 #[test]
 fn coupled_rendering_at_4_khz_leaves_a_third_of_the_time_of_a_168_mhz_m4f() {
     for core in [M4F, M7] {
-        for ticks in counted(core).unwrap() {
+        for ticks in counted(core, "count").unwrap() {
             println!("{}: {ticks:?}", core.name);
             assert!(ticks.largest < CYCLES * 2 / 3, "{}: {ticks:?}", core.name);
             assert!(ticks.median > 100 && ticks.stack < 4096, "{ticks:?}");
+        }
+    }
+}
+
+#[test]
+fn a_tick_from_firmware_in_c_costs_little_more() {
+    for core in [M4F, M7] {
+        let from_rust = counted(core, "count").unwrap();
+        let from_c = counted(core, "count-in-c").unwrap();
+        assert_eq!(from_c.len(), 4);
+        for (in_c, in_rust) in from_c.into_iter().zip(from_rust) {
+            println!("{}: {in_c:?}, from Rust {}", core.name, in_rust.median);
+            assert_eq!(in_c.name, in_rust.name);
+            assert!(in_c.largest < CYCLES * 2 / 3, "{in_c:?}");
+            let more = in_c.median.saturating_sub(in_rust.median);
+            assert!(more < 400, "{}: {more} instructions more", in_c.name);
         }
     }
 }

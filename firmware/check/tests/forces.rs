@@ -1,5 +1,5 @@
 //! A microcontroller gives the forces of the desktop to the last bit: every tick of the committed trace, by
-//! both methods, on a block and on a wall.
+//! both methods, on a block and on a wall; from Rust, and from C by the library for firmware.
 #![allow(clippy::print_stdout)] // tests show what they measured
 
 use palpate_firmware_check::qemu::{CORES, Time};
@@ -13,9 +13,18 @@ fn desktop() -> (String, [Seen; 4]) {
 
 #[test]
 fn every_core_gives_the_forces_of_the_desktop_to_the_last_bit() {
+    compared_with_the_desktop("replay");
+}
+
+#[test]
+fn firmware_in_c_gives_the_forces_of_the_desktop_to_the_last_bit() {
+    compared_with_the_desktop("replay-in-c");
+}
+
+fn compared_with_the_desktop(program: &str) {
     let (desktop, _) = desktop();
     for core in CORES {
-        let board = core.run("replay", Time::Free, 0).unwrap();
+        let board = core.run(program, Time::Free, 0).unwrap();
         assert_eq!(board.lines().count(), 4 * 801, "{}", core.name);
         for (board, desktop) in board.lines().zip(desktop.lines()) {
             assert_eq!(board, desktop, "{}", core.name);

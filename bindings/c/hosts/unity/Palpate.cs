@@ -101,6 +101,38 @@ namespace Palpate
         }
     }
 
+    /// <summary>A setting of a method by its key in files, with a number in the unit of the key or with a word; "true" and
+    /// "false" of a switch.</summary>
+    public struct Setting
+    {
+        public readonly string Key;
+        public readonly double Number;
+        public readonly string Word;
+
+        public Setting(string key, double number)
+        {
+            Key = key;
+            Number = number;
+            Word = null;
+        }
+
+        public Setting(string key, string word)
+        {
+            Key = key;
+            Number = 0.0;
+            Word = word;
+        }
+    }
+
+    /// <summary>palpate_setting.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    struct NativeSetting
+    {
+        internal IntPtr Key;
+        internal double Number;
+        internal IntPtr Word;
+    }
+
     /// <summary>palpate_sample.</summary>
     [StructLayout(LayoutKind.Sequential)]
     public struct Sample
@@ -170,15 +202,16 @@ namespace Palpate
         const uint AbiVersion = 1;
         IntPtr handle;
 
-        /// <summary>Makes a contact; without a method, by coupled rendering.</summary>
-        /// <exception cref="ParameterException">A parameter outside its range.</exception>
-        public Contact(ContactParams contact, LoopParams loop, string method = null)
+        /// <summary>Makes a contact; without a method, by coupled rendering. What no setting says has its default.</summary>
+        /// <exception cref="ParameterException">A parameter outside its range, or a setting that the method has
+        /// not.</exception>
+        public Contact(ContactParams contact, LoopParams loop, string method = null, params Setting[] settings)
         {
             if (Native.palpate_abi_version() != AbiVersion)
             {
                 throw new ParameterException("Palpate.cs and the library palpate do not belong together");
             }
-            WithMethod(contact, method, given => Native.palpate_contact_new(ref given, ref loop, out handle));
+            WithMethod(contact, method, settings, given => Native.palpate_contact_new(ref given, ref loop, out handle));
         }
 
         /// <summary>One tick: the force on the device [N], from its position [m]. It never throws while the
@@ -204,10 +237,11 @@ namespace Palpate
 
         /// <summary>Renders something else from the next tick on, without a step in the force. Call it
         /// in the thread of the ticks.</summary>
-        /// <exception cref="ParameterException">A parameter outside its range.</exception>
-        public void Change(ContactParams contact, LoopParams loop, string method = null)
+        /// <exception cref="ParameterException">A parameter outside its range, or a setting that the method has
+        /// not.</exception>
+        public void Change(ContactParams contact, LoopParams loop, string method = null, params Setting[] settings)
         {
-            WithMethod(contact, method, given => Native.palpate_contact_change(handle, ref given, ref loop));
+            WithMethod(contact, method, settings, given => Native.palpate_contact_change(handle, ref given, ref loop));
         }
 
         public void Dispose()
@@ -222,19 +256,48 @@ namespace Palpate
             Dispose();
         }
 
-        static void WithMethod(ContactParams contact, string method, Func<ContactParams, uint> call)
+        static void WithMethod(
+            ContactParams contact, string method, Setting[] settings, Func<ContactParams, uint> call)
         {
-            byte[] text = method == null ? null : Encoding.UTF8.GetBytes(method + "\0");
-            GCHandle pinned = GCHandle.Alloc(text, GCHandleType.Pinned);
+            var native = new NativeSetting[settings.Length];
+            GCHandle pinned = GCHandle.Alloc(native, GCHandleType.Pinned);
             try
             {
-                contact.Method = text == null ? IntPtr.Zero : pinned.AddrOfPinnedObject();
+                contact.Method = TextOf(method);
+                for (int at = 0; at < settings.Length; at++)
+                {
+                    native[at].Key = TextOf(settings[at].Key);
+                    native[at].Number = settings[at].Number;
+                    native[at].Word = TextOf(settings[at].Word);
+                }
+                contact.Settings = pinned.AddrOfPinnedObject();
+                contact.SettingCount = (UIntPtr)settings.Length;
                 Check(call(contact));
             }
             finally
             {
+                // The library has read them, and keeps none.
+                Marshal.FreeHGlobal(contact.Method);
+                foreach (NativeSetting setting in native)
+                {
+                    Marshal.FreeHGlobal(setting.Key);
+                    Marshal.FreeHGlobal(setting.Word);
+                }
                 pinned.Free();
             }
+        }
+
+        /// A text in UTF-8 that a 0 ends, outside what the garbage collector moves; zero for none.
+        static IntPtr TextOf(string text)
+        {
+            if (text == null)
+            {
+                return IntPtr.Zero;
+            }
+            byte[] bytes = Encoding.UTF8.GetBytes(text + "\0");
+            IntPtr memory = Marshal.AllocHGlobal(bytes.Length);
+            Marshal.Copy(bytes, 0, memory, bytes.Length);
+            return memory;
         }
 
         internal static void Check(uint status)

@@ -36,7 +36,11 @@ pub struct Recorder {
 /// What is recorded.
 enum Of {
     Contact,
-    World(WorldRows),
+    World {
+        rows: WorldRows,
+        /// Place in the scene of the device that is recorded.
+        device: usize,
+    },
 }
 
 /// Begins the recording of a contact in a new file at `path`, to be ended by palpate_recorder_close, and puts it into
@@ -47,7 +51,7 @@ enum Of {
 /// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_recorder_of_contact(
-    contact: *const Contact,
+    contact: *const Contact<f64>,
     path: *const c_char,
     params: *const RecorderParams,
     recorder: *mut *mut Recorder,
@@ -67,7 +71,8 @@ pub unsafe extern "C" fn palpate_recorder_of_contact(
 }
 
 /// Begins the recording of a world of one device, as palpate_recorder_of_contact does of a contact. `palpate replay` renders
-/// its motion anew; files of meshes are looked for beside the recording.
+/// its motion anew; files of meshes are looked for beside the recording. A world of several devices takes
+/// palpate_recorder_of_device.
 ///
 /// # Safety
 /// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
@@ -84,17 +89,63 @@ pub unsafe extern "C" fn palpate_recorder_of_world(
             let world = world.as_ref().ok_or(Refusal::Null("world"))?;
             if world.devices.len() != 1 {
                 return Err(Refusal::Recording(format!(
-                    "the world has {} devices, but a recording has one",
+                    "the world has {} devices, but a recording has one: palpate_recorder_of_device records each in a file \
+                     of its own",
                     world.devices.len()
                 )));
             }
-            let receipt = receipt
-                .with("world", &world.source)
-                .with("method", &format!("name = \"{}\"\n", world.method))
-                .with("frame", &WorldFrame::the_same().to_string());
-            Ok((receipt, Of::World(world.rows.clone())))
+            Ok(of_device(receipt, world, 0))
         })
     }
+}
+
+/// Begins the recording of one device of a world, by its place in the scene, with all contacts and bodies of the world. The
+/// recordings of several devices of a world are several recorders and files; a tick has the same number in each.
+/// The rest is as for palpate_recorder_of_contact.
+///
+/// # Safety
+/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn palpate_recorder_of_device(
+    world: *const World,
+    device: usize,
+    path: *const c_char,
+    params: *const RecorderParams,
+    recorder: *mut *mut Recorder,
+) -> Status {
+    // SAFETY: as the caller says.
+    unsafe {
+        begin(path, params, recorder, |receipt| {
+            let world = world.as_ref().ok_or(Refusal::Null("world"))?;
+            let count = world.devices.len();
+            let Some(recorded) = world.devices.get(device) else {
+                return Err(Refusal::Index {
+                    name: "device",
+                    given: device,
+                    count,
+                });
+            };
+            let which = format!(
+                "name = {:?}\nplace = {device}\nof = {count}\n",
+                recorded.name
+            );
+            Ok(of_device(
+                receipt.with("device of the world", &which),
+                world,
+                device,
+            ))
+        })
+    }
+}
+
+/// What the receipt of a recording says of a world, and what is recorded of it.
+fn of_device(receipt: Receipt, world: &World, device: usize) -> (Receipt, Of) {
+    let receipt = receipt
+        .with("world", &world.source)
+        .with("method", &format!("name = \"{}\"\n", world.method))
+        .with("frame", &WorldFrame::the_same().to_string());
+    let rows = world.rows.clone();
+    (receipt, Of::World { rows, device })
 }
 
 /// Begins a recording of what `of` says, with the receipt that it gives.

@@ -24,9 +24,9 @@ use crate::world::{World, WorldOutput, WorldSample, Wrench};
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn palpate_recorder_contact_tick(
     recorder: *mut Recorder,
-    contact: *const Contact,
-    sample: *const Sample,
-    output: *const Output,
+    contact: *const Contact<f64>,
+    sample: *const Sample<f64>,
+    output: *const Output<f64>,
     sent_force: f64,
 ) -> Status {
     status(|| {
@@ -76,7 +76,8 @@ pub unsafe extern "C" fn palpate_recorder_contact_tick(
 }
 
 /// Records a tick of the world that the recorder was made of, after its palpate_world_step: the sample that went in, the
-/// output that came out, and what was really sent to its device. The rest is as for palpate_recorder_contact_tick.
+/// output that came out, and what was really sent to the device that is recorded. The rest is as for
+/// palpate_recorder_contact_tick.
 ///
 /// # Safety
 /// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
@@ -99,18 +100,28 @@ pub unsafe extern "C" fn palpate_recorder_world_tick(
         let output = unsafe { sized::read(output.cast::<WorldAnswer>()) }?;
         // SAFETY: as the caller says.
         let sent = unsafe { sent.as_ref() }.ok_or(Refusal::Null("sent"))?;
-        if !matches!(recorder.of, Of::World(_)) {
+        let Of::World { device, .. } = recorder.of else {
             return Err(other("contact", "world"));
-        }
-        if sample.pose_count != 1 || world.devices.len() != 1 {
+        };
+        let Some(of_device) = world.devices.get(device) else {
+            return Err(Refusal::Index {
+                name: "the device of the recorder",
+                given: device,
+                count: world.devices.len(),
+            });
+        };
+        if sample.pose_count != world.devices.len() {
             return Err(Refusal::Count {
                 name: "pose_count",
                 given: sample.pose_count,
-                needed: 1,
+                needed: world.devices.len(),
             });
         }
-        // SAFETY: as the caller says, and there is one.
-        let pose = unsafe { sample.poses.as_ref() }.ok_or(Refusal::Null("poses"))?;
+        if sample.poses.is_null() {
+            return Err(Refusal::Null("poses"));
+        }
+        // SAFETY: not NULL, and there are as many as devices, by the caller's word.
+        let pose = unsafe { sample.poses.add(device).read() };
         let elapsed = if sample.has_elapsed != 0 {
             sample.elapsed
         } else {
@@ -119,9 +130,10 @@ pub unsafe extern "C" fn palpate_recorder_world_tick(
         let (sequence, time, period) = recorder.goes_on(elapsed);
         let state = world.bounded.state();
         let Recorder { of, tap, .. } = recorder;
-        let Of::World(rows) = of else { return Ok(()) };
+        let Of::World { rows, .. } = of else {
+            return Ok(());
+        };
         rows.fill(sequence, state);
-        let turns = world.devices.iter().any(|device| device.turns);
         let is = |limits: u32| output.limited & limits != 0;
         let flags = Flags::default()
             .with(Flags::CONTACT, !rows.contacts().is_empty())
@@ -136,7 +148,7 @@ pub unsafe extern "C" fn palpate_recorder_world_tick(
             time,
             period,
             device_axes: pose.position,
-            device_orientation: if turns {
+            device_orientation: if of_device.turns {
                 pose.orientation
             } else {
                 Tick::UNKNOWN.device_orientation
@@ -176,10 +188,10 @@ struct Answer {
 
 const _: () = {
     use core::mem::offset_of;
-    assert!(size_of::<Answer>() == size_of::<Output>());
-    assert!(offset_of!(Answer, placement_shift) == offset_of!(Output, placement_shift));
-    assert!(offset_of!(Answer, phase) == offset_of!(Output, phase));
-    assert!(offset_of!(Answer, limited) == offset_of!(Output, limited));
+    assert!(size_of::<Answer>() == size_of::<Output<f64>>());
+    assert!(offset_of!(Answer, placement_shift) == offset_of!(Output<f64>, placement_shift));
+    assert!(offset_of!(Answer, phase) == offset_of!(Output<f64>, phase));
+    assert!(offset_of!(Answer, limited) == offset_of!(Output<f64>, limited));
     assert!(size_of::<WorldAnswer>() == size_of::<WorldOutput>());
     assert!(offset_of!(WorldAnswer, fault) == offset_of!(WorldOutput, fault));
     assert!(offset_of!(WorldAnswer, limited) == offset_of!(WorldOutput, limited));
@@ -187,7 +199,7 @@ const _: () = {
 
 // SAFETY: `repr(C)`, a `usize` first, numbers only.
 unsafe impl SizedStruct for Answer {
-    const NAME: &'static str = Output::NAME;
+    const NAME: &'static str = Output::<f64>::NAME;
 }
 
 impl Answer {

@@ -1,5 +1,6 @@
-/* What a caller of a recorder can do wrong, and a ring that overflows. Takes the path of a scene of a world, and that of a
-   folder for recordings, whose disk.mcap and short.mcap the check looks at. */
+/* What a caller of a recorder can do wrong, a ring that overflows, and two devices of a world. Takes the path of a scene of a
+   world, that of a folder for recordings, whose disk.mcap, short.mcap, left.mcap and right.mcap the check looks at, and that
+   of a scene of two devices, left and right. */
 #include <math.h>
 #include <palpate.h>
 #include <stdio.h>
@@ -131,11 +132,49 @@ static void overflow(palpate_contact *contact) {
   EXPECT(recorded.ticks_made == made && recorded.lost == lost && recorded.ticks == made - lost);
 }
 
+/* Two fingers that close on a cube, each in a recording of its own. */
+static void devices(const char *scene, palpate_world *of_one) {
+  palpate_world *world;
+  palpate_recorder *left, *right, *none;
+  palpate_recorded recorded = palpate_recorded_empty();
+
+  EXPECT(palpate_world_open(scene, NULL, &world) == PALPATE_STATUS_OK);
+  REFUSED(palpate_recorder_of_world(world, in_folder("none.mcap"), NULL, &none), PALPATE_STATUS_RECORDING,
+          "the world has 2 devices");
+  REFUSED(palpate_recorder_of_device(world, 2, in_folder("none.mcap"), NULL, &none), PALPATE_STATUS_COUNT,
+          "device is 2, but must be less than 2");
+  EXPECT(palpate_recorder_of_device(NULL, 0, in_folder("none.mcap"), NULL, &none) == PALPATE_STATUS_NULL);
+  EXPECT(palpate_recorder_of_device(world, 0, in_folder("left.mcap"), NULL, &left) == PALPATE_STATUS_OK);
+  EXPECT(palpate_recorder_of_device(world, 1, in_folder("right.mcap"), NULL, &right) == PALPATE_STATUS_OK);
+  for (int tick = 0; tick < 200; tick++) {
+    const double in = 2e-6 * tick; /* 0.2 mm into the cube in the end */
+    palpate_pose poses[2] = {{{-0.0202 + in, 0.0005, 0.016}, {1.0, 0.0, 0.0, 0.0}},
+                             {{0.0202 - in, -0.0003, 0.016}, {1.0, 0.0, 0.0, 0.0}}};
+    palpate_world_sample sample = palpate_world_sample_at(poses, 2);
+    palpate_world_output output = palpate_world_output_empty();
+    palpate_wrench wrenches[2];
+    EXPECT(palpate_world_step(world, &sample, wrenches, 2, &output) == PALPATE_FAULT_NONE);
+    EXPECT(palpate_recorder_world_tick(left, world, &sample, &output, &wrenches[0]) == PALPATE_STATUS_OK);
+    EXPECT(palpate_recorder_world_tick(right, world, &sample, &output, &wrenches[1]) == PALPATE_STATUS_OK);
+    if (tick == 199) {
+      EXPECT(wrenches[0].force[0] < -0.01 && wrenches[1].force[0] > 0.01);
+      EXPECT(palpate_recorder_world_tick(right, of_one, &sample, &output, &wrenches[1]) == PALPATE_STATUS_COUNT);
+      sample.pose_count = 1;
+      EXPECT(palpate_recorder_world_tick(right, world, &sample, &output, &wrenches[1]) == PALPATE_STATUS_COUNT);
+    }
+  }
+  EXPECT(palpate_recorder_close(left, &recorded) == PALPATE_STATUS_OK);
+  EXPECT(recorded.ticks == 200 && recorded.lost == 0);
+  EXPECT(palpate_recorder_close(right, &recorded) == PALPATE_STATUS_OK);
+  EXPECT(recorded.ticks == 200 && recorded.lost == 0);
+  palpate_world_free(world);
+}
+
 int main(int argc, char **argv) {
   palpate_contact *contact = a_wall();
   palpate_world *world;
-  if (argc != 3) {
-    fprintf(stderr, "usage: recorder WORLD.toml FOLDER\n");
+  if (argc != 4) {
+    fprintf(stderr, "usage: recorder WORLD.toml FOLDER WORLD_OF_TWO.toml\n");
     return 1;
   }
   folder = argv[2];
@@ -143,6 +182,7 @@ int main(int argc, char **argv) {
   making(contact);
   ticks(contact, world);
   overflow(contact);
+  devices(argv[3], world);
   palpate_contact_free(contact);
   palpate_world_free(world);
   return failures != 0;

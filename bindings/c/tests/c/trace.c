@@ -1,5 +1,6 @@
 /* Every method over the device positions of a table, with everything that a loop can tell a contact: the
-   bits of all that comes out. examples/trace.rs prints the same from Rust. */
+   bits of all that comes out, as double. examples/trace.rs prints the same from Rust. With -DTICKS_IN_FLOAT
+   the contact is one in float. */
 #include <inttypes.h>
 #include <math.h>
 #include <palpate.h>
@@ -7,11 +8,25 @@
 #include <stdlib.h>
 #include <string.h>
 
+#ifdef TICKS_IN_FLOAT
+typedef float number;
+#define NAME(what) palpate_##what##_f32
+#define CALL(what) palpate_contact_f32_##what
+#define SAMPLE_AT palpate_sample_f32_at
+#define EMPTY(what) palpate_##what##_f32_empty()
+#else
+typedef double number;
+#define NAME(what) palpate_##what
+#define CALL(what) palpate_contact_##what
+#define SAMPLE_AT palpate_sample_at
+#define EMPTY(what) palpate_##what##_empty()
+#endif
+
 enum { LARGEST_TABLE = 1000 };
 
-static void put(double number) {
+static void put(double value) {
   uint64_t bits;
-  memcpy(&bits, &number, sizeof bits);
+  memcpy(&bits, &value, sizeof bits);
   printf(" %016" PRIx64, bits);
 }
 
@@ -34,7 +49,7 @@ static int read_positions(const char *path, double *positions) {
 static void run(const char *method, double object_position, const double *positions, int count) {
   palpate_loop_params loop = palpate_loop_params_default();
   palpate_contact_params params = palpate_contact_params_default();
-  palpate_contact *contact;
+  NAME(contact) *contact;
   int tick;
   loop.period = 0.01;
   loop.delay = 0.005;
@@ -46,40 +61,40 @@ static void run(const char *method, double object_position, const double *positi
   params.stiffness = 100.0;
   params.object_mass = 0.1;
   params.object_position = object_position;
-  if (palpate_contact_new(&params, &loop, &contact) != PALPATE_STATUS_OK) {
+  if (CALL(new)(&params, &loop, &contact) != PALPATE_STATUS_OK) {
     printf("%s: %s\n", method, palpate_last_error());
     return;
   }
   for (tick = 0; tick < count; tick++) {
-    palpate_sample sample = palpate_sample_at(tick == 50 ? NAN : positions[tick]);
-    palpate_output output = palpate_output_empty();
-    palpate_ledger ledger = palpate_ledger_empty();
-    double force;
-    sample.virtual_force = -0.981;
+    NAME(sample) sample = SAMPLE_AT(tick == 50 ? NAN : (number)positions[tick]);
+    NAME(output) output = EMPTY(output);
+    NAME(ledger) ledger = EMPTY(ledger);
+    number force;
+    sample.virtual_force = (number)-0.981;
     if (tick == 30) {
-      sample.elapsed = 0.013;
+      sample.elapsed = (number)0.013;
       sample.has_elapsed = 1;
     }
     if (tick == 15) {
       params.stiffness = 200.0;
       params.object_mass = 0.2;
-      palpate_contact_change(contact, &params, &loop);
+      CALL(change)(contact, &params, &loop);
     }
     if (tick == 60) {
-      palpate_contact_teleport(contact, object_position - 0.001, -0.1);
+      CALL(teleport)(contact, (number)(object_position - 0.001), (number)-0.1);
     }
     if (tick == 70) {
       params.method = "basic";
-      palpate_contact_change(contact, &params, &loop);
+      CALL(change)(contact, &params, &loop);
     }
-    force = palpate_contact_step(contact, &sample, &output);
+    force = CALL(step)(contact, &sample, &output);
     if (tick % 7 == 3) {
-      palpate_contact_report_sent(contact, 0.5 * force);
+      CALL(report_sent)(contact, (number)0.5 * force);
     }
     if (tick % 7 == 5) {
-      palpate_contact_report_held(contact, 0.9 * force);
+      CALL(report_held)(contact, (number)0.9 * force);
     }
-    palpate_contact_ledger(contact, &ledger);
+    CALL(ledger)(contact, &ledger);
     printf("%s %d", method, tick);
     put(force);
     put(output.force_on_device);
@@ -101,7 +116,7 @@ static void run(const char *method, double object_position, const double *positi
     put(ledger.original_leak_absolute);
     printf(" %u %u %u\n", (unsigned)output.phase, (unsigned)output.fault, (unsigned)output.limited);
   }
-  palpate_contact_free(contact);
+  CALL(free)(contact);
 }
 
 int main(int argc, char **argv) {

@@ -15,6 +15,8 @@ static int failures = 0;
 static_assert(std::is_nothrow_move_constructible_v<palpate::Contact>);
 static_assert(!std::is_copy_constructible_v<palpate::Contact>);
 static_assert(noexcept(std::declval<palpate::Contact &>().step(0.0)));
+static_assert(std::is_nothrow_move_constructible_v<palpate::ContactF32>);
+static_assert(std::is_same_v<decltype(std::declval<palpate::ContactF32 &>().step(0.0f)), float>);
 
 static_assert(std::is_nothrow_move_constructible_v<palpate::World>);
 static_assert(!std::is_copy_constructible_v<palpate::World>);
@@ -105,6 +107,13 @@ int main(int argc, char **argv) {
     EXPECT(!"a negative stiffness was taken");
   } catch (const std::runtime_error &) {
   }
+  params.stiffness = 1000.0;
+  palpate::ContactF32 in_float(params, loop);
+  EXPECT(in_float.step(0.001f) == -(1000.0f * 0.001f));
+  palpate::ContactF32 moved(std::move(in_float));
+  EXPECT(in_float.step(0.001f) == 0.0f && moved.step(0.002f) == -(1000.0f * 0.002f));
+  EXPECT(moved.ledger().port_work == (1000.0f * 0.001f) * 0.001f);
+  EXPECT(moved.description() == "a wall of 1000 N/m, f_V 0 N, by basic");
   const auto names = palpate::method_names();
   EXPECT(names.front() == "basic" && names.back() == "coupled");
   return failures != 0;

@@ -211,7 +211,7 @@ impl From<PredictionName> for ParameterValue<f64> {
     }
 }
 
-impl Prediction<f64> {
+impl<S: Scalar> Prediction<S> {
     /// How `method` predicts the device.
     pub(crate) fn from_settings(
         method: MethodName,
@@ -233,13 +233,13 @@ impl Prediction<f64> {
         Ok(match choice {
             PredictionName::LastStep => Self::LastStep,
             PredictionName::FirstOrderAdaptiveWindow => Self::FirstOrderAdaptiveWindow {
-                noise_bound: basis.encoder_quantum,
-                longest_window: longest.unwrap_or(PERIODS_OF_WINDOW * basis.period),
+                noise_bound: S::from_f64(basis.encoder_quantum),
+                longest_window: S::from_f64(longest.unwrap_or(PERIODS_OF_WINDOW * basis.period)),
             },
             PredictionName::Extrapolation => Self::Extrapolation,
             PredictionName::Observer => Self::Observer {
                 device_mass: basis.pushed_mass(method)?,
-                encoder_quantum: basis.encoder_quantum,
+                encoder_quantum: S::from_f64(basis.encoder_quantum),
             },
         })
     }

@@ -47,7 +47,7 @@ impl SettingKey {
     pub const CORRECTION: Self = Self::new("correction");
 }
 
-impl FromSettings for CoupledParams<f64> {
+impl<S: Scalar> FromSettings<S> for CoupledParams<S> {
     fn from_settings(
         method: MethodName,
         given: &Settings,
@@ -55,7 +55,7 @@ impl FromSettings for CoupledParams<f64> {
     ) -> Result<Self, SettingsError> {
         Ok(Self {
             device_mass: basis.pushed_mass(method)?,
-            encoder_quantum: basis.encoder_quantum,
+            encoder_quantum: S::from_f64(basis.encoder_quantum),
             placement: given.switch(SettingKey::PLACEMENT).unwrap_or(true),
             correction: given.switch(SettingKey::CORRECTION).unwrap_or(true),
         })

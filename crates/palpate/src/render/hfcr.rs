@@ -67,7 +67,7 @@ impl SettingKey {
     pub const ENTRY_HOLD: Self = Self::new("entry_hold");
 }
 
-impl FromSettings for HfcrParams<f64> {
+impl<S: Scalar> FromSettings<S> for HfcrParams<S> {
     fn from_settings(
         method: MethodName,
         given: &Settings,
@@ -78,10 +78,13 @@ impl FromSettings for HfcrParams<f64> {
             modified_force: true,
             smooth_transition: method != MethodName::HfcrMod,
             leak_dissipation: match given.get(SettingKey::DAMPING) {
-                Some(ParameterValue::Number(damping)) => LeakDissipation::Damping(damping),
+                Some(ParameterValue::Number(damping)) => {
+                    LeakDissipation::Damping(S::from_f64(damping))
+                }
                 Some(ParameterValue::ToBeDerived) => LeakDissipation::Auto {
                     device_mass: basis
                         .device_mass
+                        .map(S::from_f64)
                         .ok_or(SettingsError::NoDeviceMass(&DAMPING))?,
                 },
                 _ => LeakDissipation::Off,

@@ -7,6 +7,7 @@ use super::basic::{BASIC, BasicParams};
 use super::list::for_all_methods;
 use super::method::MethodParams;
 use super::setting::{Basis, Setting, SettingKey, Settings, SettingsError};
+use crate::Scalar;
 
 /// What a method's own file says of it to programs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,9 +23,9 @@ pub struct MethodInfo {
 }
 
 /// Parameters that a user can give by name: with settings, and defaults for those that are missing.
-pub(super) trait FromSettings: MethodParams<f64> + Sized {
-    /// The parameters of the method offered as `method`. No setting is given that its
-    /// [`MethodInfo`] does not have.
+pub(super) trait FromSettings<S: Scalar>: MethodParams<S> + Sized {
+    /// The parameters of the method offered as `method`: computed in `f64` and rounded once. No setting
+    /// is given that its [`MethodInfo`] does not have.
     fn from_settings(
         method: MethodName,
         settings: &Settings,
@@ -62,25 +63,25 @@ macro_rules! named {
                 }
             }
 
-            /// The method's parameters, with defaults for all settings that are missing.
+            /// The method's parameters, with defaults for all settings that are missing: computed in
+            /// `f64`, and rounded once to `S`.
             ///
             /// # Errors
             /// A setting the method cannot use, or one that cannot be derived from `basis`.
-            pub fn params(
+            pub fn params<S: Scalar>(
                 self,
                 settings: &Settings,
                 basis: &Basis,
-            ) -> Result<AnyParams<f64>, SettingsError> {
+            ) -> Result<AnyParams<S>, SettingsError> {
                 #[allow(clippy::wildcard_imports)] // the list names types of every method
                 use super::any::*;
-                type S = f64;
                 if let Some(setting) = self.unused(settings) {
                     return Err(SettingsError::Unused { method: self, setting });
                 }
                 Ok(match self {
                     Self::Basic => AnyParams::Basic,
                     $($(Self::$Name)|+ => {
-                        AnyParams::$Variant(<$Params>::from_settings(self, settings, basis)?)
+                        AnyParams::$Variant(<$Params as FromSettings<S>>::from_settings(self, settings, basis)?)
                     })*
                 })
             }
@@ -164,7 +165,7 @@ impl fmt::Display for MethodName {
     }
 }
 
-impl FromSettings for BasicParams {
+impl<S: Scalar> FromSettings<S> for BasicParams {
     fn from_settings(_: MethodName, _: &Settings, _: &Basis) -> Result<Self, SettingsError> {
         Ok(Self)
     }

@@ -56,12 +56,12 @@ impl SettingKey {
 }
 
 /// The cap of a passivity controller `[N s/m]`, as given or 3 K T.
-pub(super) fn cap_of(given: &Settings, basis: &Basis) -> f64 {
+pub(super) fn cap_of<S: Scalar>(given: &Settings, basis: &Basis) -> S {
     let cap = given.number(SettingKey::DAMPING_CAP);
-    cap.unwrap_or(3.0 * basis.impedance())
+    S::from_f64(cap.unwrap_or(3.0 * basis.impedance()))
 }
 
-impl FromSettings for PopcParams<f64> {
+impl<S: Scalar> FromSettings<S> for PopcParams<S> {
     fn from_settings(
         _: MethodName,
         given: &Settings,
@@ -70,8 +70,10 @@ impl FromSettings for PopcParams<f64> {
         let (threshold, energy) = (SettingKey::SPEED_THRESHOLD, SettingKey::INITIAL_ENERGY);
         Ok(Self {
             damping_cap: cap_of(given, basis),
-            speed_threshold: given.number(threshold).unwrap_or(DEFAULT_SPEED_THRESHOLD),
-            initial_energy: given.number(energy).unwrap_or(basis.stored_energy),
+            speed_threshold: S::from_f64(
+                given.number(threshold).unwrap_or(DEFAULT_SPEED_THRESHOLD),
+            ),
+            initial_energy: S::from_f64(given.number(energy).unwrap_or(basis.stored_energy)),
         })
     }
 }

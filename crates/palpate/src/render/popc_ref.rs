@@ -19,7 +19,7 @@ pub(super) const POPC_REF: MethodInfo = MethodInfo {
     settings: &[DAMPING_CAP, SPEED_THRESHOLD],
 };
 
-impl FromSettings for PopcRefParams<f64> {
+impl<S: Scalar> FromSettings<S> for PopcRefParams<S> {
     fn from_settings(
         _: MethodName,
         given: &Settings,
@@ -28,7 +28,7 @@ impl FromSettings for PopcRefParams<f64> {
         let threshold = given.number(SettingKey::SPEED_THRESHOLD);
         Ok(Self {
             damping_cap: cap_of(given, basis),
-            speed_threshold: threshold.unwrap_or(DEFAULT_SPEED_THRESHOLD),
+            speed_threshold: S::from_f64(threshold.unwrap_or(DEFAULT_SPEED_THRESHOLD)),
         })
     }
 }

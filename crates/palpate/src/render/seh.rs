@@ -33,7 +33,7 @@ impl SettingKey {
     pub const ESTIMATE: Self = Self::new("estimate");
 }
 
-impl FromSettings for SehParams {
+impl<S: Scalar> FromSettings<S> for SehParams {
     fn from_settings(_: MethodName, given: &Settings, _: &Basis) -> Result<Self, SettingsError> {
         let estimate = given
             .word(SettingKey::ESTIMATE)

@@ -163,10 +163,13 @@ pub struct Basis {
 
 impl Basis {
     /// The mass that the contact force of `method` has to move.
-    pub(crate) fn pushed_mass(&self, method: MethodName) -> Result<Mass<f64>, SettingsError> {
+    pub(crate) fn pushed_mass<S: Scalar>(
+        &self,
+        method: MethodName,
+    ) -> Result<Mass<S>, SettingsError> {
         match self.device_mass {
             _ if self.recorded => Ok(Mass::Infinite),
-            Some(mass) => Ok(Mass::Finite(mass)),
+            Some(mass) => Ok(Mass::Finite(S::from_f64(mass))),
             None => Err(SettingsError::NoPushedMass(method)),
         }
     }

@@ -47,7 +47,7 @@ impl SettingKey {
     pub const DAMPER_OBJECT: Self = Self::new("damper_object");
 }
 
-impl FromSettings for VirtualDamperParams<f64> {
+impl<S: Scalar> FromSettings<S> for VirtualDamperParams<S> {
     fn from_settings(
         method: MethodName,
         given: &Settings,
@@ -62,7 +62,7 @@ impl FromSettings for VirtualDamperParams<f64> {
         };
         let object = given.word(SettingKey::DAMPER_OBJECT);
         Ok(Self {
-            damping: damping.unwrap_or(0.5 * basis.impedance()),
+            damping: S::from_f64(damping.unwrap_or(0.5 * basis.impedance())),
             object: object.and_then(DamperObject::named).unwrap_or_default(),
             prediction: Prediction::from_settings(method, given, basis)?,
         })

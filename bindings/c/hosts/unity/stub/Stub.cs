@@ -48,6 +48,23 @@ static class Program
         }
     }
 
+    /// What a contact of these parameters is refused with.
+    static void Refused(Palpate.ContactParams contact, Palpate.LoopParams loop, string words, string method,
+        params Palpate.Setting[] settings)
+    {
+        try
+        {
+            using (new Palpate.Contact(contact, loop, method, settings))
+            {
+                Expect(false, "it is refused: " + words);
+            }
+        }
+        catch (Palpate.ParameterException error)
+        {
+            Expect(error.Message.StartsWith(words, StringComparison.Ordinal), error.Message);
+        }
+    }
+
     static int Main()
     {
         var loop = Palpate.LoopParams.Default(0.001);
@@ -63,16 +80,23 @@ static class Program
             contact.Stiffness = 2000.0;
             basic.Change(contact, loop, "basic");
         }
+        contact.Stiffness = 1000.0;
+        // 1 N of the spring, and 0.5 N s/m times 1 m/s of the damper.
+        var damping = new Palpate.Setting("damping_n_s_per_m", 0.5);
+        using (var damped = new Palpate.Contact(contact, loop, "virtual-damper", damping))
+        {
+            damped.Step(0.0);
+            Expect(Math.Abs(damped.Step(0.001) - -1.5) < 1e-12, "the damping that was set acts");
+            damped.Change(contact, loop, "virtual-damper", damping, new Palpate.Setting("prediction", "last-step"));
+        }
+        Refused(contact, loop, "virtual-damper has no setting \"dampening\"; it has ",
+            "virtual-damper", new Palpate.Setting("dampening", 0.5));
+        Refused(contact, loop, "damping is -1 N s/m, but must be ",
+            "virtual-damper", new Palpate.Setting("damping_n_s_per_m", -1.0));
+        Refused(contact, loop, "prediction is \"a guess\", but must be one of its words",
+            "virtual-damper", damping, new Palpate.Setting("prediction", "a guess"));
         contact.Stiffness = -1.0;
-        try
-        {
-            new Palpate.Contact(contact, loop, "basic");
-            Expect(false, "a negative stiffness is refused");
-        }
-        catch (Palpate.ParameterException error)
-        {
-            Expect(error.Message == "stiffness is -1 N/m, but must be finite and greater than 0", error.Message);
-        }
+        Refused(contact, loop, "stiffness is -1 N/m, but must be finite and greater than 0", "basic");
 
         var device = new HandOnAxis();
         var wall = new Wall { Device = device };

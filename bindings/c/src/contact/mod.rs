@@ -1,6 +1,12 @@
-//! A contact behind a handle.
+//! A contact behind a handle, in `double` or in `float`: what the functions of `doubles` and `floats` do.
 
-use core::ffi::c_char;
+mod doubles;
+mod floats;
+
+pub use doubles::*;
+pub use floats::*;
+
+use core::ffi::{c_char, c_void};
 use core::ptr;
 
 use palpate_core::{ObjectState, Running, Sample as CoreSample};
@@ -9,40 +15,41 @@ use crate::contact_params::{ContactParams, rendering};
 use crate::edge::{caught, status};
 use crate::last_error;
 use crate::loop_params::LoopParams;
+use crate::number::Number;
 use crate::output::{Fault, Ledger, Output};
 use crate::sample::Sample;
 use crate::sized;
 use crate::status::{Refusal, Status};
 use crate::text;
 
-/// A contact that is rendered. One thread at a time may use it.
-pub struct Contact {
-    pub(crate) running: Running<f64>,
+/// A contact that is rendered; its ticks are in double, or in float where its name ends with f32. One thread at a
+/// time may use it.
+pub struct Contact<S> {
+    pub(crate) running: Running<S>,
     /// Whether it is on the heap of this library.
     #[cfg_attr(not(feature = "std"), allow(dead_code))]
-    pub(crate) on_heap: bool,
+    on_heap: bool,
 }
 
 /// The contact at `contact`.
 ///
 /// # Safety
 /// `contact` is NULL or a contact, which nobody else uses during `'a`.
-unsafe fn at<'a>(contact: *mut Contact) -> Result<&'a mut Contact, Refusal<'static>> {
+unsafe fn at<'a, S>(contact: *mut Contact<S>) -> Result<&'a mut Contact<S>, Refusal<'static>> {
     // SAFETY: as the caller says.
     unsafe { contact.as_mut() }.ok_or(Refusal::Null("contact"))
 }
 
-/// Makes a contact, to be freed by palpate_contact_free, and puts it into `*contact`; NULL on an error.
-/// Not in the library for firmware.
+/// `palpate_contact_new`.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+/// As said of that function.
+#[inline]
 #[cfg(feature = "std")]
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn palpate_contact_new(
+unsafe fn new<S: Number>(
     params: *const ContactParams,
     loop_params: *const LoopParams,
-    contact: *mut *mut Contact,
+    contact: *mut *mut Contact<S>,
 ) -> Status {
     status(|| {
         // SAFETY: NULL, or a pointer can be written there.
@@ -59,14 +66,13 @@ pub unsafe extern "C" fn palpate_contact_new(
     })
 }
 
-/// Frees a contact of palpate_contact_new. NULL, and a contact in memory of the caller's, are left alone.
-/// Not in the library for firmware.
+/// `palpate_contact_free`.
 ///
 /// # Safety
-/// `contact` is NULL or a contact, and is not used afterwards.
+/// As said of that function.
+#[inline]
 #[cfg(feature = "std")]
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn palpate_contact_free(contact: *mut Contact) {
+unsafe fn free<S: Number>(contact: *mut Contact<S>) {
     // SAFETY: as the caller says.
     if unsafe { contact.as_ref() }.is_some_and(|contact| contact.on_heap) {
         // SAFETY: `palpate_contact_new` has made it by `Box::into_raw`, and it is not used afterwards.
@@ -74,20 +80,16 @@ pub unsafe extern "C" fn palpate_contact_free(contact: *mut Contact) {
     }
 }
 
-/// One tick: takes a sample and gives the force on the device [N], to be held until the next one.
-///
-/// It cannot fail: the force is a finite number for any input, and 0 where a sample is refused or an
-/// argument is wrong. It does not allocate, lock, wait, or loop without bound. `output` may be NULL; where
-/// it is given, its `fault` says why a sample was refused.
+/// `palpate_contact_step`.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn palpate_contact_step(
-    contact: *mut Contact,
-    sample: *const Sample,
-    output: *mut Output,
-) -> f64 {
+/// As said of that function.
+#[inline]
+unsafe fn step<S: Number>(
+    contact: *mut Contact<S>,
+    sample: *const Sample<S>,
+    output: *mut Output<S>,
+) -> S {
     caught(|| {
         // SAFETY: as the caller says.
         let sampled =
@@ -111,7 +113,7 @@ pub unsafe extern "C" fn palpate_contact_step(
     .unwrap_or_else(|| {
         // SAFETY: as the caller says.
         let _ = unsafe { sized::write(output, || Output::refused(Fault::Internal)) };
-        0.0
+        S::ZERO
     })
 }
 
@@ -120,23 +122,19 @@ pub unsafe extern "C" fn palpate_contact_step(
 /// # Safety
 /// `output` is NULL or an output of the size that it begins with.
 #[cold]
-unsafe fn refuse(refusal: &Refusal<'_>, output: *mut Output) -> f64 {
+unsafe fn refuse<S: Number>(refusal: &Refusal<'_>, output: *mut Output<S>) -> S {
     last_error::set(refusal);
     // SAFETY: as the caller says.
     let _ = unsafe { sized::write(output, || Output::refused(Fault::Argument)) };
-    0.0
+    S::ZERO
 }
 
-/// Says which force on the device was really sent for the last tick [N], where it is another one than
-/// the tick has given: something between has limited it.
+/// `palpate_contact_report_sent`.
 ///
 /// # Safety
-/// `contact` is NULL or a contact.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn palpate_contact_report_sent(
-    contact: *mut Contact,
-    force_on_device: f64,
-) -> Status {
+/// As said of that function.
+#[inline]
+unsafe fn report_sent<S: Number>(contact: *mut Contact<S>, force_on_device: S) -> Status {
     status(|| {
         // SAFETY: as the caller says.
         unsafe { at(contact) }?
@@ -146,16 +144,12 @@ pub unsafe extern "C" fn palpate_contact_report_sent(
     })
 }
 
-/// Says which force on the device has really acted since the last sample, in the mean [N], where
-/// somebody has measured it.
+/// `palpate_contact_report_held`.
 ///
 /// # Safety
-/// `contact` is NULL or a contact.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn palpate_contact_report_held(
-    contact: *mut Contact,
-    force_on_device: f64,
-) -> Status {
+/// As said of that function.
+#[inline]
+unsafe fn report_held<S: Number>(contact: *mut Contact<S>, force_on_device: S) -> Status {
     status(|| {
         // SAFETY: as the caller says.
         unsafe { at(contact) }?
@@ -165,18 +159,13 @@ pub unsafe extern "C" fn palpate_contact_report_held(
     })
 }
 
-/// Renders something else from the next tick on, without a step in the force: stiffness, mass and
-/// virtual force pass over to the new ones in 0.1 s, and so does the difference that another method
-/// makes. The energy of it is booked as outside work. Where the object is does not change: that is
-/// palpate_contact_teleport. The period and the side stay. On an error all is as it was.
-///
-/// It does not allocate or wait, so the thread of the loop can call it between two ticks.
+/// `palpate_contact_change`.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn palpate_contact_change(
-    contact: *mut Contact,
+/// As said of that function.
+#[inline]
+unsafe fn change<S: Number>(
+    contact: *mut Contact<S>,
     params: *const ContactParams,
     loop_params: *const LoopParams,
 ) -> Status {
@@ -187,17 +176,12 @@ pub unsafe extern "C" fn palpate_contact_change(
     })
 }
 
-/// Puts the object's surface at `position` [m] with the velocity `velocity` [m/s] with the next sample.
-/// The energy of it is booked as outside work.
+/// `palpate_contact_teleport`.
 ///
 /// # Safety
-/// `contact` is NULL or a contact.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn palpate_contact_teleport(
-    contact: *mut Contact,
-    position: f64,
-    velocity: f64,
-) -> Status {
+/// As said of that function.
+#[inline]
+unsafe fn teleport<S: Number>(contact: *mut Contact<S>, position: S, velocity: S) -> Status {
     status(|| {
         // SAFETY: as the caller says.
         let contact = unsafe { at(contact) }?;
@@ -207,15 +191,12 @@ pub unsafe extern "C" fn palpate_contact_teleport(
     })
 }
 
-/// Puts the books up to the last sample into `*ledger`.
+/// `palpate_contact_ledger`.
 ///
 /// # Safety
-/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn palpate_contact_ledger(
-    contact: *const Contact,
-    ledger: *mut Ledger,
-) -> Status {
+/// As said of that function.
+#[inline]
+unsafe fn ledger<S: Number>(contact: *const Contact<S>, ledger: *mut Ledger<S>) -> Status {
     status(|| {
         // SAFETY: NULL, or a contact that nobody changes meanwhile.
         let contact = unsafe { contact.as_ref() }.ok_or(Refusal::Null("contact"))?;
@@ -224,14 +205,13 @@ pub unsafe extern "C" fn palpate_contact_ledger(
     })
 }
 
-/// Puts what is rendered, in words, into `size` bytes at `memory`, cut to them and ended by a 0. Its
-/// whole length without the 0; 0 where `contact` is NULL.
+/// `palpate_contact_describe`.
 ///
 /// # Safety
-/// `contact` is NULL or a contact; `memory` is NULL, or `size` bytes can be written there.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn palpate_contact_describe(
-    contact: *const Contact,
+/// As said of that function.
+#[inline]
+unsafe fn describe<S: Number>(
+    contact: *const Contact<S>,
     memory: *mut c_char,
     size: usize,
 ) -> usize {
@@ -244,4 +224,50 @@ pub unsafe extern "C" fn palpate_contact_describe(
         None => unsafe { text::put_at("", memory, size) },
     });
     described.unwrap_or(0)
+}
+
+/// `palpate_contact_place`.
+///
+/// # Safety
+/// As said of that function.
+#[inline]
+unsafe fn place<S: Number>(
+    memory: *mut c_void,
+    size: usize,
+    params: *const ContactParams,
+    loop_params: *const LoopParams,
+    contact: *mut *mut Contact<S>,
+) -> Status {
+    status(|| {
+        // SAFETY: NULL, or a pointer can be written there.
+        let out = unsafe { contact.as_mut() }.ok_or(Refusal::Null("contact"))?;
+        *out = ptr::null_mut();
+        let memory = memory.cast::<Contact<S>>();
+        let needed = size_of::<Contact<S>>();
+        if memory.is_null() {
+            return Err(Refusal::Null("memory"));
+        }
+        if size < needed {
+            return Err(Refusal::TooSmall {
+                given: size,
+                needed,
+            });
+        }
+        if !memory.is_aligned() {
+            let needed = align_of::<Contact<S>>();
+            return Err(Refusal::NotAligned { needed });
+        }
+        // SAFETY: as the caller says.
+        let rendering = unsafe { rendering(params, loop_params) }?;
+        let running = Running::new(rendering)?;
+        // SAFETY: not NULL, aligned, and as many bytes as needed can be written.
+        unsafe {
+            memory.write(Contact {
+                running,
+                on_heap: false,
+            });
+        }
+        *out = memory;
+        Ok(())
+    })
 }
