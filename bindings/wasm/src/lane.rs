@@ -4,7 +4,7 @@ use palpate_device::clock::{Clock as _, SteppedClock};
 use palpate_record::recording::Row;
 use palpate_rt::safety::{OscillationParams, SafetyParams, Trip};
 use palpate_rt::{ControlLoop, Listener, Note, Parameters, Rendering, Told, tap};
-use palpate_scope::message::Said;
+use palpate_scope::message::ServerMessage;
 use palpate_scope::rows::Rows;
 use palpate_sim::device::{PointerDevice, PointerHand, PointerParams};
 
@@ -181,7 +181,7 @@ impl Lane {
 }
 
 fn note(lane: usize, t_s: f64, kind: &str, text: &str) -> String {
-    Said::Note {
+    ServerMessage::Note {
         lane,
         t_s,
         kind,

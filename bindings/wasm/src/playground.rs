@@ -3,7 +3,9 @@
 use palpate_rt::safety::SafetyParams;
 use palpate_scene::method::MethodName;
 use palpate_scene::{Scene, SceneFile};
-use palpate_scope::message::{DeviceSaid, Heard, LaneState, Said, Set, Wish, hear};
+use palpate_scope::message::{
+    ClientMessage, ClientRequest, DeviceSaid, LaneState, ServerMessage, Set, parse,
+};
 use palpate_scope::{Limits, Settings, make_room};
 use palpate_sim::device::{PointerHand, PointerParams};
 use serde::{Deserialize, Serialize};
@@ -44,7 +46,7 @@ impl Refused {
     /// As a page is told.
     #[must_use]
     pub fn text(&self) -> String {
-        Said::Refused {
+        ServerMessage::Refused {
             about: self.about,
             text: &self.why,
         }
@@ -145,7 +147,7 @@ impl Playground {
             largest_force_n: Some(SafetyParams::default().largest_force),
             lanes: LANES,
         };
-        Said::hello(&self.scene, self.limits, device).text()
+        ServerMessage::hello(&self.scene, self.limits, device).text()
     }
 
     /// What is rendered now, and on which device.
@@ -154,11 +156,11 @@ impl Playground {
         #[derive(Serialize)]
         struct State<'a> {
             #[serde(flatten)]
-            said: Said<'a>,
+            said: ServerMessage<'a>,
             device: DeviceChoice,
         }
         let lanes = self.settings.lanes.iter().zip(&self.lanes);
-        let said = Said::State {
+        let said = ServerMessage::State {
             stiffness_n_per_m: self.settings.stiffness,
             mass_kg: self.settings.mass,
             virtual_force_n: self.settings.virtual_force,
@@ -197,21 +199,29 @@ impl Playground {
                 .and_then(|Own::Device(device)| self.set_device(device))
                 .map_err(refused("device"));
         }
-        match hear(text) {
-            Heard::Wish(Wish::Hand(target)) => self.lead(target).map_err(refused("hand")),
-            Heard::Wish(Wish::Set(set)) => self.set(&set).map_err(refused("set")),
-            Heard::Wish(Wish::Restart) => self.restart().map_err(refused("restart")),
-            Heard::Wish(Wish::Rearm(lane)) => self.rearm(lane).map_err(refused("rearm")),
-            Heard::Wish(Wish::Record(_)) => Err(Refused {
+        match parse(text) {
+            ClientMessage::Request(ClientRequest::Hand(target)) => {
+                self.lead(target).map_err(refused("hand"))
+            }
+            ClientMessage::Request(ClientRequest::Set(set)) => {
+                self.set(&set).map_err(refused("set"))
+            }
+            ClientMessage::Request(ClientRequest::Restart) => {
+                self.restart().map_err(refused("restart"))
+            }
+            ClientMessage::Request(ClientRequest::Rearm(lane)) => {
+                self.rearm(lane).map_err(refused("rearm"))
+            }
+            ClientMessage::Request(ClientRequest::Record(_)) => Err(Refused {
                 about: "record",
                 why: "the playground records nothing; palpate live does".into(),
             }),
-            Heard::Wish(Wish::Tool(_)) => Err(Refused {
+            ClientMessage::Request(ClientRequest::Tool(_)) => Err(Refused {
                 about: "tool",
                 why: "one contact has a hand along one axis".into(),
             }),
-            Heard::Refused(about, why) => Err(Refused { about, why }),
-            Heard::Unknown(why) => Err(Refused {
+            ClientMessage::Refused(about, why) => Err(Refused { about, why }),
+            ClientMessage::Unknown(why) => Err(Refused {
                 about: "unknown",
                 why: why.into(),
             }),

@@ -9,7 +9,7 @@ use crate::rows::columns;
 
 /// What a client asks for.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Wish {
+pub enum ClientRequest {
     /// Where the pointer's hand wants to be `[m]`; none lets go.
     Hand(Option<f64>),
     /// Where the pointer's hand wants to be in a world `[m]`; none lets go.
@@ -72,9 +72,9 @@ fn given<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Option<f64
 
 /// What becomes of a text.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Heard {
-    /// It is a wish.
-    Wish(Wish),
+pub enum ClientMessage {
+    /// It is a request.
+    Request(ClientRequest),
     /// It is one with wrong values: its type, and what is wrong.
     Refused(&'static str, String),
     /// It is nothing that this server knows.
@@ -86,24 +86,26 @@ const TYPES: [&str; 6] = ["hand", "tool", "set", "restart", "rearm", "record"];
 
 /// Understands a text.
 #[must_use]
-pub fn hear(text: &str) -> Heard {
+pub fn parse(text: &str) -> ClientMessage {
     let Ok(Value::Object(mut fields)) = serde_json::from_str(text) else {
-        return Heard::Unknown("a JSON object is needed");
+        return ClientMessage::Unknown("a JSON object is needed");
     };
     let given = fields.remove("type");
     let Some(kind) = TYPES
         .into_iter()
         .find(|kind| given.as_ref().and_then(Value::as_str) == Some(kind))
     else {
-        return Heard::Unknown("its type is none of hand, tool, set, restart, rearm, record");
+        return ClientMessage::Unknown(
+            "its type is none of hand, tool, set, restart, rearm, record",
+        );
     };
-    match wish(kind, fields) {
-        Ok(wish) => Heard::Wish(wish),
-        Err(text) => Heard::Refused(kind, text),
+    match request(kind, fields) {
+        Ok(request) => ClientMessage::Request(request),
+        Err(text) => ClientMessage::Refused(kind, text),
     }
 }
 
-fn wish(kind: &str, fields: Map<String, Value>) -> Result<Wish, String> {
+fn request(kind: &str, fields: Map<String, Value>) -> Result<ClientRequest, String> {
     #[derive(Deserialize)]
     #[serde(deny_unknown_fields)]
     struct Hand {
@@ -133,14 +135,14 @@ fn wish(kind: &str, fields: Map<String, Value>) -> Result<Wish, String> {
         serde_json::from_value(Value::Object(fields)).map_err(|error| error.to_string())
     }
     Ok(match kind {
-        "hand" => Wish::Hand(read::<Hand>(fields)?.position_m),
-        "tool" => Wish::Tool(read::<Tool>(fields)?.position_m),
-        "set" => Wish::Set(read(fields)?),
-        "rearm" => Wish::Rearm(read::<Rearm>(fields)?.lane),
-        "record" => Wish::Record(read::<Record>(fields)?.on),
+        "hand" => ClientRequest::Hand(read::<Hand>(fields)?.position_m),
+        "tool" => ClientRequest::Tool(read::<Tool>(fields)?.position_m),
+        "set" => ClientRequest::Set(read(fields)?),
+        "rearm" => ClientRequest::Rearm(read::<Rearm>(fields)?.lane),
+        "record" => ClientRequest::Record(read::<Record>(fields)?.on),
         _ => {
             read::<Nothing>(fields)?;
-            Wish::Restart
+            ClientRequest::Restart
         }
     })
 }
@@ -148,7 +150,7 @@ fn wish(kind: &str, fields: Map<String, Value>) -> Result<Wish, String> {
 /// What the server says.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
-pub enum Said<'a> {
+pub enum ServerMessage<'a> {
     /// First of all.
     Hello {
         /// Version of what is said here.
@@ -224,7 +226,7 @@ pub enum Said<'a> {
     },
 }
 
-impl<'a> Said<'a> {
+impl<'a> ServerMessage<'a> {
     /// What is said first, of `scene` on a device, with the limits of what may be set.
     #[must_use]
     pub fn hello(
@@ -399,34 +401,40 @@ mod tests {
 
     #[test]
     fn wishes_are_understood() {
-        let wish = |text: &str| match hear(text) {
-            Heard::Wish(wish) => wish,
+        let request = |text: &str| match parse(text) {
+            ClientMessage::Request(request) => request,
             other => panic!("{text}: {other:?}"),
         };
         assert_eq!(
-            wish(r#"{"type":"hand","position_m":0.5}"#),
-            Wish::Hand(Some(0.5))
+            request(r#"{"type":"hand","position_m":0.5}"#),
+            ClientRequest::Hand(Some(0.5))
         );
         assert_eq!(
-            wish(r#"{"position_m":null,"type":"hand"}"#),
-            Wish::Hand(None)
+            request(r#"{"position_m":null,"type":"hand"}"#),
+            ClientRequest::Hand(None)
         );
         assert_eq!(
-            wish(r#"{"type":"tool","position_m":[0.5,0,-1e-3]}"#),
-            Wish::Tool(Some([0.5, 0.0, -1e-3]))
+            request(r#"{"type":"tool","position_m":[0.5,0,-1e-3]}"#),
+            ClientRequest::Tool(Some([0.5, 0.0, -1e-3]))
         );
         assert_eq!(
-            wish(r#"{"type":"tool","position_m":null}"#),
-            Wish::Tool(None)
+            request(r#"{"type":"tool","position_m":null}"#),
+            ClientRequest::Tool(None)
         );
-        assert_eq!(wish(r#"{"type":"restart"}"#), Wish::Restart);
-        assert_eq!(wish(r#"{"type":"rearm","lane":1}"#), Wish::Rearm(1));
-        assert_eq!(wish(r#"{"type":"record","on":true}"#), Wish::Record(true));
+        assert_eq!(request(r#"{"type":"restart"}"#), ClientRequest::Restart);
+        assert_eq!(
+            request(r#"{"type":"rearm","lane":1}"#),
+            ClientRequest::Rearm(1)
+        );
+        assert_eq!(
+            request(r#"{"type":"record","on":true}"#),
+            ClientRequest::Record(true)
+        );
         let set =
             r#"{"type":"set","mass_kg":null,"lanes":[{"method":"hfcr","damping_n_s_per_m":null}]}"#;
         assert_eq!(
-            wish(set),
-            Wish::Set(Set {
+            request(set),
+            ClientRequest::Set(Set {
                 mass_kg: Some(None),
                 lanes: Some(vec![LaneChoice {
                     method: MethodName::Hfcr,
@@ -435,7 +443,10 @@ mod tests {
                 ..Set::default()
             })
         );
-        assert_eq!(wish(r#"{"type":"set"}"#), Wish::Set(Set::default()));
+        assert_eq!(
+            request(r#"{"type":"set"}"#),
+            ClientRequest::Set(Set::default())
+        );
     }
 
     #[test]
@@ -453,8 +464,8 @@ mod tests {
             (r#"{"type":"rearm","lane":-1}"#, "rearm", "usize"),
             (r#"{"type":"restart","now":1}"#, "restart", "now"),
         ] {
-            match hear(text) {
-                Heard::Refused(kind, why) => {
+            match parse(text) {
+                ClientMessage::Refused(kind, why) => {
                     assert_eq!(kind, about);
                     assert!(why.contains(words), "{text}: {why}");
                 }
@@ -462,9 +473,9 @@ mod tests {
             }
         }
         for text in ["", "{", "[]", "3", "{}", r#"{"type":3}"#, r#"{"type":"x"}"#] {
-            assert!(matches!(hear(text), Heard::Unknown(_)), "{text}");
+            assert!(matches!(parse(text), ClientMessage::Unknown(_)), "{text}");
         }
         let deep = "[".repeat(4000);
-        assert!(matches!(hear(&deep), Heard::Unknown(_)));
+        assert!(matches!(parse(&deep), ClientMessage::Unknown(_)));
     }
 }

@@ -122,7 +122,7 @@ fn what_is_set_is_told_to_all_and_what_is_wrong_to_one() {
         note["text"].as_str().unwrap().contains("a wall of 250 N/m"),
         "{note}"
     );
-    for (wish, about, words) in [
+    for (request, about, words) in [
         (
             r#"{"type":"set","stiffness_n_per_m":-1}"#,
             "set",
@@ -143,11 +143,11 @@ fn what_is_set_is_told_to_all_and_what_is_wrong_to_one() {
         (r#"{"type":"hand","position_m":7}"#, "hand", "-1 to 1"),
         (r#"{"type":"hand"}"#, "hand", "position_m"),
     ] {
-        one.say(wish);
+        one.say(request);
         let refused = one.text("refused");
-        assert_eq!(refused["about"], about, "{wish}");
+        assert_eq!(refused["about"], about, "{request}");
         let text = refused["text"].as_str().unwrap();
-        assert!(text.contains(words), "{wish}: {text}");
+        assert!(text.contains(words), "{request}: {text}");
     }
     let late = stage.client().text("state");
     assert_eq!(late["stiffness_n_per_m"], 250.0);
@@ -161,7 +161,7 @@ fn what_is_set_is_told_to_all_and_what_is_wrong_to_one() {
             }
         }
     }
-    assert_eq!(refusals, 0, "of somebody else's wishes");
+    assert_eq!(refusals, 0, "of somebody else's requests");
 }
 
 #[test]

@@ -20,7 +20,7 @@ pub(crate) struct Acting {
     /// By how much its impulse comes earlier than a constant force's: see [`Held::lead`] `[N s^2]`.
     pub lead: Vector3,
     /// Standard deviation of the impulse, as far as the actuation is not known exactly `[N s]`.
-    pub doubt: Vector3,
+    pub impulse_deviation: Vector3,
 }
 
 impl Acting {
@@ -30,7 +30,7 @@ impl Acting {
             intended: of(|piece| piece.intended),
             sent: of(|piece| piece.held.mean),
             lead: of(|piece| piece.held.lead),
-            doubt: of(|piece| piece.held.doubt),
+            impulse_deviation: of(|piece| piece.held.impulse_deviation),
         }
     }
 }
@@ -61,7 +61,7 @@ const NOTHING: Piece<f64> = Piece {
         lead: 0.0,
         step: 0.0,
         step_moment: 0.0,
-        doubt: 0.0,
+        impulse_deviation: 0.0,
     },
 };
 

@@ -54,7 +54,7 @@ pub(crate) struct AxisForce {
     /// By how much its impulse comes earlier than a constant force's `[N s^2]`.
     pub lead: f64,
     /// Standard deviation of its impulse `[N s]`.
-    pub doubt: f64,
+    pub impulse_deviation: f64,
 }
 
 /// Derivatives of a velocity by time, from the velocity itself on.
@@ -282,7 +282,7 @@ impl AxisObserver {
         }
         covariance += jerk * jerk.transpose() * (from.prior.jerk * from.prior.jerk);
         // What is not known of the force: a kick that is not there, or is there twice.
-        let kicked = before.mobility * force.doubt * h;
+        let kicked = before.mobility * force.impulse_deviation * h;
         let variance = covariance[(0, 0)] + from.measurement_variance + kicked * kicked;
         let innovation = moved - (before.offset + change.travel);
         let seen: Row = covariance.column(0).into();
@@ -348,7 +348,7 @@ mod tests {
         AxisForce {
             mean,
             lead: 0.0,
-            doubt: 0.0,
+            impulse_deviation: 0.0,
         }
     }
 

@@ -48,7 +48,7 @@ pub(crate) struct Torque {
     /// By how much its impulse comes earlier than a constant torque's `[N m s^2]`.
     pub lead: Vector3,
     /// Standard deviation of its impulse `[N m s]`.
-    pub doubt: Vector3,
+    pub impulse_deviation: Vector3,
 }
 
 /// What an observer starts from.
@@ -262,7 +262,7 @@ impl TurningObserver {
         let mut variance: Matrix3<f64> = covariance.fixed_view::<3, 3>(0, 0).into();
         let kick = turning(
             &end.orientation,
-            &(torque.doubt * (before.mobility * h)),
+            &(torque.impulse_deviation * (before.mobility * h)),
             &from.moments,
         );
         for axis in 0..3 {
@@ -332,7 +332,7 @@ mod tests {
         Torque {
             mean: Vector3::new(0.02, -0.01, 0.015),
             lead: Vector3::zeros(),
-            doubt: Vector3::zeros(),
+            impulse_deviation: Vector3::zeros(),
         }
     }
 

@@ -16,7 +16,7 @@ pub struct Held<S> {
     /// and the sum of these changes, each times what is left of the interval when it begins `[N s]`.
     pub step_moment: S,
     /// Standard deviation of its impulse, as far as the actuation is not known exactly `[N s]`.
-    pub doubt: S,
+    pub impulse_deviation: S,
 }
 
 impl<S: Scalar> Held<S> {
@@ -27,7 +27,7 @@ impl<S: Scalar> Held<S> {
             lead: S::ZERO,
             step: S::ZERO,
             step_moment: S::ZERO,
-            doubt: S::ZERO,
+            impulse_deviation: S::ZERO,
         }
     }
 }
@@ -196,7 +196,7 @@ impl<S: Scalar> Actuator<S> {
         let timing = self.timing_deviation * variation;
         let gain = self.gain_deviation * sum.held.mean.abs() * h;
         if timing > S::ZERO || gain > S::ZERO {
-            sum.held.doubt = (timing * timing + gain * gain).sqrt();
+            sum.held.impulse_deviation = (timing * timing + gain * gain).sqrt();
         }
         sum
     }

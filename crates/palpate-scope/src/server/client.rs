@@ -12,7 +12,7 @@ use tokio_tungstenite::tungstenite::protocol::frame::coding::CloseCode;
 use tokio_tungstenite::tungstenite::{Bytes, Error, Message};
 
 use crate::hub::{Hub, Outgoing, Seat};
-use crate::message::{Heard, Said, hear};
+use crate::message::{ClientMessage, ServerMessage, parse};
 use crate::session::Command;
 
 use super::upgrade::WebSocket;
@@ -112,16 +112,16 @@ async fn converse(
                     Ok(Message::Close(_)) => return None,
                     Err(error) => return wrong(&error),
                 };
-                let refused = match hear(&text) {
-                    Heard::Wish(wish) => commands
-                        .try_send(Command::Wish(seat.id, wish))
+                let refused = match parse(&text) {
+                    ClientMessage::Request(request) => commands
+                        .try_send(Command::Request(seat.id, request))
                         .err()
                         .map(|_| ("", "too much is wished at once; say it again".to_owned())),
-                    Heard::Refused(about, text) => Some((about, text)),
-                    Heard::Unknown(why) => return Some(away(CloseCode::Invalid, why)),
+                    ClientMessage::Refused(about, text) => Some((about, text)),
+                    ClientMessage::Unknown(why) => return Some(away(CloseCode::Invalid, why)),
                 };
                 if let Some((about, text)) = refused {
-                    hub.tell(seat.id, Said::Refused { about, text: &text }.text());
+                    hub.tell(seat.id, ServerMessage::Refused { about, text: &text }.text());
                 }
             }
         }

@@ -152,7 +152,7 @@ pub struct Server {
 const FAREWELL: Duration = Duration::from_millis(300);
 
 impl Server {
-    /// Serves what `hub` tells, and hands on what clients wish.
+    /// Serves what `hub` tells, and hands on what clients ask for.
     ///
     /// # Errors
     /// The system gives no thread.

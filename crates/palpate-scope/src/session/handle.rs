@@ -11,7 +11,7 @@ use super::turns::{Turns, take_turns};
 use super::{Command, SessionEnd, SessionError};
 use crate::hub::Hub;
 
-/// Most wishes that wait.
+/// Most requests that wait.
 const WISHES: usize = 256;
 
 /// A session on its thread. Dropping it ends it, and waits until its devices are commanded no force
@@ -63,7 +63,7 @@ impl<End: Send + 'static> Session<End> {
         Arc::clone(&self.hub)
     }
 
-    /// Where clients say what they wish.
+    /// Where clients say what they ask for.
     #[must_use]
     pub fn commands(&self) -> SyncSender<Command> {
         self.commands.clone()

@@ -39,7 +39,7 @@ pub struct Lane {
     recording: Option<LaneRecording>,
     /// The recording that ended with the loop.
     recorded: Option<PathBuf>,
-    heard: Heard,
+    heard: ClientMessage,
     statistics: Statistics,
     trip: Option<Tripped>,
     /// The methods that it was told to render by, the newest last.
@@ -61,12 +61,12 @@ pub struct Tripped {
 
 /// Which ticks were heard of, by their numbers.
 #[derive(Clone, Copy, Debug, Default)]
-struct Heard {
+struct ClientMessage {
     next: u64,
     missing: u64,
 }
 
-impl Heard {
+impl ClientMessage {
     fn hear(&mut self, sequence: u64) {
         self.missing += sequence.saturating_sub(self.next);
         self.next = sequence + 1;
@@ -124,7 +124,7 @@ impl Lane {
             rows: Rows::new(rendering.loop_params.period),
             recording,
             recorded: None,
-            heard: Heard::default(),
+            heard: ClientMessage::default(),
             statistics: Statistics::default(),
             trip: None,
             chosen: vec![method],
@@ -380,7 +380,7 @@ mod tests {
 
     #[test]
     fn what_was_not_told_is_counted_by_its_number() {
-        let mut heard = Heard::default();
+        let mut heard = ClientMessage::default();
         for sequence in [2, 3, 4, 7, 8] {
             heard.hear(sequence);
         }

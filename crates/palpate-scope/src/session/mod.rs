@@ -1,5 +1,5 @@
 //! The session: loops that run, and a thread that listens to them, tells what they do, and does what
-//! clients wish. The loops wait for none of it.
+//! clients request. The loops wait for none of it.
 
 mod carried;
 mod handle;
@@ -20,7 +20,9 @@ use palpate_scene::Scene;
 use palpate_scene::method::MethodName;
 
 use crate::hub::{ClientId, Hub};
-use crate::message::{DeviceSaid, LaneState, RecordingState, RecordingStatus, Said, Set, Wish};
+use crate::message::{
+    ClientRequest, DeviceSaid, LaneState, RecordingState, RecordingStatus, ServerMessage, Set,
+};
 use crate::pace::Pace;
 use crate::settings::{self, Limits, Settings};
 
@@ -42,14 +44,14 @@ const BEGINNINGS: (f64, f64) = (8.0, 4.0);
 /// How far a hand may reach `[m]`.
 const REACH: f64 = 1.0;
 
-/// Said of a wish that would begin the loops again too soon.
+/// ServerMessage of a request that would begin the loops again too soon.
 const TOO_OFTEN: &str = "the loops begin anew too often; allowed: 4 times each second";
 
 /// Something for the session to do.
 #[derive(Clone, Debug)]
 pub enum Command {
-    /// A client wishes something.
-    Wish(ClientId, Wish),
+    /// A client asks for something.
+    Request(ClientId, ClientRequest),
     /// A client is gone.
     Gone(ClientId),
 }
@@ -150,8 +152,8 @@ impl Turns for Running {
     }
 
     fn obey(&mut self, command: Command) {
-        let (client, wish) = match command {
-            Command::Wish(client, wish) => (client, wish),
+        let (client, request) = match command {
+            Command::Request(client, request) => (client, request),
             Command::Gone(client) => {
                 if self.holder == Some(client) {
                     // A hand that nobody leads holds nothing.
@@ -163,23 +165,23 @@ impl Turns for Running {
                 return;
             }
         };
-        let (about, done) = match wish {
-            Wish::Hand(target) => ("hand", self.lead(client, target)),
-            Wish::Tool(_) => (
+        let (about, done) = match request {
+            ClientRequest::Hand(target) => ("hand", self.lead(client, target)),
+            ClientRequest::Tool(_) => (
                 "tool",
                 Err("one contact is led by `hand`, with one number".to_owned()),
             ),
-            Wish::Set(set) => ("set", self.set(&set)),
-            Wish::Restart => ("restart", self.restart_if_allowed()),
-            Wish::Rearm(lane) => ("rearm", self.rearm(lane)),
-            Wish::Record(true) => ("record", self.record()),
-            Wish::Record(false) => {
+            ClientRequest::Set(set) => ("set", self.set(&set)),
+            ClientRequest::Restart => ("restart", self.restart_if_allowed()),
+            ClientRequest::Rearm(lane) => ("rearm", self.rearm(lane)),
+            ClientRequest::Record(true) => ("record", self.record()),
+            ClientRequest::Record(false) => {
                 self.end_recordings();
                 ("record", Ok(()))
             }
         };
         if let Err(text) = done {
-            let refused = Said::Refused { about, text: &text };
+            let refused = ServerMessage::Refused { about, text: &text };
             self.hub.tell(client, refused.text());
         }
         self.is_state_due |= about != "hand";
@@ -206,7 +208,7 @@ impl Turns for Running {
                     return;
                 }
                 let event = noted.event();
-                let note = Said::Note {
+                let note = ServerMessage::Note {
                     lane: index,
                     t_s: event.time,
                     kind: &event.kind,
@@ -225,7 +227,7 @@ impl Turns for Running {
                 if let Some(words) = &end.panic {
                     text = format!("{text}: {words}");
                 }
-                texts.push(Said::Ended { text: &text }.text());
+                texts.push(ServerMessage::Ended { text: &text }.text());
             }
         }
         for text in texts {
@@ -260,7 +262,7 @@ impl Turns for Running {
             let all = recording.get_or_insert_default();
             all.failed = Some(failed.clone());
         }
-        let status = Said::Status {
+        let status = ServerMessage::Status {
             clients: self.hub.clients(),
             lanes: self.lanes.iter().map(Lane::status).collect(),
             recording,
@@ -287,7 +289,7 @@ impl Running {
             if *untold > 0 && pace.take(Instant::now()) {
                 let text = format!("and {untold} more, which recordings have");
                 *untold = 0;
-                let note = Said::Note {
+                let note = ServerMessage::Note {
                     lane: index,
                     t_s: lane.time(),
                     kind: "untold",
@@ -369,12 +371,12 @@ impl Running {
             largest_force_n: capabilities.and_then(|device| device.largest_force),
             lanes: self.setup.devices.most_lanes(),
         };
-        let hello = Said::hello(&self.setup.scene, self.limits, device);
+        let hello = ServerMessage::hello(&self.setup.scene, self.limits, device);
         self.hub.set_hello(hello.text());
         self.hub.set_state(self.state().text());
     }
 
-    fn state(&self) -> Said<'static> {
+    fn state(&self) -> ServerMessage<'static> {
         let lanes = self.settings.lanes.iter().enumerate();
         let files: Vec<String> = self
             .lanes
@@ -385,7 +387,7 @@ impl Running {
                 name.to_string_lossy().into_owned()
             })
             .collect();
-        Said::State {
+        ServerMessage::State {
             stiffness_n_per_m: self.settings.stiffness,
             mass_kg: self.settings.mass,
             virtual_force_n: self.settings.virtual_force,

@@ -20,7 +20,7 @@ use super::lane::{Lane, Run};
 use super::recording::{Ending, LaneRecording};
 use super::{BEGINNINGS, LaneEnd, NOTES, Running, STATES, SessionEnd, Written};
 use crate::hub::Hub;
-use crate::message::Said;
+use crate::message::ServerMessage;
 use crate::pace::Pace;
 use crate::settings::{Limits, Settings, make_room};
 
@@ -157,7 +157,8 @@ impl Running {
             self.stop_lanes();
             self.end_recordings();
             self.lanes.clear();
-            self.hub.tell_all(Said::Ended { text: &text }.text());
+            self.hub
+                .tell_all(ServerMessage::Ended { text: &text }.text());
             Err(text)
         })
     }
@@ -242,14 +243,15 @@ impl Running {
         for ending in self.endings.drain(..) {
             let written = ending.finish();
             if let Err(error) = &written.ticks {
-                // Said to whoever still listens; whoever joins is told as well.
+                // ServerMessage to whoever still listens; whoever joins is told as well.
                 let text = error.to_string();
-                self.hub.tell_all(Said::Ended { text: &text }.text());
+                self.hub
+                    .tell_all(ServerMessage::Ended { text: &text }.text());
             }
             self.written.push(written);
         }
         let text = "palpate live has ended";
-        self.hub.tell_all(Said::Ended { text }.text());
+        self.hub.tell_all(ServerMessage::Ended { text }.text());
         self.hub.close();
         let mut lanes = Vec::new();
         for (lane, choice) in self.lanes.into_iter().zip(&self.settings.lanes) {
@@ -384,7 +386,7 @@ impl Running {
     }
 
     fn tell_note(&self, kind: &str, text: &str) {
-        let note = Said::Note {
+        let note = ServerMessage::Note {
             lane: 0,
             t_s: self.lanes.first().map_or(0.0, Lane::time),
             kind,

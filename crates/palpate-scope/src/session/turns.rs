@@ -1,4 +1,4 @@
-//! The turns of a session: it does what clients wish, listens to its loops, and shows what they do.
+//! The turns of a session: it does what clients ask for, listens to its loops, and shows what they do.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
@@ -8,9 +8,9 @@ use palpate_rt::realtime::Answer;
 
 use super::Command;
 
-/// How long the session rests at most when nobody wishes anything.
+/// How long the session rests at most when nobody asks for anything.
 const REST: Duration = Duration::from_millis(4);
-/// How long wishes are done before it is listened and shown again; the last may take longer.
+/// How long requests are done before it is listened and shown again; the last may take longer.
 const TURN: Duration = Duration::from_millis(4);
 /// Frames are sent this often.
 const FRAME_EVERY: Duration = Duration::from_nanos(1_000_000_000 / 60);
@@ -24,7 +24,7 @@ pub(crate) trait Turns {
 
     /// What the machine granted the first loop.
     fn answers(&self) -> Vec<Answer>;
-    /// Does what a client wishes.
+    /// Does what a client asks for.
     fn obey(&mut self, command: Command);
     /// How often the loops have begun.
     fn runs(&self) -> u32;

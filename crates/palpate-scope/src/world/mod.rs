@@ -1,4 +1,4 @@
-//! A session on a world: one loop or two, a thread that listens to them, and what clients wish. The loops wait for none
+//! A session on a world: one loop or two, a thread that listens to them, and what clients ask for. The loops wait for none
 //! of it.
 
 mod coarse;
@@ -17,7 +17,7 @@ use palpate_scene::world::WorldScene;
 use palpate_sim::device::SpatialHand;
 
 use crate::hub::{ClientId, Hub};
-use crate::message::{Said, Wish};
+use crate::message::{ClientRequest, ServerMessage};
 use crate::pace::Pace;
 use crate::session::{Command, Session, SessionError, Turns};
 use lane::{Lane, Run};
@@ -147,7 +147,7 @@ impl Turns for Running {
     }
 
     fn obey(&mut self, command: Command) {
-        let (client, wish) = match command {
+        let (client, request) = match command {
             Command::Gone(client) => {
                 if self.holder == Some(client) {
                     self.holder = None;
@@ -157,24 +157,24 @@ impl Turns for Running {
                 }
                 return;
             }
-            Command::Wish(client, wish) => (client, wish),
+            Command::Request(client, request) => (client, request),
         };
-        let (about, done) = match wish {
-            Wish::Tool(place) => ("tool", self.lead(client, place)),
-            Wish::Restart => ("restart", self.restart()),
-            Wish::Rearm(number) => ("rearm", self.rearm(number)),
-            Wish::Hand(_) => (
+        let (about, done) = match request {
+            ClientRequest::Tool(place) => ("tool", self.lead(client, place)),
+            ClientRequest::Restart => ("restart", self.restart()),
+            ClientRequest::Rearm(number) => ("rearm", self.rearm(number)),
+            ClientRequest::Hand(_) => (
                 "hand",
                 Err("a world is led by `tool`, with three numbers".to_owned()),
             ),
-            Wish::Set(_) => ("set", Err("what a world is stands in its file".to_owned())),
-            Wish::Record(_) => (
+            ClientRequest::Set(_) => ("set", Err("what a world is stands in its file".to_owned())),
+            ClientRequest::Record(_) => (
                 "record",
                 Err("`palpate record` records a world; this page does not yet".to_owned()),
             ),
         };
         if let Err(text) = done {
-            let text = Said::Refused { about, text: &text }.text();
+            let text = ServerMessage::Refused { about, text: &text }.text();
             self.hub.tell(client, text);
         }
     }
@@ -193,7 +193,7 @@ impl Turns for Running {
                 }
                 let event = noted.event();
                 texts.push(
-                    Said::Note {
+                    ServerMessage::Note {
                         lane: number,
                         t_s: event.time,
                         kind: &event.kind,
@@ -208,7 +208,7 @@ impl Turns for Running {
                 if let Some(words) = &end.panic {
                     text = format!("{text}: {words}");
                 }
-                texts.push(Said::Ended { text: &text }.text());
+                texts.push(ServerMessage::Ended { text: &text }.text());
             }
         }
         for text in texts {
@@ -226,7 +226,7 @@ impl Turns for Running {
     }
 
     fn tell_status(&mut self) {
-        let status = Said::Status {
+        let status = ServerMessage::Status {
             clients: self.hub.clients(),
             lanes: self.lanes.iter().map(Lane::status).collect(),
             recording: None,
@@ -322,7 +322,8 @@ impl Running {
             }
             Err(error) => {
                 let text = error.to_string();
-                self.hub.tell_all(Said::Ended { text: &text }.text());
+                self.hub
+                    .tell_all(ServerMessage::Ended { text: &text }.text());
                 self.failed = Some(text.clone());
                 Err(text)
             }

@@ -274,7 +274,7 @@ impl EngineRenderer {
                 let force = AxisForce {
                     mean: acted.sent[axis],
                     lead: acted.lead[axis],
-                    doubt: acted.doubt[axis],
+                    impulse_deviation: acted.impulse_deviation[axis],
                 };
                 device.observers[axis].see(&priors[axis], moved[axis], &force, elapsed);
             }
@@ -349,7 +349,7 @@ impl EngineRenderer {
                     let force = AxisForce {
                         mean: acting.intended[axis],
                         lead: acting.lead[axis],
-                        doubt: 0.0,
+                        impulse_deviation: 0.0,
                     };
                     let change = motion.under(&force, duration);
                     motion.offset += change.travel;
@@ -486,7 +486,7 @@ impl Device {
             let force = AxisForce {
                 mean: period.mean[axis] - held,
                 lead: period.lead[axis],
-                doubt: 0.0,
+                impulse_deviation: 0.0,
             };
             let change = apart.under(&force, period.duration);
             self.offset[axis] += change.travel;

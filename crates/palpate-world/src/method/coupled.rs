@@ -89,7 +89,7 @@ impl Axes {
             let force = AxisForce {
                 mean: acting.intended[axis],
                 lead: acting.lead[axis],
-                doubt: 0.0,
+                impulse_deviation: 0.0,
             };
             let change = motion.under(&force, h);
             motion.offset += change.travel;
@@ -208,7 +208,7 @@ impl Coupled {
                 let force = AxisForce {
                     mean: acted.sent[axis],
                     lead: acted.lead[axis],
-                    doubt: acted.doubt[axis],
+                    impulse_deviation: acted.impulse_deviation[axis],
                 };
                 device.ahead.0[axis] =
                     device.observers[axis].see(&priors[axis], moved[axis], &force, elapsed);

@@ -72,7 +72,7 @@ impl Turning {
         let torque = Torque {
             mean: acted.sent,
             lead: acted.lead,
-            doubt: acted.doubt,
+            impulse_deviation: acted.impulse_deviation,
         };
         self.ahead = self.observer.see(prior, measured, &torque, h);
     }
@@ -83,7 +83,7 @@ impl Turning {
         let torque = Torque {
             mean: acting.intended,
             lead: acting.lead,
-            doubt: Vector3::zeros(),
+            impulse_deviation: Vector3::zeros(),
         };
         let (after, path) = self.ahead.under(&prior.moments, &torque, h);
         self.ahead = after;

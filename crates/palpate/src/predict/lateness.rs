@@ -1,7 +1,7 @@
 //! By how much later than told the commands of a loop begin.
 
-use super::observer::{Lesson, Motion};
-use super::spread::PARTS;
+use super::covariance::PARTS;
+use super::observer::{Motion, Update};
 use crate::Scalar;
 use crate::actuator::Held;
 
@@ -33,14 +33,14 @@ impl<S: Scalar> Lateness<S> {
     /// device's state at the sample that follows from what was learned.
     pub fn learn(
         &mut self,
-        lesson: &Lesson<S>,
+        update: &Update<S>,
         device: &Motion<S>,
         held: &Held<S>,
         h: S,
         told: S,
     ) -> [S; PARTS] {
         let mut answer = self.answer;
-        for (entry, row) in answer.iter_mut().zip(&lesson.transition) {
+        for (entry, row) in answer.iter_mut().zip(&update.transition) {
             *entry = S::ZERO;
             for (by, from) in row.iter().zip(&self.answer) {
                 *entry += *by * *from;
@@ -51,14 +51,14 @@ impl<S: Scalar> Lateness<S> {
         answer[1] += pushed;
         let seen = answer[0];
         let variance = self.variance.unwrap_or(told * told);
-        let gain = variance * seen / (seen * seen * variance + lesson.variance);
+        let gain = variance * seen / (seen * seen * variance + update.variance);
         let drift = S::from_f64(DRIFT) * h;
         let left = (S::ONE - gain * seen) * variance + drift * drift;
-        for (entry, by) in answer.iter_mut().zip(&lesson.gain) {
+        for (entry, by) in answer.iter_mut().zip(&update.gain) {
             *entry -= *by * seen;
         }
         let most = S::from_f64(MOST) * told;
-        let mean = (self.mean + gain * lesson.innovation).within(most);
+        let mean = (self.mean + gain * update.innovation).within(most);
         let learned = mean - self.mean;
         let mut sum = mean.abs() + left;
         for entry in answer {

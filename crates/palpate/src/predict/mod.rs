@@ -1,15 +1,15 @@
 //! Where the device will be: what a method may know of the device beyond its samples.
 
+mod covariance;
 mod lateness;
 mod observer;
 mod placed;
 mod prediction;
-mod spread;
 mod steps;
 mod transmission;
 
 pub(crate) use lateness::Lateness;
-pub(crate) use observer::{Motion, Observer, ObserverParams, Seen};
+pub(crate) use observer::{Measurement, Motion, Observer, ObserverParams};
 pub(crate) use placed::Placed;
 pub(crate) use prediction::{LONGEST_WINDOW_SETTING, PREDICTION, Predictor};
 pub use prediction::{Prediction, PredictionMemory, PredictionName};

@@ -18,7 +18,7 @@
 //!
 //! The force is known, so but for the products with lambda one interval is linear.
 //!
-//! Its covariance is kept in factors: see [`Spread`].
+//! Its covariance is kept in factors: see [`Covariance`].
 //!
 //! # What it adapts to
 //!
@@ -27,7 +27,7 @@
 //!   could not have done as well, and then the variance of theta stays what it is, for hours. A
 //!   sample far from what was expected puts theta in doubt again: a hand may have grabbed the device.
 
-use super::spread::{DAMPING_RATE, MOBILITY, PARTS, Spread, VELOCITY};
+use super::covariance::{Covariance, DAMPING_RATE, MOBILITY, PARTS, VELOCITY};
 use crate::Scalar;
 use crate::actuator::Held;
 use crate::contact::Mass;
@@ -82,7 +82,7 @@ impl<S: Scalar> ObserverParams<S> {
 
 /// What the sample at an interval's end tells.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Seen<S> {
+pub(crate) struct Measurement<S> {
     /// By how much the measured position has changed over the interval `[m]`.
     pub moved: S,
     /// Duration of the interval `[s]`.
@@ -125,7 +125,7 @@ impl<S: Scalar> Motion<S> {
 
 /// What a sample has told of the interval it ends.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Lesson<S> {
+pub(crate) struct Update<S> {
     /// By how much the position was another than expected `[m]`.
     pub innovation: S,
     /// Its expected variance `[m^2]`.
@@ -133,7 +133,7 @@ pub(crate) struct Lesson<S> {
     /// Innovation over its variance `[1/m]`.
     pub weight: S,
     /// Covariance at the interval's beginning, before the sample.
-    pub before: Spread<S>,
+    pub before: Covariance<S>,
     /// How position, velocity and external acceleration at the interval's end come from the state
     /// at its beginning.
     pub transition: [[S; PARTS]; 3],
@@ -151,7 +151,7 @@ pub(crate) struct Lesson<S> {
 pub(crate) struct Observer<S> {
     /// The device at the last sample.
     pub motion: Motion<S>,
-    spread: Spread<S>,
+    covariance: Covariance<S>,
     /// q `[m^2/s^6]`.
     jerk_variance: S,
 }
@@ -204,7 +204,7 @@ impl<S: Scalar> Observer<S> {
                 mobility,
                 damping_rate: S::ZERO,
             },
-            spread: Spread {
+            covariance: Covariance {
                 upper: [[S::ZERO; PARTS - 1]; PARTS - 1],
                 diagonal: [
                     params.measurement_variance,
@@ -222,16 +222,16 @@ impl<S: Scalar> Observer<S> {
     /// the sample makes it look now (the one-step smoothed state, but for theta and lambda, which are
     /// the same at both ends), and what else it tells: nothing, where its numbers overflow and it
     /// begins anew.
-    pub fn see(
+    pub fn update(
         &mut self,
         params: &ObserverParams<S>,
-        seen: &Seen<S>,
-    ) -> (Motion<S>, Option<Lesson<S>>) {
-        let Seen {
+        measurement: &Measurement<S>,
+    ) -> (Motion<S>, Option<Update<S>>) {
+        let Measurement {
             moved,
             elapsed: h,
             held,
-        } = *seen;
+        } = *measurement;
         let f = held.mean;
         let before = self.motion;
         let (travel, gained) = before.under(&held, h);
@@ -264,22 +264,22 @@ impl<S: Scalar> Observer<S> {
             [o, o, l + h * by_a, h * by_theta, h * by_lambda],
         ];
         // What is not known of the force that was held: a kick that is not there, or is there twice.
-        let kicked = before.mobility * held.doubt * h;
+        let kicked = before.mobility * held.impulse_deviation * h;
         let measurement_variance = params.measurement_variance + kicked * kicked;
         let unseen = measurement_variance + q * sixth * sixth;
-        let mut spread = self.spread;
-        let mut foreseen = spread.foreseen(&transition[0], unseen);
+        let mut covariance = self.covariance;
+        let mut expected = covariance.expected_innovation(&transition[0], unseen);
         let square = innovation * innovation;
-        let surprised = square > S::from_f64(SURPRISE) * foreseen.variance;
+        let surprised = square > S::from_f64(SURPRISE) * expected.variance;
         if surprised {
             // Nothing the filter reckons with: something kicked the device, or it was grabbed. Let
             // the kick come first in the interval, which makes the velocity that of the last step.
-            let kick = square / S::from_f64(EXPLAINED) - foreseen.variance;
-            spread.doubt(VELOCITY, kick / (h * h));
-            foreseen = spread.foreseen(&transition[0], unseen);
+            let kick = square / S::from_f64(EXPLAINED) - expected.variance;
+            covariance.widen(VELOCITY, kick / (h * h));
+            expected = covariance.expected_innovation(&transition[0], unseen);
         }
-        let (mut known, gain) = spread
-            .stepped(&transition, &foreseen.row, jerk, q)
+        let (mut known, gain) = covariance
+            .stepped(&transition, &expected.row, jerk, q)
             .measured(measurement_variance);
 
         let within = |x: S, least: S, most: S| x.min(most).max(least);
@@ -306,17 +306,17 @@ impl<S: Scalar> Observer<S> {
             let deviation = part * mobility;
             let u = known.upper[MOBILITY][DAMPING_RATE - 1];
             let has = known.diagonal[MOBILITY] + u * u * known.diagonal[DAMPING_RATE];
-            known.doubt(MOBILITY, deviation * deviation - has);
+            known.widen(MOBILITY, deviation * deviation - has);
         }
-        let weight = innovation / foreseen.variance;
+        let weight = innovation / expected.variance;
         let smoothed = Motion {
-            offset: before.offset + foreseen.cross[0] * weight,
-            velocity: before.velocity + foreseen.cross[1] * weight,
-            external: before.external + foreseen.cross[2] * weight,
+            offset: before.offset + expected.cross[0] * weight,
+            velocity: before.velocity + expected.cross[1] * weight,
+            external: before.external + expected.cross[2] * weight,
             mobility,
             damping_rate,
         };
-        let ratio = (square / foreseen.variance).min(S::from_f64(JERK_CAP));
+        let ratio = (square / expected.variance).min(S::from_f64(JERK_CAP));
         let factor = (S::from_f64(JERK_GAIN) * (ratio - S::ONE)).exp();
         let adapted = Self {
             motion: Motion {
@@ -326,7 +326,7 @@ impl<S: Scalar> Observer<S> {
                 mobility,
                 damping_rate,
             },
-            spread: known,
+            covariance: known,
             jerk_variance: within(
                 q * factor,
                 params.least_jerk_variance,
@@ -337,18 +337,18 @@ impl<S: Scalar> Observer<S> {
             *self = Self::new(params);
             return (self.motion, None);
         }
-        let lesson = Lesson {
+        let update = Update {
             innovation,
-            variance: foreseen.variance,
+            variance: expected.variance,
             weight,
-            before: spread,
+            before: covariance,
             transition,
             gain,
             jerk,
             jerk_variance: q,
         };
         *self = adapted;
-        (smoothed, Some(lesson))
+        (smoothed, Some(update))
     }
 
     /// Changes the motion by what was learned beside it.
@@ -363,7 +363,7 @@ impl<S: Scalar> Observer<S> {
     /// only an error of the mass weighs next to nothing by it.
     pub fn damping_certainty(&self) -> S {
         let square = self.motion.damping_rate * self.motion.damping_rate;
-        let sum = square + self.spread.diagonal[DAMPING_RATE];
+        let sum = square + self.covariance.diagonal[DAMPING_RATE];
         if sum > S::ZERO { square / sum } else { S::ZERO }
     }
 
@@ -377,12 +377,12 @@ impl<S: Scalar> Observer<S> {
         } = self.motion;
         let mut sum =
             offset.abs() + velocity.abs() + external.abs() + mobility.abs() + damping_rate.abs();
-        for row in self.spread.upper {
+        for row in self.covariance.upper {
             for entry in row {
                 sum += entry.abs();
             }
         }
-        for entry in self.spread.diagonal {
+        for entry in self.covariance.diagonal {
             sum += entry.abs();
         }
         (sum + self.jerk_variance).is_finite()

@@ -8,8 +8,8 @@
 //! collision, in the form of a covariance that a Kalman filter of device and object together would
 //! have.
 
-use super::observer::{Lesson, Motion};
-use super::spread::PARTS;
+use super::covariance::PARTS;
+use super::observer::{Motion, Update};
 use crate::Scalar;
 use crate::response::Response;
 
@@ -22,13 +22,13 @@ impl<S: Scalar> Placed<S> {
     /// By how much position `[m]` and velocity `[m/s]` of the object should have been others at the
     /// beginning of the interval.
     #[inline]
-    pub fn correction(&self, lesson: &Lesson<S>) -> [S; 2] {
+    pub fn correction(&self, update: &Update<S>) -> [S; 2] {
         self.0.map(|row| {
             let mut sum = S::ZERO;
-            for (entry, by) in row.into_iter().zip(lesson.transition[0]) {
+            for (entry, by) in row.into_iter().zip(update.transition[0]) {
                 sum += entry * by;
             }
-            sum * lesson.weight
+            sum * update.weight
         })
     }
 
@@ -36,7 +36,7 @@ impl<S: Scalar> Placed<S> {
     /// beginning, `touched`: whether there was contact or a force.
     pub fn after(
         &self,
-        lesson: &Lesson<S>,
+        update: &Update<S>,
         device: &Motion<S>,
         response: &Response<S>,
         touched: bool,
@@ -53,7 +53,7 @@ impl<S: Scalar> Placed<S> {
             device.mobility * held_force - device.external,
         ];
         let before = if touched {
-            lesson.before.covariance()
+            update.before.dense()
         } else {
             [[S::ZERO; PARTS]; PARTS]
         };
@@ -61,7 +61,7 @@ impl<S: Scalar> Placed<S> {
         for (i, answer) in [response.penetration, response.speed].iter().enumerate() {
             // Where the relative motion ends is that of device and object at the beginning; the
             // object is the device less it.
-            let own = lesson.transition[i];
+            let own = update.transition[i];
             let unlike = [
                 own[0] - answer[0],
                 own[1] - answer[1],
@@ -78,16 +78,16 @@ impl<S: Scalar> Placed<S> {
                     }
                 }
             }
-            let jerked = (lesson.jerk[i] - ramp[i]) * lesson.jerk_variance;
+            let jerked = (update.jerk[i] - ramp[i]) * update.jerk_variance;
             let mut next = row;
-            for (j, transition) in lesson.transition.iter().enumerate() {
-                next[j] = jerked * lesson.jerk[j];
+            for (j, transition) in update.transition.iter().enumerate() {
+                next[j] = jerked * update.jerk[j];
                 for (entry, by) in row.into_iter().zip(*transition) {
                     next[j] += entry * by;
                 }
             }
             let seen = next[0];
-            for (entry, gain) in next.iter_mut().zip(lesson.gain) {
+            for (entry, gain) in next.iter_mut().zip(update.gain) {
                 *entry -= seen * gain;
             }
             after[i] = next;

@@ -1,7 +1,7 @@
 //! How fast the device moves, and where it will be at the next sample: one choice for every method that
 //! needs it.
 
-use super::observer::{Motion, Observer, ObserverParams, Seen};
+use super::observer::{Measurement, Motion, Observer, ObserverParams};
 use super::steps::{Step, Steps};
 use crate::Scalar;
 use crate::actuator::Held;
@@ -256,9 +256,14 @@ impl<S: Scalar> Predictor<S> {
     /// by `against` `[m]`: 0 for the device itself, the object's displacement for the penetration. An
     /// observer follows the device itself.
     #[inline]
-    pub fn see(&self, memory: &mut PredictionMemory<S>, seen: &Seen<S>, against: S) {
+    pub fn update(
+        &self,
+        memory: &mut PredictionMemory<S>,
+        measurement: &Measurement<S>,
+        against: S,
+    ) {
         if !self.is_last_step() {
-            self.follow(memory, seen, against);
+            self.follow(memory, measurement, against);
         }
     }
 
@@ -283,7 +288,7 @@ impl<S: Scalar> Predictor<S> {
     }
 
     #[inline(never)]
-    fn follow(&self, memory: &mut PredictionMemory<S>, seen: &Seen<S>, against: S) {
+    fn follow(&self, memory: &mut PredictionMemory<S>, measurement: &Measurement<S>, against: S) {
         if let Self::Observer(params) = self {
             if !matches!(memory.0, Past::Observed { .. }) {
                 memory.0 = Past::Observed {
@@ -296,8 +301,8 @@ impl<S: Scalar> Predictor<S> {
                 held_force,
             } = &mut memory.0
             {
-                observer.see(params, seen);
-                *held_force = seen.held.mean;
+                observer.update(params, measurement);
+                *held_force = measurement.held.mean;
             }
             return;
         }
@@ -306,8 +311,8 @@ impl<S: Scalar> Predictor<S> {
         }
         if let Past::Sampled(steps) = &mut memory.0 {
             steps.push(Step {
-                moved: seen.moved - against,
-                elapsed: seen.elapsed,
+                moved: measurement.moved - against,
+                elapsed: measurement.elapsed,
             });
         }
     }

@@ -147,7 +147,7 @@ pub struct CoupledMemory<S> {
     observer: Option<Observer<S>>,
     /// Impulse that contact has had by what is known now, less the impulse of the forces that stood
     /// for it `[N s]`. A wall takes any momentum, so it is owed nothing.
-    debt: S,
+    impulse_error: S,
     /// Durations of the last intervals, the newest last `[s]`.
     periods: [Option<S>; 3],
     /// How well it is known where the object belongs.
@@ -265,15 +265,15 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         };
         let before = observer.motion;
         let sway = memory.sway;
-        let mut seen = ended.seen();
+        let mut measurement = ended.measurement();
         let mut behind = S::ZERO;
         if let Some(flexure) = &self.flexure {
             // The centre of mass, by what the motor shows and how far the transmission is stretched.
             memory.sway = flexure.under(sway, before.mobility, &ended.held, ended.elapsed);
             behind = flexure.behind(&sway);
-            seen.moved += flexure.behind(&memory.sway) - behind;
+            measurement.moved += flexure.behind(&memory.sway) - behind;
         }
-        let (smoothed, lesson) = observer.see(&self.observer, &seen);
+        let (smoothed, lesson) = observer.update(&self.observer, &measurement);
         if let Some(lesson) = lesson.as_ref().filter(|_| self.timing_deviation > S::ZERO) {
             let (held, elapsed, told) = (&ended.held, ended.elapsed, self.timing_deviation);
             let learned = memory
@@ -330,7 +330,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         );
         moved.by += object_off;
         if !motion.is_wall() {
-            memory.debt += interval.course.impulse - ended.intended_force * ended.elapsed;
+            memory.impulse_error += interval.course.impulse - ended.intended_force * ended.elapsed;
         }
         memory.periods = [memory.periods[1], memory.periods[2], Some(ended.elapsed)];
         memory.shift = shift;
@@ -359,7 +359,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         };
         let at_sample = (device, relative, object_velocity, avatar);
         let mut first = None;
-        let mut owed = memory.debt;
+        let mut owed = memory.impulse_error;
         let governed = now.ahead.until_own(period, |piece| {
             let h = piece.duration;
             let interval = self.interval(motion, &device, relative, avatar.sway, virtual_force, h);
@@ -408,7 +408,7 @@ impl<S: Scalar> Method<S> for Coupled<S> {
         if apart && owed * self.object_mobility <= least {
             // What was pushed too much is not pulled back, and rounding errors are not paid.
             mean = S::ZERO;
-            memory.debt = S::ZERO;
+            memory.impulse_error = S::ZERO;
             memory.given_up = avatar.speed;
         }
         let force = governed.with_mean(mean, period);

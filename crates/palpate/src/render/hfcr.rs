@@ -322,7 +322,7 @@ impl<S: Scalar> Method<S> for Hfcr<S> {
         ended: &Ended<S>,
         memory: &mut PredictionMemory<S>,
     ) -> Displacement<S> {
-        self.predictor.see(memory, &ended.seen(), S::ZERO);
+        self.predictor.update(memory, &ended.measurement(), S::ZERO);
         ended.as_planned(motion)
     }
 

@@ -7,7 +7,7 @@ use crate::actuator::{Ahead, Held};
 use crate::contact::{Contact, LoopParams};
 use crate::motion::{Displacement, ObjectMotion, Rule, Start};
 use crate::parameter::{ParameterError, ParameterValue};
-use crate::predict::Seen;
+use crate::predict::Measurement;
 
 /// Parameters of a method, still unchecked.
 pub trait MethodParams<S: Scalar> {
@@ -138,8 +138,8 @@ pub struct Ended<S> {
 impl<S: Scalar> Ended<S> {
     /// What its end tells of the device.
     #[inline]
-    pub(crate) fn seen(&self) -> Seen<S> {
-        Seen {
+    pub(crate) fn measurement(&self) -> Measurement<S> {
+        Measurement {
             moved: self.device_moved,
             elapsed: self.elapsed,
             held: self.held,

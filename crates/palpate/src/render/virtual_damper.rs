@@ -220,7 +220,8 @@ impl<S: Scalar> Method<S> for VirtualDamper<S> {
         } else {
             ended.as_planned(motion)
         };
-        self.predictor.see(memory, &ended.seen(), moved.by);
+        self.predictor
+            .update(memory, &ended.measurement(), moved.by);
         moved
     }
 

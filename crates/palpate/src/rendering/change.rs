@@ -27,7 +27,7 @@ pub enum ChangeError {
         /// What the loop runs at `[s]`.
         running: f64,
     },
-    /// Seen from the other side, the device would be deep in the object.
+    /// Measurement from the other side, the device would be deep in the object.
     Side,
 }
 

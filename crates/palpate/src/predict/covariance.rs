@@ -15,7 +15,7 @@ pub(super) const DAMPING_RATE: usize = 4;
 
 /// A covariance of the parts of the state as U D U'.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Spread<S> {
+pub(crate) struct Covariance<S> {
     /// U above its diagonal of ones: rows 0 to 3, columns 1 to 4.
     pub(super) upper: [[S; PARTS - 1]; PARTS - 1],
     /// D.
@@ -23,7 +23,7 @@ pub(crate) struct Spread<S> {
 }
 
 /// What a sample is expected to tell before it comes.
-pub(super) struct Foreseen<S> {
+pub(super) struct ExpectedInnovation<S> {
     /// Variance of the innovation `[m^2]`.
     pub variance: S,
     /// Its covariance with position, velocity and external acceleration at the interval's beginning.
@@ -32,11 +32,15 @@ pub(super) struct Foreseen<S> {
     pub row: [S; PARTS],
 }
 
-impl<S: Scalar> Spread<S> {
+impl<S: Scalar> Covariance<S> {
     /// What the next sample is expected to add to what is known, by the transition's first row, and
     /// by the variance that is in no part of the state.
     #[inline]
-    pub(super) fn foreseen(&self, first: &[S; PARTS], unseen: S) -> Foreseen<S> {
+    pub(super) fn expected_innovation(
+        &self,
+        first: &[S; PARTS],
+        unseen: S,
+    ) -> ExpectedInnovation<S> {
         let [
             [u01, u02, u03, u04],
             [_, u12, u13, u14],
@@ -50,7 +54,7 @@ impl<S: Scalar> Spread<S> {
         let w3 = u03 + f1 * u13 + f2 * u23 + f3;
         let w4 = u04 + f1 * u14 + f2 * u24 + f3 * u34 + f4;
         let (v1, v2, v3, v4) = (d1 * w1, d2 * w2, d3 * w3, d4 * w4);
-        Foreseen {
+        ExpectedInnovation {
             variance: d0 + v1 * w1 + v2 * w2 + v3 * w3 + v4 * w4 + unseen,
             cross: [
                 d0 + u01 * v1 + u02 * v2 + u03 * v3 + u04 * v4,
@@ -62,7 +66,7 @@ impl<S: Scalar> Spread<S> {
     }
 
     /// Adds `variance` to that of a part of the state, by no doing of the others (Agee and Turner).
-    pub(super) fn doubt(&mut self, part: usize, variance: S) {
+    pub(super) fn widen(&mut self, part: usize, variance: S) {
         let mut left = variance.max(S::ZERO);
         let mut along = [S::ZERO; PARTS];
         along[part] = S::ONE;
@@ -164,7 +168,7 @@ impl<S: Scalar> Spread<S> {
     }
 
     /// All of it.
-    pub fn covariance(&self) -> [[S; PARTS]; PARTS] {
+    pub fn dense(&self) -> [[S; PARTS]; PARTS] {
         let [
             [u01, u02, u03, u04],
             [_, u12, u13, u14],
@@ -196,8 +200,8 @@ impl<S: Scalar> Spread<S> {
 mod tests {
     use super::*;
 
-    fn some_spread() -> Spread<f64> {
-        Spread {
+    fn some_covariance() -> Covariance<f64> {
+        Covariance {
             upper: [
                 [0.3, -0.7, 0.2, 1.1],
                 [0.0, 0.4, -0.9, 0.6],
@@ -210,16 +214,16 @@ mod tests {
 
     #[test]
     fn the_covariance_is_the_product_of_its_factors() {
-        let spread = some_spread();
+        let covariance = some_covariance();
         let u = |i: usize, k: usize| match k {
             k if k < i => 0.0,
             k if k == i => 1.0,
-            k => spread.upper[i][k - 1],
+            k => covariance.upper[i][k - 1],
         };
-        for (i, row) in spread.covariance().iter().enumerate() {
+        for (i, row) in covariance.dense().iter().enumerate() {
             for (j, entry) in row.iter().enumerate() {
                 let sum: f64 = (0..PARTS)
-                    .map(|k| u(i, k) * spread.diagonal[k] * u(j, k))
+                    .map(|k| u(i, k) * covariance.diagonal[k] * u(j, k))
                     .sum();
                 assert!((entry - sum).abs() < 1e-14, "{i} {j}: {entry} {sum}");
             }
@@ -228,11 +232,11 @@ mod tests {
 
     #[test]
     fn doubt_of_one_part_is_no_doubt_of_the_others() {
-        let before = some_spread();
+        let before = some_covariance();
         for part in 0..PARTS {
             let mut after = before;
-            after.doubt(part, 0.9);
-            let (old, new) = (before.covariance(), after.covariance());
+            after.widen(part, 0.9);
+            let (old, new) = (before.dense(), after.dense());
             for i in 0..PARTS {
                 for j in 0..PARTS {
                     let more = if i == part && j == part { 0.9 } else { 0.0 };
