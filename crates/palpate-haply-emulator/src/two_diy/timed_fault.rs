@@ -5,10 +5,10 @@ use std::time::Duration;
 
 use super::Fault;
 
-/// A fault and when it strikes [s].
+/// A fault and when it strikes `[s]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimedFault {
-    /// When, after the start [s].
+    /// When, after the start `[s]`.
     pub at: f64,
     /// Its kind.
     pub kind: FaultKind,

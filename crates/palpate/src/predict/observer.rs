@@ -192,6 +192,19 @@ const JERK_GAIN: f64 = 0.2;
 /// Innovation variances beyond this multiple of the expected one count as this.
 const JERK_CAP: f64 = 9.0;
 
+/// The part by which a kick of `kicked` `[m/s]` changes a velocity of `speed` `[m/s]`: [`DOUBT`] at most. A surprise is
+/// rare: as a call of its own it takes no stack of every tick.
+#[cold]
+#[inline(never)]
+fn part_kicked<S: Scalar>(kicked: S, speed: S) -> S {
+    let most = S::from_f64(DOUBT);
+    if kicked < most * speed {
+        kicked / speed
+    } else {
+        most
+    }
+}
+
 impl<S: Scalar> Observer<S> {
     pub fn new(params: &ObserverParams<S>) -> Self {
         let square = |x: f64| S::from_f64(x * x);
@@ -296,14 +309,7 @@ impl<S: Scalar> Observer<S> {
             // velocity, and what a force does to it, by the same part. A kick that is small against both is of
             // friction or of a hand, and says as little of the mass.
             let speed = before.velocity.abs() + S::HALF * h * mobility * f.abs();
-            let kicked = innovation.abs() / h;
-            let most = S::from_f64(DOUBT);
-            let part = if kicked < most * speed {
-                kicked / speed
-            } else {
-                most
-            };
-            let deviation = part * mobility;
+            let deviation = part_kicked(innovation.abs() / h, speed) * mobility;
             let u = known.upper[MOBILITY][DAMPING_RATE - 1];
             let has = known.diagonal[MOBILITY] + u * u * known.diagonal[DAMPING_RATE];
             known.widen(MOBILITY, deviation * deviation - has);
