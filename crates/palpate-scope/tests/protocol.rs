@@ -248,13 +248,15 @@ fn a_trip_is_told_and_ends_when_somebody_rearms() {
     });
     let mut client = stage.client();
     client.say(r#"{"type":"hand","position_m":-0.06}"#);
+    let trip = "the device left its workspace";
     let state = client.until("state", |state| state["lanes"][0]["trip"].is_string());
-    assert_eq!(state["lanes"][0]["trip"], "the device left its workspace");
+    assert_eq!(state["lanes"][0]["trip"], trip);
     client.say(r#"{"type":"hand","position_m":0}"#);
     client.frame(|frame| frame.column(DEVICE).last().unwrap().abs() < 0.01);
     client.say(r#"{"type":"rearm","lane":0}"#);
     client.until("note", |note| note["kind"] == "rearmed");
-    client.until("state", |state| state["lanes"][0]["trip"].is_null());
+    // On a machine that stands still for a moment the late forces may bring another trip at once.
+    client.until("state", |state| state["lanes"][0]["trip"] != trip);
 }
 
 /// The server goes on without a device, and begins again when there is one.
