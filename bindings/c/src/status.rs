@@ -133,7 +133,7 @@ impl fmt::Display for Refusal<'_> {
             Self::Null(name) => write!(f, "{name} is NULL"),
             Self::StructSize { name, given, known } if given < known => write!(
                 f,
-                "struct_size of {name} is {given}, but must be at least {known}: {name}_default() sets it"
+                "struct_size of {name} is {given}, but must be at least {known}: the function that the header names at this field sets it"
             ),
             Self::StructSize { name, given, known } => write!(
                 f,
