@@ -105,7 +105,7 @@ static void structs(void) {
   params.struct_size = 0;
   snprintf(words, sizeof words,
            "struct_size of palpate_contact_params is 0, but must be at least %zu: "
-           "palpate_contact_params_default() sets it",
+           "the function that the header names at this field sets it",
            sizeof params);
   REFUSED(palpate_contact_new(&params, &loop, &contact), PALPATE_STATUS_STRUCT_SIZE, words);
 
