@@ -229,6 +229,19 @@ def test_a_recording_is_what_was_read_and_the_program_reads_it(program: Program,
     assert replayed["methods"][0]["method"] == "coupled"
 
 
+def test_a_device_of_six_axes_turns_and_gets_a_torque() -> None:
+    peg = palpate.World(Path(__file__).parents[3] / "experiments/worlds/peg.toml")
+    torques = [f"commanded_torque_{axis}_n_m" for axis in (1, 2, 3)]
+
+    def is_turned(ticks: Any) -> bool:
+        return bool((np.abs(ticks["device_orientation_x"]) > 1e-4).any() and (np.abs(ticks[torques[0]]) > 1e-4).any())
+
+    with loop(palpate.devices.Simulated(peg), peg) as running:
+        ticks = read_until(running, "a torque", is_turned)
+    turns = np.stack([ticks[f"device_orientation_{part}"] for part in "wxyz"])
+    assert np.allclose((turns**2).sum(axis=0), 1.0)
+
+
 def test_wrong_devices_and_worlds_are_said() -> None:
     model = pressed()
     pointer = palpate.devices.PointerInWorld(model)
@@ -244,7 +257,7 @@ def test_wrong_devices_and_worlds_are_said() -> None:
         (pointer, contact, "device is of a World"),
         (palpate.devices.Simulated(model), contact, "device is of a World"),
         (palpate.devices.Simulated(two), two, "the world has 2 devices"),
-        (palpate.devices.Simulated(peg), peg, "six axes"),
+        (palpate.devices.PointerInWorld(peg), peg, "this device has no torque about three axes"),
         (palpate.devices.TwoDiy("/nowhere", normal=(0, 1)), model, "normal is for a Renderer"),
         (palpate.devices.Inverse3("ws://127.0.0.1:1", normal=(0, 1, 0)), model, "normal is for a Renderer"),
     ]:
