@@ -457,7 +457,7 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
     /// The books learn that no force was held from `cut` on.
     fn book_cut(&mut self, cut: Option<Duration>) {
         if let Some(at) = cut {
-            self.held.change(Wrench::NONE, at);
+            self.held.cut(at);
             self.motors_off.cut(at);
         }
     }

@@ -13,14 +13,37 @@ pub(crate) struct HeldSince {
     /// Impulse `[N s]` and angular impulse `[N m s]`.
     impulse: Wrench,
     span: f64,
+    /// What was held before none was, from when and until when, as far as it is in the impulse.
+    before_none: Option<(Wrench, Duration, Duration)>,
 }
 
 impl HeldSince {
     /// `wrench` is held from `now` on.
     pub fn change(&mut self, wrench: Wrench, now: Duration) {
+        if wrench != Wrench::NONE {
+            self.before_none = None;
+        } else if self.wrench != Wrench::NONE {
+            let from = self.since.unwrap_or(now);
+            self.before_none = Some((self.wrench, from, now.max(from)));
+        }
         self.settle(now);
         self.changed |= self.span > 0.0 && wrench != self.wrench;
         self.wrench = wrench;
+    }
+
+    /// None was held from `at` on. Of several who took it off the first counts, and may tell it last.
+    pub fn cut(&mut self, at: Duration) {
+        match self.before_none {
+            Some((wrench, from, until)) if self.wrench == Wrench::NONE => {
+                let since = at.max(from);
+                if since < until {
+                    self.add(&wrench, -(until - since).as_secs_f64());
+                    self.changed = true;
+                    self.before_none = Some((wrench, from, since));
+                }
+            }
+            _ => self.change(Wrench::NONE, at),
+        }
     }
 
     /// Mean of what was held up to `now`; begins anew from there. None before the first command.
@@ -34,20 +57,27 @@ impl HeldSince {
             self.wrench
         };
         (self.changed, self.impulse, self.span) = (false, Wrench::NONE, 0.0);
+        self.before_none = None;
         Some(mean)
     }
 
     fn settle(&mut self, now: Duration) {
         let span = now.saturating_sub(self.since.unwrap_or(now)).as_secs_f64();
+        let wrench = self.wrench;
+        self.add(&wrench, span);
+        self.span += span;
+        self.since = Some(self.since.map_or(now, |since| since.max(now)));
+    }
+
+    /// Adds to the impulse what `wrench` gives in `span` `[s]`.
+    fn add(&mut self, wrench: &Wrench, span: f64) {
         let add = |impulse: &mut Vector, held: Vector| {
             for (impulse, held) in impulse.iter_mut().zip(held) {
                 *impulse += held * span;
             }
         };
-        add(&mut self.impulse.force, self.wrench.force);
-        add(&mut self.impulse.torque, self.wrench.torque);
-        self.span += span;
-        self.since = Some(self.since.map_or(now, |since| since.max(now)));
+        add(&mut self.impulse.force, wrench.force);
+        add(&mut self.impulse.torque, wrench.torque);
     }
 }
 
@@ -75,5 +105,39 @@ mod tests {
         assert!(y == 0.0 && (z - 1.0).abs() < 1e-12, "{y} {z}");
         assert_eq!(mean.torque, [0.0, x, 0.0]);
         assert_eq!(held.take(ms(9)), Some(of([0.1, 0.0, 0.0])));
+    }
+
+    /// A supervisor took it off at 9 ms and said so first, a guardian had done so at 3 ms.
+    #[test]
+    fn the_first_who_took_it_off_counts_whoever_tells_it_first() {
+        let ms = Duration::from_millis;
+        let force = |force| Wrench {
+            force: [force, 0.0, 0.0],
+            torque: [0.0; 3],
+        };
+        let mean = |cuts: &[u64]| {
+            let mut held = HeldSince::default();
+            held.change(force(2.0), ms(1));
+            for cut in cuts {
+                held.cut(ms(*cut));
+            }
+            held.change(Wrench::NONE, ms(10));
+            held.take(ms(11)).unwrap().force[0]
+        };
+        assert!((mean(&[3]) - 0.4).abs() < 1e-12);
+        assert!((mean(&[9]) - 1.6).abs() < 1e-12);
+        for cuts in [[9, 3], [3, 9]] {
+            assert!((mean(&cuts) - 0.4).abs() < 1e-12, "{cuts:?}");
+        }
+        // What was taken is told, and a force that came back is held.
+        let mut held = HeldSince::default();
+        held.change(force(2.0), ms(1));
+        held.cut(ms(9));
+        held.take(ms(9)).unwrap();
+        held.cut(ms(3));
+        assert_eq!(held.take(ms(10)), Some(Wrench::NONE));
+        held.change(force(2.0), ms(10));
+        held.cut(ms(12));
+        assert_eq!(held.take(ms(14)), Some(force(1.0)));
     }
 }

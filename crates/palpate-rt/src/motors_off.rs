@@ -15,12 +15,20 @@ pub(crate) struct MotorsOff {
     is_off: bool,
     /// When somebody beside the loop has taken the force off since then.
     cut: Option<Duration>,
+    /// From when to when a force was taken for delivered in the last tick, if that tick has commanded none.
+    last_on: Option<(Duration, Duration)>,
 }
 
 impl MotorsOff {
-    /// Somebody beside the loop has taken the force off at `at`. The first of several counts.
+    /// Somebody beside the loop has taken the force off at `at`. The first of several counts; it may be told a tick late,
+    /// since a guardian is not heard while a supervisor has the port.
     pub fn cut(&mut self, at: Duration) {
         self.cut = Some(self.cut.map_or(at, |before| before.min(at)));
+        if let Some((from, to)) = self.last_on {
+            let since = at.max(from);
+            self.time.motors_off += to.saturating_sub(since);
+            self.last_on = Some((from, since.min(to)));
+        }
     }
 
     /// A tick that began at `began` has commanded its force at `ended`: none, where `is_off`.
@@ -36,6 +44,7 @@ impl MotorsOff {
         if off_from < ended {
             self.time.motors_off += ended - off_from;
         }
+        self.last_on = is_off.then_some((from, off_from.min(ended)));
         self.until = Some(ended);
         self.is_off = is_off;
         self.cut = None;
@@ -101,6 +110,16 @@ mod tests {
             off.tick(ms(100), ms(100), true);
         });
         assert_eq!(was_off_before, (100, 100));
+        // A supervisor is heard first, and the guardian that was before it in the tick after.
+        let told_late = after(|off| {
+            off.tick(ms(0), ms(0), false);
+            off.cut(ms(3004));
+            off.tick(ms(1), ms(3006), true);
+            off.cut(ms(4));
+            off.cut(ms(4));
+            off.tick(ms(3007), ms(3007), false);
+        });
+        assert_eq!(told_late, (3007, 3003));
         let no_earlier_than_the_last_command = after(|off| {
             off.tick(ms(0), ms(50), false);
             off.cut(ms(4));
