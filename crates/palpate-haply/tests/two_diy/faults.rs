@@ -227,7 +227,7 @@ fn a_cable_that_is_pulled_ends_the_run_and_can_be_put_back() {
     let calibration = Calibration::At(angles.map(|angle| angle as f32));
     let options = Options::of(Generation::Three, calibration, SLOW).unwrap();
     let mut device = TwoDiy::open(&link, &options, clock).unwrap();
-    let position = device.read().unwrap().position;
+    let position = sample(&mut device).position;
     assert!(
         (position[1] - emulator.position()[1]).abs() < 2e-3,
         "{position:?}"

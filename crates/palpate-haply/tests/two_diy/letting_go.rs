@@ -1,5 +1,5 @@
 use palpate_device::clock::Clock;
-use palpate_device::{Capabilities, DeviceError, Pose, Wrench, ZeroWriter};
+use palpate_device::{Capabilities, DeviceError, Wrench, ZeroWriter};
 use palpate_rt::realtime::Request;
 use palpate_rt::{Ending, LoopThread, StopFlag};
 
@@ -64,7 +64,7 @@ fn dropped_or_closed_it_holds_no_torque() {
     for closed in [true, false] {
         let emulator = Emulator::start(&on_a_socket(in_the_middle(Hand::at(THERE)))).unwrap();
         let mut device = open_in_the_middle(&emulator, SLOW);
-        device.read().unwrap();
+        sample(&mut device);
         device.write([0.3, -0.8, 0.0].into()).unwrap();
         pressing(&emulator);
         if closed {
@@ -141,7 +141,7 @@ fn the_zero_writer_waits_for_nobody() {
     let emulator = Emulator::start(&on_a_socket(in_the_middle(Hand::at(THERE)))).unwrap();
     let mut device = open_in_the_middle(&emulator, SLOW);
     let mut zero = device.zero_writer().unwrap();
-    device.read().unwrap();
+    sample(&mut device);
     device.write([0.0, -1.0, 0.0].into()).unwrap();
     pressing(&emulator);
     emulator.suffer(Fault::Stall(Duration::from_millis(200)));
@@ -178,6 +178,6 @@ fn a_device_whose_guardian_cannot_be_started_is_closed_again() {
         assert!(is_none(emulator.torques()), "{program}");
     }
     // The port is free, and the board is as it was.
-    open_in_the_middle(&emulator, SLOW).read().unwrap();
+    sample(&mut open_in_the_middle(&emulator, SLOW));
     came_whole_and_without_torque_at_resets(&emulator.seen());
 }

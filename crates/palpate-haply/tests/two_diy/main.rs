@@ -15,8 +15,8 @@ use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use palpate::{AlongAxis, AnyParams, Contact, LoopParams, ObjectState};
-use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
+use palpate_device::{Device, DeviceErrorKind, Pose};
 use palpate_haply::two_diy::{Board, Calibration, Generation, OpenError, Options, TwoDiy};
 use palpate_haply_emulator::two_diy::{Did, Emulator, Hand, PortSettings, Seen, Settings};
 use palpate_rt::safety::SafetyParams;
@@ -71,6 +71,19 @@ fn open_at(port: &Path, period: Duration) -> Result<TwoDiy<MonotonicClock>, Open
     let calibration = Calibration::At(MIDDLE);
     let options = Options::of(Generation::Three, calibration, period).unwrap();
     TwoDiy::open(port, &options, clock())
+}
+
+/// The device's next sample: on a busy machine an answer may come too late for the read that asked.
+fn sample(device: &mut impl Device) -> Pose {
+    let mut read = device.read();
+    wait_until("a sample", || {
+        let is_late = matches!(&read, Err(error) if error.kind == DeviceErrorKind::NothingNew);
+        if is_late {
+            read = device.read();
+        }
+        !is_late
+    });
+    read.unwrap()
 }
 
 /// A wall into which a hand at [`THERE`] presses by some 4 mm.

@@ -23,9 +23,7 @@ fn every_generation_opens_on_every_board_and_makes_the_force_it_is_asked_for() {
                 let mut device =
                     TwoDiy::open(&emulator.path(), &options, MonotonicClock::new()).unwrap();
                 let quantum = board.quantum(&options.layout, 0);
-                let reading = device
-                    .read()
-                    .unwrap_or_else(|error| panic!("{what}: {error}"));
+                let reading = sample(&mut device);
                 for (read, true_angle) in device.angles().into_iter().zip(emulator.angles()) {
                     let off = f64::from(read) - true_angle;
                     assert!(off.abs() <= 1.01 * quantum, "{what}: {off}");
@@ -127,7 +125,7 @@ fn a_port_belongs_to_one_program_at_a_time() {
     let _alone = alone();
     let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
     let mut device = open_in_the_middle(&emulator, SLOW);
-    device.read().unwrap();
+    sample(&mut device);
     let set_up = || {
         let seen = emulator.seen();
         seen.iter()
@@ -151,7 +149,7 @@ const PORT: &str = "PALPATE_TEST_PORT";
 fn a_program_that_holds_a_torque() {
     let port = std::env::var_os(PORT).expect("the port to hold a torque on");
     let mut device = open_at(port.as_ref(), SLOW).unwrap();
-    device.read().unwrap();
+    sample(&mut device);
     device.write([0.0, 1.0, 0.0].into()).unwrap();
     loop {
         std::thread::park();
@@ -185,7 +183,7 @@ fn a_board_left_with_a_torque_in_the_middle_of_a_packet_is_taken_over_without_on
         .unwrap();
         std::thread::sleep(Duration::from_millis(50));
         let mut device = open_in_the_middle(&emulator, SLOW);
-        device.read().unwrap();
+        sample(&mut device);
         assert!(is_none(emulator.torques()), "{cut}");
         let seen = emulator.seen();
         let resets = seen.iter().filter(|seen| seen.did == Did::Reset);
