@@ -276,6 +276,11 @@ fn power_that_comes_back_between_two_looks_gives_no_force_before_the_loop_knows(
     wait_until("the force", || emulator.force(ID) == Some(FORCE));
     emulator.set_status(ID, |status| status.power_supply = Some(false));
     wait_until("no force", || emulator.force(ID) == Some([0.0; 3]));
+    // A device without power gives none, whatever the driver knows. It knows when it has answered a frame that said so.
+    let messages = emulator.served().messages;
+    wait_until("frames that say so", || {
+        emulator.served().messages > messages + 3
+    });
     emulator.set_status(ID, |status| status.power_supply = Some(true));
     let fresh = device.inspector().counts().fresh;
     let exchanged = |by| device.inspector().counts().fresh > fresh + by;
