@@ -54,7 +54,11 @@ pub fn serve() -> io::Result<()> {
     // The last to be ended where memory runs out; a right that most users do not have.
     let _ = std::fs::write("/proc/self/oom_score_adj", "-1000");
     let is_first = answers.first().is_some_and(|answer| answer.is_granted());
-    socket.write_all(&[READY, u8::from(is_first)])?;
+    match socket.write_all(&[READY, u8::from(is_first)]) {
+        // As above: whoever waited for it has gone meanwhile.
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => return Ok(()),
+        said => said?,
+    }
     let outcome = Watch::new(socket, port, orders)?.run();
     if let Some(words) = outcome_in_words(outcome) {
         // Nobody may be listening any more.
