@@ -7,6 +7,10 @@
 #![allow(clippy::print_stdout)] // tests show what they measured
 
 mod common;
+#[path = "guardian/processes.rs"]
+mod processes;
+#[path = "guardian/signals.rs"]
+mod signals;
 
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
@@ -22,6 +26,8 @@ use palpate_haply::two_diy::{Board, Calibration, Generation, Options, TwoDiy};
 use palpate_haply_emulator::two_diy::{Did, Emulator, Fault, Hand, PortSettings, Seen, Settings};
 use palpate_rt::safety::SafetyParams;
 use palpate_rt::{ControlLoop, Rendering};
+use processes::{children, is_held};
+use signals::{Does, signals};
 
 /// Nobody has to wait for so long but on a machine that does nothing else.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -124,48 +130,6 @@ fn off_since(emulator: &Emulator) -> Option<Instant> {
     seen.get(last_on + 1).map(|seen| seen.at)
 }
 
-/// Whether a program, but for this one, which is the board, has the port open.
-fn is_held(port: &Path) -> bool {
-    // The board's end of a connection has the socket's path, and the board closes it when all copies of
-    // the other end are closed. 03 is the state "connected".
-    let sockets = std::fs::read_to_string("/proc/net/unix").unwrap();
-    let connected = sockets.lines().any(|line| {
-        let words: Vec<&str> = line.split_whitespace().collect();
-        words.get(5) == Some(&"03") && words.get(7).map(Path::new) == Some(port)
-    });
-    connected
-        || processes()
-            .filter(|id| *id != std::process::id())
-            .any(|id| {
-                let Ok(descriptors) = std::fs::read_dir(format!("/proc/{id}/fd")) else {
-                    return false;
-                };
-                descriptors
-                    .filter_map(|entry| std::fs::read_link(entry.ok()?.path()).ok())
-                    .any(|to| to == port)
-            })
-}
-
-fn processes() -> impl Iterator<Item = u32> {
-    std::fs::read_dir("/proc")
-        .unwrap()
-        .filter_map(|entry| entry.ok()?.file_name().to_str()?.parse().ok())
-}
-
-/// Programs that a program started and that have not ended.
-fn children(parent: u32) -> Vec<u32> {
-    processes()
-        .filter(|id| {
-            let stat = std::fs::read_to_string(format!("/proc/{id}/stat")).unwrap_or_default();
-            let Some((_, rest)) = stat.rsplit_once(") ") else {
-                return false;
-            };
-            let mut rest = rest.split(' ');
-            rest.next() != Some("Z") && rest.next() == Some(parent.to_string().as_str())
-        })
-        .collect()
-}
-
 /// The guardian of a loop: the only program that the loop starts.
 fn guardian(run: &Running) -> u32 {
     let mut found = None;
@@ -190,35 +154,6 @@ fn signal(number: i32, id: u32) -> bool {
         .args([format!("-{number}"), id.to_string()])
         .status();
     kill.unwrap().success()
-}
-
-/// What a signal does to a loop.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Does {
-    /// The loop ends by itself, with its report.
-    Ends,
-    /// The program is ended by it.
-    Kills,
-    /// The program stands still.
-    Stops,
-}
-
-/// Every signal of Linux by its number, but for those that do nothing to a program: PIPE, CHLD, CONT,
-/// URG, XFSZ, WINCH, and 32 and 33, which are the C library's own.
-fn signals() -> Vec<(i32, Does)> {
-    let ignored = [13, 17, 18, 23, 25, 28, 32, 33];
-    (1..=64)
-        .filter(|number| !ignored.contains(number))
-        .map(|number| {
-            let does = match number {
-                // ILL, BUS, FPE, KILL, SEGV.
-                4 | 7 | 8 | 9 | 11 => Does::Kills,
-                19 => Does::Stops,
-                _ => Does::Ends,
-            };
-            (number, does)
-        })
-        .collect()
 }
 
 /// How long a torque stayed on after a signal, which a command sends that takes its time, and after the

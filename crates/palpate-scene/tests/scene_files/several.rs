@@ -1,6 +1,6 @@
 //! A scene with several mistakes shows all of them at once, each in its place.
 
-use palpate_scene::SceneFile;
+use palpate_scene::{HandForceAt, SceneFile};
 
 use crate::{GOOD, edited};
 
@@ -85,4 +85,56 @@ fn a_fault_draws_no_others_after_it() {
         .collect();
     assert_eq!(said.len(), 1, "{said:?}");
     assert!(said[0].contains("no preset is called \"x\""), "{said:?}");
+}
+
+#[test]
+fn a_file_with_mistakes_of_device_hand_and_loop_shows_all_three() {
+    // A constant force has no stiffness; a point mass has no motors at joints; one delay is enough.
+    let text = edited(
+        "kind = \"constant-force\"\nforce_n = 1",
+        "tremor_n = 0.1\ntremor_hz = -8\nforce_at = \"motors\"",
+    )
+    .replace("delay_samples = 0", "delay_samples = 1\ndelay_s = 0.01");
+    let errors = SceneFile::parse("scene.toml", &text).unwrap_err();
+    let said: Vec<String> = errors.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        said,
+        [
+            "scene.toml:21:13: hand.tremor_hz is -8 Hz, but must be finite and greater than 0",
+            "scene.toml:22:12: force_at = \"motors\" is for a device of kind pantograph, whose motors give torques",
+            "scene.toml:27:11: either delay_s, or delay_samples with delay_fraction; not both",
+        ]
+    );
+}
+
+#[test]
+fn a_pantograph_is_in_the_hand_of_a_constant_force() {
+    let text = edited(
+        "kind = \"point-mass\"\nmass_kg = 0.25\nposition_m = 0\nvelocity_m_per_s = 0\nencoder_quantum_m = 0",
+        "kind = \"pantograph\"\npreset = \"paper-like\"",
+    );
+    let of = |hand: &str| text.replace("kind = \"constant-force\"\nforce_n = 1", hand);
+    let scene = SceneFile::parse("scene.toml", &of("force_n = 1\nforce_at = \"motors\""));
+    let device = scene.unwrap().scene.device;
+    let device = device.pantograph().unwrap();
+    assert_eq!((device.force, device.force_at), (1.0, HandForceAt::Motors));
+    let hand = of("kind = \"impedance\"\ntremor_n = 0.1\ntremor_hz = 8\nrelease_s = 0.1");
+    let errors = SceneFile::parse("scene.toml", &hand).unwrap_err();
+    let said: Vec<String> = errors.iter().map(ToString::to_string).collect();
+    let only = |at: &str, what: &str| {
+        format!(
+            "scene.toml:{at}: the hand of a pantograph is a constant force; {what} is for a device of kind point-mass"
+        )
+    };
+    assert_eq!(
+        said,
+        [
+            only("17:8", "kind = \"impedance\""),
+            only("18:12", "a tremor"),
+            only("20:13", "release_s"),
+        ]
+    );
+    // Where the device itself is wrong, what its hand may have is not known.
+    let errors = SceneFile::parse("scene.toml", &hand.replace("paper-like", "sigma")).unwrap_err();
+    assert_eq!(errors.iter().count(), 1, "{errors}");
 }
