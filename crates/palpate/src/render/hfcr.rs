@@ -5,7 +5,7 @@ use super::named::{FromSettings, MethodInfo, MethodName};
 use super::setting::{Basis, Setting, SettingKey, SettingValues, Settings, SettingsError};
 use crate::Scalar;
 use crate::contact::{Contact, LoopParams, Mass};
-use crate::motion::{Displacement, ObjectMotion, Rule};
+use crate::motion::{Displacement, ObjectMotion, Rule, Start};
 use crate::parameter::{Parameter, ParameterError, ParameterValue, Range, Unit};
 use crate::predict::{LONGEST_WINDOW_SETTING, PREDICTION, Prediction, PredictionMemory, Predictor};
 
@@ -333,11 +333,14 @@ impl<S: Scalar> Method<S> for Hfcr<S> {
         now: &Situation<'_, S>,
         memory: &mut PredictionMemory<S>,
     ) -> Plan<S> {
-        let mut start = now.start;
-        if let Some(velocity) = self.predictor.mean_velocity(memory, motion.period()) {
-            start.device_velocity = velocity;
-        }
-        let start = &start;
+        let predicted = self.predictor.mean_velocity(memory, motion.period());
+        // Number by number: a copy as a whole waits for the last of them to be written.
+        let start = &Start {
+            penetration: now.start.penetration,
+            object_velocity: now.start.object_velocity,
+            device_velocity: predicted.unwrap_or(now.start.device_velocity),
+            virtual_force: now.start.virtual_force,
+        };
         let period = motion.period();
         let k = motion.stiffness();
         let p = start.penetration;

@@ -233,7 +233,9 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         }
     }
 
-    #[inline]
+    // Always, since its answer is large: where the compiler makes it a function of its own, which it did in a library
+    // that had worlds too, the answer goes through memory, and coupled rendering took 10 ns longer.
+    #[inline(always)]
     fn try_step(
         &self,
         state: &mut State<S, M::Memory>,
@@ -454,7 +456,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn limit(&self, planned: S, previous: S) -> (S, Limited) {
         let mut limited = Limited::default();
         let mut force = planned;
@@ -475,7 +477,7 @@ impl<S: Scalar, M: Method<S>> Renderer<S, M> {
     }
 
     /// Largest force that the guard lets pass, and whether it keeps to it.
-    #[inline]
+    #[inline(always)]
     fn guard_bound(&self, balance: S, claims: impl FnOnce() -> S) -> Option<(S, bool)> {
         if self.loop_params.guard == Guard::Off {
             return None;
