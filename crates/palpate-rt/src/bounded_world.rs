@@ -4,8 +4,12 @@
 //! has its own way from a device to its motors.
 
 use palpate_device::Wrench;
-use palpate_world::{Effort, Limited, Sample, Vector, WorldFault, WorldRenderer, WorldState};
+use palpate_world::{
+    BodyState, Effort, Limited, Sample, Vector, World, WorldError, WorldFault, WorldRenderer,
+    WorldState,
+};
 
+use crate::fade::Fade;
 use crate::safety::{Bounded, Rendered, Safety, SafetyError, SafetyParams};
 
 /// The safety of each device of a world.
@@ -88,6 +92,8 @@ pub struct BoundedWorld {
     safety: WorldSafety,
     /// What is to be held, for each device.
     wrenches: Vec<Wrench>,
+    /// What is left of what was held before a change.
+    fade: Fade,
 }
 
 /// The answer to one sample.
@@ -116,6 +122,7 @@ impl BoundedWorld {
         Ok(Self {
             safety: WorldSafety::new(tools, limits, renderer.in_loop().period)?,
             wrenches: vec![Wrench::NONE; tools],
+            fade: Fade::none(tools),
             state,
             renderer,
         })
@@ -127,9 +134,12 @@ impl BoundedWorld {
         let output = self.renderer.step(&mut self.state, sample);
         let (limited, effort, fault) = (output.limited, output.effort, output.fault);
         let asked = output.forces.iter().zip(output.torques);
-        for (wrench, (&force, &torque)) in self.wrenches.iter_mut().zip(asked) {
-            *wrench = Wrench { force, torque };
+        let asked = asked.map(|(&force, &torque)| Wrench { force, torque });
+        if fault.is_some() {
+            self.fade.end();
         }
+        let elapsed = sample.elapsed.unwrap_or(self.renderer.in_loop().period);
+        self.fade.answer(asked, elapsed, &mut self.wrenches);
         let answered = Answered {
             elapsed: sample.elapsed,
             positions: sample.positions,
@@ -155,6 +165,7 @@ impl BoundedWorld {
         self.state = self.renderer.start();
         self.safety.restart();
         self.wrenches.fill(Wrench::NONE);
+        self.fade.end();
     }
 
     /// Says what was really sent to a device for the last sample, where something between has limited it.
@@ -162,6 +173,29 @@ impl BoundedWorld {
         self.renderer.report_sent(&mut self.state, tool, sent.force);
         self.renderer
             .report_sent_torque(&mut self.state, tool, sent.torque);
+    }
+
+    /// Goes on with another world between two ticks, as [`WorldRenderer::changed`] says: bodies, contacts and joints come,
+    /// go and get other numbers, and all others go on. What the devices are held by passes over in
+    /// [`CHANGE_DURATION`](crate::CHANGE_DURATION), without a step. It allocates, which a tick does not.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the new world; nothing is changed then.
+    pub fn change(&mut self, world: &World) -> Result<(), Vec<WorldError>> {
+        (self.renderer, self.state) = self.renderer.changed(&self.state, world)?;
+        self.fade.begin();
+        Ok(())
+    }
+
+    /// Puts a body elsewhere between two ticks, as [`WorldRenderer::place`] says, without a step of what the devices are
+    /// held by. It does not allocate.
+    ///
+    /// # Errors
+    /// There is no such body, or it cannot be there; nothing is changed then.
+    pub fn place(&mut self, body: usize, to: &BodyState) -> Result<(), WorldError> {
+        self.renderer.place(&mut self.state, body, to)?;
+        self.fade.begin();
+        Ok(())
     }
 
     /// The world at the last sample.
@@ -260,5 +294,72 @@ mod tests {
         assert_eq!(world.state().books().devices[0].port_work, 0.0);
         assert_eq!(held(&mut world, 1e-3).0, [0.0; 3]);
         assert!((held(&mut world, 1e-3).0[2] - 0.25).abs() < 1e-12);
+    }
+
+    fn unbounded() -> SafetyParams {
+        SafetyParams {
+            soft_start: 0.0,
+            ..SafetyParams::default()
+        }
+    }
+
+    #[test]
+    fn what_a_change_makes_of_the_force_comes_in_without_a_step() {
+        let mut world = world(unbounded());
+        for _ in 0..10 {
+            assert_eq!(held(&mut world, 1e-3).0, [0.0, 0.0, 1.0]);
+        }
+        let mut stiffer = world.renderer().world().clone();
+        stiffer.contacts[0].law = ContactLaw::spring(5000.0);
+        world.change(&stiffer).expect("renderable");
+        let (mut before, mut ticks) = (1.0, 0);
+        assert_eq!(held(&mut world, 1e-3).0[2], 1.0);
+        while before < 5.0 {
+            let (force, answer) = held(&mut world, 1e-3);
+            assert!(force[2] - before < 4.0 * PERIOD / crate::CHANGE_DURATION + 1e-9);
+            assert!(answer.fault.is_none());
+            (before, ticks) = (force[2], ticks + 1);
+        }
+        assert_eq!((before, ticks), (5.0, 100));
+        // The books have what was held and what was asked for.
+        let books = world.state().books();
+        assert!(books.contacts[0].outside > 0.0);
+    }
+
+    #[test]
+    fn a_floor_that_goes_lets_go_in_a_tenth_of_a_second_and_a_refused_sample_at_once() {
+        for is_refused in [false, true] {
+            let mut world = world(unbounded());
+            held(&mut world, 2e-3);
+            let mut empty = world.renderer().world().clone();
+            empty.bodies.clear();
+            world.change(&empty).expect("renderable");
+            assert_eq!(held(&mut world, 2e-3).0[2], 2.0);
+            if is_refused {
+                assert_eq!(held(&mut world, f64::NAN).0, [0.0; 3]);
+                assert_eq!(held(&mut world, 2e-3).0, [0.0; 3]);
+                continue;
+            }
+            for tick in 1..=100 {
+                let force = held(&mut world, 2e-3).0[2];
+                let expected = 2.0 * (1.0 - f64::from(tick) * 1e-2);
+                assert!((force - expected).abs() < 1e-9, "{tick}: {force}");
+            }
+            assert_eq!(held(&mut world, 2e-3).0, [0.0; 3]);
+        }
+    }
+
+    #[test]
+    fn a_floor_that_is_put_elsewhere_does_not_strike() {
+        let mut world = world(unbounded());
+        held(&mut world, 0.0);
+        let higher = BodyState {
+            position: [0.0, 0.0, 1e-3],
+            ..world.state().bodies()[0]
+        };
+        world.place(0, &higher).expect("a place");
+        assert_eq!(held(&mut world, 0.0).0, [0.0; 3]);
+        assert!((held(&mut world, 0.0).0[2] - 0.01).abs() < 1e-9);
+        assert!(world.place(1, &higher).is_err());
     }
 }

@@ -49,6 +49,7 @@ mod bounded_world;
 mod control_loop;
 mod deadlines;
 mod delivered;
+mod fade;
 #[cfg(unix)]
 #[allow(
     clippy::disallowed_methods,

@@ -3,7 +3,7 @@
 /// Energy at the contact of a pair, over all intervals that have ended `[J]`.
 ///
 /// ```text
-/// stored = stored at the start + observed + handed - work - dissipated + step_error
+/// stored = stored at the start + observed + outside + handed - work - dissipated + step_error
 /// leak   = held - work_on_avatar
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,6 +21,8 @@ pub struct ContactBook {
     /// What the stored energy changed by because a sample put the avatar to another place than it was expected at, or
     /// a limit did.
     pub observed: f64,
+    /// What changes of the running world have put into it.
+    pub outside: f64,
     /// What came from the other points of the same pair, where two boxes touch by another face than before: the sum over
     /// the pair is 0.
     pub handed: f64,
@@ -39,7 +41,7 @@ impl ContactBook {
 /// Energy of a joint, over all intervals that have ended `[J]`.
 ///
 /// ```text
-/// stored = the same at the start - work - dissipated + step_error
+/// stored = the same at the start + outside - work - dissipated + step_error
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct JointBook {
@@ -49,6 +51,8 @@ pub struct JointBook {
     pub dissipated: f64,
     /// Work of the joint on both of its sides.
     pub work: f64,
+    /// What changes of the running world have put into it.
+    pub outside: f64,
     /// What finite sub-steps have made (positive) or lost.
     pub step_error: f64,
 }
@@ -66,7 +70,7 @@ pub struct BodyBook {
     pub potential: f64,
     /// Work of contacts and joints on it.
     pub work: f64,
-    /// What changed it from outside: waiting for a sample that can be used.
+    /// What changed it from outside: waiting for a sample that can be used, and changes of the running world.
     pub outside: f64,
     /// What finite sub-steps have made (positive) or lost.
     pub step_error: f64,
@@ -109,12 +113,87 @@ pub struct Books {
     pub joints: Vec<JointBook>,
     /// Of each device, in the order of the tools.
     pub devices: Vec<DeviceBook>,
+    /// Of what changes of the running world have taken out of it.
+    pub gone: Gone,
+}
+
+/// Sums of the books of what is gone from a world. What it had when it went is taken out as outside work, so that nothing
+/// is stored there and nothing moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gone {
+    /// Of all contacts that are gone.
+    pub contacts: ContactBook,
+    /// Of all bodies.
+    pub bodies: BodyBook,
+    /// Of all joints.
+    pub joints: JointBook,
+}
+
+impl Gone {
+    fn add_contact(&mut self, book: &ContactBook) {
+        let sum = &mut self.contacts;
+        sum.dissipated += book.dissipated;
+        sum.work += book.work;
+        sum.work_on_avatar += book.work_on_avatar;
+        sum.held += book.held;
+        sum.observed += book.observed;
+        sum.outside += book.outside - book.stored;
+        sum.handed += book.handed;
+        sum.step_error += book.step_error;
+    }
+
+    fn add_body(&mut self, book: &BodyBook) {
+        let sum = &mut self.bodies;
+        sum.potential += book.potential;
+        sum.work += book.work;
+        sum.outside += book.outside - book.kinetic;
+        sum.step_error += book.step_error;
+    }
+
+    fn add_joint(&mut self, book: &JointBook) {
+        let sum = &mut self.joints;
+        sum.dissipated += book.dissipated;
+        sum.work += book.work;
+        sum.outside += book.outside - book.stored;
+        sum.step_error += book.step_error;
+    }
 }
 
 impl Books {
     /// Sum of what the contacts' stored energy changed by from outside `[J]`.
     pub(crate) fn observed(&self) -> f64 {
         self.contacts.iter().map(|book| book.observed).sum()
+    }
+
+    /// Sums up what is gone of the `old` books: what none of the new ones has come from. The energy that was stored there
+    /// `[J]`.
+    pub(crate) fn take_leave(
+        &mut self,
+        old: &Self,
+        contacts: &[Option<usize>],
+        bodies: &[Option<usize>],
+        joints: &[Option<usize>],
+    ) -> f64 {
+        let is_gone = |from: &[Option<usize>], number| !from.contains(&Some(number));
+        let mut stored = 0.0;
+        for (number, book) in old.contacts.iter().enumerate() {
+            if is_gone(contacts, number) {
+                stored += book.stored;
+                self.gone.add_contact(book);
+            }
+        }
+        for (number, book) in old.bodies.iter().enumerate() {
+            if is_gone(bodies, number) {
+                self.gone.add_body(book);
+            }
+        }
+        for (number, book) in old.joints.iter().enumerate() {
+            if is_gone(joints, number) {
+                stored += book.stored;
+                self.gone.add_joint(book);
+            }
+        }
+        stored
     }
 
     /// Energy that held forces created `[J]`; negative where they took more than contacts and damping account for.
@@ -128,13 +207,21 @@ impl Books {
     #[must_use]
     pub fn created(&self) -> f64 {
         let devices: f64 = self.devices.iter().map(|book| book.port_work).sum();
+        let Gone {
+            contacts,
+            bodies,
+            joints,
+        } = &self.gone;
         let contacts: f64 = self
             .contacts
             .iter()
+            .chain([contacts])
             .map(|book| book.observed + book.step_error - book.work_on_avatar)
             .sum();
-        let bodies: f64 = self.bodies.iter().map(|book| book.step_error).sum();
-        let joints: f64 = self.joints.iter().map(|book| book.step_error).sum();
+        let bodies = self.bodies.iter().chain([bodies]);
+        let bodies: f64 = bodies.map(|book| book.step_error).sum();
+        let joints = self.joints.iter().chain([joints]);
+        let joints: f64 = joints.map(|book| book.step_error).sum();
         devices + contacts + bodies + joints
     }
 }

@@ -117,7 +117,7 @@ impl Account {
         }
     }
 
-    /// Energy appeared in the contacts, as a tool was found in them `[J]`.
+    /// Energy appeared in the contacts, as a tool was found in them or the world was changed `[J]`.
     pub fn appeared(&mut self, energy: f64) {
         self.there += energy;
     }
@@ -157,10 +157,13 @@ impl Account {
         expected: f64,
         period: f64,
     ) -> f64 {
-        let bodies = books.bodies.iter();
+        let gone = &books.gone;
+        let bodies = books.bodies.iter().chain([&gone.bodies]);
         let bodies: f64 = bodies.map(|book| book.outside - book.potential).sum();
-        let contacts: f64 = books.contacts.iter().map(|book| book.dissipated).sum();
-        let joints: f64 = books.joints.iter().map(|book| book.dissipated).sum();
+        let contacts = books.contacts.iter().chain([&gone.contacts]);
+        let contacts: f64 = contacts.map(|book| book.dissipated).sum();
+        let joints = books.joints.iter().chain([&gone.joints]);
+        let joints: f64 = joints.map(|book| book.dissipated).sum();
         let there = self.there + bodies - contacts - joints + params.allowance - expected;
         let mut claimed = 0.0;
         let mut least = f64::INFINITY;

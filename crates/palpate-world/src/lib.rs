@@ -8,6 +8,7 @@
 mod blocks;
 mod body;
 mod books;
+mod change;
 mod commands;
 mod contact;
 mod convex;
@@ -40,7 +41,7 @@ mod turning_observer;
 mod world;
 
 pub use body::{Body, Free, Motion, Tool};
-pub use books::{BodyBook, Books, ContactBook, DeviceBook, JointBook};
+pub use books::{BodyBook, Books, ContactBook, DeviceBook, Gone, JointBook};
 pub use contact::{Contact, ContactLaw, Party};
 pub use fault::{Place, WorldError};
 pub use guard::{MOST_LATE, WorldGuard, WorldGuardParams};

@@ -101,13 +101,7 @@ pub(crate) fn links_of(
     let one = &parts[first].rigid;
     let other = second.map_or(rigid_world(), |second| parts[second].rigid);
     let moves = |number: Option<usize>, lever: Vector3| {
-        let Some(part) = number.map(|number| &parts[number]) else {
-            return 0.0;
-        };
-        // 1/m - [r] I^-1 [r], whose largest eigenvalue its norm bounds.
-        let across = lever.cross_matrix();
-        let turns = across * nalgebra::Matrix3::from_diagonal(&part.mobility.angular) * across;
-        part.mobility.linear.max() + turns.norm()
+        number.map_or(0.0, |number| moves_at(&parts[number], lever))
     };
     let link = |place: Vector3, holds: Holds| Link {
         moves: [
@@ -180,6 +174,14 @@ pub(crate) fn links_of(
     }
 }
 
+/// How fast a force moves a part at most, that acts so far from its centre of mass, in its own axes `[1/kg]`.
+fn moves_at(part: &Part, lever: Vector3) -> f64 {
+    // 1/m - [r] I^-1 [r], whose largest eigenvalue its norm bounds.
+    let across = lever.cross_matrix();
+    let turns = across * nalgebra::Matrix3::from_diagonal(&part.mobility.angular) * across;
+    part.mobility.linear.max() + turns.norm()
+}
+
 fn rigid_world() -> Rigid {
     Rigid {
         position: Vector3::zeros(),
@@ -190,6 +192,35 @@ fn rigid_world() -> Rigid {
 }
 
 impl Link {
+    /// Holds what a link of the same bearing held before, in another world: the coordinate goes on.
+    pub fn stays_at(&mut self, before: &Self, parts: &[Part]) {
+        self.on_first = before.on_first;
+        self.on_second = before.on_second;
+        self.frame = before.frame;
+        self.beyond = before.beyond;
+        if let (Holds::Angle { mark, .. }, Holds::Angle { mark: was, .. }) =
+            (&mut self.holds, &before.holds)
+        {
+            *mark = *was;
+        }
+        let of_second = self
+            .second
+            .map_or(0.0, |second| moves_at(&parts[second], self.on_second));
+        self.moves = [moves_at(&parts[self.first], self.on_first), of_second];
+    }
+
+    /// Goes on with the force of a link of the same bearing before, in another world.
+    pub fn goes_on_from(&mut self, before: &Self) {
+        self.beyond = before.beyond;
+        self.force = before.force;
+        self.by_damping = before.by_damping;
+        self.torque = before.torque;
+        self.torque_by_damping = before.torque_by_damping;
+        self.place = before.place;
+        self.relative = before.relative;
+        self.damping_power = before.damping_power;
+    }
+
     /// An interval begins.
     pub fn begin(&mut self) {
         self.work = 0.0;
@@ -270,6 +301,11 @@ impl Link {
         };
         self.force += self.by_damping;
         self.torque += self.torque_by_damping;
+        self.load(parts);
+    }
+
+    /// Loads its bodies with what it does.
+    pub fn load(&self, parts: &mut [Part]) {
         let (force, place) = (self.force, self.place);
         for (number, sign) in [(Some(self.first), 1.0), (self.second, -1.0)] {
             if let Some(part) = number.map(|number| &mut parts[number]) {

@@ -115,6 +115,36 @@ impl Part {
         }
     }
 
+    /// Goes on as a body of the same name in another world did: from where that is, as that moves. Mass, force and whether
+    /// it is fixed are its own.
+    pub fn goes_on_from(&mut self, before: &Self) {
+        if self.is_fixed != before.is_fixed {
+            return;
+        }
+        let Self {
+            mobility,
+            drive,
+            feels_torque,
+            rigid,
+            ..
+        } = *self;
+        *self = Self {
+            mobility,
+            drive,
+            feels_torque,
+            ..*before
+        };
+        if mobility != before.mobility {
+            // The same velocities with another mass, so another momentum.
+            self.rigid.spin = rigid.spin;
+        }
+    }
+
+    /// Turns with an angular velocity along the world's axes `[rad/s]` from now on.
+    pub fn set_turning(&mut self, turning: &Vector3) {
+        self.rigid.spin = self.mobility.spin(&self.rigid.orientation, turning);
+    }
+
     fn turning(&self, spin: &Vector3) -> Vector3 {
         if self.mobility.does_not_turn() {
             Vector3::zeros()

@@ -4,7 +4,7 @@ use nalgebra::UnitQuaternion;
 use palpate::Fault;
 
 use crate::blocks::Blocks;
-use crate::books::{BodyBook, Books, ContactBook, DeviceBook, JointBook};
+use crate::books::{BodyBook, Books, ContactBook, DeviceBook, Gone, JointBook};
 use crate::commands::Commands;
 use crate::guard::{Account, most_of};
 use crate::link::{Link, links_of};
@@ -14,7 +14,7 @@ use crate::moving::{Moving, Touch};
 use crate::pairs::{Point, Side, points};
 use crate::part::{Drive, Part};
 use crate::rigid::{Mobility, Rigid, Vector3};
-use crate::state::{BodyState, ContactState, Progress, ToolState, WorldState, quaternion};
+use crate::state::{ContactState, Progress, ToolState, WorldState, body_state};
 use crate::tracking::Tracking;
 use crate::{
     Body, Effort, Limited, Motion, Output, Sample, Vector, World, WorldError, WorldFault,
@@ -28,13 +28,16 @@ pub struct WorldRenderer {
     pub(crate) in_loop: WorldLoop,
     pub(crate) points: Vec<Point>,
     pub(crate) tools: usize,
+    /// What it was made of.
+    pub(crate) world: World,
+    pub(crate) described: WorldMethod,
     /// Of each tool, whether it turns.
     turns: Vec<bool>,
     /// Tools, then bodies, as they are at the start.
-    parts: Vec<Part>,
-    surfaces: Vec<Surface>,
-    blocks: Vec<Blocks>,
-    links: Vec<Link>,
+    pub(crate) parts: Vec<Part>,
+    pub(crate) surfaces: Vec<Surface>,
+    pub(crate) blocks: Vec<Blocks>,
+    pub(crate) links: Vec<Link>,
     joints: usize,
     method: Checked,
 }
@@ -72,7 +75,8 @@ impl WorldRenderer {
         parts.extend(world.bodies.iter().map(part_of));
         let mut mobilities: Vec<_> = parts.iter().map(|part| part.mobility).collect();
         faults.extend(in_loop.faults(tools));
-        let method = method.into().check(&world.tools);
+        let described = method.into();
+        let method = described.clone().check(&world.tools);
         if let Ok(method) = &method {
             for (tool, mobility) in mobilities[..tools].iter_mut().enumerate() {
                 mobility.angular = method.angular_mobility(tool);
@@ -95,6 +99,8 @@ impl WorldRenderer {
             in_loop,
             points: found.points,
             tools,
+            world: world.clone(),
+            described,
             turns: world.tools.iter().map(|tool| tool.turns).collect(),
             parts,
             surfaces: found.surfaces,
@@ -167,6 +173,7 @@ impl WorldRenderer {
                     .collect(),
                 joints: self.joints_at_start(),
                 devices: vec![DeviceBook::default(); self.tools],
+                gone: Gone::default(),
             },
             guard: Account::new(&self.in_loop.guard, self.tools, 0.0),
             now,
@@ -422,19 +429,4 @@ fn part_of(body: &Body) -> Part {
     rigid.spin = orientation * own.component_mul(&Vector3::from(moments));
     let force: Vector3 = free.force.into();
     Part::new(rigid, mobility, Drive::constant(force / free.mass))
-}
-
-fn body_state(part: &Part) -> BodyState {
-    let Rigid {
-        position,
-        orientation,
-        velocity,
-        spin,
-    } = &part.rigid;
-    BodyState {
-        position: (*position).into(),
-        orientation: quaternion(orientation),
-        velocity: (*velocity).into(),
-        angular_velocity: part.mobility.turning(orientation, spin).into(),
-    }
 }

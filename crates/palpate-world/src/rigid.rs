@@ -19,7 +19,7 @@ pub(crate) struct Rigid {
 }
 
 /// How a tool or body answers to forces and torques.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Mobility {
     /// 1/m along each of the world's axes `[1/kg]`; 0 for what no force moves.
     pub linear: Vector3,
@@ -61,6 +61,19 @@ impl Mobility {
             let own = orientation.inverse_transform_vector(spin);
             orientation * own.component_mul(&self.angular)
         }
+    }
+
+    /// Angular momentum of an angular velocity `[N m s]`; none of what no torque turns.
+    pub fn spin(&self, orientation: &Rotation, turning: &Vector3) -> Vector3 {
+        let own = orientation.inverse_transform_vector(turning);
+        let spin = own.zip_map(&self.angular, |turning, mobility| {
+            if mobility > 0.0 {
+                turning / mobility
+            } else {
+                0.0
+            }
+        });
+        orientation * spin
     }
 
     /// The orientation after `h` `[s]` without torque, to second order: by the midpoint rule.

@@ -7,7 +7,8 @@ use crate::law::Mode;
 use crate::method::Memory;
 use crate::moving::Moving;
 use crate::pairs::Side;
-use crate::rigid::{Rotation, Vector3};
+use crate::part::Part;
+use crate::rigid::{Rigid, Rotation, Vector3};
 use crate::tracking::Tracking;
 use crate::{NOT_TURNED, Quaternion, Vector};
 
@@ -146,6 +147,22 @@ impl Default for ToolState {
 pub(crate) fn quaternion(rotation: &Rotation) -> Quaternion {
     let q = rotation.quaternion();
     [q.w, q.i, q.j, q.k]
+}
+
+/// A part of a world as it is.
+pub(crate) fn body_state(part: &Part) -> BodyState {
+    let Rigid {
+        position,
+        orientation,
+        velocity,
+        spin,
+    } = &part.rigid;
+    BodyState {
+        position: (*position).into(),
+        orientation: quaternion(orientation),
+        velocity: (*velocity).into(),
+        angular_velocity: part.mobility.turning(orientation, spin).into(),
+    }
 }
 
 /// A body at a sample.

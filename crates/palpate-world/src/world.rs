@@ -116,14 +116,14 @@ impl World {
 }
 
 /// The faults of one part of a world.
-struct Faults<'a> {
+pub(crate) struct Faults<'a> {
     all: &'a mut Vec<WorldError>,
     place: Place,
     subject: &'a str,
 }
 
 impl<'a> Faults<'a> {
-    fn new(all: &'a mut Vec<WorldError>, place: Place, subject: &'a str) -> Self {
+    pub(crate) fn new(all: &'a mut Vec<WorldError>, place: Place, subject: &'a str) -> Self {
         Self {
             all,
             place,
@@ -131,7 +131,7 @@ impl<'a> Faults<'a> {
         }
     }
 
-    fn fault(&mut self, field: &'static str, message: String) {
+    pub(crate) fn fault(&mut self, field: &'static str, message: String) {
         let error = WorldError::new(self.place, field, self.subject, message);
         self.all.push(error);
     }
@@ -159,7 +159,7 @@ impl<'a> Faults<'a> {
         }
     }
 
-    fn finite(&mut self, field: &'static str, values: &[f64]) {
+    pub(crate) fn finite(&mut self, field: &'static str, values: &[f64]) {
         if let Some(value) = values.iter().find(|value| !value.is_finite()) {
             self.fault(
                 field,
@@ -184,7 +184,7 @@ impl<'a> Faults<'a> {
         }
     }
 
-    fn unit(&mut self, field: &'static str, values: &[f64]) {
+    pub(crate) fn unit(&mut self, field: &'static str, values: &[f64]) {
         let length = values.iter().map(|value| value * value).sum::<f64>().sqrt();
         let is_unit = (length - 1.0).abs() < LENGTH_TOLERANCE;
         if !(length > 0.0 && length.is_finite()) {

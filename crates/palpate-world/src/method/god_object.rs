@@ -135,6 +135,22 @@ impl GodObjectMemory {
         }
     }
 
+    /// The same in a changed world, whose points of contact were so numbered before.
+    pub fn of_points(&self, from: &[Option<usize>]) -> Self {
+        let constraint = |was: &Option<usize>| was.map(|was| self.constraints[was]);
+        let constraints = from.iter().map(constraint);
+        Self {
+            devices: self.devices.clone(),
+            constraints: constraints
+                .map(|kept| kept.unwrap_or_else(Constraint::none))
+                .collect(),
+            anchors: from
+                .iter()
+                .map(|was| was.and_then(|was| self.anchors[was]))
+                .collect(),
+        }
+    }
+
     /// Writes what is known of the tools.
     pub fn publish(&self, state: &mut Progress) {
         let parts = self.devices.iter().zip(&state.now.parts);

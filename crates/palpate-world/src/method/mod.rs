@@ -205,6 +205,14 @@ impl Checked {
 }
 
 impl Memory {
+    /// The same in a changed world, whose points of contact were so numbered before.
+    pub fn of_points(&self, from: &[Option<usize>]) -> Self {
+        match self {
+            Self::GodObject(memory) => Self::GodObject(memory.of_points(from)),
+            other => other.clone(),
+        }
+    }
+
     /// Writes what a method knows of the tools.
     pub fn publish(&self, state: &mut Progress) {
         match self {

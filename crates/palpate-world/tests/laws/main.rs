@@ -7,6 +7,7 @@ mod adversary;
 mod books;
 mod boxes;
 mod capsules;
+mod changes;
 mod closed_form;
 mod common;
 mod conservation;
