@@ -235,6 +235,8 @@ impl<S: Scalar> Observer<S> {
     /// the sample makes it look now (the one-step smoothed state, but for theta and lambda, which are
     /// the same at both ends), and what else it tells: nothing, where its numbers overflow and it
     /// begins anew.
+    // A function of its own wherever a tick is compiled: it needs most of the registers, and a tick around it more.
+    #[inline(never)]
     pub fn update(
         &mut self,
         params: &ObserverParams<S>,
