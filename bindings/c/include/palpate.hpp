@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "palpate.h"
+#include "palpate_span.hpp"
 
 namespace palpate {
 
@@ -35,6 +36,12 @@ namespace detail {
 inline void check(palpate_status status) {
   if (status != PALPATE_STATUS_OK) {
     throw Error(status, palpate_last_error());
+  }
+}
+
+inline void check_version() {
+  if (palpate_abi_version() != PALPATE_ABI_VERSION) {
+    throw Error(PALPATE_STATUS_STRUCT_SIZE, "this program was compiled with another palpate.h than the library has");
   }
 }
 
@@ -63,6 +70,17 @@ inline palpate_contact_params contact_params(double stiffness, double mass = INF
   return params;
 }
 
+/* Lets `params` have these settings, which stay as long as the parameters are used. */
+inline void use(palpate_contact_params &params, span<const palpate_setting> settings) noexcept {
+  params.settings = settings.data();
+  params.setting_count = settings.size();
+}
+
+/* A sample of a world: a pose of each device, in the order of the scene, which stay until the tick. */
+inline palpate_world_sample world_sample(span<const palpate_pose> poses) noexcept {
+  return palpate_world_sample_at(poses.data(), poses.size());
+}
+
 /* The names of all methods. */
 inline std::vector<std::string> method_names() {
   std::vector<std::string> names;
@@ -87,6 +105,7 @@ struct Ticks<double> {
   using Output = palpate_output;
   using Ledger = palpate_ledger;
   static constexpr auto make = palpate_contact_new;
+  static constexpr auto place = palpate_contact_place;
   static constexpr auto free = palpate_contact_free;
   static Sample sample_at(double device_position) noexcept { return palpate_sample_at(device_position); }
   static constexpr auto step = palpate_contact_step;
@@ -106,6 +125,7 @@ struct Ticks<float> {
   using Output = palpate_output_f32;
   using Ledger = palpate_ledger_f32;
   static constexpr auto make = palpate_contact_f32_new;
+  static constexpr auto place = palpate_contact_f32_place;
   static constexpr auto free = palpate_contact_f32_free;
   static Sample sample_at(float device_position) noexcept { return palpate_sample_f32_at(device_position); }
   static constexpr auto step = palpate_contact_f32_step;
@@ -134,10 +154,15 @@ class BasicContact {
 
   /* Throws Error where a parameter is outside its range. */
   BasicContact(const palpate_contact_params &params, const palpate_loop_params &loop) {
-    if (palpate_abi_version() != PALPATE_ABI_VERSION) {
-      throw Error(PALPATE_STATUS_STRUCT_SIZE, "this program was compiled with another palpate.h than the library has");
-    }
+    detail::check_version();
     detail::check(Ticks::make(&params, &loop, &contact_));
+  }
+
+  /* The same in memory of the caller's, which stays as long as the contact: PALPATE_CONTACT_SIZE_MAX bytes at a multiple of
+     PALPATE_CONTACT_ALIGN_MAX are enough. */
+  BasicContact(span<unsigned char> memory, const palpate_contact_params &params, const palpate_loop_params &loop) {
+    detail::check_version();
+    detail::check(Ticks::place(memory.data(), memory.size(), &params, &loop, &contact_));
   }
 
   BasicContact(BasicContact &&other) noexcept : contact_(std::exchange(other.contact_, nullptr)) {}
@@ -205,9 +230,7 @@ class World {
  public:
   /* Throws Error where the scene cannot be read or rendered; every default without `params`. */
   explicit World(const std::string &path, const palpate_world_params &params = palpate_world_params_default()) {
-    if (palpate_abi_version() != PALPATE_ABI_VERSION) {
-      throw Error(PALPATE_STATUS_STRUCT_SIZE, "this program was compiled with another palpate.h than the library has");
-    }
+    detail::check_version();
     detail::check(palpate_world_open(path.c_str(), &params, &world_));
   }
 
@@ -223,17 +246,21 @@ class World {
 
   ~World() { palpate_world_free(world_); }
 
-  /* One tick: a pose of each device in, what it is to hold out. Why there is no force, where there is none. */
-  palpate_fault step(const palpate_pose *poses, palpate_wrench *wrenches) noexcept {
-    const std::size_t devices = device_count();
-    const palpate_world_sample sample = palpate_world_sample_at(poses, devices);
-    return step(sample, wrenches, devices, nullptr);
+  /* One tick: a pose of each device in, what it is to hold out. Why there is no force, where there is none; another number of
+     poses or wrenches than of devices is PALPATE_FAULT_ARGUMENT. */
+  palpate_fault step(span<const palpate_pose> poses, span<palpate_wrench> wrenches) noexcept {
+    return step(world_sample(poses), wrenches, nullptr);
+  }
+
+  /* The same of a world of one device. */
+  palpate_fault step(const palpate_pose &pose, palpate_wrench &wrench) noexcept {
+    return step(span<const palpate_pose>(&pose, 1), span<palpate_wrench>(&wrench, 1));
   }
 
   /* One tick, with all that goes in and, where `output` is not null, all that comes out. */
-  palpate_fault step(const palpate_world_sample &sample, palpate_wrench *wrenches, std::size_t count,
+  palpate_fault step(const palpate_world_sample &sample, span<palpate_wrench> wrenches,
                      palpate_world_output *output) noexcept {
-    return palpate_world_step(world_, &sample, wrenches, count, output);
+    return palpate_world_step(world_, &sample, wrenches.data(), wrenches.size(), output);
   }
 
   /* What was really sent to a device for the last tick. */
@@ -253,6 +280,13 @@ class World {
     palpate_body_state state = palpate_body_state_empty();
     detail::check(palpate_world_body_state(world_, body, &state));
     return state;
+  }
+
+  /* The same of the first bodies of the scene, as many as `states` has room for. Throws Error where there are fewer. */
+  void bodies(span<palpate_body_state> states) const {
+    for (std::size_t body = 0; body < states.size(); body++) {
+      states[body] = this->body(body);
+    }
   }
 
   /* The sums of the books up to the last sample. */

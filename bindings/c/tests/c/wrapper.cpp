@@ -28,13 +28,13 @@ static void worlds(const char *path) {
   EXPECT(first.period() == 0.001);
   palpate_pose pose = {{-0.0265, 0.003, 0.01}, {1.0, 0.0, 0.0, 0.0}};
   palpate_wrench wrench;
-  EXPECT(first.step(&pose, &wrench) == PALPATE_FAULT_NONE && wrench.force[0] == 0.0);
+  EXPECT(first.step(pose, wrench) == PALPATE_FAULT_NONE && wrench.force[0] == 0.0);
   palpate::World second(std::move(first));
   wrench.force[0] = 1.0;
-  EXPECT(first.step(&pose, &wrench) == PALPATE_FAULT_ARGUMENT);
+  EXPECT(first.step(pose, wrench) == PALPATE_FAULT_ARGUMENT);
   for (int tick = 0; tick < 400; tick++) {
     pose.position[0] = -0.0265 + 5e-5 * tick;
-    EXPECT(second.step(&pose, &wrench) == PALPATE_FAULT_NONE);
+    EXPECT(second.step(pose, wrench) == PALPATE_FAULT_NONE);
   }
   EXPECT(wrench.force[0] < -0.01 && second.body(0).pose.position[0] > 0.005);
   EXPECT(second.ledger().dissipated > 0.0);

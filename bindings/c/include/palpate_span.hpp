@@ -1,0 +1,112 @@
+/*
+ * An array that somebody else owns: where it begins and how long it is. For C++17, which has no std::span; where there is
+ * one, each turns into the other.
+ *
+ * License: MIT OR Apache-2.0
+ */
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <iterator>
+#include <type_traits>
+#include <utility>
+
+#if defined(__has_include)
+#if __has_include(<version>)
+#include <version>
+#endif
+#endif
+#if defined(__cpp_lib_ranges)
+#include <ranges>
+#endif
+
+namespace palpate {
+
+template <typename T>
+class span;
+
+namespace detail {
+
+/* Whether elements at a `From *` are those of an array of `To`: the same type, perhaps made const. */
+template <typename From, typename To>
+inline constexpr bool is_element_v = std::is_convertible_v<From (*)[], To (*)[]>;
+
+template <typename Container>
+inline constexpr bool is_span_v = false;
+template <typename T>
+inline constexpr bool is_span_v<span<T>> = true;
+
+/* Whether `Container` has its elements in one array of `T`: a vector, a string, a std::span. */
+template <typename Container, typename T, typename = void>
+inline constexpr bool is_array_of_v = false;
+template <typename Container, typename T>
+inline constexpr bool is_array_of_v<Container, T,
+                                    std::void_t<decltype(std::data(std::declval<Container &>())),
+                                                decltype(std::size(std::declval<Container &>()))>> =
+    !is_span_v<std::remove_cv_t<Container>> && !std::is_array_v<Container> &&
+    is_element_v<std::remove_pointer_t<decltype(std::data(std::declval<Container &>()))>, T>;
+
+}  // namespace detail
+
+/* `size()` elements from `data()` on. It owns nothing: the array has to stay as long as the span is used. Copying it copies
+   no element. An empty one may have no array at all. */
+template <typename T>
+class span {
+ public:
+  using element_type = T;
+  using value_type = std::remove_cv_t<T>;
+  using size_type = std::size_t;
+  using difference_type = std::ptrdiff_t;
+  using pointer = T *;
+  using reference = T &;
+  using iterator = T *;
+
+  constexpr span() noexcept = default;
+
+  /* `size` elements from `data` on. */
+  constexpr span(T *data, std::size_t size) noexcept : data_(data), size_(size) {}
+
+  /* The whole of an array. */
+  template <std::size_t N>
+  constexpr span(T (&array)[N]) noexcept : data_(array), size_(N) {}
+
+  /* The whole of what has its elements in one array: std::array, std::vector, std::span. */
+  template <typename Container, std::enable_if_t<detail::is_array_of_v<Container, T>, int> = 0>
+  constexpr span(Container &container) noexcept : data_(std::data(container)), size_(std::size(container)) {}
+
+  /* The same of one that is const or will go at the end of the call: to be read only. */
+  template <typename Container, std::enable_if_t<detail::is_array_of_v<const Container, T>, int> = 0>
+  constexpr span(const Container &container) noexcept : data_(std::data(container)), size_(std::size(container)) {}
+
+  /* The same elements, to be read only. */
+  template <typename Other, std::enable_if_t<!std::is_same_v<Other, T> && detail::is_element_v<Other, T>, int> = 0>
+  constexpr span(const span<Other> &other) noexcept : data_(other.data()), size_(other.size()) {}
+
+  constexpr T *data() const noexcept { return data_; }
+  constexpr std::size_t size() const noexcept { return size_; }
+  constexpr bool empty() const noexcept { return size_ == 0; }
+  constexpr T *begin() const noexcept { return data_; }
+  constexpr T *end() const noexcept { return data_ + size_; }
+
+  /* An element that there is: as of an array, nobody checks `place`. */
+  constexpr T &operator[](std::size_t place) const noexcept { return data_[place]; }
+
+  /* The first `count` elements, of which there are so many. */
+  constexpr span first(std::size_t count) const noexcept { return span(data_, count); }
+
+  /* Those from `from` on, up to which there are so many. */
+  constexpr span subspan(std::size_t from) const noexcept { return span(data_ + from, size_ - from); }
+
+ private:
+  T *data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+}  // namespace palpate
+
+#if defined(__cpp_lib_ranges)
+/* So that a std::span can be made of one that goes at the end of the call: it owns nothing. */
+template <typename T>
+inline constexpr bool std::ranges::enable_borrowed_range<palpate::span<T>> = true;
+#endif
