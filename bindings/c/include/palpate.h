@@ -34,6 +34,11 @@
 #define PALPATE_CONTACT_F32_SIZE_MAX 2048
 
 /*
+ `first_body` and `second_body` where that is a device.
+ */
+#define PALPATE_NO_BODY UINT32_MAX
+
+/*
  `fault_device` where the fault is none of one device.
  */
 #define PALPATE_NO_DEVICE UINT32_MAX
@@ -67,7 +72,7 @@ enum palpate_status
    */
   PALPATE_STATUS_SETTING = 4,
   /*
-   What runs cannot change to that: another period, another side of the device.
+   What runs cannot change to that: another period, another side of the device, other devices, a body that cannot be so.
    */
   PALPATE_STATUS_CHANGE = 5,
   /*
@@ -196,6 +201,39 @@ enum palpate_fault
 typedef enum palpate_fault palpate_fault;
 #else
 typedef uint32_t palpate_fault;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/*
+ Whether two surfaces touch at a point, and how.
+ */
+enum palpate_touch
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /*
+   Apart.
+   */
+  PALPATE_TOUCH_FREE = 0,
+  /*
+   They touch, and friction holds, or there is none.
+   */
+  PALPATE_TOUCH_STICKS = 1,
+  /*
+   They touch, and slide.
+   */
+  PALPATE_TOUCH_SLIDES = 2,
+  /*
+   They overlap but do not push: they part faster than the material follows.
+   */
+  PALPATE_TOUCH_PARTS = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum palpate_touch palpate_touch;
+#else
+typedef uint32_t palpate_touch;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -357,6 +395,80 @@ typedef uint32_t palpate_limit;
 #endif // __cplusplus
 
 /*
+ The kind of a shape.
+ */
+enum palpate_shape_kind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /*
+   A sphere of `radius`; of a tool, a point with radius 0.
+   */
+  PALPATE_SHAPE_KIND_SPHERE = 0,
+  /*
+   All that is behind a plane across `normal`, `offset` along it; for fixed bodies.
+   */
+  PALPATE_SHAPE_KIND_HALF_SPACE = 1,
+  /*
+   A block of `half_extents`.
+   */
+  PALPATE_SHAPE_KIND_BOX = 2,
+  /*
+   All within `radius` of a segment of 2 `half_length` along z.
+   */
+  PALPATE_SHAPE_KIND_CAPSULE = 3,
+  /*
+   A cylinder of `radius` and a length of 2 `half_length` along z.
+   */
+  PALPATE_SHAPE_KIND_CYLINDER = 4,
+  /*
+   The triangles `faces` between `points`; for bodies.
+   */
+  PALPATE_SHAPE_KIND_MESH = 5,
+  /*
+   The convex hull of `points`; for bodies.
+   */
+  PALPATE_SHAPE_KIND_HULL = 6,
+  /*
+   A sphere of `radius` at each of `points`; for tools.
+   */
+  PALPATE_SHAPE_KIND_SPHERES = 7,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum palpate_shape_kind palpate_shape_kind;
+#else
+typedef uint32_t palpate_shape_kind;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/*
+ What a joint lets a body do.
+ */
+enum palpate_joint
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /*
+   Turn about the axis, and nothing else.
+   */
+  PALPATE_JOINT_HINGE = 0,
+  /*
+   Slide along the axis, and nothing else.
+   */
+  PALPATE_JOINT_SLIDER = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum palpate_joint palpate_joint;
+#else
+typedef uint32_t palpate_joint;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/*
  A contact that is rendered; its ticks are in double, or in float where its name ends with f32. One thread at a
  time may use it.
  */
@@ -372,6 +484,12 @@ typedef struct palpate_contact palpate_contact;
  A recording that is being written. One thread at a time may use it.
  */
 typedef struct palpate_recorder palpate_recorder;
+
+/*
+ What a world is made of: its loop, devices, bodies, laws of contacts and joints. It renders nothing: a world is made of it,
+ or changed to it, and knows nothing of it afterwards. One thread at a time may use it.
+ */
+typedef struct palpate_scene palpate_scene;
 
 /*
  A world that is rendered. One thread at a time may use it.
@@ -953,6 +1071,259 @@ typedef struct palpate_wrench {
 } palpate_wrench;
 
 /*
+ The loop of a scene, and what methods have for settings. palpate_scene_params_default() fills it.
+ */
+typedef struct palpate_scene_params {
+  /*
+   Size of this struct; palpate_scene_params_default() sets it.
+   */
+  size_t struct_size;
+  /*
+   Nominal time from sample to sample, above 0 [s]. It has no default.
+   */
+  double period;
+  /*
+   Time from a sample to the moment at which its command begins to act, not below 0 [s]. Default: 0.
+   */
+  double delay;
+  /*
+   Time constant of a first-order lag after it, not below 0 [s]. Default: 0.
+   */
+  double lag;
+  /*
+   Delivered over commanded force, above 0. Default: 1.
+   */
+  double gain;
+  /*
+   Damping of the methods that damp [N s/m]; 0, the default: not said.
+   */
+  double damping;
+  /*
+   The same of turning [N m s/rad].
+   */
+  double rotational_damping;
+  /*
+   Stiffness of virtual-coupling and god-object [N/m]; 0, the default: not said.
+   */
+  double coupling_stiffness;
+  /*
+   Mass of the avatar of virtual-coupling [kg]; 0, the default: not said.
+   */
+  double coupling_mass;
+  /*
+   The stiffness of its turning [N m/rad].
+   */
+  double coupling_rotational_stiffness;
+  /*
+   The moment of inertia of its avatar [kg m^2].
+   */
+  double coupling_inertia;
+} palpate_scene_params;
+
+/*
+ A device, as the renderer is told it. palpate_device_params_default() fills it.
+ */
+typedef struct palpate_device_params {
+  /*
+   Size of this struct; palpate_device_params_default() sets it.
+   */
+  size_t struct_size;
+  /*
+   Effective mass along each axis, above 0 [kg]; a factor of 2 is near enough. It has no default.
+   */
+  double mass[3];
+  /*
+   Quantum of the position sensor along each axis, not below 0 [m]. Default: 0.
+   */
+  double quantum[3];
+  /*
+   Of a device of six axes, its moments of inertia along the tool's axes, above 0 [kg m^2].
+   */
+  double inertia[3];
+  /*
+   Of a device of six axes, the quantum of its angles, not below 0 [rad]. Default: 0.
+   */
+  double angle_quantum;
+  /*
+   1: a device of six axes. 0, the default: one of three.
+   */
+  uint32_t turns;
+  /*
+   0.
+   */
+  uint32_t reserved;
+} palpate_device_params;
+
+/*
+ A shape, in the own axes of the tool or body that has it. palpate_shape_default() fills it. Arrays are copied by the calls
+ that take a shape.
+ */
+typedef struct palpate_shape {
+  /*
+   Size of this struct; palpate_shape_default() sets it.
+   */
+  size_t struct_size;
+  /*
+   One of palpate_shape_kind. Default: PALPATE_SHAPE_KIND_SPHERE.
+   */
+  uint32_t kind;
+  /*
+   0.
+   */
+  uint32_t reserved;
+  /*
+   Radius [m]. Default: 0.
+   */
+  double radius;
+  /*
+   Half of the length of a capsule's segment or a cylinder [m].
+   */
+  double half_length;
+  /*
+   Half of a block's length along each axis [m].
+   */
+  double half_extents[3];
+  /*
+   Out of a half-space, of any length above 0. Default: z.
+   */
+  double normal[3];
+  /*
+   Where a half-space's surface is along its normal [m].
+   */
+  double offset;
+  /*
+   Points of a mesh or hull, or centres of spheres: three numbers for each [m].
+   */
+  const double *points;
+  /*
+   How many they are.
+   */
+  size_t point_count;
+  /*
+   Triangles of a mesh: the places of three points for each, in turn to the left as they are seen from outside.
+   */
+  const uint32_t *faces;
+  /*
+   How many they are.
+   */
+  size_t face_count;
+} palpate_shape;
+
+/*
+ A body. palpate_body_params_default() fills it.
+ */
+typedef struct palpate_body_params {
+  /*
+   Size of this struct; palpate_body_params_default() sets it.
+   */
+  size_t struct_size;
+  /*
+   Where it is at the start, and how it is turned: of a body that moves, its centre of mass. Default: the origin.
+   */
+  struct palpate_pose pose;
+  /*
+   Mass, above 0 [kg]. INFINITY, the default: a fixed body, which has no velocity and takes no force.
+   */
+  double mass;
+  /*
+   Moments of inertia about the centre of mass along its own axes [kg m^2]. All 0, the default: of its shape, filled evenly.
+   */
+  double inertia[3];
+  /*
+   Velocity of the centre of mass at the start [m/s]. Default: 0.
+   */
+  double velocity[3];
+  /*
+   Angular velocity at the start along the world's axes [rad/s]. Default: 0.
+   */
+  double angular_velocity[3];
+  /*
+   A constant force at the centre of mass, its weight for instance [N]. Default: 0.
+   */
+  double force[3];
+} palpate_body_params;
+
+/*
+ The law of a contact: how two surfaces push each other where they overlap, and rub. palpate_contact_law_default() fills it.
+ */
+typedef struct palpate_contact_law {
+  /*
+   Size of this struct; palpate_contact_law_default() sets it.
+   */
+  size_t struct_size;
+  /*
+   Stiffness, above 0 [N/m]. It has no default.
+   */
+  double stiffness;
+  /*
+   Material damping, not below 0 [N s/m]. Default: 0.
+   */
+  double damping;
+  /*
+   Coefficient of friction, not below 0. Default: 0.
+   */
+  double friction;
+  /*
+   Stiffness of the bristle by which they rub [N/m]. 0, the default: `stiffness`.
+   */
+  double friction_stiffness;
+} palpate_contact_law;
+
+/*
+ A joint: a bearing of springs, stiff in all directions but one. palpate_joint_params_default() fills it.
+ */
+typedef struct palpate_joint_params {
+  /*
+   Size of this struct; palpate_joint_params_default() sets it.
+   */
+  size_t struct_size;
+  /*
+   One of palpate_joint.
+   */
+  uint32_t kind;
+  /*
+   1: it has stops at `limits`. 0, the default: none.
+   */
+  uint32_t has_limits;
+  /*
+   The middle of the bearing, in world axes as the bodies stand when a world is made or changed [m].
+   */
+  double point[3];
+  /*
+   Along its axis, of any length above 0. Default: z.
+   */
+  double axis[3];
+  /*
+   Stiffness against what it does not let pass, above 0 [N/m]. It has no default.
+   */
+  double stiffness;
+  /*
+   The same of damping, not below 0 [N s/m]. Default: 0.
+   */
+  double damping;
+  /*
+   Length of the bearing, above 0 [m]. It has no default.
+   */
+  double span;
+  /*
+   Stiffness of a spring along or about the axis, not below 0 [N/m], of a hinge [N m/rad]. Default: 0.
+   */
+  double spring;
+  /*
+   Where that spring is relaxed [m], of a hinge [rad]. Default: 0, as the bodies stand.
+   */
+  double rest;
+  /*
+   Damping along or about the axis, not below 0 [N s/m], of a hinge [N m s/rad]. Default: 0.
+   */
+  double along_damping;
+  /*
+   Where its stops are [m], of a hinge [rad].
+   */
+  double limits[2];
+} palpate_joint_params;
+
+/*
  How a world is rendered, where that is not as its scene says. palpate_world_params_default() fills it.
  */
 typedef struct palpate_world_params {
@@ -1001,6 +1372,82 @@ typedef struct palpate_body_state {
    */
   double angular_velocity[3];
 } palpate_body_state;
+
+/*
+ A point at which two can touch, at the last sample. palpate_contact_state_empty() makes one to be filled.
+ */
+typedef struct palpate_contact_state {
+  /*
+   Size of this struct; palpate_contact_state_empty() sets it.
+   */
+  size_t struct_size;
+  /*
+   Place of the device of the first of the two; PALPATE_NO_DEVICE where it is a body.
+   */
+  uint32_t first_device;
+  /*
+   Place of the body of the first; PALPATE_NO_BODY where it is a device.
+   */
+  uint32_t first_body;
+  /*
+   The same of the second.
+   */
+  uint32_t second_device;
+  /*
+   The same of the second.
+   */
+  uint32_t second_body;
+  /*
+   Whether they touch, and how.
+   */
+  palpate_touch touch;
+  /*
+   0.
+   */
+  uint32_t reserved;
+  /*
+   Where the force acts [m].
+   */
+  double point[3];
+  /*
+   Unit vector from the second to the first.
+   */
+  double normal[3];
+  /*
+   Force on the first [N].
+   */
+  double force[3];
+  /*
+   How far they overlap, 0 where they do not [m].
+   */
+  double penetration;
+} palpate_contact_state;
+
+/*
+ The tool of a device at the last sample. palpate_device_state_empty() makes one to be filled.
+ */
+typedef struct palpate_device_state {
+  /*
+   Size of this struct; palpate_device_state_empty() sets it.
+   */
+  size_t struct_size;
+  /*
+   Where the device is, by what the method knows.
+   */
+  struct palpate_pose pose;
+  /*
+   What the world meets in its place: draw the tool here.
+   */
+  struct palpate_pose avatar;
+  /*
+   Velocity of the device [m/s].
+   */
+  double velocity[3];
+  /*
+   Velocity of its avatar [m/s].
+   */
+  double avatar_velocity[3];
+} palpate_device_state;
 
 /*
  Sums of a world's books up to the last sample. palpate_world_ledger_empty() makes one to be filled.
@@ -1423,6 +1870,219 @@ palpate_status palpate_recorder_world_tick(struct palpate_recorder *recorder,
                                            const struct palpate_wrench *sent);
 
 /*
+ Makes an empty scene, to be freed by palpate_scene_free, and puts it into `*scene`; NULL on an error. It has no devices, no
+ bodies, no laws and no joints yet.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_scene_new(const struct palpate_scene_params *params,
+                                 struct palpate_scene **scene);
+
+/*
+ Makes the scene of a scene file of format 2, to be changed by calls. The rest is as for palpate_scene_new and
+ palpate_world_open.
+
+ # Safety
+ Each pointer is NULL or to what its type says.
+ */
+palpate_status palpate_scene_open(const char *path, struct palpate_scene **scene);
+
+/*
+ Frees a scene; worlds that were made of it stay. NULL is left alone.
+
+ # Safety
+ `scene` is NULL or a scene, and is not used afterwards.
+ */
+void palpate_scene_free(struct palpate_scene *scene);
+
+/*
+ Adds a device and the shape of its tool: a sphere, several spheres, a box or a capsule. Its place in the scene, which
+ samples and wrenches go by, is that of the call. A name may not be "", "*" or "world", nor that of another device or body.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_scene_add_device(struct palpate_scene *scene,
+                                        const char *name,
+                                        const struct palpate_device_params *params,
+                                        const struct palpate_shape *shape);
+
+/*
+ Adds a body. Its place is that of the call, as long as none before it is removed.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_scene_add_body(struct palpate_scene *scene,
+                                      const char *name,
+                                      const struct palpate_body_params *params,
+                                      const struct palpate_shape *shape);
+
+/*
+ Puts what the scene says of a body into `*params`: of a body that moves and is a mesh or hull, its centre of mass.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_scene_body(struct palpate_scene *scene,
+                                  const char *name,
+                                  struct palpate_body_params *params);
+
+/*
+ Says another thing of a body. `shape` may be NULL: it keeps its own. On an error it stays as it was.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_scene_set_body(struct palpate_scene *scene,
+                                      const char *name,
+                                      const struct palpate_body_params *params,
+                                      const struct palpate_shape *shape);
+
+/*
+ Takes a body out, with its joints and with the laws that name it. The bodies behind it go down by one place.
+
+ # Safety
+ Each pointer is NULL or to what its type says.
+ */
+palpate_status palpate_scene_remove_body(struct palpate_scene *scene, const char *name);
+
+/*
+ Number of bodies of the scene; 0 where `scene` is NULL.
+
+ # Safety
+ `scene` is NULL or a scene.
+ */
+size_t palpate_scene_body_count(struct palpate_scene *scene);
+
+/*
+ Number of devices of the scene; 0 where `scene` is NULL.
+
+ # Safety
+ `scene` is NULL or a scene.
+ */
+size_t palpate_scene_device_count(struct palpate_scene *scene);
+
+/*
+ Lets two touch by a law, in place of the one that they had: devices and bodies by their names, or "*" for all. A law between
+ two names goes before one between a name and "*", which goes before one between "*" and "*". A pair without a law does not
+ touch.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_scene_set_law(struct palpate_scene *scene,
+                                     const char *one,
+                                     const char *other,
+                                     const struct palpate_contact_law *law);
+
+/*
+ Puts the law between two into `*law`: the one of just these names, or of "*".
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_scene_law(struct palpate_scene *scene,
+                                 const char *one,
+                                 const char *other,
+                                 struct palpate_contact_law *law);
+
+/*
+ Takes a law out: the one between just these names, or of "*".
+
+ # Safety
+ Each pointer is NULL or to what its type says.
+ */
+palpate_status palpate_scene_remove_law(struct palpate_scene *scene, const char *one, const char *other);
+
+/*
+ Adds a joint of a body with another one, or with the world where `against` is NULL. Its place is that of the call, as long
+ as none before it is removed.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_scene_add_joint(struct palpate_scene *scene,
+                                       const char *body,
+                                       const char *against,
+                                       const struct palpate_joint_params *params);
+
+/*
+ Says another thing of a joint between the same two. On an error it stays as it was.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_scene_set_joint(struct palpate_scene *scene,
+                                       size_t joint,
+                                       const struct palpate_joint_params *params);
+
+/*
+ Takes a joint out. The joints behind it go down by one place.
+
+ # Safety
+ `scene` is NULL or a scene.
+ */
+palpate_status palpate_scene_remove_joint(struct palpate_scene *scene, size_t joint);
+
+/*
+ Number of joints of the scene; 0 where `scene` is NULL.
+
+ # Safety
+ `scene` is NULL or a scene.
+ */
+size_t palpate_scene_joint_count(struct palpate_scene *scene);
+
+/*
+ Fills parameters of a scene with the defaults. `struct_size` is sizeof(palpate_scene_params).
+
+ # Safety
+ `params` is NULL, or `struct_size` bytes can be written there.
+ */
+palpate_status palpate_scene_params_init(struct palpate_scene_params *params, size_t struct_size);
+
+/*
+ Fills parameters of a device with the defaults. `struct_size` is sizeof(palpate_device_params).
+
+ # Safety
+ `params` is NULL, or `struct_size` bytes can be written there.
+ */
+palpate_status palpate_device_params_init(struct palpate_device_params *params, size_t struct_size);
+
+/*
+ Fills parameters of a body with the defaults. `struct_size` is sizeof(palpate_body_params).
+
+ # Safety
+ `params` is NULL, or `struct_size` bytes can be written there.
+ */
+palpate_status palpate_body_params_init(struct palpate_body_params *params, size_t struct_size);
+
+/*
+ Fills the law of a contact with the defaults. `struct_size` is sizeof(palpate_contact_law).
+
+ # Safety
+ `law` is NULL, or `struct_size` bytes can be written there.
+ */
+palpate_status palpate_contact_law_init(struct palpate_contact_law *law, size_t struct_size);
+
+/*
+ Fills parameters of a joint with the defaults. `struct_size` is sizeof(palpate_joint_params).
+
+ # Safety
+ `params` is NULL, or `struct_size` bytes can be written there.
+ */
+palpate_status palpate_joint_params_init(struct palpate_joint_params *params, size_t struct_size);
+
+/*
+ Fills a shape with the defaults. `struct_size` is sizeof(palpate_shape).
+
+ # Safety
+ `shape` is NULL, or `struct_size` bytes can be written there.
+ */
+palpate_status palpate_shape_init(struct palpate_shape *shape, size_t struct_size);
+
+/*
  Makes the world of a scene file of format 2, to be freed by palpate_world_free, and puts it into `*world`; NULL on
  an error. Files of meshes are looked for beside the scene. `params` may be NULL: every default.
 
@@ -1446,12 +2106,89 @@ palpate_status palpate_world_new(const char *scene,
                                  struct palpate_world **world);
 
 /*
+ Makes the world of a scene, to be freed by palpate_world_free, and puts it into `*world`; NULL on an error. The scene stays as
+ it is, and what becomes of it does not change the world. `params` may be NULL: every default.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_world_of_scene(struct palpate_scene *scene,
+                                      const struct palpate_world_params *params,
+                                      struct palpate_world **world);
+
+/*
  Frees a world. NULL is left alone.
 
  # Safety
  `world` is NULL or a world, and is not used afterwards.
  */
 void palpate_world_free(struct palpate_world *world);
+
+/*
+ Goes on with another scene from the next tick on. What is there by its name already goes on from where it is, as it moves:
+ what the scene says of its place and velocity is not looked at, but its shape, mass and force, and whether it is fixed, are
+ those of the scene. What has another name begins as the scene says, and what is not in the scene is gone. Laws are those of
+ the scene. A joint of the same bodies, kind, point, axis and span goes on too; another one begins as the bodies stand. Devices
+ have to be the same, in the same order, but for the shapes of their tools; method, period, limits, and what is told of the
+ devices stay as they are. On an error all is as it was.
+
+ What the devices are held by passes over in 0.1 s, without a step; the energy of the change is booked as outside work. It
+ takes memory, as making a world does, and so long: a tick does not. The places of bodies may be other ones afterwards, names
+ that were given are gone, and recorders of the world are to be closed.
+
+ # Safety
+ Each pointer is NULL or to what its type says.
+ */
+palpate_status palpate_world_change(struct palpate_world *world,
+                                    struct palpate_scene *scene);
+
+/*
+ Puts a body elsewhere from the next tick on, and gives it the velocities of `state`; a fixed one has none. `body` is its
+ place. What the devices are held by passes over in 0.1 s, without a step; the energy of it is booked as outside work. It
+ takes no memory, so the thread of the loop can call it between two ticks. On an error all is as it was.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_world_place(struct palpate_world *world,
+                                   size_t body,
+                                   const struct palpate_body_state *state);
+
+/*
+ Puts the place of the body of that name into `*body`; it holds until the world is changed.
+
+ # Safety
+ Each pointer is NULL or to what its type says.
+ */
+palpate_status palpate_world_body_named(const struct palpate_world *world, const char *name, size_t *body);
+
+/*
+ Number of points at which two of the world can touch, whether they do or not; 0 where `world` is NULL.
+
+ # Safety
+ `world` is NULL or a world.
+ */
+size_t palpate_world_contact_count(const struct palpate_world *world);
+
+/*
+ Puts what a point of contact does into `*state`. `contact` is its place, from 0; a world that is changed has other ones.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_world_contact_state(const struct palpate_world *world,
+                                           size_t contact,
+                                           struct palpate_contact_state *state);
+
+/*
+ Puts where the tool of a device is into `*state`. `device` is its place in the scene.
+
+ # Safety
+ Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+ */
+palpate_status palpate_world_device_state(const struct palpate_world *world,
+                                          size_t device,
+                                          struct palpate_device_state *state);
 
 /*
  Fills parameters of a world with the defaults. `struct_size` is sizeof(palpate_world_params).
@@ -1495,12 +2232,13 @@ uint32_t palpate_world_device_turns(const struct palpate_world *world, size_t de
 size_t palpate_world_body_count(const struct palpate_world *world);
 
 /*
- Name of a body by its place in the scene, in UTF-8; NULL where there is none. It lives as long as the world.
+ Name of a body by its place in the scene, in UTF-8; NULL where there is none. It lives until the world is changed or freed.
 
  # Safety
  `world` is NULL or a world.
  */
-const char *palpate_world_body_name(const struct palpate_world *world, size_t body);
+const char *palpate_world_body_name(const struct palpate_world *world,
+                                    size_t body);
 
 /*
  Nominal time from sample to sample [s]; 0 where `world` is NULL.
@@ -1666,6 +2404,74 @@ static inline palpate_recorded palpate_recorded_empty(void) {
 static inline palpate_body_state palpate_body_state_empty(void) {
   palpate_body_state state = {
       sizeof(palpate_body_state), {{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+  return state;
+}
+
+/* Parameters of a scene with every default: no period yet. */
+static inline palpate_scene_params palpate_scene_params_default(void) {
+  palpate_scene_params params;
+  palpate_scene_params_init(&params, sizeof params);
+  return params;
+}
+
+/* Parameters of a device with every default: three axes, no mass yet. */
+static inline palpate_device_params palpate_device_params_default(void) {
+  palpate_device_params params;
+  palpate_device_params_init(&params, sizeof params);
+  return params;
+}
+
+/* Parameters of a body with every default: fixed at the origin. */
+static inline palpate_body_params palpate_body_params_default(void) {
+  palpate_body_params params;
+  palpate_body_params_init(&params, sizeof params);
+  return params;
+}
+
+/* A shape with every default: a point. */
+static inline palpate_shape palpate_shape_default(void) {
+  palpate_shape shape;
+  palpate_shape_init(&shape, sizeof shape);
+  return shape;
+}
+
+/* A law with every default: no stiffness yet. */
+static inline palpate_contact_law palpate_contact_law_default(void) {
+  palpate_contact_law law;
+  palpate_contact_law_init(&law, sizeof law);
+  return law;
+}
+
+/* Parameters of a joint with every default: a hinge about z at the origin, no stiffness and no span yet. */
+static inline palpate_joint_params palpate_joint_params_default(void) {
+  palpate_joint_params params;
+  palpate_joint_params_init(&params, sizeof params);
+  return params;
+}
+
+/* A point of contact to be filled by palpate_world_contact_state. */
+static inline palpate_contact_state palpate_contact_state_empty(void) {
+  palpate_contact_state state = {sizeof(palpate_contact_state),
+                                 PALPATE_NO_DEVICE,
+                                 PALPATE_NO_BODY,
+                                 PALPATE_NO_DEVICE,
+                                 PALPATE_NO_BODY,
+                                 PALPATE_TOUCH_FREE,
+                                 0,
+                                 {0.0, 0.0, 0.0},
+                                 {0.0, 0.0, 0.0},
+                                 {0.0, 0.0, 0.0},
+                                 0.0};
+  return state;
+}
+
+/* A tool to be filled by palpate_world_device_state. */
+static inline palpate_device_state palpate_device_state_empty(void) {
+  palpate_device_state state = {sizeof(palpate_device_state),
+                                {{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}},
+                                {{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}},
+                                {0.0, 0.0, 0.0},
+                                {0.0, 0.0, 0.0}};
   return state;
 }
 

@@ -34,7 +34,10 @@ has!(Ledger<f32>, 48, 8, held_leak at 24);
 mod worlds {
     use core::mem::offset_of;
 
-    use crate::{BodyState, Pose, WorldLedger, WorldOutput, WorldParams, WorldSample, Wrench};
+    use crate::{
+        BodyParams, BodyState, ContactState, DeviceParams, DeviceState, JointParams, Law, Pose,
+        SceneParams, Shape, Touch, WorldLedger, WorldOutput, WorldParams, WorldSample, Wrench,
+    };
 
     const _: () = assert!(size_of::<Pose>() == 56);
     const _: () = assert!(size_of::<Wrench>() == 48);
@@ -43,4 +46,13 @@ mod worlds {
     has!(WorldOutput, 40, 8, limited at 16, left_out at 36);
     has!(BodyState, 112, 8, velocity at 64, angular_velocity at 88);
     has!(WorldLedger, 56, 8, created at 48);
+    has!(SceneParams, 88, 8, gain at 32, coupling_inertia at 80);
+    has!(DeviceParams, 96, 8, inertia at 56, turns at 88);
+    has!(BodyParams, 168, 8, mass at 64, velocity at 96, force at 144);
+    has!(Shape, 120, 8, radius at 16, normal at 56, points at 88, face_count at 112);
+    has!(Law, 40, 8, friction_stiffness at 32);
+    has!(JointParams, 128, 8, kind at 8, point at 16, stiffness at 64, limits at 112);
+    has!(ContactState, 112, 8, touch at 24, point at 32, penetration at 104);
+    has!(DeviceState, 168, 8, avatar at 64, velocity at 120);
+    const _: () = assert!(size_of::<Touch>() == 4);
 }

@@ -17,6 +17,8 @@ mod output;
 #[cfg(feature = "worlds")]
 mod recorder;
 mod sample;
+#[cfg(feature = "worlds")]
+mod scene;
 mod sized;
 mod status;
 mod text;
@@ -32,6 +34,8 @@ pub use output::*;
 #[cfg(feature = "worlds")]
 pub use recorder::*;
 pub use sample::*;
+#[cfg(feature = "worlds")]
+pub use scene::*;
 pub use status::Status;
 #[cfg(feature = "worlds")]
 pub use world::*;

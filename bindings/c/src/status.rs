@@ -18,7 +18,7 @@ pub enum Status {
     Parameter = 3,
     /// A method or a setting has another name or another value than there are.
     Setting = 4,
-    /// What runs cannot change to that: another period, another side of the device.
+    /// What runs cannot change to that: another period, another side of the device, other devices, a body that cannot be so.
     Change = 5,
     /// The memory that was given is too small or not aligned.
     Memory = 6,
@@ -74,6 +74,9 @@ pub enum Refusal<'a> {
     /// What is wrong with a scene, in words.
     #[cfg(feature = "worlds")]
     Scene(std::string::String),
+    /// What a world that runs cannot change to, in words.
+    #[cfg(feature = "worlds")]
+    WorldChange(std::string::String),
     /// What is wrong with a recording, in words.
     #[cfg(feature = "worlds")]
     Recording(std::string::String),
@@ -117,6 +120,8 @@ impl Refusal<'_> {
             Self::TooSmall { .. } | Self::NotAligned { .. } => Status::Memory,
             #[cfg(feature = "worlds")]
             Self::Scene(_) => Status::Scene,
+            #[cfg(feature = "worlds")]
+            Self::WorldChange(_) => Status::Change,
             #[cfg(feature = "worlds")]
             Self::Recording(_) => Status::Recording,
             #[cfg(feature = "worlds")]
@@ -181,7 +186,9 @@ impl fmt::Display for Refusal<'_> {
                 write!(f, "the memory must begin at a multiple of {needed} bytes")
             }
             #[cfg(feature = "worlds")]
-            Self::Scene(words) | Self::Recording(words) => f.write_str(words),
+            Self::Scene(words) | Self::WorldChange(words) | Self::Recording(words) => {
+                f.write_str(words)
+            }
             #[cfg(feature = "worlds")]
             Self::WorldNumber {
                 name,

@@ -94,6 +94,11 @@ pub struct BoundedWorld {
     wrenches: Vec<Wrench>,
     /// What is left of what was held before a change.
     fade: Fade,
+    /// The world before the last change, which says what would have been held; until the next one, since a tick frees nothing.
+    before: Option<(WorldRenderer, WorldState)>,
+    is_compared: bool,
+    /// What it asks for.
+    asked_before: Vec<Wrench>,
 }
 
 /// The answer to one sample.
@@ -123,6 +128,9 @@ impl BoundedWorld {
             safety: WorldSafety::new(tools, limits, renderer.in_loop().period)?,
             wrenches: vec![Wrench::NONE; tools],
             fade: Fade::none(tools),
+            before: None,
+            is_compared: false,
+            asked_before: vec![Wrench::NONE; tools],
             state,
             renderer,
         })
@@ -131,6 +139,7 @@ impl BoundedWorld {
     /// One tick: a sample of all tools in, what each device is to hold out. It does not allocate, lock or wait. The
     /// renderer knows of what its limits and those of the safety have taken.
     pub fn step(&mut self, sample: &Sample<'_>) -> Held<'_> {
+        let is_compared = self.is_compared && self.fade.is_settling() && self.ask_before(sample);
         let output = self.renderer.step(&mut self.state, sample);
         let (limited, effort, fault) = (output.limited, output.effort, output.fault);
         let asked = output.forces.iter().zip(output.torques);
@@ -139,7 +148,8 @@ impl BoundedWorld {
             self.fade.end();
         }
         let elapsed = sample.elapsed.unwrap_or(self.renderer.in_loop().period);
-        self.fade.answer(asked, elapsed, &mut self.wrenches);
+        let before = is_compared.then_some(&*self.asked_before);
+        self.fade.answer(asked, before, elapsed, &mut self.wrenches);
         let answered = Answered {
             elapsed: sample.elapsed,
             positions: sample.positions,
@@ -160,6 +170,19 @@ impl BoundedWorld {
         }
     }
 
+    /// What the world before the last change would have asked for; `false` where it refuses the sample.
+    fn ask_before(&mut self, sample: &Sample<'_>) -> bool {
+        let Some((renderer, state)) = &mut self.before else {
+            return false;
+        };
+        let output = renderer.step(state, sample);
+        let asked = output.forces.iter().zip(output.torques);
+        for (before, (&force, &torque)) in self.asked_before.iter_mut().zip(asked) {
+            *before = Wrench { force, torque };
+        }
+        output.fault.is_none()
+    }
+
     /// Begins anew: bodies at their start, nothing sampled, nothing sent, the books empty.
     pub fn restart(&mut self) {
         self.state = self.renderer.start();
@@ -176,24 +199,30 @@ impl BoundedWorld {
     }
 
     /// Goes on with another world between two ticks, as [`WorldRenderer::changed`] says: bodies, contacts and joints come,
-    /// go and get other numbers, and all others go on. What the devices are held by passes over in
-    /// [`CHANGE_DURATION`](crate::CHANGE_DURATION), without a step. It allocates, which a tick does not.
+    /// go and get other numbers, and all others go on. The devices are held as by the world before for three samples, which
+    /// take twice as long, and what they are held by then passes over in [`CHANGE_DURATION`](crate::CHANGE_DURATION), without
+    /// a step. It allocates, which a tick does not.
     ///
     /// # Errors
     /// Everything that is wrong with the new world; nothing is changed then.
     pub fn change(&mut self, world: &World) -> Result<(), Vec<WorldError>> {
-        (self.renderer, self.state) = self.renderer.changed(&self.state, world)?;
+        let (renderer, state) = self.renderer.changed(&self.state, world)?;
+        let renderer = std::mem::replace(&mut self.renderer, renderer);
+        let state = std::mem::replace(&mut self.state, state);
+        self.before = Some((renderer, state));
+        self.is_compared = true;
         self.fade.begin();
         Ok(())
     }
 
-    /// Puts a body elsewhere between two ticks, as [`WorldRenderer::place`] says, without a step of what the devices are
-    /// held by. It does not allocate.
+    /// Puts a body elsewhere between two ticks, as [`WorldRenderer::place`] says. What the devices are held by stays for three
+    /// samples and then passes over as after a [`change`](Self::change). It does not allocate.
     ///
     /// # Errors
     /// There is no such body, or it cannot be there; nothing is changed then.
     pub fn place(&mut self, body: usize, to: &BodyState) -> Result<(), WorldError> {
         self.renderer.place(&mut self.state, body, to)?;
+        self.is_compared = false;
         self.fade.begin();
         Ok(())
     }
@@ -312,15 +341,16 @@ mod tests {
         let mut stiffer = world.renderer().world().clone();
         stiffer.contacts[0].law = ContactLaw::spring(5000.0);
         world.change(&stiffer).expect("renderable");
-        let (mut before, mut ticks) = (1.0, 0);
-        assert_eq!(held(&mut world, 1e-3).0[2], 1.0);
-        while before < 5.0 {
-            let (force, answer) = held(&mut world, 1e-3);
-            assert!(force[2] - before < 4.0 * PERIOD / crate::CHANGE_DURATION + 1e-9);
-            assert!(answer.fault.is_none());
-            (before, ticks) = (force[2], ticks + 1);
+        for _ in 0..3 {
+            assert_eq!(held(&mut world, 1e-3).0[2], 1.0);
         }
-        assert_eq!((before, ticks), (5.0, 100));
+        for tick in 1..=100 {
+            let (force, answer) = held(&mut world, 1e-3);
+            let expected = 1.0 + 4.0 * f64::from(tick) * PERIOD / crate::CHANGE_DURATION;
+            assert!((force[2] - expected).abs() < 1e-9, "{tick}: {force:?}");
+            assert!(answer.fault.is_none());
+        }
+        assert_eq!(held(&mut world, 1e-3).0[2], 5.0);
         // The books have what was held and what was asked for.
         let books = world.state().books();
         assert!(books.contacts[0].outside > 0.0);
@@ -334,7 +364,9 @@ mod tests {
             let mut empty = world.renderer().world().clone();
             empty.bodies.clear();
             world.change(&empty).expect("renderable");
-            assert_eq!(held(&mut world, 2e-3).0[2], 2.0);
+            for _ in 0..3 {
+                assert_eq!(held(&mut world, 2e-3).0[2], 2.0);
+            }
             if is_refused {
                 assert_eq!(held(&mut world, f64::NAN).0, [0.0; 3]);
                 assert_eq!(held(&mut world, 2e-3).0, [0.0; 3]);
@@ -358,8 +390,54 @@ mod tests {
             ..world.state().bodies()[0]
         };
         world.place(0, &higher).expect("a place");
-        assert_eq!(held(&mut world, 0.0).0, [0.0; 3]);
+        for _ in 0..3 {
+            assert_eq!(held(&mut world, 0.0).0, [0.0; 3]);
+        }
         assert!((held(&mut world, 0.0).0[2] - 0.01).abs() < 1e-9);
         assert!(world.place(1, &higher).is_err());
+    }
+
+    /// Coupled rendering under a finger that rests: a change of stiffness is felt within 0.1 s, without a step.
+    #[test]
+    fn a_change_under_a_coupled_finger_does_not_step() {
+        let stiff = world(unbounded()).renderer().world().clone();
+        let method = palpate_world::CoupledParams::new(vec![[0.15; 3]]);
+        let renderer =
+            WorldRenderer::new(&stiff, WorldLoop::new(PERIOD), method).expect("renderable");
+        let mut world = BoundedWorld::new(renderer, unbounded()).expect("limits in their range");
+        for _ in 0..200 {
+            held(&mut world, 4e-3);
+        }
+        let mut before = held(&mut world, 4e-3).0[2];
+        assert!((before - 4.0).abs() < 0.1, "{before}");
+        let mut softer = stiff;
+        softer.contacts[0].law = ContactLaw::spring(100.0);
+        world.change(&softer).expect("renderable");
+        let mut steps: f64 = 0.0;
+        for _ in 0..300 {
+            let force = held(&mut world, 4e-3).0[2];
+            steps = steps.max((force - before).abs());
+            before = force;
+        }
+        assert!((before - 0.4).abs() < 0.02, "{before}");
+        assert!(steps < 0.1, "a step of {steps} N");
+    }
+
+    #[test]
+    fn a_change_far_away_is_not_felt() {
+        let (mut world, mut beside) = (world(unbounded()), world(unbounded()));
+        let mut more = world.renderer().world().clone();
+        let ball = Shape::Sphere { radius: 0.01 };
+        more.bodies.insert(
+            0,
+            Body::new("ball", ball, Motion::Fixed).at([1.0, 0.0, 0.0]),
+        );
+        for tick in 0..300 {
+            if tick == 100 {
+                world.change(&more).expect("renderable");
+            }
+            let depth = 1e-5 * f64::from(tick);
+            assert_eq!(held(&mut world, depth).0, held(&mut beside, depth).0);
+        }
     }
 }

@@ -3,13 +3,19 @@
 use palpate::CHANGE_DURATION;
 use palpate_device::Wrench;
 
+/// How many samples after a change devices are held as before it: what a method asks for in the first of them may be what it
+/// owes for an interval that began in one world and ended in another.
+const SETTLING: u32 = 3;
+
 /// What is left of what was held before a change.
 #[derive(Clone, Debug)]
 pub(crate) struct Fade {
-    /// By how much more was held before, for each device.
+    /// By how much more is to be held than is asked for, for each device, before it fades.
     more: Vec<Wrench>,
-    /// Whether it has yet to be seen.
-    is_new: bool,
+    /// The same of a change before that had not faded when this one came.
+    carried: Vec<Wrench>,
+    /// For how many samples yet the devices are held as before.
+    settling: u32,
     /// For how long yet `[s]`; 0: nothing is left.
     left: f64,
 }
@@ -18,28 +24,43 @@ impl Fade {
     pub fn none(devices: usize) -> Self {
         Self {
             more: vec![Wrench::NONE; devices],
-            is_new: false,
+            carried: vec![Wrench::NONE; devices],
+            settling: 0,
             left: 0.0,
         }
     }
 
-    /// The world was changed: the next answer is what was held before, and goes over to what is asked for.
+    /// The world was changed: the next answers are those of before, and then go over to what is asked for.
     pub fn begin(&mut self) {
-        self.is_new = true;
+        let share = self.share();
+        for (carried, more) in self.carried.iter_mut().zip(&self.more) {
+            *carried = sum(&Wrench::NONE, more, share);
+        }
+        self.settling = SETTLING;
         self.left = CHANGE_DURATION;
     }
 
     /// Nothing is left.
     pub fn end(&mut self) {
-        self.is_new = false;
+        self.settling = 0;
         self.left = 0.0;
     }
 
-    /// Puts what is asked for and what is left into `held`, which has what was held before. `elapsed` is the time since
-    /// then `[s]`.
+    /// Whether the devices are held as before.
+    pub fn is_settling(&self) -> bool {
+        self.settling > 0
+    }
+
+    fn share(&self) -> f64 {
+        (self.left / CHANGE_DURATION).clamp(0.0, 1.0)
+    }
+
+    /// Puts what is asked for and what is left into `held`, which has what was held before. `before` is what the world of
+    /// before the change asks for, where somebody knows it. `elapsed` is the time since the sample before `[s]`.
     pub fn answer(
         &mut self,
         asked: impl Iterator<Item = Wrench>,
+        before: Option<&[Wrench]>,
         elapsed: f64,
         held: &mut [Wrench],
     ) {
@@ -49,15 +70,20 @@ impl Fade {
             }
             return;
         }
-        let is_new = std::mem::take(&mut self.is_new);
-        if !is_new {
-            // A time that is refused is at least one of which nothing is known.
+        let is_settling = self.is_settling();
+        if is_settling {
+            self.settling -= 1;
+        } else {
+            // Of a time that is refused nothing is known.
             self.left -= if elapsed > 0.0 { elapsed } else { 0.0 };
         }
-        let share = (self.left / CHANGE_DURATION).clamp(0.0, 1.0);
-        for ((held, more), asked) in held.iter_mut().zip(&mut self.more).zip(asked) {
-            if is_new {
-                *more = sum(held, &asked, -1.0);
+        let share = self.share();
+        let devices = self.more.iter_mut().zip(&self.carried).enumerate();
+        for ((held, (device, (more, carried))), asked) in held.iter_mut().zip(devices).zip(asked) {
+            if is_settling {
+                let as_before = before.and_then(|before| before.get(device));
+                let reference = as_before.map_or(*held, |before| sum(before, carried, 1.0));
+                *more = sum(&reference, &asked, -1.0);
             }
             *held = sum(&asked, more, share);
         }

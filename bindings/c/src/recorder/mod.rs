@@ -38,6 +38,8 @@ enum Of {
     Contact,
     World {
         rows: WorldRows,
+        /// How often the world had been changed.
+        changes: u64,
         /// Place in the scene of the device that is recorded.
         device: usize,
     },
@@ -140,12 +142,20 @@ pub unsafe extern "C" fn palpate_recorder_of_device(
 
 /// What the receipt of a recording says of a world, and what is recorded of it.
 fn of_device(receipt: Receipt, world: &World, device: usize) -> (Receipt, Of) {
+    let receipt = match &world.source {
+        Some(source) => receipt.with("world", source),
+        // No text says it.
+        None => receipt,
+    };
     let receipt = receipt
-        .with("world", &world.source)
         .with("method", &format!("name = \"{}\"\n", world.method))
         .with("frame", &WorldFrame::the_same().to_string());
-    let rows = world.rows.clone();
-    (receipt, Of::World { rows, device })
+    let of = Of::World {
+        rows: world.rows.clone(),
+        changes: world.changes,
+        device,
+    };
+    (receipt, of)
 }
 
 /// Begins a recording of what `of` says, with the receipt that it gives.

@@ -100,9 +100,18 @@ pub unsafe extern "C" fn palpate_recorder_world_tick(
         let output = unsafe { sized::read(output.cast::<WorldAnswer>()) }?;
         // SAFETY: as the caller says.
         let sent = unsafe { sent.as_ref() }.ok_or(Refusal::Null("sent"))?;
-        let Of::World { device, .. } = recorder.of else {
+        let Of::World {
+            device, changes, ..
+        } = recorder.of
+        else {
             return Err(other("contact", "world"));
         };
+        if changes != world.changes {
+            return Err(Refusal::Recording(
+                "the world was changed since the recorder was made, and has other bodies: close it, and make another one"
+                    .into(),
+            ));
+        }
         let Some(of_device) = world.devices.get(device) else {
             return Err(Refusal::Index {
                 name: "the device of the recorder",

@@ -1,11 +1,15 @@
 //! Worlds behind a handle: several devices, bodies and contacts in space.
 
+mod change;
+mod contacts;
 mod output;
 mod params;
 mod sample;
 mod state;
 mod step;
 
+pub use change::*;
+pub use contacts::*;
 pub use output::*;
 pub use params::*;
 pub use sample::*;
@@ -18,10 +22,11 @@ use std::ffi::CString;
 use std::fs;
 
 use palpate_rt::{BoundedWorld, WorldRows};
-use palpate_scene::world::WorldFile;
+use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_world::{NOT_TURNED, Quaternion, Vector, WorldError};
 
 use crate::edge::status;
+use crate::scene::{self, Scene};
 use crate::status::{Refusal, Status};
 use crate::text;
 
@@ -30,9 +35,11 @@ pub struct World {
     pub(crate) bounded: BoundedWorld,
     pub(crate) devices: Vec<Device>,
     pub(crate) bodies: Vec<CString>,
-    /// For recordings: the text of the scene, the method,
-    pub(crate) source: String,
+    /// For recordings: the text of the scene, if one says the world, the method,
+    pub(crate) source: Option<String>,
     pub(crate) method: String,
+    /// how often it was changed,
+    pub(crate) changes: u64,
     /// and room for what they have of a tick.
     pub(crate) rows: WorldRows,
     /// Room for the sample of a tick: positions [m],
@@ -113,46 +120,80 @@ unsafe fn make<'a>(
         let (name, text) = source()?;
         let file =
             WorldFile::parse(&name, &text).map_err(|errors| Refusal::Scene(errors.to_string()))?;
-        *out = Box::into_raw(Box::new(World::new(&file, text, &asked)?));
+        let words = |faults: &[WorldError]| in_words(&file, faults, asked.method.is_some());
+        let world = World::new(&file.scene, Some(text), &asked, words)?;
+        *out = Box::into_raw(Box::new(world));
+        Ok(())
+    })
+}
+
+/// Makes the world of a scene, to be freed by palpate_world_free, and puts it into `*world`; NULL on an error. The scene stays as
+/// it is, and what becomes of it does not change the world. `params` may be NULL: every default.
+///
+/// # Safety
+/// Each pointer is NULL or to what its type says; structs have the sizes that they begin with.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn palpate_world_of_scene(
+    scene: *mut Scene,
+    params: *const WorldParams,
+    world: *mut *mut World,
+) -> Status {
+    status(|| {
+        // SAFETY: NULL, or a pointer can be written there.
+        let out = unsafe { world.as_mut() }.ok_or(Refusal::Null("world"))?;
+        *out = ptr::null_mut();
+        // SAFETY: as the caller says.
+        let (scene, asked) = unsafe { (scene::at(scene)?, Asked::at(params)?) };
+        let source = scene.source.clone();
+        let world = World::new(&scene.scene, source, &asked, scene::in_words)?;
+        *out = Box::into_raw(Box::new(world));
         Ok(())
     })
 }
 
 impl World {
-    fn new<'a>(file: &WorldFile, source: String, asked: &Asked) -> Result<Self, Refusal<'a>> {
-        let mut scene = file.scene.clone();
+    fn new<'a>(
+        scene: &WorldScene,
+        source: Option<String>,
+        asked: &Asked,
+        in_words: impl FnOnce(&[WorldError]) -> String,
+    ) -> Result<Self, Refusal<'a>> {
+        let mut scene = scene.clone();
         let limits = asked.limits(&mut scene.render);
         let method = asked.method.as_ref().unwrap_or(&scene.render.method);
         let renderer = scene
             .renderer(method)
-            .map_err(|faults| Refusal::Scene(in_words(file, &faults, asked.method.is_some())))?;
+            .map_err(|faults| Refusal::Scene(in_words(&faults)))?;
         let bounded = BoundedWorld::new(renderer, limits)
             .map_err(|error| Refusal::Scene(error.to_string()))?;
-        // A name in a file has no 0 in it.
-        let named = |name: &str| CString::new(name).unwrap_or_default();
         let tools = &scene.world.tools;
         Ok(Self {
             source,
             method: method.to_owned(),
+            changes: 0,
             rows: WorldRows::new(&scene.world, bounded.state()),
             bounded,
             devices: tools
                 .iter()
                 .map(|tool| Device {
-                    name: named(&tool.name),
+                    name: as_c(&tool.name),
                     turns: tool.turns,
                 })
                 .collect(),
-            bodies: scene
-                .world
-                .bodies
-                .iter()
-                .map(|body| named(&body.name))
-                .collect(),
+            bodies: names_of_bodies(&scene.world),
             positions: vec![[0.0; 3]; tools.len()],
             orientations: vec![NOT_TURNED; tools.len()],
         })
     }
+}
+
+/// A name as C has it: a name in a file or from C has no 0 in it.
+fn as_c(name: &str) -> CString {
+    CString::new(name).unwrap_or_default()
+}
+
+fn names_of_bodies(world: &palpate_world::World) -> Vec<CString> {
+    world.bodies.iter().map(|body| as_c(&body.name)).collect()
 }
 
 /// What keeps a world from being rendered, each fault in a line of its own.

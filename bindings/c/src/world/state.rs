@@ -100,7 +100,7 @@ pub unsafe extern "C" fn palpate_world_body_count(world: *const World) -> usize 
     unsafe { at(world) }.map_or(0, |world| world.bodies.len())
 }
 
-/// Name of a body by its place in the scene, in UTF-8; NULL where there is none. It lives as long as the world.
+/// Name of a body by its place in the scene, in UTF-8; NULL where there is none. It lives until the world is changed or freed.
 ///
 /// # Safety
 /// `world` is NULL or a world.
@@ -170,15 +170,15 @@ pub unsafe extern "C" fn palpate_world_ledger_of(
         // SAFETY: as the caller says.
         let books = unsafe { at(world) }?.bounded.state().books();
         let (mut sums, contacts) = (WorldLedger::none(), &books.contacts);
-        for body in &books.bodies {
+        for body in books.bodies.iter().chain([&books.gone.bodies]) {
             sums.kinetic += body.kinetic;
             sums.potential += body.potential;
         }
-        for contact in contacts {
+        for contact in contacts.iter().chain([&books.gone.contacts]) {
             sums.stored += contact.stored;
             sums.dissipated += contact.dissipated;
         }
-        for joint in &books.joints {
+        for joint in books.joints.iter().chain([&books.gone.joints]) {
             sums.stored += joint.stored;
             sums.dissipated += joint.dissipated;
         }

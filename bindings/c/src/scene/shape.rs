@@ -1,0 +1,192 @@
+//! The shapes of tools and bodies.
+
+use std::format;
+use std::slice;
+use std::string::ToString;
+use std::sync::Arc;
+
+use palpate_world::{Hull, Mesh, Shape as World, SphereAt};
+
+use super::wrong;
+use crate::edge::status;
+use crate::sized::{self, SizedStruct};
+use crate::status::{Refusal, Status};
+
+/// The kind of a shape.
+#[repr(u32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ShapeKind {
+    /// A sphere of `radius`; of a tool, a point with radius 0.
+    Sphere = 0,
+    /// All that is behind a plane across `normal`, `offset` along it; for fixed bodies.
+    HalfSpace = 1,
+    /// A block of `half_extents`.
+    Box = 2,
+    /// All within `radius` of a segment of 2 `half_length` along z.
+    Capsule = 3,
+    /// A cylinder of `radius` and a length of 2 `half_length` along z.
+    Cylinder = 4,
+    /// The triangles `faces` between `points`; for bodies.
+    Mesh = 5,
+    /// The convex hull of `points`; for bodies.
+    Hull = 6,
+    /// A sphere of `radius` at each of `points`; for tools.
+    Spheres = 7,
+}
+
+/// A shape, in the own axes of the tool or body that has it. palpate_shape_default() fills it. Arrays are copied by the calls
+/// that take a shape.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct Shape {
+    /// Size of this struct; palpate_shape_default() sets it.
+    pub struct_size: usize,
+    /// One of palpate_shape_kind. Default: PALPATE_SHAPE_KIND_SPHERE.
+    pub kind: u32,
+    /// 0.
+    pub reserved: u32,
+    /// Radius [m]. Default: 0.
+    pub radius: f64,
+    /// Half of the length of a capsule's segment or a cylinder [m].
+    pub half_length: f64,
+    /// Half of a block's length along each axis [m].
+    pub half_extents: [f64; 3],
+    /// Out of a half-space, of any length above 0. Default: z.
+    pub normal: [f64; 3],
+    /// Where a half-space's surface is along its normal [m].
+    pub offset: f64,
+    /// Points of a mesh or hull, or centres of spheres: three numbers for each [m].
+    pub points: *const f64,
+    /// How many they are.
+    pub point_count: usize,
+    /// Triangles of a mesh: the places of three points for each, in turn to the left as they are seen from outside.
+    pub faces: *const u32,
+    /// How many they are.
+    pub face_count: usize,
+}
+
+// SAFETY: `repr(C)`, a `usize` first, numbers and raw pointers only.
+unsafe impl SizedStruct for Shape {
+    const NAME: &'static str = "palpate_shape";
+}
+
+impl Default for Shape {
+    fn default() -> Self {
+        Self {
+            struct_size: size_of::<Self>(),
+            kind: ShapeKind::Sphere as u32,
+            reserved: 0,
+            radius: 0.0,
+            half_length: 0.0,
+            half_extents: [0.0; 3],
+            normal: [0.0, 0.0, 1.0],
+            offset: 0.0,
+            points: core::ptr::null(),
+            point_count: 0,
+            faces: core::ptr::null(),
+            face_count: 0,
+        }
+    }
+}
+
+impl Shape {
+    /// The shape at `shape`. What is wrong with its lengths says the check of a world.
+    ///
+    /// # Safety
+    /// `shape` is NULL or to a shape of the size that it begins with, and its arrays have as many elements as it says.
+    pub(super) unsafe fn at(shape: *const Self) -> Result<World, Refusal<'static>> {
+        // SAFETY: as the caller says.
+        let shape = unsafe { sized::read(shape) }?;
+        let Self {
+            radius,
+            half_length,
+            half_extents,
+            normal,
+            offset,
+            ..
+        } = shape;
+        let is = |kind: ShapeKind| shape.kind == kind as u32;
+        // SAFETY: as the caller says.
+        let points =
+            || unsafe { array(shape.points.cast::<[f64; 3]>(), shape.point_count, "points") };
+        Ok(if is(ShapeKind::Sphere) {
+            World::Sphere { radius }
+        } else if is(ShapeKind::HalfSpace) {
+            let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let is_direction = length > 0.0 && length.is_finite();
+            World::HalfSpace {
+                normal: if is_direction {
+                    normal.map(|x| x / length)
+                } else {
+                    normal
+                },
+                offset,
+            }
+        } else if is(ShapeKind::Box) {
+            World::Box { half_extents }
+        } else if is(ShapeKind::Capsule) {
+            World::Capsule {
+                radius,
+                half_length,
+            }
+        } else if is(ShapeKind::Cylinder) {
+            World::Cylinder {
+                radius,
+                half_length,
+            }
+        } else if is(ShapeKind::Mesh) {
+            // SAFETY: as the caller says.
+            let faces =
+                unsafe { array(shape.faces.cast::<[u32; 3]>(), shape.face_count, "faces") }?;
+            let mesh = Mesh::new(points()?, faces).map_err(|error| wrong(error.to_string()))?;
+            World::Mesh(Arc::new(mesh))
+        } else if is(ShapeKind::Hull) {
+            let hull = Hull::around(points()?).map_err(|error| wrong(error.to_string()))?;
+            World::Hull(Arc::new(hull))
+        } else if is(ShapeKind::Spheres) {
+            let spheres = points()?.iter();
+            let spheres = spheres.map(|&centre| SphereAt { centre, radius });
+            World::Spheres {
+                spheres: spheres.collect(),
+            }
+        } else {
+            return Err(Refusal::Choice {
+                name: "kind",
+                given: shape.kind,
+                allowed: "one of palpate_shape_kind, 0 to 7",
+            });
+        })
+    }
+}
+
+/// The elements of an array of C's.
+///
+/// # Safety
+/// `first` is NULL or to `count` elements, which nobody changes during `'a`.
+unsafe fn array<'a, T>(
+    first: *const T,
+    count: usize,
+    name: &'static str,
+) -> Result<&'a [T], Refusal<'static>> {
+    if count == 0 {
+        return Ok(&[]);
+    }
+    if first.is_null() {
+        return Err(Refusal::Null(name));
+    }
+    if !first.is_aligned() || count > isize::MAX as usize / size_of::<T>() {
+        return Err(wrong(format!("{name} is no array of {count} elements")));
+    }
+    // SAFETY: not NULL, aligned, no longer than memory is, and as many elements are there by the caller's word.
+    Ok(unsafe { slice::from_raw_parts(first, count) })
+}
+
+/// Fills a shape with the defaults. `struct_size` is sizeof(palpate_shape).
+///
+/// # Safety
+/// `shape` is NULL, or `struct_size` bytes can be written there.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn palpate_shape_init(shape: *mut Shape, struct_size: usize) -> Status {
+    // SAFETY: as the caller says.
+    status(|| unsafe { sized::fill(shape, struct_size, Shape::default()) })
+}
