@@ -81,6 +81,61 @@ inline palpate_world_sample world_sample(span<const palpate_pose> poses) noexcep
   return palpate_world_sample_at(poses.data(), poses.size());
 }
 
+/* Shapes, in the own axes of the tool or body that has them. Points and faces stay until the call that takes the shape. */
+inline palpate_shape sphere(double radius) noexcept {
+  palpate_shape shape = palpate_shape_default();
+  shape.radius = radius;
+  return shape;
+}
+
+/* A block, by half of its lengths [m]. */
+inline palpate_shape box(double x, double y, double z) noexcept {
+  palpate_shape shape = palpate_shape_default();
+  shape.kind = PALPATE_SHAPE_KIND_BOX;
+  shape.half_extents[0] = x;
+  shape.half_extents[1] = y;
+  shape.half_extents[2] = z;
+  return shape;
+}
+
+/* All that is behind a plane across a direction, `offset` along it [m]. */
+inline palpate_shape half_space(double x, double y, double z, double offset = 0.0) noexcept {
+  palpate_shape shape = palpate_shape_default();
+  shape.kind = PALPATE_SHAPE_KIND_HALF_SPACE;
+  shape.normal[0] = x;
+  shape.normal[1] = y;
+  shape.normal[2] = z;
+  shape.offset = offset;
+  return shape;
+}
+
+/* The convex hull of points, three numbers for each [m]. */
+inline palpate_shape hull(span<const double> points) noexcept {
+  palpate_shape shape = palpate_shape_default();
+  shape.kind = PALPATE_SHAPE_KIND_HULL;
+  shape.points = points.data();
+  shape.point_count = points.size() / 3;
+  return shape;
+}
+
+/* Triangles, by the places of three points for each, in turn to the left as they are seen from outside. */
+inline palpate_shape mesh(span<const double> points, span<const std::uint32_t> faces) noexcept {
+  palpate_shape shape = hull(points);
+  shape.kind = PALPATE_SHAPE_KIND_MESH;
+  shape.faces = faces.data();
+  shape.face_count = faces.size() / 3;
+  return shape;
+}
+
+/* The law of a contact of `stiffness` [N/m]. */
+inline palpate_contact_law contact_law(double stiffness, double damping = 0.0, double friction = 0.0) noexcept {
+  palpate_contact_law law = palpate_contact_law_default();
+  law.stiffness = stiffness;
+  law.damping = damping;
+  law.friction = friction;
+  return law;
+}
+
 /* The names of all methods. */
 inline std::vector<std::string> method_names() {
   std::vector<std::string> names;
@@ -224,7 +279,115 @@ using Contact = BasicContact<double>;
 /* The same in float. */
 using ContactF32 = BasicContact<float>;
 
-/* A world of a scene file of format 2. One thread at a time may use it. It can be moved and not copied; one that was moved
+/* What a world is made of: devices, bodies, laws and joints, by calls or from a scene file of format 2. Every call throws Error
+   where it is refused, and leaves the scene as it was. It can be moved and not copied. */
+class Scene {
+ public:
+  /* An empty scene. */
+  explicit Scene(const palpate_scene_params &params) {
+    detail::check_version();
+    detail::check(palpate_scene_new(&params, &scene_));
+  }
+
+  /* The same with every default and a period [s]. */
+  explicit Scene(double period) : Scene(with_period(period)) {}
+
+  /* That of a file. */
+  explicit Scene(const std::string &path) {
+    detail::check_version();
+    detail::check(palpate_scene_open(path.c_str(), &scene_));
+  }
+
+  Scene(Scene &&other) noexcept : scene_(std::exchange(other.scene_, nullptr)) {}
+
+  Scene &operator=(Scene &&other) noexcept {
+    std::swap(scene_, other.scene_);
+    return *this;
+  }
+
+  Scene(const Scene &) = delete;
+  Scene &operator=(const Scene &) = delete;
+
+  ~Scene() { palpate_scene_free(scene_); }
+
+  void add_device(const std::string &name, const palpate_device_params &params, const palpate_shape &shape) {
+    detail::check(palpate_scene_add_device(scene_, name.c_str(), &params, &shape));
+  }
+
+  void add_body(const std::string &name, const palpate_body_params &params, const palpate_shape &shape) {
+    detail::check(palpate_scene_add_body(scene_, name.c_str(), &params, &shape));
+  }
+
+  /* What the scene says of a body. */
+  palpate_body_params body(const std::string &name) const {
+    palpate_body_params params = palpate_body_params_default();
+    detail::check(palpate_scene_body(scene_, name.c_str(), &params));
+    return params;
+  }
+
+  /* Says another thing of a body, which keeps its shape. */
+  void set_body(const std::string &name, const palpate_body_params &params) {
+    detail::check(palpate_scene_set_body(scene_, name.c_str(), &params, nullptr));
+  }
+
+  /* The same with another shape. */
+  void set_body(const std::string &name, const palpate_body_params &params, const palpate_shape &shape) {
+    detail::check(palpate_scene_set_body(scene_, name.c_str(), &params, &shape));
+  }
+
+  /* Takes a body out, with its joints and the laws that name it. */
+  void remove_body(const std::string &name) { detail::check(palpate_scene_remove_body(scene_, name.c_str())); }
+
+  /* Lets two touch by a law: names, or "*" for all. */
+  void set_law(const std::string &one, const std::string &other, const palpate_contact_law &law) {
+    detail::check(palpate_scene_set_law(scene_, one.c_str(), other.c_str(), &law));
+  }
+
+  /* The law between just these. */
+  palpate_contact_law law(const std::string &one, const std::string &other) const {
+    palpate_contact_law law = palpate_contact_law_default();
+    detail::check(palpate_scene_law(scene_, one.c_str(), other.c_str(), &law));
+    return law;
+  }
+
+  void remove_law(const std::string &one, const std::string &other) {
+    detail::check(palpate_scene_remove_law(scene_, one.c_str(), other.c_str()));
+  }
+
+  /* A joint of a body with the world. */
+  void add_joint(const std::string &body, const palpate_joint_params &params) {
+    detail::check(palpate_scene_add_joint(scene_, body.c_str(), nullptr, &params));
+  }
+
+  /* A joint of a body with another one. */
+  void add_joint(const std::string &body, const std::string &against, const palpate_joint_params &params) {
+    detail::check(palpate_scene_add_joint(scene_, body.c_str(), against.c_str(), &params));
+  }
+
+  void set_joint(std::size_t joint, const palpate_joint_params &params) {
+    detail::check(palpate_scene_set_joint(scene_, joint, &params));
+  }
+
+  void remove_joint(std::size_t joint) { detail::check(palpate_scene_remove_joint(scene_, joint)); }
+
+  std::size_t device_count() const noexcept { return palpate_scene_device_count(scene_); }
+  std::size_t body_count() const noexcept { return palpate_scene_body_count(scene_); }
+  std::size_t joint_count() const noexcept { return palpate_scene_joint_count(scene_); }
+
+  /* The handle, for functions of palpate.h. */
+  palpate_scene *handle() const noexcept { return scene_; }
+
+ private:
+  static palpate_scene_params with_period(double period) noexcept {
+    palpate_scene_params params = palpate_scene_params_default();
+    params.period = period;
+    return params;
+  }
+
+  palpate_scene *scene_ = nullptr;
+};
+
+/* A world, of a scene or of a scene file of format 2. One thread at a time may use it. It can be moved and not copied; one that was moved
    from gives no force. */
 class World {
  public:
@@ -233,6 +396,44 @@ class World {
     detail::check_version();
     detail::check(palpate_world_open(path.c_str(), &params, &world_));
   }
+
+  /* The world of a scene, which stays as it is. */
+  explicit World(const Scene &scene, const palpate_world_params &params = palpate_world_params_default()) {
+    detail::check_version();
+    detail::check(palpate_world_of_scene(scene.handle(), &params, &world_));
+  }
+
+  /* Goes on with another scene between two ticks: what is there by its name already moves on. Throws Error; the world is then
+     as it was. It takes memory, which a tick does not. */
+  void change(const Scene &scene) { detail::check(palpate_world_change(world_, scene.handle())); }
+
+  /* Puts a body elsewhere between two ticks. Throws Error. */
+  void place(std::size_t body, const palpate_body_state &state) {
+    detail::check(palpate_world_place(world_, body, &state));
+  }
+
+  /* The place of a body by its name, until the world is changed. Throws Error where there is none. */
+  std::size_t body_named(const std::string &name) const {
+    std::size_t body = 0;
+    detail::check(palpate_world_body_named(world_, name.c_str(), &body));
+    return body;
+  }
+
+  /* Where the tool of a device is, by its place in the scene. Throws Error where there is none. */
+  palpate_device_state device(std::size_t device) const {
+    palpate_device_state state = palpate_device_state_empty();
+    detail::check(palpate_world_device_state(world_, device, &state));
+    return state;
+  }
+
+  /* What a point of contact does. Throws Error where there is none. */
+  palpate_contact_state contact(std::size_t contact) const {
+    palpate_contact_state state = palpate_contact_state_empty();
+    detail::check(palpate_world_contact_state(world_, contact, &state));
+    return state;
+  }
+
+  std::size_t contact_count() const noexcept { return palpate_world_contact_count(world_); }
 
   World(World &&other) noexcept : world_(std::exchange(other.world_, nullptr)) {}
 

@@ -4,7 +4,7 @@ use crate::body::rotation;
 use crate::moving::Touch;
 use crate::rigid::Vector3;
 use crate::state::{BodyState, Progress, WorldState, body_state, show_contacts};
-use crate::world::Faults;
+use crate::world::{Faults, is_unit};
 use crate::{Joint, Motion, Place, Shape, World, WorldError, WorldRenderer};
 
 /// Where the parts of a changed world were in the world before.
@@ -119,28 +119,7 @@ impl WorldRenderer {
         body: usize,
         to: &BodyState,
     ) -> Result<(), WorldError> {
-        let place = Place::Body(body);
-        let Some(described) = self.world.bodies.get(body) else {
-            let message = format!(
-                "there is no body {body}; the world has {}",
-                self.world.bodies.len()
-            );
-            return Err(WorldError::new(place, "body", "the world", message));
-        };
-        let (mut faults, subject) = (Vec::new(), format!("body {:?}", described.name));
-        let mut checks = Faults::new(&mut faults, place, &subject);
-        checks.finite("position", &to.position);
-        checks.unit("orientation", &to.orientation);
-        checks.finite("velocity", &to.velocity);
-        checks.finite("angular_velocity", &to.angular_velocity);
-        let moves = to.velocity != [0.0; 3] || to.angular_velocity != [0.0; 3];
-        if described.motion == Motion::Fixed && moves {
-            let message = "a fixed body has no velocity: give it 0, or make it a body that moves";
-            checks.fault("velocity", message.into());
-        }
-        if let Some(fault) = faults.into_iter().next() {
-            return Err(fault);
-        }
+        self.can_place(body, to)?;
         let number = self.tools + body;
         let progress = &mut state.progress;
         let part = &mut progress.now.parts[number];
@@ -166,6 +145,39 @@ impl WorldRenderer {
         }
         self.settle(progress, &New::Body(number));
         Ok(())
+    }
+
+    /// Whether a body can be there. Words are only made of what is wrong, since they allocate.
+    fn can_place(&self, body: usize, to: &BodyState) -> Result<(), WorldError> {
+        let place = Place::Body(body);
+        let Some(described) = self.world.bodies.get(body) else {
+            let count = self.world.bodies.len();
+            let message = format!("there is no body {body}; the world has {count}");
+            return Err(WorldError::new(place, "body", "the world", message));
+        };
+        let BodyState {
+            position,
+            orientation,
+            velocity,
+            angular_velocity,
+        } = to;
+        let moves = *velocity != [0.0; 3] || *angular_velocity != [0.0; 3];
+        let is_still = described.motion == Motion::Fixed && moves;
+        let mut numbers = position.iter().chain(velocity).chain(angular_velocity);
+        if numbers.all(|x| x.is_finite()) && is_unit(orientation) && !is_still {
+            return Ok(());
+        }
+        let (mut faults, subject) = (Vec::new(), format!("body {:?}", described.name));
+        let mut checks = Faults::new(&mut faults, place, &subject);
+        checks.finite("position", position);
+        checks.unit("orientation", orientation);
+        checks.finite("velocity", velocity);
+        checks.finite("angular_velocity", angular_velocity);
+        if is_still {
+            let message = "a fixed body has no velocity: give it 0, or make it a body that moves";
+            checks.fault("velocity", message.into());
+        }
+        faults.into_iter().next().map_or(Ok(()), Err)
     }
 
     /// The tools are those that there were.

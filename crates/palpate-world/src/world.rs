@@ -115,6 +115,12 @@ impl World {
     }
 }
 
+/// Whether a vector has the length 1.
+pub(crate) fn is_unit(values: &[f64]) -> bool {
+    let length = values.iter().map(|value| value * value).sum::<f64>().sqrt();
+    (length - 1.0).abs() < LENGTH_TOLERANCE
+}
+
 /// The faults of one part of a world.
 pub(crate) struct Faults<'a> {
     all: &'a mut Vec<WorldError>,
@@ -186,7 +192,7 @@ impl<'a> Faults<'a> {
 
     pub(crate) fn unit(&mut self, field: &'static str, values: &[f64]) {
         let length = values.iter().map(|value| value * value).sum::<f64>().sqrt();
-        let is_unit = (length - 1.0).abs() < LENGTH_TOLERANCE;
+        let is_unit = is_unit(values);
         if !(length > 0.0 && length.is_finite()) {
             self.fault(
                 field,

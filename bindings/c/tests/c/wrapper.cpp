@@ -52,6 +52,85 @@ static void worlds(const char *path) {
   }
 }
 
+static_assert(std::is_nothrow_move_constructible_v<palpate::Scene> && !std::is_copy_constructible_v<palpate::Scene>);
+
+template <typename Call>
+static palpate_status refused(Call call) {
+  try {
+    call();
+  } catch (const palpate::Error &error) {
+    return error.status();
+  }
+  return PALPATE_STATUS_OK;
+}
+
+/* A world that is built by calls, and changed while it runs. */
+static void built() {
+  palpate::Scene empty(0.001);
+  auto device = palpate_device_params_default();
+  for (double &mass : device.mass) mass = 0.15;
+  auto block = palpate_body_params_default(), table = block;
+  block.mass = 0.05;
+  block.force[2] = -0.4905;
+  block.pose.position[2] = 0.01;
+  empty.add_device("finger", device, palpate::sphere(0.005));
+  empty.add_body("table", table, palpate::half_space(0, 0, 1));
+  empty.set_law("*", "*", palpate::contact_law(4000.0, 4.0, 0.4));
+  palpate::Scene scene(std::move(empty));
+  EXPECT(empty.handle() == nullptr && refused([&] { empty.remove_body("table"); }) == PALPATE_STATUS_NULL);
+  palpate::World world(scene);
+  palpate_pose pose = {{-0.03, 0.003, 0.01}, {1.0, 0.0, 0.0, 0.0}};
+  palpate_wrench wrench;
+  EXPECT(world.step(pose, wrench) == PALPATE_FAULT_NONE && world.body_count() == 1);
+  const std::vector<double> corners = {-.02, -.02, -.01, .02, -.02, -.01, -.02, .02, -.01, .02, .02, -.01,
+                                       -.02, -.02, .01,  .02, -.02, .01,  -.02, .02, .01,  .02, .02, .01};
+  scene.add_body("block", block, palpate::hull(corners));
+  world.change(scene);
+  EXPECT(world.body_named("block") == 1 && world.body_name(1) == "block" && world.contact_count() > 0);
+  for (int tick = 0; tick < 200; tick++) {
+    pose.position[0] = -0.03 + 1e-4 * tick;
+    EXPECT(world.step(pose, wrench) == PALPATE_FAULT_NONE);
+  }
+  EXPECT(world.body(1).pose.position[0] > 0.001 && world.device(0).pose.position[0] > -0.02);
+  bool touches = false;
+  for (std::size_t contact = 0; contact < world.contact_count(); contact++) {
+    touches |= world.contact(contact).touch != PALPATE_TOUCH_FREE;
+  }
+  EXPECT(touches);
+  auto lighter = scene.body("block");
+  EXPECT(lighter.mass == 0.05);
+  lighter.mass = 0.02;
+  scene.set_body("block", lighter);
+  scene.set_body("block", lighter, palpate::box(0.02, 0.02, 0.01));
+  auto hinge = palpate_joint_params_default();
+  EXPECT(refused([&] { scene.add_joint("block", hinge); }) == PALPATE_STATUS_SCENE);
+  hinge.stiffness = 1e4;
+  hinge.span = 0.02;
+  scene.add_joint("block", "table", hinge);
+  hinge.along_damping = 1e-3;
+  scene.set_joint(0, hinge);
+  EXPECT(scene.joint_count() == 1 && scene.law("*", "*").friction == 0.4);
+  world.change(scene);
+  scene.remove_joint(0);
+  scene.set_law("finger", "block", palpate::contact_law(100.0));
+  scene.remove_law("block", "finger");
+  auto state = world.body(1);
+  state.pose.position[0] = 0.1;
+  world.place(1, state);
+  EXPECT(world.body(1).pose.position[0] == 0.1);
+  EXPECT(refused([&] { world.place(9, state); }) == PALPATE_STATUS_COUNT);
+  EXPECT(refused([&] { world.body_named("nobody"); }) == PALPATE_STATUS_SCENE);
+  scene.remove_body("block");
+  world.change(scene);
+  EXPECT(world.step(pose, wrench) == PALPATE_FAULT_NONE && world.body_count() == 1);
+  EXPECT(refused([&] { world.change(palpate::Scene(0.002)); }) == PALPATE_STATUS_CHANGE);
+  const std::uint32_t faces[] = {0, 1, 2};
+  const double points[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  table.pose.position[2] = -1.0;
+  scene.add_body("sheet", table, palpate::mesh(points, faces));
+  EXPECT(scene.body_count() == 2 && scene.device_count() == 1);
+}
+
 static void recordings(const std::string &folder) {
   auto params = palpate::contact_params(1000.0);
   params.method = "basic";
@@ -76,6 +155,7 @@ static void recordings(const std::string &folder) {
 
 int main(int argc, char **argv) {
   if (argc > 1) worlds(argv[1]);
+  built();
   if (argc > 2) recordings(argv[2]);
   auto loop = palpate::loop_params(0.001);
   auto params = palpate::contact_params(1000.0);
