@@ -1,5 +1,7 @@
 //! Changes of a world that runs: other bodies, contacts and joints, and bodies that are put elsewhere.
 
+use std::sync::Arc;
+
 use crate::body::rotation;
 use crate::moving::Touch;
 use crate::rigid::Vector3;
@@ -275,7 +277,7 @@ impl WorldRenderer {
         // A part whose shape stays.
         let stays = |part: usize| {
             let was = parts[part]?;
-            (self.name_and_shape(part).1 == before.name_and_shape(was).1).then_some(was)
+            is_same_shape(self.name_and_shape(part).1, before.name_and_shape(was).1).then_some(was)
         };
         let pair = |[first, second]: [usize; 2]| Some([stays(first)?, stays(second)?]);
         let sides = |points: &[crate::pairs::Point]| -> Vec<[usize; 2]> {
@@ -460,6 +462,15 @@ impl WorldRenderer {
         state.guard.appeared(appeared);
         state.now.begin();
         show_contacts(&mut state.contacts, &state.now);
+    }
+}
+
+/// Whether two shapes are the same; the triangles of one mesh are not compared with themselves.
+fn is_same_shape(one: &Shape, other: &Shape) -> bool {
+    match (one, other) {
+        (Shape::Mesh(one), Shape::Mesh(other)) => Arc::ptr_eq(one, other) || one == other,
+        (Shape::Hull(one), Shape::Hull(other)) => Arc::ptr_eq(one, other) || one == other,
+        _ => one == other,
     }
 }
 
