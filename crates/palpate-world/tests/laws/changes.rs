@@ -205,7 +205,11 @@ fn a_contact_that_gets_stiffer_books_the_energy_of_it() {
 
 /// A block on a hinge above it.
 fn pendulum() -> World {
-    let law = JointLaw::of(2e4, 0.03);
+    // The spring knows the angle.
+    let law = JointLaw {
+        spring: 0.02,
+        ..JointLaw::of(2e4, 0.03)
+    };
     World {
         tools: vec![Tool::new("tool", Shape::Sphere { radius: 0.005 })],
         bodies: vec![block("block").at([0.0, 0.0, -0.05])],
@@ -315,6 +319,25 @@ fn a_body_is_put_elsewhere() {
         for sample in 0..400 {
             renderer.step(&mut state, &Sample::at(&pushed(sample)));
         }
+        // As deep in the floor, but somewhere else: friction holds it nowhere yet.
+        let still = state.bodies()[1];
+        let [x, y, z] = still.position;
+        let beside = BodyState {
+            position: [x + 0.1, y, z],
+            ..still
+        };
+        let bristle = |state: &WorldState| -> f64 {
+            let contacts = state.contacts().iter();
+            contacts
+                .map(|contact| contact.bristle.map(f64::abs).iter().sum::<f64>())
+                .sum()
+        };
+        let mut copy = state.clone();
+        assert!(bristle(&copy) > 0.0, "{}: it slides", method.name());
+        renderer
+            .place(&mut copy, 1, &beside)
+            .expect("a place beside");
+        assert_eq!(bristle(&copy), 0.0, "{}", method.name());
         let to = BodyState {
             position: [0.3, 0.2, HALF + 0.01],
             orientation: NOT_TURNED,
@@ -424,4 +447,38 @@ fn what_cannot_be_is_refused_and_nothing_changes() {
         renderer.changed(&state, &heavy).unwrap_err()[0].field,
         "mass"
     );
+}
+
+#[test]
+fn a_body_that_is_taken_away_keeps_what_was_booked() {
+    for method in methods() {
+        let world = on_floor();
+        let (mut renderer, mut state) = start(&world, method.clone());
+        for sample in 0..600 {
+            renderer.step(&mut state, &Sample::at(&pushed(sample)));
+        }
+        let created = state.books().created();
+        let on_avatar: f64 = {
+            let contacts = state.books().contacts.iter();
+            contacts.map(|book| book.work_on_avatar).sum()
+        };
+        assert!(on_avatar.abs() > 1e-6, "{}: {on_avatar}", method.name());
+        let mut empty = world;
+        empty.bodies.truncate(1);
+        (renderer, state) = renderer.changed(&state, &empty).expect("renderable");
+        let books = state.books();
+        assert!(
+            (books.created() - created).abs() < 1e-15,
+            "{}",
+            method.name()
+        );
+        assert_eq!(
+            (books.gone.contacts.stored, books.gone.bodies.kinetic),
+            (0.0, 0.0)
+        );
+        for _ in 0..50 {
+            renderer.step(&mut state, &Sample::at(&[FAR]));
+        }
+        assert_balanced(&state, 0.0);
+    }
 }
