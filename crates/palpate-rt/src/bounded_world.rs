@@ -183,7 +183,7 @@ impl BoundedWorld {
         output.fault.is_none()
     }
 
-    /// Begins anew: bodies at their start, nothing sampled, nothing sent, the books empty.
+    /// Begins anew: bodies at their start, or as they were at the last change, nothing sampled, nothing sent, the books empty.
     pub fn restart(&mut self) {
         self.state = self.renderer.start();
         self.safety.restart();
