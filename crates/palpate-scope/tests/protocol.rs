@@ -264,6 +264,8 @@ fn a_trip_is_told_and_ends_when_somebody_rearms() {
 fn a_device_that_is_gone_is_said_and_can_come_back() {
     let stage = Stage::new(Play::default());
     let mut client = stage.client();
+    // Whoever is greeted is told of all that comes later.
+    client.text("state");
     stage.is_out.store(true, Ordering::Release);
     let ended = client.text("ended");
     assert_eq!(ended["text"], "lane 1: the device is gone");

@@ -19,6 +19,10 @@ use super::serial::Serial;
 const LIMIT: Duration = Duration::from_millis(500);
 /// For how long the first answer may take: a board that was just plugged in is busy with itself.
 const FIRST_ANSWER: Duration = Duration::from_millis(1000);
+/// How often it is looked for the first answer.
+const LOOKS: Duration = Duration::from_millis(10);
+/// For how long nothing may come before the line is taken for quiet.
+const QUIET: Duration = Duration::from_millis(20);
 /// How often the device is set up before it is given up, and how long it is left alone between.
 const ATTEMPTS: u32 = 3;
 const COMES_TO_REST: Duration = Duration::from_millis(300);
@@ -262,24 +266,29 @@ fn set_up(line: &Line, layout: &Layout) -> Result<(), Unsent> {
 fn first_angles(line: &Line, options: &Options) -> Result<[f32; 2], OpenError> {
     set_up(line, &options.layout)?;
     // The answers to all of that, if any.
-    std::thread::sleep(Duration::from_millis(20));
-    line.serial().forget_input();
+    until_quiet(line)?;
     line.command_patiently([0.0; 2], LIMIT)?;
     let mut replies = Replies::new(options.layout);
-    let mut first = None;
+    let (mut first, mut answer) = (None, None);
     let begun = Instant::now();
     while begun.elapsed() < FIRST_ANSWER {
-        line.serial().wait_readable(Duration::from_millis(10));
+        let limit = if answer.is_some() { QUIET } else { LOOKS };
+        line.serial().wait_readable(limit);
         let mut bytes = [0; 64];
         let read = line
             .serial()
             .read(&mut bytes)
             .map_err(|_| OpenError::Gone)?;
+        if let (0, Some(angles)) = (read, answer) {
+            return Ok(angles);
+        }
         for byte in bytes.iter().take(read) {
             first.get_or_insert(*byte);
-            if let Heard::Angles(angles) = replies.hear(*byte) {
-                return Ok(angles);
-            }
+            answer = match replies.hear(*byte) {
+                Heard::Angles(angles) => Some(angles),
+                // What was taken for an answer was none, or not the last: one question has one answer.
+                Heard::Part | Heard::Stray => None,
+            };
         }
     }
     let asked = options.layout.device_id;
@@ -289,6 +298,21 @@ fn first_angles(line: &Line, options: &Options) -> Result<[f32; 2], OpenError> {
             first,
         }),
     )
+}
+
+/// Throws away what comes until nothing does: a busy system may hand over late what the board sent long
+/// ago, and the tail of an answer can look like the beginning of another one.
+fn until_quiet(line: &Line) -> Result<(), OpenError> {
+    let begun = Instant::now();
+    let mut bytes = [0; 64];
+    while begun.elapsed() < FIRST_ANSWER {
+        line.serial().wait_readable(QUIET);
+        let read = line.serial().read(&mut bytes);
+        if read.map_err(|_| OpenError::Gone)? == 0 {
+            break;
+        }
+    }
+    Ok(())
 }
 
 /// The board, from what its rounding made of the start pose.

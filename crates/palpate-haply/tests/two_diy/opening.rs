@@ -1,3 +1,6 @@
+use std::io::Write;
+use std::os::unix::net::UnixStream;
+
 use palpate_haply::two_diy::LARGEST_TORQUE;
 use palpate_haply_emulator::two_diy::Wiring;
 use palpate_testbed::pantograph::kinematics::Geometry;
@@ -161,7 +164,8 @@ fn a_program_that_holds_a_torque() {
 fn a_board_left_with_a_torque_in_the_middle_of_a_packet_is_taken_over_without_one() {
     let _alone = alone();
     for cut in [0, 1, 3, 9] {
-        let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
+        let settings = on_a_socket(in_the_middle(Hand::at(THERE)));
+        let emulator = Emulator::start(&settings).unwrap();
         let body = "opening::a_program_that_holds_a_torque";
         let mut holder = std::process::Command::new(std::env::current_exe().unwrap())
             .args(["--exact", body, "--ignored"])
@@ -173,14 +177,9 @@ fn a_board_left_with_a_torque_in_the_middle_of_a_packet_is_taken_over_without_on
         holder.kill().unwrap();
         holder.wait().unwrap();
         let stray = palpate_haply::two_diy::packet::state(&Generation::Three.layout(), [0.1, 0.1]);
-        std::io::Write::write_all(
-            &mut std::fs::File::options()
-                .write(true)
-                .open(emulator.path())
-                .unwrap(),
-            &stray[..cut],
-        )
-        .unwrap();
+        let mut left = UnixStream::connect(emulator.path()).unwrap();
+        left.write_all(&stray[..cut]).unwrap();
+        drop(left);
         std::thread::sleep(Duration::from_millis(50));
         let mut device = open_in_the_middle(&emulator, SLOW);
         sample(&mut device);
