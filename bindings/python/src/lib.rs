@@ -21,6 +21,7 @@ mod real_time;
 mod recording;
 mod render;
 mod renderer;
+mod replay;
 mod scene;
 mod setup;
 mod simulate;
@@ -62,6 +63,8 @@ mod _palpate {
     use super::render::{render, render_figure};
     #[pymodule_export]
     use super::renderer::Renderer;
+    #[pymodule_export]
+    use super::replay::{replay, replay_figure};
     #[pymodule_export]
     use super::scene::{PyScene, from_toml, read_scene, to_toml};
     #[pymodule_export]

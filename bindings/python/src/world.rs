@@ -96,7 +96,8 @@ impl PyWorld {
     }
 }
 
-fn wrong(file: &WorldFile, is_file: bool, faults: &[WorldError]) -> PyErr {
+/// The first of these faults, with its place in a file where that is known and somebody has written it.
+pub fn wrong(file: &WorldFile, is_file: bool, faults: &[WorldError]) -> PyErr {
     let Some(first) = faults.first() else {
         return refused("the world cannot be rendered");
     };
