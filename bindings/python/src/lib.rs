@@ -4,6 +4,7 @@
 //! reports as the JSON that the program prints, ticks as arrays. Nothing is computed here.
 
 mod advise;
+mod arrays;
 mod bounded;
 mod calibration;
 mod card;
@@ -11,6 +12,7 @@ mod checked;
 mod claims;
 mod columns;
 mod engine;
+mod fields;
 mod figures;
 mod interrupt;
 mod map;

@@ -22,6 +22,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::columns::of_ideal;
+use crate::fields::named;
 use crate::figures::drawn;
 use crate::interrupt::{Stop, interruptible};
 use crate::methods::{chosen, settings};
@@ -281,8 +282,8 @@ impl Replaying {
         method: Option<&Bound<'_, PyAny>>,
         (of, changes, settings_given): Given<'_, '_>,
     ) -> PyResult<Self> {
-        let of: OfARecording = of.extract()?;
-        let changes: Changes = changes.extract()?;
+        let of: OfARecording = of.extract().map_err(|error| named(of, error))?;
+        let changes: Changes = changes.extract().map_err(|error| named(changes, error))?;
         let (part, of) = (of.part()?, of.of()?);
         let file = scene_of(&recording).map_err(|error| match error {
             NoScene::Invalid(faults) => refused(faults),

@@ -9,6 +9,7 @@ use palpate_sim::replay::ReplaySetup;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::fields::named;
 use crate::names::{refused, wrong_argument};
 
 /// The arguments that say contact, loop, object and device, as the Python files hand them over: each is
@@ -46,7 +47,9 @@ pub struct Arguments {
 /// # Errors
 /// The first value that is not allowed, by the name of its argument.
 pub fn setup(arguments: &Bound<'_, PyDict>) -> PyResult<ReplaySetup> {
-    let given: Arguments = arguments.extract()?;
+    let given: Arguments = arguments
+        .extract()
+        .map_err(|error| named(arguments, error))?;
     given.check_facts()?;
     let mut contact = Contact::object(given.stiffness, given.mass);
     contact.side = side_named(&given.side)?;

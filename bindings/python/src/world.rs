@@ -12,6 +12,7 @@ use palpate_world::{
 };
 use pyo3::prelude::*;
 
+use crate::arrays;
 use crate::bounded;
 use crate::names::refused;
 use crate::renderer::safety_params;
@@ -168,7 +169,7 @@ impl PyWorld {
         poses: PyReadonlyArray2<'py, f64>,
         elapsed: Option<f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let poses = poses.as_array();
+        let poses = arrays::rows("positions", &poses)?;
         let (devices, width) = (self.scene().world.tools.len(), self.width());
         if poses.shape() != [devices, width] {
             return Err(refused(format!(

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _palpate
+from ._arrays import row
 from ._methods import METHODS
 from ._recording import BODIES, RECORDED, Event
 from ._renderer import Renderer
@@ -165,7 +166,7 @@ class Loop(_palpate.Loop):
         options: dict[str, Any] = {
             "ring": ring,
             "largest_speed": largest_speed,
-            "range": range,
+            "range": None if range is None else tuple(row("range", range)),
             "oscillation": oscillation,
             "stall_after": stall_after,
             "priority": priority,

@@ -29,6 +29,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::columns::array;
+use crate::fields::named;
 use crate::names::refused;
 use crate::renderer::rendering;
 use crate::world::PyWorld;
@@ -196,7 +197,7 @@ impl RealTimeLoop {
         rendered: &Bound<'_, PyAny>,
         options: &Bound<'_, PyDict>,
     ) -> PyResult<Self> {
-        let options: Options = options.extract()?;
+        let options: Options = options.extract().map_err(|error| named(options, error))?;
         let clock = MonotonicClock::new().with_spin(options.checked_spin()?);
         let prepared = match rendered.cast::<PyWorld>() {
             Ok(world) => prepare_world(py, device, &world.borrow(), clock, &options)?,
