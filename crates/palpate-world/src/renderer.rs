@@ -29,7 +29,7 @@ pub struct WorldRenderer {
     pub(crate) points: Vec<Point>,
     pub(crate) tools: usize,
     /// Of each tool, whether it turns.
-    turns: Vec<bool>,
+    pub(crate) turns: Vec<bool>,
     /// Tools, then bodies, as they are at the start.
     parts: Vec<Part>,
     surfaces: Vec<Surface>,
@@ -373,11 +373,16 @@ impl WorldRenderer {
         }
     }
 
-    /// Writes what can be read from a state.
-    fn publish(&self, state: &mut Progress, memory: &Memory) {
+    /// Writes where the bodies are.
+    pub(crate) fn show_bodies(&self, state: &mut Progress) {
         for (part, body) in state.now.parts[self.tools..].iter().zip(&mut state.bodies) {
             *body = body_state(part);
         }
+    }
+
+    /// Writes what can be read from a state.
+    fn publish(&self, state: &mut Progress, memory: &Memory) {
+        self.show_bodies(state);
         memory.publish(state);
         let sent = state.forces.iter().zip(&state.torques);
         for (tool, (force, torque)) in state.tools.iter_mut().zip(sent) {
