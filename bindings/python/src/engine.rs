@@ -12,6 +12,7 @@ use palpate_world::{
 };
 use pyo3::prelude::*;
 
+use crate::arrays;
 use crate::bounded;
 use crate::names::refused;
 use crate::renderer::safety_params;
@@ -196,7 +197,7 @@ impl EngineContact {
     /// A period begins: a row of three coordinates for each device.
     #[pyo3(signature = (positions, elapsed=None))]
     fn take(&mut self, positions: PyReadonlyArray2<'_, f64>, elapsed: Option<f64>) -> PyResult<()> {
-        let positions = positions.as_array();
+        let positions = arrays::rows("position", &positions)?;
         if positions.shape() != [self.tools.len(), 3] {
             return Err(refused(format!(
                 "position has the shape {:?}, but must have ({}, 3)",
@@ -223,7 +224,7 @@ impl EngineContact {
         h: f64,
         bodies: PyReadonlyArray2<'py, f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let bodies = bodies.as_array();
+        let bodies = arrays::rows("bodies", &bodies)?;
         if bodies.shape() != [self.bodies, BODY] {
             return Err(refused(format!(
                 "bodies has the shape {:?}, but must have ({}, {BODY})",

@@ -4,6 +4,7 @@
 //! reports as the JSON that the program prints, ticks as arrays. Nothing is computed here.
 
 mod advise;
+mod arrays;
 mod bounded;
 mod calibration;
 mod card;
@@ -11,6 +12,7 @@ mod checked;
 mod claims;
 mod columns;
 mod engine;
+mod fields;
 mod figures;
 mod interrupt;
 mod map;
@@ -21,6 +23,7 @@ mod real_time;
 mod recording;
 mod render;
 mod renderer;
+mod replay;
 mod scene;
 mod setup;
 mod simulate;
@@ -62,6 +65,8 @@ mod _palpate {
     use super::render::{render, render_figure};
     #[pymodule_export]
     use super::renderer::Renderer;
+    #[pymodule_export]
+    use super::replay::{replay, replay_figure};
     #[pymodule_export]
     use super::scene::{PyScene, from_toml, read_scene, to_toml};
     #[pymodule_export]

@@ -4,15 +4,14 @@ use std::path::PathBuf;
 
 use numpy::PyArray1;
 use palpate_record::recording::{
-    BodyTick, Entry, Event, Flags, Kind, Phase, Recording, RecordingError, Row, Value, columns,
+    BodyTick, Entry, Event, Flags, Kind, Phase, Recording, Row, Value, columns,
 };
 use palpate_study::recording::report::RecordingReport;
-use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 
 use crate::columns::{Words, array};
 use crate::interrupt::interruptible;
-use crate::names::refused;
+use crate::replay::unread;
 
 /// The columns of a row of a recording, a tick and a contact: the name of each, and whether it is a number or else a count; and
 /// what the codes mean: phases, and flags by their bits.
@@ -59,10 +58,7 @@ pub fn read_recording(py: Python<'_>, path: PathBuf) -> PyResult<InPython<'_>> {
         let said = (palpate_study::json(&report), report.to_string());
         Ok((said, words, events, recording.receipt.texts, of_bodies))
     })?;
-    let (said, words, events, texts, of_bodies) = read.map_err(|error| match error {
-        RecordingError::Unreadable { .. } => PyOSError::new_err(error.to_string()),
-        RecordingError::Invalid { .. } => refused(error),
-    })?;
+    let (said, words, events, texts, of_bodies) = read.map_err(unread)?;
     let events = events.into_iter();
     let events = events.map(
         |Event {

@@ -189,7 +189,13 @@ fn value(given: &Bound<'_, PyAny>, place: &str) -> PyResult<Value> {
         let items: PyResult<Vec<_>> = items.map(|item| value(&item?, place)).collect();
         return Ok(Value::Array(items?));
     }
-    // Whole numbers of NumPy say that they can be an index; other numbers that they can be a float.
+    // What NumPy has, as Python has it; an array becomes a list.
+    if let Ok(plain) = given.call_method0("tolist")
+        && !plain.get_type().is(given.get_type())
+    {
+        return value(&plain, place);
+    }
+    // Whole numbers of other packages say that they can be an index; other numbers that they can be a float.
     if let Ok(index) = given.call_method0("__index__") {
         return Ok(Value::Integer(index.extract()?));
     }

@@ -9,6 +9,7 @@ use palpate_sim::replay::ReplaySetup;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::fields::named;
 use crate::names::{refused, wrong_argument};
 
 /// The arguments that say contact, loop, object and device, as the Python files hand them over: each is
@@ -46,14 +47,12 @@ pub struct Arguments {
 /// # Errors
 /// The first value that is not allowed, by the name of its argument.
 pub fn setup(arguments: &Bound<'_, PyDict>) -> PyResult<ReplaySetup> {
-    let given: Arguments = arguments.extract()?;
+    let given: Arguments = arguments
+        .extract()
+        .map_err(|error| named(arguments, error))?;
     given.check_facts()?;
     let mut contact = Contact::object(given.stiffness, given.mass);
-    contact.side = match given.side.as_str() {
-        "positive" => Side::Positive,
-        "negative" => Side::Negative,
-        other => return Err(not_a_word("side", other, &["positive", "negative"])),
-    };
+    contact.side = side_named(&given.side)?;
     contact.unilateral = given.unilateral;
     if contact.object_mass == Mass::Infinite && given.object_velocity != 0.0 {
         let allowed = Allowed::Words("0 for a wall");
@@ -63,12 +62,7 @@ pub fn setup(arguments: &Bound<'_, PyDict>) -> PyResult<ReplaySetup> {
             allowed,
         ));
     }
-    let guard = match given.guard.as_str() {
-        "off" => GuardMode::Off,
-        "report" => GuardMode::Report,
-        "limit" => GuardMode::Limit,
-        other => return Err(not_a_word("guard", other, &["off", "report", "limit"])),
-    };
+    let guard = guard_named(&given.guard)?;
     let in_seconds = |periods: f64| periods * given.period;
     let setup = ReplaySetup {
         contact,
@@ -120,46 +114,64 @@ pub fn check_delay(setup: &ReplaySetup) -> PyResult<()> {
 impl Arguments {
     /// Refuses facts that cannot be true, whether a method uses them or not.
     fn check_facts(&self) -> PyResult<()> {
-        let (positive, not_negative) = (Range::Positive, Range::NotNegative);
-        for (parameter, range, value) in [
-            (Parameter::VirtualForce, Range::Finite, Some(self.force)),
-            (Parameter::DeviceMass, positive, self.device_mass),
-            (
-                Parameter::EncoderQuantum,
-                not_negative,
-                Some(self.encoder_quantum),
-            ),
-            (Parameter::Lag, not_negative, Some(self.lag)),
-            (
-                Parameter::LagDeviation,
-                not_negative,
-                Some(self.lag_deviation),
-            ),
-            (Parameter::Gain, positive, Some(self.gain)),
-            (
-                Parameter::GainDeviation,
-                not_negative,
-                Some(self.gain_deviation),
-            ),
+        for (parameter, value) in [
+            (Parameter::VirtualForce, Some(self.force)),
+            (Parameter::DeviceMass, self.device_mass),
+            (Parameter::EncoderQuantum, Some(self.encoder_quantum)),
+            (Parameter::Lag, Some(self.lag)),
+            (Parameter::LagDeviation, Some(self.lag_deviation)),
+            (Parameter::Gain, Some(self.gain)),
+            (Parameter::GainDeviation, Some(self.gain_deviation)),
         ] {
-            if let Some(value) = value
-                && !range.contains(value)
-            {
-                return Err(not_allowed(parameter, value, Allowed::Range(range)));
-            }
+            check_fact(parameter, value)?;
         }
-        for (name, value) in [
-            ("delay", self.delay),
-            ("delay_deviation", self.delay_deviation),
-        ] {
-            if !not_negative.contains(value) {
-                let allowed = not_negative.allowed();
-                return Err(refused(format!(
-                    "{name} is {value} periods, but must be {allowed}"
-                )));
-            }
+        check_periods("delay", Some(self.delay))?;
+        check_periods("delay_deviation", Some(self.delay_deviation))
+    }
+}
+
+/// Refuses a fact that cannot be true, if it is given.
+pub fn check_fact(parameter: Parameter, value: Option<f64>) -> PyResult<()> {
+    let range = match parameter {
+        Parameter::VirtualForce => Range::Finite,
+        Parameter::DeviceMass | Parameter::Gain => Range::Positive,
+        _ => Range::NotNegative,
+    };
+    match value {
+        Some(value) if !range.contains(value) => {
+            Err(not_allowed(parameter, value, Allowed::Range(range)))
         }
-        Ok(())
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a time in periods that cannot be one, if it is given.
+pub fn check_periods(name: &str, value: Option<f64>) -> PyResult<()> {
+    match value {
+        Some(value) if !Range::NotNegative.contains(value) => Err(refused(format!(
+            "{name} is {value} periods, but must be {}",
+            Range::NotNegative.allowed()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// The side of a contact by its name.
+pub fn side_named(name: &str) -> PyResult<Side> {
+    match name {
+        "positive" => Ok(Side::Positive),
+        "negative" => Ok(Side::Negative),
+        other => Err(not_a_word("side", other, &["positive", "negative"])),
+    }
+}
+
+/// What a guard does, by its name.
+pub fn guard_named(name: &str) -> PyResult<GuardMode> {
+    match name {
+        "off" => Ok(GuardMode::Off),
+        "report" => Ok(GuardMode::Report),
+        "limit" => Ok(GuardMode::Limit),
+        other => Err(not_a_word("guard", other, &["off", "report", "limit"])),
     }
 }
 

@@ -12,6 +12,7 @@ use palpate_world::{
 };
 use pyo3::prelude::*;
 
+use crate::arrays;
 use crate::bounded;
 use crate::names::refused;
 use crate::renderer::safety_params;
@@ -96,7 +97,8 @@ impl PyWorld {
     }
 }
 
-fn wrong(file: &WorldFile, is_file: bool, faults: &[WorldError]) -> PyErr {
+/// The first of these faults, with its place in a file where that is known and somebody has written it.
+pub fn wrong(file: &WorldFile, is_file: bool, faults: &[WorldError]) -> PyErr {
     let Some(first) = faults.first() else {
         return refused("the world cannot be rendered");
     };
@@ -167,7 +169,7 @@ impl PyWorld {
         poses: PyReadonlyArray2<'py, f64>,
         elapsed: Option<f64>,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let poses = poses.as_array();
+        let poses = arrays::rows("positions", &poses)?;
         let (devices, width) = (self.scene().world.tools.len(), self.width());
         if poses.shape() != [devices, width] {
             return Err(refused(format!(

@@ -1,22 +1,26 @@
-//! `simulate` for worlds.
+//! `simulate` and `replay` for worlds.
 
 use numpy::PyArray3;
-use palpate_scene::world::WorldScene;
+use palpate_record::recording::Recording;
+use palpate_rt::WorldFrame;
+use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_sim::world::{WorldBench, WorldBenchError};
+use palpate_study::recording::{WorldPathError, world_path};
 use palpate_study::world::WorldReport;
-use palpate_world::{Vector, WorldError};
+use palpate_world::{Vector, WorldError, WorldRenderer};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 
-use crate::interrupt::interruptible;
+use crate::interrupt::{Stop, interruptible};
 use crate::names::refused;
-use crate::world::PyWorld;
+use crate::replay::{WORLD, lacking, unread};
+use crate::world::{PyWorld, wrong};
 
 /// Forces of all devices over all intervals.
 type Forces<'py> = Bound<'py, PyArray3<f64>>;
 /// The report as JSON and text; the edges of the intervals; the forces of each method; and the mean forces of the ideal.
-type Judged<'py> = (
+pub type Judged<'py> = (
     String,
     String,
     Vec<f64>,
@@ -32,53 +36,121 @@ pub fn simulate_world<'py>(
     method: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Judged<'py>> {
     let scene = world.borrow().scene().clone();
-    let methods = methods(&world.borrow(), method)?;
-    let mut renderers = Vec::with_capacity(methods.len());
-    for method in methods {
-        // What is wrong with a method is said before the ideal is computed.
-        let renderer = scene
-            .renderer(&method)
-            .map_err(|faults: Vec<WorldError>| world.borrow().wrong(&faults))?;
-        renderers.push((method, renderer));
-    }
+    let methods = methods(&scene, &world.borrow().method, method)?;
+    let renderers = renderers(&scene, methods).map_err(|faults| world.borrow().wrong(&faults))?;
     let judged = interruptible(py, move |stop| {
-        let bench = WorldBench::new(&scene)?;
-        let mut runs = Vec::with_capacity(renderers.len());
-        for (method, renderer) in &renderers {
-            stop.leave_if_raised();
-            runs.push(bench.run(method, renderer)?);
-        }
-        let report = WorldReport::new(&scene, &bench, &runs);
-        let grid = &bench.ideal().grid;
-        let edges = (0..=grid.intervals()).map(|edge| grid.edge(edge)).collect();
-        let ideal = bench.ideal().devices.iter().map(|device| {
-            let impulses = device.impulses.iter().enumerate();
-            let means = impulses.map(|(interval, impulse)| {
-                let duration = grid.edge(interval + 1) - grid.edge(interval);
-                impulse.map(|component| component / duration)
-            });
-            means.collect::<Vec<Vector>>()
-        });
-        let ideal: Vec<_> = ideal.collect();
-        let forces: Vec<_> = runs
-            .into_iter()
-            .map(|run| (run.method, run.delivered))
-            .collect();
-        Ok::<_, WorldBenchError>((
-            palpate_study::json(&report),
-            report.to_string(),
-            edges,
-            forces,
-            ideal,
+        judge(WorldBench::new(&scene)?, &scene, &renderers, stop)
+    })?;
+    let judged = judged.map_err(|error| refused(format!("{}: {error}", world.borrow().name)))?;
+    judged.into_python(py)
+}
+
+/// Renders the motion that was recorded in a world by each method, by its own where none is named; and says what there is to
+/// say beside it.
+pub fn replay_world<'py>(
+    py: Python<'py>,
+    recording: Recording,
+    method: Option<&Bound<'py, PyAny>>,
+) -> PyResult<(Judged<'py>, Vec<String>)> {
+    let name = recording.path().display().to_string();
+    let texts = &recording.receipt.texts;
+    let text = texts.get(WORLD).map_or("", String::as_str);
+    let file = WorldFile::parse(&name, text).map_err(refused)?;
+    let frame = texts.get("frame").and_then(|frame| WorldFrame::read(frame));
+    let frame = frame.ok_or_else(|| {
+        refused(format!(
+            "{name}: its receipt does not say where the device stands in the world"
         ))
     })?;
-    let (json, text, edges, forces, ideal) =
-        judged.map_err(|error| refused(format!("{}: {error}", world.borrow().name)))?;
-    let forces: PyResult<Vec<_>> = forces
-        .into_iter()
-        .map(|(method, forces)| Ok((method, of_devices(py, &forces)?)))
-        .collect();
-    Ok((json, text, edges, forces?, of_devices(py, &ideal)?))
+    let scene = file.scene.led();
+    let methods = methods(&scene, &scene.render.method, method)?;
+    let renderers = renderers(&scene, methods).map_err(|faults| wrong(&file, true, &faults))?;
+    let (judged, warnings) = interruptible(py, move |stop| {
+        let (path, without) =
+            world_path(&recording, |place| frame.in_world(place)).map_err(|error| match error {
+                WorldPathError::Recording(error) => unread(error),
+                other => refused(other),
+            })?;
+        let mut warnings = Vec::new();
+        if without > 0 {
+            let ticks = palpate_study::text::counted(without, "tick");
+            warnings.push(format!(
+                "{name}: {ticks} without a position; straight lines stand there"
+            ));
+        }
+        warnings.extend(lacking(&recording));
+        let judged = WorldBench::led(&scene, path)
+            .and_then(|bench| judge(bench, &scene, &renderers, stop))
+            .map_err(|error| refused(format!("{name}: {error}")))?;
+        Ok::<_, PyErr>((judged, warnings))
+    })??;
+    Ok((judged.into_python(py)?, warnings))
+}
+
+/// A renderer for each method, so that what is wrong with a method is said before the ideal is computed.
+fn renderers(
+    scene: &WorldScene,
+    methods: Vec<String>,
+) -> Result<Vec<(String, WorldRenderer)>, Vec<WorldError>> {
+    let named = methods.into_iter().map(|method| {
+        let renderer = scene.renderer(&method)?;
+        Ok((method, renderer))
+    });
+    named.collect()
+}
+
+/// What came of a world, as it is before Python takes it.
+struct OfAWorld {
+    json: String,
+    text: String,
+    edges: Vec<f64>,
+    forces: Vec<(String, Vec<Vec<Vector>>)>,
+    ideal: Vec<Vec<Vector>>,
+}
+
+/// Runs each method on a bench.
+fn judge(
+    bench: WorldBench,
+    scene: &WorldScene,
+    renderers: &[(String, WorldRenderer)],
+    stop: &Stop,
+) -> Result<OfAWorld, WorldBenchError> {
+    let mut runs = Vec::with_capacity(renderers.len());
+    for (method, renderer) in renderers {
+        stop.leave_if_raised();
+        runs.push(bench.run(method, renderer)?);
+    }
+    let report = WorldReport::new(scene, &bench, &runs);
+    let grid = &bench.ideal().grid;
+    let edges = (0..=grid.intervals()).map(|edge| grid.edge(edge)).collect();
+    let ideal = bench.ideal().devices.iter().map(|device| {
+        let impulses = device.impulses.iter().enumerate();
+        let means = impulses.map(|(interval, impulse)| {
+            let duration = grid.edge(interval + 1) - grid.edge(interval);
+            impulse.map(|component| component / duration)
+        });
+        means.collect::<Vec<Vector>>()
+    });
+    Ok(OfAWorld {
+        json: palpate_study::json(&report),
+        text: report.to_string(),
+        edges,
+        ideal: ideal.collect(),
+        forces: runs
+            .into_iter()
+            .map(|run| (run.method, run.delivered))
+            .collect(),
+    })
+}
+
+impl OfAWorld {
+    fn into_python(self, py: Python<'_>) -> PyResult<Judged<'_>> {
+        let forces = self.forces.into_iter();
+        let forces = forces.map(|(method, forces)| Ok((method, of_devices(py, &forces)?)));
+        let forces: PyResult<Vec<_>> = forces.collect();
+        let ideal = of_devices(py, &self.ideal)?;
+        Ok((self.json, self.text, self.edges, forces?, ideal))
+    }
 }
 
 fn of_devices<'py>(py: Python<'py>, forces: &[Vec<Vector>]) -> PyResult<Forces<'py>> {
@@ -88,11 +160,14 @@ fn of_devices<'py>(py: Python<'py>, forces: &[Vec<Vector>]) -> PyResult<Forces<'
 }
 
 /// The names of the methods: those that are given, or the world's own. All are those for which it has every setting.
-fn methods(world: &PyWorld, given: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<String>> {
+fn methods(
+    scene: &WorldScene,
+    own: &str,
+    given: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Vec<String>> {
     let Some(given) = given else {
-        return Ok(vec![world.method.clone()]);
+        return Ok(vec![own.to_owned()]);
     };
-    let scene = world.scene();
     if given.is_callable() {
         return Err(PyTypeError::new_err(
             "a method of your own runs on scenes of one contact, not on worlds",

@@ -20,9 +20,13 @@ class Program:
     def __init__(self, path: Path) -> None:
         self.path = path
 
-    def __call__(self, *arguments: object, given: str | None = None, code: int = 0) -> str:
+    def tried(self, *arguments: object, given: str | None = None) -> subprocess.CompletedProcess[str]:
+        """What it did, whatever its exit code."""
         command = [str(self.path), *map(str, arguments)]
-        done = subprocess.run(command, cwd=ROOT, input=given, capture_output=True, text=True)
+        return subprocess.run(command, cwd=ROOT, input=given, capture_output=True, text=True)
+
+    def __call__(self, *arguments: object, given: str | None = None, code: int = 0) -> str:
+        done = self.tried(*arguments, given=given)
         assert done.returncode == code, done.stderr
         return done.stdout
 

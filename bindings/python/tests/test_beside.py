@@ -113,6 +113,30 @@ def test_two_threads_render_at_once_and_neither_waits_for_the_other() -> None:
     pytest.fail("two runs were never seen to get on at once")
 
 
+def test_two_threads_cost_no_more_than_one_after_the_other() -> None:
+    """Time of processors, which other programs on the machine do not count into. A lock that is waited for in a loop, or memory
+    that two threads write in turn, would make it longer; that both threads are under way at once is tested above. Time on the
+    clock is in the documentation, as `measure_threads` found it."""
+
+    def cost(threads: int) -> float:
+        rendering = [threading.Thread(target=render_long, args=(200_000,)) for _ in range(threads)]
+        begun = time.process_time()
+        for thread in rendering:
+            thread.start()
+        for thread in rendering:
+            thread.join()
+        return time.process_time() - begun
+
+    # A processor of which another program uses half its caches is slower: the least of several.
+    ratios = []
+    for _ in range(20):
+        one, two = cost(1), cost(2)
+        ratios.append(two / (2 * one))
+        if min(ratios) < 1.25:
+            return
+    pytest.fail(f"two threads cost {min(ratios):.2f} times what two renders cost one after the other")
+
+
 def test_renderers_in_threads_do_not_touch_each_other() -> None:
     t, x = motion(20_000)
     expected = {method: palpate.render(t, x, **CONTACT, method=method) for method in ("basic", "hfcr", "coupled")}

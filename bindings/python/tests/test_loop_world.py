@@ -73,7 +73,7 @@ def test_ticks_are_numbered_without_a_gap_and_show_the_spring_of_the_floor() -> 
         assert running.status.running and running.status.lost == 0
         assert running.contact_names == (("tool", "floor"),) and running.body_names == ("floor", "tool")
         assert running.parameters == {}
-        with pytest.raises(TypeError, match="a loop of a World renders it as it was described"):
+        with pytest.raises(TypeError, match="no table of a world is called stiffness"):
             running.change(stiffness=400.0)
     assert ticks.dtype == palpate.RECORDED
     assert (ticks["sequence"] == np.arange(len(ticks))).all()

@@ -12,7 +12,9 @@ use palpate_device::clock::{Clock, MonotonicClock, SteppedClock};
 use palpate_device::{Device, DeviceErrorKind, NullDevice, ReplayDevice, ScriptedDevice, Step};
 use palpate_record::recording::Flags;
 use palpate_rt::safety::{OscillationParams, SafetyParams, Trip};
-use palpate_rt::{ControlLoop, Ending, Note, RenderedWorld, StopFlag, Told, WorldFrame, tap};
+use palpate_rt::{
+    ControlLoop, Ending, Note, RenderedWorld, StopFlag, Told, WorldFrame, changing_world, tap,
+};
 use palpate_scene::method::MethodName;
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_scene::{Scene, SceneFile, beside};
@@ -29,9 +31,13 @@ pub type Watch<'a> = dyn FnMut(&mut dyn FnMut()) + 'a;
 pub type Situation = (&'static str, fn(&mut Watch));
 
 /// Every situation in which the clock is moved by hand.
-pub const STEPPED: [Situation; 15] = [
+pub const STEPPED: [Situation; 16] = [
     ("every method on a simulated device", every_method),
     ("worlds on a device in space", worlds),
+    (
+        "worlds that take the place of each other",
+        worlds_that_change,
+    ),
     ("every fault of a device in a world", faults_in_a_world),
     ("no device", no_device),
     ("a pointer that moves, lets go and takes hold", a_pointer),
@@ -169,6 +175,44 @@ fn worlds(watch: &mut Watch) {
             );
         }
         assert!(forces > 50, "{name}: {forces} ticks with a force");
+    }
+}
+
+fn worlds_that_change(watch: &mut Watch) {
+    for name in [
+        "worlds/pushed-block.toml",
+        "worlds/paddle.toml",
+        "worlds/groove-90-rough.toml",
+    ] {
+        let scene = world_scene(name);
+        let clock = SteppedClock::new();
+        let own = &scene.devices[0];
+        let device = SpatialDevice::new(own, &scene.timing.actuator, clock.clone()).unwrap();
+        let (mut worlds, world) = changing_world(scene.world.clone(), rendered(&scene, "coupled"));
+        let limits = SafetyParams::default();
+        let mut control = ControlLoop::of_changing_world(device, clock, world, limits).unwrap();
+        let (mut seen, mut forces) = (0, 0);
+        for tick in 0..300 {
+            if tick % 10 == 5 {
+                let mut other = scene.clone();
+                for contact in &mut other.world.contacts {
+                    contact.law.stiffness *= 1.0 + 0.1 * f64::from(tick % 7);
+                }
+                // Every third is overtaken before it is rendered.
+                for _ in 0..1 + tick % 3 / 2 {
+                    let method = ["basic", "coupled"][usize::from(tick % 20 == 5)];
+                    let world = rendered(&other, method);
+                    worlds.change(other.world.clone(), world).unwrap();
+                }
+            }
+            watch(&mut || {
+                let told = control.tick().tick;
+                forces += usize::from(told.commanded_force != [0.0; 3]);
+                seen = told.generation;
+            });
+        }
+        assert_eq!(seen, worlds.generation(), "{name}");
+        assert!(seen >= 30 && forces > 50, "{name}: {seen}, {forces}");
     }
 }
 

@@ -117,7 +117,7 @@ impl<D: Device, C: Clock> ControlLoop<D, C, RenderedWorld> {
 }
 
 impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
-    fn rendering(
+    pub(crate) fn rendering(
         device: D,
         clock: C,
         rendered: R,
@@ -287,6 +287,9 @@ impl<D: Device, C: Clock, R: Renders> ControlLoop<D, C, R> {
                 generation,
                 rendering,
             });
+        }
+        if let Some(generation) = self.rendered.take_other_world() {
+            self.note(Note::OtherWorld(generation, self.rendered.method()));
         }
 
         let (sampled, answered) = self.sample();

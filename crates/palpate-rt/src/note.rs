@@ -39,6 +39,8 @@ pub enum Note {
         /// What they are.
         rendering: Rendering,
     },
+    /// Another world came into force: its number, and the method that renders it.
+    OtherWorld(u32, &'static str),
     /// Deadlines were missed, and skipped.
     MissedDeadlines(u64),
     /// Commands begin so much later than the renderer was told, by what it has learned `[s]`: negative where they
@@ -137,6 +139,12 @@ impl Noted {
             } => (
                 "parameters".to_owned(),
                 format!("parameters number {generation} from here on: {rendering}"),
+            ),
+            Note::OtherWorld(generation, method) => (
+                "parameters".to_owned(),
+                format!(
+                    "parameters number {generation} from here on: another world, rendered by {method}"
+                ),
             ),
             Note::MissedDeadlines(number) => (
                 "missed-deadline".to_owned(),

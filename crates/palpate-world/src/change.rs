@@ -106,7 +106,7 @@ impl WorldRenderer {
             }
         }
         let mut next = renderer.start();
-        renderer.take_over(&mut next, self, state, &from);
+        renderer.go_on_from(&mut next, self, state, &from);
         Ok((renderer, next))
     }
 
@@ -316,7 +316,7 @@ impl WorldRenderer {
     }
 
     /// Takes over what goes on, into a state at its start.
-    fn take_over(&self, next: &mut WorldState, before: &Self, state: &WorldState, from: &Origins) {
+    fn go_on_from(&self, next: &mut WorldState, before: &Self, state: &WorldState, from: &Origins) {
         let (old, new) = (&state.progress, &mut next.progress);
         new.tracking = old.tracking.clone();
         new.commands = old.commands.clone();

@@ -80,6 +80,14 @@ impl Commands {
         }
     }
 
+    /// Comes to be as `other`, of as many tools. It does not allocate.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.actuator = other.actuator;
+        for (tool, other) in self.tools.iter_mut().zip(&other.tools) {
+            *tool = *other;
+        }
+    }
+
     /// An interval of `h` `[s]` between two samples is over.
     pub fn pass(&mut self, h: f64) {
         for tool in &mut self.tools {

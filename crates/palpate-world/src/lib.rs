@@ -35,6 +35,7 @@ mod sample;
 mod shape;
 mod solid;
 mod state;
+mod takeover;
 mod tracking;
 mod turning;
 mod turning_observer;

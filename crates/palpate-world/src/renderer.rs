@@ -32,7 +32,7 @@ pub struct WorldRenderer {
     pub(crate) world: World,
     pub(crate) described: WorldMethod,
     /// Of each tool, whether it turns.
-    turns: Vec<bool>,
+    pub(crate) turns: Vec<bool>,
     /// Tools, then bodies, as they are at the start.
     pub(crate) parts: Vec<Part>,
     pub(crate) surfaces: Vec<Surface>,
@@ -380,11 +380,16 @@ impl WorldRenderer {
         }
     }
 
-    /// Writes what can be read from a state.
-    fn publish(&self, state: &mut Progress, memory: &Memory) {
+    /// Writes where the bodies are.
+    pub(crate) fn show_bodies(&self, state: &mut Progress) {
         for (part, body) in state.now.parts[self.tools..].iter().zip(&mut state.bodies) {
             *body = body_state(part);
         }
+    }
+
+    /// Writes what can be read from a state.
+    fn publish(&self, state: &mut Progress, memory: &Memory) {
+        self.show_bodies(state);
         memory.publish(state);
         let sent = state.forces.iter().zip(&state.torques);
         for (tool, (force, torque)) in state.tools.iter_mut().zip(sent) {

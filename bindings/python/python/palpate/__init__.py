@@ -25,6 +25,7 @@ from ._palpate import __version__
 from ._recording import BODIES, FLAGS, RECORDED, Event, Recording, read_recording
 from ._render import render
 from ._renderer import Renderer
+from ._replay import replay
 from ._report import FAULTS, IDEAL, LIMITS, PHASES, TICK, Fields, Report, Runs, WorldRuns
 from ._scene import Bench, Scene, compare, simulate
 from ._studies import Map, advise, claims, heights, map, suite, sweep, tune
@@ -101,6 +102,7 @@ __all__ = [
     "map",
     "read_recording",
     "render",
+    "replay",
     "report",
     "simulate",
     "suite",

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _palpate
+from ._arrays import row
 from ._methods import METHODS
 from ._recording import BODIES, RECORDED, Event
 from ._renderer import Renderer
@@ -165,7 +166,7 @@ class Loop(_palpate.Loop):
         options: dict[str, Any] = {
             "ring": ring,
             "largest_speed": largest_speed,
-            "range": range,
+            "range": None if range is None else tuple(row("range", range)),
             "oscillation": oscillation,
             "stall_after": stall_after,
             "priority": priority,
@@ -192,10 +193,12 @@ class Loop(_palpate.Loop):
         made.bodies = np.empty(0, BODIES)
         made.body_names, made.contact_names = _names(renderer)
         made._parameters = parameters
+        made._world = renderer if isinstance(renderer, World) else None
         made._started = made._said = False
         return made
 
     _parameters: dict[str, Any]
+    _world: World | None
     _started: bool
     _said: bool
 
@@ -273,14 +276,25 @@ class Loop(_palpate.Loop):
             events.insert(0, Event(sequence, at, "lost", f"events before this one that were not read in time: {gone}"))
         return events
 
-    def change(self, **changes: Any) -> int:  # type: ignore[override]
-        """Renders by other parameters from the next tick on: any of `Renderer`, its method and the method's settings.
+    def change(self, world: World | None = None, **changes: Any) -> int:  # type: ignore[override]
+        """Renders by other parameters from the next tick on: any of `Renderer`, its method and the method's settings; or another
+        world.
 
             loop.change(stiffness=800.0, mass=0.2)
+            loop.change(world.replace(contacts=[...]))  # of a World; loop.change(contacts=[...]) is the same
 
         Stiffness, mass and virtual force, and the difference that another method makes, pass over in a tenth of a second.
         Another method begins with its own defaults. The object's position and velocity are those of the start: they do not
         change, but for a wall, which goes to `object_position`.
+
+        A world may have other masses, weights, shapes, laws of contact, joints, places and another method; the devices, the
+        bodies and the pairs that may touch stay, and so do the period and the limits of the loop. A body of which the tables
+        have the same place and motion as before goes on from where it is, as fast as it is; another is put where they say.
+        The force passes over to the new one in a tenth of a second. The books of energy begin anew.
+
+        Args:
+            world: Another world, of a loop of a world.
+            changes: Arguments of `Renderer`, or of a loop of a world those of `World.replace`.
 
         Returns:
             Number of the change: ticks have it in the field `generation` from where it is in force.
@@ -288,11 +302,14 @@ class Loop(_palpate.Loop):
         Raises:
             ValueError: A value that is not allowed; the period, the side and the limits of the loop do not change.
             RuntimeError: The loop has ended.
-            TypeError: The loop renders a world, which stays as it was described.
+            TypeError: A world for a loop that renders a contact, or not a world; an argument that there is not.
         """
-        if not self._parameters:
-            raise TypeError("a loop of a World renders it as it was described; make another Loop with another World")
-        for name in ("force_limit", "soft_start"):
+        limits = ("force_limit", "torque_limit", "soft_start")
+        if self._world is not None:
+            return self._change_world(self._world if world is None else world, changes, limits)
+        if world is not None:
+            raise TypeError("the loop renders a Renderer; a World runs in a Loop of its own")
+        for name in limits:
             if name in changes:
                 raise ValueError(f"{name} is a limit of the loop, and stays while it runs; make another Loop")
         method, before, soft_start, settings = _split(self._parameters)
@@ -303,6 +320,27 @@ class Loop(_palpate.Loop):
         generation = super().change(method, given, settings)
         self._parameters = parameters
         return generation
+
+    def _change_world(self, world: World, changes: dict[str, Any], limits: tuple[str, ...]) -> int:
+        if not isinstance(world, World):
+            raise TypeError(f"world is {world!r}, but must be a palpate.World")
+        for name in limits:
+            if name in changes:
+                raise ValueError(f"{name} is a limit of the loop, and stays while it runs; make another Loop")
+        if changes:
+            known = ("title", "loop", "devices", "bodies", "contacts", "joints", "render", "told", "measure", "method")
+            for name in changes:
+                if name not in known:
+                    raise TypeError(f"no table of a world is called {name}; it has {', '.join(known)}")
+            world = world.replace(**changes)
+        generation = self.change_world(world)
+        self._world = world
+        return generation
+
+    @property
+    def world(self) -> World | None:
+        """The world that is rendered now, at its start; `None` of a loop that renders a contact. `loop.bodies` has how it is."""
+        return self._world
 
     @property
     def parameters(self) -> dict[str, Any]:

@@ -39,6 +39,8 @@ __all__ = [
     "recorded_columns",
     "render",
     "render_figure",
+    "replay",
+    "replay_figure",
     "report",
     "run_suite",
     "simulate",
@@ -68,6 +70,7 @@ _Motion = tuple[NDArray[np.float64], NDArray[np.float64], str, str | None]
 _Part = tuple[list[tuple[str, str]], list[str]]
 _Row = tuple[tuple[int, int, int, int], tuple[float, float, float, float], tuple[bool, int, int]]
 _Rendered = tuple[str, str, list[tuple[str, _Words]], _Words]
+_Judged = tuple[str, str, list[float], list[tuple[str, NDArray[np.float64]]], NDArray[np.float64]]
 
 @disjoint_base
 class Renderer:
@@ -122,6 +125,7 @@ class Loop:
     @property
     def period(self) -> float: ...
     def change(self, method: object, parameters: dict[str, Any], settings: dict[str, Any]) -> int: ...
+    def change_world(self, world: World) -> int: ...
     def events(self) -> tuple[list[tuple[int, float, str, str]], int]: ...
     def now(self) -> tuple[bool, int, int, float | None, int, bool, _Vector]: ...
     def rearm(self) -> None: ...
@@ -231,6 +235,20 @@ def render(
 def render_figure(
     motion: _Motion, method: object, parameters: dict[str, Any], settings_given: dict[str, Any]
 ) -> str: ...
+def replay(
+    path: str | PathLike[str],
+    method: object,
+    of: dict[str, Any],
+    changes: dict[str, Any],
+    settings_given: dict[str, Any],
+) -> tuple[_Rendered | None, _Judged | None, list[str]]: ...
+def replay_figure(
+    path: str | PathLike[str],
+    method: object,
+    of: dict[str, Any],
+    changes: dict[str, Any],
+    settings_given: dict[str, Any],
+) -> str: ...
 def report(sources: dict[str, Any], method: object) -> tuple[str, str, str]: ...
 def run_suite(set: str, seed: int, plants: int, method: object) -> tuple[str, str, str]: ...
 def simulate(scene: Scene, method: object) -> _Rendered: ...
@@ -245,9 +263,7 @@ def to_toml(tables: Mapping[str, Any]) -> str: ...
 def tune(
     scene: Scene, method: object, values: list[float] | None, steps: int, least: str
 ) -> tuple[str, str, str]: ...
-def simulate_world(
-    world: World, method: object
-) -> tuple[str, str, list[float], list[tuple[str, NDArray[np.float64]]], NDArray[np.float64]]: ...
+def simulate_world(world: World, method: object) -> _Judged: ...
 def world_bodies(world: World) -> list[tuple[_Vector, _Vector, _Vector, _Vector]]: ...
 def world_books(
     world: World,

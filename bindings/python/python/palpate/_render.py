@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _palpate
+from ._arrays import numbers
 from ._report import Runs
 
 
@@ -74,16 +75,14 @@ def render(
     for other in ("t", "x", "method", "unit", "title", "settings"):
         del given[other]
     # Copies: the figure is drawn later, and the arrays of the caller may have changed by then.
-    motion = (_numbers("t", t).copy(), _numbers("x", x).copy(), title, unit)
+    motion = (_of_one_dimension("t", t), _of_one_dimension("x", x), title, unit)
     arguments = (motion, method, given, settings)
     return Runs._of_runs(_palpate.render(*arguments), (_palpate.render_figure, arguments))
 
 
-def _numbers(name: str, given: ArrayLike) -> NDArray[np.float64]:
-    """An array of one dimension, in double precision."""
-    array = np.asarray(given)
+def _of_one_dimension(name: str, given: ArrayLike) -> NDArray[np.float64]:
+    """A copy of the numbers of an argument."""
+    array = numbers(name, given)
     if array.ndim != 1:
         raise ValueError(f"{name} has the shape {array.shape}, but must have one dimension")
-    if array.dtype.kind not in "fiu":
-        raise ValueError(f"{name} is of type {array.dtype}, but must be of numbers")
-    return np.ascontiguousarray(array, dtype=np.float64)
+    return array.copy()

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _palpate
+from ._arrays import numbers
 from ._device_file import DeviceFile, named_text
 from ._report import Fields, Report
 from ._scene import SceneLike, _scene, _scenes
@@ -41,7 +42,7 @@ def tune(
         ValueError: A method without a damping, a value that it does not allow, a scene that cannot be run.
         OSError: A file that cannot be read.
     """
-    given = None if values is None else np.asarray(values, dtype=np.float64).ravel().tolist()
+    given = None if values is None else numbers("values", values).ravel().tolist()
     fields, text, figure = _palpate.tune(_scene(scene), method, given, steps, least)
     return Report._of((fields, text), figure)
 
@@ -95,7 +96,7 @@ def sweep(
             be run.
         OSError: A file that cannot be read.
     """
-    given = np.asarray(values, dtype=np.float64).ravel().tolist()
+    given = numbers("values", values).ravel().tolist()
     return Report._of(_palpate.sweep(_scene(scene), over, given, method, heights))
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _palpate
+from ._arrays import numbers
 from ._scene import Tables
 from ._world_values import (
     BodyBook,
@@ -151,7 +152,7 @@ class World(_palpate.World):
         Raises:
             ValueError: Not as many numbers as a sample of these devices has.
         """
-        given = np.asarray(position, dtype=np.float64)
+        given = numbers("position", position)
         width = self.width()
         row = "x, y, z" if width == 3 else "x, y, z, qw, qx, qy, qz"
         if len(self._devices) == 1:
@@ -184,7 +185,7 @@ class World(_palpate.World):
             device = self._devices[0]
         if device not in self._devices:
             raise ValueError(f"device is {device!r}, but must be one of {', '.join(self._devices)}")
-        given = np.asarray(force, dtype=np.float64)
+        given = numbers("force", force)
         width = 3 if self.width() == 3 else 6
         if given.shape != (width,):
             raise ValueError(f"force has the shape {given.shape}, but must have ({width},)")

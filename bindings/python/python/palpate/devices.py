@@ -23,10 +23,10 @@ import os
 import sys
 from typing import Any, Sequence
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _palpate
+from ._arrays import numbers, row
 from ._scene import Scene
 from ._world import World
 
@@ -133,7 +133,7 @@ class PointerInWorld(Device):
         Raises:
             ValueError: Not three numbers that are finite.
         """
-        given = np.asarray(target, dtype=np.float64)
+        given = numbers("target", target)
         if given.shape != (3,):
             raise ValueError(f"target has the shape {given.shape}, but must have (3,): x, y, z")
         self._hand.move_to(given.tolist())
@@ -208,9 +208,9 @@ class TwoDiy(Device):
             "port": port,
             "generation": generation,
             "board": board,
-            "start_pose": start_pose,
-            "origin": None if origin is None else list(origin),
-            "normal": None if normal is None else list(normal),
+            "start_pose": start_pose if isinstance(start_pose, str) else tuple(row("start_pose", start_pose)),
+            "origin": None if origin is None else row("origin", origin),
+            "normal": None if normal is None else row("normal", normal),
             "world_axes": None if world_axes is None else list(world_axes),
             "guardian": _guardian() if guardian else None,
         }
@@ -247,8 +247,8 @@ class Inverse3(Device):
             "service": service,
             "events": events,
             "device_id": device_id,
-            "origin": None if origin is None else list(origin),
-            "normal": None if normal is None else list(normal),
+            "origin": None if origin is None else row("origin", origin),
+            "normal": None if normal is None else row("normal", normal),
             "world_axes": None if world_axes is None else list(world_axes),
         }
 

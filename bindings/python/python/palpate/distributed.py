@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any, Iterable, Mapping, Sequence
 
 from . import _palpate
+from ._arrays import plain
 from ._palpate import __version__
 from ._report import Report
 from ._scene import Scene, SceneLike, _scenes
@@ -311,7 +312,8 @@ def map(method: str | Sequence[str] = "all", *, cells: int = 100, parts: int = 6
     for name in arguments:
         if name not in known:
             raise TypeError(f"no argument of palpate.map is called {name}; it has {', '.join(known)}")
-    return MapStudy(method, {**known, **arguments}, parts)
+    given = {name: plain(value) for name, value in {**known, **arguments}.items()}
+    return MapStudy(method, given, plain(parts))
 
 
 def suite(
@@ -335,7 +337,7 @@ def suite(
     Raises:
         ValueError: A value that is not allowed.
     """
-    return SuiteStudy(set, method, seed, plants, parts)
+    return SuiteStudy(set, method, plain(seed), plain(plants), plain(parts))
 
 
 def tune(
@@ -360,7 +362,7 @@ def tune(
         OSError: A file that cannot be read.
     """
     several = [scene for scene in _scenes(scenes) if isinstance(scene, Scene)]
-    return TuneStudy(several, method, {"steps": steps, "least": least})
+    return TuneStudy(several, method, {"steps": plain(steps), "least": least})
 
 
 def _column(name: str, values: Sequence[str]) -> Any:

@@ -5,20 +5,20 @@ use std::io;
 use palpate_device::Device;
 use palpate_device::clock::MonotonicClock;
 use palpate_rt::realtime::{Answer, Request};
-use palpate_rt::{ControlLoop, LoopThread, Parameters, RenderedWorld, StopFlag, Tap};
+use palpate_rt::{ChangingWorld, ControlLoop, LoopThread, Parameters, StopFlag, Tap};
 
 use super::ended::Ended;
 
 /// A loop that has not begun.
 pub enum Control {
     Contact(Box<ControlLoop<Box<dyn Device>, MonotonicClock>>),
-    World(Box<ControlLoop<Box<dyn Device>, MonotonicClock, RenderedWorld>>),
+    World(Box<ControlLoop<Box<dyn Device>, MonotonicClock, ChangingWorld>>),
 }
 
 /// A loop in its thread.
 pub enum Running {
     Contact(LoopThread<Box<dyn Device>, MonotonicClock>),
-    World(LoopThread<Box<dyn Device>, MonotonicClock, RenderedWorld>),
+    World(LoopThread<Box<dyn Device>, MonotonicClock, ChangingWorld>),
 }
 
 impl Control {
@@ -30,7 +30,7 @@ impl Control {
         }
     }
 
-    /// The other end of what changes while it runs; a world does not.
+    /// The other end of the parameters of a contact; a world has none.
     pub fn parameters(&mut self) -> Option<Parameters> {
         match self {
             Self::Contact(control) => control.parameters(),

@@ -141,6 +141,11 @@ pub fn open(
     })
 }
 
+/// Refuses a world of several devices.
+pub fn check_devices(scene: &WorldScene) -> PyResult<()> {
+    only_device(scene).map(|_| ())
+}
+
 /// The one device of a world.
 fn only_device(scene: &WorldScene) -> PyResult<&WorldDevice> {
     match &scene.devices[..] {

@@ -23,12 +23,15 @@ use palpate_device::Capabilities;
 use palpate_device::clock::MonotonicClock;
 use palpate_rt::realtime::{Answer, Request};
 use palpate_rt::safety::SafetyParams;
-use palpate_rt::{ControlLoop, Parameters, Recorder, receipt, tap};
+use palpate_rt::{
+    ControlLoop, Parameters, Recorder, WorldFrame, Worlds, changing_world, receipt, tap,
+};
 use pyo3::exceptions::{PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::columns::array;
+use crate::fields::named;
 use crate::names::refused;
 use crate::renderer::rendering;
 use crate::world::PyWorld;
@@ -50,6 +53,7 @@ const LOOK_EVERY: Duration = Duration::from_millis(20);
 pub struct RealTimeLoop {
     stage: Mutex<Stage>,
     parameters: Mutex<Option<Parameters>>,
+    in_world: Mutex<Option<InWorld>>,
     heard: Arc<Heard>,
     held: Held,
     /// The process that has made it: a process that is forked off has none of its threads.
@@ -57,6 +61,13 @@ pub struct RealTimeLoop {
     device: String,
     limits: SafetyParams,
     period: f64,
+}
+
+/// What a loop of a world renders, and on which device.
+struct InWorld {
+    worlds: Worlds,
+    frame: WorldFrame,
+    capabilities: Capabilities,
 }
 
 /// What a loop is made of, by how far it has come.
@@ -102,6 +113,8 @@ struct Prepared {
     limits: SafetyParams,
     held: Held,
     closed: Closed,
+    /// The other end of its world, and where the device stands in it.
+    worlds: Option<(Worlds, WorldFrame)>,
     /// What a recording's receipt has of it, by name.
     texts: Vec<(&'static str, String)>,
 }
@@ -140,6 +153,7 @@ fn prepare_contact(
         limits,
         held,
         closed,
+        worlds: None,
         texts: options
             .scene
             .iter()
@@ -169,7 +183,9 @@ fn prepare_world(
     let capabilities = device.capabilities().clone();
     let limits = options.limits(&capabilities, world.force_limit, world.soft_start);
     let rendered = in_world::rendered(world, &frame, &capabilities, &limits)?;
-    let control = ControlLoop::of_world(device, clock, rendered, limits).map_err(refused)?;
+    let (worlds, rendered) = changing_world(scene.world.clone(), rendered);
+    let control = ControlLoop::of_changing_world(device, clock, rendered, limits);
+    let control = control.map_err(refused)?;
     Ok(Prepared {
         control: Control::World(Box::new(control)),
         period: seconds,
@@ -177,6 +193,7 @@ fn prepare_world(
         limits,
         held,
         closed,
+        worlds: Some((worlds, frame)),
         texts: vec![
             ("world", world.text().to_owned()),
             ("method", format!("name = \"{}\"\n", world.method)),
@@ -196,7 +213,7 @@ impl RealTimeLoop {
         rendered: &Bound<'_, PyAny>,
         options: &Bound<'_, PyDict>,
     ) -> PyResult<Self> {
-        let options: Options = options.extract()?;
+        let options: Options = options.extract().map_err(|error| named(options, error))?;
         let clock = MonotonicClock::new().with_spin(options.checked_spin()?);
         let prepared = match rendered.cast::<PyWorld>() {
             Ok(world) => prepare_world(py, device, &world.borrow(), clock, &options)?,
@@ -209,8 +226,14 @@ impl RealTimeLoop {
             limits,
             held,
             closed,
+            worlds,
             texts,
         } = prepared;
+        let in_world = worlds.map(|(worlds, frame)| InWorld {
+            worlds,
+            frame,
+            capabilities: capabilities.clone(),
+        });
         let request = options.request();
         let (recording, recorder) = match &options.record {
             Some(path) => {
@@ -229,6 +252,7 @@ impl RealTimeLoop {
         let parameters = control.parameters();
         Ok(Self {
             parameters: Mutex::new(parameters),
+            in_world: Mutex::new(in_world),
             heard: Arc::new(Heard::new(options.ring)),
             held,
             process: std::process::id(),
@@ -308,6 +332,24 @@ impl RealTimeLoop {
             Some(parameters) => parameters.change(rendering).map_err(refused),
             None => Err(PyRuntimeError::new_err("the loop has ended")),
         }
+    }
+
+    /// Renders another world from the next tick on, and gives its number.
+    fn change_world(&self, world: &Bound<'_, PyWorld>) -> PyResult<u32> {
+        self.check_process()?;
+        let Some(InWorld {
+            worlds,
+            frame,
+            capabilities,
+        }) = &mut *lock(&self.in_world)
+        else {
+            return Err(PyRuntimeError::new_err("the loop has ended"));
+        };
+        let world = world.borrow();
+        in_world::check_devices(world.scene())?;
+        let rendered = in_world::rendered(&world, frame, capabilities, &self.limits)?;
+        let described = world.scene().world.clone();
+        worlds.change(described, rendered).map_err(refused)
     }
 
     /// Ends a trip that stays, with the next tick.
@@ -450,6 +492,7 @@ impl RealTimeLoop {
             }
         };
         lock(&self.parameters).take();
+        lock(&self.in_world).take();
         self.heard.close();
         *stage = Stage::Ended(ended.clone());
         *ended

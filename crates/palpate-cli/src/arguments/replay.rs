@@ -1,6 +1,7 @@
 //! Arguments that say what a recording is: a motion, or a hand.
 
 use clap::{Args, ValueEnum};
+use palpate_study::recording::StatedHand;
 
 use crate::failure::Failure;
 use crate::values::number;
@@ -34,6 +35,15 @@ pub enum ReplayKind {
 }
 
 impl ReplayFlags {
+    /// What they state of a hand.
+    pub fn stated_hand(&self) -> StatedHand {
+        StatedHand {
+            bandwidth: self.hand_bandwidth,
+            stiffness: self.hand_stiffness,
+            damping: self.hand_damping,
+        }
+    }
+
     /// Refuses a flag that is for a hand only where a motion is replayed.
     pub fn check(&self) -> Result<(), Failure> {
         if self.replay == ReplayKind::Hand {

@@ -38,41 +38,51 @@ pub fn close_loop(
     progress: &Progress,
     failure: &dyn Fn(MethodName, LoopError) -> Failure,
 ) -> Result<ReplayRuns, Failure> {
-    let model = HandModel {
-        encoder_quantum: setup.encoder_quantum,
-        bandwidth: flags.hand_bandwidth,
-        stiffness: flags.hand_stiffness.unwrap_or(HandModel::USUAL_STIFFNESS),
-        damping: flags.hand_damping.unwrap_or(HandModel::USUAL_DAMPING),
-        ..HandModel::force_on(recorded.device_mass)
-    };
-    let is_assumed = flags.hand_stiffness.is_none() || flags.hand_damping.is_none();
+    let stated = flags.stated_hand();
+    let model = stated.model(recorded.device_mass, setup.encoder_quantum);
     let recording = HandRecording {
         recording: recorded.recording,
         at_its_instants: recorded.at_its_instants,
     };
-    let begins = |step| match step {
+    let told = (setup, &model, stated.is_assumed());
+    let (runs, beyond) = close(&recording, told, (methods, settings), tell_step(progress))
+        .map_err(|error| wrong_hand(recorded.name, error, failure))?;
+    warn_beyond_reach(&beyond);
+    Ok(runs)
+}
+
+/// Shows what a replay is at.
+pub fn tell_step(progress: &Progress) -> impl FnMut(HandReplayStep) {
+    |step| match step {
         HandReplayStep::Hand => progress.begin("the hand's force"),
         HandReplayStep::Ideal => progress.begin("ideal"),
         HandReplayStep::Method(method) => progress.begin(method.name()),
         HandReplayStep::Done => progress.advance(),
-    };
-    let told = (setup, &model, is_assumed);
-    let (runs, beyond) =
-        close(&recording, told, (methods, settings), begins).map_err(|error| match error {
-            HandReplayError::Hand(error) => in_recording(recorded.name, error),
-            HandReplayError::Loop(method, error) => failure(method, error),
-            HandReplayError::OutOfReach { model, departure } => {
-                out_of_reach(recorded.name, &model, departure)
-            }
-        })?;
+    }
+}
+
+/// Why the loop could not be closed around the hand of the recording called `name`.
+pub fn wrong_hand(
+    name: &str,
+    error: HandReplayError,
+    failure: &dyn Fn(MethodName, LoopError) -> Failure,
+) -> Failure {
+    match error {
+        HandReplayError::Hand(error) => in_recording(name, error),
+        HandReplayError::Loop(method, error) => failure(method, error),
+        HandReplayError::OutOfReach { model, departure } => out_of_reach(name, &model, departure),
+    }
+}
+
+/// Says which methods let the device go where no hand can follow.
+pub fn warn_beyond_reach(beyond: &[(MethodName, f64)]) {
     for (method, departure) in beyond {
         tell(format_args!(
             "warning: {method}: the device leaves the recorded motion by {} m, farther than an arm reaches \
              ({REACH} m); what stands in its row is no answer of a hand",
-            digits(departure)
+            digits(*departure)
         ));
     }
-    Ok(runs)
 }
 
 /// Refuses a replay in which even the ideal device goes where no hand can follow.

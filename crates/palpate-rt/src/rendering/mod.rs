@@ -1,5 +1,6 @@
 //! What the loop renders, and how that changes while it runs.
 
+mod changing_world;
 mod frame;
 mod one_contact;
 mod rendered;
@@ -9,6 +10,7 @@ mod world_rows;
 
 use palpate::{ParameterError, Running};
 
+pub use changing_world::{ChangingWorld, WorldChangeError, Worlds, changing_world};
 pub use frame::{FrameError, WorldAxis, WorldFrame};
 pub use one_contact::OneContact;
 pub use palpate::{CHANGE_DURATION, ChangeError};

@@ -27,6 +27,11 @@ pub trait Renders: Send {
         None
     }
 
+    /// Lets another world take the place of the one that is rendered, if one has come in: its number.
+    fn take_other_world(&mut self) -> Option<u32> {
+        None
+    }
+
     /// Number of the parameters in force.
     fn generation(&self) -> u32 {
         0

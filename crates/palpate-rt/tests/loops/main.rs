@@ -9,6 +9,7 @@ mod motors_off;
 mod safety;
 mod simulated;
 mod time;
+mod world_change;
 mod worlds;
 
 use std::path::Path;

@@ -2,14 +2,18 @@
 
 mod curves;
 mod put_scene;
+mod replay;
 pub mod report;
 mod scene;
 mod ticks;
+mod world_path;
 
 pub use curves::RecordedCurves;
 pub use put_scene::{PutSceneError, put_scene};
+pub use replay::{RecordingReplay, RecordingReplayError, ReplayOf, ReplayedRecording, StatedHand};
 pub use scene::{NoScene, scene_of};
 pub use ticks::{HeldDevice, Ticks, TicksError};
+pub use world_path::{WorldPathError, world_path};
 
 use palpate_record::recording::{Gap, LoopTime, Recording, WHOLE};
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _palpate
+from .._arrays import numbers
 from .._world_values import ContactBook, Effort, ToolState, Vector
 
 BODY_COLUMNS = 55
@@ -169,7 +170,7 @@ class EngineContact(_palpate.EngineContact):
         Raises:
             ValueError: Not three numbers for each device.
         """
-        given = np.asarray(position, dtype=np.float64)
+        given = numbers("position", position)
         count = len(self._tools)
         if given.shape != (count, 3) and not (count == 1 and given.shape == (3,)):
             needed = "(3,): x, y, z" if count == 1 else f"({count}, 3): a row for each of {', '.join(self._tools)}"
@@ -195,7 +196,7 @@ class EngineContact(_palpate.EngineContact):
         name = self._tools[0] if tool is None and len(self._tools) == 1 else tool
         if name not in self._tools:
             raise ValueError(f"tool is {tool!r}, but must be one of {', '.join(self._tools)}")
-        given = np.asarray(force, dtype=np.float64)
+        given = numbers("force", force)
         if given.shape != (3,):
             raise ValueError(f"force has the shape {given.shape}, but must have (3,)")
         self.tell_sent(self._tools.index(name), given.tolist())
@@ -247,7 +248,7 @@ class EngineContact(_palpate.EngineContact):
 
 
 def _masses(given: ArrayLike, count: int) -> list[list[float]]:
-    masses = np.asarray(given, dtype=np.float64)
+    masses = numbers("device_mass", given)
     if masses.shape not in [(), (3,), (count, 3)]:
         raise ValueError(
             f"device_mass has the shape {masses.shape}, but must be one number, or have (3,), or ({count}, 3): a row for "

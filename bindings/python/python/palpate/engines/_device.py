@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .._arrays import numbers
+
 
 class SimulatedDevice:
     """A mass along each axis in a hand: m x'' = hand_force + F - stiffness (x - rest) - damping x'.
@@ -40,17 +42,17 @@ class SimulatedDevice:
         hand_force: ArrayLike,
         period: float,
     ) -> None:
-        self.position = np.array(position, dtype=np.float64)
+        self.position = numbers("position", position).copy()
         self.velocity = np.zeros(3)
-        self.rest = np.array(rest, dtype=np.float64)
-        self.hand_force = np.array(hand_force, dtype=np.float64)
+        self.rest = numbers("rest", rest).copy()
+        self.hand_force = numbers("hand_force", hand_force).copy()
         self._over = np.array(
-            [_exponential([[0, 1, 0], [-stiffness / m, -damping / m, 1 / m], [0, 0, 0]], period) for m in np.asarray(mass)]
+            [_exponential([[0, 1, 0], [-stiffness / m, -damping / m, 1 / m], [0, 0, 0]], period) for m in numbers("mass", mass)]
         )
 
     def hold(self, force: ArrayLike) -> None:
         """Moves on by a period under a held force [N]."""
-        state = np.stack([self.position - self.rest, self.velocity, self.hand_force + np.asarray(force)], axis=1)
+        state = np.stack([self.position - self.rest, self.velocity, self.hand_force + numbers("force", force)], axis=1)
         after = np.einsum("aij,aj->ai", self._over, state)
         self.position = after[:, 0] + self.rest
         self.velocity = after[:, 1]

@@ -99,7 +99,7 @@ class Contact(EngineContact):
     ) -> Contact:
         h = float(model.opt.timestep)
         steps = 1 if period is None else _whole(period, h)
-        several = [tool] if isinstance(tool, (str, int, float, np.number)) else list(tool)
+        several: list[Any] = [tool] if isinstance(tool, str) or np.ndim(tool) == 0 else [*tool]  # type: ignore[misc]
         geoms = [_tool_geom(model, name) if isinstance(name, str) else None for name in several]
         tools: dict[str, float] = {}
         for number, (given, geom) in enumerate(zip(several, geoms)):

@@ -20,6 +20,7 @@ from typing import Any, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .._arrays import row
 from ._contact import EngineBody, EngineContact, PlacedShape, body_row
 
 try:
@@ -84,7 +85,7 @@ class Contact(EngineContact):
         for number in numbers:
             if numbers.count(number) > 1:
                 raise ValueError(f"bodies names {number} twice")
-        radii = [float(radius) for radius in np.ravel(tool)]
+        radii = [float(radius) for radius in row("tool", np.ravel(tool))]
         names = ["tool"] if len(radii) == 1 else [f"tool {number}" for number in range(len(radii))]
         made = super().__new__(
             cls,

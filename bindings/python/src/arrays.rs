@@ -1,0 +1,23 @@
+//! Arrays of Python as they are read: rows of numbers whose place in memory Rust can read.
+
+use numpy::ndarray::ArrayView2;
+use numpy::{PyReadonlyArray2, PyUntypedArrayMethods as _};
+use pyo3::prelude::*;
+
+use crate::names::refused;
+
+/// The rows of the argument called `name`. The Python files hand over arrays that lie as they must; who calls the compiled
+/// part himself may not.
+///
+/// # Errors
+/// Numbers that lie in memory where no number of 64 bits may.
+pub fn rows<'a>(name: &str, array: &'a PyReadonlyArray2<'_, f64>) -> PyResult<ArrayView2<'a, f64>> {
+    let is_aligned: bool = array.getattr("flags")?.getattr("aligned")?.extract()?;
+    let size = isize::try_from(size_of::<f64>()).unwrap_or(isize::MAX);
+    if is_aligned && array.strides().iter().all(|stride| stride % size == 0) {
+        return Ok(array.as_array());
+    }
+    Err(refused(format!(
+        "{name} does not lie in memory as numbers of 64 bits do; give numpy.require({name}, float, [\"C\", \"A\"])"
+    )))
+}

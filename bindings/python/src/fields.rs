@@ -1,0 +1,30 @@
+//! Arguments as the Python files hand them over, in a dictionary, and which of them is of a wrong type.
+
+use pyo3::PyTypeInfo as _;
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// How an argument of a wrong type is told of by what reads a dictionary.
+const FAILED: &str = "failed to extract field ";
+
+/// Says which argument of `given` is of a wrong type, with its value and what it must be.
+pub fn named(given: &Bound<'_, PyDict>, error: PyErr) -> PyErr {
+    let py = given.py();
+    let said = error.value(py).to_string();
+    let name = said
+        .strip_prefix(FAILED)
+        .and_then(|field| field.rsplit('.').next());
+    let Some(name) = name else {
+        return error;
+    };
+    let value = given.get_item(name).ok().flatten();
+    let value = value.and_then(|value| value.repr().ok());
+    let Some((value, cause)) = value.zip(error.cause(py)) else {
+        return error;
+    };
+    if !cause.get_type(py).is(PyTypeError::type_object(py)) {
+        return error;
+    }
+    PyTypeError::new_err(format!("{name} is {value}: {}", cause.value(py)))
+}

@@ -1,0 +1,247 @@
+//! Worlds that take the place of each other while the loop runs, on a clock that is moved by hand.
+
+use palpate_device::Vector;
+use palpate_device::clock::SteppedClock;
+use palpate_record::recording::Row;
+use palpate_rt::{
+    ChangingWorld, ControlLoop, RenderedWorld, Told, WorldChangeError, WorldFrame, Worlds,
+    changing_world, tap,
+};
+use palpate_scene::world::{WorldFile, WorldScene};
+use palpate_sim::device::SpatialDevice;
+use palpate_world::Motion;
+
+use crate::wide;
+
+type Loop = ControlLoop<SpatialDevice<SteppedClock>, SteppedClock, ChangingWorld>;
+
+/// A ball that flies above a floor, beside a device that a hand presses into the floor.
+fn scene() -> WorldScene {
+    let text = r#"
+format = 2
+title = "A ball above a floor"
+loop = { period_s = 0.002 }
+[[device]]
+name = "tool"
+mass_kg = 0.25
+position_m = [0.0, 0.0, 0.009]
+tool = { sphere = { radius_m = 0.01 } }
+hand_stiffness_n_per_m = 200.0
+hand_damping_n_s_per_m = 10.0
+hand_rest_m = [0.0, 0.0, 0.004]
+[[body]]
+name = "floor"
+fixed = true
+shape = { half_space = { normal = [0.0, 0.0, 1.0], offset_m = 0.0 } }
+[[body]]
+name = "ball"
+mass_kg = 0.1
+position_m = [0.3, 0.0, 0.5]
+velocity_m_per_s = [0.0, 0.1, 0.0]
+angular_velocity_rad_per_s = [3.0, 0.0, 1.0]
+force_n = [0.0, 0.0, 0.02]
+shape = { box = { size_m = [0.02, 0.04, 0.06] } }
+[[contact]]
+between = ["tool", "floor"]
+stiffness_n_per_m = 500.0
+[measure]
+duration_s = 1.0
+[render]
+method = "basic"
+"#;
+    WorldFile::parse("scene", text).unwrap().scene
+}
+
+fn rendered(scene: &WorldScene, method: &'static str) -> RenderedWorld {
+    let renderer = scene.renderer(method).unwrap();
+    RenderedWorld::new(&scene.world, renderer, method, WorldFrame::the_same()).unwrap()
+}
+
+fn changing(scene: &WorldScene, method: &'static str) -> (Worlds, Loop) {
+    let clock = SteppedClock::new();
+    let own = &scene.devices[0];
+    let device = SpatialDevice::new(own, &scene.timing.actuator, clock.clone()).unwrap();
+    let (worlds, world) = changing_world(scene.world.clone(), rendered(scene, method));
+    let control = ControlLoop::of_changing_world(device, clock, world, wide()).unwrap();
+    (worlds, control)
+}
+
+fn force(row: &Row) -> f64 {
+    row.tick.commanded_force[2]
+}
+
+fn ball(control: &Loop) -> (Vector, Vector, Vector) {
+    let ball = control.rendered().world().state().bodies()[1];
+    (ball.position, ball.velocity, ball.angular_velocity)
+}
+
+#[test]
+fn the_same_world_again_changes_nothing_but_the_number() {
+    let scene = scene();
+    let (mut worlds, mut control) = changing(&scene, "basic");
+    let (_, mut alone) = changing(&scene, "basic");
+    for tick in 0..300 {
+        if tick % 7 == 3 {
+            let number = worlds.change(scene.world.clone(), rendered(&scene, "basic"));
+            assert_eq!(number, Ok(tick / 7 + 1));
+        }
+        let (row, same) = (control.tick(), alone.tick());
+        assert_eq!(row.tick.generation, worlds.generation());
+        assert_eq!(
+            row.tick.commanded_force, same.tick.commanded_force,
+            "tick {tick}"
+        );
+        let (one, other) = (ball(&control), ball(&alone));
+        for (one, other) in [(one.0, other.0), (one.1, other.1), (one.2, other.2)] {
+            for (one, other) in one.iter().zip(other) {
+                assert!(
+                    (one - other).abs() < 1e-10,
+                    "tick {tick}: {one} and {other}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn another_stiffness_comes_in_a_tenth_of_a_second_and_is_told() {
+    let scene = scene();
+    let (mut worlds, control) = changing(&scene, "basic");
+    let (tap, mut listener) = tap(1000);
+    let mut control = control.tapped(tap);
+    for _ in 0..100 {
+        control.tick();
+    }
+    let mut stiffer = scene.clone();
+    stiffer.world.contacts[0].law.stiffness = 1500.0;
+    worlds
+        .change(stiffer.world.clone(), rendered(&stiffer, "basic"))
+        .unwrap();
+    for tick in 0..80 {
+        let row = control.tick();
+        let depth = control.rendered().world().state().contacts()[0].penetration;
+        let part = (f64::from(tick) * 0.002 / 0.1).min(1.0);
+        if tick == 0 {
+            assert!((force(&row) - 500.0 * depth).abs() < 1e-12);
+        } else if part == 1.0 {
+            assert!((force(&row) - 1500.0 * depth).abs() < 1e-9);
+        }
+        assert!(force(&row) > 0.0 && force(&row) < 1500.0 * depth + 1e-9);
+    }
+    let notes: Vec<_> = listener
+        .by_ref()
+        .filter_map(|told| match told {
+            Told::Note(noted) => Some(noted.event()),
+            Told::Tick(..) => None,
+        })
+        .collect();
+    let [event] = &notes[..] else {
+        panic!("{notes:?}");
+    };
+    assert_eq!((event.sequence, event.kind.as_str()), (100, "parameters"));
+    let words = "parameters number 1 from here on: another world, rendered by basic";
+    assert_eq!(event.text, words);
+}
+
+#[test]
+fn a_body_keeps_its_velocities_under_another_mass_and_one_described_elsewhere_is_put_there() {
+    let scene = scene();
+    for method in ["basic", "coupled"] {
+        let (mut worlds, mut control) = changing(&scene, method);
+        let (_, mut alone) = changing(&scene, method);
+        for _ in 0..50 {
+            control.tick();
+            alone.tick();
+        }
+        let mut other = scene.clone();
+        let Motion::Free(free) = &mut other.world.bodies[1].motion else {
+            panic!("the ball is free");
+        };
+        free.mass = 0.7;
+        free.force = [0.0; 3];
+        worlds
+            .change(other.world.clone(), rendered(&other, method))
+            .unwrap();
+        control.tick();
+        alone.tick();
+        let (now, then) = (ball(&control), ball(&alone));
+        for (now, then) in [(now.0, then.0), (now.1, then.1), (now.2, then.2)] {
+            for (now, then) in now.iter().zip(then) {
+                assert!((now - then).abs() < 1e-12, "{now} and {then}");
+            }
+        }
+        let up = now.1[2];
+        control.tick();
+        control.tick();
+        // Nothing pulls it any more.
+        assert!((ball(&control).1[2] - up).abs() < 1e-12);
+
+        // Overtaken by the next before a tick takes it: the ball is where both describe it.
+        other.world.bodies[1].position = [0.1, 0.2, 0.3];
+        for stiffness in [700.0, 800.0] {
+            other.world.contacts[0].law.stiffness = stiffness;
+            let world = rendered(&other, method);
+            worlds.change(other.world.clone(), world).unwrap();
+        }
+        control.tick();
+        assert_eq!(ball(&control).0, [0.1, 0.2, 0.3]);
+        assert_eq!(control.rendered().world().state().tools().len(), 1);
+    }
+}
+
+#[test]
+fn a_loop_with_a_delay_knows_what_is_under_way() {
+    let mut scene = scene();
+    scene.timing.actuator.delay = 0.003;
+    let (mut worlds, mut control) = changing(&scene, "coupled");
+    let (_, mut alone) = changing(&scene, "coupled");
+    let mut apart = 0.0_f64;
+    for tick in 0..400 {
+        if tick == 200 {
+            let world = rendered(&scene, "coupled");
+            worlds.change(scene.world.clone(), world).unwrap();
+        }
+        let (one, other) = (force(&control.tick()), force(&alone.tick()));
+        apart = apart.max((one - other).abs());
+    }
+    // The observer of the device begins anew; the force is 0.7 N.
+    assert!(apart < 0.05, "{apart} N");
+}
+
+#[test]
+fn what_cannot_take_its_place_is_refused() {
+    let scene = scene();
+    let (mut worlds, _control) = changing(&scene, "basic");
+    let mut refused = |change: &dyn Fn(&mut WorldScene)| {
+        let mut other = scene.clone();
+        change(&mut other);
+        worlds
+            .change(other.world.clone(), rendered(&other, "basic"))
+            .unwrap_err()
+    };
+    let period = refused(&|other| other.timing.period = 0.004);
+    let (now, then) = (0.002, 0.004);
+    assert_eq!(period, WorldChangeError::Period { now, then });
+    let names = refused(&|other| other.world.bodies[1].name = "cube".into());
+    assert_eq!(
+        names.to_string(),
+        "the bodies are floor, cube, but must stay floor, ball while the loop runs: ticks go by their numbers"
+    );
+    assert!(matches!(
+        refused(&|other| other.world.contacts.clear()),
+        WorldChangeError::Names {
+            what: "the pairs that may touch",
+            ..
+        }
+    ));
+    for _ in 0..8 {
+        let world = rendered(&scene, "basic");
+        worlds.change(scene.world.clone(), world).unwrap();
+    }
+    let world = rendered(&scene, "basic");
+    assert_eq!(
+        worlds.change(scene.world.clone(), world),
+        Err(WorldChangeError::Busy)
+    );
+    assert_eq!(worlds.generation(), 8);
+}

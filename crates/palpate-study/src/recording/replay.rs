@@ -1,0 +1,247 @@
+//! A recording under another force: its motion as it was, or its hand, its loop closed again.
+
+use palpate_record::recording::Recording;
+use palpate_record::trace::Part;
+use palpate_scene::method::MethodName;
+use palpate_scene::{Scene, Timing};
+use palpate_sim::hand_replay::{HandModel, Recording as OfAHand};
+use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
+use palpate_sim::run::{Reference, Run};
+
+use super::{RecordedCurves, Ticks, TicksError};
+use crate::hand_replay::{HandRecording, HandReplayError, HandReplayStep, ReplayRuns, close_loop};
+use crate::report::{FromRecording, Replayed, Report, Subject, receipt, told_lines};
+
+/// What is replayed of a recording.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ReplayOf {
+    /// The motion: the device goes where it went, whatever the force.
+    Motion,
+    /// The hand: its force is estimated, and the device moves under the new force.
+    Hand(StatedHand),
+}
+
+/// What is stated of a hand.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StatedHand {
+    /// Bandwidth of its force `[Hz]`; none: the one under which the recording is most likely.
+    pub bandwidth: Option<f64>,
+    /// Stiffness with which it holds on to its recorded motion `[N/m]`; none: the usual one is assumed.
+    pub stiffness: Option<f64>,
+    /// Damping with which it does `[N s/m]`; none: the usual one is assumed.
+    pub damping: Option<f64>,
+}
+
+impl StatedHand {
+    /// The hand on a device of so much mass `[kg]`, whose sensor has this quantum `[m]`.
+    #[must_use]
+    pub fn model(&self, device_mass: f64, encoder_quantum: f64) -> HandModel {
+        HandModel {
+            encoder_quantum,
+            bandwidth: self.bandwidth,
+            stiffness: self.stiffness.unwrap_or(HandModel::USUAL_STIFFNESS),
+            damping: self.damping.unwrap_or(HandModel::USUAL_DAMPING),
+            ..HandModel::force_on(device_mass)
+        }
+    }
+
+    /// Whether its stiffness or its damping is assumed.
+    #[must_use]
+    pub fn is_assumed(&self) -> bool {
+        self.stiffness.is_none() || self.damping.is_none()
+    }
+}
+
+/// A recording of one contact, and what is to be done with it.
+#[derive(Clone, Copy, Debug)]
+pub struct RecordingReplay<'a> {
+    /// The recording.
+    pub recording: &'a Recording,
+    /// The scene that it was made with.
+    pub recorded: &'a Scene,
+    /// The scene that is rendered now: that scene, with what is to be different.
+    pub scene: &'a Scene,
+    /// Whether the object begins where the scene says; else where it was at the first tick that is replayed.
+    pub object_as_in_scene: bool,
+    /// Which part of the recording.
+    pub part: Part,
+    /// Motion or hand.
+    pub of: ReplayOf,
+}
+
+/// What a replay of a recording gives.
+#[derive(Debug)]
+pub struct ReplayedRecording {
+    /// The report.
+    pub report: Report,
+    /// What made the runs, for the receipt of a run file.
+    pub receipt: Vec<(String, String)>,
+    /// A line that names the replay.
+    pub title: String,
+    /// The ideal.
+    pub reference: Reference,
+    /// One run for each method.
+    pub runs: Vec<Run>,
+    /// What was replayed, and how well it is known.
+    pub replayed: Replayed,
+    /// What was recorded.
+    pub curves: RecordedCurves,
+    /// How far the device leaves the recorded motion, where that is farther than an arm reaches `[m]`.
+    pub beyond_reach: Vec<(MethodName, f64)>,
+}
+
+/// Why a recording was not replayed.
+#[derive(Debug)]
+pub enum RecordingReplayError {
+    /// Its ticks cannot be.
+    Ticks(TicksError),
+    /// Its motion cannot be, or not by this method.
+    Motion(MethodName, ReplayError),
+    /// Its hand cannot be.
+    Hand(HandReplayError),
+}
+
+impl RecordingReplay<'_> {
+    /// Replays it by each of `methods`; `begins` hears what is begun.
+    ///
+    /// # Errors
+    /// What cannot be read or replayed; a method that cannot be set up.
+    pub fn by(
+        &self,
+        methods: &[MethodName],
+        mut begins: impl FnMut(HandReplayStep),
+    ) -> Result<ReplayedRecording, RecordingReplayError> {
+        let (recording, scene) = (self.recording, self.scene);
+        let name = recording.path().display().to_string();
+        let wrong = RecordingReplayError::Ticks;
+        let mut ticks = Ticks::of(recording, &self.part).map_err(wrong)?;
+        let mut setup = ReplaySetup::of_scene(scene);
+        if !self.object_as_in_scene {
+            ticks.place_object(&mut setup, matches!(self.of, ReplayOf::Hand(_)));
+        }
+        let (replayed, beyond_reach) = match self.of {
+            ReplayOf::Motion => {
+                let runs = motion(&ticks, setup, (scene, methods), &mut begins)
+                    .map_err(|(method, error)| RecordingReplayError::Motion(method, error))?;
+                (runs, Vec::new())
+            }
+            ReplayOf::Hand(stated) => {
+                let recorded = self.recorded;
+                let (delay, period) = (recorded.delay, recorded.loop_params.period);
+                let longest_gap = setup.loop_params.bridged_gap();
+                let held = ticks.held_device(&name, delay, period, longest_gap);
+                let held = held.map_err(wrong)?;
+                if let Some(start) = held.times.first() {
+                    ticks.curves.count_from(*start);
+                }
+                let of_a_hand = HandRecording {
+                    recording: OfAHand {
+                        times: &held.times,
+                        positions: &held.positions,
+                        forces_on_device: Some(&held.forces),
+                    },
+                    at_its_instants: true,
+                };
+                let model = stated.model(scene.device.mass(), setup.encoder_quantum);
+                let told = (&setup, &model, stated.is_assumed());
+                close_loop(&of_a_hand, told, (methods, &scene.settings), begins)
+                    .map_err(RecordingReplayError::Hand)?
+            }
+        };
+        Ok(self.judged(name, setup, ticks, (replayed, beyond_reach)))
+    }
+
+    /// The report on what was replayed.
+    fn judged(
+        &self,
+        name: String,
+        setup: ReplaySetup,
+        mut ticks: Ticks,
+        (replayed, beyond_reach): (ReplayRuns, Vec<(MethodName, f64)>),
+    ) -> ReplayedRecording {
+        let ReplayRuns {
+            reference,
+            mut runs,
+            replayed,
+        } = replayed;
+        // A recording has the object's place; its scene says where the centre is.
+        let centre = self.scene.centre_offset();
+        runs.iter_mut().for_each(|run| run.centre_offset = centre);
+        let object = ticks.curves.object_position.iter_mut();
+        object.for_each(|position| *position += centre);
+        let title = format!("{}: {name}", replayed.title());
+        let subject = Subject {
+            title: title.clone(),
+            contact: &setup.contact,
+            loop_params: &setup.loop_params,
+            device_mass: setup.device_mass,
+            delay: setup.delay().0,
+            timing: Timing {
+                delay_fraction: setup.delay().1,
+                ..Timing::default()
+            },
+        };
+        let mut report = Report::new(&subject, &reference, &runs);
+        report.recorded(FromRecording {
+            file: name.clone(),
+            recorded_method: self.recorded.method.name(),
+            complete: self.recording.is_complete(),
+            ticks: self.recording.ticks,
+            ticks_lost: self.recording.lost(),
+            ticks_without_position: ticks.without_position,
+            parameter_changes: self.recording.generation,
+            recorded_peak_force_n: ticks.peak_force,
+            recorded_leak_held_j: ticks.curves.held_leak.last().copied().unwrap_or(0.0),
+        });
+        let mut receipt = receipt(&subject, setup.object, setup.virtual_force, &runs);
+        receipt.extend(replayed.receipt());
+        let told = told_lines(&setup.actuation, setup.delay().0, setup.loop_params.period);
+        let told: Vec<_> = told.collect();
+        let lines = told.iter();
+        receipt.extend(lines.map(|(key, value)| (format!("actuator_{key}"), value.to_string())));
+        report.actuated(told);
+        receipt.push(("recording".into(), name));
+        let Part { from, to, .. } = self.part;
+        let ends = [("recording_from_s", from), ("recording_to_s", to)].into_iter();
+        let given = ends.filter(|(_, time)| time.is_finite());
+        receipt.extend(given.map(|(key, time)| (key.to_owned(), time.to_string())));
+        receipt.push(("ticks_lost".into(), self.recording.lost().to_string()));
+        report.replayed(replayed.clone());
+        ReplayedRecording {
+            report,
+            receipt,
+            title,
+            reference,
+            runs,
+            replayed,
+            curves: ticks.curves,
+            beyond_reach,
+        }
+    }
+}
+
+/// The motion as it was, rendered by each of `methods` at the instants at which it was sampled.
+fn motion(
+    ticks: &Ticks,
+    setup: ReplaySetup,
+    (scene, methods): (&Scene, &[MethodName]),
+    begins: &mut impl FnMut(HandReplayStep),
+) -> Result<ReplayRuns, (MethodName, ReplayError)> {
+    begins(HandReplayStep::Ideal);
+    let motion = &ticks.curves;
+    let replay = Replay::at_recorded_instants(setup, &motion.time, &motion.device_position)
+        .map_err(|error| (scene.method, error))?;
+    let mut runs = Vec::with_capacity(methods.len());
+    for &method in methods {
+        begins(HandReplayStep::Method(method));
+        let settings = scene.settings.get(&method).copied().unwrap_or_default();
+        let run = replay.run(method, &settings);
+        runs.push(run.map_err(|error| (method, error))?);
+        begins(HandReplayStep::Done);
+    }
+    Ok(ReplayRuns {
+        reference: replay.reference().clone(),
+        runs,
+        replayed: Replayed::Motion,
+    })
+}
