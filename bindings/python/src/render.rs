@@ -144,14 +144,11 @@ pub fn render<'py>(
                 contact: &setup.contact,
                 loop_params: &setup.loop_params,
                 device_mass: setup.device_mass,
-                delay: setup.delay().0,
-                timing: Timing {
-                    delay_fraction: setup.delay().1,
-                    ..Timing::default()
-                },
+                delay: setup.delay(),
+                timing: Timing::default(),
             };
             let mut report = Report::new(&subject, replay.reference(), &runs);
-            let (samples, period) = (setup.delay().0, setup.loop_params.period);
+            let (samples, period) = (setup.delay().whole_samples(), setup.loop_params.period);
             report.actuated(told_lines(&setup.actuation, samples, period));
             report.replayed(Replayed::Motion);
             let ideal = of_ideal(replay.reference());

@@ -7,7 +7,7 @@ use palpate_plot::RunsFigure;
 use palpate_record::recording::{Recording, RecordingError};
 use palpate_record::trace::Part;
 use palpate_scene::method::MethodName;
-use palpate_scene::{GUARD_ALLOWANCE, GUARD_SPEED, Scene, SceneFile, SceneParameter, SetupError};
+use palpate_scene::{Delay, GUARD_ALLOWANCE, GUARD_SPEED, Scene, SceneFile, SceneParameter, SetupError};
 use palpate_sim::closed_loop::LoopError;
 use palpate_sim::hand_replay::{HandError, HandModel, REACH};
 use palpate_sim::replay::{ReplayError, samples_and_fraction};
@@ -147,14 +147,11 @@ impl Changes {
         if let Some(periods) = self.delay {
             told.delay = None;
             let (samples, fraction) = samples_and_fraction(periods);
-            if fraction == 0.0 {
-                scene.delay = samples;
-                scene.timing.delay_seconds = 0.0;
+            scene.delay = if fraction == 0.0 {
+                Delay::samples(samples)
             } else {
-                scene.delay = 0;
-                scene.timing.delay_fraction = 0.0;
-                scene.timing.delay_seconds = periods * period;
-            }
+                Delay::Seconds(periods * period)
+            };
         }
         if let Some(lag) = self.lag {
             told.lag = None;

@@ -101,7 +101,7 @@ pub fn setup(arguments: &Bound<'_, PyDict>) -> PyResult<ReplaySetup> {
 
 /// Refuses a delay that a renderer cannot be told of: in a loop that runs now nothing else knows it.
 pub fn check_delay(setup: &ReplaySetup) -> PyResult<()> {
-    let (samples, fraction) = setup.delay();
+    let (samples, fraction) = (setup.delay().whole_samples(), setup.delay().fraction());
     let periods = samples as f64 + fraction;
     if periods > LARGEST_DELAY as f64 {
         return Err(refused(format!(

@@ -2,7 +2,7 @@
 
 use palpate_rt::safety::SafetyParams;
 use palpate_scene::method::MethodName;
-use palpate_scene::{Scene, SceneFile};
+use palpate_scene::{Delay, Scene, SceneFile};
 use palpate_scope::message::{
     ClientMessage, ClientRequest, DeviceSaid, LaneState, ServerMessage, Set, parse,
 };
@@ -84,7 +84,12 @@ impl Playground {
             settings,
             device: DeviceChoice {
                 mass_kg: scene.device.mass(),
-                delay_s: scene.delay as f64 * scene.loop_params.period + scene.timing.delay_seconds,
+                delay_s: match scene.delay {
+                    Delay::Periods { samples, fraction } => {
+                        (samples as f64 + fraction) * scene.loop_params.period
+                    }
+                    Delay::Seconds(seconds) => seconds,
+                },
                 cut_off: false,
             },
             hand: PointerHand::at(scene.device.position()),
@@ -93,7 +98,6 @@ impl Playground {
             runs: 0,
             notes: Vec::new(),
         };
-        playground.scene.delay = 0;
         playground.lanes = playground.begin(&playground.settings, playground.device, false)?;
         Ok(playground)
     }
@@ -105,7 +109,7 @@ impl Playground {
         if let Some(mass) = scene.device.mass_mut() {
             *mass = device.mass_kg;
         }
-        scene.timing.delay_seconds = device.delay_s;
+        scene.delay = Delay::Seconds(device.delay_s);
         scene
     }
 

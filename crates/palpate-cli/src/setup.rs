@@ -8,7 +8,7 @@ use palpate::{
     Allowed, BasicParams, Contact, LoopParams, Mass, ObjectState, Parameter, Range, Renderer,
 };
 use palpate_scene::method::{MethodName, Setting, Settings};
-use palpate_scene::{Dropped, GUARD_ALLOWANCE, GUARD_SPEED, Jitter, Scene, SceneParameter};
+use palpate_scene::{Delay, Dropped, GUARD_ALLOWANCE, GUARD_SPEED, Jitter, Scene, SceneParameter};
 use palpate_sim::replay::ReplaySetup;
 
 use crate::arguments::{Flags, TimingFlags, flag_of_setting};
@@ -21,9 +21,20 @@ pub use wrong::{wrong_flag, wrong_on_bench, wrong_rendered, wrong_setup};
 
 impl TimingFlags {
     /// Puts the flags that were given in place of the scene's values.
-    pub fn change(&self, scene: &mut Scene) {
+    ///
+    /// # Errors
+    /// A fraction of a period beside a delay in seconds.
+    pub fn change(&self, scene: &mut Scene) -> Result<(), Failure> {
+        if let Some(given) = self.delay_fraction {
+            let Delay::Periods { fraction, .. } = &mut scene.delay else {
+                return Err(Failure::Arguments(format!(
+                    "--delay-fraction {given}: the delay is {} s; a fraction comes on top of whole samples, as of `--delay 1`",
+                    scene.delay.seconds()
+                )));
+            };
+            *fraction = given;
+        }
         let timing = &mut scene.timing;
-        timing.delay_fraction = self.delay_fraction.unwrap_or(timing.delay_fraction);
         if let Some(bound) = self.jitter {
             timing.jitter = Jitter::Uniform { bound };
         }
@@ -31,6 +42,7 @@ impl TimingFlags {
             timing.dropped = Dropped::Probability(probability);
         }
         timing.seed = self.seed.unwrap_or(timing.seed);
+        Ok(())
     }
 
     /// Whether a parameter was given as a flag.

@@ -59,9 +59,10 @@ impl Scene {
         self.check_object(&mut faults);
         self.check_device(&mut faults);
         self.check_actuator(&mut faults);
-        if self.delay > MOST_DELAY {
+        let samples = self.delay.whole_samples();
+        if samples > MOST_DELAY {
             let allowed = "at most 1024";
-            faults.not(Rendered(Parameter::Delay), self.delay as f64, allowed);
+            faults.not(Rendered(Parameter::Delay), samples as f64, allowed);
         }
         // A bad period is the renderer's to refuse.
         if Range::Positive.contains(self.loop_params.period)

@@ -14,6 +14,7 @@ use toml::de::DeTable;
 
 use super::beside::Files;
 use super::check::SceneParameterError;
+use super::delay::Delay;
 use super::device_key::{DeviceFault, RawDevice, ReadDevice, ReadPointMass};
 use super::fault::{Places, SceneError, SceneErrors};
 use super::hand_key::{RawHand, ReadHand};
@@ -377,7 +378,7 @@ impl Reading<'_> {
         let told = raw.told.read(&mut places);
         let timing = raw.r#loop.timing(&mut places);
         let timing = timing.map_err(|(span, message)| (span, message.to_owned()));
-        let (delay, timing) = self.or("loop", timing, (0, Timing::default()));
+        let (delay, timing) = self.or("loop", timing, (Delay::NONE, Timing::default()));
         let mut limit = |of: SceneParameter, value: Option<Spanned<f64>>| {
             value.map(|value| places.take(of, value))
         };

@@ -7,6 +7,7 @@
 
 mod beside;
 mod check;
+mod delay;
 mod device;
 mod device_file;
 mod device_key;
@@ -27,6 +28,7 @@ mod write;
 
 pub use beside::{beside, scene_bytes};
 pub use check::SceneParameterError;
+pub use delay::Delay;
 pub use device::{Device, PantographDevice, PointMassDevice};
 pub use fault::in_plain_words;
 pub use fault::{SceneError, SceneErrors};
@@ -74,8 +76,8 @@ pub struct Scene {
     pub device: Device,
     /// Mass of the device as the renderer is told `[kg]`; `None` tells it [`Device::mass`].
     pub told_device_mass: Option<f64>,
-    /// Whole samples between measuring and actuating.
-    pub delay: usize,
+    /// From a sample to its command.
+    pub delay: Delay,
     /// What else is not perfect about the loop.
     pub timing: Timing,
     /// Gain and lag of the actuator, as they are.

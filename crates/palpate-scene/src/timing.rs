@@ -13,17 +13,14 @@ use toml::Spanned;
 
 use super::Scene;
 use super::check::SceneParameterError;
+use super::delay::Delay;
 use super::fault::Places;
 use super::parameter::SceneParameter;
 
-/// Imperfections of a loop besides a delay of whole samples; none by default.
+/// Imperfections of a loop besides its delay; none by default.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Timing {
-    /// Fraction of a period, below 1, from a sample to its command, on top of whole samples.
-    pub delay_fraction: f64,
-    /// Delay from a sample to its command `[s]`, in place of samples and a fraction.
-    pub delay_seconds: f64,
-    /// How much later than that a command may come, evenly from 0 `[s]`.
+    /// How much later than after the delay a command may come, evenly from 0 `[s]`.
     pub command_jitter: f64,
     /// How far a sample lies from its instant.
     pub jitter: Jitter,
@@ -72,21 +69,27 @@ impl RawLoop {
         }
     }
 
-    /// Delay in whole samples, and the other imperfections; the place of a key that stands alone or
+    /// The delay, and the other imperfections; the place of a key that stands alone or
     /// beside one that it excludes.
     pub fn timing(
         self,
         places: &mut Places<SceneParameter>,
-    ) -> Result<(usize, Timing), (Range<usize>, &'static str)> {
-        if let (Some(delay), true) = (
-            &self.delay_s,
-            self.delay_samples.is_some() || self.delay_fraction.is_some(),
-        ) {
-            return Err((
-                delay.span(),
-                "either delay_s, or delay_samples with delay_fraction; not both",
-            ));
-        }
+    ) -> Result<(Delay, Timing), (Range<usize>, &'static str)> {
+        let delay = match (self.delay_s, self.delay_samples, self.delay_fraction) {
+            (Some(seconds), None, None) => {
+                Delay::Seconds(places.take(SceneParameter::DelaySeconds, seconds))
+            }
+            (None, samples, fraction) => Delay::Periods {
+                samples: places.take_or(Parameter::Delay, samples, 0),
+                fraction: places.take_or(SceneParameter::DelayFraction, fraction, 0.0),
+            },
+            (Some(seconds), _, _) => {
+                return Err((
+                    seconds.span(),
+                    "either delay_s, or delay_samples with delay_fraction; not both",
+                ));
+            }
+        };
         let jitter = match (self.jitter_s, self.jitter_deviation_s) {
             (None, None) => Jitter::None,
             (Some(bound), None) => Jitter::Uniform {
@@ -119,8 +122,6 @@ impl RawLoop {
             }
         };
         let timing = Timing {
-            delay_fraction: places.take_or(SceneParameter::DelayFraction, self.delay_fraction, 0.0),
-            delay_seconds: places.take_or(SceneParameter::DelaySeconds, self.delay_s, 0.0),
             command_jitter: places.take_or(
                 SceneParameter::CommandJitter,
                 self.command_jitter_s,
@@ -135,15 +136,12 @@ impl RawLoop {
             }),
             seed: places.take_or(SceneParameter::Seed, self.seed, 0),
         };
-        Ok((
-            places.take_or(Parameter::Delay, self.delay_samples, 0),
-            timing,
-        ))
+        Ok((delay, timing))
     }
 }
 
 impl Timing {
-    /// Whether every sample is taken on its instant and commands come after whole samples.
+    /// Whether every sample is taken on its instant and commands come after the delay.
     #[must_use]
     pub fn is_perfect(&self) -> bool {
         *self
@@ -171,9 +169,9 @@ impl Scene {
             dropped: self.timing.dropped.clone(),
             collapse: self.timing.collapse,
             delay: ActuationDelay {
-                samples: u32::try_from(self.delay).unwrap_or(u32::MAX),
-                fraction: self.timing.delay_fraction,
-                seconds: self.timing.delay_seconds,
+                samples: u32::try_from(self.delay.whole_samples()).unwrap_or(u32::MAX),
+                fraction: self.delay.fraction(),
+                seconds: self.delay.seconds(),
                 jitter: self.timing.command_jitter,
             },
             seed: self.timing.seed,
@@ -185,7 +183,7 @@ impl Scene {
         match self.device.sampled_as_recorded() {
             Some(hand) => {
                 let period = self.loop_params.period;
-                let delay = (self.delay, self.timing.delay_seconds);
+                let delay = (self.delay.whole_samples(), self.delay.seconds());
                 Timeline::at_instants(hand.times(), delay, period, periods)
             }
             None => Timeline::new(self.schedule(), periods),
@@ -203,18 +201,14 @@ impl Scene {
         };
         let only_as_recorded = Timing {
             seed: self.timing.seed,
-            delay_seconds: self.timing.delay_seconds,
             ..Timing::default()
         };
-        if self.device.sampled_as_recorded().is_some() && self.timing != only_as_recorded {
+        let fraction = self.delay.fraction();
+        if self.device.sampled_as_recorded().is_some()
+            && (self.timing != only_as_recorded || fraction != 0.0)
+        {
             let allowed = "left out, like jitter and drops, of a loop that samples as recorded";
-            let fraction = self.timing.delay_fraction;
             return refused(SceneParameter::DelayFraction, fraction, allowed);
-        }
-        let seconds = self.timing.delay_seconds;
-        if seconds != 0.0 && (self.delay > 0 || self.timing.delay_fraction != 0.0) {
-            let allowed = "left out beside a delay of samples or of a fraction of a period";
-            return refused(SceneParameter::DelaySeconds, seconds, allowed);
         }
         let Err(error) = Schedule::new(self.schedule()) else {
             return Ok(());

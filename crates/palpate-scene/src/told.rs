@@ -4,9 +4,9 @@ use palpate::{Actuation, LARGEST_DELAY, Parameter, Range, Transmission};
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::Scene;
 use super::fault::Places;
 use super::parameter::SceneParameter as Of;
+use super::{Delay, Scene};
 
 /// What stands in place of the truth, or beside it; nothing by default. Without it a renderer is told the
 /// delay of whole samples or of `delay_s`, the lag and the gain as they are, without any deviation. It is
@@ -122,12 +122,16 @@ impl Scene {
     #[must_use]
     pub fn told_actuation(&self) -> Actuation<f64> {
         let (period, told) = (self.loop_params.period, &self.told);
-        let samples = self.delay.min(LARGEST_DELAY);
+
         let longest = LARGEST_DELAY as f64 * period;
         let delay = match told.delay {
             Some(delay) => delay.min(longest),
-            None if self.timing.delay_seconds > 0.0 => self.timing.delay_seconds.min(longest),
-            None => Actuation::after_samples(samples, period).delay,
+            None => match self.delay {
+                Delay::Seconds(seconds) => seconds.max(0.0).min(longest),
+                Delay::Periods { samples, .. } => {
+                    Actuation::after_samples(samples.min(LARGEST_DELAY), period).delay
+                }
+            },
         };
         Actuation {
             delay,

@@ -6,7 +6,7 @@ use palpate::{Contact, Guard, LoopParams, Mass, ParameterValue, Side};
 use palpate_testbed::pantograph::SafetyBox;
 
 use super::{
-    Device, Dropped, Grip, Hand, HandForceAt, Intention, Jitter, Measure, PantographDevice,
+    Delay, Device, Dropped, Grip, Hand, HandForceAt, Intention, Jitter, Measure, PantographDevice,
     PointMassDevice, Scene, Timing, Told, Wave,
 };
 use crate::method::{MethodName, Settings};
@@ -90,9 +90,7 @@ impl Scene {
 
         file.table("loop");
         file.number("period_s", period);
-        if *delay > 0 {
-            file.line("delay_samples", &delay.to_string());
-        }
+        file.delay(*delay);
         file.timing(timing);
         file.unless_zero("lag_s", actuator.lag);
         if actuator.gain != 1.0 {
@@ -249,18 +247,26 @@ impl File {
         Ok(())
     }
 
+    fn delay(&mut self, delay: Delay) {
+        match delay {
+            Delay::Periods { samples, fraction } => {
+                if samples > 0 {
+                    self.line("delay_samples", &samples.to_string());
+                }
+                self.unless_zero("delay_fraction", fraction);
+            }
+            Delay::Seconds(seconds) => self.number("delay_s", seconds),
+        }
+    }
+
     fn timing(&mut self, timing: &Timing) {
         let Timing {
-            delay_fraction,
-            delay_seconds,
             command_jitter,
             jitter,
             dropped,
             collapse,
             seed,
         } = timing;
-        self.unless_zero("delay_fraction", *delay_fraction);
-        self.unless_zero("delay_s", *delay_seconds);
         self.unless_zero("command_jitter_s", *command_jitter);
         match *jitter {
             Jitter::None => {}

@@ -56,7 +56,7 @@ use std::sync::Arc;
 use crate::replay::ReplaySetup;
 use crate::run::{Reference, Run};
 use palpate_scene::method::MethodName;
-use palpate_scene::{ActuatorParams, Device, Measure, Scene, Timing, Told};
+use palpate_scene::{ActuatorParams, Delay, Device, Measure, Scene, Timing, Told};
 
 /// How far, in recording steps, the end of the last period may lie behind that of the recording: time
 /// stamps are written in decimals.
@@ -79,7 +79,6 @@ pub fn scene(hand: Arc<RecordedHand>, setup: &ReplaySetup) -> Result<Scene, Hand
         });
     }
     let actuation = setup.actuation;
-    let (samples, fraction) = setup.delay();
     Ok(Scene {
         title: "Recorded hand".into(),
         contact: setup.contact,
@@ -93,11 +92,12 @@ pub fn scene(hand: Arc<RecordedHand>, setup: &ReplaySetup) -> Result<Scene, Hand
         },
         told_device_mass: setup.device_mass,
         object_radius: 0.0,
-        delay: if fraction > 0.0 { 0 } else { samples },
-        timing: Timing {
-            delay_seconds: if fraction > 0.0 { actuation.delay } else { 0.0 },
-            ..Timing::default()
+        delay: if setup.delay().is_whole() {
+            setup.delay()
+        } else {
+            Delay::Seconds(actuation.delay)
         },
+        timing: Timing::default(),
         actuator: ActuatorParams {
             gain: actuation.gain,
             lag: actuation.lag,

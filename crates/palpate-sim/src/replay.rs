@@ -19,7 +19,7 @@ use crate::delivery::Delivery;
 use crate::run::{MOST_PERIODS, Reference, Run, RunMethod, Tick};
 use palpate_scene::method::{Basis, MethodName, Settings, SettingsError};
 use palpate_scene::named_parameters::named_parameters;
-use palpate_scene::{Scene, SetupError, stored_energy};
+use palpate_scene::{Delay, Scene, SetupError, stored_energy};
 
 /// What to render on a recorded motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,9 +73,10 @@ impl ReplaySetup {
             loop_params: scene.loop_params,
             object: scene.object,
             virtual_force: scene.virtual_force,
-            actuation: if scene.told.delay.is_none() && scene.timing.delay_seconds == 0.0 {
+            actuation: if scene.told.delay.is_none() && scene.delay.seconds() == 0.0 {
                 // Longer than a renderer can be told of, perhaps.
-                let samples = Actuation::after_samples(scene.delay, scene.loop_params.period);
+                let samples =
+                    Actuation::after_samples(scene.delay.whole_samples(), scene.loop_params.period);
                 Actuation {
                     delay: samples.delay,
                     ..scene.told_actuation()
@@ -101,10 +102,12 @@ impl ReplaySetup {
         }
     }
 
-    /// The delay in whole samples, and the fraction of a period beyond them.
+    /// The delay, in periods.
     #[must_use]
-    pub fn delay(&self) -> (usize, f64) {
-        samples_and_fraction(self.actuation.delay / self.loop_params.period)
+    pub fn delay(&self) -> Delay {
+        let periods = self.actuation.delay / self.loop_params.period;
+        let (samples, fraction) = samples_and_fraction(periods);
+        Delay::Periods { samples, fraction }
     }
 }
 
@@ -235,7 +238,8 @@ impl Replay {
         grid: Grid,
         (times, positions, measured): (Vec<f64>, Vec<f64>, bool),
     ) -> Result<Self, ReplayError> {
-        let (delay, period) = (setup.delay(), setup.loop_params.period);
+        let period = setup.loop_params.period;
+        let delay = (setup.delay().whole_samples(), setup.delay().fraction());
         let delivery = Delivery::new(&times, delay, period, &setup.actuation)?;
         let grid = if delay.1 > 0.0 {
             Grid::cut_at(delivery.edges().to_vec(), period)?
@@ -322,7 +326,7 @@ impl Replay {
     ) -> Result<Run, ReplayError> {
         let setup = &self.setup;
         let mut state = renderer.start(setup.object).map_err(SetupError::from)?;
-        let (samples, fraction) = setup.delay();
+        let (samples, fraction) = (setup.delay().whole_samples(), setup.delay().fraction());
         // Without a lag and with a delay of whole samples the force is one over each interval, also
         // where the delay is longer than a renderer can be told.
         let is_held = fraction == 0.0 && setup.actuation.lag == 0.0;

@@ -6,7 +6,7 @@ mod common;
 
 use common::scene as experiment;
 use palpate_scene::method::MethodName;
-use palpate_scene::{ActuatorParams, Cogging, Scene, SceneFile, Told, Transmission};
+use palpate_scene::{ActuatorParams, Cogging, Delay, Scene, SceneFile, Told, Transmission};
 use palpate_sim::VirtualDevice;
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::run::Run;
@@ -16,7 +16,7 @@ use palpate_testbed::device::{Device, PointMass};
 fn real(name: &str, delay: f64, lag: f64, gain: f64, jitter: f64) -> Scene {
     let mut scene = experiment(name);
     let period = scene.loop_params.period;
-    scene.timing.delay_seconds = delay * period;
+    scene.delay = Delay::Seconds(delay * period);
     scene.timing.command_jitter = jitter * period;
     scene.timing.seed = 3;
     scene.actuator = ActuatorParams {
@@ -153,7 +153,10 @@ fn what_is_told_of_delay_and_lag_takes_coupled_to_what_the_actuator_can_do() {
         assert!(truth < 0.1 * nothing);
         // Told by a fraction, nobody tells.
         let mut fraction = real(name, 0.0, 0.0, 1.0, 0.0);
-        fraction.timing.delay_fraction = 0.5;
+        fraction.delay = Delay::Periods {
+            samples: 0,
+            fraction: 0.5,
+        };
         let seconds = real(name, 0.5, 0.0, 1.0, 0.0);
         let (fraction, seconds) = (
             error(&fraction, MethodName::Coupled),
@@ -289,7 +292,7 @@ fn noise_is_what_the_sensor_adds_and_follows_from_the_seed() {
 #[test]
 fn a_scene_of_all_of_it_reads_back_from_its_file_to_the_same_run() {
     let mut scene = flexible();
-    scene.timing.delay_seconds = 0.0123;
+    scene.delay = Delay::Seconds(0.0123);
     scene.timing.command_jitter = 1e-3;
     scene.timing.seed = 11;
     scene.actuator = ActuatorParams {

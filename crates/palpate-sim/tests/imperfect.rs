@@ -7,7 +7,7 @@ mod common;
 use common::{Random, scene as experiment};
 use palpate::Sample;
 use palpate_scene::method::MethodName;
-use palpate_scene::{Dropped, Jitter, Measure, RateCollapse, Scene, Timing};
+use palpate_scene::{Delay, Dropped, Jitter, Measure, RateCollapse, Scene, Timing};
 use palpate_sim::closed_loop::{Bench, LoopError};
 use palpate_sim::run::Run;
 use palpate_testbed::device::{Device, PointMass};
@@ -20,13 +20,15 @@ fn imperfect(name: &str, seed: u64) -> Scene {
     let mut random = Random(seed);
     let period = scene.loop_params.period;
     let bound = random.between(0.05, 0.45) * period;
-    scene.delay = if random.once_in(2) { 0 } else { 1 };
-    scene.timing = Timing {
-        delay_fraction: if random.once_in(3) {
+    scene.delay = Delay::Periods {
+        samples: if random.once_in(2) { 0 } else { 1 },
+        fraction: if random.once_in(3) {
             0.0
         } else {
             random.between(0.05, 0.95)
         },
+    };
+    scene.timing = Timing {
         jitter: match seed % 3 {
             0 => Jitter::None,
             1 => Jitter::Uniform { bound },
@@ -325,7 +327,7 @@ fn a_bench_runs_what_has_its_ideal_and_nothing_else() {
     let scene = experiment("fig2");
     let bench = Bench::new(&scene).unwrap();
     let mut delayed = scene.clone();
-    delayed.delay = 1;
+    delayed.delay = Delay::samples(1);
     let varied = bench.run_varied(&delayed, MethodName::Basic).unwrap();
     let own = Bench::new(&delayed)
         .unwrap()
@@ -341,12 +343,17 @@ fn a_bench_runs_what_has_its_ideal_and_nothing_else() {
     refused(&|scene| scene.contact.stiffness *= 2.0);
     refused(&|scene| *scene.device.mass_mut().unwrap() *= 2.0);
     refused(&|scene| scene.loop_params.period *= 2.0);
-    refused(&|scene| scene.timing.delay_fraction = 0.5);
+    refused(&|scene| {
+        scene.delay = Delay::Periods {
+            samples: 0,
+            fraction: 0.5,
+        }
+    });
     // A delay of an imperfect loop changes when its forces change.
     let broken = imperfect("fig2", 1);
     let bench = Bench::new(&broken).unwrap();
     let mut later = broken.clone();
-    later.delay += 1;
+    later.delay = Delay::samples(broken.delay.whole_samples() + 1);
     assert_eq!(
         bench.run_varied(&later, MethodName::Basic).unwrap_err(),
         LoopError::AnotherScene

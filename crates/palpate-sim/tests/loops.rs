@@ -5,7 +5,7 @@ mod common;
 
 use palpate::{Actuation, Contact, CoupledParams, LoopParams, Mass, ObjectState, Renderer, Side};
 use palpate_scene::method::{MethodName, Settings};
-use palpate_scene::{Device, Hand, Measure, PointMassDevice, Scene, Timing};
+use palpate_scene::{Delay, Device, Hand, Measure, PointMassDevice, Scene, Timing};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::replay::{Replay, ReplaySetup};
 use palpate_sim::run::{Run, Tick};
@@ -76,7 +76,7 @@ prop_compose! {
             }),
             told_device_mass: None,
             object_radius: 0.0,
-            delay,
+            delay: Delay::samples(delay),
             timing: Timing::default(),
             actuator: palpate_scene::ActuatorParams::default(),
             told: palpate_scene::Told::default(),
@@ -242,7 +242,7 @@ proptest! {
                     )
                 })
                 .unwrap();
-            let mut hold = DelayedHold::new(scene.delay).unwrap();
+            let mut hold = DelayedHold::new(scene.delay.whole_samples()).unwrap();
             for (i, tick) in run.ticks.iter().enumerate() {
                 let measured = sign * sampler.sample(device.position());
                 let output = renderer.step(

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use common::scene as experiment;
 use palpate_scene::method::{MethodName, SettingKey, Settings};
-use palpate_scene::{Grip, Hand, Intention, Measure, Scene, Wave};
+use palpate_scene::{Delay, Grip, Hand, Intention, Measure, Scene, Wave};
 use palpate_sim::closed_loop::{Bench, error_against};
 use palpate_sim::run::Run;
 use palpate_testbed::recorded_path::RecordedPath;
@@ -426,7 +426,7 @@ fn point_mass(side: palpate::Side) -> Scene {
     scene.object.position *= sign;
     hand_of(&mut scene).force *= sign;
     scene.virtual_force *= sign;
-    scene.delay = 1;
+    scene.delay = Delay::samples(1);
     scene.measure = Measure::Duration(1.0);
     scene
 }

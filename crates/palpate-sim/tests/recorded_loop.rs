@@ -8,7 +8,7 @@ use std::sync::Arc;
 use common::scene;
 use palpate::Side;
 use palpate_scene::method::MethodName;
-use palpate_scene::{Dropped, Grip, Hand, Intention, Jitter, Measure, Scene, Wave};
+use palpate_scene::{Delay, Dropped, Grip, Hand, Intention, Jitter, Measure, Scene, Wave};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::hand_replay::{
     HandModel, RecordedHand, Recording, largest_departure, scene_at_recorded_instants,
@@ -135,7 +135,7 @@ fn the_method_that_was_recorded_gives_its_motion_and_its_forces_back() {
         // A command comes with a later sample, so samples come on time.
         scene.timing.jitter = Jitter::None;
         scene.timing.dropped = Dropped::None;
-        scene.delay = 2;
+        scene.delay = Delay::samples(2);
         scene
     };
     for (scene, method) in [
@@ -245,7 +245,10 @@ fn ends_without_a_position_and_jitter_of_recorded_instants_are_refused() {
     let hand = Recorded::of(&run).hand(&scene);
     let setup = ReplaySetup::of_scene(&scene);
     let mut both = scene_at_recorded_instants(hand, &setup).unwrap();
-    both.timing.delay_fraction = 0.5;
+    both.delay = Delay::Periods {
+        samples: 0,
+        fraction: 0.5,
+    };
     let said = Bench::new(&both).unwrap_err().to_string();
     assert!(said.contains("samples as recorded"), "{said}");
 }

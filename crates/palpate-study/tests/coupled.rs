@@ -6,7 +6,7 @@ mod common;
 
 use common::{PAPER_SCENES, scene};
 use palpate_scene::method::{MethodName, SettingKey, Settings};
-use palpate_scene::{Measure, Scene};
+use palpate_scene::{Delay, Measure, Scene};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::run::Run;
 use palpate_study::heights::over_heights;
@@ -126,7 +126,7 @@ fn a_pressed_wall_stays_steady_with_a_delay_and_any_mass_told() {
         let mut scene = scene("coupled/wall-10000");
         scene.contact.stiffness = 14_000.0;
         scene.measure = Measure::Duration(8.0);
-        scene.delay = 1;
+        scene.delay = Delay::samples(1);
         scene.told_device_mass = Some(told * scene.device.mass());
         let late: Vec<f64> = coupled(&scene)
             .ticks
@@ -148,7 +148,7 @@ fn what_the_motor_did_not_give_is_placed_for() {
     // is known a sample later, and the object is placed by that. Where commands come late beside that, by
     // more than is told, nobody knows what was held.
     let mut stale = scene("users/s09-stale-late-missing");
-    (stale.delay, stale.timing.delay_fraction) = (0, 0.0);
+    stale.delay = Delay::NONE;
     let late = fidelity(&stale).mean_force_error;
     let clipped = fidelity(&scene("users/s04-clipped-200hz")).mean_force_error;
     println!("late and missing {late:.1} %, clipped {clipped:.1} %");

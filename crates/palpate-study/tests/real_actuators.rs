@@ -37,7 +37,7 @@ fn every_draw_of_the_desk_lies_in_its_range_and_fills_it() {
             0.03,
             0.5,
         ),
-        ("delay", |p| Some(p.scene.timing.delay_seconds), 0.0, 1.5e-3),
+        ("delay", |p| Some(p.scene.delay.seconds()), 0.0, 1.5e-3),
         ("lag", |p| Some(p.scene.actuator.lag), 0.0, 5e-4),
         ("gain", |p| Some(p.scene.actuator.gain), 0.95, 1.05),
         ("jitter", |p| Some(p.scene.timing.command_jitter), 0.0, 1e-4),
@@ -119,7 +119,7 @@ fn every_draw_of_the_desk_lies_in_its_range_and_fills_it() {
     assert!((in_hand - 0.67).abs() < 0.1 && (flexible - 0.5).abs() < 0.1);
     for plant in &plants {
         let scene = &plant.scene;
-        let mean = scene.timing.delay_seconds + 0.5 * scene.timing.command_jitter;
+        let mean = scene.delay.seconds() + 0.5 * scene.timing.command_jitter;
         let error = scene.told.delay.unwrap() - mean;
         assert!(error.abs() <= 0.02e-3 * (1.0 + 1e-9), "{error}");
     }
@@ -140,7 +140,7 @@ fn a_condition_is_of_what_is_told_and_leaves_the_truth_as_it_is() {
                     }
                     Condition::Told(Telling::Truth) => {
                         let jitter = scene.timing.command_jitter;
-                        assert_eq!(told.delay, scene.timing.delay_seconds + 0.5 * jitter);
+                        assert_eq!(told.delay, scene.delay.seconds() + 0.5 * jitter);
                         assert_eq!(told.lag, scene.actuator.lag);
                         assert_eq!(told.gain, scene.actuator.gain);
                         let device = scene.device.point_mass().unwrap();

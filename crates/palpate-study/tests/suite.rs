@@ -6,8 +6,8 @@ mod common;
 
 use common::{PAPER_SCENES, experiments, scene};
 use palpate::{Mass, ParameterValue};
-use palpate_scene::SceneFile;
 use palpate_scene::method::{MethodName, SettingKey, Settings};
+use palpate_scene::{Delay, SceneFile};
 use palpate_sim::closed_loop::Bench;
 use palpate_study::heights::over_heights;
 use palpate_study::json;
@@ -244,7 +244,7 @@ fn a_trial_is_what_a_single_run_of_the_scene_gives() {
     for one in &judged {
         for trial in &one.trials {
             let mut scene = one.plant.scene.clone();
-            scene.delay = DELAYS[trial.condition];
+            scene.delay = Delay::samples(DELAYS[trial.condition]);
             let method = all()[trial.column].method;
             let run = Bench::new(&scene).unwrap().run(method).unwrap();
             assert_eq!(run.force, trial.force);

@@ -2,7 +2,7 @@
 
 use palpate::{Actuation, Allowed, LARGEST_DELAY, Parameter, ParameterError, Range, Transmission};
 use palpate_calibrate::Quantity;
-use palpate_scene::Scene;
+use palpate_scene::{Delay, Scene};
 use palpate_sim::replay::samples_and_fraction;
 
 use super::device_file::DeviceFile;
@@ -205,14 +205,11 @@ impl ActuationFlags {
         if let Some(periods) = self.delay {
             told.delay = None;
             let (samples, fraction) = samples_and_fraction(periods);
-            if fraction == 0.0 {
-                scene.delay = samples;
-                scene.timing.delay_seconds = 0.0;
+            scene.delay = if fraction == 0.0 {
+                Delay::samples(samples)
             } else {
-                scene.delay = 0;
-                scene.timing.delay_fraction = 0.0;
-                scene.timing.delay_seconds = periods * period;
-            }
+                Delay::Seconds(periods * period)
+            };
         }
         if let Some(lag) = self.lag {
             told.lag = None;
@@ -230,7 +227,7 @@ impl ActuationFlags {
         told.delay_deviation = deviation.or(told.delay_deviation);
         told.lag_deviation = self.lag_deviation.or(told.lag_deviation);
         told.gain_deviation = self.gain_deviation.or(told.gain_deviation);
-        let delay = scene.delay as f64 + scene.timing.delay_seconds / period;
+        let delay = scene.delay.whole_samples() as f64 + scene.delay.seconds() / period;
         let (samples, fraction) = samples_and_fraction(delay);
         let periods = samples as f64 + fraction;
         if told.delay.is_none() && periods > LARGEST_DELAY as f64 {

@@ -73,6 +73,24 @@ fn open_at(port: &Path, period: Duration) -> Result<TwoDiy<MonotonicClock>, Open
     TwoDiy::open(port, &options, clock())
 }
 
+/// Opens a device on a terminal as often as the kernel hands over its answers too late.
+fn open_on_a_terminal(port: &Path, options: &Options) -> TwoDiy<MonotonicClock> {
+    let mut opened = TwoDiy::open(port, options, clock());
+    wait_until("an answer over a terminal", || {
+        let is_late = matches!(
+            opened,
+            Err(OpenError::NoAnswer(_)
+                | OpenError::WrongAnswer { .. }
+                | OpenError::NotInPose { .. })
+        );
+        if is_late {
+            opened = TwoDiy::open(port, options, clock());
+        }
+        !is_late
+    });
+    opened.unwrap()
+}
+
 /// The device's next sample: on a busy machine an answer may come too late for the read that asked.
 fn sample(device: &mut impl Device) -> Pose {
     let mut read = device.read();

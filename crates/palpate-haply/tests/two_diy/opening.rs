@@ -14,10 +14,10 @@ fn every_generation_opens_on_every_board_and_makes_the_force_it_is_asked_for() {
         for board in Board::ALL {
             for strict in [true, false] {
                 let what = format!("{generation:?} {board:?} strict {strict}");
-                let emulator = Emulator::start(&Settings {
+                let emulator = Emulator::start(&on_a_socket(Settings {
                     strict,
                     ..Settings::of(generation, board)
-                })
+                }))
                 .unwrap();
                 let options = Options {
                     board: Some(board),
@@ -79,7 +79,7 @@ fn the_board_is_found_by_its_first_angles() {
     ] {
         let emulator = Emulator::start(&Settings::of(generation, board)).unwrap();
         let options = Options::of(generation, Calibration::Retracted, SLOW).unwrap();
-        let device = TwoDiy::open(&emulator.path(), &options, MonotonicClock::new()).unwrap();
+        let device = open_on_a_terminal(&emulator.path(), &options);
         assert_eq!(device.board(), found, "{generation:?} {board:?}");
     }
 }
@@ -87,7 +87,8 @@ fn the_board_is_found_by_its_first_angles() {
 #[test]
 fn a_board_told_wrong_and_a_device_that_is_not_there_are_named() {
     let _alone = alone();
-    let emulator = Emulator::start(&Settings::of(Generation::Three, Board::M3)).unwrap();
+    let settings = on_a_socket(Settings::of(Generation::Three, Board::M3));
+    let emulator = Emulator::start(&settings).unwrap();
     let options = Options {
         board: Some(Board::M0),
         ..Options::of(Generation::Three, Calibration::Retracted, SLOW).unwrap()
@@ -127,8 +128,8 @@ fn a_board_told_wrong_and_a_device_that_is_not_there_are_named() {
 fn a_port_belongs_to_one_program_at_a_time() {
     let _alone = alone();
     let emulator = Emulator::start(&in_the_middle(Hand::at(THERE))).unwrap();
-    let mut device = open_in_the_middle(&emulator, SLOW);
-    sample(&mut device);
+    let options = Options::of(Generation::Three, Calibration::At(MIDDLE), SLOW).unwrap();
+    let device = open_on_a_terminal(&emulator.path(), &options);
     let set_up = || {
         let seen = emulator.seen();
         seen.iter()
@@ -141,7 +142,7 @@ fn a_port_belongs_to_one_program_at_a_time() {
     assert_eq!(set_up(), before, "the board was spoken to");
     // And it is free as soon as it is closed.
     device.close().unwrap();
-    open_at(&emulator.path(), SLOW).unwrap();
+    open_on_a_terminal(&emulator.path(), &options);
 }
 
 const PORT: &str = "PALPATE_TEST_PORT";
@@ -200,10 +201,10 @@ fn a_wrong_start_pose_is_no_secret_of_the_wiring() {
     let _alone = alone();
     // The arm is elsewhere than it is said to be: nothing can tell. But a hand that moves it
     // between SETUP and the first answer is noticed.
-    let emulator = Emulator::start(&Settings {
+    let emulator = Emulator::start(&on_a_socket(Settings {
         wiring: Wiring::default(),
         ..in_the_middle(Hand::Push([30.0, 0.0]))
-    })
+    }))
     .unwrap();
     let options = Options::of(Generation::Three, Calibration::At(MIDDLE), SLOW).unwrap();
     let error = TwoDiy::open(&emulator.path(), &options, MonotonicClock::new()).unwrap_err();

@@ -36,7 +36,7 @@ pub use process::serve;
 pub use watch::{Outcome, Watch};
 
 /// How long a guardian may take to start, on a machine that is busy.
-const STARTS_WITHIN: Duration = Duration::from_secs(10);
+const STARTS_WITHIN: Duration = Duration::from_secs(30);
 /// How long a guardian that was dismissed may take to end before it is killed.
 const ENDS_WITHIN: Duration = Duration::from_secs(2);
 /// For how long a guardian tries to let a board know that it should hold no force, once the loop is
@@ -185,7 +185,7 @@ impl Guardian {
     /// and output alone. It gets a second handle of `port`. No force may be on yet.
     ///
     /// # Errors
-    /// The process does not start, or does not say within 10 s that it has.
+    /// The process does not start, or does not say within 30 s that it has.
     pub fn start(
         mut command: Command,
         port: BorrowedFd<'_>,

@@ -22,10 +22,18 @@ use crate::stop::StopFlag;
 /// # Errors
 /// Standard input is not the socket of a driver.
 pub fn serve() -> io::Result<()> {
-    // Refused to the leader of a group, who is out of reach already.
-    let _ = setsid();
     // The flag that they raise is nobody's.
     let _ignored = StopFlag::on_signals();
+    // Before the session: Linux moves the leader of a new one into a group of its own, and beside busy programs it was seen
+    // not to run for a minute after that. A task of SCHED_FIFO belongs to no group.
+    let answers = Request {
+        priority: Some(PRIORITY),
+        lock_memory: true,
+        processor: None,
+    }
+    .ask();
+    // Refused to the leader of a group, who is out of reach already.
+    let _ = setsid();
     // Whatever it was started in can be unmounted.
     let _ = chdir("/");
     let mut socket = UnixStream::from(io::stdin().as_fd().try_clone_to_owned()?);
@@ -45,12 +53,6 @@ pub fn serve() -> io::Result<()> {
         Err(error) if error.kind() == ErrorKind::UnexpectedEof => return Ok(()),
         Err(error) => return Err(error),
     };
-    let answers = Request {
-        priority: Some(PRIORITY),
-        lock_memory: true,
-        processor: None,
-    }
-    .ask();
     // The last to be ended where memory runs out; a right that most users do not have.
     let _ = std::fs::write("/proc/self/oom_score_adj", "-1000");
     let is_first = answers.first().is_some_and(|answer| answer.is_granted());

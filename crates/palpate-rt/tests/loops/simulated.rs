@@ -5,8 +5,8 @@ use std::time::Duration;
 use palpate_device::Device;
 use palpate_device::clock::SteppedClock;
 use palpate_rt::safety::SafetyParams;
-use palpate_scene::ActuatorParams;
 use palpate_scene::method::MethodName;
+use palpate_scene::{ActuatorParams, Delay};
 use palpate_sim::closed_loop::Bench;
 use palpate_sim::device::SimulatedDevice;
 
@@ -57,7 +57,7 @@ fn it_is_the_loop_of_the_simulator() {
 #[test]
 fn a_device_with_a_delay_holds_its_forces_later() {
     let mut delayed = scene("experiment1.toml");
-    delayed.delay = 2;
+    delayed.delay = Delay::samples(2);
     let bench = Bench::new(&delayed).unwrap();
     let expected = bench.run(MethodName::Coupled).unwrap();
     let (mut control, _) = simulated(&delayed, MethodName::Coupled, wide());
@@ -80,16 +80,15 @@ fn a_device_with_a_delay_holds_its_forces_later() {
 #[test]
 fn a_renderer_that_is_told_how_forces_act_hears_what_was_sent() {
     let period = scene("experiment1.toml").loop_params.period;
-    for (samples, seconds, lag, gain) in [
-        (0, 0.5 * period, 0.0, 1.0),
-        (0, 1.25 * period, 0.2 * period, 0.9),
-        (0, 0.0, 0.3 * period, 1.0),
-        (0, 0.0, 0.0, 0.8),
-        (2, 0.0, 0.1 * period, 1.1),
+    for (delay, lag, gain) in [
+        (Delay::Seconds(0.5 * period), 0.0, 1.0),
+        (Delay::Seconds(1.25 * period), 0.2 * period, 0.9),
+        (Delay::NONE, 0.3 * period, 1.0),
+        (Delay::NONE, 0.0, 0.8),
+        (Delay::samples(2), 0.1 * period, 1.1),
     ] {
         let mut late = scene("experiment1.toml");
-        late.delay = samples;
-        late.timing.delay_seconds = seconds;
+        late.delay = delay;
         late.actuator = ActuatorParams { gain, lag };
         for limit in [f64::INFINITY, 1.0] {
             let mut weak = late.clone();
@@ -99,7 +98,7 @@ fn a_renderer_that_is_told_how_forces_act_hears_what_was_sent() {
             let expected = bench.run(MethodName::Coupled).unwrap();
             assert!(
                 expected.diverged == Some(false),
-                "{samples} {seconds} {lag} {gain} {limit}"
+                "{delay:?} {lag} {gain} {limit}"
             );
             let by_motor = simulated(&weak, MethodName::Coupled, wide());
             let safe = SafetyParams {
@@ -116,7 +115,7 @@ fn a_renderer_that_is_told_how_forces_act_hears_what_was_sent() {
                     largest = largest.max(tick.contact.force_on_object.abs());
                 }
                 println!(
-                    "{samples} samples, {seconds} s, lag {lag} s, gain {gain}, {kind} {limit} N: {most:.1e} N \
+                    "{delay:?}, lag {lag} s, gain {gain}, {kind} {limit} N: {most:.1e} N \
                      of {largest:.2} N"
                 );
                 assert!(most < 1e-5 * largest, "{most}");

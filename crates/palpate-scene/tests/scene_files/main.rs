@@ -12,7 +12,9 @@ use std::path::{Path, PathBuf};
 
 use palpate::{AnyParams, HfcrParams, Mass, Parameter, ParameterError, ParameterValue, Side};
 use palpate_scene::method::{MethodName, SettingKey, UnknownMethod, method_named};
-use palpate_scene::{Dropped, Jitter, Measure, RateCollapse, Scene, SceneFile, Timing, beside};
+use palpate_scene::{
+    Delay, Dropped, Jitter, Measure, RateCollapse, Scene, SceneFile, Timing, beside,
+};
 use palpate_sim::closed_loop::{Bench, LoopError};
 
 /// A good file with every key there is, but duration_s.
@@ -143,7 +145,7 @@ fn every_key_ends_up_in_the_scene() {
         (scene.device.mass(), scene.device.encoder_quantum()),
         (0.25, 0.0)
     );
-    assert_eq!((scene.loop_params.period, scene.delay), (0.02, 0));
+    assert_eq!((scene.loop_params.period, scene.delay), (0.02, Delay::NONE));
     assert_eq!(scene.loop_params.force_limit, Some(10.0));
     assert_eq!(scene.loop_params.slew_limit, Some(1000.0));
     assert_eq!(scene.loop_params.speed_limit, Some(10.0));
@@ -175,7 +177,9 @@ fn every_key_ends_up_in_the_scene() {
         Mass::Infinite
     );
     assert_eq!(
-        edit("delay_samples = 0", "delay_samples = 1024").delay,
+        edit("delay_samples = 0", "delay_samples = 1024")
+            .delay
+            .whole_samples(),
         1024
     );
     let timing = edit(
@@ -184,11 +188,14 @@ fn every_key_ends_up_in_the_scene() {
          dropped_samples = [4, 9]\ncollapse = { from_s = 0.1, until_s = 0.2, period_s = 0.04 }\n\
          seed = 3",
     );
-    assert_eq!(timing.delay, 1);
+    let delay = Delay::Periods {
+        samples: 1,
+        fraction: 0.5,
+    };
+    assert_eq!(timing.delay, delay);
     assert_eq!(
         timing.timing,
         Timing {
-            delay_fraction: 0.5,
             jitter: Jitter::Normal {
                 deviation: 0.001,
                 bound: 0.002
@@ -232,7 +239,10 @@ fn what_is_left_out_takes_its_documented_default() {
         text = text.replace(line, "");
     }
     let scene = SceneFile::parse("s", &text).unwrap().scene;
-    assert_eq!((scene.delay, scene.method), (0, MethodName::Coupled));
+    assert_eq!(
+        (scene.delay, scene.method),
+        (Delay::NONE, MethodName::Coupled)
+    );
     assert_eq!(scene.loop_params.force_limit, None);
     // K T = 8 N s/m; the object rests out of contact and stores nothing.
     let reference = palpate::PopcRefParams::new(24.0);

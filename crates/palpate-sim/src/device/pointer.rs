@@ -102,8 +102,8 @@ impl PointerParams {
                 .max(default.viscous_friction),
             dry_friction: scene.device.coulomb_friction().max(default.dry_friction),
             largest_force: scene.device.largest_force(),
-            delay: scene.delay,
-            delay_seconds: scene.timing.delay_seconds,
+            delay: scene.delay.whole_samples(),
+            delay_seconds: scene.delay.seconds(),
             actuator: scene.actuator,
             ..default
         }

@@ -7,7 +7,7 @@ use palpate_testbed::InvalidParameter;
 
 use palpate_scene::method::{MethodName, SettingKey, Settings};
 use palpate_scene::{
-    ActuatorParams, Device, Hand, Measure, PointMassDevice, Scene, SetupError, Timing, Told,
+    ActuatorParams, Delay, Device, Hand, Measure, PointMassDevice, Scene, SetupError, Timing, Told,
 };
 use palpate_sim::closed_loop::LoopError;
 use palpate_sim::replay::samples_and_fraction;
@@ -165,7 +165,6 @@ impl Bounce {
     #[must_use]
     pub fn scene(&self, height: f64, periods: usize) -> Scene {
         let (samples, fraction) = samples_and_fraction(self.delay);
-        let is_whole = fraction == 0.0;
         Scene {
             title: String::new(),
             contact: Contact::object(self.stiffness, self.object_mass),
@@ -186,15 +185,12 @@ impl Bounce {
             }),
             object_radius: 0.0,
             told_device_mass: None,
-            delay: if is_whole { samples } else { 0 },
-            timing: Timing {
-                delay_seconds: if is_whole {
-                    0.0
-                } else {
-                    self.delay * self.period
-                },
-                ..Timing::default()
+            delay: if fraction == 0.0 {
+                Delay::samples(samples)
+            } else {
+                Delay::Seconds(self.delay * self.period)
             },
+            timing: Timing::default(),
             actuator: ActuatorParams {
                 lag: self.lag,
                 ..ActuatorParams::default()

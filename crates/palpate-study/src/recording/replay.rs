@@ -127,7 +127,7 @@ impl RecordingReplay<'_> {
             }
             ReplayOf::Hand(stated) => {
                 let recorded = self.recorded;
-                let (delay, period) = (recorded.delay, recorded.loop_params.period);
+                let (delay, period) = (recorded.delay.whole_samples(), recorded.loop_params.period);
                 let longest_gap = setup.loop_params.bridged_gap();
                 let held = ticks.held_device(&name, delay, period, longest_gap);
                 let held = held.map_err(wrong)?;
@@ -175,11 +175,8 @@ impl RecordingReplay<'_> {
             contact: &setup.contact,
             loop_params: &setup.loop_params,
             device_mass: setup.device_mass,
-            delay: setup.delay().0,
-            timing: Timing {
-                delay_fraction: setup.delay().1,
-                ..Timing::default()
-            },
+            delay: setup.delay(),
+            timing: Timing::default(),
         };
         let mut report = Report::new(&subject, &reference, &runs);
         report.recorded(FromRecording {
@@ -195,7 +192,11 @@ impl RecordingReplay<'_> {
         });
         let mut receipt = receipt(&subject, setup.object, setup.virtual_force, &runs);
         receipt.extend(replayed.receipt());
-        let told = told_lines(&setup.actuation, setup.delay().0, setup.loop_params.period);
+        let told = told_lines(
+            &setup.actuation,
+            setup.delay().whole_samples(),
+            setup.loop_params.period,
+        );
         let told: Vec<_> = told.collect();
         let lines = told.iter();
         receipt.extend(lines.map(|(key, value)| (format!("actuator_{key}"), value.to_string())));

@@ -13,7 +13,11 @@ pub fn of(scene: &Scene) -> Vec<(&'static str, f64)> {
     if truth.lag != 0.0 || truth.gain != 1.0 {
         lines.extend([("lag_s", truth.lag), ("gain", truth.gain)]);
     }
-    lines.extend(told(&actuation, scene.delay, scene.loop_params.period));
+    lines.extend(told(
+        &actuation,
+        scene.delay.whole_samples(),
+        scene.loop_params.period,
+    ));
     lines
 }
 

@@ -20,7 +20,7 @@ pub use replayed::{HandReport, Replayed};
 pub use timing::of as timing_of;
 
 use palpate::{Contact, Difficulty, LoopParams, Mass, Side};
-use palpate_scene::{Scene, Timing};
+use palpate_scene::{Delay, Scene, Timing};
 use palpate_sim::run::{Reference, Run};
 use palpate_testbed::metrics::Rebound;
 use serde::Serialize;
@@ -199,8 +199,8 @@ pub struct Subject<'a> {
     pub loop_params: &'a LoopParams<f64>,
     /// Effective mass of the device, if known `[kg]`.
     pub device_mass: Option<f64>,
-    /// Whole samples between measuring and actuating.
-    pub delay: usize,
+    /// From a sample to its command.
+    pub delay: Delay,
     /// What else is not perfect about the loop.
     pub timing: Timing,
 }
@@ -257,14 +257,14 @@ impl Report {
                 .filter(|_| subject.device_mass.is_some())
                 .map(|difficulty| difficulty.kappa),
             object_kappa: difficulty.map_or(0.0, |difficulty| difficulty.object_kappa),
-            delay_samples: subject.delay,
+            delay_samples: subject.delay.whole_samples(),
             replay: None,
             recording: None,
-            timing: timing::of(&subject.timing),
+            timing: timing::of(subject.delay, &subject.timing),
             actuator: serde_json::Map::new(),
             says_what_columns_are: true,
-            delay_fraction: subject.timing.delay_fraction,
-            timing_in_words: timing::in_words(&subject.timing),
+            delay_fraction: subject.delay.fraction(),
+            timing_in_words: timing::in_words(subject.delay, &subject.timing),
             samples: runs.first().map_or(0, |run| run.ticks.len()),
             window_periods,
             window_s: window_periods as f64 * period,

@@ -43,7 +43,10 @@ pub fn receipt(
         ),
         ("unilateral".to_owned(), contact.unilateral.to_string()),
         ("period_s".to_owned(), limits.period.to_string()),
-        ("delay_samples".to_owned(), subject.delay.to_string()),
+        (
+            "delay_samples".to_owned(),
+            subject.delay.whole_samples().to_string(),
+        ),
         ("force_limit_n".to_owned(), optional(limits.force_limit)),
         ("slew_limit_n_per_s".to_owned(), optional(limits.slew_limit)),
         ("largest_gap_s".to_owned(), limits.bridged_gap().to_string()),
@@ -71,7 +74,7 @@ pub fn receipt(
         ),
         ("virtual_force_n".to_owned(), virtual_force.to_string()),
     ];
-    for (name, value) in timing_of(&subject.timing) {
+    for (name, value) in timing_of(subject.delay, &subject.timing) {
         lines.push((format!("loop_{name}"), value.to_string()));
     }
     for run in runs {

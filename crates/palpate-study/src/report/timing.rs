@@ -1,21 +1,21 @@
 //! What is not perfect about a loop, under the names of scene files.
 
-use palpate_scene::{Dropped, Jitter, Timing};
+use palpate_scene::{Delay, Dropped, Jitter, Timing};
 use serde_json::{Map, Value, json};
 
-/// Every imperfection, by key; empty for a perfect loop.
+/// Every imperfection, by key; empty for a loop that is perfect but for a delay of whole samples.
 #[must_use]
-pub fn of(timing: &Timing) -> Map<String, Value> {
+pub fn of(delay: Delay, timing: &Timing) -> Map<String, Value> {
     let mut named = Map::new();
-    if timing.is_perfect() {
+    if timing.is_perfect() && delay.is_whole() {
         return named;
     }
     let mut put = |key: &str, value: Value| named.insert(key.to_owned(), value);
-    if timing.delay_fraction > 0.0 {
-        put("delay_fraction", json!(timing.delay_fraction));
+    if delay.fraction() > 0.0 {
+        put("delay_fraction", json!(delay.fraction()));
     }
-    if timing.delay_seconds > 0.0 {
-        put("delay_s", json!(timing.delay_seconds));
+    if delay.seconds() > 0.0 {
+        put("delay_s", json!(delay.seconds()));
     }
     if timing.command_jitter > 0.0 {
         put("command_jitter_s", json!(timing.command_jitter));
@@ -53,15 +53,13 @@ pub fn of(timing: &Timing) -> Map<String, Value> {
     named
 }
 
-/// The same in words, each thing after a comma; but the delay.
-pub fn in_words(timing: &Timing) -> String {
+/// The same in words, each thing after a comma; but a delay in periods.
+pub fn in_words(delay: Delay, timing: &Timing) -> String {
     let mut words = Vec::new();
     let milliseconds = |seconds: f64| crate::text::digits(1e3 * seconds);
-    if timing.delay_seconds > 0.0 {
-        words.push(format!(
-            "commands after {} ms",
-            milliseconds(timing.delay_seconds)
-        ));
+    if delay.seconds() > 0.0 {
+        let after = milliseconds(delay.seconds());
+        words.push(format!("commands after {after} ms"));
     }
     if timing.command_jitter > 0.0 {
         words.push(format!(

@@ -3,7 +3,7 @@
 use palpate::{Contact, LoopParams, ObjectState};
 use palpate_scene::method::MethodName;
 use palpate_scene::{
-    ActuatorParams, Cogging, Device, Hand, Measure, PointMassDevice, Scene, Timing, Told,
+    ActuatorParams, Cogging, Delay, Device, Hand, Measure, PointMassDevice, Scene, Timing, Told,
     Transmission,
 };
 
@@ -65,7 +65,7 @@ pub(super) fn base(chance: &mut Chance) -> RandomPlant {
             }),
             told_device_mass: None,
             object_radius: 0.0,
-            delay: 0,
+            delay: Delay::NONE,
             timing: Timing {
                 seed: chance.number(),
                 ..Timing::default()
@@ -84,7 +84,7 @@ pub(super) fn desk(chance: &mut Chance) -> RandomPlant {
     let mut plant = base(chance);
     let scene = &mut plant.scene;
     let user_force = scene.device.hand_force();
-    scene.timing.delay_seconds = PERIOD * chance.between(0.0, 1.5);
+    scene.delay = Delay::Seconds(PERIOD * chance.between(0.0, 1.5));
     let lag = chance.between(0.0, 5e-4);
     scene.timing.command_jitter = PERIOD * chance.between(0.0, 0.1);
     scene.actuator = ActuatorParams {
@@ -129,7 +129,7 @@ pub(super) fn real(chance: &mut Chance) -> RandomPlant {
     let mut plant = base(chance);
     let scene = &mut plant.scene;
     let user_force = scene.device.hand_force();
-    scene.timing.delay_seconds = PERIOD * chance.between(0.3, 0.7);
+    scene.delay = Delay::Seconds(PERIOD * chance.between(0.3, 0.7));
     scene.actuator.lag = chance.between(2e-4, 4e-4);
     if let Some(device) = scene.device.point_mass_mut() {
         device.coulomb_friction = user_force * chance.between(0.05, 0.15);

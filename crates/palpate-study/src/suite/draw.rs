@@ -8,8 +8,8 @@ use super::chance::Chance;
 use super::steps::Step;
 use palpate_scene::method::MethodName;
 use palpate_scene::{
-    ActuatorParams, Device, Grip, Hand, Intention, Measure, PointMassDevice, Scene, Timing, Told,
-    Wave,
+    ActuatorParams, Delay, Device, Grip, Hand, Intention, Measure, PointMassDevice, Scene, Timing,
+    Told, Wave,
 };
 use palpate_sim::closed_loop::{LoopError, object_mass};
 use palpate_sim::sampled_loop::device_of;
@@ -171,7 +171,7 @@ fn draw(chance: &mut Chance) -> RandomPlant {
             }),
             told_device_mass: Some(told_device_mass),
             object_radius: 0.0,
-            delay: 0,
+            delay: Delay::NONE,
             timing: Timing::default(),
             actuator: ActuatorParams::default(),
             told: Told::default(),

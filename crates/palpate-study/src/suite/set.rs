@@ -4,7 +4,7 @@ use std::fmt;
 
 use palpate::Transmission;
 use palpate_scene::method::MethodName;
-use palpate_scene::{Scene, Told};
+use palpate_scene::{Delay, Scene, Told};
 
 use super::DELAYS;
 use super::column::{Column, Dampings};
@@ -161,7 +161,7 @@ impl Condition {
     pub fn of(self, plant: &RandomPlant) -> Scene {
         let mut scene = plant.scene.clone();
         match self {
-            Self::Delay(delay) => scene.delay = delay,
+            Self::Delay(delay) => scene.delay = Delay::samples(delay),
             Self::Told(telling) => telling.tell(&mut scene),
             Self::Step(step) => step.change(&mut scene),
         }
@@ -199,7 +199,7 @@ impl Telling {
 pub(super) fn truth(scene: &Scene) -> Told {
     let jitter = scene.timing.command_jitter;
     Told {
-        delay: Some(scene.timing.delay_seconds + 0.5 * jitter),
+        delay: Some(scene.delay.seconds() + 0.5 * jitter),
         delay_deviation: (jitter > 0.0).then(|| jitter / 12.0_f64.sqrt()),
         transmission: true_transmission(scene),
         ..Told::default()

@@ -1,6 +1,6 @@
 //! One thing at a time that is not perfect about a loop, its actuator or its device.
 
-use palpate_scene::{ActuatorParams, Scene, Told, Transmission};
+use palpate_scene::{ActuatorParams, Delay, Scene, Told, Transmission};
 
 use super::set::truth;
 
@@ -72,7 +72,7 @@ impl Step {
     /// Makes a perfect scene one with this step.
     pub fn change(self, scene: &mut Scene) {
         let period = scene.loop_params.period;
-        let late = |scene: &mut Scene, periods: f64| scene.timing.delay_seconds = periods * period;
+        let late = |scene: &mut Scene, periods: f64| scene.delay = Delay::Seconds(periods * period);
         let lagging = |scene: &mut Scene| {
             scene.actuator = ActuatorParams {
                 lag: LAG,

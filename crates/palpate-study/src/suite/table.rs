@@ -173,7 +173,7 @@ fn actuator_cells(one: &Judged) -> [f64; ACTUATOR.len()] {
     let of_transmission =
         |value: fn(palpate_scene::Transmission) -> f64| transmission.map_or(f64::NAN, value);
     [
-        scene.timing.delay_seconds,
+        scene.delay.seconds(),
         scene.timing.command_jitter,
         scene.actuator.lag,
         scene.actuator.gain,

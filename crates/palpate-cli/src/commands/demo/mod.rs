@@ -7,8 +7,8 @@ use std::path::Path;
 
 use palpate::{Actuation, Contact, LoopParams, ObjectState};
 use palpate_record::trace::Trace;
-use palpate_scene::Timing;
 use palpate_scene::method::{MethodName, Settings};
+use palpate_scene::{Delay, Timing};
 use palpate_sim::replay::ReplaySetup;
 
 use super::figure;
@@ -87,7 +87,7 @@ pub fn run(arguments: &DemoArguments) -> Result<(), Failure> {
         contact: &setup.contact,
         loop_params: &setup.loop_params,
         device_mass: None,
-        delay: 0,
+        delay: Delay::NONE,
         timing: Timing::default(),
     };
     let mut hand_report = Report::new(&subject, replay.reference(), &runs);

@@ -60,7 +60,7 @@ fn set_up(arguments: &PipeArguments, scene: Option<SceneFile>) -> Result<Stream,
     }
     let force_limit = setup.loop_params.force_limit;
     let soft_start = soft_start(arguments, &defaults)?;
-    let (samples, fraction) = setup.delay();
+    let (samples, fraction) = (setup.delay().whole_samples(), setup.delay().fraction());
     let periods = samples as f64 + fraction;
     if periods > LARGEST_DELAY as f64 {
         let unit = if fraction == 0.0 {

@@ -106,11 +106,8 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         contact: &setup.contact,
         loop_params: &setup.loop_params,
         device_mass: setup.device_mass,
-        delay: setup.delay().0,
-        timing: Timing {
-            delay_fraction: setup.delay().1,
-            ..Timing::default()
-        },
+        delay: setup.delay(),
+        timing: Timing::default(),
     };
     let mut report = Report::new(&subject, &reference, &runs);
     let mut receipt = receipt(&subject, setup.object, setup.virtual_force, &runs);
@@ -118,7 +115,11 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let part = arguments.part.receipt();
     receipt.extend(part.map(|(key, value)| (format!("trace_{key}"), value)));
     receipt.extend(replayed.receipt());
-    let told = told_lines(&setup.actuation, setup.delay().0, setup.loop_params.period);
+    let told = told_lines(
+        &setup.actuation,
+        setup.delay().whole_samples(),
+        setup.loop_params.period,
+    );
     let told: Vec<_> = told.collect();
     let lines = told.iter();
     receipt.extend(lines.map(|(key, value)| (format!("actuator_{key}"), value.to_string())));

@@ -106,11 +106,7 @@ pub fn run_session(
 
 /// Says what of a scene's loop a loop in real time has not.
 pub fn tell_what_a_loop_has_not(scene: &Scene) {
-    let simulated_only = Timing {
-        delay_seconds: 0.0,
-        ..scene.timing.clone()
-    };
-    if simulated_only != Timing::default() {
+    if scene.timing != Timing::default() || scene.delay.fraction() != 0.0 {
         tell(
             "warning: the scene's jitter, drops and fractions of a delay are for the simulator; this loop has its own",
         );

@@ -33,7 +33,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), Failure> {
     flags.check_settings(&methods)?;
     let mut scene = file.scene.clone();
     flags.change(&mut scene, &methods)?;
-    arguments.timing.change(&mut scene);
+    arguments.timing.change(&mut scene)?;
     if let Some(place) = arguments.hand_force_at {
         let Some(device) = scene.device.pantograph_mut() else {
             return Err(Failure::Arguments(format!(

@@ -48,7 +48,7 @@ pub fn run(arguments: &TuneArguments) -> Result<(), Failure> {
     arguments.picture.plan(&mut outputs)?;
     let mut scene = file.scene.clone();
     flags.change(&mut scene, &methods)?;
-    arguments.timing.change(&mut scene);
+    arguments.timing.change(&mut scene)?;
     // The range of the values follows from stiffness and period, so these come first.
     scene
         .renderer(method)
