@@ -299,7 +299,7 @@ def test_a_shape_begins_where_drake_has_it(shape: Any, height: float) -> None:
 
 def test_a_tool_that_drake_knows_touches_everything_but_its_bodies() -> None:
     """The tool's sphere lies deep in the ball and in a post: the post pushes it, the ball does not."""
-    for rendered in (True, False):
+    for rendered in (False, True):
         made = Plant()
         ball = made.ball()
         finger = made.body("finger", SpatialInertia.SolidSphereWithMass(1.0, 0.01), ((0, 0, 0), Sphere(0.01)))
@@ -308,7 +308,8 @@ def test_a_tool_that_drake_knows_touches_everything_but_its_bodies() -> None:
         made.plant.SetFreeBodyPose(made.own, finger, RigidTransform([0, 0.045, 0]))
         made.plant.SetFreeBodyPose(made.own, ball, RigidTransform([0, 0.01, 0]))
         if rendered:
-            contact = Contact(made.simulator, made.plant, tool="finger", bodies=[ball], stiffness=100.0, device_mass=0.2, **FREE)
+            law: dict[str, Any] = {"tool": "finger", "bodies": [ball], "stiffness": 100.0, "device_mass": 0.2, **FREE}
+            contact = Contact(made.simulator, made.plant, **law)
             # The device is elsewhere: nothing of palpate's pushes.
             contact.step([0, 0, 1])
             assert [point.between for point in contact.contacts] == [("finger", "body 'ball'")]
@@ -318,6 +319,7 @@ def test_a_tool_that_drake_knows_touches_everything_but_its_bodies() -> None:
             made.simulator.AdvanceTo(0.001)
             assert made.velocity(ball)[1] < -1e-3
     # Its radius is that of the sphere.
+    contact = Contact(made.simulator, made.plant, **law)
     contact.step([0, 0.01 + 0.03 + 0.009, 0])
     assert contact.contacts[0].penetration == pytest.approx(0.001, abs=1e-5)
 
@@ -394,6 +396,41 @@ def test_time_that_goes_back_begins_anew() -> None:
     made.simulator.Initialize()
     np.testing.assert_array_equal(contact.step([0, 0, 0.039]), np.zeros(3))
     assert all(entry == 0 for book in contact.books[1].values() for entry in book)
+
+
+def test_another_context_begins_anew() -> None:
+    made = Plant()
+    ball = made.ball()
+    finger = made.body("finger", SpatialInertia.SolidSphereWithMass(1.0, 0.01), ((0, 0, 0), Sphere(0.01)))
+    made.ready()
+    contact = Contact(made.simulator, made.plant, tool=finger, bodies=[ball], stiffness=1000.0, device_mass=0.2, **FREE)
+    for _ in range(5):
+        contact.step([0, 0, 0.039])
+    contact.sample([0, 0, 0.039])
+    another = made.simulator.get_system().CreateDefaultContext()
+    made.simulator.reset_context(another)
+    with pytest.raises(ValueError, match="another context within a period"):
+        contact.push()
+    contact.step([0, 0, 1])
+    own = made.plant.GetMyContextFromRoot(made.simulator.get_context())
+    # The tool's sphere lies within the ball here too, and nothing pushes.
+    np.testing.assert_array_equal(made.plant.GetVelocities(own), np.zeros(12))
+    assert made.simulator.get_context().get_time() == pytest.approx(0.001)
+
+
+def test_a_step_that_ends_with_an_error_leaves_nothing_in_the_port() -> None:
+    made = Plant()
+    ball = made.ball()
+    made.ready()
+    contact = told(made, ball, [1, 0, 0, 0, 0, 0])
+
+    def stop(_: Any) -> Any:
+        raise RuntimeError("enough")
+
+    made.simulator.set_monitor(stop)
+    with pytest.raises(RuntimeError, match="enough"):
+        contact.step([0, 0, 1])
+    assert not made.plant.get_applied_spatial_force_input_port().Eval(made.own)
 
 
 def test_what_cannot_be_touched_is_refused() -> None:

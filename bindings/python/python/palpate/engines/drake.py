@@ -37,9 +37,9 @@ try:
     )
     from pydrake.multibody.math import SpatialForce
     from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
-    from pydrake.multibody.tree import JacobianWrtVariable, RigidBody
+    from pydrake.multibody.tree import BodyIndex, JacobianWrtVariable, RigidBody
     from pydrake.systems.analysis import Simulator
-    from pydrake.systems.framework import Context, Diagram, InputPort, System
+    from pydrake.systems.framework import Context, Diagram, InputPort, InputPortIndex, System
 except ImportError as _missing:
     raise ImportError("palpate.engines.drake needs Drake: pip install 'palpate[drake]'") from _missing
 
@@ -166,6 +166,9 @@ class Contact(EngineContact):
     _wrenches: NDArray[np.float64]
     """The same, a row for each body: force [N], torque about the centre of mass [N m]."""
     _pushes: bool
+    _root: Context
+    """The simulator's, when the contexts of plant and port were looked up in it: Drake keeps a note for each time that it
+    is asked for them."""
     _time: float
     """The simulator's time to which the last push goes, or after the last pull [s]."""
 
@@ -178,15 +181,19 @@ class Contact(EngineContact):
         for force, body, centre in zip(self._applied, self._touched, self._centres):
             force.body_index = body.index()
             force.p_BoBq_B = centre
+        self._own = self.plant.GetMyMutableContextFromRoot(root)
+        self._values = self._port.get_system().GetMyMutableContextFromRoot(root)
         # Where the plant writes its answer, so that its own state stays.
         self._asked = root.Clone()
+        self._after = self.plant.GetMyMutableContextFromRoot(self._asked)
+        self._root = root
         self._pushes = False
         self._time = float(root.get_time())
         if self._spheres:
             [scene_graph] = [
                 system
                 for system in _systems(self.simulator.get_system())
-                if isinstance(system, SceneGraph) and system.SourceIsRegistered(self.plant.get_source_id())
+                if isinstance(system, SceneGraph) and system.model_inspector().SourceIsRegistered(self.plant.get_source_id())
             ]
             shapes = [shape for body in self._touched for shape in self.plant.GetCollisionGeometriesForBody(body)]
             excluded = CollisionFilterDeclaration().ExcludeBetween(GeometrySet(self._spheres), GeometrySet(shapes))
@@ -210,14 +217,21 @@ class Contact(EngineContact):
         """
         self.sample(position, elapsed)
         for _ in range(self.steps):
-            self.simulator.AdvanceTo(self.push())
+            until = self.push()
+            try:
+                self.simulator.AdvanceTo(until)
+            except BaseException:
+                # Of Drake's solver, or Ctrl-C: what we pushed must not act for ever.
+                self._take_out()
+                raise
             self.pull()
         return self.hold()
 
     def sample(self, position: ArrayLike, elapsed: float | None = None) -> None:
         """A period begins: takes a sample of all devices, as `step` does. Where the simulator's time has gone back since the
-        last step, this begins anew as `reset` does."""
-        if self.simulator.get_context().get_time() < self._time and not self._pushes:
+        last step, or it has another context, this begins anew as `reset` does."""
+        root = self.simulator.get_mutable_context()
+        if root is not self._root or (root.get_time() < self._time and not self._pushes):
             self.reset()
         super().sample(position, elapsed)
 
@@ -238,20 +252,22 @@ class Contact(EngineContact):
         """
         if self._pushes:
             raise ValueError("push() comes once before each step of the plant, and pull() after it")
+        self._same_context()
         h = _time_step(self.plant)
-        root = self.simulator.get_mutable_context()
-        time = float(root.get_time())
+        time = float(self._root.get_time())
         number = round(time / h)
         if abs(time - number * h) > 1e-6 * h:
             raise ValueError(f"the simulator stands at {time} s, but must stand at a whole number of the plant's time steps of {h} s")
-        own = self.plant.GetMyMutableContextFromRoot(root)
-        values = self._port.get_system().GetMyMutableContextFromRoot(root)
-        theirs = self._values(values)
-        # With the last wrenches the plant's other contacts are as they are when pressed.
-        self._write(values, theirs)
-        self._look(own, h)
-        self._wrenches[:] = self.meet(h, self._rows)
-        self._write(values, theirs)
+        theirs = self._given()
+        try:
+            # With the last wrenches the plant's other contacts are as they are when pressed.
+            self._write(theirs)
+            self._look(h)
+            self._wrenches[:] = self.meet(h, self._rows)
+            self._write(theirs)
+        except BaseException:
+            self._give(theirs)
+            raise
         self._pushes = True
         self._time = (number + 1) * h
         return self._time
@@ -260,17 +276,9 @@ class Contact(EngineContact):
         """After a step of the plant: takes the wrenches of the contacts out of its input port."""
         if not self._pushes:
             raise ValueError("pull() comes after push() and a step of the plant")
-        self._pushes = False
-        root = self.simulator.get_mutable_context()
-        values = self._port.get_system().GetMyMutableContextFromRoot(root)
-        left = self._values(values)
-        for mine in self._applied:
-            # The port has copies. Another contact may have pushed since.
-            same = [place for place, force in enumerate(left) if _same(force, mine)]
-            if same:
-                del left[same[0]]
-        self._give(values, left)
-        due, self._time = self._time, float(root.get_time())
+        self._same_context()
+        self._take_out()
+        due, self._time = self._time, float(self._root.get_time())
         if abs(self._time - due) > 1e-6 * _time_step(self.plant):
             raise ValueError(f"after push() the simulator has to be advanced to {due} s, but it stands at {self._time} s")
 
@@ -278,32 +286,44 @@ class Contact(EngineContact):
         """Begins anew: nothing sampled, nothing touched, the books empty. For after a body was put elsewhere, or the
         simulator was given another context."""
         super().reset()
-        if self._pushes:
-            self._pushes = False
-            values = self._port.get_system().GetMyMutableContextFromRoot(self.simulator.get_mutable_context())
-            self._give(values, [f for f in self._values(values) if not any(_same(f, mine) for mine in self._applied)])
+        if self._pushes and self.simulator.get_mutable_context() is self._root:
+            self._take_out()
         self._start()
 
-    def _values(self, values: Context) -> list[ExternallyAppliedSpatialForce]:
-        """Copies of what stands in the port."""
-        return [copy(force) for force in self._port.Eval(values)] if self._port.HasValue(values) else []
+    def _same_context(self) -> None:
+        if self.simulator.get_mutable_context() is not self._root:
+            raise ValueError("the simulator was given another context within a period: call reset(), then sample()")
 
-    def _give(self, values: Context, forces: list[ExternallyAppliedSpatialForce]) -> None:
+    def _given(self) -> list[ExternallyAppliedSpatialForce]:
+        """Copies of what stands in the port."""
+        return [copy(force) for force in self._port.Eval(self._values)] if self._port.HasValue(self._values) else []
+
+    def _give(self, forces: list[ExternallyAppliedSpatialForce]) -> None:
         value = self._port.Allocate()
         value.set_value(forces)
-        self._port.FixValue(values, value)
+        self._port.FixValue(self._values, value)
 
-    def _write(self, values: Context, theirs: list[ExternallyAppliedSpatialForce]) -> None:
+    def _take_out(self) -> None:
+        """Takes what was pushed out of the port."""
+        self._pushes = False
+        left = self._given()
+        for mine in self._applied:
+            # The port has copies. Another contact may have pushed since.
+            same = [place for place, force in enumerate(left) if _same(force, mine)]
+            if same:
+                del left[same[0]]
+        self._give(left)
+
+    def _write(self, theirs: list[ExternallyAppliedSpatialForce]) -> None:
         for force, wrench in zip(self._applied, self._wrenches):
             force.F_Bq_W = SpatialForce(tau=wrench[3:], f=wrench[:3])
-        self._give(values, theirs + self._applied)
+        self._give(theirs + self._applied)
 
-    def _look(self, own: Context, h: float) -> None:
+    def _look(self, h: float) -> None:
         """Writes how each body is and answers into its row."""
-        plant = self.plant
+        plant, own, after = self.plant, self._own, self._after
         self._rows[:, 7:] = 0.0
         velocity = plant.GetVelocities(own)
-        after = plant.GetMyMutableContextFromRoot(self._asked)
         if plant.has_sampled_output_ports():
             plant.CalcForcedUnrestrictedUpdate(own, after.get_mutable_state())
         else:
@@ -372,7 +392,7 @@ def _unconnected(root: System, port: InputPort) -> None:
         if where in diagram.connection_map():
             raise ValueError(f"the {named} is connected, so that wrenches cannot be given to it: {way}")
         for number in range(diagram.num_input_ports()):
-            if where in diagram.GetInputPortLocators(number):
+            if where in diagram.GetInputPortLocators(InputPortIndex(number)):
                 outer = diagram.get_input_port(number).get_name()
                 raise ValueError(
                     f"the {named} is exported as {outer!r} of {diagram.get_name()!r}: give as port the one that it is exported as, or {way}"
@@ -396,7 +416,7 @@ def _body(plant: MultibodyPlant, given: Any) -> RigidBody:
         raise ValueError(f"{given!r} is no body: give its name, or a RigidBody of the plant")
     count = plant.NumBodiesWithName(given)
     if count == 0:
-        names = [plant.get_body(index).name() for index in plant.GetBodyIndices()]
+        names = [plant.get_body(BodyIndex(number)).name() for number in range(plant.num_bodies())]
         raise ValueError(f"the plant has no body {given!r}; it has {', '.join(map(repr, names))}")
     if count > 1:
         raise ValueError(f"the plant has {count} bodies {given!r}, of several models: give the RigidBody itself")
