@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -23,6 +24,9 @@ def test_every_example_of_a_page_runs(root: Path, page: str) -> None:
     assert examples
     names: dict[str, object] = {}
     for example in examples:
+        # `bindings/python/test` says where these have no wheel.
+        if any(f" {engine}" in example and find_spec(engine) is None for engine in ("pybullet", "pydrake")):
+            continue
         exec(compile(example, page, "exec"), names)
 
 

@@ -13,6 +13,8 @@ class Engine(NamedTuple):
     """An engine, and what is required of its table."""
 
     name: str
+    module: str
+    """What it is imported as."""
     integrator: str
     error: float
     """E with palpate's contact, at most [%]."""
@@ -22,12 +24,16 @@ class Engine(NamedTuple):
     """The force that it makes of the ideal one, above this."""
 
 
-ENGINES = [Engine("mujoco", "RK4", 2, 10, 1.5), Engine("pybullet", "Euler", 5, 8, 1.1)]
+ENGINES = [
+    Engine("mujoco", "mujoco", "RK4", 2, 10, 1.5),
+    Engine("pybullet", "pybullet", "Euler", 5, 8, 1.1),
+    Engine("drake", "pydrake", "sap", 5, 8, 1.1),
+]
 
 
 @pytest.fixture(params=ENGINES, ids=[engine.name for engine in ENGINES])
 def engine(request: Any) -> Engine:
-    pytest.importorskip(request.param.name, reason=f"pip install palpate[{request.param.name}]")
+    pytest.importorskip(request.param.module, reason=f"pip install palpate[{request.param.name}]")
     return request.param  # type: ignore[no-any-return]
 
 
@@ -48,12 +54,12 @@ def test_the_table_says_every_way(engine: Engine, capsys: Any, monkeypatch: Any)
     monkeypatch.setattr(table, "RATES", [(0.01, 400.0)])
     monkeypatch.setattr(table, "DAMPING_RATIOS", (0.0, 0.05))
     arguments = ["table", "--engine", engine.name, "--steps", "2", "--told", "1", "--integrators"]
-    monkeypatch.setattr("sys.argv", [*arguments, "Euler"])
+    monkeypatch.setattr("sys.argv", [*arguments, engine.integrator])
     table.main()
     said = capsys.readouterr().out
     for scene in ("ball", "ball on floor", "box on floor"):
         for way in ("engine", "engine, tuned", "palpate"):
-            assert f"| {scene} | 10 | 400 | 2 | Euler | {way} |" in said
+            assert f"| {scene} | 10 | 400 | 2 | {engine.integrator} | {way} |" in said
     assert "damping ratio 0.0" in said
     monkeypatch.setattr("sys.argv", [*arguments, "leapfrog"])
     with pytest.raises(SystemExit):

@@ -3,7 +3,8 @@
 An engine keeps its bodies. palpate renders the contacts of a device's tool with them: nothing but forces goes
 into the engine, nothing but states comes out of it, and no body is put anywhere.
 
-`palpate.engines.mujoco` does that for MuJoCo. `EngineContact` is what an adapter for another engine is made of.
+`palpate.engines.mujoco` does that for MuJoCo, `palpate.engines.pybullet` for PyBullet, `palpate.engines.drake` for Drake.
+`EngineContact` is what an adapter for another engine is made of.
 """
 
 from __future__ import annotations

@@ -2,6 +2,7 @@
 
     python -m palpate.engines.table                    # needs palpate[mujoco]
     python -m palpate.engines.table --engine pybullet  # needs palpate[pybullet]
+    python -m palpate.engines.table --engine drake     # needs palpate[drake]
     python -m palpate.engines.table --steps 1,4,10 --integrators RK4,Euler --told 1,1.5
 
 A device with three masses, in a hand with spring and damper, is simulated exactly outside the engine. Each force is
@@ -14,7 +15,7 @@ set up as the same spring and damper.
   mean of its force over the steps of the period.
 - engine, tuned: the damping that gives the least E of this scene, found with knowledge of its ideal, and the tool held
   as it was sampled or moved on by its last velocity, whichever gives less.
-- palpate: `Contact` of `palpate.engines.mujoco` or `palpate.engines.pybullet`.
+- palpate: `Contact` of `palpate.engines.mujoco`, `palpate.engines.pybullet` or `palpate.engines.drake`.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from numpy.typing import NDArray
 from .._scene import simulate
 from ._scenes import BODY_MASS, RATES, judged, scenes
 
-ENGINES = ("mujoco", "pybullet")
+ENGINES = ("mujoco", "pybullet", "drake")
 DAMPING_RATIOS = (0.0, *(0.02 * 1.25**step for step in range(17)))
 """Damping ratios of the engine's contact that are tried."""
 

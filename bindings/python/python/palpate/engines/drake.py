@@ -1,0 +1,463 @@
+"""Contacts with the bodies of Drake: `pip install palpate[drake]`.
+
+    from pydrake.systems.analysis import Simulator
+    from palpate.engines.drake import Contact
+
+    simulator = Simulator(diagram)
+    contact = Contact(simulator, plant, tool=0.01, bodies=["ball"], stiffness=400.0, device_mass=0.25, period=0.01)
+    while True:
+        force = contact.step(position)  # reads your device, steps the plant, and gives the force to command
+
+The plant keeps the bodies, with its other contacts, its joints and its robots. Only the contacts of the tool are palpate's.
+Their wrenches are values of the plant's input port `applied_spatial_force`, beside what stands there, and are taken out
+of it after the plant's step.
+"""
+
+from __future__ import annotations
+
+from copy import copy
+from typing import Any, Iterator, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._contact import BODY_COLUMNS, EngineBody, EngineContact, PlacedShape
+try:
+    from pydrake.geometry import (
+        Box,
+        Capsule,
+        CollisionFilterDeclaration,
+        Cylinder,
+        GeometryId,
+        GeometrySet,
+        HalfSpace,
+        SceneGraph,
+        SceneGraphInspector,
+        Sphere,
+    )
+    from pydrake.multibody.math import SpatialForce
+    from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
+    from pydrake.multibody.tree import BodyIndex, JacobianWrtVariable, RigidBody
+    from pydrake.systems.analysis import Simulator
+    from pydrake.systems.framework import Context, Diagram, InputPort, InputPortIndex, System
+except ImportError as _missing:
+    raise ImportError("palpate.engines.drake needs Drake: pip install 'palpate[drake]'") from _missing
+
+__all__ = ["Contact"]
+
+_FORCE_FIRST = [3, 4, 5, 0, 1, 2]
+"""Drake has rotation before translation, a row of a body the other way round."""
+
+
+class Contact(EngineContact):
+    """Contacts of a tool with bodies of a discrete `MultibodyPlant`.
+
+    The simulator is advanced by this: a period is one or more of the plant's steps. It is advanced first, with the wrenches
+    that avatars and bodies exert on each other meanwhile, and then the force is known that the device holds while that
+    time passes. What else accelerates a body within a step, the plant is asked beforehand: it solves each step twice, with
+    the last wrenches and with the new ones.
+
+    Args:
+        simulator: Of the diagram that holds the plant.
+        plant: Finalized, discrete, with a scene graph. How it approximates its own contacts is yours.
+        tool: Radius of the tool [m], a sphere that Drake does not know; 0 for a point. Or a body of the plant, or its name,
+            with one sphere for its collisions: then Drake keeps that sphere out of contact with `bodies`, and in contact
+            with everything else; the body goes where the plant moves it. Of several devices a sequence of these.
+        bodies: Names of the bodies that it touches, or the bodies; `"world"` for what is fixed. Of each, all spheres, boxes,
+            capsules, cylinders and half-spaces for collisions count.
+        stiffness: K of the contacts [N/m].
+        device_mass: Effective mass of the device, right within a factor of 2 [kg]: one number, or three for its axes;
+            of several devices a row of three for each.
+        period: Time from sample to sample [s], a whole number of the plant's time steps. `None`: one step.
+        port: Input port to which the wrenches go. `None`: the plant's `applied_spatial_force`, which then must not be
+            connected; where it is, connect it to an `ExternallyAppliedSpatialForceMultiplexer` and give one of its ports.
+        others: Of `palpate.engines.EngineContact`: `damping`, `friction`, `friction_stiffness`, `encoder_quantum`, `delay`,
+            `lag`, `gain`, `force_limit`, `soft_start`.
+
+    Raises:
+        ValueError: What is wrong, by the names of the plant.
+    """
+
+    simulator: Simulator
+    plant: MultibodyPlant
+    steps: int
+    """Steps of the plant in a period."""
+
+    def __new__(
+        cls,
+        simulator: Simulator,
+        plant: MultibodyPlant,
+        *,
+        tool: Any,
+        bodies: Sequence[Any],
+        stiffness: float,
+        device_mass: ArrayLike,
+        period: float | None = None,
+        port: InputPort | None = None,
+        **others: float,
+    ) -> Contact:
+        h = _time_step(plant)
+        steps = 1 if period is None else round(period / h) if np.isfinite(period) else 0
+        if steps < 1 or (period is not None and abs(period / h - steps) > 1e-6 * steps):
+            raise ValueError(
+                f"period is {period} s, but must be a whole number of the plant's time steps of {h} s: see MultibodyPlant(time_step)"
+            )
+        root = simulator.get_system()
+        if not any(system is plant for system in _systems(root)):
+            raise ValueError(f"the simulator's diagram {root.get_name()!r} has no plant {plant.get_name()!r}")
+        if port is None:
+            port = plant.get_applied_spatial_force_input_port()
+        _unconnected(root, port)
+        if isinstance(bodies, (str, RigidBody)):
+            raise ValueError(f"bodies is {bodies!r}, but must be a list, such as [{bodies!r}]")
+        touched = [_body(plant, body) for body in bodies]
+        for body in touched:
+            if touched.count(body) > 1:
+                raise ValueError(f"bodies names body {body.name()!r} twice")
+        if not plant.geometry_source_is_registered():
+            raise ValueError(f"plant {plant.get_name()!r} has no scene graph, so that its bodies have no shapes: see AddMultibodyPlant")
+        own = plant.GetMyContextFromRoot(simulator.get_context())
+        inspector = plant.EvalSceneGraphInspector(own)
+        centres = [_centre(body, own) for body in touched]
+        several: list[Any] = [tool] if isinstance(tool, (str, RigidBody)) or np.ndim(tool) == 0 else [*tool]
+        tools: dict[str, float] = {}
+        spheres = []
+        for number, given in enumerate(several):
+            if isinstance(given, (str, RigidBody)):
+                carrier = _body(plant, given)
+                if carrier in touched:
+                    raise ValueError(f"bodies names body {carrier.name()!r}, which is the tool")
+                sphere, radius = _sphere(plant, inspector, carrier)
+                spheres.append(sphere)
+                name = carrier.name()
+            else:
+                radius = float(given)
+                name = "tool" if len(several) == 1 else f"tool {number}"
+            if name in tools:
+                raise ValueError(f"tool names {name!r} twice")
+            tools[name] = radius
+        made = super().__new__(
+            cls,
+            tools=tools,
+            bodies=[_described(plant, inspector, body, centre) for body, centre in zip(touched, centres)],
+            period=steps * h,
+            device_mass=device_mass,
+            stiffness=stiffness,
+            # A discrete plant moves by the velocity at the end of a step.
+            end_velocity=True,
+            **others,
+        )
+        assert isinstance(made, Contact)
+        made.simulator, made.plant, made.steps = simulator, plant, steps
+        made._port, made._touched, made._centres, made._spheres = port, touched, centres, spheres
+        made._joints = [plant.get_joint(index) for index in plant.GetJointIndices()]
+        made._start()
+        return made
+
+    _port: InputPort
+    _touched: list[RigidBody]
+    _centres: list[NDArray[np.float64]]
+    """Of each body, the point about which wrenches are told, in the body's axes [m]."""
+    _spheres: list[GeometryId]
+    """Of tools that Drake knows."""
+    _joints: list[Any]
+    _applied: list[ExternallyAppliedSpatialForce]
+    """What the plant was last told, for each body."""
+    _wrenches: NDArray[np.float64]
+    """The same, a row for each body: force [N], torque about the centre of mass [N m]."""
+    _pushes: bool
+    _root: Context
+    """The simulator's, when the contexts of plant and port were looked up in it: Drake keeps a note for each time that it
+    is asked for them."""
+    _time: float
+    """The simulator's time to which the last push goes, or after the last pull [s]."""
+
+    def _start(self) -> None:
+        count = len(self._touched)
+        root = self.simulator.get_mutable_context()
+        self._rows = np.zeros((count, BODY_COLUMNS))
+        self._wrenches = np.zeros((count, 6))
+        self._applied = [ExternallyAppliedSpatialForce() for _ in self._touched]
+        for force, body, centre in zip(self._applied, self._touched, self._centres):
+            force.body_index = body.index()
+            force.p_BoBq_B = centre
+        self._own = self.plant.GetMyMutableContextFromRoot(root)
+        self._values = self._port.get_system().GetMyMutableContextFromRoot(root)
+        # Where the plant writes its answer, so that its own state stays.
+        self._asked = root.Clone()
+        self._after = self.plant.GetMyMutableContextFromRoot(self._asked)
+        self._root = root
+        self._pushes = False
+        self._time = float(root.get_time())
+        if self._spheres:
+            [scene_graph] = [
+                system
+                for system in _systems(self.simulator.get_system())
+                if isinstance(system, SceneGraph) and system.model_inspector().SourceIsRegistered(self.plant.get_source_id())
+            ]
+            shapes = [shape for body in self._touched for shape in self.plant.GetCollisionGeometriesForBody(body)]
+            excluded = CollisionFilterDeclaration().ExcludeBetween(GeometrySet(self._spheres), GeometrySet(shapes))
+            scene_graph.collision_filter_manager(scene_graph.GetMyMutableContextFromRoot(root)).Apply(excluded)
+
+    def step(self, position: ArrayLike, elapsed: float | None = None) -> NDArray[np.float64]:
+        """One period: takes a sample of the devices, advances the simulator by the period, and gives the force on the
+        device [N] to hold over it.
+
+        Args:
+            position: Position of the device in the axes of the world [m], three numbers; of several devices a row for
+                each.
+            elapsed: Measured time since the last sample [s]; `None`: one period.
+
+        Returns:
+            Three numbers; of several devices a row for each. After a sample that cannot be used they are 0, and
+            `output.fault` says why; the simulator is advanced all the same.
+
+        Raises:
+            ValueError: Not three numbers for each device, or the simulator stands between two steps, or stops within one.
+        """
+        self.sample(position, elapsed)
+        for _ in range(self.steps):
+            until = self.push()
+            try:
+                self.simulator.AdvanceTo(until)
+            except BaseException:
+                # Of Drake's solver, or Ctrl-C: what we pushed must not act for ever.
+                self._take_out()
+                raise
+            self.pull()
+        return self.hold()
+
+    def sample(self, position: ArrayLike, elapsed: float | None = None) -> None:
+        """A period begins: takes a sample of all devices, as `step` does. Where the simulator's time has gone back since the
+        last step, or it has another context, this begins anew as `reset` does."""
+        root = self.simulator.get_mutable_context()
+        if root is not self._root or (root.get_time() < self._time and not self._pushes):
+            self.reset()
+        super().sample(position, elapsed)
+
+    def push(self) -> float:
+        """Before a step of the plant: gives it the wrenches of the contacts, beside what stands in its input port. For a
+        program that advances the simulator itself, between `sample` and `hold`:
+
+            contact.sample(position)
+            for _ in range(contact.steps):
+                simulator.AdvanceTo(contact.push())
+                contact.pull()
+            force = contact.hold()
+
+        Several contacts, each with its own device, may push before a step.
+
+        Returns:
+            Time at the end of the step [s], to which the simulator is to be advanced.
+        """
+        if self._pushes:
+            raise ValueError("push() comes once before each step of the plant, and pull() after it")
+        self._same_context()
+        h = _time_step(self.plant)
+        time = float(self._root.get_time())
+        number = round(time / h)
+        if abs(time - number * h) > 1e-6 * h:
+            raise ValueError(f"the simulator stands at {time} s, but must stand at a whole number of the plant's time steps of {h} s")
+        theirs = self._given()
+        try:
+            # With the last wrenches the plant's other contacts are as they are when pressed.
+            self._write(theirs)
+            self._look(h)
+            self._wrenches[:] = self.meet(h, self._rows)
+            self._write(theirs)
+        except BaseException:
+            self._give(theirs)
+            raise
+        self._pushes = True
+        self._time = (number + 1) * h
+        return self._time
+
+    def pull(self) -> None:
+        """After a step of the plant: takes the wrenches of the contacts out of its input port."""
+        if not self._pushes:
+            raise ValueError("pull() comes after push() and a step of the plant")
+        self._same_context()
+        self._take_out()
+        due, self._time = self._time, float(self._root.get_time())
+        if abs(self._time - due) > 1e-6 * _time_step(self.plant):
+            raise ValueError(f"after push() the simulator has to be advanced to {due} s, but it stands at {self._time} s")
+
+    def reset(self) -> None:
+        """Begins anew: nothing sampled, nothing touched, the books empty. For after a body was put elsewhere, or the
+        simulator was given another context."""
+        super().reset()
+        if self._pushes and self.simulator.get_mutable_context() is self._root:
+            self._take_out()
+        self._start()
+
+    def _same_context(self) -> None:
+        if self.simulator.get_mutable_context() is not self._root:
+            raise ValueError("the simulator was given another context within a period: call reset(), then sample()")
+
+    def _given(self) -> list[ExternallyAppliedSpatialForce]:
+        """Copies of what stands in the port."""
+        return [copy(force) for force in self._port.Eval(self._values)] if self._port.HasValue(self._values) else []
+
+    def _give(self, forces: list[ExternallyAppliedSpatialForce]) -> None:
+        value = self._port.Allocate()
+        value.set_value(forces)
+        self._port.FixValue(self._values, value)
+
+    def _take_out(self) -> None:
+        """Takes what was pushed out of the port."""
+        self._pushes = False
+        left = self._given()
+        for mine in self._applied:
+            # The port has copies. Another contact may have pushed since.
+            same = [place for place, force in enumerate(left) if _same(force, mine)]
+            if same:
+                del left[same[0]]
+        self._give(left)
+
+    def _write(self, theirs: list[ExternallyAppliedSpatialForce]) -> None:
+        for force, wrench in zip(self._applied, self._wrenches):
+            force.F_Bq_W = SpatialForce(tau=wrench[3:], f=wrench[:3])
+        self._give(theirs + self._applied)
+
+    def _look(self, h: float) -> None:
+        """Writes how each body is and answers into its row."""
+        plant, own, after = self.plant, self._own, self._after
+        self._rows[:, 7:] = 0.0
+        velocity = plant.GetVelocities(own)
+        if plant.has_sampled_output_ports():
+            plant.CalcForcedUnrestrictedUpdate(own, after.get_mutable_state())
+        else:
+            plant.CalcForcedDiscreteVariableUpdate(own, after.get_mutable_discrete_state())
+        gained = (plant.GetVelocities(after) - velocity) / h
+        inertia = plant.CalcMassMatrix(own)
+        goes = np.ones(len(velocity), dtype=bool)
+        for joint in self._joints:
+            if count := joint.num_velocities():
+                first = joint.velocity_start()
+                goes[first : first + count] = not joint.is_locked(own)
+                # A discrete plant takes the damping of a joint as it will be at the end of the step.
+                along = np.arange(first, first + count)
+                inertia[along, along] += h * joint.GetDampingVector(own)
+        inertia = inertia[np.ix_(goes, goes)]
+        world = plant.world_frame()
+        for body, centre, row, wrench in zip(self._touched, self._centres, self._rows, self._wrenches):
+            pose = plant.EvalBodyPoseInWorld(own, body)
+            row[0:3] = pose.multiply(centre)
+            row[3:7] = pose.rotation().ToQuaternion().wxyz()
+            if plant.IsAnchored(body):
+                continue
+            asked = (own, JacobianWrtVariable.kV, body.body_frame(), centre, world, world)
+            jacobian = plant.CalcJacobianSpatialVelocity(*asked)[_FORCE_FIRST]
+            rate = plant.CalcBiasSpatialAcceleration(*asked)
+            free = jacobian[:, goes]
+            mobility = free @ np.linalg.solve(inertia, free.T)
+            row[7:13] = jacobian @ velocity
+            row[13:19] = jacobian @ gained + rate.get_coeffs()[_FORCE_FIRST] - mobility @ wrench
+            row[19:55] = mobility.ravel()
+
+
+def _same(one: ExternallyAppliedSpatialForce, other: ExternallyAppliedSpatialForce) -> bool:
+    return bool(
+        one.body_index == other.body_index
+        and np.array_equal(one.p_BoBq_B, other.p_BoBq_B)
+        and np.array_equal(one.F_Bq_W.get_coeffs(), other.F_Bq_W.get_coeffs(), equal_nan=True)
+    )
+
+
+def _time_step(plant: MultibodyPlant) -> float:
+    if not plant.is_finalized():
+        raise ValueError(f"plant {plant.get_name()!r} is not finalized: call Finalize() first")
+    h = float(plant.time_step())
+    if h == 0:
+        raise ValueError(f"plant {plant.get_name()!r} is continuous, but must be discrete: see MultibodyPlant(time_step)")
+    return h
+
+
+def _systems(system: System) -> Iterator[System]:
+    """A system and all that is in it."""
+    yield system
+    if isinstance(system, Diagram):
+        for part in system.GetSystems():
+            yield from _systems(part)
+
+
+def _unconnected(root: System, port: InputPort) -> None:
+    """Refuses a port whose values come from elsewhere: a value that is given to it would take their place for ever."""
+    where = (port.get_system(), port.get_index())
+    named = f"input port {port.get_name()!r} of {port.get_system().get_name()!r}"
+    way = "connect the plant's port to an ExternallyAppliedSpatialForceMultiplexer, and give as port one of its own that is free"
+    for diagram in _systems(root):
+        if not isinstance(diagram, Diagram):
+            continue
+        if where in diagram.connection_map():
+            raise ValueError(f"the {named} is connected, so that wrenches cannot be given to it: {way}")
+        for number in range(diagram.num_input_ports()):
+            if where in diagram.GetInputPortLocators(InputPortIndex(number)):
+                outer = diagram.get_input_port(number).get_name()
+                raise ValueError(
+                    f"the {named} is exported as {outer!r} of {diagram.get_name()!r}: give as port the one that it is exported as, or {way}"
+                )
+
+
+def _centre(body: RigidBody, own: Context) -> NDArray[np.float64]:
+    """Centre of mass in the body's axes [m]; its origin where it has no mass, as the world."""
+    if body.index() == 0 or body.get_mass(own) == 0:
+        return np.zeros(3)
+    place: NDArray[np.float64] = body.CalcCenterOfMassInBodyFrame(own)
+    return place
+
+
+def _body(plant: MultibodyPlant, given: Any) -> RigidBody:
+    if isinstance(given, RigidBody):
+        if given.GetParentPlant() is not plant:
+            raise ValueError(f"body {given.name()!r} is of another plant")
+        return given
+    if not isinstance(given, str):
+        raise ValueError(f"{given!r} is no body: give its name, or a RigidBody of the plant")
+    count = plant.NumBodiesWithName(given)
+    if count == 0:
+        names = [plant.get_body(BodyIndex(number)).name() for number in range(plant.num_bodies())]
+        raise ValueError(f"the plant has no body {given!r}; it has {', '.join(map(repr, names))}")
+    if count > 1:
+        raise ValueError(f"the plant has {count} bodies {given!r}, of several models: give the RigidBody itself")
+    return plant.GetBodyByName(given)
+
+
+def _sphere(plant: MultibodyPlant, inspector: SceneGraphInspector, carrier: RigidBody) -> tuple[GeometryId, float]:
+    """The sphere of a body that is a tool, and its radius [m]."""
+    shapes = plant.GetCollisionGeometriesForBody(carrier)
+    if len(shapes) != 1 or not isinstance(inspector.GetShape(shapes[0]), Sphere):
+        kinds = ", ".join(type(inspector.GetShape(shape)).__name__ for shape in shapes) or "none"
+        raise ValueError(f"tool: body {carrier.name()!r} must have one sphere for its collisions, but has {kinds}")
+    return shapes[0], float(inspector.GetShape(shapes[0]).radius())
+
+
+def _described(
+    plant: MultibodyPlant, inspector: SceneGraphInspector, body: RigidBody, centre: NDArray[np.float64]
+) -> EngineBody:
+    name = f"body {body.name()!r}"
+    shapes = []
+    for number in plant.GetCollisionGeometriesForBody(body):
+        word, lengths = _shape(name, inspector.GetName(number), inspector.GetShape(number))
+        pose = inspector.GetPoseInFrame(number)
+        place = pose.translation() - centre
+        shapes.append(PlacedShape(word, lengths, place.tolist(), pose.rotation().ToQuaternion().wxyz().tolist()))
+    if not shapes:
+        raise ValueError(f"{name} has no shape for collisions, so that a tool cannot touch it")
+    return EngineBody(name, shapes)
+
+
+def _shape(name: str, called: str, shape: Any) -> tuple[str, tuple[float, ...]]:
+    """The kind of a shape and its lengths, as `PlacedShape` has them."""
+    if isinstance(shape, Sphere):
+        return "sphere", (shape.radius(),)
+    if isinstance(shape, Box):
+        return "box", tuple(0.5 * float(length) for length in shape.size())
+    if isinstance(shape, (Capsule, Cylinder)):
+        return "capsule" if isinstance(shape, Capsule) else "cylinder", (shape.radius(), 0.5 * shape.length())
+    if isinstance(shape, HalfSpace):
+        return "half-space", ()
+    raise ValueError(
+        f"{name}: its shape {called!r} is of type {type(shape).__name__}; a tool can touch half-spaces, spheres, capsules, "
+        "cylinders and boxes"
+    )
