@@ -18,7 +18,7 @@ use crate::run::{Held, IdealPoint, MOST_PERIODS, Reference, Run, RunMethod, Tick
 use crate::sampled_loop::{Sampled, SampledLoop};
 use palpate_scene::method::MethodName;
 use palpate_scene::named_parameters::named_parameters;
-use palpate_scene::{Measure, Scene, SetupError};
+use palpate_scene::{Delay, Measure, Scene, SetupError};
 
 pub use crate::loop_error::LoopError;
 
@@ -220,7 +220,16 @@ impl<'a> Bench<'a> {
         let mut own = self.scene.clone();
         own.settings.clone_from(&scene.settings);
         own.loop_params.guard = scene.loop_params.guard;
-        own.delay = scene.delay;
+        // Whole samples: another fraction or time cuts the grid of the ideal elsewhere.
+        if let (
+            Delay::Periods { samples, .. },
+            Delay::Periods {
+                samples: others, ..
+            },
+        ) = (&mut own.delay, scene.delay)
+        {
+            *samples = others;
+        }
         own.told = scene.told;
         own.told_device_mass = scene.told_device_mass;
         own == *scene
