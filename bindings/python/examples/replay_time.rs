@@ -4,7 +4,7 @@
 use std::time::Instant;
 
 use palpate::{Actuation, Contact, LoopParams, MethodName, ObjectState, Settings};
-use palpate_scene::Timing;
+use palpate_scene::{Delay, Timing};
 use palpate_sim::replay::{Replay, ReplaySetup};
 use palpate_study::report::{Report, Subject};
 
@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         contact: &setup.contact,
         loop_params: &setup.loop_params,
         device_mass: setup.device_mass,
-        delay: 0,
+        delay: Delay::NONE,
         timing: Timing::default(),
     };
     let mut least = f64::INFINITY;

@@ -7,7 +7,9 @@ use palpate_plot::RunsFigure;
 use palpate_record::recording::{Recording, RecordingError};
 use palpate_record::trace::Part;
 use palpate_scene::method::MethodName;
-use palpate_scene::{Delay, GUARD_ALLOWANCE, GUARD_SPEED, Scene, SceneFile, SceneParameter, SetupError};
+use palpate_scene::{
+    Delay, GUARD_ALLOWANCE, GUARD_SPEED, Scene, SceneFile, SceneParameter, SetupError,
+};
 use palpate_sim::closed_loop::LoopError;
 use palpate_sim::hand_replay::{HandError, HandModel, REACH};
 use palpate_sim::replay::{ReplayError, samples_and_fraction};
