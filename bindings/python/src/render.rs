@@ -4,7 +4,6 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use palpate::{MethodName, Settings};
 use palpate_plot::Devices;
 use palpate_record::unit::{HandMotion, LengthUnit};
-use palpate_scene::Timing;
 use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
 use palpate_sim::run::Run;
 use palpate_study::report::{Replayed, Report, Subject, told_lines};
@@ -139,14 +138,7 @@ pub fn render<'py>(
     let motion = Motion::of(&motion, method, parameters, settings_given)?;
     let rendered = interruptible(py, move |stop| {
         motion.rendered(stop, |title, setup, replay, runs| {
-            let subject = Subject {
-                title: title.to_owned(),
-                contact: &setup.contact,
-                loop_params: &setup.loop_params,
-                device_mass: setup.device_mass,
-                delay: setup.delay(),
-                timing: Timing::default(),
-            };
+            let subject = Subject::of_replay(title.to_owned(), setup);
             let mut report = Report::new(&subject, replay.reference(), &runs);
             let (samples, period) = (setup.delay().whole_samples(), setup.loop_params.period);
             report.actuated(told_lines(&setup.actuation, samples, period));

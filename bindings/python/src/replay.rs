@@ -12,7 +12,7 @@ use palpate_scene::{
 };
 use palpate_sim::closed_loop::LoopError;
 use palpate_sim::hand_replay::{HandError, HandModel, REACH};
-use palpate_sim::replay::{ReplayError, samples_and_fraction};
+use palpate_sim::replay::ReplayError;
 use palpate_study::hand_replay::{HandReplayError, HandReplayStep};
 use palpate_study::recording::{
     NoScene, RecordingReplay, RecordingReplayError, ReplayOf, ReplayedRecording, StatedHand,
@@ -148,12 +148,7 @@ impl Changes {
         let told = &mut scene.told;
         if let Some(periods) = self.delay {
             told.delay = None;
-            let (samples, fraction) = samples_and_fraction(periods);
-            scene.delay = if fraction == 0.0 {
-                Delay::samples(samples)
-            } else {
-                Delay::Seconds(periods * period)
-            };
+            scene.delay = Delay::told_whole(periods, period);
         }
         if let Some(lag) = self.lag {
             told.lag = None;

@@ -308,6 +308,15 @@ fn an_imperfect_loop_by_flags_is_that_of_the_scene_file() {
     );
     let samples = number(&by_file, "samples");
     assert!(samples > 55.0 && samples < 76.0, "{samples}");
+    // The delay that a flag says is the whole of it, and a time has no fraction of a period on top.
+    let whole = folder.json("simulate imperfect.toml --delay 1");
+    assert_eq!(whole["delay_samples"], 1);
+    assert_eq!(whole["timing"].get("delay_fraction"), None);
+    folder.fail(
+        "simulate scene.toml --delay 0.5 --delay-fraction 0.25",
+        2,
+        &["--delay-fraction 0.25", "the delay is 0.005 s", "--delay 1"],
+    );
     let perfect = folder.json("simulate scene.toml");
     assert_eq!(perfect.get("timing"), None);
     assert_eq!(number(&perfect, "samples"), 76.0);

@@ -24,6 +24,37 @@ impl Delay {
     /// A command is in force as soon as its sample is taken.
     pub const NONE: Self = Self::samples(0);
 
+    /// A number of periods. One this close to a whole number is whole: quotients of decimal times are never exact.
+    #[must_use]
+    pub fn of_periods(periods: f64) -> Self {
+        const WHOLE_WITHIN: f64 = 1e-5;
+        let periods = periods.max(0.0);
+        let whole = (periods + WHOLE_WITHIN).floor();
+        let rest = periods - whole;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a whole number of 0 or above; one too large for any loop is refused there"
+        )]
+        let samples = whole as usize;
+        Self::Periods {
+            samples,
+            fraction: if rest > WHOLE_WITHIN { rest } else { 0.0 },
+        }
+    }
+
+    /// So many periods of `period` `[s]`, of which a renderer is told all: whole samples, or a time. Of a fraction of a
+    /// period a renderer is told nothing.
+    #[must_use]
+    pub fn told_whole(periods: f64, period: f64) -> Self {
+        let delay = Self::of_periods(periods);
+        if delay.is_whole() {
+            delay
+        } else {
+            Self::Seconds(periods * period)
+        }
+    }
+
     /// Whole samples.
     #[must_use]
     pub const fn samples(samples: usize) -> Self {

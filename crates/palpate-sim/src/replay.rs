@@ -105,34 +105,8 @@ impl ReplaySetup {
     /// The delay, in periods.
     #[must_use]
     pub fn delay(&self) -> Delay {
-        let periods = self.actuation.delay / self.loop_params.period;
-        let (samples, fraction) = samples_and_fraction(periods);
-        Delay::Periods { samples, fraction }
+        Delay::of_periods(self.actuation.delay / self.loop_params.period)
     }
-}
-
-/// A delay in periods as whole samples and what is left, below 1. A delay this close to a whole number is
-/// one: quotients of decimal times are never exact.
-#[must_use]
-pub fn samples_and_fraction(periods: f64) -> (usize, f64) {
-    const WHOLE_WITHIN: f64 = 1e-5;
-    let periods = periods.max(0.0);
-    let whole = (periods + WHOLE_WITHIN).floor();
-    let fraction = periods - whole;
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a whole number of 0 or above; one too large for any loop is refused there"
-    )]
-    let samples = whole as usize;
-    (
-        samples,
-        if fraction > WHOLE_WITHIN {
-            fraction
-        } else {
-            0.0
-        },
-    )
 }
 
 /// Why a recording cannot be replayed.

@@ -337,6 +337,7 @@ fn a_bench_runs_what_has_its_ideal_and_nothing_else() {
     let refused = |change: &dyn Fn(&mut Scene)| {
         let mut other = scene.clone();
         change(&mut other);
+        assert!(!bench.judges(&other));
         let error = bench.run_varied(&other, MethodName::Basic).unwrap_err();
         assert_eq!(error, LoopError::AnotherScene);
     };
@@ -349,6 +350,7 @@ fn a_bench_runs_what_has_its_ideal_and_nothing_else() {
             fraction: 0.5,
         }
     });
+    refused(&|scene| scene.delay = Delay::Seconds(0.25 * scene.loop_params.period));
     // A delay of an imperfect loop changes when its forces change.
     let broken = imperfect("fig2", 1);
     let bench = Bench::new(&broken).unwrap();

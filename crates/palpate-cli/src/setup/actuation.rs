@@ -3,7 +3,6 @@
 use palpate::{Actuation, Allowed, LARGEST_DELAY, Parameter, ParameterError, Range, Transmission};
 use palpate_calibrate::Quantity;
 use palpate_scene::{Delay, Scene};
-use palpate_sim::replay::samples_and_fraction;
 
 use super::device_file::DeviceFile;
 use super::wrong::{not_allowed, not_allowed_by};
@@ -204,12 +203,7 @@ impl ActuationFlags {
         // What a flag says is so, and is told.
         if let Some(periods) = self.delay {
             told.delay = None;
-            let (samples, fraction) = samples_and_fraction(periods);
-            scene.delay = if fraction == 0.0 {
-                Delay::samples(samples)
-            } else {
-                Delay::Seconds(periods * period)
-            };
+            scene.delay = Delay::told_whole(periods, period);
         }
         if let Some(lag) = self.lag {
             told.lag = None;
@@ -228,8 +222,8 @@ impl ActuationFlags {
         told.lag_deviation = self.lag_deviation.or(told.lag_deviation);
         told.gain_deviation = self.gain_deviation.or(told.gain_deviation);
         let delay = scene.delay.whole_samples() as f64 + scene.delay.seconds() / period;
-        let (samples, fraction) = samples_and_fraction(delay);
-        let periods = samples as f64 + fraction;
+        let delay = Delay::of_periods(delay);
+        let periods = delay.whole_samples() as f64 + delay.fraction();
         if told.delay.is_none() && periods > LARGEST_DELAY as f64 {
             tell_too_long(periods);
         }

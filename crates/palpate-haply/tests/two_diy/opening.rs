@@ -1,5 +1,5 @@
-use std::io::Write;
-use std::os::unix::net::UnixStream;
+use std::io::{Read, Write};
+use std::os::unix::net::{UnixListener, UnixStream};
 
 use palpate_haply::two_diy::LARGEST_TORQUE;
 use palpate_haply_emulator::two_diy::Wiring;
@@ -121,6 +121,39 @@ fn a_board_told_wrong_and_a_device_that_is_not_there_are_named() {
         matches!(singular, Err(OpenError::StartPose(_))),
         "{singular:?}"
     );
+}
+
+/// A system that was busy hands over what a board said before the arm moved, and then what it says now.
+#[test]
+fn the_first_angles_are_those_of_the_last_answer() {
+    let folder = tempfile::tempdir().unwrap();
+    let port = folder.path().join("port");
+    let listener = UnixListener::bind(&port).unwrap();
+    let [first, second] = MIDDLE;
+    let moved = [first + 3.0, second];
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            let mut stream = listener.accept().unwrap().0;
+            let layout = Generation::Three.layout();
+            let answer = |angles: [f32; 2]| {
+                let [first, second] = layout.by_encoder_port(angles).map(f32::to_le_bytes);
+                [&[layout.device_id][..], &first, &second].concat()
+            };
+            let answers = [answer(MIDDLE), answer(moved)].concat();
+            let mut packets = [0; 64];
+            // Until the driver is gone.
+            while stream.read(&mut packets).is_ok_and(|read| read > 0) {
+                if stream.write_all(&answers).is_err() {
+                    break;
+                }
+            }
+        });
+        let error = open_at(&port, SLOW).unwrap_err();
+        let OpenError::NotInPose { angles, .. } = error else {
+            panic!("{error}");
+        };
+        assert_eq!(angles, moved);
+    });
 }
 
 /// Whoever they are: the kernel alone lets a privileged user in.

@@ -24,8 +24,8 @@ use crate::stop::StopFlag;
 pub fn serve() -> io::Result<()> {
     // The flag that they raise is nobody's.
     let _ignored = StopFlag::on_signals();
-    // Before the session: Linux moves the leader of a new one into a group of its own, and beside busy programs it was seen
-    // not to run for a minute after that. A task of SCHED_FIFO belongs to no group.
+    // The priority comes before setsid. On Linux setsid moves a process into a scheduling group of its own (autogroup), and
+    // beside busy programs such a process did not run for up to a minute. A process of SCHED_FIFO is in no such group.
     let answers = Request {
         priority: Some(PRIORITY),
         lock_memory: true,

@@ -4,8 +4,8 @@ mod text;
 
 use crate::map::{Bounce, BounceError, Class, Entry, Limit, Plant, Stay, bounds, default_settings};
 use crate::tune::tunable;
+use palpate_scene::Delay;
 use palpate_scene::method::{MethodName, SettingKey, Settings};
-use palpate_sim::replay::samples_and_fraction;
 use serde::Serialize;
 
 /// Name and version of the JSON report.
@@ -243,7 +243,7 @@ impl Advice {
     ) -> Result<Self, BounceError> {
         let device = &bounce.device;
         let (m, t) = (device.mass, bounce.period);
-        let (samples, fraction) = samples_and_fraction(bounce.delay);
+        let delay = Delay::of_periods(bounce.delay);
         let mut advice = Self {
             format: FORMAT,
             device: DeviceReport {
@@ -252,8 +252,8 @@ impl Advice {
                 viscous_friction_n_s_per_m: device.viscous_friction,
                 coulomb_friction_n: device.coulomb_friction,
                 encoder_quantum_m: device.encoder_quantum,
-                delay_samples: samples,
-                delay_fraction: fraction,
+                delay_samples: delay.whole_samples(),
+                delay_fraction: delay.fraction(),
                 lag_s: bounce.lag,
                 stiffest_by_resonance_n_per_m: None,
                 object_mass_kg: Some(bounce.object_mass).filter(|mass| mass.is_finite()),

@@ -10,7 +10,6 @@ use palpate_scene::{
     ActuatorParams, Delay, Device, Hand, Measure, PointMassDevice, Scene, SetupError, Timing, Told,
 };
 use palpate_sim::closed_loop::LoopError;
-use palpate_sim::replay::samples_and_fraction;
 
 /// A device as it is, and what the renderer is told of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -164,7 +163,6 @@ impl Bounce {
     /// so many whole periods. What the renderer is told wrong is no part of it.
     #[must_use]
     pub fn scene(&self, height: f64, periods: usize) -> Scene {
-        let (samples, fraction) = samples_and_fraction(self.delay);
         Scene {
             title: String::new(),
             contact: Contact::object(self.stiffness, self.object_mass),
@@ -185,11 +183,7 @@ impl Bounce {
             }),
             object_radius: 0.0,
             told_device_mass: None,
-            delay: if fraction == 0.0 {
-                Delay::samples(samples)
-            } else {
-                Delay::Seconds(self.delay * self.period)
-            },
+            delay: Delay::told_whole(self.delay, self.period),
             timing: Timing::default(),
             actuator: ActuatorParams {
                 lag: self.lag,

@@ -1,7 +1,7 @@
 //! The way of a command to the device: a delay of any number of periods, and the actuator's lag.
 
 use palpate::Method;
-use palpate_sim::replay::samples_and_fraction;
+use palpate_scene::Delay;
 use palpate_sim::sampled_loop::{LoopDevice, SampledLoop};
 use palpate_testbed::InvalidParameter;
 use palpate_testbed::actuator::{Actuator, ActuatorParams};
@@ -23,10 +23,10 @@ pub(super) struct Way {
 impl Way {
     /// The way of `bounce`, on which no command is yet.
     pub fn of(bounce: &Bounce) -> Result<Self, InvalidParameter> {
-        let (samples, fraction) = samples_and_fraction(bounce.delay);
+        let delay = Delay::of_periods(bounce.delay);
         Ok(Self {
-            hold: DelayedHold::new(samples)?,
-            fraction,
+            hold: DelayedHold::new(delay.whole_samples())?,
+            fraction: delay.fraction(),
             before: 0.0,
             actuator: Actuator::new(ActuatorParams {
                 lag: bounce.lag,

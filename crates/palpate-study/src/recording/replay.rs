@@ -2,8 +2,8 @@
 
 use palpate_record::recording::Recording;
 use palpate_record::trace::Part;
+use palpate_scene::Scene;
 use palpate_scene::method::MethodName;
-use palpate_scene::{Scene, Timing};
 use palpate_sim::hand_replay::{HandModel, Recording as OfAHand};
 use palpate_sim::replay::{Replay, ReplayError, ReplaySetup};
 use palpate_sim::run::{Reference, Run};
@@ -170,14 +170,7 @@ impl RecordingReplay<'_> {
         let object = ticks.curves.object_position.iter_mut();
         object.for_each(|position| *position += centre);
         let title = format!("{}: {name}", replayed.title());
-        let subject = Subject {
-            title: title.clone(),
-            contact: &setup.contact,
-            loop_params: &setup.loop_params,
-            device_mass: setup.device_mass,
-            delay: setup.delay(),
-            timing: Timing::default(),
-        };
+        let subject = Subject::of_replay(title.clone(), &setup);
         let mut report = Report::new(&subject, &reference, &runs);
         report.recorded(FromRecording {
             file: name.clone(),

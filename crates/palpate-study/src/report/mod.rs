@@ -21,6 +21,7 @@ pub use timing::of as timing_of;
 
 use palpate::{Contact, Difficulty, LoopParams, Mass, Side};
 use palpate_scene::{Delay, Scene, Timing};
+use palpate_sim::replay::ReplaySetup;
 use palpate_sim::run::{Reference, Run};
 use palpate_testbed::metrics::Rebound;
 use serde::Serialize;
@@ -216,6 +217,19 @@ impl<'a> Subject<'a> {
             device_mass: Some(scene.device.mass()),
             delay: scene.delay,
             timing: scene.timing.clone(),
+        }
+    }
+
+    /// What a report says of a replay of a recorded motion or hand.
+    #[must_use]
+    pub fn of_replay(title: String, setup: &'a ReplaySetup) -> Self {
+        Self {
+            title,
+            contact: &setup.contact,
+            loop_params: &setup.loop_params,
+            device_mass: setup.device_mass,
+            delay: setup.delay(),
+            timing: Timing::default(),
         }
     }
 }

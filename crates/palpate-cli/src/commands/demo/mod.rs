@@ -8,7 +8,6 @@ use std::path::Path;
 use palpate::{Actuation, Contact, LoopParams, ObjectState};
 use palpate_record::trace::Trace;
 use palpate_scene::method::{MethodName, Settings};
-use palpate_scene::{Delay, Timing};
 use palpate_sim::replay::ReplaySetup;
 
 use super::figure;
@@ -82,14 +81,7 @@ pub fn run(arguments: &DemoArguments) -> Result<(), Failure> {
         render(setup, &trace, &methods, &Settings::default(), &progress).map_err(Failure::input)?;
     drop(progress);
     let title = "A hand juggles a block of 0.5 kg, 200 N/m at 100 Hz";
-    let subject = Subject {
-        title: title.into(),
-        contact: &setup.contact,
-        loop_params: &setup.loop_params,
-        device_mass: None,
-        delay: Delay::NONE,
-        timing: Timing::default(),
-    };
+    let subject = Subject::of_replay(title.into(), &setup);
     let mut hand_report = Report::new(&subject, replay.reference(), &runs);
     hand_report.after_another();
     hand_report.wrote(&made.path(HAND));

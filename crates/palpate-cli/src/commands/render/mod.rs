@@ -7,7 +7,6 @@ pub use world::deliver as deliver_world;
 use std::path::Path;
 
 use palpate_record::trace::{HeldTrace, Trace};
-use palpate_scene::Timing;
 use palpate_scene::method::{MethodName, Settings};
 use palpate_sim::closed_loop::LoopError;
 use palpate_sim::hand_replay::Recording as OfAHand;
@@ -101,14 +100,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         }
     };
     let title = format!("{}: {name}", replayed.title());
-    let subject = Subject {
-        title: title.clone(),
-        contact: &setup.contact,
-        loop_params: &setup.loop_params,
-        device_mass: setup.device_mass,
-        delay: setup.delay(),
-        timing: Timing::default(),
-    };
+    let subject = Subject::of_replay(title.clone(), &setup);
     let mut report = Report::new(&subject, &reference, &runs);
     let mut receipt = receipt(&subject, setup.object, setup.virtual_force, &runs);
     receipt.push(("trace".into(), name));
