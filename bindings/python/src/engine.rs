@@ -8,7 +8,7 @@ use palpate_world::engine::{
     BodyNow, BodyWrench, EngineBody, EngineRenderer, EngineState, PlacedShape, Stepping,
 };
 use palpate_world::{
-    ContactLaw, CoupledParams, Quaternion, Sample, Shape, Tool, Vector, WorldError, WorldLoop,
+    ContactLaw, CoupledParams, Mesh, Quaternion, Sample, Shape, Tool, Vector, WorldError, WorldLoop,
 };
 use pyo3::prelude::*;
 
@@ -19,7 +19,7 @@ use crate::renderer::safety_params;
 use crate::world::rows;
 
 /// What a shape is called, its lengths, and where it is in its body's axes.
-type GivenShape = (String, Vec<f64>, Vector, Quaternion);
+type GivenShape = (String, Vec<f64>, Vector, Quaternion, Vec<Vector>);
 /// Numbers of a row that says a body: position, orientation, velocity, angular velocity, acceleration, angular
 /// acceleration, and its mobility row by row.
 const BODY: usize = 55;
@@ -88,7 +88,7 @@ fn wrong(faults: &[WorldError]) -> PyErr {
     refused(lines.join("\n"))
 }
 
-fn shape((kind, lengths, position, orientation): GivenShape) -> PyResult<PlacedShape> {
+fn shape((kind, lengths, position, orientation, points): GivenShape) -> PyResult<PlacedShape> {
     let shape = match (kind.as_str(), lengths.as_slice()) {
         ("sphere", &[radius]) => Shape::Sphere { radius },
         ("box", &[x, y, z]) => Shape::Box {
@@ -106,6 +106,11 @@ fn shape((kind, lengths, position, orientation): GivenShape) -> PyResult<PlacedS
             normal: [0.0, 0.0, 1.0],
             offset: 0.0,
         },
+        ("hull", &[]) => Shape::Mesh(
+            Mesh::convex(&points)
+                .map_err(|error| refused(error.to_string()))?
+                .into(),
+        ),
         _ => {
             return Err(refused(format!(
                 "there is no shape \"{kind}\" with {} lengths",

@@ -12,7 +12,7 @@ from palpate.engines import SimulatedDevice
 
 pytest.importorskip("pydrake", reason="pip install palpate[drake]")
 
-from pydrake.geometry import Box, Capsule, Cylinder, Ellipsoid, HalfSpace, ProximityProperties, Sphere  # noqa: E402
+from pydrake.geometry import Box, Capsule, Convex, Cylinder, Ellipsoid, HalfSpace, ProximityProperties, Sphere  # noqa: E402
 from pydrake.geometry import AddContactMaterial  # noqa: E402
 from pydrake.math import RigidTransform, RollPitchYaw  # noqa: E402
 from pydrake.multibody.math import SpatialForce, SpatialVelocity  # noqa: E402
@@ -268,11 +268,15 @@ def test_a_ball_on_a_floor_is_held_down_with_what_the_hand_gives(approximation: 
     np.testing.assert_allclose(force, [0, 0, 2], atol=0.02)
 
 
+BLOCK = np.array([[x, y, z] for x in (-0.1, 0.1) for y in (-0.2, 0.2) for z in (-0.3, 0.3)]).T
+
+
 @pytest.mark.parametrize(
     ("shape", "height"),
     [
         (Sphere(0.3), 0.3),
         (Box(0.2, 0.4, 0.6), 0.3),
+        (Convex(BLOCK, "block"), 0.3),
         (Cylinder(0.1, 0.5), 0.25),
         (Capsule(0.1, 0.5), 0.35),
         (HalfSpace(), 0.0),

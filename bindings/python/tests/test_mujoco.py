@@ -240,6 +240,45 @@ def test_an_engine_that_was_put_back_is_met_anew(tmp_path: Any, monkeypatch: Any
     assert np.isfinite(contact.step([0, 0, 0.1])).all() and contact.output.fault is None
 
 
+def pressed(shape: str, turned: str) -> tuple[Any, Any]:
+    """Forces on a device that is pressed for 0.4 s onto a block of this geom, at a place beside its centre, and where the
+    block then is."""
+    half = (0.03, 0.02, 0.01)
+    corners = " ".join(f"{0.01 + x} {y} {0.02 + z}" for x in (-0.03, 0.03) for y in (-0.02, 0.02) for z in (-0.01, 0.01))
+    geom = {
+        "box": f'<geom type="box" size="{half[0]} {half[1]} {half[2]}" pos="0.01 0 0.02" mass="0.1"/>',
+        "mesh": '<geom type="mesh" mesh="block" mass="0.1"/>',
+    }[shape]
+    xml = (
+        f'<mujoco><option timestep="0.001" integrator="RK4" gravity="0 0 0"/><asset><mesh name="block" vertex="{corners}"/></asset>'
+        f'<worldbody><body name="block" quat="{turned}"><freejoint/>{geom}</body></worldbody></mujoco>'
+    )
+    model = mujoco.MjModel.from_xml_string(xml)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    contact = Contact(
+        model, data, tool=0.005, bodies=["block"], stiffness=500.0, friction=0.3, device_mass=0.2, period=0.004, **FREE
+    )
+    start = data.xipos[1] + [0.012, 0.004, 0.03]
+    device = SimulatedDevice([0.2] * 3, start, 0, 0, [0, 0, 0], [0, 0, -0.4], 0.004)
+    forces = []
+    for _ in range(100):
+        forces.append(contact.step(device.position))
+        device.hold(forces[-1])
+    return np.array(forces), data.xipos[1].copy()
+
+
+@pytest.mark.parametrize("turned", ["1 0 0 0", "0.9 0.3 -0.2 0.1"])
+def test_a_mesh_is_touched_as_the_box_that_it_is(turned: str) -> None:
+    """The engine puts a mesh into axes of its own, and the shape is still where the box is."""
+    of_box, box_at = pressed("box", turned)
+    of_mesh, mesh_at = pressed("mesh", turned)
+    assert np.abs(of_box).max() > 0.1
+    # The engine has the corners in single precision.
+    np.testing.assert_allclose(of_mesh, of_box, atol=2e-4)
+    np.testing.assert_allclose(mesh_at, box_at, atol=1e-5)
+
+
 def test_what_a_tool_cannot_touch_is_said_by_its_name() -> None:
     model, data = load(
         '<geom name="floor" type="plane" size="1 1 1"/><body name="egg"><freejoint/><geom name="shell" type="ellipsoid" '

@@ -30,10 +30,10 @@ pub enum HullError {
     Flat,
     /// More corners than are taken.
     #[error(
-        "the hull has more than {most} corners, and at most {most} are taken; give fewer points, or say by how much it may \
-         leave points out", most = Hull::MOST_CORNERS
+        "the hull has more than {0} corners, and at most {0} are taken; give fewer points, or say by how much it may leave \
+         points out"
     )]
-    TooMany,
+    TooMany(usize),
     /// A tolerance that is no length.
     #[error(
         "the hull may leave points out that are {0} m outside of it; this has to be at least 0 m"
@@ -51,6 +51,57 @@ impl fmt::Debug for Hull {
             .field("faces", &self.corners.faces.len())
             .finish_non_exhaustive()
     }
+}
+
+impl HullError {
+    fn of(reason: NoHull, most: usize) -> Self {
+        match reason {
+            NoHull::TooMany => Self::TooMany(most),
+            NoHull::Flat | NoHull::Broken => Self::Flat,
+        }
+    }
+}
+
+/// Points of single precision are so near to the plane that they were meant to be in, as a share of their size.
+const SINGLE_PRECISION: f64 = 1e-6;
+
+impl Mesh {
+    /// Most corners of a [`convex`](Self::convex) mesh.
+    pub const MOST_CONVEX_CORNERS: usize = 4096;
+
+    /// The surface of the least convex solid around `points` `[m]`. It leaves points out that are outside of it by no more
+    /// than 1e-6 of their largest coordinate. A [`Hull`] has fewer corners, and more shapes touch it.
+    ///
+    /// # Errors
+    /// The points lie in a plane, or the solid has more than [`MOST_CONVEX_CORNERS`](Self::MOST_CONVEX_CORNERS) corners.
+    pub fn convex(points: &[Vector]) -> Result<Self, HullError> {
+        let places = places_of(points)?;
+        let size = places.iter().map(Vector3::amax).fold(0.0, f64::max);
+        let most = Self::MOST_CONVEX_CORNERS;
+        let (corners, faces) = hull(&places, SINGLE_PRECISION * size, most)
+            .map_err(|reason| HullError::of(reason, most))?;
+        surface(&corners, &faces)
+    }
+}
+
+fn places_of(points: &[Vector]) -> Result<Vec<Vector3>, HullError> {
+    let is_place = |point: &Vector| point.iter().all(|x| x.abs() < 1e100);
+    if let Some(number) = points.iter().position(|point| !is_place(point)) {
+        return Err(HullError::NotFinite(number));
+    }
+    Ok(points.iter().map(|&point| point.into()).collect())
+}
+
+/// The surface of a convex solid, each face as triangles about its first corner.
+fn surface(corners: &[Vector3], faces: &[Polygon]) -> Result<Mesh, HullError> {
+    let number = |corner: usize| u32::try_from(corner).unwrap_or(u32::MAX);
+    let triangles = faces.iter().flat_map(|face| {
+        let (first, others) = (face.corners[0], &face.corners[1..]);
+        others.windows(2).map(move |two| [first, two[0], two[1]])
+    });
+    let triangles: Vec<_> = triangles.map(|corners| corners.map(number)).collect();
+    let vertices: Vec<Vector> = corners.iter().map(|&corner| corner.into()).collect();
+    Mesh::new(&vertices, &triangles).map_err(HullError::Surface)
 }
 
 impl Hull {
@@ -74,17 +125,10 @@ impl Hull {
         if !(tolerance >= 0.0 && tolerance.is_finite()) {
             return Err(HullError::Within(tolerance));
         }
-        let is_place = |point: &Vector| point.iter().all(|x| x.abs() < 1e100);
-        if let Some(number) = points.iter().position(|point| !is_place(point)) {
-            return Err(HullError::NotFinite(number));
-        }
-        let places: Vec<Vector3> = points.iter().map(|&point| point.into()).collect();
-        let corners = Corners::around(&places, tolerance).map_err(|reason| match reason {
-            NoHull::TooMany => HullError::TooMany,
-            NoHull::Flat | NoHull::Broken => HullError::Flat,
-        })?;
-        let vertices: Vec<Vector> = corners.places.iter().map(|&corner| corner.into()).collect();
-        let mesh = Mesh::new(&vertices, &corners.triangles()).map_err(HullError::Surface)?;
+        let places = places_of(points)?;
+        let corners = Corners::around(&places, tolerance)
+            .map_err(|reason| HullError::of(reason, Self::MOST_CORNERS))?;
+        let mesh = surface(&corners.places, &corners.faces)?;
         Ok(Self {
             corners: Arc::new(corners),
             mesh: Arc::new(mesh),
@@ -195,16 +239,6 @@ impl Corners {
     pub fn most_on_a_face(&self) -> usize {
         let each = self.faces.iter().map(|face| face.corners.len());
         each.max().unwrap_or(1)
-    }
-
-    /// Each face as triangles about its first corner.
-    fn triangles(&self) -> Vec<[u32; 3]> {
-        let number = |corner: usize| u32::try_from(corner).unwrap_or(u32::MAX);
-        let faces = self.faces.iter().flat_map(|face| {
-            let (first, others) = (face.corners[0], &face.corners[1..]);
-            others.windows(2).map(move |two| [first, two[0], two[1]])
-        });
-        faces.map(|corners| corners.map(number)).collect()
     }
 
     fn seen_from(&self, centre: &Vector3, axes: &Rotation) -> Self {

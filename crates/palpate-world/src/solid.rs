@@ -61,7 +61,7 @@ impl Nearest {
 }
 
 /// Distances below this have no direction `[m]`.
-const NO_DIRECTION: f64 = 1e-12;
+pub(crate) const NO_DIRECTION: f64 = 1e-12;
 
 impl Solid {
     /// The solid of a shape; `None` for several spheres, a mesh and a hull.

@@ -3,7 +3,9 @@
 use palpate_world::engine::{
     BodyNow, BodyWrench, EngineBody, EngineRenderer, EngineState, PlacedShape, Stepping,
 };
-use palpate_world::{ContactLaw, CoupledParams, Sample, Shape, Tool, Vector as Numbers, WorldLoop};
+use palpate_world::{
+    ContactLaw, CoupledParams, Mesh, Sample, Shape, Tool, Vector as Numbers, WorldLoop,
+};
 use rapier3d_f64::prelude::*;
 
 /// What the engine is told of palpate's contacts: it is to leave these pairs alone.
@@ -227,9 +229,20 @@ fn described(
             Shape::Box {
                 half_extents: cuboid.half_extents.to_array(),
             }
+        } else if let Some(polyhedron) = shape.as_convex_polyhedron() {
+            let corners: Vec<_> = polyhedron
+                .points()
+                .iter()
+                .map(|point| point.to_array())
+                .collect();
+            Shape::Mesh(
+                Mesh::convex(&corners)
+                    .map_err(|error| format!("{name}: {error}"))?
+                    .into(),
+            )
         } else {
             return Err(format!(
-                "{name} has a collider of the shape {:?}, but must have balls and cuboids",
+                "{name} has a collider of the shape {:?}, but must have balls, cuboids and convex polyhedrons",
                 shape.shape_type()
             ));
         };

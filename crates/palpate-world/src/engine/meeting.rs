@@ -1,7 +1,8 @@
 //! Avatars and images in motion, over one step of an engine.
 
 use super::image::Image;
-use super::touch::{Pair, Touch};
+use super::pairs::Pair;
+use super::touch::Touch;
 use crate::part::Part;
 use crate::rigid::Vector3;
 use crate::{Effort, SubSteps};
@@ -109,7 +110,7 @@ impl Meeting {
             let (tool, image) = (&mut self.tools[pair.tool], &mut self.images[pair.body]);
             let centre = tool.rigid.position;
             let placed = image.place(&pair.position, &pair.orientation);
-            let nearest = pair.solid.nearest(&placed, &centre);
+            let nearest = pair.outline.nearest(&placed, &centre);
             let penetration = pair.radius - nearest.distance;
             if penetration > 0.0 {
                 touch.place = centre - nearest.normal * (pair.radius - 0.5 * penetration);
@@ -178,7 +179,7 @@ impl Meeting {
             let (tool, image) = (&self.tools[pair.tool], &self.images[pair.body]);
             let centre = tool.rigid.position;
             let placed = image.place(&pair.position, &pair.orientation);
-            let nearest = pair.solid.nearest(&placed, &centre);
+            let nearest = pair.outline.nearest(&placed, &centre);
             let place = centre - nearest.normal * nearest.distance;
             let relative = tool.rigid.velocity - image.velocity_at(&image.twist, &place);
             let gap = nearest.distance - pair.radius;

@@ -22,6 +22,7 @@
 mod body;
 mod image;
 mod meeting;
+mod pairs;
 mod renderer;
 mod state;
 mod touch;

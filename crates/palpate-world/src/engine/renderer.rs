@@ -1,26 +1,24 @@
 //! The three parts of a period.
 
-use nalgebra::{Quaternion, UnitQuaternion};
 use palpate::Fault;
 
 use super::body::{BodyNow, BodyWrench, EngineBody, Stepping};
 use super::image::{Image, ImageOffset};
 use super::meeting::Meeting;
+use super::pairs::{Pair, pairs};
 use super::state::{
     Device, EngineBooks, EngineContact, EngineOutput, EngineState, Period, PortBook,
 };
-use super::touch::{Pair, Touch};
+use super::touch::Touch;
 use crate::commands::Commands;
-use crate::law::PointLaw;
 use crate::method::coupled::{Coupled, LEAST_FORCE};
 use crate::observer::{AxisForce, AxisMotion};
 use crate::part::{Drive, Part};
 use crate::rigid::{Mobility, Rigid, Rotation, Vector3};
-use crate::solid::Solid;
 use crate::tracking::Tracking;
 use crate::{
-    ContactBook, CoupledParams, Effort, Limited, MOST_POINTS, Mode, Place, Sample, Shape, Tool,
-    ToolState, Vector, WorldError, WorldGuard, WorldLoop,
+    ContactBook, CoupledParams, Effort, Limited, Mode, Place, Sample, Tool, ToolState, Vector,
+    WorldError, WorldGuard, WorldLoop,
 };
 
 /// Contacts of tools with the bodies of another engine, in one loop. Immutable: one renderer serves any number of
@@ -493,83 +491,4 @@ impl Device {
             self.velocity_offset[axis] += change.gained;
         }
     }
-}
-
-/// Each tool with each shape of each body, and what is wrong with them.
-fn pairs(tools: &[Tool], bodies: &[EngineBody]) -> (Vec<Pair>, Vec<WorldError>) {
-    let alone = crate::World {
-        joints: Vec::new(),
-        tools: tools.to_vec(),
-        ..crate::World::default()
-    };
-    let mut faults = alone.check().err().unwrap_or_default();
-    let mut pairs = Vec::new();
-    for (number, tool) in tools.iter().enumerate() {
-        let Shape::Sphere { radius } = tool.shape else {
-            faults.push(WorldError::new(
-                Place::Tool(number),
-                "shape",
-                format!("tool {:?}", tool.name),
-                "a tool that touches the bodies of another engine has to be a sphere, of radius 0 or more",
-            ));
-            continue;
-        };
-        if tool.turns {
-            faults.push(WorldError::new(
-                Place::Tool(number),
-                "turns",
-                format!("tool {:?}", tool.name),
-                "a tool that touches the bodies of another engine does not turn so far: give it a device of three axes",
-            ));
-        }
-        for (body, described) in bodies.iter().enumerate() {
-            for placed in &described.shapes {
-                let Some(solid) = Solid::of(&placed.shape) else {
-                    let subject = format!("body {:?}", described.name);
-                    let message = "a body of several spheres has a shape for each of them here";
-                    faults.push(WorldError::new(
-                        Place::Body(body),
-                        "shape",
-                        subject,
-                        message,
-                    ));
-                    continue;
-                };
-                let [w, x, y, z] = placed.orientation;
-                pairs.push(Pair {
-                    tool: number,
-                    body,
-                    radius,
-                    solid,
-                    position: placed.position.into(),
-                    orientation: UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z)),
-                    law: PointLaw::share(&described.law, 1.0),
-                });
-            }
-        }
-    }
-    for (number, body) in bodies.iter().enumerate() {
-        faults.extend(body.faults(number, tools));
-    }
-    if bodies.is_empty() {
-        let message = "there is no body of the engine to touch";
-        faults.push(WorldError::new(
-            Place::World,
-            "bodies",
-            "the engine",
-            message,
-        ));
-    }
-    if pairs.len() > MOST_POINTS {
-        faults.push(WorldError::new(
-            Place::World,
-            "bodies",
-            "the engine",
-            format!(
-                "its bodies have {} shapes for all tools together, and at most {MOST_POINTS} are allowed",
-                pairs.len()
-            ),
-        ));
-    }
-    (pairs, faults)
 }

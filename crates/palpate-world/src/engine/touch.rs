@@ -2,22 +2,7 @@
 
 use crate::Mode;
 use crate::law::{PointLaw, carried};
-use crate::rigid::{Rotation, Vector3};
-use crate::solid::Solid;
-
-/// A tool and a shape that it may touch.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Pair {
-    pub tool: usize,
-    pub body: usize,
-    /// Of the tool `[m]`.
-    pub radius: f64,
-    pub solid: Solid,
-    /// Where the shape is in the body's axes.
-    pub position: Vector3,
-    pub orientation: Rotation,
-    pub law: PointLaw,
-}
+use crate::rigid::Vector3;
 
 /// What a point of contact does, and has done since the period began.
 #[derive(Clone, Copy, Debug)]

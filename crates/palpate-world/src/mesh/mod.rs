@@ -4,6 +4,7 @@ mod build;
 mod cluster;
 mod gather;
 mod mass;
+mod nearest;
 mod surface;
 mod topology;
 mod tree;

@@ -11,6 +11,7 @@ use std::sync::Arc;
 use super::build::Mesh;
 use super::cluster::{MOST_PUSHES, Push, SHARP, way_out};
 use super::gather::{About, Gathered, Near};
+use super::nearest::{nearest_of, side};
 use super::topology::NONE;
 use super::triangle::{Region, crossing, nearest};
 use crate::rigid::{Rigid, Vector3};
@@ -450,39 +451,6 @@ fn first_seen(mesh: &Mesh, centre: &Vector3, radius: f64, was_inside: bool) -> S
         inside(radius - distance)
     } else {
         Standing::Front { centre: *centre }
-    }
-}
-
-/// Distance of the surface `[m]`, and the triangle there; `None` from what is no place.
-fn nearest_of(mesh: &Mesh, centre: &Vector3) -> Option<(f64, u32)> {
-    let mut best: Option<(f64, u32)> = None;
-    mesh.tree.nearest(centre, |number| {
-        let (place, _) = nearest(mesh.corners(number), centre);
-        let square = (centre - place).norm_squared();
-        if best.is_none_or(|(other, _)| square < other) {
-            best = Some((square, number));
-        }
-        best.map_or(f64::INFINITY, |(square, _)| square)
-    });
-    best.filter(|(square, _)| square.is_finite())
-        .map(|(square, triangle)| (square.sqrt(), triangle))
-}
-
-/// Above 0 in front of the surface, where `off` leads from its nearest point to the centre. `None` beyond the border of an
-/// open mesh.
-fn side(mesh: &Mesh, triangle: u32, region: Region, off: &Vector3) -> Option<f64> {
-    let normals = &mesh.topology.normals;
-    let own = normals[triangle as usize];
-    match region {
-        Region::Inside => Some(own.dot(off)),
-        Region::Edge(k) => match mesh.topology.neighbours[triangle as usize][k] {
-            NONE => None,
-            other => Some((own + normals[other as usize]).dot(off)),
-        },
-        Region::Corner(k) => {
-            let corner = mesh.faces[triangle as usize][k];
-            Some(mesh.topology.vertex_normals[corner as usize].dot(off))
-        }
     }
 }
 

@@ -19,14 +19,18 @@ class PlacedShape(NamedTuple):
     """A shape that is fixed to a body."""
 
     kind: str
-    """`sphere`, `box`, `capsule`, `cylinder`, or `half-space`: all z <= 0 of its own axes."""
+    """`sphere`, `box`, `capsule`, `cylinder`, `half-space`: all z <= 0 of its own axes, or `hull`: the least convex solid
+    around points."""
     lengths: tuple[float, ...]
     """Radius [m] of a sphere; half lengths along the axes [m] of a box; radius and half length along z [m] of a
-    capsule and a cylinder; none of a half-space."""
+    capsule and a cylinder; none of a half-space and a hull."""
     position: Sequence[float] = (0.0, 0.0, 0.0)
     """Where the shape's own axes begin, in the axes of the body, from its reference point [m]."""
     orientation: Sequence[float] = (1.0, 0.0, 0.0, 0.0)
     """Unit quaternion [w, x, y, z] that turns the shape's axes into those of the body."""
+    points: Sequence[Sequence[float]] = ()
+    """Of a hull: points in the shape's own axes [m], of which at most 4096 may be its corners. Those that are outside of
+    the others' hull by no more than 1e-6 of the largest coordinate are left out."""
 
 
 class EngineBody(NamedTuple):
@@ -138,7 +142,13 @@ class EngineContact(_palpate.EngineContact):
             {
                 "tools": list(tools.items()),
                 "bodies": [
-                    (name, [(kind, list(lengths), list(place), list(turn)) for kind, lengths, place, turn in shapes])
+                    (
+                        name,
+                        [
+                            (kind, list(lengths), list(place), list(turn), list(points))
+                            for kind, lengths, place, turn, points in shapes
+                        ],
+                    )
                     for name, shapes in bodies
                 ],
                 "stiffness": stiffness,

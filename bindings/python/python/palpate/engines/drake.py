@@ -27,10 +27,12 @@ try:
         Box,
         Capsule,
         CollisionFilterDeclaration,
+        Convex,
         Cylinder,
         GeometryId,
         GeometrySet,
         HalfSpace,
+        Mesh,
         SceneGraph,
         SceneGraphInspector,
         Sphere,
@@ -438,10 +440,12 @@ def _described(
     name = f"body {body.name()!r}"
     shapes = []
     for number in plant.GetCollisionGeometriesForBody(body):
-        word, lengths = _shape(name, inspector.GetName(number), inspector.GetShape(number))
+        shape = inspector.GetShape(number)
+        word, lengths = _shape(name, inspector.GetName(number), shape)
+        points = _corners(shape) if word == "hull" else []
         pose = inspector.GetPoseInFrame(number)
         place = pose.translation() - centre
-        shapes.append(PlacedShape(word, lengths, place.tolist(), pose.rotation().ToQuaternion().wxyz().tolist()))
+        shapes.append(PlacedShape(word, lengths, place.tolist(), pose.rotation().ToQuaternion().wxyz().tolist(), points))
     if not shapes:
         raise ValueError(f"{name} has no shape for collisions, so that a tool cannot touch it")
     return EngineBody(name, shapes)
@@ -457,7 +461,16 @@ def _shape(name: str, called: str, shape: Any) -> tuple[str, tuple[float, ...]]:
         return "capsule" if isinstance(shape, Capsule) else "cylinder", (shape.radius(), 0.5 * shape.length())
     if isinstance(shape, HalfSpace):
         return "half-space", ()
+    if isinstance(shape, (Convex, Mesh)):
+        # The engine's own contacts at points are with the hull of a mesh too.
+        return "hull", ()
     raise ValueError(
         f"{name}: its shape {called!r} is of type {type(shape).__name__}; a tool can touch half-spaces, spheres, capsules, "
-        "cylinders and boxes"
+        "cylinders, boxes and meshes"
     )
+
+
+def _corners(shape: Convex | Mesh) -> list[list[float]]:
+    """Of the hull of a mesh [m]."""
+    hull = shape.GetConvexHull()
+    return [hull.vertex(number).tolist() for number in range(hull.num_vertices())]

@@ -314,21 +314,32 @@ def _described(model: mujoco.MjModel, number: int) -> EngineBody:
     for geom in geoms:
         if not (model.geom_contype[geom] or model.geom_conaffinity[geom]):
             continue
-        kind = int(model.geom_type[geom])
-        if kind not in _KINDS:
-            is_called = _GEOM(kind).name.removeprefix("mjGEOM_").lower()
-            raise ValueError(
-                f"{name}: {_name(model, 'geom', geom)} is of type {is_called}; a tool can touch planes, spheres, capsules, "
-                "cylinders and boxes. Give the geom contype=0 and conaffinity=0, and one of these beside it"
-            )
-        word, lengths = _KINDS[kind]
-        # The reference point is the centre of mass: the torques of xfrc_applied are about it.
-        place = model.geom_pos[geom] - model.body_ipos[number]
-        shapes.append(
-            PlacedShape(
-                word, tuple(float(x) for x in model.geom_size[geom][:lengths]), place.tolist(), model.geom_quat[geom].tolist()
-            )
-        )
+        shapes.append(_shape(model, number, geom))
     if not shapes:
         raise ValueError(f"{name} has no geom that can collide, so that a tool cannot touch it")
     return EngineBody(name, shapes)
+
+
+def _shape(model: mujoco.MjModel, number: int, geom: int) -> PlacedShape:
+    kind = int(model.geom_type[geom])
+    lengths: tuple[float, ...] = ()
+    points: list[list[float]] = []
+    if kind in _KINDS:
+        word, count = _KINDS[kind]
+        lengths = tuple(float(x) for x in model.geom_size[geom][:count])
+    elif kind == int(_GEOM.mjGEOM_MESH):
+        # The engine's own contacts are with the hull of a mesh too.
+        word = "hull"
+        mesh = int(model.geom_dataid[geom])
+        first = int(model.mesh_vertadr[mesh])
+        points = model.mesh_vert[first : first + int(model.mesh_vertnum[mesh])].tolist()
+    else:
+        is_called = _GEOM(kind).name.removeprefix("mjGEOM_").lower()
+        raise ValueError(
+            f"{_name(model, 'body', number)}: {_name(model, 'geom', geom)} is of type {is_called}; a tool can touch planes, "
+            "spheres, capsules, cylinders, boxes and meshes. Give the geom contype=0 and conaffinity=0, and one of these "
+            "beside it"
+        )
+    # The reference point is the centre of mass: the torques of xfrc_applied are about it.
+    place = model.geom_pos[geom] - model.body_ipos[number]
+    return PlacedShape(word, lengths, place.tolist(), model.geom_quat[geom].tolist(), points)

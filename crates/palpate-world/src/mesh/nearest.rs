@@ -1,0 +1,83 @@
+//! The point of a mesh's whole surface that is nearest to a place.
+
+use super::build::Mesh;
+use super::topology::NONE;
+use super::triangle::{Region, nearest};
+use crate::rigid::Vector3;
+use crate::solid::{NO_DIRECTION, Nearest};
+
+/// A corner that is further beyond a face than this share of the mesh's reach is outside of it.
+const FLAT: f64 = 1e-6;
+
+impl Mesh {
+    /// Most triangles of a mesh that is looked at for being convex: each corner is held against each of them. A closed
+    /// surface without holes has twice as many triangles as corners, less four.
+    pub(crate) const MOST_OF_CONVEX: usize = 2 * Self::MOST_CONVEX_CORNERS - 4;
+
+    /// Whether it is closed, has at most [`MOST_OF_CONVEX`](Self::MOST_OF_CONVEX) triangles, and no corner lies beyond the
+    /// plane of a face.
+    pub(crate) fn is_convex(&self) -> bool {
+        let most = FLAT * self.reach();
+        let no_corner_beyond = |(triangle, normal): (u32, &Vector3)| {
+            let [corner, ..] = self.corners(triangle);
+            let mut places = self.vertices.iter();
+            places.all(|place| normal.dot(&(place - corner)) <= most)
+        };
+        self.is_closed()
+            && self.faces.len() <= Self::MOST_OF_CONVEX
+            && (0..).zip(&self.topology.normals).all(no_corner_beyond)
+    }
+
+    /// Of a convex mesh: the point of its surface that is nearest to `place` `[m]`, in the mesh's axes. Of a place inside
+    /// it is that of least depth.
+    pub(crate) fn nearest_of_convex(&self, place: &Vector3) -> Nearest {
+        let Some((distance, triangle)) = nearest_of(self, place) else {
+            return Nearest::far();
+        };
+        let (on_surface, region) = nearest(self.corners(triangle), place);
+        let off = place - on_surface;
+        let is_outside = side(self, triangle, region, &off).is_some_and(|side| side > 0.0);
+        let outward = if is_outside { 1.0 } else { -1.0 };
+        Nearest {
+            distance: outward * distance,
+            normal: if distance > NO_DIRECTION {
+                off * (outward / distance)
+            } else {
+                self.topology.normals[triangle as usize]
+            },
+        }
+    }
+}
+
+/// Distance of the surface `[m]`, and the triangle there; `None` from what is no place.
+pub(super) fn nearest_of(mesh: &Mesh, centre: &Vector3) -> Option<(f64, u32)> {
+    let mut best: Option<(f64, u32)> = None;
+    mesh.tree.nearest(centre, |number| {
+        let (place, _) = nearest(mesh.corners(number), centre);
+        let square = (centre - place).norm_squared();
+        if best.is_none_or(|(other, _)| square < other) {
+            best = Some((square, number));
+        }
+        best.map_or(f64::INFINITY, |(square, _)| square)
+    });
+    best.filter(|(square, _)| square.is_finite())
+        .map(|(square, triangle)| (square.sqrt(), triangle))
+}
+
+/// Above 0 in front of the surface, where `off` leads from its nearest point to the centre. `None` beyond the border of an
+/// open mesh.
+pub(super) fn side(mesh: &Mesh, triangle: u32, region: Region, off: &Vector3) -> Option<f64> {
+    let normals = &mesh.topology.normals;
+    let own = normals[triangle as usize];
+    match region {
+        Region::Inside => Some(own.dot(off)),
+        Region::Edge(k) => match mesh.topology.neighbours[triangle as usize][k] {
+            NONE => None,
+            other => Some((own + normals[other as usize]).dot(off)),
+        },
+        Region::Corner(k) => {
+            let corner = mesh.faces[triangle as usize][k];
+            Some(mesh.topology.vertex_normals[corner as usize].dot(off))
+        }
+    }
+}
