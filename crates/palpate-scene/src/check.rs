@@ -243,10 +243,4 @@ fn check_point_mass(device: &PointMassDevice, faults: &mut Faults) {
             }
         }
     }
-    if !device.is_rigid()
-        && let Some(release) = device.hand.release
-    {
-        let allowed = "left out of a device with a transmission or cogging";
-        faults.not(Of::Release, release, allowed);
-    }
 }

@@ -86,9 +86,12 @@ impl Plant {
                 // Odd in the motor's position, so a mirror leaves it as it is.
                 cogging: device.cogging,
             };
-            let device = Drivetrain::new(params, hand)?.starting_at(position, velocity)?;
+            let mut moved = Drivetrain::new(params, hand)?.starting_at(position, velocity)?;
+            if let Some(release) = device.hand.release {
+                moved = moved.released_at(release)?;
+            }
             return Ok(Self::Drivetrain {
-                device: Box::new(device),
+                device: Box::new(moved),
                 largest_force,
             });
         }

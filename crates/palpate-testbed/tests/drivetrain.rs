@@ -238,6 +238,76 @@ fn friction_and_cogging_hold_a_motor_up_to_their_level_and_not_beyond() {
 }
 
 #[test]
+fn a_hand_that_lets_go_leaves_the_device_to_itself() {
+    let release = 0.0123;
+    let cogging = DrivetrainParams {
+        cogging: Some(Cogging {
+            amplitude: 0.2,
+            pitch: 0.004,
+        }),
+        ..rigid(0.15)
+    };
+    for params in [flexible(0.15, 120.0), cogging] {
+        let mut whole = Drivetrain::new(params, hand())
+            .and_then(|device| device.released_at(release))
+            .unwrap();
+        let mut first = Drivetrain::new(params, hand()).unwrap();
+        let mut worked = 0.0;
+        // The release lies within a step.
+        for _ in 0..40 {
+            worked += whole.advance(0.1, 0.001);
+        }
+        let held = first.advance(0.1, release);
+        assert!(first.velocity().abs() > 1e-3, "it moves when it is let go");
+        let (end, end_velocity) = first.end_point();
+        // Without the hand, from where that ended: the energy that is stored falls by what goes through the port.
+        let mass_of_end = if params.transmission.is_some() {
+            0.4
+        } else {
+            0.0
+        } * params.mass;
+        let kinetic = 0.5 * (params.mass - mass_of_end) * first.velocity().powi(2)
+            + 0.5 * mass_of_end * end_velocity.powi(2);
+        let spring = params.transmission.map_or(0.0, |transmission| {
+            let (stiffness, _) = transmission.stiffness_and_damping(params.mass);
+            0.5 * stiffness * (end - first.position()).powi(2)
+        });
+        let cogs = params.cogging.map_or(0.0, |cogging| {
+            let rate = TAU / cogging.pitch;
+            cogging.amplitude / rate * (rate * first.position()).cos()
+        });
+        let left = whole.stored_energy() - (kinetic + spring + cogs) + (worked - held);
+        let turned_over = kinetic + spring + cogs.abs();
+        println!("{left:.1e} J of {turned_over:.1e} J");
+        assert!(
+            left.abs() < 2e-4 * turned_over,
+            "{left:e} of {turned_over:e}"
+        );
+    }
+    for bad in [-1.0, f64::NAN, f64::INFINITY] {
+        let device = Drivetrain::new(rigid(0.1), hand()).unwrap();
+        assert_eq!(device.released_at(bad).unwrap_err().name, "release");
+    }
+}
+
+#[test]
+fn one_body_that_is_let_go_moves_as_the_exact_mass_does() {
+    let mut exact = HeldMass::new(0.15, hand())
+        .and_then(|device| device.released_at(0.0517))
+        .unwrap();
+    let mut device = Drivetrain::new(rigid(0.15), hand())
+        .and_then(|device| device.released_at(0.0517))
+        .unwrap();
+    for i in 0..150_i32 {
+        let force = if i % 40 < 10 { 6.0 } else { -1.0 };
+        exact.advance(force, 1e-3);
+        device.advance(force, 1e-3);
+        let apart = (exact.position() - device.position()).abs();
+        assert!(apart < 1e-8, "{apart:e} m apart after {i} ms");
+    }
+}
+
+#[test]
 fn a_rejected_parameter_is_named() {
     let refused = |params: DrivetrainParams| {
         Drivetrain::new(params, Hand::pushing(0.0))

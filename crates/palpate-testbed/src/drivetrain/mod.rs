@@ -45,6 +45,8 @@ pub struct Drivetrain {
     hand: Hand,
     longest_step: f64,
     time: f64,
+    /// When the hand lets go \[s\]; infinite once it has, and if it never does.
+    release: f64,
     motor: Side,
     end: Side,
 }
@@ -87,6 +89,7 @@ impl Drivetrain {
             hand,
             longest_step: LONGEST_STEP.min(LONGEST_ANGLE / rate),
             time: 0.0,
+            release: f64::INFINITY,
             motor: Side::default(),
             end: Side::default(),
         })
@@ -107,6 +110,56 @@ impl Drivetrain {
             end: side,
             ..self
         })
+    }
+
+    /// The same device whose hand lets go of it at a time \[s\], for good: its force ends, and its mass moves with the
+    /// device no longer.
+    ///
+    /// # Errors
+    ///
+    /// `time` is not finite and at least 0.
+    pub fn released_at(self, time: f64) -> Result<Self, InvalidParameter> {
+        InvalidParameter::unless(
+            time.is_finite() && time >= 0.0,
+            "release",
+            time,
+            "finite and at least 0 s",
+        )?;
+        Ok(Self {
+            release: time,
+            ..self
+        })
+    }
+
+    fn let_go(&mut self) {
+        if self.is_one_body() {
+            self.motor_mass = self.params.mass;
+        } else {
+            self.end_mass = self.params.mass - self.motor_mass;
+        }
+        self.hand = Hand::pushing(0.0);
+        self.release = f64::INFINITY;
+    }
+
+    /// Moves on in the same hand for a `duration` \[s\] above 0, under a finite force \[N\].
+    fn move_on(&mut self, force: f64, duration: f64) -> f64 {
+        let steps = (duration / self.longest_step).ceil();
+        let step = duration / steps;
+        let (start, from) = (self.time, self.motor.position);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a whole number above 0; a longer advance than u64 counts does not end anyway"
+        )]
+        for number in 1..=steps as u64 {
+            self.kick(force, 0.5 * step, false);
+            self.motor.position += step * self.motor.velocity;
+            self.end.position += step * self.end.velocity;
+            self.time = start + number as f64 * step;
+            self.kick(force, 0.5 * step, true);
+        }
+        self.time = start + duration;
+        force * (self.motor.position - from)
     }
 
     /// Position x₂ \[m\] and velocity x₂′ \[m/s\] of the end-point, where the hand is.
@@ -213,23 +266,16 @@ impl Device for Drivetrain {
         } else {
             0.0
         };
-        let steps = (duration / self.longest_step).ceil();
-        let step = duration / steps;
-        let (start, from) = (self.time, self.motor.position);
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a whole number above 0; a longer advance than u64 counts does not end anyway"
-        )]
-        for number in 1..=steps as u64 {
-            self.kick(force, 0.5 * step, false);
-            self.motor.position += step * self.motor.velocity;
-            self.end.position += step * self.end.velocity;
-            self.time = start + number as f64 * step;
-            self.kick(force, 0.5 * step, true);
+        let held = self.release - self.time;
+        if held >= duration {
+            return self.move_on(force, duration);
         }
-        self.time = start + duration;
-        force * (self.motor.position - from)
+        let mut work = 0.0;
+        if held > 0.0 {
+            work += self.move_on(force, held);
+        }
+        self.let_go();
+        work + self.move_on(force, duration - held.max(0.0))
     }
 
     /// Energy of motion, of the transmission's and the hand's springs, of the cogging, and of the hand's
