@@ -13,6 +13,7 @@ use toml::Spanned;
 
 use super::fault::{Places, SceneError, in_plain_words};
 use super::linkage::Linkage;
+use super::toml_reader;
 
 /// The version of device files this crate reads.
 const FORMAT: i64 = 1;
@@ -200,7 +201,7 @@ impl Linkage {
     pub fn parse(name: &str, source: &str) -> Result<Self, SceneError> {
         let fault =
             |span: Range<usize>, message: String| SceneError::at(name, source, span, message);
-        if let Ok(RawVersion { device_format }) = toml::from_str(source)
+        if let Ok(RawVersion { device_format }) = toml_reader::from_text(source)
             && *device_format.get_ref() != FORMAT
         {
             return Err(fault(
@@ -211,7 +212,7 @@ impl Linkage {
                 ),
             ));
         }
-        let raw: RawDeviceFile = toml::from_str(source).map_err(|error| {
+        let raw: RawDeviceFile = toml_reader::from_text(source).map_err(|error| {
             fault(
                 error.span().unwrap_or(0..0),
                 in_plain_words(error.message()),

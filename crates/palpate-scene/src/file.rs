@@ -22,6 +22,7 @@ use super::parameter::SceneParameter::{self, self as Of};
 use super::recover::{self, Fault};
 use super::timing::{RawLoop, Timing};
 use super::told::RawTold;
+use super::toml_reader;
 use super::{Device, HandForceAt, Measure, PantographDevice, Scene, SetupError};
 use crate::method::{GivenSettings, MethodName, Setting, Settings, SettingsError, method_named};
 use crate::world::WorldFile;
@@ -303,7 +304,7 @@ impl Reading<'_> {
 
     /// The file; where there are faults, what is left of it, or nothing.
     fn read(&mut self, files: Files<'_>) -> Option<SceneFile> {
-        if let Ok(RawVersion { scene_format }) = toml::from_str(self.source)
+        if let Ok(RawVersion { scene_format }) = toml_reader::from_text(self.source)
             && *scene_format.get_ref() != FORMAT
         {
             let message = format!(

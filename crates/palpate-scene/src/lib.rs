@@ -23,6 +23,7 @@ mod parameter;
 mod recover;
 mod timing;
 mod told;
+mod toml_reader;
 pub mod world;
 mod write;
 

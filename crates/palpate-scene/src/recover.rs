@@ -5,9 +5,10 @@ use std::ops::Range;
 
 use serde::de::DeserializeOwned;
 use toml::Spanned;
-use toml::de::{DeArray, DeTable, DeValue, Deserializer};
+use toml::de::{DeArray, DeTable, DeValue};
 
 use super::fault::in_plain_words;
+use super::toml_reader::{ReadError, from_table};
 
 /// A fault's bytes and what is wrong.
 pub(super) type Fault = (Range<usize>, String);
@@ -25,7 +26,7 @@ pub(super) struct Recovered<T> {
 /// What `source` says, without the keys that are at fault.
 pub(super) fn read<T: DeserializeOwned>(source: &str) -> Recovered<T> {
     let mut faults = Vec::new();
-    let fault = |error: &toml::de::Error| {
+    let fault = |error: &ReadError| {
         let span = error.span().unwrap_or(0..0);
         (span, in_plain_words(error.message()))
     };
@@ -34,14 +35,14 @@ pub(super) fn read<T: DeserializeOwned>(source: &str) -> Recovered<T> {
         Err(error) => {
             return Recovered {
                 read: None,
-                faults: vec![fault(&error)],
+                faults: vec![fault(&error.into())],
                 damaged: HashSet::new(),
             };
         }
     };
     let mut damaged = HashSet::new();
     loop {
-        let error = match T::deserialize(Deserializer::from(left.clone())) {
+        let error = match from_table::<T>(&left) {
             Ok(read) => {
                 return Recovered {
                     read: Some(read),

@@ -10,6 +10,7 @@ use palpate_world::{
 };
 use serde::Deserialize;
 use toml::Spanned;
+use toml::de::DeTable;
 
 use super::device::RawDevice;
 use super::guard::RawGuard;
@@ -132,8 +133,10 @@ impl WorldFile {
     /// no TOML. A scene of one contact has `scene_format`.
     #[must_use]
     pub fn is_one(source: &str) -> bool {
-        let table: Result<toml::Table, _> = source.parse();
-        table.is_ok_and(|keys| keys.contains_key("format") && !keys.contains_key("scene_format"))
+        DeTable::parse(source).is_ok_and(|table| {
+            let has = |key: &str| table.get_ref().keys().any(|name| name.get_ref() == key);
+            has("format") && !has("scene_format")
+        })
     }
 
     /// Reads a world from the text of a file called `name`. Files of meshes are looked for beside that file.

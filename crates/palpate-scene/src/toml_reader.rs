@@ -1,0 +1,495 @@
+//! What a parsed TOML table gives to serde.
+//!
+//! The `toml` crate has one of its own. This one has a single type for tables, lists, values and keys, so that the
+//! compiler makes one reader for each type that is read, and not six: in a browser that is a quarter of all code.
+
+use std::fmt;
+use std::ops::Range;
+
+use serde::de::{
+    self, DeserializeOwned, DeserializeSeed, Deserializer, EnumAccess, IntoDeserializer, MapAccess,
+    SeqAccess, Unexpected, VariantAccess, Visitor,
+};
+use serde::forward_to_deserialize_any;
+use serde_spanned::de::is_spanned;
+use toml::Spanned;
+use toml::de::{DeString, DeTable, DeValue};
+
+/// What is wrong, and where: the innermost value that is at fault.
+#[derive(Debug)]
+pub(super) struct ReadError(Box<(String, Option<Range<usize>>)>);
+
+impl ReadError {
+    /// Its bytes in the text.
+    pub fn span(&self) -> Option<Range<usize>> {
+        self.0.1.clone()
+    }
+
+    /// What is wrong, in the words of serde.
+    pub fn message(&self) -> &str {
+        &self.0.0
+    }
+
+    fn at(mut self, span: &Range<usize>) -> Self {
+        self.0.1.get_or_insert_with(|| span.clone());
+        self
+    }
+}
+
+impl fmt::Display for ReadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.message())
+    }
+}
+
+impl std::error::Error for ReadError {}
+
+impl de::Error for ReadError {
+    fn custom<T: fmt::Display>(message: T) -> Self {
+        Self(Box::new((message.to_string(), None)))
+    }
+}
+
+impl From<toml::de::Error> for ReadError {
+    fn from(error: toml::de::Error) -> Self {
+        Self(Box::new((error.message().to_owned(), error.span())))
+    }
+}
+
+/// Reads the text of a file.
+pub(super) fn from_text<T: DeserializeOwned>(source: &str) -> Result<T, ReadError> {
+    from_table(&DeTable::parse(source)?)
+}
+
+/// Reads a table.
+pub(super) fn from_table<T: DeserializeOwned>(
+    table: &Spanned<DeTable<'_>>,
+) -> Result<T, ReadError> {
+    T::deserialize(Item {
+        what: What::Table(table.get_ref()),
+        span: table.span(),
+    })
+}
+
+/// Something that is read, and where it stands.
+#[derive(Clone)]
+struct Item<'t> {
+    what: What<'t>,
+    span: Range<usize>,
+}
+
+#[derive(Clone, Copy)]
+enum What<'t> {
+    Table(&'t DeTable<'t>),
+    Value(&'t DeValue<'t>),
+    /// The name of a key, or of a field that [`Spanned`] asks for.
+    Name(&'t str),
+    /// Where something stands that [`Spanned`] asks for.
+    Place(usize),
+}
+
+impl<'t> Item<'t> {
+    fn value(value: &'t Spanned<DeValue<'t>>) -> Self {
+        Self {
+            what: What::Value(value.get_ref()),
+            span: value.span(),
+        }
+    }
+
+    fn name(name: &'t Spanned<DeString<'t>>) -> Self {
+        Self {
+            what: What::Name(name.get_ref()),
+            span: name.span(),
+        }
+    }
+
+    fn table(&self) -> Option<&'t DeTable<'t>> {
+        match self.what {
+            What::Table(table) | What::Value(DeValue::Table(table)) => Some(table),
+            _ => None,
+        }
+    }
+}
+
+/// A number of TOML as serde takes it.
+enum Number {
+    Signed(i64),
+    Unsigned(u64),
+    Float(f64),
+}
+
+/// The number that a value is, if it is one.
+fn number(value: &DeValue<'_>) -> Option<Result<Number, ReadError>> {
+    let number = match value {
+        DeValue::Integer(integer) => {
+            let (digits, radix) = (integer.as_str(), integer.radix());
+            let signed = i64::from_str_radix(digits, radix).map(Number::Signed);
+            let unsigned = || u64::from_str_radix(digits, radix).map(Number::Unsigned);
+            signed.or_else(|_| unsigned()).ok()
+        }
+        DeValue::Float(float) => {
+            let digits = float.as_str();
+            let parsed = digits.parse().ok();
+            // An infinity is written as such; otherwise it is a number with too many digits before the point.
+            parsed
+                .filter(|number: &f64| {
+                    number.is_finite() || !digits.contains(|c: char| c.is_ascii_digit())
+                })
+                .map(Number::Float)
+        }
+        _ => return None,
+    };
+    Some(number.ok_or_else(|| de::Error::custom("the number is too large to be read")))
+}
+
+impl<'t> Deserializer<'t> for Item<'t> {
+    type Error = ReadError;
+
+    fn deserialize_any<V: Visitor<'t>>(self, visitor: V) -> Result<V::Value, ReadError> {
+        let span = self.span.clone();
+        let read = if let Some(table) = self.table() {
+            visitor.visit_map(Entries::of(table))
+        } else {
+            match self.what {
+                What::Value(DeValue::Array(items)) => visitor.visit_seq(Items(items.iter())),
+                What::Value(DeValue::String(text)) => visitor.visit_borrowed_str(text),
+                What::Value(DeValue::Boolean(value)) => visitor.visit_bool(*value),
+                What::Value(value) => match number(value) {
+                    Some(Ok(Number::Signed(number))) => visitor.visit_i64(number),
+                    Some(Ok(Number::Unsigned(number))) => visitor.visit_u64(number),
+                    Some(Ok(Number::Float(number))) => visitor.visit_f64(number),
+                    Some(Err(error)) => Err(error),
+                    // A date or a time, which no file here has.
+                    None => Err(de::Error::invalid_type(Unexpected::Other("date"), &visitor)),
+                },
+                What::Name(name) => visitor.visit_borrowed_str(name),
+                What::Place(place) => visitor.visit_u64(place as u64),
+                What::Table(_) => visitor.visit_unit(),
+            }
+        };
+        read.map_err(|error| error.at(&span))
+    }
+
+    fn deserialize_option<V: Visitor<'t>>(self, visitor: V) -> Result<V::Value, ReadError> {
+        visitor.visit_some(self)
+    }
+
+    fn deserialize_newtype_struct<V: Visitor<'t>>(
+        self,
+        _: &'static str,
+        visitor: V,
+    ) -> Result<V::Value, ReadError> {
+        visitor.visit_newtype_struct(self)
+    }
+
+    fn deserialize_struct<V: Visitor<'t>>(
+        self,
+        name: &'static str,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, ReadError> {
+        match fields {
+            // The span's start, its end, and what stands there.
+            [start, end, value] if is_spanned(name) => {
+                let span = self.span.clone();
+                visitor.visit_map(Entries {
+                    of_table: None,
+                    beside: [
+                        Some((start, What::Place(span.start))),
+                        Some((end, What::Place(span.end))),
+                        Some((value, self.what)),
+                    ],
+                    span,
+                    next: None,
+                })
+            }
+            _ => self.deserialize_any(visitor),
+        }
+    }
+
+    fn deserialize_enum<V: Visitor<'t>>(
+        self,
+        _: &'static str,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, ReadError> {
+        let span = self.span.clone();
+        let variant = match (self.table(), self.what) {
+            (Some(table), _) => {
+                let mut entries = table.iter();
+                match (entries.next(), entries.next()) {
+                    (Some((name, content)), None) => Ok(Variant {
+                        name: Item::name(name),
+                        content: Some(Item::value(content)),
+                    }),
+                    (None, _) => Err("wanted exactly 1 element, found 0 elements"),
+                    _ => Err("wanted exactly 1 element, more than 1 element"),
+                }
+            }
+            (None, What::Name(_) | What::Value(DeValue::String(_))) => Ok(Variant {
+                name: self,
+                content: None,
+            }),
+            _ => Err("wanted string or table"),
+        };
+        variant
+            .map_err(de::Error::custom)
+            .and_then(|variant| visitor.visit_enum(variant))
+            .map_err(|error: ReadError| error.at(&span))
+    }
+
+    forward_to_deserialize_any! {
+        <V: Visitor<'t>>
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct seq tuple
+        tuple_struct map identifier ignored_any
+    }
+}
+
+impl<'t> IntoDeserializer<'t, ReadError> for Item<'t> {
+    type Deserializer = Self;
+
+    fn into_deserializer(self) -> Self {
+        self
+    }
+}
+
+/// The entries of a table, or what [`Spanned`] asks for.
+struct Entries<'t> {
+    of_table: Option<toml::map::Iter<'t, Spanned<DeString<'t>>, Spanned<DeValue<'t>>>>,
+    beside: [Option<(&'static str, What<'t>)>; 3],
+    span: Range<usize>,
+    /// The value of the key that was read last.
+    next: Option<Item<'t>>,
+}
+
+impl<'t> Entries<'t> {
+    fn of(table: &'t DeTable<'t>) -> Self {
+        Self {
+            of_table: Some(table.iter()),
+            beside: [None; 3],
+            span: 0..0,
+            next: None,
+        }
+    }
+
+    /// The next key; its value is kept.
+    fn step(&mut self) -> Option<Item<'t>> {
+        let (name, value) = if let Some(entries) = &mut self.of_table {
+            let (name, value) = entries.next()?;
+            (Item::name(name), Item::value(value))
+        } else {
+            let (name, what) = self.beside.iter_mut().find_map(Option::take)?;
+            let at = |what| Item {
+                what,
+                span: self.span.clone(),
+            };
+            (at(What::Name(name)), at(what))
+        };
+        self.next = Some(value);
+        Some(name)
+    }
+}
+
+impl<'t> MapAccess<'t> for Entries<'t> {
+    type Error = ReadError;
+
+    fn next_key_seed<K: DeserializeSeed<'t>>(
+        &mut self,
+        seed: K,
+    ) -> Result<Option<K::Value>, ReadError> {
+        let Some(name) = self.step() else {
+            return Ok(None);
+        };
+        let span = name.span.clone();
+        let key = seed.deserialize(name).map_err(|error| error.at(&span))?;
+        Ok(Some(key))
+    }
+
+    fn next_value_seed<V: DeserializeSeed<'t>>(&mut self, seed: V) -> Result<V::Value, ReadError> {
+        match self.next.take() {
+            Some(value) => {
+                let span = value.span.clone();
+                seed.deserialize(value).map_err(|error| error.at(&span))
+            }
+            None => Err(de::Error::custom("a value was read without its key")),
+        }
+    }
+}
+
+struct Items<'t>(std::slice::Iter<'t, Spanned<DeValue<'t>>>);
+
+impl<'t> SeqAccess<'t> for Items<'t> {
+    type Error = ReadError;
+
+    fn next_element_seed<T: DeserializeSeed<'t>>(
+        &mut self,
+        seed: T,
+    ) -> Result<Option<T::Value>, ReadError> {
+        let next = self.0.next();
+        next.map(|item| seed.deserialize(Item::value(item)))
+            .transpose()
+    }
+
+    fn size_hint(&self) -> Option<usize> {
+        Some(self.0.len())
+    }
+}
+
+/// A name, or a table of one key: the name of a variant and what it contains.
+struct Variant<'t> {
+    name: Item<'t>,
+    content: Option<Item<'t>>,
+}
+
+impl<'t> EnumAccess<'t> for Variant<'t> {
+    type Error = ReadError;
+    type Variant = Self;
+
+    fn variant_seed<V: DeserializeSeed<'t>>(self, seed: V) -> Result<(V::Value, Self), ReadError> {
+        let span = self.name.span.clone();
+        let variant = seed.deserialize(self.name.clone());
+        variant
+            .map(|variant| (variant, self))
+            .map_err(|error| error.at(&span))
+    }
+}
+
+impl<'t> Variant<'t> {
+    fn content(self, expected: &str) -> Result<Item<'t>, ReadError> {
+        self.content
+            .ok_or_else(|| de::Error::invalid_type(Unexpected::UnitVariant, &expected))
+    }
+}
+
+impl<'t> VariantAccess<'t> for Variant<'t> {
+    type Error = ReadError;
+
+    fn unit_variant(self) -> Result<(), ReadError> {
+        match self.content {
+            Some(content) if content.table().is_none_or(|table| !table.is_empty()) => {
+                let error: ReadError = de::Error::custom("expected empty table");
+                Err(error.at(&content.span))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn newtype_variant_seed<T: DeserializeSeed<'t>>(self, seed: T) -> Result<T::Value, ReadError> {
+        seed.deserialize(self.content("newtype variant")?)
+    }
+
+    fn tuple_variant<V: Visitor<'t>>(self, _: usize, visitor: V) -> Result<V::Value, ReadError> {
+        self.content("tuple variant")?.deserialize_any(visitor)
+    }
+
+    fn struct_variant<V: Visitor<'t>>(
+        self,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, ReadError> {
+        self.content("struct variant")?.deserialize_any(visitor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde::Deserialize;
+
+    use super::*;
+
+    #[derive(Debug, PartialEq, Deserialize)]
+    #[serde(rename_all = "snake_case", deny_unknown_fields)]
+    enum Shape {
+        Point,
+        Ball { radius: f64 },
+        Cloud(Vec<f64>),
+    }
+
+    #[derive(Debug, PartialEq, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct File {
+        number: Spanned<f64>,
+        count: Option<u64>,
+        shapes: Option<Vec<Spanned<Shape>>>,
+        pair: Option<[i64; 2]>,
+    }
+
+    /// What is read, or where and what is wrong.
+    fn read(source: &str) -> Result<File, String> {
+        from_text(source)
+            .map_err(|error| format!("{}: {error}", &source[error.span().unwrap_or(0..0)]))
+    }
+
+    #[test]
+    fn what_the_toml_crate_reads_is_read_as_it_does() {
+        for source in [
+            "number = 1",
+            "number = 0xff",
+            "number = 1_000.5",
+            "number = -inf",
+            "number = 1e-400",
+            "number = 18446744073709551615\ncount = 18446744073709551615",
+            "number = 1\nshapes = [\"point\", { ball = { radius = 2 } }, { cloud = [1, 2.5] }, { point = {} }]",
+            "number = 1\npair = [-9223372036854775808, 3]\n[[shapes]]\nball.radius = 1",
+        ] {
+            let by_toml: File = toml::from_str(source).unwrap();
+            let read = read(source).unwrap();
+            assert_eq!(read, by_toml, "{source}");
+            assert_eq!(read.number.span(), by_toml.number.span(), "{source}");
+        }
+    }
+
+    #[test]
+    fn a_fault_stands_where_the_innermost_value_is() {
+        for (source, said) in [
+            (
+                "number = 1e999",
+                "1e999: the number is too large to be read",
+            ),
+            (
+                "number = 99999999999999999999",
+                "99999999999999999999: the number is too large to be read",
+            ),
+            (
+                "number = 2026-11-25",
+                "2026-11-25: invalid type: date, expected f64",
+            ),
+            (
+                "number = \"1\"",
+                "\"1\": invalid type: string \"1\", expected f64",
+            ),
+            (
+                "number = 1\ncount = -1",
+                "-1: invalid value: integer `-1`, expected u64",
+            ),
+            (
+                "number = 1\nnumbr = 2",
+                "numbr: unknown field `numbr`, expected one of `number`, `count`, `shapes`, `pair`",
+            ),
+            (
+                "number = 1\nshapes = [{ ball = { radius = 1, colour = 2 } }]",
+                "colour: unknown field `colour`, expected `radius`",
+            ),
+            (
+                "number = 1\nshapes = [\"square\"]",
+                "\"square\": unknown variant `square`, expected one of `point`, `ball`, `cloud`",
+            ),
+            (
+                "number = 1\nshapes = [\"ball\"]",
+                "\"ball\": invalid type: unit variant, expected struct variant",
+            ),
+            ("number = 1\nshapes = [3]", "3: wanted string or table"),
+            (
+                "number = 1\nshapes = [{ point = {}, cloud = [] }]",
+                "{ point = {}, cloud = [] }: wanted exactly 1 element, more than 1 element",
+            ),
+            (
+                "number = 1\npair = [1]",
+                "[1]: invalid length 1, expected an array of length 2",
+            ),
+        ] {
+            assert_eq!(read(source).unwrap_err(), said, "{source}");
+        }
+        assert!(read("number = ").is_err());
+    }
+}
