@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any, Iterator
 
 import numpy as np
@@ -146,6 +147,10 @@ def test_a_ball_on_a_plane_is_held_down_with_what_the_hand_gives(client: int) ->
     np.testing.assert_allclose(force, [0, 0, 2], atol=0.02)
 
 
+BLOCK = [[x, y, z] for x in (-0.1, 0.1) for y in (-0.2, 0.2) for z in (-0.3, 0.3)]
+SIDES = [0, 1, 2, 1, 3, 2, 4, 6, 5, 5, 6, 7, 0, 4, 1, 1, 4, 5, 2, 3, 6, 3, 7, 6, 0, 2, 4, 2, 6, 4, 1, 5, 3, 3, 5, 7]
+
+
 @pytest.mark.parametrize(
     ("shape", "height"),
     [
@@ -154,6 +159,8 @@ def test_a_ball_on_a_plane_is_held_down_with_what_the_hand_gives(client: int) ->
         ({"shapeType": "GEOM_CYLINDER", "radius": 0.1, "height": 0.5}, 0.25),
         ({"shapeType": "GEOM_CAPSULE", "radius": 0.1, "height": 0.5}, 0.35),
         ({"shapeType": "GEOM_PLANE"}, 0.0),
+        ({"shapeType": "GEOM_MESH", "vertices": BLOCK}, 0.3),
+        ({"shapeType": "GEOM_MESH", "vertices": BLOCK, "collisionFramePosition": [0, 0, 0.05], "centre": (0.01, 0, 0.02)}, 0.35),
     ],
 )
 def test_a_shape_begins_where_pybullet_has_it(client: int, shape: dict[str, Any], height: float) -> None:
@@ -161,19 +168,50 @@ def test_a_shape_begins_where_pybullet_has_it(client: int, shape: dict[str, Any]
     shape = {**shape, "shapeType": getattr(pybullet, shape["shapeType"])}
     number = body(client, 0.0, (0.5, 0, 1.0), **shape)
     [ray] = pybullet.rayTest([0.5, 0, 3.0], [0.5, 0, -3.0], physicsClientId=client)
-    assert abs(ray[3][2] - (1.0 + height)) < 1e-3
+    # Bullet has a margin of 1 mm about hulls.
+    assert abs(ray[3][2] - (1.0 + height)) < 1.1e-3
     for above, depth in ((0.001, 0.0), (-0.001, 0.001)):
         contact = Contact(client, tool=0.0, bodies=[number], stiffness=100.0, device_mass=0.2, **FREE)
         contact.step([0.5, 0, 1.0 + height + above])
         assert max(point.penetration for point in contact.contacts) == pytest.approx(depth, abs=1e-5)
 
 
+def test_each_mesh_of_a_body_is_where_pybullet_has_it(client: int, tmp_path: Path) -> None:
+    """A ball and two blocks beside it, of a file."""
+    corners = "".join(f"v {x} {y} {z}\n" for x, y, z in BLOCK)
+    faces = "".join("f {} {} {}\n".format(*(corner + 1 for corner in SIDES[at : at + 3])) for at in range(0, len(SIDES), 3))
+    (tmp_path / "block.obj").write_text(corners + faces)
+    file = str(tmp_path / "block.obj")
+    kind = pybullet.createCollisionShapeArray(
+        shapeTypes=[pybullet.GEOM_SPHERE, pybullet.GEOM_MESH, pybullet.GEOM_MESH],
+        radii=[0.1, 0, 0],
+        halfExtents=[[0, 0, 0]] * 3,
+        lengths=[0] * 3,
+        fileNames=["", file, file],
+        meshScales=[[1, 1, 1], [1, 1, 1], [1, 1, 0.5]],
+        planeNormals=[[0, 0, 1]] * 3,
+        flags=[0] * 3,
+        collisionFramePositions=[[0, 0, 0], [1, 0, 0], [2, 0, 0]],
+        collisionFrameOrientations=[[0, 0, 0, 1]] * 3,
+        physicsClientId=client,
+    )
+    number = pybullet.createMultiBody(0, kind, basePosition=[0, 0, 1], physicsClientId=client)
+    contact = Contact(client, tool=0.0, bodies=[number], stiffness=100.0, device_mass=0.2, **FREE)
+    for place, height in ((0.0, 0.1), (1.0, 0.3), (2.0, 0.15)):
+        [ray] = pybullet.rayTest([place, 0, 3], [place, 0, -3], physicsClientId=client)
+        # Bullet has a margin of 1 mm about hulls.
+        assert abs(ray[3][2] - (1 + height)) < 2e-3
+        contact.reset()
+        contact.step([place, 0, 1 + height - 0.001])
+        assert max(point.penetration for point in contact.contacts) == pytest.approx(0.001, abs=1e-5)
+
+
 def test_what_cannot_be_touched_is_refused(client: int) -> None:
     ball = body(client, 0.1, shapeType=pybullet.GEOM_SPHERE, radius=0.03)
     tilted = body(client, 0.0, shapeType=pybullet.GEOM_PLANE, planeNormal=[0, 1, 0])
     nothing = pybullet.createMultiBody(1.0, physicsClientId=client)
-    mesh = body(
-        client, 1.0, shapeType=pybullet.GEOM_MESH, vertices=[[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    hollow = body(
+        client, 0.0, shapeType=pybullet.GEOM_MESH, vertices=BLOCK, indices=SIDES, flags=pybullet.GEOM_FORCE_CONCAVE_TRIMESH
     )
     links: dict[str, Any] = {
         f"link{name}": [value]
@@ -191,7 +229,7 @@ def test_what_cannot_be_touched_is_refused(client: int) -> None:
         ({"bodies": [door]}, f"body {door} has joints"),
         ({"bodies": [tilted]}, "a plane with the normal"),
         ({"bodies": [nothing]}, "has no collision shape"),
-        ({"bodies": [mesh]}, "a tool can touch planes, spheres"),
+        ({"bodies": [hollow]}, "has a mesh that is not taken for its hull"),
         ({"bodies": [ball], "stiffness": -1.0}, "stiffness"),
     ]:
         with pytest.raises(ValueError, match=said):

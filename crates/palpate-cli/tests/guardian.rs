@@ -470,7 +470,9 @@ fn a_loop_that_has_lost_its_guardian_gives_no_force_and_says_how() {
         // was killed ends once the machine runs it: until then it is there and does not listen.
         let (said, report) = (0..ATTEMPTS)
             .map(|_| without_its_guardian(number))
-            .find(|(_, report)| report["trip"] != "device-lost" && report["guardian"]["lost"] == lost)
+            .find(|(_, report)| {
+                report["trip"] != "device-lost" && report["guardian"]["lost"] == lost
+            })
             .expect("each loop lost its board, or saw its guardian otherwise");
         assert!(said.contains(&format!("warning: {warning}")), "{said}");
         assert_eq!(report["guardian"]["gone"], true, "{report}");

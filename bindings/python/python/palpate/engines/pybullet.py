@@ -224,8 +224,11 @@ def _described(client: int, number: int) -> EngineBody:
     if pybullet.getNumJoints(number, physicsClientId=client):
         raise ValueError(f"{name} has joints, but must be a body without: fixed, or free")
     shapes = []
-    for shape in pybullet.getCollisionShapeData(number, _BASE, physicsClientId=client):
+    for index, shape in enumerate(pybullet.getCollisionShapeData(number, _BASE, physicsClientId=client)):
         _, _, kind, lengths, _, place, (x, y, z, w) = shape
+        if kind == pybullet.GEOM_MESH:
+            shapes.append(PlacedShape("hull", (), points=_corners(client, number, index)))
+            continue
         word, own = _shape(name, kind, lengths)
         shapes.append(PlacedShape(word, own, place, (w, x, y, z)))
     if not shapes:
@@ -247,5 +250,15 @@ def _shape(name: str, kind: int, lengths: Any) -> tuple[str, tuple[float, ...]]:
             raise ValueError(f"{name} is a plane with the normal {tuple(lengths)}, but must have (0, 0, 1); turn the body instead")
         return "half-space", ()
     raise ValueError(
-        f"{name} has a shape of PyBullet's kind {kind}; a tool can touch planes, spheres, capsules, cylinders and boxes"
+        f"{name} has a shape of PyBullet's kind {kind}; a tool can touch planes, spheres, capsules, cylinders, boxes and meshes"
     )
+
+
+def _corners(client: int, number: int, index: int) -> list[list[float]]:
+    """Of a mesh, which is its hull to PyBullet, in the body's axes about its centre of mass [m]."""
+    count, corners = pybullet.getMeshData(number, _BASE, collisionShapeIndex=index, physicsClientId=client)
+    if count == 0:
+        raise ValueError(
+            f"body {number} has a mesh that is not taken for its hull (GEOM_FORCE_CONCAVE_TRIMESH); a tool can touch hulls"
+        )
+    return [list(corner) for corner in corners]
