@@ -1,7 +1,8 @@
-//! What a parsed TOML table gives to serde.
+//! Reads a parsed TOML table into types that implement serde's `Deserialize`.
 //!
-//! The `toml` crate has one of its own. This one has a single type for tables, lists, values and keys, so that the
-//! compiler makes one reader for each type that is read, and not six: in a browser that is a quarter of all code.
+//! The `toml` crate can do this too. Its reader has a type for each of tables, lists, values and keys, and the compiler
+//! copies the code of every type that is read for each of them. The reader here has one type for all. The playground is
+//! a fifth smaller by that.
 
 use std::fmt;
 use std::ops::Range;
@@ -15,7 +16,7 @@ use serde_spanned::de::is_spanned;
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
 
-/// What is wrong, and where: the innermost value that is at fault.
+/// What is wrong with a table, and where: the span is that of the innermost value that is wrong.
 #[derive(Debug)]
 pub(super) struct ReadError(Box<(String, Option<Range<usize>>)>);
 

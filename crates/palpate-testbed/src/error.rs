@@ -53,3 +53,12 @@ pub(crate) fn positive<N: Display>(
 ) -> Result<f64, InvalidParameter<N>> {
     InvalidParameter::unless(value.is_finite() && value > 0.0, name, value, allowed)
 }
+
+/// Accepts a finite number that is at least zero.
+pub(crate) fn not_negative<N: Display>(
+    name: N,
+    value: f64,
+    allowed: &'static str,
+) -> Result<f64, InvalidParameter<N>> {
+    InvalidParameter::unless(value.is_finite() && value >= 0.0, name, value, allowed)
+}

@@ -23,7 +23,7 @@
 use crate::InvalidParameter;
 use crate::arc::GAUSS_LEGENDRE;
 use crate::device::Device;
-use crate::error::{finite, positive};
+use crate::error::{finite, not_negative, positive};
 use crate::hand::Hand;
 use crate::power_series::{MOST_TERMS, first_fall, integral, terms, value};
 
@@ -112,21 +112,13 @@ impl HeldMass {
     ///
     /// One of them is not finite and at least 0.
     pub fn with_friction(self, viscous: f64, coulomb: f64) -> Result<Self, InvalidParameter> {
-        InvalidParameter::unless(
-            viscous.is_finite() && viscous >= 0.0,
-            "viscous_friction",
-            viscous,
-            "finite and at least 0 N s/m",
-        )?;
-        InvalidParameter::unless(
-            coulomb.is_finite() && coulomb >= 0.0,
-            "coulomb_friction",
-            coulomb,
-            "finite and at least 0 N",
-        )?;
         Self {
-            viscous_friction: viscous,
-            coulomb_friction: coulomb,
+            viscous_friction: not_negative(
+                "viscous_friction",
+                viscous,
+                "finite and at least 0 N s/m",
+            )?,
+            coulomb_friction: not_negative("coulomb_friction", coulomb, "finite and at least 0 N")?,
             ..self
         }
         .with_finite_rates()
@@ -158,14 +150,8 @@ impl HeldMass {
     ///
     /// `time` is not finite and at least 0.
     pub fn released_at(self, time: f64) -> Result<Self, InvalidParameter> {
-        InvalidParameter::unless(
-            time.is_finite() && time >= 0.0,
-            "release",
-            time,
-            "finite and at least 0 s",
-        )?;
         Ok(Self {
-            release: time,
+            release: not_negative("release", time, "finite and at least 0 s")?,
             ..self
         })
     }

@@ -168,8 +168,8 @@ pub struct Output<S> {
     pub force_on_device: S,
     /// The same force on the object `[N]`, opposite in sign: f of the paper.
     pub force_on_object: S,
-    /// Position of the object at this sample `[m]`. By `coupled` it is moved by the offset of the avatar, a wall's too, so that
-    /// the device penetrates it as the avatar does.
+    /// Position of the object at this sample `[m]`. `coupled` moves it by the offset of the avatar, so that the device
+    /// penetrates the object as deep as the avatar does. Therefore a wall moves too, until the offset is gone.
     pub object_position: S,
     /// Velocity of the object at this sample `[m/s]`.
     pub object_velocity: S,

@@ -47,7 +47,7 @@ struct Touched {
 }
 
 impl Contact {
-    /// Contacts of a sphere of `radius` `[m]` with bodies made of balls and cuboids, by one `law`.
+    /// Contacts of a sphere of `radius` `[m]` with bodies made of balls, cuboids and convex polyhedrons, by one `law`.
     ///
     /// # Errors
     /// A collider of another shape, or what palpate refuses, in words.

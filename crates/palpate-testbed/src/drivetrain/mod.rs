@@ -23,7 +23,7 @@ use std::f64::consts::TAU;
 
 use crate::InvalidParameter;
 use crate::device::Device;
-use crate::error::finite;
+use crate::error::{finite, not_negative};
 use crate::hand::Hand;
 
 /// Longest step \[s\].
@@ -119,14 +119,8 @@ impl Drivetrain {
     ///
     /// `time` is not finite and at least 0.
     pub fn released_at(self, time: f64) -> Result<Self, InvalidParameter> {
-        InvalidParameter::unless(
-            time.is_finite() && time >= 0.0,
-            "release",
-            time,
-            "finite and at least 0 s",
-        )?;
         Ok(Self {
-            release: time,
+            release: not_negative("release", time, "finite and at least 0 s")?,
             ..self
         })
     }

@@ -469,7 +469,7 @@ fn a_ball_of_many_corners_is_touched_as_the_ball_between_its_two_spheres() {
     assert!(mesh.vertices().len() > 1900);
     let whole_ball = on(Shape::Sphere { radius: 0.03 });
     let ball = on(Shape::Mesh(mesh.into()));
-    // No place of the sphere is further than 4 mm from a corner, so that a face is at most 0.3 mm within it.
+    // A face whose corners are 4 mm from its middle lies 0.3 mm within the sphere.
     for place in places(300, 0.035) {
         let (whole, _) = touched(&whole_ball, place);
         let (depth, normal) = touched(&ball, place);
