@@ -37,10 +37,12 @@ const ATTEMPTS: usize = 6;
 /// What a loop says that has given its board up, or has not got it, since the machine stood still. Bytes on
 /// a pseudoterminal are passed on by a worker of the kernel, which beside busy loops may have to wait for
 /// seconds (both ends then stand in `flush_work`); a byte that comes late is read wrong by the board.
-const STOOD_STILL: [&str; 5] = [
+const STOOD_STILL: [&str; 7] = [
     "the device is gone",
     "device-lost",
     "error: no answer",
+    "error: what came back is no answer",
+    "error: device 5 has answered, but not with one whole answer",
     "error: the first angles",
     "its process has started and does not answer",
 ];

@@ -21,6 +21,8 @@ pub const SCENE: Limit = Limit::of("a scene or a list of settings", 16 * MEBIBYT
 pub const DEVICE: Limit = Limit::of("a device file or a calibration", 64 * MEBIBYTE);
 /// Files of triangles.
 pub const MESH: Limit = Limit::of("a mesh", 256 * MEBIBYTE);
+/// Grids of distances from a mesh.
+pub const DISTANCE_GRID: Limit = Limit::of("a distance grid", 64 * MEBIBYTE);
 /// Tables: traces, runs, maps.
 pub const TABLE: Limit = Limit::of("a table", 256 * MEBIBYTE);
 /// Journals of work in progress.

@@ -240,3 +240,121 @@ fn open_meshes_and_flat_triangles_are_noted() {
     let file = read(folder, inline).unwrap();
     assert!(file.notes().is_empty() && !mesh(&file).is_closed());
 }
+
+/// A mesh of the part with these keys beside its file's.
+fn part_with(keys: &str) -> String {
+    format!("{{ mesh = {{ file = \"part.stl\", unit = \"mm\", {keys} }} }}")
+}
+
+#[test]
+fn a_shell_of_points_is_made_as_it_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("part.stl"), ascii_stl()).unwrap();
+    let file = read(folder, &part_with("shell = { points = 30 }")).unwrap();
+    let shell = mesh(&file).shell().unwrap();
+    assert_eq!(shell.points().len(), 30);
+    assert!(mesh(&file).grid().is_none());
+    let [note] = file.notes() else {
+        panic!("{:?}", file.notes());
+    };
+    let sharers = format!(
+        "part.stl: 4 triangles, 10.0000 x 10.0000 x 10.0000 mm; a shell of 30 points, of which {} share a law",
+        shell.sharers()
+    );
+    assert!(note.starts_with(&sharers), "{note}");
+    let file = read(folder, &part_with("shell = { points = 30, shared_by = 5 }"));
+    assert_eq!(mesh(&file.unwrap()).shell().unwrap().sharers(), 5);
+    for (keys, expected) in [
+        (
+            "shell = { points = 3 }",
+            "a shell of 3 points: it has to have 4 to 64",
+        ),
+        ("shell = { points = 65 }", "a shell of 65 points"),
+        ("shell = { points = -1 }", "shell"),
+        (
+            "shell = { points = 9, shared_by = 10 }",
+            "the law is shared by 10 points, and has to be by 1 to 9",
+        ),
+        ("shell = { point = 9 }", "unknown key point"),
+    ] {
+        let said = read(folder, &part_with(keys)).map(|_| ()).unwrap_err();
+        assert!(said.join("; ").contains(expected), "{keys}: {said:?}");
+    }
+}
+
+#[test]
+fn a_distance_grid_is_kept_in_its_file_and_made_anew_where_that_is_of_another_mesh() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("part.stl"), ascii_stl()).unwrap();
+    let asked = |spacing: f64| {
+        let keys = format!("distance_grid = {{ spacing_m = {spacing}, file = \"part.grid\" }}");
+        read(folder, &part_with(&keys))
+    };
+    let note = |file: &WorldFile| file.notes().join("; ");
+    let made = asked(0.001).unwrap();
+    assert!(
+        note(&made).contains("nodes, kept in part.grid; its surface is off"),
+        "{}",
+        note(&made)
+    );
+    let kept = fs::read(folder.join("part.grid")).unwrap();
+    let again = asked(0.001).unwrap();
+    assert!(
+        note(&again).contains("nodes, from part.grid;"),
+        "{}",
+        note(&again)
+    );
+    assert_eq!(mesh(&again).grid(), mesh(&made).grid());
+    assert_eq!(fs::read(folder.join("part.grid")).unwrap(), kept);
+    let finer = asked(0.0009).unwrap();
+    assert!(note(&finer).contains("made anew, for the one that was there is of another mesh"));
+    assert_ne!(fs::read(folder.join("part.grid")).unwrap(), kept);
+    let moved = ascii_stl().replacen("1e1", "1.1e1", 12);
+    fs::write(folder.join("part.stl"), moved).unwrap();
+    let other = asked(0.0009).unwrap();
+    assert!(note(&other).contains("made anew"), "{}", note(&other));
+    // Cut off, and no grid at all: neither is taken, and neither is written over.
+    let whole = fs::read(folder.join("part.grid")).unwrap();
+    for (bytes, expected) in [
+        (&whole[..whole.len() / 2], "cut off or changed"),
+        (
+            b"somebody's notes".as_slice(),
+            "no distance grid of palpate",
+        ),
+    ] {
+        fs::write(folder.join("part.grid"), bytes).unwrap();
+        let said = asked(0.0009).map(|_| ()).unwrap_err().join("; ");
+        assert!(
+            said.contains("part.grid") && said.contains(expected) && said.contains("remove it"),
+            "{said}"
+        );
+        assert_eq!(fs::read(folder.join("part.grid")).unwrap(), bytes);
+    }
+    // Where nothing can be kept, the scene is whole all the same.
+    let keys = "distance_grid = { spacing_m = 0.001, file = \"nowhere/part.grid\" }";
+    let file = read(folder, &part_with(keys)).unwrap();
+    assert!(mesh(&file).grid().is_some());
+    assert!(note(&file).contains("nodes, not kept: "), "{}", note(&file));
+}
+
+#[test]
+fn a_distance_grid_that_cannot_be_made_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("part.stl"), ascii_stl()).unwrap();
+    for (spacing, expected) in [
+        ("0.0", "the spacing is 0 m, and has to be above 0 m"),
+        ("0.003", "it has to be four spacings or more"),
+        ("1e-6", "at most 8388608 are taken"),
+    ] {
+        let keys = format!("distance_grid = {{ spacing_m = {spacing} }}");
+        let said = read(folder, &part_with(&keys)).map(|_| ()).unwrap_err();
+        assert!(said.join("; ").contains(expected), "{spacing}: {said:?}");
+    }
+    let open = "{ mesh = { vertices_m = [[0, 0, 0], [1, 0, 0], [1, 1, 0]], faces = [[0, 1, 2]], \
+                distance_grid = { spacing_m = 0.01 } } }";
+    let said = read(folder, open).map(|_| ()).unwrap_err().join("; ");
+    assert!(said.contains("the mesh has open edges"), "{said}");
+}

@@ -326,3 +326,24 @@ fn a_box_that_is_pressed_onto_a_free_box_is_near_the_floor_and_at_it_with_the_de
     );
     assert!(of_told < 0.5 && of_known < 0.1 && of_basic > 5.0);
 }
+
+/// A tool that is a mesh, by its shell on the distance grid of another one.
+#[test]
+fn a_plug_in_its_socket_is_rendered_as_its_ideal_moves() {
+    let told = scene("plug");
+    for (words, scene, largest) in [
+        ("known", known(told.clone()), 0.3),
+        ("told wrong, in a hand", told, 1.5),
+    ] {
+        let bench = WorldBench::new(&scene).unwrap();
+        let check = bench.self_check().unwrap();
+        assert_eq!(check.chaotic_from, None, "{words}");
+        let [coupled, basic] =
+            ["coupled", "basic"].map(|method| errors(&run(&scene, &bench, method)));
+        println!(
+            "plug, {words}: E {:.3} % (force {:.3}, torque {:.3}), basic {:.1} %",
+            coupled[0], coupled[1], coupled[2], basic[0]
+        );
+        assert!(coupled[0] < largest && basic[0] > 5.0 * coupled[0]);
+    }
+}

@@ -170,7 +170,10 @@ fn fastest(moving: &Moving, points: &[Point], h: f64) -> f64 {
                 let surface = &moving.surfaces[surface];
                 surface.clearance() < reach && surface.distance(&first.rigid, &second.rigid) < reach
             }
-            _ => point.solid.nearest(&second.rigid, &centre).distance < reach,
+            _ => {
+                let nearest = point.solid.nearest_within(&second.rigid, &centre, reach);
+                nearest.distance < reach
+            }
         }
     };
     let of_links = |number: usize| {

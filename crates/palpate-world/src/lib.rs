@@ -50,7 +50,10 @@ pub use hull::{Hull, HullError};
 pub use interval::{Effort, SubSteps};
 pub use joint::{Joint, JointKind, JointLaw};
 pub use law::Mode;
-pub use mesh::{MassProperties, Mesh, MeshError};
+pub use mesh::{
+    DistanceGrid, GridBytesError, GridError, InvalidGrid, InvalidShell, MassProperties, Mesh,
+    MeshError, PointShell,
+};
 pub use method::{BasicParams, CoupledParams, GodObjectParams, VirtualCouplingParams, WorldMethod};
 pub use observer::Prior;
 pub use pairs::{MOST_POINTS, Side};

@@ -21,8 +21,10 @@ pub(crate) struct Touch {
     pub penetration: f64,
     /// Deflection of the bristle `[m]`.
     pub bristle: Vector3,
-    /// Normal force `[N]`.
+    /// Normal force `[N]`,
     pub normal_force: f64,
+    /// what of it damping adds to the spring `[N]`.
+    by_damping: f64,
     /// Force on the first `[N]`.
     pub force: Vector3,
     /// Velocity of the first against the second there `[m/s]`.
@@ -102,6 +104,7 @@ impl Touch {
             penetration: 0.0,
             bristle: none,
             normal_force: 0.0,
+            by_damping: 0.0,
             force: none,
             relative: none,
             slid: none,
@@ -317,31 +320,42 @@ impl Moving {
                 let penetration = point.radius - nearest.distance;
                 let below = point.radius - 0.5 * penetration;
                 let centre = point.centre_of(&first.rigid);
-                (penetration, nearest.normal, centre - nearest.normal * below)
+                Met {
+                    penetration,
+                    normal: nearest.normal,
+                    slope: nearest.slope,
+                    place: centre - nearest.normal * below,
+                }
             };
-            let (penetration, normal, place) = match point.solid {
+            let met = match point.solid {
                 Solid::Mesh { surface, point, .. } => {
                     let found = self.surfaces[surface].found(point);
                     of_sphere(found.map_or(Nearest::far(), |found| Nearest {
-                        distance: found.distance,
                         normal: second.rigid.orientation * found.normal,
+                        ..Nearest::exact(found.distance, found.normal)
                     }))
                 }
                 Solid::Between { blocks, point, .. } => {
                     let blocks = &self.blocks[blocks];
                     let found = blocks.found(point);
-                    (found.penetration, blocks.normal(), found.place)
+                    Met {
+                        penetration: found.penetration,
+                        normal: blocks.normal(),
+                        slope: 1.0,
+                        place: found.place,
+                    }
                 }
                 _ => {
                     let centre = point.centre_of(&first.rigid);
-                    of_sphere(point.solid.nearest(&second.rigid, &centre))
+                    let solid = &point.solid;
+                    of_sphere(solid.nearest_within(&second.rigid, &centre, point.radius))
                 }
             };
-            if penetration > 0.0 {
+            if met.penetration > 0.0 {
+                let Met { normal, place, .. } = met;
                 let relative = relative(first, &first.twist, second, &second.twist, &place);
                 let ahead = self::relative(first, &first.ahead, second, &second.ahead, &place);
-                let rate = -normal.dot(&ahead);
-                touch.press(point, penetration, rate, normal);
+                touch.press(point, &met, -normal.dot(&ahead));
                 touch.rub(point, normal, relative * half);
                 touch.normal = normal;
                 touch.place = place;
@@ -392,14 +406,30 @@ fn relative(
     first.velocity_at(of_first, place) - second.velocity_at(of_second, place)
 }
 
+/// How a point and a solid overlap.
+struct Met {
+    /// Not above 0 where they do not `[m]`.
+    penetration: f64,
+    /// From the second to the first.
+    normal: Vector3,
+    /// By how much the penetration grows per length of a way against the normal.
+    slope: f64,
+    /// Midway between the two surfaces `[m]`.
+    place: Vector3,
+}
+
 impl Touch {
-    /// Takes a penetration above 0 `[m]` and its rate `[m/s]`.
-    fn press(&mut self, point: &Point, penetration: f64, rate: f64, normal: Vector3) {
+    /// Takes a penetration above 0, and how fast the two approach `[m/s]`. The force is the law's, of the penetration and its
+    /// rate, times the slope: that of the penetration's energy.
+    fn press(&mut self, point: &Point, met: &Met, approach: f64) {
         if self.is_apart() {
-            self.normal = normal;
+            self.normal = met.normal;
         }
-        self.penetration = penetration;
-        self.normal_force = point.law.normal_force(penetration, rate);
+        let law = &point.law;
+        let push = law.normal_force(met.penetration, met.slope * approach);
+        self.penetration = met.penetration;
+        self.normal_force = met.slope * push;
+        self.by_damping = met.slope * (push - law.stiffness * met.penetration);
     }
 
     /// Carries the bristle with the contact's plane, lets it follow what has slid before and over `way` `[m]`, and
@@ -440,8 +470,7 @@ impl Touch {
         let apparent =
             first.apparent_velocity_at(&self.place) - second.apparent_velocity_at(&self.place);
         let rate = -self.normal.dot(&(relative + apparent));
-        let by_damping = self.normal_force - point.law.stiffness * self.penetration;
-        self.damping_power = (by_damping * rate).max(0.0);
-        self.apparent_power = by_damping * self.normal.dot(&apparent);
+        self.damping_power = (self.by_damping * rate).max(0.0);
+        self.apparent_power = self.by_damping * self.normal.dot(&apparent);
     }
 }

@@ -9,7 +9,7 @@ use crate::law::PointLaw;
 use crate::mesh::{POINTS_PER_MESH, Surface};
 use crate::rigid::{Mobility, Rigid, Vector3};
 use crate::solid::Solid;
-use crate::{Mesh, Motion, Place, Shape, World, WorldError};
+use crate::{Mesh, Motion, Place, PointShell, Shape, World, WorldError};
 
 /// Most points of contact that a world may have: a tick looks at all of them in every sub-step.
 pub const MOST_POINTS: usize = 64;
@@ -25,7 +25,7 @@ pub enum Side {
 
 /// A point at which two tools or bodies can touch: a sphere of the first, or a corner as one of radius 0, and the
 /// nearest point of the second's solid.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Point {
     /// Numbers of the two among tools and bodies, tools first.
     pub first: usize,
@@ -180,12 +180,17 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
                 blocks.push(pair);
                 continue;
             }
-            let found = spheres_on(one.shape, other.shape).map(|found| (i, j, found));
-            let found =
-                found.or_else(|| spheres_on(other.shape, one.shape).map(|found| (j, i, found)));
+            let mut orders = [(i, j, one, other), (j, i, other, one)];
+            if is_smaller_mesh(other.shape, one.shape) {
+                orders.reverse();
+            }
+            let found = orders.into_iter().find_map(|(first, second, one, other)| {
+                spheres_on(one.shape, other.shape).map(|found| (first, second, found))
+            });
             match found {
                 Some((first, second, Ok((spheres, solid)))) => {
-                    points.extend(spheres.iter().map(|sphere| sphere.on(first, second, solid, law)));
+                    let each = spheres.iter();
+                    points.extend(each.map(|sphere| sphere.on(first, second, solid.clone(), law)));
                 }
                 Some((first, _, Err(reason))) => {
                     let [first, other] = if first == i { [one, other] } else { [other, one] };
@@ -198,8 +203,9 @@ pub(crate) fn points(world: &World, mobilities: &[Mobility]) -> Result<Contacts,
                     format!(
                         "there is no contact of {} with {} yet: they can touch along an edge or rim where no corner or \
                          end is. A sphere, or a tool of several, may touch any shape, a box, hull or capsule another one \
-                         and a half-space, a capsule a cylinder, and a mesh a half-space. Give one of them another shape, \
-                         such as a hull, or leave the pair without a law",
+                         and a half-space, a capsule a cylinder, and a mesh a half-space. A mesh with a shell of points \
+                         may touch a box, capsule or cylinder, and a mesh with a distance grid. Give one of them another \
+                         shape, such as a hull, or leave the pair without a law",
                         one.words(),
                         other.words()
                     ),
@@ -300,9 +306,23 @@ fn spheres_on_mesh<'a>(shape: &Shape, other: &'a Shape) -> Option<(Vec<Touching>
     Some((own_spheres(shape)?, mesh))
 }
 
+/// Of two meshes, by the points of whichever one the other could be touched: whether the first is the smaller one.
+fn is_smaller_mesh(shape: &Shape, other: &Shape) -> bool {
+    match (shape, other) {
+        (Shape::Mesh(one), Shape::Mesh(other)) => one.reach() < other.reach(),
+        _ => false,
+    }
+}
+
 /// The spheres of a shape with which it can touch `other`, and the other's solid, where no two places of the two
 /// surfaces meet unless a sphere does.
 fn spheres_on(shape: &Shape, other: &Shape) -> Option<Result<(Vec<Touching>, Solid), NoHull>> {
+    if let Shape::Mesh(mesh) = shape
+        && let Some(shell) = mesh.shell()
+        && let Some(solid) = Solid::of(other)
+    {
+        return Some(Ok((shell.touching(), solid)));
+    }
     let spheres = match (shape, other) {
         (Shape::Sphere { .. } | Shape::Spheres { .. }, _) => own_spheres(shape)?,
         (Shape::Hull(hull), Shape::HalfSpace { .. }) => hull.by_corners().touching(),
@@ -346,6 +366,20 @@ impl Corners {
     fn touching(&self) -> Vec<Touching> {
         let share = self.most_on_a_face() as f64;
         let each = self.places.iter();
+        each.map(|&centre| Touching {
+            centre,
+            radius: 0.0,
+            share,
+        })
+        .collect()
+    }
+}
+
+impl PointShell {
+    /// Each point as a sphere of radius 0, with its share of the law.
+    fn touching(&self) -> Vec<Touching> {
+        let share = self.sharers() as f64;
+        let each = self.places().iter();
         each.map(|&centre| Touching {
             centre,
             radius: 0.0,

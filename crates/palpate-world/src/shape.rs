@@ -43,8 +43,8 @@ pub enum Shape {
         /// Half of its length, above 0 `[m]`.
         half_length: f64,
     },
-    /// A surface of triangles, in the body's own axes. For bodies only; one that moves may need
-    /// [`Body::balanced`](crate::Body::balanced).
+    /// A surface of triangles, in the own axes of the tool or body. That of a tool has a shell of points; a body that moves may
+    /// need [`Body::balanced`](crate::Body::balanced).
     Mesh(Arc<Mesh>),
     /// A convex solid with flat faces, in the body's own axes. For bodies only; one that moves may need
     /// [`Body::balanced`](crate::Body::balanced).

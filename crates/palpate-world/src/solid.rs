@@ -1,10 +1,12 @@
 //! The nearest point of a shape's surface.
 
-use crate::Shape;
+use std::sync::Arc;
+
 use crate::rigid::{Rigid, Vector3};
+use crate::{DistanceGrid, Shape};
 
 /// A shape that another one's centre or corner is measured against.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) enum Solid {
     Ball {
         radius: f64,
@@ -32,6 +34,11 @@ pub(crate) enum Solid {
         point: usize,
         reach: f64,
     },
+    /// A mesh by the grid of its distances.
+    Grid {
+        grid: Arc<DistanceGrid>,
+        reach: f64,
+    },
     /// What is found at one of the contact points of two boxes, by the number of the pair among all of the world; the second
     /// box has this half diagonal `[m]`.
     Between {
@@ -48,14 +55,22 @@ pub(crate) struct Nearest {
     pub distance: f64,
     /// Unit vector out of the solid there.
     pub normal: Vector3,
+    /// By how much the distance changes per length of a way along the normal: 1, but where a [`DistanceGrid`] rounds a bend.
+    pub slope: f64,
 }
 
 impl Nearest {
     /// Nothing is near.
     pub fn far() -> Self {
+        Self::exact(f64::INFINITY, Vector3::x())
+    }
+
+    /// Of a surface from which all distances are exact.
+    pub fn exact(distance: f64, normal: Vector3) -> Self {
         Self {
-            distance: f64::INFINITY,
-            normal: Vector3::x(),
+            distance,
+            normal,
+            slope: 1.0,
         }
     }
 }
@@ -64,11 +79,15 @@ impl Nearest {
 pub(crate) const NO_DIRECTION: f64 = 1e-12;
 
 impl Solid {
-    /// The solid of a shape; `None` for several spheres, a mesh and a hull.
+    /// The solid of a shape; `None` for several spheres, a hull, and a mesh without a grid of its distances.
     pub fn of(shape: &Shape) -> Option<Self> {
         Some(match *shape {
-            // What a mesh has at a contact's point is found out with the pair.
-            Shape::Spheres { .. } | Shape::Mesh(_) | Shape::Hull(_) => return None,
+            // What spheres find at a mesh is found out with the pair.
+            Shape::Spheres { .. } | Shape::Hull(_) => return None,
+            Shape::Mesh(ref mesh) => Self::Grid {
+                grid: mesh.grid()?.clone(),
+                reach: mesh.reach(),
+            },
             Shape::Sphere { radius } => Self::Ball { radius },
             Shape::HalfSpace { normal, offset } => Self::HalfSpace {
                 normal: Vector3::from(normal).normalize(),
@@ -106,10 +125,8 @@ impl Solid {
         let own = placed.orientation.inverse_transform_vector(&off);
         let nearest = match *self {
             Self::Ball { radius } => from_core(own, radius),
-            Self::HalfSpace { normal, offset } => Nearest {
-                distance: normal.dot(&own) - offset,
-                normal,
-            },
+            Self::HalfSpace { normal, offset } => Nearest::exact(normal.dot(&own) - offset, normal),
+            Self::Grid { ref grid, .. } => grid.nearest(&own),
             Self::Block { half } => from_block(own, half),
             Self::Capsule {
                 radius,
@@ -130,6 +147,20 @@ impl Solid {
         }
     }
 
+    /// The same, or nothing near where the surface is certainly further than `reach` `[m]`: that may be known with less work.
+    pub fn nearest_within(&self, placed: &Rigid, point: &Vector3, reach: f64) -> Nearest {
+        let Self::Grid { grid, .. } = self else {
+            return self.nearest(placed, point);
+        };
+        let off = point - placed.position;
+        let own = placed.orientation.inverse_transform_vector(&off);
+        let nearest = grid.nearest_within(&own, reach);
+        Nearest {
+            normal: placed.orientation * nearest.normal,
+            ..nearest
+        }
+    }
+
     /// Largest distance of the surface from the centre of mass `[m]`, infinite for a half-space.
     pub fn reach(&self) -> f64 {
         match *self {
@@ -144,7 +175,9 @@ impl Solid {
                 radius,
                 half_length,
             } => radius.hypot(half_length),
-            Self::Mesh { reach, .. } | Self::Between { reach, .. } => reach,
+            Self::Mesh { reach, .. } | Self::Grid { reach, .. } | Self::Between { reach, .. } => {
+                reach
+            }
         }
     }
 }
@@ -152,15 +185,13 @@ impl Solid {
 /// From a core, by `off`, of a surface at `radius` around it.
 fn from_core(off: Vector3, radius: f64) -> Nearest {
     let length = off.norm();
-    Nearest {
-        distance: length - radius,
-        normal: if length > NO_DIRECTION {
-            off / length
-        } else {
-            // Every direction is as good.
-            Vector3::x()
-        },
-    }
+    let normal = if length > NO_DIRECTION {
+        off / length
+    } else {
+        // Every direction is as good.
+        Vector3::x()
+    };
+    Nearest::exact(length - radius, normal)
 }
 
 fn from_block(own: Vector3, half: Vector3) -> Nearest {
@@ -168,18 +199,12 @@ fn from_block(own: Vector3, half: Vector3) -> Nearest {
     let out = own - Vector3::from_fn(|i, _| own[i].clamp(-half[i], half[i]));
     let length = out.norm();
     if length > NO_DIRECTION {
-        return Nearest {
-            distance: length,
-            normal: out / length,
-        };
+        return Nearest::exact(length, out / length);
     }
     let axis = beyond.imax();
     let mut normal = Vector3::zeros();
     normal[axis] = 1.0_f64.copysign(own[axis]);
-    Nearest {
-        distance: beyond[axis],
-        normal,
-    }
+    Nearest::exact(beyond[axis], normal)
 }
 
 fn from_cylinder(own: Vector3, radius: f64, half_length: f64) -> Nearest {
@@ -195,17 +220,14 @@ fn from_cylinder(own: Vector3, radius: f64, half_length: f64) -> Nearest {
     let end = Vector3::new(0.0, 0.0, 1.0_f64.copysign(own.z));
     if beyond_side > 0.0 && beyond_end > 0.0 {
         let distance = beyond_side.hypot(beyond_end);
-        return Nearest {
-            distance,
-            normal: (side * beyond_side + end * beyond_end) / distance,
-        };
+        return Nearest::exact(distance, (side * beyond_side + end * beyond_end) / distance);
     }
     let (distance, normal) = if beyond_side >= beyond_end {
         (beyond_side, side)
     } else {
         (beyond_end, end)
     };
-    Nearest { distance, normal }
+    Nearest::exact(distance, normal)
 }
 
 #[cfg(test)]

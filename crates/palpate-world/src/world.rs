@@ -296,9 +296,12 @@ impl<'a> Faults<'a> {
     fn tool(&mut self, shape: &Shape) {
         match shape {
             Shape::Sphere { .. } | Shape::Spheres { .. } | Shape::Box { .. } | Shape::Capsule { .. } => {}
+            Shape::Mesh(mesh) if mesh.shell().is_some() => {}
             _ => self.fault(
                 "shape",
-                "a tool has to be a sphere, of radius 0 or more, several spheres, a box or a capsule".into(),
+                "a tool has to be a sphere, of radius 0 or more, several spheres, a box, a capsule or a mesh with a shell of \
+                 points"
+                    .into(),
             ),
         }
     }

@@ -131,6 +131,12 @@ pub enum OpenError {
         /// The first byte that came.
         first: u8,
     },
+    /// The right first byte, and then bytes that are too few or too many.
+    #[error(
+        "device {0} has answered, but not with one whole answer within a second: its bytes come late or are lost; try \
+         again, on a machine that is less busy or with another cable"
+    )]
+    BrokenAnswer(u8),
     /// The first angles are those of another board.
     #[error(
         "the first angles, {} degrees, are those of the board `{found}`, not of `{told}`",
@@ -206,6 +212,11 @@ impl<C: Clock> TwoDiy<C> {
                 {
                     recover(&line)?;
                     silent
+                }
+                // It is the board; a busy machine handed its bytes over late.
+                Err(broken @ OpenError::BrokenAnswer(_)) if attempt + 1 < ATTEMPTS => {
+                    recover(&line)?;
+                    broken
                 }
                 // Bytes that came the first time say more than none.
                 Err(OpenError::NoAnswer(_)) => return Err(failure),
@@ -292,12 +303,11 @@ fn first_angles(line: &Line, options: &Options) -> Result<[f32; 2], OpenError> {
         }
     }
     let asked = options.layout.device_id;
-    Err(
-        first.map_or(OpenError::NoAnswer(asked), |first| OpenError::WrongAnswer {
-            asked,
-            first,
-        }),
-    )
+    Err(match first {
+        None => OpenError::NoAnswer(asked),
+        Some(first) if first == asked => OpenError::BrokenAnswer(asked),
+        Some(first) => OpenError::WrongAnswer { asked, first },
+    })
 }
 
 /// Throws away what comes until nothing does: a busy system may hand over late what the board sent long

@@ -81,6 +81,7 @@ fn open_on_a_terminal(port: &Path, options: &Options) -> TwoDiy<MonotonicClock> 
             opened,
             Err(OpenError::NoAnswer(_)
                 | OpenError::WrongAnswer { .. }
+                | OpenError::BrokenAnswer(_)
                 | OpenError::NotInPose { .. })
         );
         if is_late {

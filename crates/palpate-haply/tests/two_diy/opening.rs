@@ -156,6 +156,35 @@ fn the_first_angles_are_those_of_the_last_answer() {
     });
 }
 
+/// A board whose answers are not whole is a board all the same; whatever begins with another number is none.
+#[test]
+fn an_answer_that_is_not_whole_is_told_from_one_of_another_device() {
+    let id = Generation::Three.layout().device_id;
+    let said = |answer: &'static [u8]| {
+        let folder = tempfile::tempdir().unwrap();
+        let port = folder.path().join("port");
+        let listener = UnixListener::bind(&port).unwrap();
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                let mut stream = listener.accept().unwrap().0;
+                let mut packets = [0; 64];
+                while stream.read(&mut packets).is_ok_and(|read| read > 0) {
+                    if stream.write_all(answer).is_err() {
+                        break;
+                    }
+                }
+            });
+            open_at(&port, SLOW).unwrap_err()
+        })
+    };
+    assert_eq!(id, 5);
+    let broken = said(&[5, 0]);
+    assert!(matches!(broken, OpenError::BrokenAnswer(5)), "{broken}");
+    let other = said(&[6, 0]);
+    let is_another = matches!(other, OpenError::WrongAnswer { asked: 5, first: 6 });
+    assert!(is_another, "{other}");
+}
+
 /// Whoever they are: the kernel alone lets a privileged user in.
 #[test]
 fn a_port_belongs_to_one_program_at_a_time() {

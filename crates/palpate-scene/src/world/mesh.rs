@@ -8,12 +8,14 @@ use palpate_testbed::world::mesh::gallery;
 use palpate_world::{Hull, Mesh, Shape, Vector};
 use serde::Deserialize;
 
+use super::mesh_contact::{RawDistanceGrid, RawShell};
 use super::stl;
 
 /// Most squares along an edge of the cube of a bumpy sphere: more have more triangles than a mesh may have.
 const MOST_CELLS: u32 = 288;
 
-/// Keys of a mesh: one of `file`, `vertices_m` with `faces`, `bumpy_sphere` and `revolved`.
+/// Keys of a mesh: one of `file`, `vertices_m` with `faces`, `bumpy_sphere` and `revolved`, and by what it touches other shapes
+/// than spheres.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawMesh {
@@ -24,6 +26,8 @@ pub(super) struct RawMesh {
     faces: Option<Vec<[u32; 3]>>,
     bumpy_sphere: Option<RawBumpySphere>,
     revolved: Option<RawRevolved>,
+    shell: Option<RawShell>,
+    distance_grid: Option<RawDistanceGrid>,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -95,15 +99,36 @@ impl RawMesh {
         if self.file.is_none() && (self.unit.is_some() || self.scale.is_some()) {
             return Err("unit and scale are of a mesh's file, and there is none".into());
         }
+        let mut mesh = self.surface(folder)?;
+        let mut words = Vec::new();
+        if self.file.is_some() {
+            words.push(in_words(&mesh));
+        }
+        if let Some(shell) = &self.shell {
+            let (with_shell, said) = shell.onto(mesh)?;
+            mesh = with_shell;
+            words.push(said);
+        }
+        if let Some(grid) = &self.distance_grid {
+            let (with_grid, said) = grid.onto(mesh, folder)?;
+            mesh = with_grid;
+            words.push(said);
+        }
+        let name = self.file.as_deref().unwrap_or("a mesh");
+        Ok(ReadMesh {
+            note: (!words.is_empty()).then(|| format!("{name}: {}", words.join("; "))),
+            shape: Shape::Mesh(Arc::new(mesh)),
+        })
+    }
+
+    /// The triangles alone.
+    fn surface(&self, folder: &Path) -> Result<Mesh, String> {
         let in_scene = |(vertices, faces): &gallery::Triangles| {
-            let mesh = Mesh::new(vertices, faces).map_err(|error| error.to_string())?;
-            Ok(ReadMesh {
-                shape: Shape::Mesh(Arc::new(mesh)),
-                note: None,
-            })
+            Mesh::new(vertices, faces).map_err(|error| error.to_string())
         };
         if let Some(file) = &self.file {
-            return self.of_file(folder, file);
+            let (vertices, faces) = in_metres(&folder.join(file), self.unit, self.scale)?;
+            return Mesh::new(&vertices, &faces).map_err(|error| format!("{file}: {error}"));
         }
         if let Some(bumpy) = &self.bumpy_sphere {
             return in_scene(&bumpy.triangles()?);
@@ -115,15 +140,6 @@ impl RawMesh {
             (Some(vertices), Some(faces)) => in_scene(&(vertices.clone(), faces.clone())),
             _ => Err("a mesh by its triangles needs both vertices_m and faces".into()),
         }
-    }
-
-    fn of_file(&self, folder: &Path, file: &str) -> Result<ReadMesh, String> {
-        let (vertices, faces) = in_metres(&folder.join(file), self.unit, self.scale)?;
-        let mesh = Mesh::new(&vertices, &faces).map_err(|error| format!("{file}: {error}"))?;
-        Ok(ReadMesh {
-            note: Some(format!("{file}: {}", in_words(&mesh))),
-            shape: Shape::Mesh(Arc::new(mesh)),
-        })
     }
 }
 

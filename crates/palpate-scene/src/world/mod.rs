@@ -5,6 +5,7 @@ mod file;
 mod guard;
 mod joint;
 mod mesh;
+mod mesh_contact;
 mod pair;
 mod per_axis;
 mod place;

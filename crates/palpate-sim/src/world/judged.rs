@@ -146,13 +146,29 @@ pub(crate) fn judged_turning(turning: &DeviceTurning) -> judge::Turning {
     }
 }
 
-/// The mesh as the judge has it.
+/// The mesh as the judge has it, with the same points and the same function about it.
 ///
 /// # Panics
 /// Never: what makes a mesh of the renderer makes one of the judge.
 fn judged_mesh(mesh: &palpate_world::Mesh) -> Arc<judge::mesh::TriangleMesh> {
     let judged = judge::mesh::TriangleMesh::new(&mesh.vertices(), mesh.faces());
-    Arc::new(judged.expect("a checked mesh has neither flat triangles nor edges of three"))
+    let mut judged = judged.expect("a checked mesh has neither flat triangles nor edges of three");
+    if let Some(shell) = mesh.shell() {
+        judged = judged.with_points(&shell.points(), shell.sharers());
+    }
+    if let Some(grid) = mesh.grid() {
+        let coefficients = grid.coefficients().iter().map(|&of| f64::from(of));
+        let (first, orientation) = grid.placed();
+        let field = judge::Field::new(
+            coefficients.collect(),
+            grid.counts(),
+            grid.spacing(),
+            first,
+            orientation,
+        );
+        judged = judged.with_field(field.expect("a grid has a number for each of its nodes"));
+    }
+    Arc::new(judged)
 }
 
 /// The hull as the judge has it: around the same corners.

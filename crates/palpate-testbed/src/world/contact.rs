@@ -5,6 +5,7 @@ use thiserror::Error;
 use std::sync::Arc;
 
 use super::between::{Between, Flat, Pair as Solids};
+use super::field::Field;
 use super::mesh::{MOST_CONTACTS, OnMesh};
 use super::rod::{Base, Faces, Rod};
 use super::scene::{ContactLaw, InvalidScene, Member, Pair, Shape, SphereAt, Tool, WorldScene};
@@ -25,7 +26,7 @@ pub enum WorldError {
     #[error(
         "pairs[{number}]: {reason}; a sphere can touch a sphere, half-space, box, capsule, cylinder, mesh or hull, \
          and a box, a capsule, and a hull or mesh of at most {MOST_CORNERS} convex corners a half-space, a box or hull a box or \
-         hull, and a capsule a box, hull, capsule or cylinder"
+         hull, a capsule a box, hull, capsule or cylinder, and a mesh by its points a box, capsule, cylinder or mesh with a field"
     )]
     Pair {
         /// Number of the pair, from 0.
@@ -69,6 +70,8 @@ pub(super) struct Contact {
     solids: Option<(Arc<Solids>, usize)>,
     /// Of a capsule on another convex solid, both of them, and the end.
     rod: Option<(Arc<Rod>, usize)>,
+    /// Of a point on a mesh by its field, that field.
+    field: Option<Arc<Field>>,
     pub law: ContactLaw,
 }
 
@@ -109,6 +112,9 @@ pub(super) struct Touch {
     pub normal: Vec3,
     /// n′ \[1/s\]
     pub normal_rate: Vec3,
+    /// By how much p grows per length of a way against n, and how that changes \[1/s\].
+    pub slope: f64,
+    pub slope_rate: f64,
     /// Midway between the two surfaces.
     pub point: Vec3,
     /// Velocity of that place, no material point's.
@@ -126,6 +132,8 @@ impl Touch {
             growth: 0.0,
             normal: Vec3::ZERO,
             normal_rate: Vec3::ZERO,
+            slope: 1.0,
+            slope_rate: 0.0,
             point: Vec3::ZERO,
             point_velocity: Vec3::ZERO,
             sliding: Vec3::ZERO,
@@ -149,6 +157,8 @@ impl Touch {
             growth: rate,
             normal,
             normal_rate,
+            slope: 1.0,
+            slope_rate: 0.0,
             point,
             point_velocity,
             sliding,
@@ -185,8 +195,21 @@ impl Touch {
                 + placed.turning.cross(self.point_velocity - placed.velocity)
         };
         let relative = of(first, first_rate) - of(second, second_rate);
-        -self.normal_rate.dot(self.sliding) - self.normal.dot(relative)
+        let along = self.normal_rate.dot(self.sliding) + self.normal.dot(relative);
+        -self.slope * along - self.slope_rate * self.normal.dot(self.sliding)
     }
+}
+
+/// How a surface lies about a place.
+struct Lies {
+    /// \[m\]
+    distance: f64,
+    /// Out of the surface, and how it turns \[1/s\].
+    normal: Vec3,
+    normal_rate: Vec3,
+    /// By how much the distance grows per length of a way along the normal, and how that changes \[1/s\].
+    slope: f64,
+    slope_rate: f64,
 }
 
 impl Contact {
@@ -202,32 +225,16 @@ impl Contact {
         let centre = first.position + first.rotation.out(self.on_first);
         let velocity = first.velocity_at(centre);
         let relative = velocity - second.velocity_at(centre);
-        let (distance, normal, normal_rate) = match (&self.surface, feature) {
-            (Shape::HalfSpace { normal, offset }, _) => {
-                let normal = Vec3(*normal);
-                (normal.dot(centre) - offset, normal, Vec3::ZERO)
-            }
-            (Shape::Mesh(mesh), Feature::OnMesh(at)) => {
-                let local = second.rotation.back(centre - second.position);
-                let velocity = second.rotation.back(relative);
-                let (depth, normal, turned) =
-                    super::mesh::nearest(mesh, at, self.radius, local, velocity);
-                let normal = second.rotation.out(normal);
-                let rate = second.turning.cross(normal) + second.rotation.out(turned);
-                (self.radius - depth, normal, rate)
-            }
-            (shape, _) => {
-                let local = second.rotation.back(centre - second.position);
-                let near = nearest(shape, feature, local);
-                let normal = second.rotation.out(near.normal);
-                let turned = near.normal_rate(second.rotation.back(relative));
-                let rate = second.turning.cross(normal) + second.rotation.out(turned);
-                (near.distance, normal, rate)
-            }
-        };
+        let Lies {
+            distance,
+            normal,
+            normal_rate,
+            slope,
+            slope_rate,
+        } = self.lies(feature, centre, relative, second);
         let penetration = self.radius - distance;
         // n · (ω × (place − centre)) is 0 for every place on the normal through the centre.
-        let rate = -normal.dot(relative);
+        let rate = -slope * normal.dot(relative);
         let below = self.radius - 0.5 * penetration;
         let point = centre - normal * below;
         Touch {
@@ -236,9 +243,58 @@ impl Contact {
             growth: rate,
             normal,
             normal_rate,
+            slope,
+            slope_rate,
             point,
             point_velocity: velocity - normal_rate * below + normal * (0.5 * rate),
             sliding: first.velocity_at(point) - second.velocity_at(point),
+        }
+    }
+
+    /// How the surface of the second lies about a place in the world that moves against it.
+    fn lies(&self, feature: Feature, centre: Vec3, relative: Vec3, second: &Placed) -> Lies {
+        let local = || second.rotation.back(centre - second.position);
+        let turned =
+            |normal: Vec3, rate: Vec3| second.turning.cross(normal) + second.rotation.out(rate);
+        if let Some(field) = &self.field {
+            let at = field.at(local(), second.rotation.back(relative));
+            let slope = at.gradient.norm();
+            let own = at.gradient.direction().unwrap_or(Vec3([1.0, 0.0, 0.0]));
+            let normal = second.rotation.out(own);
+            let across = at.gradient_rate.across(own);
+            return Lies {
+                distance: at.value,
+                normal,
+                normal_rate: turned(normal, across * (1.0 / slope.max(f64::MIN_POSITIVE))),
+                slope,
+                slope_rate: at.gradient_rate.dot(own),
+            };
+        }
+        let (distance, normal, normal_rate) = match (&self.surface, feature) {
+            (Shape::HalfSpace { normal, offset }, _) => {
+                let normal = Vec3(*normal);
+                (normal.dot(centre) - offset, normal, Vec3::ZERO)
+            }
+            (Shape::Mesh(mesh), Feature::OnMesh(at)) => {
+                let velocity = second.rotation.back(relative);
+                let (depth, normal, rate) =
+                    super::mesh::nearest(mesh, at, self.radius, local(), velocity);
+                let normal = second.rotation.out(normal);
+                (self.radius - depth, normal, turned(normal, rate))
+            }
+            (shape, _) => {
+                let near = nearest(shape, feature, local());
+                let normal = second.rotation.out(near.normal);
+                let rate = near.normal_rate(second.rotation.back(relative));
+                (near.distance, normal, turned(normal, rate))
+            }
+        };
+        Lies {
+            distance,
+            normal,
+            normal_rate,
+            slope: 1.0,
+            slope_rate: 0.0,
         }
     }
 
@@ -253,6 +309,9 @@ impl Contact {
         let Shape::Mesh(mesh) = &self.surface else {
             return None;
         };
+        if self.field.is_some() {
+            return None;
+        }
         let centre = self.centre_in_second(placed) + shift;
         Some(super::mesh::wanted(mesh, now, self.radius, centre))
     }
@@ -286,9 +345,9 @@ impl Contact {
         self.is_with_mesh() || self.solids.is_some()
     }
 
-    /// Whether it is with a mesh.
+    /// Whether it is with the triangles of a mesh.
     pub fn is_with_mesh(&self) -> bool {
-        matches!(self.surface, Shape::Mesh(_))
+        self.field.is_none() && matches!(self.surface, Shape::Mesh(_))
     }
 
     fn centre_in_second(&self, placed: &[Placed]) -> Vec3 {
@@ -302,7 +361,7 @@ impl Contact {
         if let Some(plane) = self.wanted_between(None, placed, 0.0) {
             return Feature::Between(plane);
         }
-        if self.rod.is_some() {
+        if self.rod.is_some() || self.field.is_some() {
             return Feature::Whole;
         }
         feature(&self.surface, self.centre_in_second(placed))
@@ -427,6 +486,63 @@ fn rod(shapes: [&Shape; 2]) -> Option<Rod> {
     })
 }
 
+/// The share of a law that one has of so many that lie flat together.
+fn shared(law: &ContactLaw, count: f64) -> ContactLaw {
+    ContactLaw {
+        stiffness: law.stiffness / count,
+        damping: law.damping / count,
+        friction_stiffness: law.friction_stiffness / count,
+        ..*law
+    }
+}
+
+/// The contacts of a mesh that has points with what they can touch, if one of the two is such a mesh; of two, the smaller
+/// one where it can.
+fn by_points(number: usize, pair: &Pair, sides: [&Side; 2]) -> Option<Vec<Contact>> {
+    let mesh = |side: &Side| match &side.shape {
+        Some(Shape::Mesh(mesh)) => Some(mesh.clone()),
+        _ => None,
+    };
+    let [one, other] = sides;
+    let is_swapped = match (mesh(one), mesh(other)) {
+        (Some(one), Some(other)) => other.reach() < one.reach(),
+        _ => false,
+    };
+    let orders = if is_swapped {
+        [[other, one], [one, other]]
+    } else {
+        [[one, other], [other, one]]
+    };
+    orders.into_iter().find_map(|[first, second]| {
+        let with_points = mesh(first)?;
+        let (points, sharers) = with_points.points()?;
+        let field = match second.shape.as_ref()? {
+            Shape::Mesh(mesh) => Some(mesh.field()?.clone()),
+            Shape::HalfSpace { .. }
+            | Shape::Box { .. }
+            | Shape::Capsule { .. }
+            | Shape::Cylinder { .. } => None,
+            Shape::Sphere { .. } | Shape::Hull(_) => return None,
+        };
+        let each = points.iter().map(|&on_first| Contact {
+            pair: number,
+            first: first.member,
+            second: second.member,
+            on_first,
+            radius: 0.0,
+            surface: second
+                .shape
+                .clone()
+                .unwrap_or(Shape::Sphere { radius: 0.0 }),
+            solids: None,
+            rod: None,
+            field: field.clone(),
+            law: shared(&pair.law, sharers as f64),
+        });
+        Some(each.collect())
+    })
+}
+
 fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact>, String> {
     let [one, other] = pair.between.map(|member| Side::of(scene, member));
     if one.member == other.member {
@@ -440,6 +556,9 @@ fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact
     }
     if !one.moves && !other.moves {
         return Ok(Vec::new()); // nothing changes between two fixed bodies
+    }
+    if let Some(contacts) = by_points(number, pair, [&one, &other]) {
+        return Ok(contacts);
     }
     // The tool goes first, then a free sphere, so that the sphere is the first of the two.
     let rank = |side: &Side| match side.shape {
@@ -473,15 +592,10 @@ fn of_pair(scene: &WorldScene, number: usize, pair: &Pair) -> Result<Vec<Contact
         surface: surface.clone(),
         solids: None,
         rod: None,
+        field: None,
         law,
     };
-    // The share of the law that one has of so many that lie flat together.
-    let shared = |count: f64| ContactLaw {
-        stiffness: pair.law.stiffness / count,
-        damping: pair.law.damping / count,
-        friction_stiffness: pair.law.friction_stiffness / count,
-        ..pair.law
-    };
+    let shared = |count: f64| shared(&pair.law, count);
     let by_corners = |hull: &Wrapped| {
         let law = shared(hull.most_corners() as f64);
         let each = hull.corners.iter();

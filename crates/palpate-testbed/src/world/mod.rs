@@ -42,6 +42,7 @@ pub mod benchmarks;
 mod between;
 mod contact;
 mod dormand_prince;
+mod field;
 mod held_axis;
 mod held_turning;
 mod hull;
@@ -67,6 +68,7 @@ mod vector;
 mod wrapping;
 
 pub use contact::WorldError;
+pub use field::Field;
 pub use held_turning::HeldTurning;
 pub use hull::Hull;
 pub use ideal::{TOLERANCE, WorldIdeal};

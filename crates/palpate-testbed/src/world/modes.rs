@@ -274,7 +274,8 @@ impl System {
                 Mode::Stick | Mode::Slip => (Mode::Stick, bristle),
                 Mode::Free | Mode::Clipped | Mode::Smooth => {
                     // Without damping, the largest deflection grows from 0 by a rate of its own.
-                    let rate = law.friction * law.stiffness * touch.growth / law.friction_stiffness;
+                    let force_rate = touch.slope * law.stiffness * touch.growth;
+                    let rate = law.friction * force_rate / law.friction_stiffness;
                     if law.damping == 0.0 && touch.tangential().norm() > rate {
                         let direction = slip_direction(Vec3::ZERO, &touch);
                         (Mode::Slip, direction * largest)

@@ -272,7 +272,7 @@ impl System {
         if matches!(mode, Mode::Free | Mode::Clipped) {
             return (0.0, Vec3::ZERO);
         }
-        let normal_force = self.raw_normal_force(number, touch).max(0.0);
+        let normal_force = touch.slope * self.raw_normal_force(number, touch).max(0.0);
         let bristle = Vec3::of(&state[self.layout.bristle(number)..]);
         let bristle = match mode {
             Mode::Stick => bristle,
@@ -285,7 +285,7 @@ impl System {
         (normal_force, bristle)
     }
 
-    /// K p + B p′ \[N\], of any sign.
+    /// K p + B p′ \[N\], of any sign: what pushes p. The normal force is the slope of p times as large.
     pub fn raw_normal_force(&self, number: usize, touch: &Touch) -> f64 {
         let law = &self.contacts[number].law;
         law.stiffness * touch.penetration + law.damping * touch.rate
@@ -303,7 +303,8 @@ impl System {
             );
             rate += law.damping * second_rate;
         }
-        law.friction / law.friction_stiffness * rate
+        let push = law.stiffness * touch.penetration + law.damping * touch.rate;
+        law.friction / law.friction_stiffness * (touch.slope * rate + touch.slope_rate * push)
     }
 
     fn accelerate(&self, time: f64, state: &[f64], now: &mut Instant) {
@@ -407,8 +408,13 @@ impl System {
             force.write(&mut rates[sums + 1..]);
             rates[sums + 4] = match condition.mode {
                 Mode::Free => 0.0,
-                _ => {
-                    let in_normal = (normal_force - law.stiffness * touch.penetration) * touch.rate;
+                mode => {
+                    let push = if mode == Mode::Clipped {
+                        0.0
+                    } else {
+                        self.raw_normal_force(number, touch).max(0.0)
+                    };
+                    let in_normal = (push - law.stiffness * touch.penetration) * touch.rate;
                     in_normal + law.friction * normal_force * now.slips[number]
                 }
             };
@@ -421,7 +427,8 @@ impl System {
     /// μ N/k_t \[m\], for a pushing contact.
     pub fn largest_deflection(&self, number: usize, touch: &Touch) -> f64 {
         let law = &self.contacts[number].law;
-        law.friction * self.raw_normal_force(number, touch).max(0.0) / law.friction_stiffness
+        let normal_force = touch.slope * self.raw_normal_force(number, touch).max(0.0);
+        law.friction * normal_force / law.friction_stiffness
     }
 
     /// The member with that place among all members.

@@ -350,8 +350,9 @@ impl WorldDevice {
                 radius,
                 half_length,
             }) => above_zero(&tool, &[*radius, *half_length])?,
+            Tool::Solid(Shape::Mesh(mesh)) if mesh.points().is_some() => {}
             Tool::Solid(_) => {
-                let allowed = "a sphere, a box, a capsule or several spheres";
+                let allowed = "a sphere, a box, a capsule, a mesh with points or several spheres";
                 InvalidParameter::unless(false, tool, f64::NAN, allowed)?;
             }
             Tool::Spheres(spheres) => {

@@ -221,17 +221,11 @@ impl Corners {
     /// The nearest point of the surface; of a point inside, that of least depth.
     fn nearest(&self, point: &Vector3) -> Nearest {
         let height = |face: &crate::convex::Polygon| face.normal.dot(point) - face.offset;
-        let mut highest = Nearest {
-            distance: f64::NEG_INFINITY,
-            normal: Vector3::x(),
-        };
+        let mut highest = Nearest::exact(f64::NEG_INFINITY, Vector3::x());
         for face in &self.faces {
             let height = height(face);
             if height > highest.distance {
-                highest = Nearest {
-                    distance: height,
-                    normal: face.normal,
-                };
+                highest = Nearest::exact(height, face.normal);
             }
         }
         if highest.distance <= NO_DIRECTION {
@@ -252,9 +246,6 @@ impl Corners {
             }
         }
         let distance = least.sqrt();
-        Nearest {
-            distance,
-            normal: way / distance,
-        }
+        Nearest::exact(distance, way / distance)
     }
 }

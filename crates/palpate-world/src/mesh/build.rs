@@ -2,7 +2,10 @@
 
 use std::collections::HashMap;
 use std::fmt;
+use std::sync::Arc;
 
+use super::distance_grid::{DistanceGrid, InvalidGrid};
+use super::point_shell::PointShell;
 use super::topology::Topology;
 use super::tree::{Bounds, Tree};
 use crate::Vector;
@@ -22,6 +25,8 @@ pub struct Mesh {
     is_closed: bool,
     dropped: usize,
     reach: f64,
+    pub(super) grid: Option<Arc<DistanceGrid>>,
+    pub(super) shell: Option<PointShell>,
 }
 
 /// What is wrong with the triangles of a mesh. Triangles and vertices are counted from 0, as they were given.
@@ -79,6 +84,8 @@ impl fmt::Debug for Mesh {
             .field("vertices", &self.vertices.len())
             .field("faces", &self.faces.len())
             .field("is_closed", &self.is_closed)
+            .field("grid", &self.grid)
+            .field("shell", &self.shell)
             .finish_non_exhaustive()
     }
 }
@@ -177,7 +184,44 @@ impl Mesh {
             faces,
             vertices,
             topology,
+            grid: None,
+            shell: None,
         }
+    }
+
+    /// The same mesh with a grid of distances: the points of other shapes can touch it.
+    ///
+    /// # Errors
+    /// The grid was made from another mesh.
+    pub fn with_grid(self, grid: DistanceGrid) -> Result<Self, InvalidGrid> {
+        if !grid.is_of(&self) {
+            return Err(InvalidGrid::OfAnother);
+        }
+        Ok(Self {
+            grid: Some(Arc::new(grid)),
+            ..self
+        })
+    }
+
+    /// The same mesh with points by which it touches other shapes than spheres.
+    #[must_use]
+    pub fn with_shell(self, shell: PointShell) -> Self {
+        Self {
+            shell: Some(shell),
+            ..self
+        }
+    }
+
+    /// The grid of its distances, if it has one.
+    #[must_use]
+    pub fn grid(&self) -> Option<&Arc<DistanceGrid>> {
+        self.grid.as_ref()
+    }
+
+    /// The points by which it touches other shapes than spheres, if it has any.
+    #[must_use]
+    pub fn shell(&self) -> Option<&PointShell> {
+        self.shell.as_ref()
     }
 
     /// Its vertices, each place once `[m]`.

@@ -66,7 +66,12 @@ impl Mesh {
             .collect();
         let topology = self.topology.turned(&orientation.inverse());
         let (faces, dropped) = (self.faces.clone(), self.dropped());
-        Arc::new(Self::of_parts(vertices, faces, topology, dropped))
+        let mut seen = Self::of_parts(vertices, faces, topology, dropped);
+        let grid = self.grid.as_ref();
+        seen.grid = grid.map(|grid| Arc::new(grid.seen_from(centre, orientation)));
+        let shell = self.shell.as_ref();
+        seen.shell = shell.map(|shell| shell.seen_from(centre, orientation));
+        Arc::new(seen)
     }
 }
 

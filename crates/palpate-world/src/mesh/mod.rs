@@ -2,15 +2,19 @@
 
 mod build;
 mod cluster;
+mod distance_grid;
 mod gather;
 mod mass;
 mod nearest;
+mod point_shell;
 mod surface;
 mod topology;
 mod tree;
 mod triangle;
 
 pub use build::{Mesh, MeshError};
+pub use distance_grid::{DistanceGrid, GridBytesError, GridError, InvalidGrid};
 pub use mass::MassProperties;
+pub use point_shell::{InvalidShell, PointShell};
 pub(crate) use surface::{POINTS_PER_MESH, Surface};
 pub(crate) use triangle::nearest_point as nearest_of_triangle;

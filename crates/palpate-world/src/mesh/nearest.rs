@@ -38,14 +38,12 @@ impl Mesh {
         let off = place - on_surface;
         let is_outside = side(self, triangle, region, &off).is_some_and(|side| side > 0.0);
         let outward = if is_outside { 1.0 } else { -1.0 };
-        Nearest {
-            distance: outward * distance,
-            normal: if distance > NO_DIRECTION {
-                off * (outward / distance)
-            } else {
-                self.topology.normals[triangle as usize]
-            },
-        }
+        let normal = if distance > NO_DIRECTION {
+            off * (outward / distance)
+        } else {
+            self.topology.normals[triangle as usize]
+        };
+        Nearest::exact(outward * distance, normal)
     }
 }
 

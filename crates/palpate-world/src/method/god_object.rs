@@ -343,8 +343,8 @@ fn seen(
     let mut first = moving.parts[point.first].rigid;
     first.position = place;
     let second = moving.parts[point.second].rigid;
-    match point.solid {
-        Solid::Mesh {
+    match &point.solid {
+        &Solid::Mesh {
             surface, point: of, ..
         } => {
             if of == 0 {

@@ -157,3 +157,20 @@ pub fn compare(one: &World, other: &World, hand: impl Fn() -> Hand, samples: u32
     });
     (largest, apart)
 }
+
+/// An outline in the plane of x and y, counter-clockwise and cut into `triangles`, drawn out along z from -`half` to `half`.
+pub fn drawn_out(outline: &[[f64; 2]], triangles: &[[u32; 3]], half: f64) -> Mesh {
+    let count = u32::try_from(outline.len()).unwrap();
+    let at = |z: f64| outline.iter().map(move |&[x, y]| [x, y, z]);
+    let vertices: Vec<Vector> = at(-half).chain(at(half)).collect();
+    let mut faces = Vec::new();
+    for &[a, b, c] in triangles {
+        faces.extend([[a, c, b], [a + count, b + count, c + count]]);
+    }
+    for corner in 0..count {
+        let next = (corner + 1) % count;
+        faces.push([corner, next, next + count]);
+        faces.push([corner, next + count, corner + count]);
+    }
+    Mesh::new(&vertices, &faces).unwrap()
+}

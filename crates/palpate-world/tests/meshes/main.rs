@@ -1,6 +1,7 @@
 //! Laws of contact with triangle meshes, each beside the shape that the mesh is one of.
 
 mod common;
+mod grids;
 mod moving;
 mod refusals;
 mod sides;

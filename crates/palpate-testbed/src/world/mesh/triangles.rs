@@ -2,9 +2,11 @@
 
 use std::collections::HashMap;
 use std::fmt;
+use std::sync::Arc;
 
 use thiserror::Error;
 
+use crate::world::field::Field;
 use crate::world::scene::Vector;
 use crate::world::vector::Vec3;
 
@@ -41,6 +43,10 @@ pub struct TriangleMesh {
     balls: Vec<(Vec3, f64)>,
     side: f64,
     cells: HashMap<[i64; 3], Vec<usize>>,
+    /// Points by which it touches other shapes than spheres, and how many of them share a law.
+    points: Option<(Vec<Vec3>, usize)>,
+    /// The solid as those points of others meet it.
+    field: Option<Arc<Field>>,
 }
 
 impl fmt::Debug for TriangleMesh {
@@ -55,6 +61,42 @@ impl fmt::Debug for TriangleMesh {
 }
 
 impl TriangleMesh {
+    /// The same surface with points \[m\] by which it touches other shapes than spheres; `shared_by` of them, at least one,
+    /// share a contact's law.
+    #[must_use]
+    pub fn with_points(self, points: &[Vector], shared_by: usize) -> Self {
+        let points = points.iter().map(|&point| Vec3(point)).collect();
+        Self {
+            points: Some((points, shared_by.max(1))),
+            ..self
+        }
+    }
+
+    /// The same surface with the function that the points of other meshes meet.
+    #[must_use]
+    pub fn with_field(self, field: Field) -> Self {
+        Self {
+            field: Some(Arc::new(field)),
+            ..self
+        }
+    }
+
+    /// Its points, and how many of them share a law.
+    pub(in crate::world) fn points(&self) -> Option<(&[Vec3], usize)> {
+        let (points, shared_by) = self.points.as_ref()?;
+        Some((points, *shared_by))
+    }
+
+    pub(in crate::world) fn field(&self) -> Option<&Arc<Field>> {
+        self.field.as_ref()
+    }
+
+    /// Largest distance of a vertex from the origin \[m\].
+    pub(in crate::world) fn reach(&self) -> f64 {
+        let each = self.vertices.iter().map(|vertex| vertex.norm());
+        each.fold(0.0, f64::max)
+    }
+
     /// A mesh of `vertices` \[m\] and faces, each by the numbers of its corners from 0.
     ///
     /// # Errors
@@ -74,6 +116,8 @@ impl TriangleMesh {
             balls: Vec::with_capacity(faces.len()),
             side: 1.0,
             cells: HashMap::new(),
+            points: None,
+            field: None,
             vertices,
             faces,
         };

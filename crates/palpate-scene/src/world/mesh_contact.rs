@@ -1,0 +1,115 @@
+//! By what a mesh touches other shapes than spheres: a shell of points, and a grid of distances, which may be kept in a file.
+
+use std::path::Path;
+
+use palpate_files::atomic;
+use palpate_files::bounded::DISTANCE_GRID;
+use palpate_world::{DistanceGrid, Mesh, PointShell};
+use serde::Deserialize;
+
+/// Keys of a shell of points.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawShell {
+    points: usize,
+    shared_by: Option<usize>,
+}
+
+impl RawShell {
+    /// The mesh with the shell, and the shell in words.
+    pub fn onto(self, mesh: Mesh) -> Result<(Mesh, String), String> {
+        let shell = PointShell::over(&mesh, self.points);
+        let shell = match self.shared_by {
+            Some(points) => shell.and_then(|shell| shell.shared_by(points)),
+            None => shell,
+        };
+        let shell = shell.map_err(|error| error.to_string())?;
+        let words = format!(
+            "a shell of {} points, of which {} share a law, and no place of the surface further than {:.3} mm from one",
+            shell.points().len(),
+            shell.sharers(),
+            1e3 * shell.widest_gap()
+        );
+        Ok((mesh.with_shell(shell), words))
+    }
+}
+
+/// Keys of a grid of distances.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RawDistanceGrid {
+    spacing_m: f64,
+    file: Option<String>,
+}
+
+impl RawDistanceGrid {
+    /// The mesh with the grid, and the grid in words. A file is looked for in `folder`; where it has the grid of another mesh
+    /// or spacing, or there is none, the grid is made and kept there.
+    pub fn onto(&self, mesh: Mesh, folder: &Path) -> Result<(Mesh, String), String> {
+        let spacing = self.spacing_m;
+        let make = || DistanceGrid::of(&mesh, spacing).map_err(|error| error.to_string());
+        let (grid, whence) = match &self.file {
+            None => (make()?, String::new()),
+            Some(name) => {
+                let path = folder.join(name);
+                match kept(&path, &mesh, spacing)? {
+                    Kept::Grid(grid) => (*grid, format!(", from {name}")),
+                    other => {
+                        let grid = make()?;
+                        let why = match other {
+                            Kept::OfAnother => {
+                                ", made anew, for the one that was there is of another mesh or spacing,"
+                            }
+                            _ => ",",
+                        };
+                        let put = atomic::write(&path, |file| file.write_all(&grid.to_bytes()));
+                        let whence = match put {
+                            Ok(()) => format!("{why} kept in {name}"),
+                            // The scene is whole without the file; next time it takes as long again.
+                            Err(error) => format!("{why} not kept: {error}"),
+                        };
+                        (grid, whence)
+                    }
+                }
+            }
+        };
+        let [x, y, z] = grid.counts();
+        let error = grid.error();
+        let words = format!(
+            "a distance grid of {x} x {y} x {z} nodes{whence}; its surface is off that of the mesh by up to {:.3} mm, \
+             {:.4} mm in the root mean square",
+            1e3 * error.largest,
+            1e3 * error.root_mean_square
+        );
+        let mesh = mesh.with_grid(grid).map_err(|error| error.to_string())?;
+        Ok((mesh, words))
+    }
+}
+
+/// What a file has.
+enum Kept {
+    /// The grid that is asked for.
+    Grid(Box<DistanceGrid>),
+    /// The grid of another mesh or spacing.
+    OfAnother,
+    /// There is no file.
+    Nothing,
+}
+
+fn kept(path: &Path, mesh: &Mesh, spacing: f64) -> Result<Kept, String> {
+    let shown = path.display();
+    let bytes = match DISTANCE_GRID.bytes(path) {
+        Ok(bytes) => bytes,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Kept::Nothing),
+        // A target without files has none to keep it in.
+        Err(error) if error.kind() == std::io::ErrorKind::Unsupported => return Ok(Kept::Nothing),
+        Err(error) => return Err(format!("{shown}: {error}")),
+    };
+    match DistanceGrid::from_bytes(&bytes, mesh, spacing) {
+        Ok(Some(grid)) => Ok(Kept::Grid(Box::new(grid))),
+        Ok(None) => Ok(Kept::OfAnother),
+        Err(error) => Err(format!(
+            "{shown}: {error}; remove it, or name another file for the distance grid"
+        )),
+    }
+}

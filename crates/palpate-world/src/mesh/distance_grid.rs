@@ -1,0 +1,623 @@
+//! Signed distances from a mesh at the nodes of a grid, and a smooth function through them.
+//!
+//! The function is the cubic spline through the distances at the nodes (tensor product of B-splines), so value,
+//! gradient and curvature are continuous: a point that slides over the grid is pushed without a jump. Where the distance
+//! itself has a bend, at an edge or half way between two walls, the spline rounds it over about one spacing.
+
+use std::sync::Arc;
+
+use super::build::Mesh;
+use super::nearest::{nearest_of, side};
+use super::triangle::nearest;
+use crate::Vector;
+use crate::rigid::{Rotation, Vector3};
+use crate::solid::Nearest;
+
+/// Spacings between the mesh and the border of the grid.
+const MARGIN: f64 = 4.0;
+/// Spacings of the border that have no function: a spline needs a node on both sides of a cell.
+const RIM: f64 = 1.0;
+/// A point in a cell whose first node is this many spacings from the surface, and more, is apart from it.
+const FAR: f64 = 4.0;
+/// By how many spacings the distance of a point may be less than that of its cell's first node: the diagonal of a cell,
+/// and what a spline overshoots.
+const LESS: f64 = 2.0;
+/// Where the gradient is shorter than this, two parts of the surface are equally near, and the normal is any.
+const NO_GRADIENT: f64 = 1e-6;
+
+/// A grid of signed distances, in the axes of the mesh that it is of.
+///
+/// Points touch it: see [`Mesh::with_grid`].
+#[derive(Clone, PartialEq)]
+pub struct DistanceGrid {
+    nodes: Arc<Nodes>,
+    /// Where the axes of the nodes begin in those of the mesh, and how they are turned there.
+    origin: Vector3,
+    axes: Rotation,
+}
+
+#[derive(PartialEq)]
+struct Nodes {
+    /// What the grid was made from: see [`fingerprint`].
+    made_from: u64,
+    spacing: f64,
+    /// Where the first node is `[m]`.
+    least: Vector3,
+    counts: [usize; 3],
+    /// Coefficients of the B-splines `[m]`, x fastest.
+    coefficients: Vec<f32>,
+    error: GridError,
+}
+
+/// How far the surface of a grid is from that of its mesh, over all corners and middles of triangles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GridError {
+    /// `[m]`
+    pub largest: f64,
+    /// Root of the mean of the squares `[m]`.
+    pub root_mean_square: f64,
+}
+
+/// Why there is no grid of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum InvalidGrid {
+    /// No inside.
+    #[error("the mesh has open edges, so there is no inside and no signed distance; close it")]
+    Open,
+    /// A spacing that is no length.
+    #[error("the spacing is {0} m, and has to be above 0 m")]
+    Spacing(f64),
+    /// Too coarse to hold the mesh.
+    #[error(
+        "the spacing is {spacing} m, and the shortest side of the mesh is {side} m: it has to be four spacings or more"
+    )]
+    Coarse {
+        /// The spacing `[m]`.
+        spacing: f64,
+        /// The shortest side of the box along the axes around the mesh `[m]`.
+        side: f64,
+    },
+    /// Too fine for the memory.
+    #[error(
+        "a spacing of {spacing} m makes {nodes:.3e} nodes, and at most {most} are taken; the least spacing for this mesh \
+         is about {least:.3e} m", most = DistanceGrid::MOST_NODES
+    )]
+    Fine {
+        /// The spacing `[m]`.
+        spacing: f64,
+        /// How many nodes it would take.
+        nodes: f64,
+        /// About the least that fits `[m]`.
+        least: f64,
+    },
+    /// The grid is of another mesh or spacing.
+    #[error("the distance grid was made from another mesh")]
+    OfAnother,
+}
+
+/// What is wrong with the bytes of a grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GridBytesError {
+    /// Something else.
+    #[error(
+        "it is no distance grid of palpate: it does not begin with the words that one begins with"
+    )]
+    NotAGrid,
+    /// Cut off, or changed.
+    #[error(
+        "it is a distance grid that was cut off or changed: its length or its checksum is wrong"
+    )]
+    Broken,
+}
+
+impl std::fmt::Debug for DistanceGrid {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("DistanceGrid")
+            .field("spacing", &self.nodes.spacing)
+            .field("counts", &self.nodes.counts)
+            .field("error", &self.nodes.error)
+            .finish_non_exhaustive()
+    }
+}
+
+impl DistanceGrid {
+    /// Most nodes of a grid: 32 MiB.
+    pub const MOST_NODES: usize = 8 << 20;
+
+    /// The distances from a closed mesh at nodes with a `spacing` `[m]`. Takes about a microsecond for each node.
+    ///
+    /// # Errors
+    /// An open mesh, a spacing that is no length or does not fit the mesh.
+    pub fn of(mesh: &Mesh, spacing: f64) -> Result<Self, InvalidGrid> {
+        let (least, counts) = laid_out(mesh, spacing)?;
+        let mut coefficients = distances(mesh, &least, counts, spacing);
+        through(&mut coefficients, counts);
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "near the surface, seven digits of a few spacings are far below what a spacing rounds off"
+        )]
+        let coefficients = coefficients.iter().map(|&of| of as f32).collect();
+        let nothing = GridError {
+            largest: 0.0,
+            root_mean_square: 0.0,
+        };
+        let mut nodes = Nodes {
+            made_from: fingerprint(mesh, spacing),
+            spacing,
+            least,
+            counts,
+            coefficients,
+            error: nothing,
+        };
+        nodes.error = nodes.error_against(mesh);
+        Ok(Self::in_its_own_axes(nodes))
+    }
+
+    fn in_its_own_axes(nodes: Nodes) -> Self {
+        Self {
+            nodes: Arc::new(nodes),
+            origin: Vector3::zeros(),
+            axes: Rotation::identity(),
+        }
+    }
+
+    /// Distance from node to node `[m]`.
+    #[must_use]
+    pub fn spacing(&self) -> f64 {
+        self.nodes.spacing
+    }
+
+    /// How many nodes there are along each axis.
+    #[must_use]
+    pub fn counts(&self) -> [usize; 3] {
+        self.nodes.counts
+    }
+
+    /// How far its surface is from that of the mesh.
+    #[must_use]
+    pub fn error(&self) -> GridError {
+        self.nodes.error
+    }
+
+    /// Where the first node is, and how the axes of the nodes are turned, in the axes of the mesh `[m]`.
+    #[must_use]
+    pub fn placed(&self) -> (Vector, crate::Quaternion) {
+        let first = self.origin + self.axes * self.nodes.least;
+        let [x, y, z, w]: [f64; 4] = self.axes.coords.into();
+        (first.into(), [w, x, y, z])
+    }
+
+    /// Coefficients of the cubic B-splines, one for each node, those along x fastest `[m]`: the function at a node is
+    /// a sixth of both neighbours' and four sixths of its own, along each axis.
+    #[must_use]
+    pub fn coefficients(&self) -> &[f32] {
+        &self.nodes.coefficients
+    }
+
+    /// Signed distance of `place`, in the mesh's axes, below 0 inside, and its gradient; `None` where the grid ends `[m]`.
+    #[must_use]
+    pub fn distance(&self, place: Vector) -> Option<(f64, Vector)> {
+        let own = self.own(&place.into());
+        let (distance, gradient) = self.nodes.at(&own)?;
+        Some((distance, (self.axes * gradient).into()))
+    }
+
+    fn own(&self, place: &Vector3) -> Vector3 {
+        self.axes.inverse_transform_vector(&(place - self.origin))
+    }
+
+    /// The surface as a point at `place` meets it, in the mesh's axes. Beyond the grid it is at least so far.
+    pub(crate) fn nearest(&self, place: &Vector3) -> Nearest {
+        let own = self.own(place);
+        let nearest = match self.nodes.at(&own) {
+            Some((distance, gradient)) => {
+                let slope = gradient.norm();
+                Nearest {
+                    distance,
+                    normal: if slope > NO_GRADIENT {
+                        gradient / slope
+                    } else {
+                        Vector3::x()
+                    },
+                    slope,
+                }
+            }
+            None => self.nodes.from_outside(&own),
+        };
+        Nearest {
+            normal: self.axes * nearest.normal,
+            ..nearest
+        }
+    }
+
+    /// The same, or nothing near where the surface is certainly further than `reach` `[m]`.
+    pub(crate) fn nearest_within(&self, place: &Vector3, reach: f64) -> Nearest {
+        if self.nodes.is_beyond(&self.own(place), reach) {
+            Nearest::far()
+        } else {
+            self.nearest(place)
+        }
+    }
+
+    /// The same grid in axes that begin at `centre` `[m]` and are turned by `orientation`.
+    pub(super) fn seen_from(&self, centre: &Vector3, orientation: &Rotation) -> Self {
+        Self {
+            nodes: self.nodes.clone(),
+            origin: orientation.inverse_transform_vector(&(self.origin - centre)),
+            axes: orientation.inverse() * self.axes,
+        }
+    }
+
+    /// Whether it was made from this mesh, as it was given.
+    pub(super) fn is_of(&self, mesh: &Mesh) -> bool {
+        self.nodes.made_from == fingerprint(mesh, self.nodes.spacing)
+    }
+}
+
+/// Where the first node is, and how many there are along each axis.
+fn laid_out(mesh: &Mesh, spacing: f64) -> Result<(Vector3, [usize; 3]), InvalidGrid> {
+    if !mesh.is_closed() {
+        return Err(InvalidGrid::Open);
+    }
+    if !(spacing > 0.0 && spacing.is_finite()) {
+        return Err(InvalidGrid::Spacing(spacing));
+    }
+    let (low, high) = mesh.bounds();
+    let size = high - low;
+    let side = size.min();
+    if side < 4.0 * spacing {
+        return Err(InvalidGrid::Coarse { spacing, side });
+    }
+    let along = size.map(|length| (length / spacing).ceil() + 2.0 * MARGIN + 1.0);
+    let nodes = along.product();
+    if nodes > DistanceGrid::MOST_NODES as f64 {
+        let least = spacing * (nodes / DistanceGrid::MOST_NODES as f64).cbrt();
+        return Err(InvalidGrid::Fine {
+            spacing,
+            nodes,
+            least: 1.05 * least,
+        });
+    }
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "their product is below the largest number of nodes"
+    )]
+    let counts = [along.x, along.y, along.z].map(|count| count as usize);
+    let covered = along.map(|count| (count - 1.0) * spacing);
+    Ok(((low + high - covered) * 0.5, counts))
+}
+
+/// The distance at each node.
+fn distances(mesh: &Mesh, least: &Vector3, counts: [usize; 3], spacing: f64) -> Vec<f64> {
+    let [nx, ny, nz] = counts;
+    let mut distances = Vec::with_capacity(nx * ny * nz);
+    for z in 0..nz {
+        for y in 0..ny {
+            for x in 0..nx {
+                let place = least + Vector3::new(x as f64, y as f64, z as f64) * spacing;
+                distances.push(mesh.signed_distance(&place));
+            }
+        }
+    }
+    distances
+}
+
+impl Mesh {
+    /// Of a closed mesh: distance of a place from its surface, below 0 inside `[m]`.
+    fn signed_distance(&self, place: &Vector3) -> f64 {
+        let Some((distance, triangle)) = nearest_of(self, place) else {
+            return f64::INFINITY;
+        };
+        let (on_surface, region) = nearest(self.corners(triangle), place);
+        let is_outside =
+            side(self, triangle, region, &(place - on_surface)).is_some_and(|side| side > 0.0);
+        if is_outside { distance } else { -distance }
+    }
+
+    /// The box along the axes that just holds it `[m]`.
+    fn bounds(&self) -> (Vector3, Vector3) {
+        let places = self.places();
+        let all = |pick: fn(&Vector3, &Vector3) -> Vector3| {
+            let first = places.first().copied().unwrap_or_else(Vector3::zeros);
+            places.iter().fold(first, |one, other| pick(&one, other))
+        };
+        (all(Vector3::inf), all(Vector3::sup))
+    }
+}
+
+/// Turns the values at the nodes into the coefficients of the spline that passes through them, which is straight at its
+/// ends.
+fn through(values: &mut [f64], counts: [usize; 3]) {
+    let [nx, ny, nz] = counts;
+    let strides = [1, nx, nx * ny];
+    let mut line = vec![0.0; nx.max(ny).max(nz)];
+    let mut ratios = line.clone();
+    for axis in 0..3 {
+        let (stride, count) = (strides[axis], counts[axis]);
+        let across = [(axis + 1) % 3, (axis + 2) % 3];
+        for i in 0..counts[across[0]] {
+            for j in 0..counts[across[1]] {
+                let first = i * strides[across[0]] + j * strides[across[1]];
+                for (number, value) in line[..count].iter_mut().enumerate() {
+                    *value = values[first + number * stride];
+                }
+                spline(&mut line[..count], &mut ratios);
+                for (number, value) in line[..count].iter().enumerate() {
+                    values[first + number * stride] = *value;
+                }
+            }
+        }
+    }
+}
+
+/// Solves c[k - 1] + 4 c[k] + c[k + 1] = 6 f[k], with c = f at both ends, in place (Thomas).
+fn spline(line: &mut [f64], ratios: &mut [f64]) {
+    let last = line.len() - 1;
+    ratios[0] = 0.0;
+    for k in 1..last {
+        let pivot = 1.0 / (4.0 - ratios[k - 1]);
+        ratios[k] = pivot;
+        line[k] = (6.0 * line[k] - line[k - 1]) * pivot;
+    }
+    for k in (1..last).rev() {
+        line[k] -= ratios[k] * line[k + 1];
+    }
+}
+
+/// Weights of four neighbouring B-splines in a cell, at a share of its width, and their slopes by that share.
+fn weights(share: f64) -> ([f64; 4], [f64; 4]) {
+    let rest = 1.0 - share;
+    let (square, cube) = (share * share, share * share * share);
+    (
+        [
+            rest * rest * rest / 6.0,
+            (3.0 * cube - 6.0 * square + 4.0) / 6.0,
+            (3.0 * (share + square - cube) + 1.0) / 6.0,
+            cube / 6.0,
+        ],
+        [
+            -0.5 * rest * rest,
+            1.5 * square - 2.0 * share,
+            -1.5 * square + share + 0.5,
+            0.5 * square,
+        ],
+    )
+}
+
+impl Nodes {
+    /// Spacings from the first node along each axis.
+    fn steps_to(&self, own: &Vector3) -> Vector3 {
+        (own - self.least) / self.spacing
+    }
+
+    /// The node before a place along each axis, where there is a function.
+    fn cell(&self, steps: &Vector3) -> Option<[usize; 3]> {
+        let mut cell = [0; 3];
+        for (axis, cell) in cell.iter_mut().enumerate() {
+            let most = self.counts[axis] as f64 - 1.0 - RIM;
+            if !(steps[axis] >= RIM && steps[axis] <= most) {
+                return None;
+            }
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "it lies between two numbers of nodes"
+            )]
+            let before = steps[axis] as usize;
+            // The last place is the end of the last cell.
+            *cell = before.min(self.counts[axis] - 3);
+        }
+        Some(cell)
+    }
+
+    fn number(&self, [x, y, z]: [usize; 3]) -> usize {
+        x + self.counts[0] * (y + self.counts[1] * z)
+    }
+
+    /// Value and gradient of the spline.
+    fn at(&self, own: &Vector3) -> Option<(f64, Vector3)> {
+        let steps = self.steps_to(own);
+        let cell = self.cell(&steps)?;
+        let [(wx, sx), (wy, sy), (wz, sz)] =
+            [0, 1, 2].map(|axis| weights(steps[axis] - cell[axis] as f64));
+        let first = cell.map(|node| node - 1);
+        let (mut value, mut slopes) = (0.0, Vector3::zeros());
+        for z in 0..4 {
+            let (mut plane, mut plane_x, mut plane_y) = (0.0, 0.0, 0.0);
+            for y in 0..4 {
+                let from = self.number([first[0], first[1] + y, first[2] + z]);
+                let row = &self.coefficients[from..from + 4];
+                let (mut along, mut along_x) = (0.0, 0.0);
+                for x in 0..4 {
+                    let of = f64::from(row[x]);
+                    along += wx[x] * of;
+                    along_x += sx[x] * of;
+                }
+                plane += wy[y] * along;
+                plane_x += wy[y] * along_x;
+                plane_y += sy[y] * along;
+            }
+            value += wz[z] * plane;
+            slopes += Vector3::new(wz[z] * plane_x, wz[z] * plane_y, sz[z] * plane);
+        }
+        Some((value, slopes / self.spacing))
+    }
+
+    /// Whether the surface is certainly further than `reach` `[m]`.
+    fn is_beyond(&self, own: &Vector3, reach: f64) -> bool {
+        let steps = self.steps_to(own);
+        match self.cell(&steps) {
+            None => self.from_outside(own).distance > reach,
+            Some(cell) => {
+                let at_node = f64::from(self.coefficients[self.number(cell)]);
+                at_node > FAR * self.spacing && at_node - LESS * self.spacing > reach
+            }
+        }
+    }
+
+    /// Beyond the grid, the surface is at least as far as the box of those places that have a function, and what lies
+    /// between that box and the mesh.
+    fn from_outside(&self, own: &Vector3) -> Nearest {
+        let rim = RIM * self.spacing;
+        let (mut off, mut far) = (Vector3::zeros(), f64::NEG_INFINITY);
+        for axis in 0..3 {
+            let low = self.least[axis] + rim;
+            let high = self.least[axis] + (self.counts[axis] as f64 - 1.0) * self.spacing - rim;
+            off[axis] = own[axis] - own[axis].clamp(low, high.max(low));
+            far = far.max(off[axis].abs());
+        }
+        let length = off.norm();
+        if length.is_nan() || length == 0.0 {
+            return Nearest::far();
+        }
+        Nearest {
+            distance: length + (MARGIN - RIM) * self.spacing,
+            normal: off / length,
+            slope: 1.0,
+        }
+    }
+
+    fn error_against(&self, mesh: &Mesh) -> GridError {
+        let middles = (0..super::tree::size(mesh.faces.len())).map(|triangle| {
+            let [a, b, c] = mesh.corners(triangle);
+            (a + b + c) / 3.0
+        });
+        let places = mesh.places().iter().copied().chain(middles);
+        let (mut largest, mut sum, mut count) = (0.0_f64, 0.0, 0.0);
+        for place in places {
+            let off = self.at(&place).map_or(f64::INFINITY, |(off, _)| off.abs());
+            largest = largest.max(off);
+            sum += off * off;
+            count += 1.0;
+        }
+        GridError {
+            largest,
+            root_mean_square: (sum / count).sqrt(),
+        }
+    }
+}
+
+/// The first bytes of a grid.
+const MAGIC: &[u8] = b"palpate distance grid 1\n";
+/// Bytes before the coefficients, after the magic: nine numbers of eight bytes.
+const HEADER: usize = 9 * 8;
+
+/// A number that is another one for other bytes, but for one case in 2^64 (Fowler, Noll, Vo: FNV-1a).
+struct Fnv(u64);
+
+impl Fnv {
+    fn new() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+
+    fn take(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+}
+
+/// Of all numbers that a grid follows from.
+fn fingerprint(mesh: &Mesh, spacing: f64) -> u64 {
+    let mut of = Fnv::new();
+    of.take(&spacing.to_le_bytes());
+    for vertex in mesh.places() {
+        for x in vertex.iter() {
+            of.take(&x.to_le_bytes());
+        }
+    }
+    for corner in mesh.faces().iter().flatten() {
+        of.take(&corner.to_le_bytes());
+    }
+    of.0
+}
+
+impl DistanceGrid {
+    /// The grid as bytes, to be kept beside the mesh: making one takes a while.
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let nodes = &*self.nodes;
+        let mut bytes = Vec::with_capacity(MAGIC.len() + HEADER + 4 * nodes.coefficients.len() + 8);
+        bytes.extend(MAGIC);
+        bytes.extend(nodes.made_from.to_le_bytes());
+        let numbers = [
+            nodes.spacing,
+            nodes.least.x,
+            nodes.least.y,
+            nodes.least.z,
+            nodes.error.largest,
+            nodes.error.root_mean_square,
+        ];
+        bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+        let counts = nodes.counts.map(|count| super::tree::size(count));
+        bytes.extend(counts.iter().flat_map(|count| count.to_le_bytes()));
+        bytes.extend([0; 4]);
+        let coefficients = nodes.coefficients.iter();
+        bytes.extend(coefficients.flat_map(|number| number.to_le_bytes()));
+        let mut sum = Fnv::new();
+        sum.take(&bytes);
+        bytes.extend(sum.0.to_le_bytes());
+        bytes
+    }
+
+    /// The grid that [`to_bytes`](Self::to_bytes) wrote, if it is of this mesh with this spacing `[m]`; `None` where it is of
+    /// another one.
+    ///
+    /// # Errors
+    /// Bytes that are not a whole grid.
+    pub fn from_bytes(
+        bytes: &[u8],
+        mesh: &Mesh,
+        spacing: f64,
+    ) -> Result<Option<Self>, GridBytesError> {
+        let after = bytes.strip_prefix(MAGIC).ok_or(GridBytesError::NotAGrid)?;
+        let (before, sum) = bytes
+            .split_last_chunk::<8>()
+            .ok_or(GridBytesError::Broken)?;
+        let mut of = Fnv::new();
+        of.take(before);
+        if of.0 != u64::from_le_bytes(*sum) || after.len() < HEADER + 8 {
+            return Err(GridBytesError::Broken);
+        }
+        let (header, rest) = after.split_at(HEADER);
+        let eight =
+            |number: usize| -> [u8; 8] { std::array::from_fn(|byte| header[8 * number + byte]) };
+        let number = |place: usize| f64::from_le_bytes(eight(place));
+        let count = |place: usize| -> usize {
+            let from = 7 * 8 + 4 * place;
+            u32::from_le_bytes(std::array::from_fn(|byte| header[from + byte])) as usize
+        };
+        let counts = [0, 1, 2].map(count);
+        let all = counts
+            .iter()
+            .try_fold(4_usize, |product, &count| product.checked_mul(count));
+        if all != Some(rest.len() - 8) || counts.iter().any(|&count| count < 4) {
+            return Err(GridBytesError::Broken);
+        }
+        let made_from = u64::from_le_bytes(eight(0));
+        if made_from != fingerprint(mesh, spacing) {
+            return Ok(None);
+        }
+        let coefficients = rest[..rest.len() - 8].chunks_exact(4);
+        let nodes = Nodes {
+            made_from,
+            spacing: number(1),
+            least: Vector3::new(number(2), number(3), number(4)),
+            counts,
+            coefficients: coefficients
+                .map(|bytes| f32::from_le_bytes(std::array::from_fn(|byte| bytes[byte])))
+                .collect(),
+            error: GridError {
+                largest: number(5),
+                root_mean_square: number(6),
+            },
+        };
+        Ok(Some(Self::in_its_own_axes(nodes)))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,323 @@
+//! Points spread over a mesh's surface, by which it touches other solids.
+
+use super::build::Mesh;
+use crate::Vector;
+use crate::convex::hull;
+use crate::pairs::MOST_POINTS;
+use crate::rigid::{Rotation, Vector3};
+
+/// Places of a triangle that a point may have lie about this share of the mean way between points apart.
+const CANDIDATES: f64 = 0.25;
+/// Most places of one triangle along an edge, and of all triangles together, about.
+const MOST_ALONG: f64 = 64.0;
+const MOST_CANDIDATES: f64 = 2e5;
+/// A point is in the plane of a triangle if it is nearer to it than this share of the mesh's size.
+const IN_PLANE: f64 = 1e-6;
+
+/// Points of a surface. Each is where the mesh may touch, with the same share of a contact's law.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointShell {
+    places: Vec<Vector3>,
+    shared_by: usize,
+    widest: f64,
+}
+
+/// Why a mesh has no such shell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum InvalidShell {
+    /// Too few points, or too many.
+    #[error("a shell of {0} points: it has to have 4 to {most}, as many points of contact as a world may have", most = PointShell::MOST_POINTS)]
+    Points(usize),
+    /// A share that none has.
+    #[error(
+        "the law is shared by {shared_by} points, and has to be by 1 to {points}, all that there are"
+    )]
+    SharedBy {
+        /// What was asked for.
+        shared_by: usize,
+        /// How many points there are.
+        points: usize,
+    },
+}
+
+impl PointShell {
+    /// Most points of a shell.
+    pub const MOST_POINTS: usize = MOST_POINTS;
+
+    /// So many `points`, 4 or more, spread over a mesh. All corners of its convex hull are among them; where that has more,
+    /// half of the points are vertices. The others are wherever the gap between points is widest.
+    ///
+    /// # Errors
+    /// Another number of points than may be.
+    pub fn over(mesh: &Mesh, points: usize) -> Result<Self, InvalidShell> {
+        if !(4..=Self::MOST_POINTS).contains(&points) {
+            return Err(InvalidShell::Points(points));
+        }
+        let size = mesh.reach();
+        // Where it stands out most, it is the first to touch; a round solid does so at any of its vertices.
+        let corners = hull(mesh.places(), IN_PLANE * size, points);
+        let (corners, most) = match corners {
+            Ok((corners, _)) => (corners, points),
+            Err(_) => (mesh.places().to_vec(), points.div_ceil(2)),
+        };
+        let all = candidates(mesh, points);
+        let mut places = Vec::with_capacity(points);
+        let middle = corners.iter().sum::<Vector3>() / corners.len() as f64;
+        spread(&mut places, &corners, most, &middle);
+        let widest = spread(&mut places, &all, points, &middle);
+        let shared_by = most_in_a_plane(mesh, &places, IN_PLANE * size);
+        Ok(Self {
+            places,
+            shared_by,
+            widest,
+        })
+    }
+
+    /// The same points, of which so many share a contact's law: each has K, B and k_t over that number.
+    ///
+    /// # Errors
+    /// No point, or more than there are.
+    pub fn shared_by(self, points: usize) -> Result<Self, InvalidShell> {
+        if !(1..=self.places.len()).contains(&points) {
+            return Err(InvalidShell::SharedBy {
+                shared_by: points,
+                points: self.places.len(),
+            });
+        }
+        Ok(Self {
+            shared_by: points,
+            ..self
+        })
+    }
+
+    /// The points, in the mesh's axes `[m]`.
+    #[must_use]
+    pub fn points(&self) -> Vec<Vector> {
+        self.places.iter().map(|&place| place.into()).collect()
+    }
+
+    /// How many points share a contact's law. Unless it was given, this is the largest number that lies in the plane of a
+    /// triangle: a flat side that lies on a plane has the whole stiffness then, or less.
+    #[must_use]
+    pub fn sharers(&self) -> usize {
+        self.shared_by
+    }
+
+    /// No place of the surface is further than this from a point `[m]`: what is narrower may pass between points.
+    #[must_use]
+    pub fn widest_gap(&self) -> f64 {
+        self.widest
+    }
+
+    pub(crate) fn places(&self) -> &[Vector3] {
+        &self.places
+    }
+
+    /// The same points in axes that begin at `centre` `[m]` and are turned by `orientation`.
+    pub(super) fn seen_from(&self, centre: &Vector3, orientation: &Rotation) -> Self {
+        let places = self.places.iter();
+        Self {
+            places: places
+                .map(|place| orientation.inverse_transform_vector(&(place - centre)))
+                .collect(),
+            ..*self
+        }
+    }
+}
+
+/// Adds places until there are `count`: each time the one that is furthest from all that are there; first of all, that
+/// which is furthest from `middle`. Returns how far the furthest place of all is from those then `[m]`.
+fn spread(places: &mut Vec<Vector3>, from: &[Vector3], count: usize, middle: &Vector3) -> f64 {
+    let off = |place: &Vector3, to: &Vector3| (place - to).norm_squared();
+    let mut nearest: Vec<f64> = from
+        .iter()
+        .map(|place| {
+            let each = places.iter().map(|other| off(place, other));
+            each.fold(f64::INFINITY, f64::min)
+        })
+        .collect();
+    loop {
+        let furthest = (0..from.len()).max_by(|&a, &b| {
+            let key = |number: usize| {
+                if places.is_empty() {
+                    off(&from[number], middle)
+                } else {
+                    nearest[number]
+                }
+            };
+            // Of equals the first.
+            key(a).total_cmp(&key(b)).then(b.cmp(&a))
+        });
+        let Some(furthest) = furthest else {
+            return 0.0;
+        };
+        let way = nearest[furthest];
+        if places.len() >= count || way == 0.0 {
+            return way.sqrt();
+        }
+        let place = from[furthest];
+        places.push(place);
+        for (nearest, other) in nearest.iter_mut().zip(from) {
+            *nearest = nearest.min(off(other, &place));
+        }
+    }
+}
+
+/// Places of the surface among which points are chosen: all corners, and those of a lattice on each triangle.
+fn candidates(mesh: &Mesh, points: usize) -> Vec<Vector3> {
+    let triangles = || (0..super::tree::size(mesh.faces.len())).map(|number| mesh.corners(number));
+    let area_of = |[a, b, c]: [&Vector3; 3]| 0.5 * (b - a).cross(&(c - a)).norm();
+    let area: f64 = triangles().map(area_of).sum();
+    let finest = (2.0 * area / MOST_CANDIDATES).sqrt();
+    let apart = (CANDIDATES * (area / points as f64).sqrt()).max(finest);
+    let mut all = mesh.places().to_vec();
+    for [a, b, c] in triangles() {
+        let longest = [b - a, c - b, a - c].map(|side| side.norm());
+        let longest = longest.into_iter().fold(0.0, f64::max);
+        let along = (longest / apart).ceil().min(MOST_ALONG);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "it is at most MOST_ALONG"
+        )]
+        let along = along as u32;
+        for i in 0..=along {
+            for j in 0..=along - i {
+                let [s, t] = [i, j].map(|k| f64::from(k) / f64::from(along));
+                all.push(a + (b - a) * s + (c - a) * t);
+            }
+        }
+    }
+    all
+}
+
+fn most_in_a_plane(mesh: &Mesh, places: &[Vector3], slack: f64) -> usize {
+    let normals = &mesh.topology.normals;
+    let in_plane = |(number, normal): (u32, &Vector3)| {
+        let [corner, ..] = mesh.corners(number);
+        let is_in = |place: &&Vector3| normal.dot(&(*place - corner)).abs() <= slack;
+        places.iter().filter(is_in).count()
+    };
+    (0..).zip(normals).map(in_plane).max().unwrap_or(0).max(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A block of 20 x 10 x 30 mm, each side cut into squares of 5 mm.
+    fn block() -> Mesh {
+        let [nx, ny, nz] = [4_u32, 2, 6];
+        let number = |x: u32, y: u32, z: u32| x + (nx + 1) * (y + (ny + 1) * z);
+        let mut vertices = Vec::new();
+        for z in 0..=nz {
+            for y in 0..=ny {
+                for x in 0..=nx {
+                    vertices.push([x, y, z].map(|k| 5e-3 * f64::from(k)));
+                }
+            }
+        }
+        let mut faces = Vec::new();
+        let mut square = |a: u32, b: u32, c: u32, d: u32| {
+            faces.push([a, b, c]);
+            faces.push([a, c, d]);
+        };
+        for x in 0..nx {
+            for y in 0..ny {
+                for (z, up) in [(0, false), (nz, true)] {
+                    let corners = [
+                        number(x, y, z),
+                        number(x + 1, y, z),
+                        number(x + 1, y + 1, z),
+                        number(x, y + 1, z),
+                    ];
+                    let [a, b, c, d] = corners;
+                    if up {
+                        square(a, b, c, d)
+                    } else {
+                        square(a, d, c, b)
+                    }
+                }
+            }
+            for z in 0..nz {
+                for (y, back) in [(0, false), (ny, true)] {
+                    let [a, b, c, d] = [
+                        number(x, y, z),
+                        number(x + 1, y, z),
+                        number(x + 1, y, z + 1),
+                        number(x, y, z + 1),
+                    ];
+                    if back {
+                        square(a, d, c, b)
+                    } else {
+                        square(a, b, c, d)
+                    }
+                }
+            }
+        }
+        for y in 0..ny {
+            for z in 0..nz {
+                for (x, right) in [(0, false), (nx, true)] {
+                    let [a, b, c, d] = [
+                        number(x, y, z),
+                        number(x, y + 1, z),
+                        number(x, y + 1, z + 1),
+                        number(x, y, z + 1),
+                    ];
+                    if right {
+                        square(a, b, c, d)
+                    } else {
+                        square(a, d, c, b)
+                    }
+                }
+            }
+        }
+        // Vertices inside the block belong to no triangle.
+        Mesh::new(&vertices, &faces).unwrap()
+    }
+
+    #[test]
+    fn the_corners_come_first_and_no_place_is_far_from_a_point() {
+        let mesh = block();
+        assert!((mesh.volume() - 6e-6).abs() < 1e-15);
+        let shell = PointShell::over(&mesh, 40).unwrap();
+        assert_eq!(shell.points().len(), 40);
+        for corner in 0..8 {
+            let at = [2e-2, 1e-2, 3e-2];
+            let corner: Vector = [0, 1, 2].map(|axis| {
+                if corner >> axis & 1 == 0 {
+                    0.0
+                } else {
+                    at[axis]
+                }
+            });
+            let is_there = |point: &Vector| {
+                let off = Vector3::from(*point) - Vector3::from(corner);
+                off.norm() < 1e-12
+            };
+            assert!(shell.points().iter().any(is_there), "{corner:?}");
+        }
+        // 2200 mm^2 by 40 points: squares of 7.4 mm.
+        assert!(shell.widest_gap() < 7.5e-3, "{}", shell.widest_gap());
+        let on_largest = shell.points().iter().filter(|p| p[1].abs() < 1e-12).count();
+        assert!(shell.sharers() >= on_largest && on_largest > 6);
+    }
+
+    #[test]
+    fn what_cannot_be_a_shell_is_refused() {
+        let mesh = block();
+        assert_eq!(
+            PointShell::over(&mesh, 3).unwrap_err(),
+            InvalidShell::Points(3)
+        );
+        assert_eq!(
+            PointShell::over(&mesh, 65).unwrap_err(),
+            InvalidShell::Points(65)
+        );
+        let shell = PointShell::over(&mesh, 8).unwrap();
+        assert!(shell.clone().shared_by(0).is_err());
+        assert!(shell.clone().shared_by(9).is_err());
+        assert_eq!(shell.shared_by(8).unwrap().sharers(), 8);
+    }
+}
