@@ -318,6 +318,16 @@ fn a_device_of_six_axes_is_run_and_its_turns_and_torques_are_recorded() {
     assert!(torque > 0.01 && torque <= 1.0, "{torque} N m");
     assert!(turned > 0.05, "{turned}");
     assert!(avatar > 0.0 && avatar < 0.15, "{avatar}");
+    // Its motion, under another method; the first samples have the same torques.
+    let replayed = folder.json("replay box.mcap --method basic,coupled --out replayed.csv");
+    let methods = replayed["methods"].as_array().unwrap();
+    let error = |place: usize| number(&methods[place]["sum"], "mean_force_error_percent");
+    assert!(error(1) < 0.5 * error(0), "{} {}", error(1), error(0));
+    let table = folder.read("replayed.csv");
+    let header = "method,device,t_s,x_m,y_m,z_m,fx_n,fy_n,fz_n,qw,qx,qy,qz,tx_n_m,ty_n_m,tz_n_m";
+    assert_eq!(table.lines().next(), Some(header));
+    let samples = replayed["samples"].as_u64().unwrap();
+    assert_eq!(table.lines().count() as u64, 1 + 2 * samples);
     folder.succeed("convert box.mcap");
     assert!(folder.read("box.csv").contains("delivered_torque_1_n_m"));
 

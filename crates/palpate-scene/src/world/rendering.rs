@@ -20,6 +20,9 @@ pub struct WorldSettings {
     pub coupling: Coupling,
 }
 
+/// Moments of inertia of a device that is led: a newton metre turns it by 5e-13 rad in a millisecond `[kg m^2]`.
+const NOT_TURNED_BY_TORQUES: f64 = 1e6;
+
 impl WorldSettings {
     /// The method of that name for so many tools; `turns`: whether one of them turns. `None`: these settings have no
     /// method of that name.
@@ -125,13 +128,16 @@ impl WorldScene {
         }
     }
 
-    /// The scene with devices that are led along a recorded motion: its renderer is told that no force moves them, and has
-    /// no guard.
+    /// The scene with devices that are led along a recorded motion: its renderer is told that no force moves them and no torque turns
+    /// them, and has no guard.
     #[must_use]
     pub fn led(&self) -> Self {
         let mut scene = self.clone();
         for mass in &mut scene.render.device_mass {
             *mass = [f64::INFINITY; 3];
+        }
+        for inertia in scene.render.device_inertia.iter_mut().flatten() {
+            *inertia = [NOT_TURNED_BY_TORQUES; 3];
         }
         // Nobody holds them.
         scene.render.guard = WorldGuard::Off;

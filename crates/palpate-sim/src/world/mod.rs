@@ -46,6 +46,8 @@ pub struct WorldRun {
     pub method: String,
     /// Force on each tool that was commanded at each sample: `[sample][device]` `[N]`.
     pub commanded: Vec<Vec<Vector>>,
+    /// Torque on each tool likewise `[N m]`.
+    pub commanded_torques: Vec<Vec<Vector>>,
     /// Force on each tool over each interval of the ideal's grid, as its actuator gave it: `[device][interval]` `[N]`.
     pub delivered: Vec<Vec<Vector>>,
     /// Torque on each tool likewise `[N m]`.
@@ -98,7 +100,8 @@ impl WorldBench {
     /// lasts. What the renderers command goes through the scene's actuators and moves no device.
     ///
     /// # Errors
-    /// The motion is too long, has another number of devices, or the scene has no ideal; a device of six axes.
+    /// The motion is too long, has another number of devices, or the scene has no ideal; a device of six axes, and a motion
+    /// without orientations.
     pub fn led(scene: &WorldScene, path: LedPath) -> Result<Self, WorldBenchError> {
         let periods = (path.end() / scene.timing.period * (1.0 + 1e-9)).floor();
         // What is still on its way when the motion ends is not judged.
@@ -193,6 +196,7 @@ impl WorldBench {
         let mut run = WorldRun {
             method: method.to_owned(),
             commanded: Vec::new(),
+            commanded_torques: Vec::new(),
             delivered: Vec::new(),
             delivered_torques: Vec::new(),
             positions: Vec::new(),
@@ -210,14 +214,18 @@ impl WorldBench {
         let end = grid.edge(grid.intervals());
         let period = self.params.period;
         while plant.time() < end - 0.5 * period {
-            let (mut measured, turned) = (plant.measure(), plant.measure_orientations());
-            let mut positions = plant.positions();
+            let (mut measured, mut turned) = (plant.measure(), plant.measure_orientations());
+            let (mut positions, mut orientations) = (plant.positions(), plant.orientations());
             if let Some(path) = &self.path {
                 measured = path.at(plant.time());
                 positions.clone_from(&measured);
+                if path.turns() {
+                    turned = path.orientations_at(plant.time());
+                    orientations.clone_from(&turned);
+                }
             }
             run.positions.push(positions);
-            run.orientations.push(plant.orientations());
+            run.orientations.push(orientations);
             let sample = Sample::at(&measured).turned(&turned);
             let output = renderer.step(&mut state, &sample);
             run.refused += usize::from(output.fault.is_some());
@@ -225,6 +233,7 @@ impl WorldBench {
             run.guarded += usize::from(output.limited.guard);
             run.coarse += usize::from(output.effort.unrefined > 0);
             run.commanded.push(output.forces.to_vec());
+            run.commanded_torques.push(output.torques.to_vec());
             plant.hold_wrenches(output.forces, output.torques);
         }
         let devices = 0..self.judged.devices.len();

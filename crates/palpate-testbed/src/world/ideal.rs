@@ -67,7 +67,7 @@ impl WorldIdeal {
     /// # Errors
     ///
     /// Those of [`with_tolerance`](Self::with_tolerance), a path of another number of devices, one that ends before the
-    /// window, or a device that turns.
+    /// window, or a device that turns where the path says no orientations.
     pub fn led(
         scene: &WorldScene,
         grid: Grid,
@@ -89,10 +89,10 @@ impl WorldIdeal {
         let turns = scene.devices.iter().filter(|it| it.turning.is_some());
         let turns = turns.count();
         InvalidParameter::unless(
-            turns == 0,
+            turns == 0 || path.turns(),
             "devices.turning".to_owned(),
             turns as f64,
-            "0: no device that is led turns",
+            "0 on a path without orientations",
         )?;
         Self::solve(&path.unmoved(scene), grid, tolerance, Some(path))
     }

@@ -2,17 +2,23 @@
 
 use super::contact::WorldError;
 use super::run::Run;
-use super::scene::{Vector, WorldHand, WorldScene};
+use super::scene::{Vector, WorldHand, WorldScene, unit_length};
+use super::turning::{TurningHand, rotation_vector, turned_by};
+use super::vector::Vec3;
 use crate::InvalidParameter;
 
-/// Mass of a device that no force moves \[kg\].
+/// Mass of a device that no force moves \[kg\], and moments of inertia of one that no torque turns \[kg m²\].
 const UNMOVED: f64 = 1e15;
+/// An orientation \[w, x, y, z\].
+type Quaternion = [f64; 4];
 
-/// A motion of all devices of a scene: straight lines between points in time.
+/// A motion of all devices of a scene: straight lines between points in time, and rotations about one axis at one rate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LedPath {
     times: Vec<f64>,
     positions: Vec<Vec<Vector>>,
+    /// Empty where no orientation is known.
+    orientations: Vec<Vec<Quaternion>>,
 }
 
 impl LedPath {
@@ -63,7 +69,66 @@ impl LedPath {
                 unless(place.is_finite(), "path.positions", *place, "finite")?;
             }
         }
-        Ok(Self { times, positions })
+        Ok(Self {
+            times,
+            positions,
+            orientations: Vec::new(),
+        })
+    }
+
+    /// The same motion of devices that turn, with `orientations[point][device]`, unit quaternions \[w, x, y, z\]. From point to
+    /// point each device goes the shorter way round.
+    ///
+    /// # Errors
+    ///
+    /// Other numbers of points or devices than positions, or a quaternion whose length is not 1.
+    pub fn turned(
+        self,
+        orientations: Vec<Vec<Quaternion>>,
+    ) -> Result<Self, InvalidParameter<String>> {
+        let devices = self.devices();
+        let fits = orientations.len() == self.times.len()
+            && orientations.iter().all(|each| each.len() == devices);
+        InvalidParameter::unless(
+            fits,
+            "path.orientations".to_owned(),
+            orientations.len() as f64,
+            "one for each point and device",
+        )?;
+        for orientation in orientations.iter().flatten() {
+            unit_length("path.orientations", orientation)?;
+        }
+        Ok(Self {
+            orientations,
+            ..self
+        })
+    }
+
+    /// Whether it says how the devices are turned.
+    #[must_use]
+    pub fn turns(&self) -> bool {
+        !self.orientations.is_empty()
+    }
+
+    /// How each device is turned at a time \[s\]; none where that is not known.
+    #[must_use]
+    pub fn orientations_at(&self, time: f64) -> Vec<Quaternion> {
+        if !self.turns() {
+            return Vec::new();
+        }
+        let (segment, _) = self.segment(time);
+        let share = self.share(segment, time);
+        let ends = self.orientations[segment]
+            .iter()
+            .zip(&self.orientations[segment + 1]);
+        ends.map(|(&from, &to)| turned_by(rotation_vector(from, to) * share, from))
+            .collect()
+    }
+
+    /// The part of a line that is behind it at a time \[s\].
+    fn share(&self, segment: usize, time: f64) -> f64 {
+        let [from, to] = [self.times[segment], self.times[segment + 1]];
+        ((time - from) / (to - from)).clamp(0.0, 1.0)
     }
 
     /// When it ends \[s\].
@@ -82,8 +147,7 @@ impl LedPath {
     #[must_use]
     pub fn at(&self, time: f64) -> Vec<Vector> {
         let (segment, _) = self.segment(time);
-        let [from, to] = [self.times[segment], self.times[segment + 1]];
-        let share = ((time - from) / (to - from)).clamp(0.0, 1.0);
+        let share = self.share(segment, time);
         let ends = self.positions[segment]
             .iter()
             .zip(&self.positions[segment + 1]);
@@ -111,6 +175,16 @@ impl LedPath {
             device.velocity = [0.0; 3];
             device.quantum = [0.0; 3];
         }
+        let orientations = self.orientations.first().into_iter().flatten();
+        for (device, orientation) in scene.devices.iter_mut().zip(orientations) {
+            if let Some(turning) = &mut device.turning {
+                turning.inertia = [UNMOVED; 3];
+                turning.orientation = *orientation;
+                turning.angular_velocity = [0.0; 3];
+                turning.hand = TurningHand::none();
+                turning.quantum = 0.0;
+            }
+        }
         scene
     }
 
@@ -126,6 +200,11 @@ impl LedPath {
             for (device, ((from, to), here)) in ends.zip(here).enumerate() {
                 let velocity = std::array::from_fn(|axis| (to[axis] - from[axis]) / duration);
                 run.lead(device, here, velocity);
+            }
+            for (device, here) in self.orientations_at(run.time).into_iter().enumerate() {
+                let [from, to] = [segment, segment + 1].map(|it| self.orientations[it][device]);
+                let turning: Vec3 = rotation_vector(from, to) * (1.0 / duration);
+                run.lead_turning(device, here, turning);
             }
             run.settle_anew();
             // Behind the path's last point nothing is looked at.

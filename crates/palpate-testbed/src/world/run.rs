@@ -5,7 +5,7 @@ use super::dormand_prince::Step;
 use super::motion::{Condition, Instant, Mode, System, hand_force, quaternion};
 use super::record::{BodyState, ContactState, DeviceState, Encounter, WorldBooks, WorldState};
 use super::scene::Vector;
-use super::vector::Vec3;
+use super::vector::{Rotation, Vec3};
 
 /// Most steps and events within an interval of the grid.
 const MOST_STEPS: usize = 200_000;
@@ -78,6 +78,19 @@ impl<'a> Run<'a> {
         let place = self.system.layout.device(device);
         self.state[place..place + 3].copy_from_slice(&position);
         self.state[place + 3..place + 6].copy_from_slice(&velocity);
+    }
+
+    /// Turns a device, if it is one that turns, to an orientation with an angular velocity in world axes \[rad/s\];
+    /// [`settle_anew`](Self::settle_anew) has to follow.
+    pub fn lead_turning(&mut self, device: usize, orientation: [f64; 4], velocity: Vec3) {
+        let Some(turning) = &self.system.devices[device].turning else {
+            return;
+        };
+        let place = self.system.layout.device(device);
+        let rotation = Rotation::of_quaternion(orientation);
+        self.state[place + 6..place + 10].copy_from_slice(&orientation);
+        let momentum = turning.angular_momentum(&rotation, velocity);
+        momentum.write(&mut self.state[place + 10..]);
     }
 
     /// Looks at all contacts anew after the state was changed from outside.

@@ -38,9 +38,15 @@ pub fn run(arguments: &RenderArguments, input: &Path) -> Result<(), Failure> {
     let name = input.display().to_string();
     let opened =
         std::fs::File::open(input).map_err(|error| Failure::System(format!("{name}: {error}")))?;
-    let trace = read_world(opened, &name, file.scene.devices.len()).map_err(Failure::input)?;
-    let path = LedPath::new(trace.t_s, trace.positions_m)
-        .map_err(|error| Failure::input(format!("{name}: {error}")))?;
+    let devices = file.scene.devices.iter();
+    let turns: Vec<bool> = devices.map(|device| device.turning.is_some()).collect();
+    let trace = read_world(opened, &name, &turns).map_err(Failure::input)?;
+    let path = LedPath::new(trace.t_s, trace.positions_m);
+    let path = match trace.orientations {
+        none if none.is_empty() => path,
+        orientations => path.and_then(|path| path.turned(orientations)),
+    };
+    let path = path.map_err(|error| Failure::input(format!("{name}: {error}")))?;
     let name = arguments.trace.display().to_string();
     deliver(
         &arguments.flags,
@@ -82,16 +88,22 @@ pub fn deliver(
     print_report(&WorldReport::new(&scene, &bench, &runs), results.json)
 }
 
-/// A row for each method, sample and device: where it was, and the force that was commanded then.
+/// A row for each method, sample and device: where it was, and the force that was commanded then; where a device turns, also
+/// how it was turned, and the torque.
 fn write_forces(
     writer: &mut dyn Write,
     scene: &WorldScene,
     runs: &[WorldRun],
 ) -> std::io::Result<()> {
     let mut csv = csv::Writer::from_writer(writer);
-    csv.write_record([
+    let turns = scene.devices.iter().any(|device| device.turning.is_some());
+    let mut header = vec![
         "method", "device", "t_s", "x_m", "y_m", "z_m", "fx_n", "fy_n", "fz_n",
-    ])?;
+    ];
+    if turns {
+        header.extend(["qw", "qx", "qy", "qz", "tx_n_m", "ty_n_m", "tz_n_m"]);
+    }
+    csv.write_record(header)?;
     for run in runs {
         for (sample, positions) in run.positions.iter().enumerate() {
             let time = sample as f64 * scene.timing.period;
@@ -99,6 +111,11 @@ fn write_forces(
                 let forces = &run.commanded[sample][device];
                 let mut row = vec![run.method.clone(), tool.name.clone(), time.to_string()];
                 row.extend(position.iter().chain(forces).map(ToString::to_string));
+                if turns {
+                    let orientation = &run.orientations[sample][device];
+                    let torques = &run.commanded_torques[sample][device];
+                    row.extend(orientation.iter().chain(torques).map(ToString::to_string));
+                }
                 csv.write_record(row)?;
             }
         }

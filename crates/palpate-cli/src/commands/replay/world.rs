@@ -36,8 +36,13 @@ pub fn run(
                 "{name}: its receipt does not say where the device stands in the world"
             ))
         })?;
+    let turns = file
+        .scene
+        .devices
+        .iter()
+        .any(|device| device.turning.is_some());
     let (path, without) =
-        world_path(recording, |place| frame.in_world(place)).map_err(Failure::input)?;
+        world_path(recording, turns, |place| frame.in_world(place)).map_err(Failure::input)?;
     if without > 0 {
         let ticks = palpate_study::text::counted(without, "tick");
         tell(format_args!(
