@@ -200,6 +200,74 @@ fn a_mesh_is_touched_without_allocating() {
     }
 }
 
+/// Nor does a tick of points on a grid of distances.
+#[test]
+fn points_touch_a_grid_without_allocating() {
+    use palpate_world::{
+        BasicParams, Body, Contact, ContactLaw, CoupledParams, DistanceGrid, Mesh, Motion, Party,
+        PointShell, Sample, Shape, Tool, VirtualCouplingParams, World, WorldLoop, WorldMethod,
+        WorldRenderer,
+    };
+    use std::sync::Arc;
+    let block = |half: f64| {
+        let corner =
+            |number: u32| [0, 1, 2].map(|axis| if number >> axis & 1 == 0 { -half } else { half });
+        let vertices: Vec<[f64; 3]> = (0..8).map(corner).collect();
+        Mesh::convex(&vertices).unwrap()
+    };
+    let (slab, die) = (block(0.05), block(0.01));
+    let grid = DistanceGrid::of(&slab, 0.005).unwrap();
+    let shell = PointShell::over(&die, 32).unwrap();
+    let world = World {
+        joints: Vec::new(),
+        tools: vec![Tool::new("tool", Shape::Mesh(Arc::new(die.with_shell(shell)))).turning()],
+        bodies: vec![Body::new(
+            "slab",
+            Shape::Mesh(Arc::new(slab.with_grid(grid).unwrap())),
+            Motion::Fixed,
+        )],
+        contacts: vec![Contact {
+            between: [Party::Any, Party::Any],
+            law: ContactLaw::spring(2000.0)
+                .with_damping(1.0)
+                .with_friction(0.5),
+        }],
+    };
+    let methods: [WorldMethod; 3] = [
+        BasicParams::default().into(),
+        VirtualCouplingParams {
+            stiffness: vec![1000.0],
+            damping: vec![2.0],
+            mass: vec![0.05],
+            rotational_stiffness: vec![0.5],
+            rotational_damping: vec![1e-3],
+            inertia: vec![1e-5],
+        }
+        .into(),
+        CoupledParams::new(vec![[0.15; 3]])
+            .with_device_inertia(vec![[4e-5; 3]])
+            .into(),
+    ];
+    for method in methods {
+        let renderer = WorldRenderer::new(&world, WorldLoop::new(0.001), method).unwrap();
+        let mut state = renderer.start();
+        let mut forces = 0;
+        let count = allocations(|| {
+            for tick in 0..400 {
+                let t = f64::from(tick) * 0.001;
+                let half: f64 = 0.2 * (11.0 * t).sin();
+                let orientations = [[half.cos(), half.sin(), 0.0, 0.0]];
+                let positions = [[0.02 * t, 0.0, 0.0605 - 0.002 * (40.0 * t).sin()]];
+                let sample = Sample::at(&positions).turned(&orientations);
+                let output = renderer.step(&mut state, &sample);
+                forces += usize::from(output.forces[0] != [0.0; 3]);
+            }
+        });
+        assert!(forces > 50, "{forces}");
+        assert_eq!(count, 0);
+    }
+}
+
 /// A world is made and started with room for everything; its ticks then allocate nothing.
 #[test]
 fn a_world_is_stepped_without_allocating() {

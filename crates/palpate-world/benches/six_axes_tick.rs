@@ -1,15 +1,18 @@
 //! Time per tick of a tool of six axes: `cargo bench -p palpate-world --bench six_axes_tick`.
 //!
-//! A hand presses a box onto a table, tilts it and moves it across: eight points of contact, up to four at once. Every
+//! A hand presses a box onto a table, tilts it and moves it across: eight points of contact, up to four at once. Then the box is a
+//! mesh with a shell of 60 points, and the table a mesh with a grid of distances. Every
 //! tick of a run is timed by itself; each time is the least of several runs, which are all the same: whatever is more is
 //! other programs.
 #![allow(clippy::print_stdout)] // a benchmark prints
 
 mod timed;
 
+use std::sync::Arc;
+
 use palpate_world::{
-    BasicParams, Body, Contact, ContactLaw, CoupledParams, Motion, Output, Party, Quaternion,
-    Shape, Tool, Vector, World, WorldMethod,
+    BasicParams, Body, Contact, ContactLaw, CoupledParams, DistanceGrid, Mesh, Motion, Output,
+    Party, PointShell, Quaternion, Shape, Tool, Vector, World, WorldMethod,
 };
 
 use timed::{Held, PERIOD, print_heading, print_ticks};
@@ -17,14 +20,38 @@ use timed::{Held, PERIOD, print_heading, print_ticks};
 const MASS: f64 = 0.15;
 const INERTIA: f64 = 1.5e-4;
 
-fn world(friction: f64) -> World {
+const HALF: Vector = [0.03, 0.02, 0.015];
+
+fn box_on_table(friction: f64) -> World {
     let table = Shape::HalfSpace {
         normal: [0.0, 0.0, 1.0],
         offset: 0.0,
     };
-    let block = Shape::Box {
-        half_extents: [0.03, 0.02, 0.015],
+    let half_extents = HALF;
+    world(Shape::Box { half_extents }, table, friction)
+}
+
+/// The box and the table as meshes: 60 points on a grid of 2 mm.
+fn points_on_grid(friction: f64) -> World {
+    let block = |half: Vector, top: f64| {
+        let corner = |number: u32| {
+            let sign = |axis: u32| if number >> axis & 1 == 0 { -1.0 } else { 1.0 };
+            let [x, y, z] = [0, 1, 2].map(|axis| sign(axis) * half[axis as usize]);
+            [x, y, z + top]
+        };
+        let corners: Vec<Vector> = (0..8).map(corner).collect();
+        Mesh::convex(&corners).expect("a block has a hull")
     };
+    let (block, table) = (block(HALF, 0.0), block([0.1, 0.1, 0.02], -0.02));
+    let shell = PointShell::over(&block, 60).expect("60 points are not too many");
+    let grid = DistanceGrid::of(&table, 0.002).expect("the grid fits the table");
+    let table = table.with_grid(grid).expect("the grid is of the table");
+    let shapes = [block.with_shell(shell), table].map(|mesh| Shape::Mesh(Arc::new(mesh)));
+    let [block, table] = shapes;
+    world(block, table, friction)
+}
+
+fn world(block: Shape, table: Shape, friction: f64) -> World {
     World {
         joints: Vec::new(),
         tools: vec![Tool::new("tool", block).turning()],
@@ -106,8 +133,10 @@ fn main() {
     ];
     for method in &methods {
         for friction in [0.0, 0.5] {
-            let name = format!("{}, friction {friction}", method.name());
-            print_ticks(&name, &world(friction), method, Device::start);
+            let name = |what: &str| format!("{}, {what}friction {friction}", method.name());
+            print_ticks(&name(""), &box_on_table(friction), method, Device::start);
+            let world = points_on_grid(friction);
+            print_ticks(&name("60 points, "), &world, method, Device::start);
         }
     }
 }
