@@ -139,6 +139,12 @@ def led_to(target: Any) -> Any:
     return pointer.target
 
 
+def turned_to(orientation: Any) -> Any:
+    pointer = devices.PointerInWorld(palpate.World("experiments/worlds/peg.toml"))
+    pointer.turn_to(orientation)
+    return pointer.orientation
+
+
 def placed(origin: Any) -> Any:
     diy = devices.TwoDiy("nowhere", origin=origin, normal=origin, guardian=False)._given()
     return diy["origin"], diy["normal"], devices.Inverse3(origin=origin)._given()["origin"]
@@ -206,6 +212,7 @@ TAKEN: dict[str, tuple[Callable[[Any], Any], np.ndarray, str]] = {
     "World.step of six axes": (turned, np.array([0.0, 0.0, 0.004, 1.0, 0.0, 0.0, 0.0]), "position"),
     "World.report_sent": (told_sent, np.array([0.1, -0.2, -0.73]), "force"),
     "PointerInWorld.move_to": (led_to, np.array([0.01, -0.023, 0.047]), "target"),
+    "PointerInWorld.turn_to": (turned_to, np.array([0.51, 0.23, -0.31, 0.62]), "orientation"),
     "a device's origin": (placed, np.array([0.013, 0.11]), "origin"),
     "tune": (tuned, np.array([0.11, 0.47, 0.93]), "values"),
     "sweep": (swept, np.array([0.11, 0.47, 0.93]), "values"),

@@ -86,6 +86,30 @@ def test_ticks_are_numbered_without_a_gap_and_show_the_spring_of_the_floor() -> 
     assert np.allclose(inside["penetration_m"], 0.01 - inside["device_axis_3_m"], rtol=1e-9)
 
 
+def test_the_hand_turns_a_device_of_six_axes(root: Any) -> None:
+    model = palpate.World("experiments/worlds/box.toml")
+    device = palpate.devices.PointerInWorld(model)
+    assert device.orientation is None
+    aim = np.array([np.cos(0.2), 0.0, np.sin(0.2), 0.0])
+    with loop(device, model) as running:
+        device.turn_to(2.0 * aim)
+        assert device.orientation == pytest.approx(tuple(aim))
+        device.move_to([0.0, 0.0, 0.08])
+
+        def is_turned() -> bool:
+            ticks = running.read(wait=PATIENCE)
+            turned = np.stack([ticks[f"device_orientation_{part}"][-1:] for part in "wxyz"], axis=-1)
+            return bool((np.abs(turned @ aim) > 0.999).any())
+
+        until("the box to be turned", is_turned)
+    device.turn_to(None)
+    assert device.orientation is None
+    with pytest.raises(ValueError, match="of a length above 0"):
+        device.turn_to([0.0] * 4)
+    with pytest.raises(ValueError, match="must have"):
+        device.turn_to([1.0, 0.0, 0.0])
+
+
 def test_a_ball_that_is_pushed_moves_and_its_bodies_are_of_the_ticks_that_were_read() -> None:
     model = ball()
     device = palpate.devices.PointerInWorld(model)

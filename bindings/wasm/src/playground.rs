@@ -224,6 +224,10 @@ impl Playground {
                 about: "tool",
                 why: "one contact has a hand along one axis".into(),
             }),
+            ClientMessage::Request(ClientRequest::Turn(_)) => Err(Refused {
+                about: "turn",
+                why: "one contact turns nothing".into(),
+            }),
             ClientMessage::Refused(about, why) => Err(Refused { about, why }),
             ClientMessage::Unknown(why) => Err(Refused {
                 about: "unknown",

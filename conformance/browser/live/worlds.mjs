@@ -8,6 +8,8 @@ import { visit } from "../visit.mjs";
 
 const BLOCK = fileURLToPath(new URL("../../../experiments/worlds/pushed-block.toml", import.meta.url));
 
+const PLUG = fileURLToPath(new URL("../../../experiments/worlds/plug.toml", import.meta.url));
+
 const toolAt = (lane) => palpate.space.lanes[lane].tools[0].position.toArray();
 const blockAt = (lane) => palpate.space.lanes[lane].bodies[0].position.toArray();
 
@@ -69,6 +71,47 @@ test("a world is drawn, and a tool that is dragged pushes its block", async () =
   await open.until("the hand has let go", () => palpate.model.state.hand_m === null);
   assert.equal(await open.get(() => palpate.model.droppedFrames >= 0), true);
   await open.shot?.("world");
+  await open.leave();
+  assert.equal(await live.end(), 0);
+  live.forget();
+});
+
+test("the tool of a device of six axes is turned by the mouse and by keys", async () => {
+  const live = await startLive(PLUG, "--method", "coupled", "--priority", "0", "--stall-after", "50");
+  const open = await visit(live.url);
+  const turnedAt = () => palpate.space.lanes[0].tools[0].quaternion.toArray();
+  await open.until("the world has come", () => palpate.space.lanes.length === 1 && palpate.model.newestS > 0);
+  await open.page.focus("#space");
+  await open.page.keyboard.press("y");
+  await open.until("the hand was turned", () => palpate.model.state.hand_orientation !== null);
+  const byKey = await open.get(() => palpate.model.state.hand_orientation);
+  for (let step = 0; step < 9; step += 1) {
+    await open.page.keyboard.press("y");
+  }
+  // Ten degrees about y, from where the scene begins.
+  await open.until("and on", (y) => palpate.model.state.hand_orientation[2] > y + 0.07, byKey[2]);
+  await open.until("the tool turns after it", (y) => palpate.space.lanes[0].tools[0].quaternion.y > y + 0.03, byKey[2]);
+  const corner = await open.get(() => {
+    const { x, y } = document.querySelector("#space").getBoundingClientRect();
+    return [x, y];
+  });
+  const [x, y] = await open.get(() => palpate.space.toolOnCanvas());
+  const before = await open.get(() => palpate.model.state.hand_orientation);
+  await open.page.keyboard.down("Control");
+  await open.page.mouse.move(corner[0] + x, corner[1] + y);
+  await open.page.mouse.down();
+  await open.page.mouse.move(corner[0] + x + 60, corner[1] + y, { steps: 5 });
+  await open.page.mouse.up();
+  await open.page.keyboard.up("Control");
+  const isTurned = (from) => {
+    const now = palpate.model.state.hand_orientation;
+    return Math.abs(now.reduce((sum, part, k) => sum + part * from[k], 0)) < Math.cos(0.15);
+  };
+  await open.until("the pointer has rolled it", isTurned, before);
+  assert.equal((await open.get(turnedAt)).length, 4);
+  await open.page.click("#restart");
+  await open.until("it begins as it began", () => palpate.model.state.hand_orientation === null);
+  await open.shot?.("six-axes");
   await open.leave();
   assert.equal(await live.end(), 0);
   live.forget();

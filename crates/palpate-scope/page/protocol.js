@@ -104,6 +104,7 @@ export function isGrouped(periodS) {
 export const say = {
   hand: (positionM) => ({ type: "hand", position_m: positionM }),
   tool: (positionM) => ({ type: "tool", position_m: positionM }),
+  turn: (orientation) => ({ type: "turn", orientation }),
   set: (changes) => ({ type: "set", ...changes }),
   restart: () => ({ type: "restart" }),
   rearm: (lane) => ({ type: "rearm", lane }),

@@ -143,6 +143,20 @@ export class Space {
     return new Vector3(...from).addScaledVector(facing, metres).toArray();
   }
 
+  /**
+   * An orientation w, x, y, z turned on about the axes of the picture: `right` and `down` in radians, as one rolls a ball under
+   * a finger.
+   */
+  rolled([w, x, y, z], right, down) {
+    this.place();
+    const [across, up] = [new Vector3(), new Vector3()];
+    this.camera.matrixWorld.extractBasis(across, up, new Vector3());
+    const by = new Quaternion().setFromAxisAngle(up, right);
+    by.premultiply(new Quaternion().setFromAxisAngle(across, down));
+    const turned = by.multiply(new Quaternion(x, y, z, w));
+    return [turned.w, turned.x, turned.y, turned.z];
+  }
+
   turn(byAzimuth, byElevation) {
     this.azimuth += byAzimuth;
     this.elevation = Math.max(-0.2, Math.min(1.5, this.elevation + byElevation));
@@ -185,6 +199,8 @@ class LaneScene {
     this.tools = world.tools.map((tool) => {
       const mesh = solid(tool.shape, theme.lanes[lane], false);
       mesh.position.set(...tool.position_m);
+      const [w, x, y, z] = tool.orientation;
+      mesh.quaternion.set(x, y, z, w);
       this.scene.add(mesh);
       return mesh;
     });
@@ -284,6 +300,8 @@ function extent(shape) {
     case "capsule":
     case "cylinder":
       return keys.radius_m + 0.5 * keys.length_m;
+    case "spheres":
+      return Math.max(...keys.map(({ centre_m, radius_m }) => Math.hypot(...centre_m) + radius_m), 0.005);
     case "mesh":
       return Math.sqrt(corners(keys).reduce((most, [x, y, z]) => Math.max(most, x * x + y * y + z * z), 0));
     default:
@@ -299,6 +317,14 @@ function solid(shape, colour, isFixed) {
   }
   const material = new MeshLambertMaterial({ color: colour });
   const group = new Group();
+  if (kind === "spheres") {
+    for (const { centre_m, radius_m } of keys) {
+      const ball = solid({ sphere: { radius_m } }, colour, isFixed);
+      ball.position.set(...centre_m);
+      group.add(ball);
+    }
+    return group;
+  }
   const geometry = {
     // A point is drawn as a small ball.
     sphere: () => new SphereGeometry(keys.radius_m || 0.002, SEGMENTS, SEGMENTS / 2),

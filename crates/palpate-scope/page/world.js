@@ -20,6 +20,9 @@ const SENTENCE_S = 0.5;
 /** How far a key moves the hand [m], and a notch of the wheel. */
 const KEY_M = 1e-3;
 const NOTCH_M = 1e-3;
+/** How far a key turns the hand [rad], and a way on the screen [rad/px]. */
+const KEY_RAD = Math.PI / 180;
+const PIXEL_RAD = 0.008;
 
 const place = (id) => document.getElementById(id);
 
@@ -42,6 +45,9 @@ let fit = false;
 /** Where the hand is to be [m], and whether that has not been said yet. */
 let wish = null;
 let isSaid = true;
+/** How the hand is to be turned, w, x, y, z, and whether that has not been said yet. */
+let turned = null;
+let isTurnSaid = true;
 
 const link = new Link(location.search, {
   open: () => news.found(),
@@ -75,8 +81,9 @@ model.addEventListener("hello", ({ detail: { isNew } }) => {
     charts.build();
     space?.begin(world, device.lanes);
     place("let-go").hidden = !device.pointer;
+    const turning = turns() ? " With ctrl, or by X, Y and Z (with shift back), it turns." : "";
     place("keys").textContent = device.pointer
-      ? "Drag to move the hand in the plane of the screen; with shift, or by the wheel, to and from you. Right button: turn the view. Arrows and page keys move by 1 mm; Escape lets go."
+      ? `Drag to move the hand in the plane of the screen; with shift, or by the wheel, to and from you.${turning} Right button: turn the view. Arrows and page keys move by 1 mm; Escape lets go.`
       : `${device.name}: this device is not led from here. Right button: turn the view.`;
   }
 });
@@ -124,6 +131,23 @@ function lead(to) {
   }
 }
 
+/** Whether the hand turns its tool. */
+function turns() {
+  return Boolean(model.hello?.device.pointer && model.hello.world.tools[0]?.turns);
+}
+
+/** How the hand is to be turned next. */
+function turnedFrom() {
+  return turned ?? model.state?.hand_orientation ?? model.hello?.world.tools[0].orientation ?? [1, 0, 0, 0];
+}
+
+function turnTo(orientation) {
+  if (turns()) {
+    turned = orientation;
+    isTurnSaid = false;
+  }
+}
+
 function letGo() {
   wish = null;
   isSaid = true;
@@ -157,7 +181,11 @@ canvas.addEventListener("pointermove", (event) => {
   const [dx, dy] = [event.offsetX - down.x, event.offsetY - down.y];
   Object.assign(down, { x: event.offsetX, y: event.offsetY });
   if (down.isTurning || downs.size > 1) {
-    space.turn(-0.008 * dx, 0.008 * dy);
+    space.turn(-PIXEL_RAD * dx, PIXEL_RAD * dy);
+  } else if (event.ctrlKey && turns()) {
+    turnTo(space.rolled(turnedFrom(), PIXEL_RAD * dx, PIXEL_RAD * dy));
+    const met = space.meet(event.offsetX, event.offsetY, from());
+    down.grip = met?.map((x, i) => from()[i] - x);
   } else if (event.shiftKey) {
     lead(space.deeper(from(), (-dy * space.distance) / canvas.clientHeight));
     const met = space.meet(event.offsetX, event.offsetY, from());
@@ -205,14 +233,29 @@ canvas.addEventListener("keydown", (event) => {
     letGo();
   } else if (event.key === "+" || event.key === "-") {
     space?.zoom(event.key === "+" ? 0.8 : 1.25);
+  } else if (turns() && "xyz".includes(event.key.toLowerCase())) {
+    const half = (event.shiftKey ? -0.5 : 0.5) * KEY_RAD;
+    const about = [0, 1, 2].map((axis) => ("xyz"[axis] === event.key.toLowerCase() ? Math.sin(half) : 0));
+    turnTo(product([Math.cos(half), ...about], turnedFrom()));
   } else if (by) {
     event.preventDefault();
     lead(from().map((x, axis) => x + by[axis]));
   }
 });
 
+/** The product of two quaternions w, x, y, z. */
+function product([a, b, c, d], [w, x, y, z]) {
+  return [
+    a * w - b * x - c * y - d * z,
+    a * x + b * w + c * z - d * y,
+    a * y - b * z + c * w + d * x,
+    a * z + b * y - c * x + d * w,
+  ];
+}
+
 place("restart").addEventListener("click", () => {
   wish = null;
+  turned = null;
   link.say(say.restart());
 });
 place("let-go").addEventListener("click", letGo);
@@ -252,6 +295,7 @@ onThemeChange(() => {
 const counted = { frames: 0, allFrames: 0, sinceMs: performance.now(), perSecond: NaN, drawMs: 0, drawMsEach: NaN };
 const pace = new Pace();
 const saying = new Turns(SAY_S);
+const turning = new Turns(SAY_S);
 let lastMs = performance.now();
 let readS = -Infinity;
 let seenS = -Infinity;
@@ -265,6 +309,9 @@ function frame(nowMs) {
   lastMs = nowMs;
   if (!isSaid && wish && saying.next(nowS)) {
     isSaid = link.say(say.tool(wish));
+  }
+  if (!isTurnSaid && turned && turning.next(nowS)) {
+    isTurnSaid = link.say(say.turn(turned));
   }
   space?.draw();
   if (model.hello && (fit || isTurn)) {

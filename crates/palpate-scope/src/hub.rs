@@ -91,11 +91,6 @@ impl Hub {
         self.lock().clients.retain(|client| client.id != id);
     }
 
-    /// How many there are, with those that are given up and have not gone yet.
-    pub fn clients(&self) -> usize {
-        self.lock().clients.len()
-    }
-
     /// What every client is greeted with; those who are there are told, too.
     pub fn set_hello(&self, text: String) {
         let mut inner = self.lock();
@@ -119,6 +114,13 @@ impl Hub {
     /// A text for all.
     pub fn tell_all(&self, text: String) {
         self.lock().tell_all(&text.into());
+    }
+
+    /// A text for all that is made of how many they are, with those that are given up and have not gone yet. Nobody comes or goes
+    /// meanwhile: whoever hears it is counted.
+    pub fn tell_all_counted(&self, text: impl FnOnce(usize) -> String) {
+        let inner = self.lock();
+        inner.tell_all(&text(inner.clients.len()).into());
     }
 
     /// A text for one.
@@ -180,6 +182,10 @@ mod tests {
     use super::*;
     use crate::rows::Rows;
 
+    fn clients(hub: &Hub) -> usize {
+        hub.lock().clients.len()
+    }
+
     fn frame() -> Frame {
         let mut rows = Rows::new(0.001);
         rows.add(&Row::default());
@@ -199,7 +205,7 @@ mod tests {
         for number in 0..40 {
             hub.tell_all(format!("text {number}"));
         }
-        assert_eq!(hub.clients(), 2);
+        assert_eq!(clients(&hub), 2);
         let (mut texts, mut numbers) = (Vec::new(), Vec::new());
         while let Ok(message) = slow.queue.try_recv() {
             match message {
@@ -225,9 +231,38 @@ mod tests {
         }
         assert!(slow.is_given_up.load(Ordering::Acquire));
         assert!(!quick.is_given_up.load(Ordering::Acquire));
-        assert_eq!(hub.clients(), 2);
+        assert_eq!(clients(&hub), 2);
         hub.leave(slow.id);
-        assert_eq!(hub.clients(), 1);
+        assert_eq!(clients(&hub), 1);
+    }
+
+    /// Whoever hears how many there are is one of them, also who has come while it was being said.
+    #[test]
+    fn whoever_is_told_how_many_there_are_is_counted() {
+        let hub = Hub::default();
+        let is_over = AtomicBool::new(false);
+        let heard: Vec<_> = std::thread::scope(|scope| {
+            scope.spawn(|| {
+                while !is_over.load(Ordering::Acquire) {
+                    hub.tell_all_counted(|count| count.to_string());
+                }
+            });
+            let come_and_go = |_| {
+                let mut seat = hub.join();
+                let heard = seat.queue.blocking_recv();
+                hub.leave(seat.id);
+                heard
+            };
+            let heard = (0..300).map(come_and_go).collect();
+            is_over.store(true, Ordering::Release);
+            heard
+        });
+        for message in heard {
+            assert!(
+                matches!(&message, Some(Outgoing::Text(text)) if text.as_str() == "1"),
+                "{message:?}"
+            );
+        }
     }
 
     #[test]

@@ -14,6 +14,8 @@ pub enum ClientRequest {
     Hand(Option<f64>),
     /// Where the pointer's hand wants to be in a world `[m]`; none lets go.
     Tool(Option<[f64; 3]>),
+    /// How the pointer's hand wants to be turned in a world, a unit quaternion `[w, x, y, z]`; none is as it began.
+    Turn(Option<[f64; 4]>),
     /// What is to be rendered.
     Set(Set),
     /// Loops, devices and objects begin again.
@@ -82,7 +84,7 @@ pub enum ClientMessage {
 }
 
 /// The types that are known.
-const TYPES: [&str; 6] = ["hand", "tool", "set", "restart", "rearm", "record"];
+const TYPES: [&str; 7] = ["hand", "tool", "turn", "set", "restart", "rearm", "record"];
 
 /// Understands a text.
 #[must_use]
@@ -96,7 +98,7 @@ pub fn parse(text: &str) -> ClientMessage {
         .find(|kind| given.as_ref().and_then(Value::as_str) == Some(kind))
     else {
         return ClientMessage::Unknown(
-            "its type is none of hand, tool, set, restart, rearm, record",
+            "its type is none of hand, tool, turn, set, restart, rearm, record",
         );
     };
     match request(kind, fields) {
@@ -120,6 +122,12 @@ fn request(kind: &str, fields: Map<String, Value>) -> Result<ClientRequest, Stri
     }
     #[derive(Deserialize)]
     #[serde(deny_unknown_fields)]
+    struct Turn {
+        #[serde(deserialize_with = "Option::deserialize")]
+        orientation: Option<[f64; 4]>,
+    }
+    #[derive(Deserialize)]
+    #[serde(deny_unknown_fields)]
     struct Nothing {}
     #[derive(Deserialize)]
     #[serde(deny_unknown_fields)]
@@ -137,6 +145,7 @@ fn request(kind: &str, fields: Map<String, Value>) -> Result<ClientRequest, Stri
     Ok(match kind {
         "hand" => ClientRequest::Hand(read::<Hand>(fields)?.position_m),
         "tool" => ClientRequest::Tool(read::<Tool>(fields)?.position_m),
+        "turn" => ClientRequest::Turn(read::<Turn>(fields)?.orientation),
         "set" => ClientRequest::Set(read(fields)?),
         "rearm" => ClientRequest::Rearm(read::<Rearm>(fields)?.lane),
         "record" => ClientRequest::Record(read::<Record>(fields)?.on),
@@ -420,6 +429,14 @@ mod tests {
         assert_eq!(
             request(r#"{"type":"tool","position_m":null}"#),
             ClientRequest::Tool(None)
+        );
+        assert_eq!(
+            request(r#"{"type":"turn","orientation":[0.6,0,0.8,0]}"#),
+            ClientRequest::Turn(Some([0.6, 0.0, 0.8, 0.0]))
+        );
+        assert_eq!(
+            request(r#"{"type":"turn","orientation":null}"#),
+            ClientRequest::Turn(None)
         );
         assert_eq!(request(r#"{"type":"restart"}"#), ClientRequest::Restart);
         assert_eq!(

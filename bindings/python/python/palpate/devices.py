@@ -116,10 +116,11 @@ class PointerInWorld(Device):
     """The device of a world in a hand that a program leads through space.
 
     Along each axis of the world it is a `Pointer` with the mass and the sensor that the world's device has along it. It
-    begins where that device does; its motors have the world's delay, lag and gain.
+    begins where that device does; its motors have the world's delay, lag and gain. The hand turns a device of six axes with the
+    stiffness and damping of the world's hand, or 0.3 N m/rad.
 
     Args:
-        world: A world with one device of three axes.
+        world: A world with one device of three or six axes.
     """
 
     def __init__(self, world: World) -> None:
@@ -147,6 +148,26 @@ class PointerInWorld(Device):
         """Where the hand wants to be in the world [m]; `None`: it has let go."""
         target = self._hand.target
         return None if target is None else (target[0], target[1], target[2])
+
+    def turn_to(self, orientation: ArrayLike | None) -> None:
+        """Turns the hand of a device of six axes to `orientation`, a quaternion w, x, y, z; `None`: as the device begins.
+
+        Raises:
+            ValueError: Not four numbers that are finite, or all of them 0.
+        """
+        if orientation is None:
+            self._hand.turn_to(None)
+            return
+        given = numbers("orientation", orientation)
+        if given.shape != (4,):
+            raise ValueError(f"orientation has the shape {given.shape}, but must have (4,): w, x, y, z")
+        self._hand.turn_to(given.tolist())
+
+    @property
+    def orientation(self) -> tuple[float, float, float, float] | None:
+        """How the hand wants the device to be turned, a unit quaternion w, x, y, z; `None`: as the device begins."""
+        turned = self._hand.orientation
+        return None if turned is None else (turned[0], turned[1], turned[2], turned[3])
 
     def _given(self) -> dict[str, Any]:
         return {"kind": "pointer-in-world", "world": self._world, "hand": self._hand}

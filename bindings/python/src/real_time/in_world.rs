@@ -62,6 +62,32 @@ impl HandInWorld {
         self.0.let_go();
     }
 
+    /// Wants a device of six axes to be turned so, a quaternion `[w, x, y, z]` with a direction; None: as it begins.
+    fn turn_to(&self, orientation: Option<[f64; 4]>) -> PyResult<()> {
+        let Some(orientation) = orientation else {
+            self.0.turn_back();
+            return Ok(());
+        };
+        let length = orientation
+            .iter()
+            .map(|part| part * part)
+            .sum::<f64>()
+            .sqrt();
+        if !(length > 0.0 && length.is_finite()) {
+            return Err(refused(format!(
+                "orientation is {orientation:?}, but must be a quaternion w, x, y, z of a length above 0"
+            )));
+        }
+        self.0.turn_to(orientation);
+        Ok(())
+    }
+
+    /// How it wants the device to be turned; None: as it begins.
+    #[getter]
+    fn orientation(&self) -> Option<[f64; 4]> {
+        self.0.orientation()
+    }
+
     /// Where it wants to be `[m]`; None if it holds nothing.
     #[getter]
     fn target(&self) -> Option<Vector> {

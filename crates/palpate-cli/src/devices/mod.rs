@@ -129,12 +129,6 @@ pub fn open_in_world_with<C: Clock>(
             (Box::new(device.map_err(wrong)?), None)
         }
         DeviceName::Pointer => {
-            if own.turning.is_some() {
-                return Err(Failure::input(
-                    "the world's device has six axes (inertia_kg_m2), and the hand of --device pointer turns no tool; \
-                     --device simulated does",
-                ));
-            }
             let hand = hand
                 .cloned()
                 .unwrap_or_else(|| SpatialHand::at(own.position));

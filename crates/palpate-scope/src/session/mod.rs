@@ -171,6 +171,7 @@ impl Turns for Running {
                 "tool",
                 Err("one contact is led by `hand`, with one number".to_owned()),
             ),
+            ClientRequest::Turn(_) => ("turn", Err("one contact turns nothing".to_owned())),
             ClientRequest::Set(set) => ("set", self.set(&set)),
             ClientRequest::Restart => ("restart", self.restart_if_allowed()),
             ClientRequest::Rearm(lane) => ("rearm", self.rearm(lane)),
@@ -262,12 +263,15 @@ impl Turns for Running {
             let all = recording.get_or_insert_default();
             all.failed = Some(failed.clone());
         }
-        let status = ServerMessage::Status {
-            clients: self.hub.clients(),
-            lanes: self.lanes.iter().map(Lane::status).collect(),
-            recording,
-        };
-        self.hub.tell_all(status.text());
+        let lanes = self.lanes.iter().map(Lane::status).collect();
+        self.hub.tell_all_counted(|clients| {
+            let status = ServerMessage::Status {
+                clients,
+                lanes,
+                recording,
+            };
+            status.text()
+        });
     }
 
     fn is_over(&self) -> bool {

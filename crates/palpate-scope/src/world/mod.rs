@@ -28,6 +28,8 @@ pub const MOST_LANES: usize = 2;
 const NOTES: (f64, f64) = (32.0, 20.0);
 /// Restarts at once and then each second: more than any hand does.
 const RESTARTS: (f64, f64) = (8.0, 4.0);
+/// By how much the length of a quaternion may be another than 1: a page has few digits.
+const LENGTH_SLACK: f64 = 1e-3;
 /// How far from where the tool begins a hand may reach along each axis `[m]`.
 const REACH: f64 = 1.0;
 
@@ -161,6 +163,7 @@ impl Turns for Running {
         };
         let (about, done) = match request {
             ClientRequest::Tool(place) => ("tool", self.lead(client, place)),
+            ClientRequest::Turn(orientation) => ("turn", self.turn(client, orientation)),
             ClientRequest::Restart => ("restart", self.restart()),
             ClientRequest::Rearm(number) => ("rearm", self.rearm(number)),
             ClientRequest::Hand(_) => (
@@ -226,12 +229,15 @@ impl Turns for Running {
     }
 
     fn tell_status(&mut self) {
-        let status = ServerMessage::Status {
-            clients: self.hub.clients(),
-            lanes: self.lanes.iter().map(Lane::status).collect(),
-            recording: None,
-        };
-        self.hub.tell_all(status.text());
+        let lanes = self.lanes.iter().map(Lane::status).collect();
+        self.hub.tell_all_counted(|clients| {
+            let status = ServerMessage::Status {
+                clients,
+                lanes,
+                recording: None,
+            };
+            status.text()
+        });
     }
 
     fn is_over(&self) -> bool {
@@ -259,6 +265,7 @@ impl Running {
         let start = self.setup.scene.devices.first().map(|one| one.position);
         if let Some((hand, start)) = self.setup.hand.as_ref().zip(start) {
             hand.move_to(start);
+            hand.turn_back();
         }
         let mut lanes = Vec::new();
         for (number, method) in self.setup.methods.clone().into_iter().enumerate() {
@@ -295,6 +302,35 @@ impl Running {
                     ));
                 }
                 hand.move_to(place);
+            }
+        }
+        self.holder = Some(client);
+        Ok(())
+    }
+
+    /// Turns the hand, or lets it be turned as it began.
+    fn turn(&mut self, client: ClientId, orientation: Option<[f64; 4]>) -> Result<(), String> {
+        let Some(hand) = &self.setup.hand else {
+            return Err("this device is not led from here; --device pointer is".into());
+        };
+        let turns = self.setup.scene.devices.first().and_then(|one| one.turning);
+        if turns.is_none() {
+            return Err("this device has three axes, and turns nothing".into());
+        }
+        match orientation {
+            None => hand.turn_back(),
+            Some(orientation) => {
+                let length = orientation
+                    .iter()
+                    .map(|part| part * part)
+                    .sum::<f64>()
+                    .sqrt();
+                if !((length - 1.0).abs() <= LENGTH_SLACK) {
+                    return Err(format!(
+                        "orientation is {orientation:?}; allowed: a quaternion of length 1, or null"
+                    ));
+                }
+                hand.turn_to(orientation);
             }
         }
         self.holder = Some(client);
@@ -353,7 +389,9 @@ impl Running {
     }
 
     fn state(&self) -> String {
-        let hand = self.setup.hand.as_ref().and_then(SpatialHand::target);
-        shown::state(&self.setup.scene, &self.lanes, hand)
+        let hand = self.setup.hand.as_ref();
+        let target = hand.and_then(SpatialHand::target);
+        let orientation = hand.and_then(SpatialHand::orientation);
+        shown::state(&self.setup.scene, &self.lanes, target, orientation)
     }
 }

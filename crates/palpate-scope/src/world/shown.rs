@@ -38,7 +38,14 @@ pub fn hello(
     let tools = scene.world.tools.iter().zip(&scene.devices);
     let tools: Vec<Value> = tools
         .map(|(tool, device)| {
-            json!({ "name": tool.name, "shape": shape(&tool.shape), "position_m": device.position })
+            let turning = device.turning.as_ref();
+            json!({
+                "name": tool.name,
+                "shape": shape(&tool.shape),
+                "position_m": device.position,
+                "turns": turning.is_some(),
+                "orientation": turning.map_or([1.0, 0.0, 0.0, 0.0], |turning| turning.orientation),
+            })
         })
         .collect();
     let bodies: Vec<Value> = scene
@@ -75,7 +82,12 @@ pub fn hello(
 }
 
 /// The state that is told whenever it changes.
-pub fn state(scene: &WorldScene, lanes: &[Lane], hand: Option<Vector>) -> String {
+pub fn state(
+    scene: &WorldScene,
+    lanes: &[Lane],
+    hand: Option<Vector>,
+    orientation: Option<[f64; 4]>,
+) -> String {
     let lanes: Vec<Value> = lanes
         .iter()
         .map(|lane| {
@@ -94,6 +106,7 @@ pub fn state(scene: &WorldScene, lanes: &[Lane], hand: Option<Vector>) -> String
         "lanes": lanes,
         "recording": null,
         "hand_m": hand,
+        "hand_orientation": orientation,
     })
     .to_string()
 }
@@ -122,6 +135,12 @@ fn shape(shape: &Shape) -> Value {
         } => json!({ "cylinder": { "radius_m": radius, "length_m": 2.0 * half_length } }),
         Shape::Mesh(mesh) => triangles(mesh),
         Shape::Hull(hull) => triangles(hull.mesh()),
+        Shape::Spheres { spheres } => {
+            let each = spheres
+                .iter()
+                .map(|sphere| json!({ "centre_m": sphere.centre, "radius_m": sphere.radius }));
+            json!({ "spheres": each.collect::<Vec<_>>() })
+        }
         _ => json!({ "other": {} }),
     }
 }

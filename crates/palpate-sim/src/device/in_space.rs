@@ -16,6 +16,7 @@ use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::measure::Sampler;
 use palpate_testbed::world::HeldTurning;
 
+use super::turning_pointer::{TurningPointer, TurningWish};
 use super::{PointerDevice, PointerHand, PointerParams};
 use crate::world::judged_turning;
 
@@ -210,51 +211,77 @@ impl<C: Clock> Device for SpatialDevice<C> {
     }
 }
 
-/// Where a pointer's hand wants to be in a world, set by any thread at any time.
+/// Where a pointer's hand wants to be in a world, and how it wants to be turned; set by any thread at any time.
 #[derive(Clone, Debug)]
-pub struct SpatialHand([PointerHand; 3]);
+pub struct SpatialHand {
+    along: [PointerHand; 3],
+    turned: TurningWish,
+}
 
 impl SpatialHand {
     /// A hand that holds its device where it wants it `[m]`.
     #[must_use]
     pub fn at(target: Vector) -> Self {
-        Self(target.map(PointerHand::at))
+        Self {
+            along: target.map(PointerHand::at),
+            turned: TurningWish::none(),
+        }
     }
 
     /// Wants to be at `target` `[m]`, and takes hold of the device if it had let go. A coordinate that is not finite
     /// changes nothing.
     pub fn move_to(&self, target: Vector) {
-        for (hand, target) in self.0.iter().zip(target) {
+        for (hand, target) in self.along.iter().zip(target) {
             hand.move_to(target);
         }
     }
 
     /// Lets go of the device.
     pub fn let_go(&self) {
-        for hand in &self.0 {
+        for hand in &self.along {
             hand.let_go();
         }
+    }
+
+    /// Wants a device of six axes to be turned so, a quaternion `[w, x, y, z]` of any length. What has no direction changes
+    /// nothing.
+    pub fn turn_to(&self, orientation: [f64; 4]) {
+        self.turned.turn_to(orientation);
+    }
+
+    /// Wants it to be turned as it begins.
+    pub fn turn_back(&self) {
+        self.turned.forget();
+    }
+
+    /// How it wants the device to be turned, a unit quaternion `[w, x, y, z]`; `None`: as it begins.
+    #[must_use]
+    pub fn orientation(&self) -> Option<[f64; 4]> {
+        self.turned.get()
     }
 
     /// Where it wants to be `[m]`; `None` if it holds nothing.
     #[must_use]
     pub fn target(&self) -> Option<Vector> {
-        let [x, y, z] = self.0.each_ref().map(PointerHand::target);
+        let [x, y, z] = self.along.each_ref().map(PointerHand::target);
         Some([x?, y?, z?])
     }
 }
 
 /// A device in a [`SpatialHand`]: along each axis of the world a [`PointerDevice`] with the mass that the device has
-/// along it.
+/// along it. One of six axes is turned by the hand, too.
 #[derive(Clone, Debug)]
 pub struct SpatialPointer<C> {
     capabilities: Capabilities,
+    hand: SpatialHand,
     axes: [PointerDevice<C>; 3],
+    turning: Option<TurningPointer<C>>,
 }
 
 impl<C: Clock> SpatialPointer<C> {
     /// The device of a world in a pointer's hand: its masses, sensors and place at the start are the scene's, and so is
-    /// the delay, lag and gain of its motors. The hand is that of [`PointerParams::default`].
+    /// the delay, lag and gain of its motors. The hand is that of [`PointerParams::default`]; it turns the device with the stiffness
+    /// and damping of the scene's hand, or 0.3 N m/rad.
     ///
     /// # Errors
     /// A quantity outside its range.
@@ -276,11 +303,20 @@ impl<C: Clock> SpatialPointer<C> {
                 },
                 ..PointerParams::default()
             };
-            PointerDevice::new(params, &hand.0[number], clock.clone())
+            PointerDevice::new(params, &hand.along[number], clock.clone())
         };
+        let turning = device.turning.as_ref();
+        let turning = turning
+            .map(|turning| TurningPointer::new(turning, actuator, &hand.turned, clock.clone()))
+            .transpose()?;
         Ok(Self {
-            capabilities: capabilities("pointer", device),
+            capabilities: Capabilities {
+                torque_axes: if turning.is_some() { 3 } else { 0 },
+                ..capabilities("pointer", device)
+            },
+            hand: hand.clone(),
             axes: [axis(0)?, axis(1)?, axis(2)?],
+            turning,
         })
     }
 }
@@ -294,10 +330,12 @@ impl<C: Clock> Device for SpatialPointer<C> {
         // The three clocks are read within microseconds: by less than the quantum of any sensor.
         let [x, y, z] = self.axes.each_mut().map(Device::read);
         let (x, y, z) = (x?, y?, z?);
-        Ok(Pose::at(
-            [x.position[0], y.position[0], z.position[0]],
-            z.time,
-        ))
+        let is_held = self.hand.target().is_some();
+        let turning = self.turning.as_mut();
+        Ok(Pose {
+            orientation: turning.map(|turning| turning.read(is_held)),
+            ..Pose::at([x.position[0], y.position[0], z.position[0]], z.time)
+        })
     }
 
     fn write(&mut self, wrench: Wrench) -> Result<Wrench, DeviceError> {
@@ -306,7 +344,15 @@ impl<C: Clock> Device for SpatialPointer<C> {
             let [given, ..] = axis.write([force, 0.0, 0.0].into())?.force;
             *held = given;
         }
-        Ok(Wrench::of_force(held))
+        let is_held = self.hand.target().is_some();
+        let torque = match &mut self.turning {
+            Some(turning) => turning.write(wrench.torque, is_held),
+            None => [0.0; 3],
+        };
+        Ok(Wrench {
+            force: held,
+            torque,
+        })
     }
 
     fn last_sent(&self) -> Option<Wrench> {
@@ -315,17 +361,23 @@ impl<C: Clock> Device for SpatialPointer<C> {
             let [given, ..] = axis.last_sent()?.force;
             *sent = given;
         }
-        Some(Wrench::of_force(sent))
+        let turning = self.turning.as_ref();
+        Some(Wrench {
+            force: sent,
+            torque: turning.map_or([0.0; 3], TurningPointer::last_sent),
+        })
     }
 
     fn zero_writer(&mut self) -> Option<Box<dyn ZeroWriter>> {
-        let [x, y, z] = self.axes.each_mut().map(Device::zero_writer);
-        Some(Box::new(AllZero([x?, y?, z?])))
+        let of_axes = self.axes.each_mut().map(Device::zero_writer);
+        let mut all = of_axes.into_iter().collect::<Option<Vec<_>>>()?;
+        all.extend(self.turning.as_mut().map(TurningPointer::zero_writer));
+        Some(Box::new(AllZero(all)))
     }
 }
 
-/// Commands no force along all axes.
-struct AllZero([Box<dyn ZeroWriter>; 3]);
+/// Commands no force along all axes, and no torque.
+struct AllZero(Vec<Box<dyn ZeroWriter>>);
 
 impl ZeroWriter for AllZero {
     fn write_zero(&mut self) {
@@ -351,3 +403,7 @@ fn sensor(quantum: f64) -> Result<Sampler, InvalidParameter> {
         Ok(Sampler::Ideal)
     }
 }
+
+#[cfg(test)]
+#[path = "in_space_tests.rs"]
+mod tests;

@@ -4,6 +4,7 @@ mod in_space;
 mod pointer;
 mod simulated;
 mod told;
+mod turning_pointer;
 
 pub use in_space::{SpatialDevice, SpatialHand, SpatialPointer};
 pub use pointer::{PointerDevice, PointerHand, PointerParams};

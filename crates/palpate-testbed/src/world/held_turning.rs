@@ -2,7 +2,7 @@
 
 use super::dormand_prince::Step;
 use super::scene::Vector;
-use super::turning::{Turning, rotation_vector, turned_by};
+use super::turning::{Turning, TurningHand, rotation_vector, turned_by};
 use super::vector::{Rotation, Vec3, quaternion_rate};
 use crate::InvalidParameter;
 use crate::actuator::{Actuator, ActuatorParams};
@@ -25,6 +25,14 @@ pub struct HeldTurning {
     step: Step,
 }
 
+fn checked(turning: &Turning) -> Result<(), InvalidParameter> {
+    turning.check("turning").map_err(|wrong| InvalidParameter {
+        name: "turning",
+        value: wrong.value,
+        allowed: wrong.allowed,
+    })
+}
+
 impl HeldTurning {
     /// A device as it is at the start, with an actuator about each axis that gives no torque yet.
     ///
@@ -32,11 +40,7 @@ impl HeldTurning {
     ///
     /// A quantity of the device or of the actuator outside its range, by its value and what is allowed.
     pub fn checked(turning: &Turning, actuator: ActuatorParams) -> Result<Self, InvalidParameter> {
-        turning.check("turning").map_err(|wrong| InvalidParameter {
-            name: "turning",
-            value: wrong.value,
-            allowed: wrong.allowed,
-        })?;
+        checked(turning)?;
         Actuator::new(actuator)?;
         Ok(Self::new(turning, actuator))
     }
@@ -56,6 +60,21 @@ impl HeldTurning {
             time: 0.0,
             step: Step::of_size(7),
         }
+    }
+
+    /// Another hand holds it from now on.
+    ///
+    /// # Errors
+    ///
+    /// A quantity of the hand outside its range; nothing is changed then.
+    pub fn held_by(&mut self, hand: TurningHand) -> Result<(), InvalidParameter> {
+        let turning = Turning {
+            hand,
+            ..self.turning.clone()
+        };
+        checked(&turning)?;
+        self.turning = turning;
+        Ok(())
     }
 
     /// Unit quaternion \[w, x, y, z\].

@@ -1,0 +1,236 @@
+//! How a device of six axes turns in a pointer's hand.
+//!
+//! L' = tau - k phi - b omega about the mass centre: phi is the rotation vector from where the hand aims to the tool. The aim
+//! follows the hand's wish at a rate, since a pointer's wish jumps. Where nobody holds the device, b alone is left.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use palpate_device::clock::Clock;
+use palpate_device::{Cut, Vector, ZeroWriter};
+use palpate_scene::ActuatorParams;
+use palpate_scene::world::{DeviceTurning, WorldActuator};
+use palpate_testbed::InvalidParameter;
+use palpate_testbed::hold::DelayedHold;
+use palpate_testbed::world::{HeldTurning, TurningHand};
+
+use crate::world::judged_turning;
+
+/// An orientation, `[w, x, y, z]`.
+type Quaternion = [f64; 4];
+
+/// Most torques that begin later: those of the longest delay that a scene can state.
+const MOST_LATER: usize = DelayedHold::LONGEST_DELAY + 1;
+/// Rate at which the aim follows the hand's wish `[1/s]`.
+const AIM_RATE: f64 = 50.0;
+/// Stiffness of a hand that the scene gives none `[N m/rad]`.
+const STIFFNESS: f64 = 0.3;
+/// Damping of a hand that the scene gives none, over that of the aperiodic limit.
+const DAMPING: f64 = 0.7;
+
+/// How a pointer's hand wants its device to be turned, set by any thread at any time.
+#[derive(Clone, Debug)]
+pub(super) struct TurningWish(Arc<[AtomicU64; 4]>);
+
+impl TurningWish {
+    /// As the device begins.
+    pub fn none() -> Self {
+        let unknown = || AtomicU64::new(f64::NAN.to_bits());
+        Self(Arc::new([unknown(), unknown(), unknown(), unknown()]))
+    }
+
+    /// Wants the device turned so. What has no direction changes nothing.
+    pub fn turn_to(&self, orientation: Quaternion) {
+        let length = orientation
+            .iter()
+            .map(|part| part * part)
+            .sum::<f64>()
+            .sqrt();
+        if length > 0.0 && length.is_finite() {
+            for (own, part) in self.0.iter().zip(orientation) {
+                own.store((part / length).to_bits(), Ordering::Release);
+            }
+        }
+    }
+
+    /// Wants it as it begins.
+    pub fn forget(&self) {
+        for own in &*self.0 {
+            own.store(f64::NAN.to_bits(), Ordering::Release);
+        }
+    }
+
+    /// `None`: as the device begins. Read while it is written, parts may be of two wishes, which follow each other within a
+    /// sixtieth of a second: a quaternion between the two, or of a device that is as it was.
+    pub fn get(&self) -> Option<Quaternion> {
+        let parts = [0, 1, 2, 3].map(|k: usize| f64::from_bits(self.0[k].load(Ordering::Acquire)));
+        let length = parts.iter().map(|part| part * part).sum::<f64>().sqrt();
+        (length > 0.5).then(|| parts.map(|part| part / length))
+    }
+}
+
+/// The rotation of a device in a hand, moved by the time that passes on the loop's clock.
+#[derive(Clone, Debug)]
+pub(super) struct TurningPointer<C> {
+    clock: C,
+    turning: HeldTurning,
+    /// As it begins.
+    start: Quaternion,
+    hand: TurningHand,
+    wish: TurningWish,
+    aim: Quaternion,
+    moved_until: Option<Duration>,
+    /// What the motors hold `[N m]`.
+    held: Vector,
+    /// What was written last `[N m]`.
+    written: Vector,
+    late: Duration,
+    /// Torques that begin later, with the instant of each, oldest first.
+    later: VecDeque<(Duration, Vector)>,
+    cut: Cut,
+}
+
+impl<C: Clock> TurningPointer<C> {
+    /// The device of a world, with its sensor, motors and start; a hand without a stiffness in the scene has one of its own.
+    pub fn new(
+        device: &DeviceTurning,
+        actuator: &WorldActuator,
+        wish: &TurningWish,
+        clock: C,
+    ) -> Result<Self, InvalidParameter> {
+        let mut turning = judged_turning(device);
+        let hand = &mut turning.hand;
+        // The wish is in place of the scene's torque, tremor and rest.
+        *hand = TurningHand {
+            stiffness: hand.stiffness,
+            damping: hand.damping,
+            rest: turning.orientation,
+            ..TurningHand::none()
+        };
+        if hand.stiffness == 0.0 {
+            let inertia = turning
+                .inertia
+                .iter()
+                .fold(0.0_f64, |most, one| most.max(*one));
+            hand.stiffness = STIFFNESS;
+            hand.damping = DAMPING * 2.0 * (STIFFNESS * inertia).sqrt();
+        }
+        let motors = ActuatorParams {
+            gain: actuator.gain,
+            lag: actuator.lag,
+        };
+        Ok(Self {
+            clock,
+            start: turning.orientation,
+            aim: turning.orientation,
+            hand: turning.hand.clone(),
+            wish: wish.clone(),
+            turning: HeldTurning::checked(&turning, motors)?,
+            moved_until: None,
+            held: [0.0; 3],
+            written: [0.0; 3],
+            late: Duration::try_from_secs_f64(actuator.delay).unwrap_or_default(),
+            later: VecDeque::with_capacity(MOST_LATER),
+            cut: Cut::none(),
+        })
+    }
+
+    /// Moves on to now, in the hand or, if nobody holds it, alone; what the sensor says then.
+    pub fn read(&mut self, is_held: bool) -> Quaternion {
+        self.move_on(is_held);
+        self.turning.measured()
+    }
+
+    /// Holds a torque `[N m]`; what is held from now on.
+    pub fn write(&mut self, torque: Vector, is_held: bool) -> Vector {
+        let now = self.move_on(is_held);
+        self.cut.is_over();
+        self.written = torque;
+        if self.late > Duration::ZERO {
+            if self.later.len() == MOST_LATER {
+                self.later.pop_front();
+            }
+            self.later.push_back((now + self.late, torque));
+        } else {
+            self.held = torque;
+        }
+        self.held
+    }
+
+    pub fn last_sent(&self) -> Vector {
+        self.written
+    }
+
+    pub fn zero_writer(&mut self) -> Box<dyn ZeroWriter> {
+        self.cut.writer(&self.clock)
+    }
+
+    fn move_on(&mut self, is_held: bool) -> Duration {
+        let now = self.clock.now();
+        let mut from = *self.moved_until.get_or_insert(now);
+        self.follow(now.saturating_sub(from).as_secs_f64(), is_held);
+        if let Some(cut) = self.cut.between(from, now) {
+            self.hold(from, cut);
+            self.held = [0.0; 3];
+            self.later.clear();
+            from = cut;
+        }
+        self.hold(from, now);
+        self.moved_until = Some(now);
+        now
+    }
+
+    /// The hand aims nearer to its wish.
+    fn follow(&mut self, passed: f64, is_held: bool) {
+        let wish = self.wish.get().unwrap_or(self.start);
+        let share = 1.0 - (-AIM_RATE * passed).exp();
+        self.aim = between(self.aim, wish, share);
+        let held = TurningHand {
+            rest: self.aim,
+            ..self.hand.clone()
+        };
+        let hand = if is_held {
+            held
+        } else {
+            TurningHand {
+                stiffness: 0.0,
+                ..held
+            }
+        };
+        // A quaternion of length 1 and numbers that were checked before.
+        let _ = self.turning.held_by(hand);
+    }
+
+    fn hold(&mut self, mut from: Duration, until: Duration) {
+        while let Some(&(begins, torque)) = self.later.front()
+            && begins <= until
+        {
+            self.advance(begins.saturating_sub(from));
+            from = from.max(begins);
+            self.held = torque;
+            self.later.pop_front();
+        }
+        self.advance(until.saturating_sub(from));
+    }
+
+    fn advance(&mut self, duration: Duration) {
+        let duration = duration.as_secs_f64();
+        if duration > 0.0 {
+            let _ = self.turning.advance(self.held, duration);
+        }
+    }
+}
+
+/// An orientation on the way from one to the other, by the shorter way round.
+fn between(from: Quaternion, to: Quaternion, share: f64) -> Quaternion {
+    let cosine: f64 = from.iter().zip(to).map(|(one, other)| one * other).sum();
+    let side = if cosine < 0.0 { -1.0 } else { 1.0 };
+    let mut mixed = [0.0; 4];
+    for (mixed, (from, to)) in mixed.iter_mut().zip(from.iter().zip(to)) {
+        *mixed = from + share * (side * to - from);
+    }
+    let length = mixed.iter().map(|part| part * part).sum::<f64>().sqrt();
+    mixed.map(|part| part / length)
+}
