@@ -332,7 +332,6 @@ function solid(shape, colour, isFixed) {
     capsule: () => new CapsuleGeometry(keys.radius_m, keys.length_m, 8, SEGMENTS).rotateX(Math.PI / 2),
     cylinder: () => new CylinderGeometry(keys.radius_m, keys.radius_m, keys.length_m, SEGMENTS).rotateX(Math.PI / 2),
     mesh: () => triangles(keys),
-    other: () => new SphereGeometry(0.005, 8, 4),
   }[kind]();
   group.add(new Mesh(geometry, material));
   const edges = new LineBasicMaterial({ color: theme.quiet });

@@ -115,7 +115,7 @@ pub fn state(
 /// take most of its time.
 const MOST_TRIANGLES: usize = 20_000;
 
-/// A shape as a scene file has it, and a mesh by triangles; one that the page cannot draw is told as `other`.
+/// A shape as a scene file has it, and a mesh by triangles.
 fn shape(shape: &Shape) -> Value {
     match shape {
         Shape::Sphere { radius } => json!({ "sphere": { "radius_m": radius } }),
@@ -141,7 +141,6 @@ fn shape(shape: &Shape) -> Value {
                 .map(|sphere| json!({ "centre_m": sphere.centre, "radius_m": sphere.radius }));
             json!({ "spheres": each.collect::<Vec<_>>() })
         }
-        _ => json!({ "other": {} }),
     }
 }
 

@@ -55,6 +55,7 @@ pub mod mesh;
 mod modes;
 mod motion;
 mod overlap;
+mod pairing;
 mod plant;
 pub mod random_worlds;
 mod record;

@@ -4,6 +4,9 @@
 //! gradient and curvature are continuous: a point that slides over the grid is pushed without a jump. Where the distance
 //! itself has a bend, at an edge or half way between two walls, the spline rounds it over about one spacing.
 
+mod kept;
+mod spline;
+
 use std::sync::Arc;
 
 use super::build::Mesh;
@@ -12,6 +15,9 @@ use super::triangle::nearest;
 use crate::Vector;
 use crate::rigid::{Rotation, Vector3};
 use crate::solid::Nearest;
+pub use kept::GridBytesError;
+use kept::fingerprint;
+use spline::{through, weights};
 
 /// Spacings between the mesh and the border of the grid.
 const MARGIN: f64 = 4.0;
@@ -94,22 +100,6 @@ pub enum InvalidGrid {
     /// The grid is of another mesh or spacing.
     #[error("the distance grid was made from another mesh")]
     OfAnother,
-}
-
-/// What is wrong with the bytes of a grid.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum GridBytesError {
-    /// Something else.
-    #[error(
-        "it is no distance grid of palpate: it does not begin with the words that one begins with"
-    )]
-    NotAGrid,
-    /// Cut off, or changed.
-    #[error(
-        "it is a distance grid that was cut off or changed: its length or its checksum is wrong"
-    )]
-    Broken,
 }
 
 impl std::fmt::Debug for DistanceGrid {
@@ -328,65 +318,6 @@ impl Mesh {
     }
 }
 
-/// Turns the values at the nodes into the coefficients of the spline that passes through them, which is straight at its
-/// ends.
-fn through(values: &mut [f64], counts: [usize; 3]) {
-    let [nx, ny, nz] = counts;
-    let strides = [1, nx, nx * ny];
-    let mut line = vec![0.0; nx.max(ny).max(nz)];
-    let mut ratios = line.clone();
-    for axis in 0..3 {
-        let (stride, count) = (strides[axis], counts[axis]);
-        let across = [(axis + 1) % 3, (axis + 2) % 3];
-        for i in 0..counts[across[0]] {
-            for j in 0..counts[across[1]] {
-                let first = i * strides[across[0]] + j * strides[across[1]];
-                for (number, value) in line[..count].iter_mut().enumerate() {
-                    *value = values[first + number * stride];
-                }
-                spline(&mut line[..count], &mut ratios);
-                for (number, value) in line[..count].iter().enumerate() {
-                    values[first + number * stride] = *value;
-                }
-            }
-        }
-    }
-}
-
-/// Solves c[k - 1] + 4 c[k] + c[k + 1] = 6 f[k], with c = f at both ends, in place (Thomas).
-fn spline(line: &mut [f64], ratios: &mut [f64]) {
-    let last = line.len() - 1;
-    ratios[0] = 0.0;
-    for k in 1..last {
-        let pivot = 1.0 / (4.0 - ratios[k - 1]);
-        ratios[k] = pivot;
-        line[k] = (6.0 * line[k] - line[k - 1]) * pivot;
-    }
-    for k in (1..last).rev() {
-        line[k] -= ratios[k] * line[k + 1];
-    }
-}
-
-/// Weights of four neighbouring B-splines in a cell, at a share of its width, and their slopes by that share.
-fn weights(share: f64) -> ([f64; 4], [f64; 4]) {
-    let rest = 1.0 - share;
-    let (square, cube) = (share * share, share * share * share);
-    (
-        [
-            rest * rest * rest / 6.0,
-            (3.0 * cube - 6.0 * square + 4.0) / 6.0,
-            (3.0 * (share + square - cube) + 1.0) / 6.0,
-            cube / 6.0,
-        ],
-        [
-            -0.5 * rest * rest,
-            1.5 * square - 2.0 * share,
-            -1.5 * square + share + 0.5,
-            0.5 * square,
-        ],
-    )
-}
-
 impl Nodes {
     /// Spacings from the first node along each axis.
     fn steps_to(&self, own: &Vector3) -> Vector3 {
@@ -497,125 +428,6 @@ impl Nodes {
             largest,
             root_mean_square: (sum / count).sqrt(),
         }
-    }
-}
-
-/// The first bytes of a grid.
-const MAGIC: &[u8] = b"palpate distance grid 1\n";
-/// Bytes before the coefficients, after the magic: nine numbers of eight bytes.
-const HEADER: usize = 9 * 8;
-
-/// A number that is another one for other bytes, but for one case in 2^64 (Fowler, Noll, Vo: FNV-1a).
-struct Fnv(u64);
-
-impl Fnv {
-    fn new() -> Self {
-        Self(0xcbf2_9ce4_8422_2325)
-    }
-
-    fn take(&mut self, bytes: &[u8]) {
-        for byte in bytes {
-            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
-        }
-    }
-}
-
-/// Of all numbers that a grid follows from.
-fn fingerprint(mesh: &Mesh, spacing: f64) -> u64 {
-    let mut of = Fnv::new();
-    of.take(&spacing.to_le_bytes());
-    for vertex in mesh.places() {
-        for x in vertex.iter() {
-            of.take(&x.to_le_bytes());
-        }
-    }
-    for corner in mesh.faces().iter().flatten() {
-        of.take(&corner.to_le_bytes());
-    }
-    of.0
-}
-
-impl DistanceGrid {
-    /// The grid as bytes, to be kept beside the mesh: making one takes a while.
-    #[must_use]
-    pub fn to_bytes(&self) -> Vec<u8> {
-        let nodes = &*self.nodes;
-        let mut bytes = Vec::with_capacity(MAGIC.len() + HEADER + 4 * nodes.coefficients.len() + 8);
-        bytes.extend(MAGIC);
-        bytes.extend(nodes.made_from.to_le_bytes());
-        let numbers = [
-            nodes.spacing,
-            nodes.least.x,
-            nodes.least.y,
-            nodes.least.z,
-            nodes.error.largest,
-            nodes.error.root_mean_square,
-        ];
-        bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
-        let counts = nodes.counts.map(|count| super::tree::size(count));
-        bytes.extend(counts.iter().flat_map(|count| count.to_le_bytes()));
-        bytes.extend([0; 4]);
-        let coefficients = nodes.coefficients.iter();
-        bytes.extend(coefficients.flat_map(|number| number.to_le_bytes()));
-        let mut sum = Fnv::new();
-        sum.take(&bytes);
-        bytes.extend(sum.0.to_le_bytes());
-        bytes
-    }
-
-    /// The grid that [`to_bytes`](Self::to_bytes) wrote, if it is of this mesh with this spacing `[m]`; `None` where it is of
-    /// another one.
-    ///
-    /// # Errors
-    /// Bytes that are not a whole grid.
-    pub fn from_bytes(
-        bytes: &[u8],
-        mesh: &Mesh,
-        spacing: f64,
-    ) -> Result<Option<Self>, GridBytesError> {
-        let after = bytes.strip_prefix(MAGIC).ok_or(GridBytesError::NotAGrid)?;
-        let (before, sum) = bytes
-            .split_last_chunk::<8>()
-            .ok_or(GridBytesError::Broken)?;
-        let mut of = Fnv::new();
-        of.take(before);
-        if of.0 != u64::from_le_bytes(*sum) || after.len() < HEADER + 8 {
-            return Err(GridBytesError::Broken);
-        }
-        let (header, rest) = after.split_at(HEADER);
-        let eight =
-            |number: usize| -> [u8; 8] { std::array::from_fn(|byte| header[8 * number + byte]) };
-        let number = |place: usize| f64::from_le_bytes(eight(place));
-        let count = |place: usize| -> usize {
-            let from = 7 * 8 + 4 * place;
-            u32::from_le_bytes(std::array::from_fn(|byte| header[from + byte])) as usize
-        };
-        let counts = [0, 1, 2].map(count);
-        let all = counts
-            .iter()
-            .try_fold(4_usize, |product, &count| product.checked_mul(count));
-        if all != Some(rest.len() - 8) || counts.iter().any(|&count| count < 4) {
-            return Err(GridBytesError::Broken);
-        }
-        let made_from = u64::from_le_bytes(eight(0));
-        if made_from != fingerprint(mesh, spacing) {
-            return Ok(None);
-        }
-        let coefficients = rest[..rest.len() - 8].chunks_exact(4);
-        let nodes = Nodes {
-            made_from,
-            spacing: number(1),
-            least: Vector3::new(number(2), number(3), number(4)),
-            counts,
-            coefficients: coefficients
-                .map(|bytes| f32::from_le_bytes(std::array::from_fn(|byte| bytes[byte])))
-                .collect(),
-            error: GridError {
-                largest: number(5),
-                root_mean_square: number(6),
-            },
-        };
-        Ok(Some(Self::in_its_own_axes(nodes)))
     }
 }
 

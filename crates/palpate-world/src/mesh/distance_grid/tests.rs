@@ -1,3 +1,4 @@
+use super::kept::MAGIC;
 use super::*;
 
 /// A block of 20 x 14 x 12 mm with a groove of 6 mm along x in its top: a solid with hollow edges.

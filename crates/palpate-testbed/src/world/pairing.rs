@@ -1,0 +1,307 @@
+//! Which points of a pair of members can touch which surface.
+
+use std::sync::Arc;
+
+use super::between::{Flat, Pair as Solids};
+use super::contact::{Contact, MOST_CORNERS};
+use super::mesh::MOST_CONTACTS;
+use super::rod::{Base, Faces, Rod};
+use super::scene::{ContactLaw, Member, Pair, Shape, SphereAt, Tool, WorldScene};
+use super::vector::Vec3;
+use super::wrapping::Wrapped;
+
+/// One side of a pair.
+struct Side {
+    member: usize,
+    /// `None` for several spheres.
+    shape: Option<Shape>,
+    spheres: Vec<SphereAt>,
+    is_device: bool,
+    moves: bool,
+    name: String,
+}
+
+impl Side {
+    fn touches_by_spheres(&self) -> bool {
+        matches!(self.shape, None | Some(Shape::Sphere { .. }))
+    }
+
+    fn of(scene: &WorldScene, member: Member) -> Self {
+        match member {
+            Member::Device(number) => {
+                let device = &scene.devices[number];
+                Self {
+                    member: number,
+                    shape: match &device.tool {
+                        Tool::Solid(shape) => Some(shape.clone()),
+                        Tool::Spheres(_) => None,
+                    },
+                    spheres: match &device.tool {
+                        Tool::Solid(_) => Vec::new(),
+                        Tool::Spheres(spheres) => spheres.clone(),
+                    },
+                    is_device: true,
+                    moves: true,
+                    name: format!("the tool of {:?}", device.name),
+                }
+            }
+            Member::Body(number) => {
+                let body = &scene.bodies[number];
+                Self {
+                    member: scene.devices.len() + number,
+                    shape: Some(body.shape.clone()),
+                    spheres: Vec::new(),
+                    is_device: false,
+                    moves: body.motion.is_some(),
+                    name: format!("the {} {:?}", kind(&body.shape), body.name),
+                }
+            }
+        }
+    }
+}
+
+fn kind(shape: &Shape) -> &'static str {
+    match shape {
+        Shape::Sphere { .. } => "sphere",
+        Shape::HalfSpace { .. } => "half-space",
+        Shape::Box { .. } => "box",
+        Shape::Capsule { .. } => "capsule",
+        Shape::Cylinder { .. } => "cylinder",
+        Shape::Mesh(_) => "mesh",
+        Shape::Hull(_) => "hull",
+    }
+}
+
+/// A box or a hull by its flat faces.
+fn flat(shape: &Shape) -> Option<Flat> {
+    match shape {
+        Shape::Box { half_extents } => Flat::of_box(*half_extents),
+        Shape::Hull(hull) => Some(Flat::of(hull.wrapped())),
+        _ => None,
+    }
+}
+
+/// A capsule on another convex solid: of two capsules the shorter one, of equals the first.
+fn rod(shapes: [&Shape; 2]) -> Option<Rod> {
+    let capsule = |side: usize| match *shapes[side] {
+        Shape::Capsule {
+            radius,
+            half_length,
+        } => Some((radius, half_length)),
+        _ => None,
+    };
+    let is_first = match [capsule(0), capsule(1)] {
+        [Some((_, one)), Some((_, other))] => one <= other,
+        [one, _] => one.is_some(),
+    };
+    let (radius, half_length) = capsule(usize::from(!is_first))?;
+    let base = match shapes[usize::from(is_first)] {
+        Shape::Hull(hull) => Base::Flat(Faces::of(hull.wrapped())),
+        shape @ (Shape::Box { .. } | Shape::Capsule { .. } | Shape::Cylinder { .. }) => {
+            Base::Round(shape.clone())
+        }
+        _ => return None,
+    };
+    Some(Rod {
+        is_first,
+        radius,
+        half_length,
+        base,
+    })
+}
+
+/// The share of a law that one has of so many that lie flat together.
+fn shared(law: &ContactLaw, count: f64) -> ContactLaw {
+    ContactLaw {
+        stiffness: law.stiffness / count,
+        damping: law.damping / count,
+        friction_stiffness: law.friction_stiffness / count,
+        ..*law
+    }
+}
+
+/// The contacts of a mesh that has points with what they can touch, if one of the two is such a mesh; of two, the smaller
+/// one where it can.
+fn by_points(number: usize, pair: &Pair, sides: [&Side; 2]) -> Option<Vec<Contact>> {
+    let mesh = |side: &Side| match &side.shape {
+        Some(Shape::Mesh(mesh)) => Some(mesh.clone()),
+        _ => None,
+    };
+    let [one, other] = sides;
+    let is_swapped = match (mesh(one), mesh(other)) {
+        (Some(one), Some(other)) => other.reach() < one.reach(),
+        _ => false,
+    };
+    let orders = if is_swapped {
+        [[other, one], [one, other]]
+    } else {
+        [[one, other], [other, one]]
+    };
+    orders.into_iter().find_map(|[first, second]| {
+        let with_points = mesh(first)?;
+        let (points, sharers) = with_points.points()?;
+        let field = match second.shape.as_ref()? {
+            Shape::Mesh(mesh) => Some(mesh.field()?.clone()),
+            Shape::HalfSpace { .. }
+            | Shape::Box { .. }
+            | Shape::Capsule { .. }
+            | Shape::Cylinder { .. } => None,
+            Shape::Sphere { .. } | Shape::Hull(_) => return None,
+        };
+        let each = points.iter().map(|&on_first| Contact {
+            pair: number,
+            first: first.member,
+            second: second.member,
+            on_first,
+            radius: 0.0,
+            surface: second
+                .shape
+                .clone()
+                .unwrap_or(Shape::Sphere { radius: 0.0 }),
+            solids: None,
+            rod: None,
+            field: field.clone(),
+            law: shared(&pair.law, sharers as f64),
+        });
+        Some(each.collect())
+    })
+}
+
+/// The contacts of a pair of a checked scene, or why there are none.
+pub(super) fn of_pair(
+    scene: &WorldScene,
+    number: usize,
+    pair: &Pair,
+) -> Result<Vec<Contact>, String> {
+    let [one, other] = pair.between.map(|member| Side::of(scene, member));
+    if one.member == other.member {
+        return Err(format!("{} cannot touch itself", one.name));
+    }
+    if one.is_device && other.is_device {
+        return Err(format!(
+            "{} and {} are both tools, which do not touch each other",
+            one.name, other.name
+        ));
+    }
+    if !one.moves && !other.moves {
+        return Ok(Vec::new()); // nothing changes between two fixed bodies
+    }
+    if let Some(contacts) = by_points(number, pair, [&one, &other]) {
+        return Ok(contacts);
+    }
+    // The tool goes first, then a free sphere, so that the sphere is the first of the two.
+    let rank = |side: &Side| match side.shape {
+        None => 3,
+        Some(Shape::Sphere { .. }) => 2 + u8::from(side.is_device),
+        Some(Shape::Box { .. } | Shape::Capsule { .. } | Shape::Mesh(_) | Shape::Hull(_)) => 1,
+        _ => 0,
+    };
+    let (first, second) = if rank(&one) >= rank(&other) {
+        (one, other)
+    } else {
+        (other, one)
+    };
+    let no_contact = || {
+        format!(
+            "there is no contact between {} and {}",
+            first.name, second.name
+        )
+    };
+    let surface = match second.shape.as_ref().ok_or_else(no_contact)? {
+        // A sphere touches its triangles.
+        Shape::Hull(hull) if first.touches_by_spheres() => &Shape::Mesh(hull.mesh().clone()),
+        other => other,
+    };
+    let contact = |on_first: Vec3, radius: f64, law: ContactLaw| Contact {
+        pair: number,
+        first: first.member,
+        second: second.member,
+        on_first,
+        radius,
+        surface: surface.clone(),
+        solids: None,
+        rod: None,
+        field: None,
+        law,
+    };
+    let shared = |count: f64| shared(&pair.law, count);
+    let by_corners = |hull: &Wrapped| {
+        let law = shared(hull.most_corners() as f64);
+        let each = hull.corners.iter();
+        Ok(each.map(|corner| contact(*corner, 0.0, law)).collect())
+    };
+    if let Some(one) = &first.shape
+        && let Some(rod) = rod([one, surface])
+    {
+        let rod = Arc::new(rod);
+        let end = |end: usize| Contact {
+            rod: Some((rod.clone(), end)),
+            ..contact(Vec3::ZERO, 0.0, shared(2.0))
+        };
+        return Ok(vec![end(0), end(1)]);
+    }
+    match (&first.shape, surface) {
+        (&Some(Shape::Sphere { radius }), Shape::Mesh(_)) => {
+            let one = contact(Vec3::ZERO, radius, pair.law);
+            Ok(vec![one; MOST_CONTACTS])
+        }
+        (None, Shape::Mesh(_)) => Ok(first
+            .spheres
+            .iter()
+            .flat_map(|sphere| {
+                let one = contact(Vec3(sphere.centre), sphere.radius, pair.law);
+                vec![one; MOST_CONTACTS]
+            })
+            .collect()),
+        (None, _) => Ok(first
+            .spheres
+            .iter()
+            .map(|sphere| contact(Vec3(sphere.centre), sphere.radius, pair.law))
+            .collect()),
+        (&Some(Shape::Sphere { radius }), _) => Ok(vec![contact(Vec3::ZERO, radius, pair.law)]),
+        (
+            Some(one @ (Shape::Box { .. } | Shape::Hull(_))),
+            other @ (Shape::Box { .. } | Shape::Hull(_)),
+        ) => {
+            let two = [flat(one), flat(other)];
+            let [Some(one), Some(other)] = two else {
+                return Err(no_contact());
+            };
+            let solids = Arc::new(Solids([one, other]));
+            let law = shared(solids.share() as f64);
+            let each = (0..solids.contacts()).map(|number| Contact {
+                solids: Some((solids.clone(), number)),
+                ..contact(Vec3::ZERO, 0.0, law)
+            });
+            Ok(each.collect())
+        }
+        (&Some(Shape::Box { half_extents }), Shape::HalfSpace { .. }) => {
+            let law = shared(4.0);
+            let corner = |index: usize| {
+                Vec3(std::array::from_fn(|axis| {
+                    let sign = if index >> axis & 1 == 0 { -1.0 } else { 1.0 };
+                    sign * half_extents[axis]
+                }))
+            };
+            let corners = (0..8).map(|index| contact(corner(index), 0.0, law));
+            Ok(corners.collect())
+        }
+        (
+            &Some(Shape::Capsule {
+                radius,
+                half_length,
+            }),
+            Shape::HalfSpace { .. },
+        ) => {
+            let law = shared(2.0);
+            let end = |side: f64| contact(Vec3([0.0, 0.0, side * half_length]), radius, law);
+            Ok(vec![end(-1.0), end(1.0)])
+        }
+        (Some(Shape::Mesh(mesh)), Shape::HalfSpace { .. }) => {
+            let places: Vec<Vec3> = mesh.vertices().into_iter().map(Vec3).collect();
+            by_corners(&Wrapped::around(&places, MOST_CORNERS).ok_or_else(no_contact)?)
+        }
+        (Some(Shape::Hull(hull)), Shape::HalfSpace { .. }) => by_corners(hull.wrapped()),
+        _ => Err(no_contact()),
+    }
+}
