@@ -329,3 +329,35 @@ fn points_on_a_grid_of_distances_are_rendered_as_their_ideal_moves() {
     let [known, told] = known_and_told("angle");
     assert!(known < 0.1 && told < 1.0, "{known} {told}");
 }
+
+/// Of two meshes that both have a shell and a grid, the points of the smaller one touch, for renderer and judge alike.
+#[test]
+fn of_two_meshes_the_points_of_the_smaller_one_touch() {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../experiments/worlds/angle.toml"
+    );
+    let one = known(&std::fs::read_to_string(path).unwrap())
+        .replace("duration_s = 0.3", "duration_s = 0.1");
+    let (shell, grid) = (
+        "shell = { points = 40 }",
+        "distance_grid = { spacing_m = 0.001 }",
+    );
+    let both = one
+        .replace(grid, &format!("{grid}\nshell = {{ points = 20 }}"))
+        .replace(
+            shell,
+            &format!("{shell}\ndistance_grid = {{ spacing_m = 0.00125 }}"),
+        );
+    let [alone, together] = [one, both].map(|source| {
+        let ([run], bench) = runs(&source, ["coupled"]);
+        let contacts = bench.ideal().states.last().unwrap().contacts.len();
+        assert_eq!(
+            contacts,
+            4 + 40,
+            "four of the tool, and the points of the angle"
+        );
+        error(&run)
+    });
+    assert!((alone - together).abs() < 1e-9, "{alone} {together}");
+}

@@ -125,7 +125,7 @@ impl DistanceGrid {
         let coefficients = rest[..rest.len() - 8].chunks_exact(4);
         let nodes = Nodes {
             made_from,
-            spacing: number(1),
+            spacing,
             least: Vector3::new(number(2), number(3), number(4)),
             counts,
             coefficients: coefficients
