@@ -198,9 +198,10 @@ fn an_inverse3_presses_a_ball_on_a_table() {
 }
 
 /// A 2DIY whose hand leads it 32 mm away from its base, into a block before a wall: the report of the
-/// run, and the block's places [m], each with the device's force along y [N].
+/// run, the block's places [m], each with the device's force along y [N], and how far the hand had led the tool when the loop
+/// began [m].
 #[cfg(unix)]
-fn a_block_is_pushed(folder: &Folder) -> (serde_json::Value, Vec<(f64, f64)>) {
+fn a_block_is_pushed(folder: &Folder) -> (serde_json::Value, Vec<(f64, f64)>, f64) {
     use palpate_haply::two_diy::{Board, Generation};
     use palpate_haply_emulator::two_diy::{self, Hand, PortSettings, Settings};
     // It begins where the tool does.
@@ -228,25 +229,27 @@ fn a_block_is_pushed(folder: &Folder) -> (serde_json::Value, Vec<(f64, f64)>) {
     assert!(matches!(answer.code, 0 | 5), "{answer:?}");
     assert_eq!(emulator.torques(), [0.0; 2]);
     let recording = Recording::open(&folder.path("block.mcap")).unwrap();
-    let mut pushed = Vec::new();
+    let (mut pushed, mut led) = (Vec::new(), None);
     for entry in recording.entries().unwrap() {
         if let Entry::Tick(tick, _, bodies) = entry.unwrap() {
             assert!(tick.device_axes[2].is_nan());
+            led.get_or_insert(tick.device_axes[1] - 0.1169);
             pushed.push((bodies[0].position[1], tick.commanded_force[1]));
         }
     }
-    (parse(&answer.stdout), pushed)
+    (parse(&answer.stdout), pushed, led.unwrap())
 }
 
 #[cfg(unix)]
 #[test]
 fn a_2diy_pushes_a_block_against_a_wall() {
     // A busy machine stops the loop now and then for longer than it is allowed to. The motors are off then,
-    // the hand pushes the tool into the block without a force against it, and the run shows nothing here.
-    let (report, pushed) = (0..10)
+    // the hand pushes the tool into the block without a force against it, and the run shows nothing here. Nor does one whose
+    // loop began when the hand had led the tool into the block already.
+    let (report, pushed, _) = (0..10)
         .map(|_| a_block_is_pushed(&folder()))
-        .find(|(report, _)| number(report, "motors_off_ticks") == 0.0)
-        .expect("the loop was stopped in each of ten runs");
+        .find(|(report, _, led)| number(report, "motors_off_ticks") == 0.0 && led.abs() < 1e-3)
+        .expect("the loop was stopped, or began late, in each of ten runs");
     assert!(number(&report, "peak_force_n") > 0.3, "{report}");
     let (first, last) = (pushed[0].0, pushed.last().unwrap().0);
     assert!(first.abs() < 1e-4 && last > 0.005, "{first} to {last} m");
