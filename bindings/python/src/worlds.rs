@@ -65,9 +65,10 @@ pub fn replay_world<'py>(
     let scene = file.scene.led();
     let methods = methods(&scene, &scene.render.method, method)?;
     let renderers = renderers(&scene, methods).map_err(|faults| wrong(&file, true, &faults))?;
+    let turns = scene.devices.iter().any(|device| device.turning.is_some());
     let (judged, warnings) = interruptible(py, move |stop| {
-        let (path, without) =
-            world_path(&recording, |place| frame.in_world(place)).map_err(|error| match error {
+        let (path, without) = world_path(&recording, turns, |place| frame.in_world(place))
+            .map_err(|error| match error {
                 WorldPathError::Recording(error) => unread(error),
                 other => refused(other),
             })?;

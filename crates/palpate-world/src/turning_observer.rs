@@ -54,23 +54,44 @@ pub(crate) struct Torque {
 /// What an observer starts from.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TurningPrior {
-    /// Moments of inertia along the tool's axes as told `[kg m^2]`.
+    /// Moments of inertia along the tool's axes as told `[kg m^2]`; of a device that no torque turns, some that are large.
     pub moments: Vector3,
+    /// Whether no torque turns it: nothing is owed to it.
+    pub is_immovable: bool,
     /// Variance of a measured orientation about each axis `[rad^2]`.
     pub measurement_variance: f64,
     pub prior: Prior,
 }
 
+/// Moments of inertia of a device that no torque turns: a newton metre turns it by 5e-13 rad in a millisecond `[kg m^2]`.
+const IMMOVABLE: f64 = 1e6;
 /// Quantum of an angle that is not known to have one `[rad]`.
 const FINEST_QUANTUM: f64 = 1e-8;
 
 impl TurningPrior {
     pub fn new(moments: Vector3, quantum: f64, prior: Prior) -> Self {
         let quantum = quantum.max(FINEST_QUANTUM);
+        let is_immovable = moments.iter().any(|moment| moment.is_infinite());
         Self {
-            moments,
+            moments: if is_immovable {
+                Vector3::repeat(IMMOVABLE)
+            } else {
+                moments
+            },
+            is_immovable,
             measurement_variance: quantum * quantum / 12.0,
             prior,
+        }
+    }
+}
+
+impl TurningPrior {
+    /// Moments of inertia of a device of this mobility `[kg m^2]`.
+    pub fn known(&self, mobility: f64) -> Vector3 {
+        if self.is_immovable {
+            Vector3::repeat(f64::INFINITY)
+        } else {
+            self.moments / mobility
         }
     }
 }

@@ -20,9 +20,6 @@ pub struct WorldSettings {
     pub coupling: Coupling,
 }
 
-/// Moments of inertia of a device that is led: a newton metre turns it by 5e-13 rad in a millisecond `[kg m^2]`.
-const NOT_TURNED_BY_TORQUES: f64 = 1e6;
-
 impl WorldSettings {
     /// The method of that name for so many tools; `turns`: whether one of them turns. `None`: these settings have no
     /// method of that name.
@@ -137,7 +134,7 @@ impl WorldScene {
             *mass = [f64::INFINITY; 3];
         }
         for inertia in scene.render.device_inertia.iter_mut().flatten() {
-            *inertia = [NOT_TURNED_BY_TORQUES; 3];
+            *inertia = [f64::INFINITY; 3];
         }
         // Nobody holds them.
         scene.render.guard = WorldGuard::Off;

@@ -325,7 +325,8 @@ impl Running {
                     .map(|part| part * part)
                     .sum::<f64>()
                     .sqrt();
-                if !((length - 1.0).abs() <= LENGTH_SLACK) {
+                let is_unit = (length - 1.0).abs() <= LENGTH_SLACK;
+                if !is_unit {
                     return Err(format!(
                         "orientation is {orientation:?}; allowed: a quaternion of length 1, or null"
                     ));

@@ -77,11 +77,17 @@ impl Field {
         let moving = self.rotation.back(velocity) * inv;
         let mut beyond = Vec3::ZERO;
         let mut nearest = [0; 3];
-        for axis in 0..3 {
+        for (axis, nearest) in nearest.iter_mut().enumerate() {
             let most = (self.counts[axis] - 2) as f64;
             let held = steps.0[axis].clamp(1.0, most);
             beyond.0[axis] = steps.0[axis] - held;
-            nearest[axis] = (held.floor() as usize).min(self.counts[axis] - 3);
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "it lies between two numbers of nodes, or is no number and 0"
+            )]
+            let before = held as usize;
+            *nearest = before.min(self.counts[axis] - 3);
         }
         let outside = beyond.norm();
         if outside.is_nan() || outside > 0.0 {

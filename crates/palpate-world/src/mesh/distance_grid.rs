@@ -214,7 +214,7 @@ impl DistanceGrid {
                     slope,
                 }
             }
-            None => self.nodes.from_outside(&own),
+            None => self.nodes.beyond_the_grid(&own),
         };
         Nearest {
             normal: self.axes * nearest.normal,
@@ -381,7 +381,7 @@ impl Nodes {
     fn is_beyond(&self, own: &Vector3, reach: f64) -> bool {
         let steps = self.steps_to(own);
         match self.cell(&steps) {
-            None => self.from_outside(own).distance > reach,
+            None => self.beyond_the_grid(own).distance > reach,
             Some(cell) => {
                 let at_node = f64::from(self.coefficients[self.number(cell)]);
                 at_node > FAR * self.spacing && at_node - LESS * self.spacing > reach
@@ -391,7 +391,7 @@ impl Nodes {
 
     /// Beyond the grid, the surface is at least as far as the box of those places that have a function, and what lies
     /// between that box and the mesh.
-    fn from_outside(&self, own: &Vector3) -> Nearest {
+    fn beyond_the_grid(&self, own: &Vector3) -> Nearest {
         let rim = RIM * self.spacing;
         let (mut off, mut far) = (Vector3::zeros(), f64::NEG_INFINITY);
         for axis in 0..3 {

@@ -404,10 +404,10 @@ impl Coupled {
                 angular,
                 touched,
             } = impulse_on(&state.ahead, renderer, tool);
-            if let Some((turning, _)) = &device.turning {
+            if let Some((turning, prior)) = &device.turning {
                 let mut mean = Vector3::zeros();
                 if touched {
-                    mean = (angular + turning.owed(&state.ahead, tool)) / period;
+                    mean = (angular + turning.owed(prior, &state.ahead, tool)) / period;
                 }
                 let torque = state.torque_commands.command(tool, &mean, period);
                 state.intended_torques[tool] = if touched || torque.norm() > LEAST_TORQUE {
@@ -500,7 +500,7 @@ impl CoupledMemory {
                 tool.avatar_orientation = quaternion(&avatar);
                 tool.turn_offset = turning.offset.scaled_axis().into();
                 tool.momentum_offset = (turning.momentum_offset / motion.mobility).into();
-                tool.inertia = Some((prior.moments / motion.mobility).into());
+                tool.inertia = Some(prior.known(motion.mobility).into());
             }
         }
     }

@@ -19,8 +19,8 @@ pub struct CoupledParams {
     /// Mass of each tool's device along each of the world's axes, within a factor of 2 `[kg]`. The hand's share is
     /// learned. Infinite where no force moves the device: along an axis that it does not have, or in a recording.
     pub device_mass: Vec<Vector>,
-    /// Moments of inertia of each tool's device about its mass centre, along the tool's axes, within a factor of 2,
-    /// finite `[kg m^2]`. Those of a tool that does not turn are not looked at; empty if none turns.
+    /// Moments of inertia of each tool's device about its mass centre, along the tool's axes, within a factor of 2
+    /// `[kg m^2]`; infinite about all three where no torque turns the device, as in a recording. Those of a tool that does not turn are not looked at; empty if none turns.
     pub device_inertia: Vec<Vector>,
     /// Quantum of the position sensors `[m]`, 0 if they are not known to have one.
     pub encoder_quantum: f64,
@@ -126,11 +126,14 @@ impl CoupledParams {
             );
         }
         for (tool, moments) in all.iter().zip(&self.device_inertia) {
+            let is_immovable = *moments == [f64::INFINITY; 3];
             for moment in moments {
-                if tool.turns && !(*moment > 0.0 && moment.is_finite()) {
+                if tool.turns && !is_immovable && !(*moment > 0.0 && moment.is_finite()) {
                     fault(
                         "device_inertia",
-                        format!("device_inertia is {moment}, and has to be above 0 and finite"),
+                        format!(
+                            "device_inertia is {moment}, and has to be above 0 and finite, or infinite about all three axes"
+                        ),
                     );
                 }
             }

@@ -158,7 +158,10 @@ impl Turning {
 
     /// What of the momentum is owed to the device at the beginning of the interval that a torque governs, where `moving`
     /// has begun it `[N m s]`.
-    pub fn owed(&self, moving: &Moving, tool: usize) -> Vector3 {
+    pub fn owed(&self, prior: &TurningPrior, moving: &Moving, tool: usize) -> Vector3 {
+        if prior.is_immovable {
+            return Vector3::zeros();
+        }
         moving.parts[tool].turning_drive.spin - self.ahead.momentum / self.ahead.mobility
     }
 

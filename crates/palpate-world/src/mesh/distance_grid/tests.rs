@@ -18,7 +18,7 @@ fn with_walls(thick: f64) -> Mesh {
         [thick, 12.0],
         [0.0, 12.0],
     ];
-    let count = outline.len() as u32;
+    let count = u32::try_from(outline.len()).unwrap();
     let at = |x: f64| outline.map(|[y, z]| [1e-3 * x, 1e-3 * y, 1e-3 * z]);
     let vertices: Vec<Vector> = at(0.0).into_iter().chain(at(20.0)).collect();
     // Three rectangles of the outline, by its corners.
