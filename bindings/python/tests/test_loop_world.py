@@ -274,14 +274,12 @@ def test_wrong_devices_and_worlds_are_said() -> None:
         [],
         devices=[{"name": name, "mass_kg": 0.2, "tool": {"sphere": {"radius_m": 0.01}}} for name in ("one", "other")],
     )
-    peg = palpate.World(Path(__file__).parents[3] / "experiments/worlds/peg.toml")
     contact = wall()
     for device, rendered, message in [
         (palpate.devices.Pointer(), model, "a world runs on palpate.devices.PointerInWorld"),
         (pointer, contact, "device is of a World"),
         (palpate.devices.Simulated(model), contact, "device is of a World"),
         (palpate.devices.Simulated(two), two, "the world has 2 devices"),
-        (palpate.devices.PointerInWorld(peg), peg, "this device has no torque about three axes"),
         (palpate.devices.TwoDiy("/nowhere", normal=(0, 1)), model, "normal is for a Renderer"),
         (palpate.devices.Inverse3("ws://127.0.0.1:1", normal=(0, 1, 0)), model, "normal is for a Renderer"),
     ]:
