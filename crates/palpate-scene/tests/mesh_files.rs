@@ -271,7 +271,10 @@ fn a_shell_of_points_is_made_as_it_is_asked_for() {
             "a shell of 3 points: it has to have 4 to 64",
         ),
         ("shell = { points = 65 }", "a shell of 65 points"),
-        ("shell = { points = -1 }", "shell"),
+        (
+            "shell = { points = -1 }",
+            "expected a whole number from 0 up",
+        ),
         (
             "shell = { points = 9, shared_by = 10 }",
             "the law is shared by 10 points, and has to be by 1 to 9",
