@@ -164,7 +164,7 @@ fn committed() -> Vec<(String, String)> {
         .collect();
     worlds.retain(|(_, source)| !source.contains("quantum_rad"));
     worlds.sort();
-    assert_eq!(worlds.len(), 22);
+    assert_eq!(worlds.len(), 23);
     worlds
 }
 
