@@ -59,8 +59,9 @@ fn a_pair_that_has_a_law_and_no_contact_is_refused_and_one_without_a_law_is_not(
         faults[0].to_string(),
         "\"block\" and \"shelf\": there is no contact of a box with a cylinder yet: they can touch along an edge or rim where \
          no corner or end is. A sphere, or a tool of several, may touch any shape, a box, hull or capsule another one and a \
-         half-space, a capsule a cylinder, and a mesh a half-space. Give one of them another shape, such as a hull, or leave the \
-         pair without a law"
+         half-space, a capsule a cylinder, and a mesh a half-space. A mesh with a shell of points may touch a box, capsule or \
+         cylinder, and a mesh with a distance grid. Give one of them another shape, such as a hull, or leave the pair without a \
+         law"
     );
 }
 
@@ -74,7 +75,11 @@ fn a_tool_that_is_a_cylinder_and_more_points_than_fit_are_refused() {
     };
     let refused = faults(&world, WorldLoop::new(0.001), BasicParams::default());
     assert_eq!(refused[0].place, Place::Tool(0));
-    assert!(refused[0].to_string().contains("a box or a capsule"));
+    assert!(
+        refused[0]
+            .to_string()
+            .contains("a box, a capsule or a mesh with a shell of points")
+    );
     world.tools[0].shape = Shape::Spheres {
         spheres: Vec::new(),
     };
