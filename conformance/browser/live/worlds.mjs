@@ -109,6 +109,18 @@ test("the tool of a device of six axes is turned by the mouse and by keys", asyn
   };
   await open.until("the pointer has rolled it", isTurned, before);
   assert.equal((await open.get(turnedAt)).length, 4);
+  // A hand that has let go takes hold of the tool again, where and as it is.
+  await open.page.focus("#space");
+  await open.page.keyboard.press("Escape");
+  await open.until("the hand has let go", () => palpate.model.state.hand_m === null);
+  await open.page.keyboard.press("x");
+  const isTurnedOn = () => {
+    const { state } = palpate.model;
+    const [w, x, y, z] = state.hand_orientation ?? [1, 0, 0, 0];
+    const tool = palpate.space.lanes[0].tools[0].quaternion;
+    return state.hand_m !== null && Math.abs(w * tool.w + x * tool.x + y * tool.y + z * tool.z) > Math.cos(0.02);
+  };
+  await open.until("it turns the tool from there", isTurnedOn);
   await open.page.click("#restart");
   await open.until("it begins as it began", () => palpate.model.state.hand_orientation === null);
   await open.shot?.("six-axes");

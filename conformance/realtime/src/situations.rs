@@ -19,7 +19,8 @@ use palpate_scene::method::MethodName;
 use palpate_scene::world::{WorldFile, WorldScene};
 use palpate_scene::{Scene, SceneFile, beside};
 use palpate_sim::device::{
-    PointerDevice, PointerHand, PointerParams, SimulatedDevice, SpatialDevice,
+    PointerDevice, PointerHand, PointerParams, SimulatedDevice, SpatialDevice, SpatialHand,
+    SpatialPointer,
 };
 
 use crate::hostile::anything;
@@ -31,7 +32,7 @@ pub type Watch<'a> = dyn FnMut(&mut dyn FnMut()) + 'a;
 pub type Situation = (&'static str, fn(&mut Watch));
 
 /// Every situation in which the clock is moved by hand.
-pub const STEPPED: [Situation; 16] = [
+pub const STEPPED: [Situation; 17] = [
     ("every method on a simulated device", every_method),
     ("worlds on a device in space", worlds),
     (
@@ -176,6 +177,53 @@ fn worlds(watch: &mut Watch) {
         }
         assert!(forces > 50, "{name}: {forces} ticks with a force");
     }
+}
+
+fn six_axes(watch: &mut Watch) {
+    for name in ["worlds/plug.toml", "worlds/box.toml"] {
+        let scene = world_scene(name);
+        let (own, actuator) = (&scene.devices[0], &scene.timing.actuator);
+        for method in ["basic", "coupled"] {
+            let clock = SteppedClock::new();
+            let device = SpatialDevice::new(own, actuator, clock.clone()).unwrap();
+            let world = rendered(&scene, method);
+            let mut control =
+                ControlLoop::of_world(device, clock, world, SafetyParams::default()).unwrap();
+            turn(&mut control, name, watch, |_| {});
+
+            let clock = SteppedClock::new();
+            let hand = SpatialHand::at(own.position);
+            let device = SpatialPointer::new(own, actuator, &hand, clock.clone()).unwrap();
+            let world = rendered(&scene, method);
+            let mut control =
+                ControlLoop::of_world(device, clock, world, SafetyParams::default()).unwrap();
+            let [x, y, z] = own.position;
+            turn(&mut control, name, watch, |tick| match tick % 100 {
+                0 => hand.let_go(),
+                10 => hand.move_to([x, y, z - 0.004]),
+                40 => hand.turn_to([1.0, 0.05, 0.1, 0.0]),
+                80 => hand.turn_back(),
+                _ => {}
+            });
+        }
+    }
+}
+
+/// Ticks of a world of six axes, in some of which there is a torque.
+fn turn<D: Device>(
+    control: &mut ControlLoop<D, SteppedClock, RenderedWorld>,
+    name: &str,
+    watch: &mut Watch,
+    lead: impl Fn(u32),
+) {
+    let mut torques = 0;
+    for tick in 0..400 {
+        lead(tick);
+        let mut torque = [0.0; 3];
+        watch(&mut || torque = control.tick().tick.commanded_torque);
+        torques += usize::from(torque != [0.0; 3]);
+    }
+    assert!(torques > 20, "{name}: {torques} ticks with a torque");
 }
 
 fn worlds_that_change(watch: &mut Watch) {

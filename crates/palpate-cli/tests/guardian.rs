@@ -7,25 +7,22 @@
 #![allow(clippy::print_stdout)] // tests show what they measured
 
 mod common;
+#[path = "guardian/deeds.rs"]
+mod deeds;
 #[path = "guardian/processes.rs"]
 mod processes;
 #[path = "guardian/signals.rs"]
 mod signals;
 
 use std::os::unix::process::ExitStatusExt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use common::running::{Running, program};
 use common::{Folder, experiment_text, number, parse};
-use palpate::{AlongAxis, AnyParams, Contact, LoopParams, ObjectState};
-use palpate_device::Device;
-use palpate_device::clock::MonotonicClock;
-use palpate_haply::two_diy::{Board, Calibration, Generation, Options, TwoDiy};
+use palpate_haply::two_diy::{Board, Generation};
 use palpate_haply_emulator::two_diy::{Did, Emulator, Fault, Hand, PortSettings, Seen, Settings};
-use palpate_rt::safety::SafetyParams;
-use palpate_rt::{ControlLoop, Rendering};
 use processes::{children, is_held};
 use signals::{Does, signals};
 
@@ -130,6 +127,17 @@ fn off_since(emulator: &Emulator) -> Option<Instant> {
     let seen = emulator.seen();
     let last_on = seen.iter().rposition(|seen| seen.torques != [0.0; 2])?;
     seen.get(last_on + 1).map(|seen| seen.at)
+}
+
+/// From the last torque to the first command of none behind it.
+fn silence(seen: &[Seen]) -> Duration {
+    let commanded: Vec<_> = seen
+        .iter()
+        .filter(|seen| matches!(seen.did, Did::Commanded(1..)))
+        .collect();
+    let last_on = commanded.iter().rposition(|seen| seen.torques != [0.0; 2]);
+    let last_on = last_on.expect("it was on");
+    commanded[last_on + 1].at - commanded[last_on].at
 }
 
 /// The guardian of a loop: the only program that the loop starts.
@@ -258,132 +266,6 @@ fn how_long_a_torque_stays_on_is_measured() {
             );
         }
     }
-}
-
-/// A program of which the loop's own thread does something bad: this test program once more.
-const PORT: &str = "PALPATE_TEST_PORT";
-const DEED: &str = "PALPATE_TEST_DEED";
-
-/// Does nothing by itself; run by [`a_loop_that_hangs_or_aborts_leaves_no_torque`].
-#[test]
-fn a_program_whose_loop_does_something_bad() {
-    let (Ok(port), Ok(deed)) = (std::env::var(PORT), std::env::var(DEED)) else {
-        return;
-    };
-    let clock = MonotonicClock::new();
-    let period = Duration::from_millis(2);
-    let calibration = Calibration::At([130.0, 50.0]);
-    let options = Options::of(Generation::Three, calibration, period).unwrap();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_palpate"));
-    command.arg("guardian");
-    let device = TwoDiy::open(&PathBuf::from(port), &options, clock).unwrap();
-    let device = device
-        .guarded_by(command, Duration::from_millis(100), Default::default())
-        .unwrap();
-    let rendering = Rendering {
-        contact: Contact::object(300.0, f64::INFINITY),
-        loop_params: LoopParams::new(period.as_secs_f64()),
-        params: AnyParams::Basic,
-        virtual_force: 0.0,
-        object: ObjectState::at_rest(0.0),
-    };
-    let limits = SafetyParams {
-        soft_start: 0.0,
-        stall_after_periods: 50.0,
-        ..SafetyParams::for_device(device.capabilities())
-    };
-    let axis = AlongAxis::new([0.019, 0.11, 0.0], [0.0, 1.0, 0.0]).unwrap();
-    // Without a thread, and so without a supervisor.
-    let mut control = ControlLoop::new(device, clock, rendering, limits)
-        .unwrap()
-        .along(axis);
-    let mut pressed = 0;
-    while pressed < 50 {
-        let tick = control.tick();
-        pressed = if tick.contact.force_on_device == 0.0 {
-            0
-        } else {
-            pressed + 1
-        };
-    }
-    match deed.as_str() {
-        "abort" => std::process::abort(),
-        "exit" => std::process::exit(0),
-        "hang" => loop {
-            std::thread::sleep(Duration::from_secs(1));
-        },
-        "spin" => loop {
-            std::hint::spin_loop();
-        },
-        other => panic!("{other} is no deed"),
-    }
-}
-
-#[test]
-fn a_loop_that_hangs_or_aborts_leaves_no_torque() {
-    for deed in ["abort", "exit"] {
-        let silence = silent_after(deed);
-        println!("{deed}: no torque {silence:?} after the last packet with one");
-    }
-    // A loop that had just taken its force off by itself, since the machine was late, left nothing to cut.
-    for deed in ["hang", "spin"] {
-        let silences = (0..ATTEMPTS).map(|_| silent_after(deed));
-        let cut = silences
-            .inspect(|silence| {
-                println!("{deed}: no torque {silence:?} after the last packet with one")
-            })
-            .find(|silence| *silence >= Duration::from_millis(90));
-        assert!(cut.is_some(), "{deed}");
-    }
-}
-
-/// How long a torque stayed on, after the last packet with one, when a loop's own thread did something bad.
-fn silent_after(deed: &str) -> Duration {
-    let folder = folder();
-    let emulator = emulator(&folder);
-    let port = emulator.path();
-    let start = || {
-        let mut bad = Command::new(std::env::current_exe().unwrap());
-        bad.args(["--exact", "a_program_whose_loop_does_something_bad"])
-            .env(PORT, &port)
-            .env(DEED, deed);
-        let mut bad = Running::start(bad.stdout(Stdio::null()).stderr(Stdio::null()));
-        // It may do it before anybody has looked.
-        let is_seen = presses(&mut bad, &emulator) || off_since(&emulator).is_some();
-        is_seen.then_some(bad)
-    };
-    let mut bad = (0..ATTEMPTS)
-        .find_map(|_| start())
-        .expect("it never pressed");
-    let ends = matches!(deed, "abort" | "exit");
-    if ends {
-        bad.wait().unwrap();
-    }
-    let quiet = Duration::from_millis(300);
-    wait_for(&format!("no torque after {deed}"), || {
-        off_since(&emulator).is_some_and(|since| since.elapsed() > quiet)
-    });
-    assert!(!is_on(&emulator), "{deed}");
-    if !ends {
-        // Nobody but the guardian could have done it; and it stays for as long as the loop.
-        assert!(bad.try_wait().unwrap().is_none());
-        assert_eq!(children(bad.id()).len(), 1);
-        bad.kill().unwrap();
-        bad.wait().unwrap();
-    }
-    wait_for("the end of the guardian", || !is_held(&port));
-    silence(&emulator.seen())
-}
-
-/// From the last torque to the first command of none behind it.
-fn silence(seen: &[Seen]) -> Duration {
-    let commanded: Vec<_> = seen
-        .iter()
-        .filter(|seen| matches!(seen.did, Did::Commanded(1..)))
-        .collect();
-    let last_on = commanded.iter().rposition(|seen| seen.torques != [0.0; 2]);
-    let last_on = last_on.expect("it was on");
-    commanded[last_on + 1].at - commanded[last_on].at
 }
 
 /// It was only late: nothing is wrong with it, and its force comes back. What it missed counts by its

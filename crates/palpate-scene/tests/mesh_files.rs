@@ -121,7 +121,7 @@ fn files_of_cad_programs_are_read_in_the_unit_that_is_given() {
             assert_eq!(
                 file.notes(),
                 [format!(
-                    "{name}: 4 triangles, {mm:.4} x {mm:.4} x {mm:.4} mm"
+                    "part, {name}: 4 triangles, {mm:.4} x {mm:.4} x {mm:.4} mm"
                 )]
             );
         }
@@ -231,7 +231,7 @@ fn open_meshes_and_flat_triangles_are_noted() {
     assert_eq!(
         file.notes(),
         [
-            "plate.obj: 2 triangles, 10.0000 x 10.0000 x 0.0000 mm; 1 that have no area or are there twice were left \
+            "part, plate.obj: 2 triangles, 10.0000 x 10.0000 x 0.0000 mm; 1 that have no area or are there twice were left \
           out; it has open edges, so that it is touched from the front of its triangles only"
         ]
     );
@@ -259,7 +259,7 @@ fn a_shell_of_points_is_made_as_it_is_asked_for() {
         panic!("{:?}", file.notes());
     };
     let sharers = format!(
-        "part.stl: 4 triangles, 10.0000 x 10.0000 x 10.0000 mm; a shell of 30 points, of which {} share a law",
+        "part, part.stl: 4 triangles, 10.0000 x 10.0000 x 10.0000 mm; a shell of 30 points, of which {} share a law",
         shell.sharers()
     );
     assert!(note.starts_with(&sharers), "{note}");
@@ -335,6 +335,28 @@ fn a_distance_grid_is_kept_in_its_file_and_made_anew_where_that_is_of_another_me
         );
         assert_eq!(fs::read(folder.join("part.grid")).unwrap(), bytes);
     }
+    // A scene from somebody else writes beside itself, and nowhere else.
+    let outside = tempfile::tempdir().unwrap();
+    let root = outside.path().join("part.grid").display().to_string();
+    for name in [
+        "../part.grid",
+        "parts/../../part.grid",
+        &*root,
+        "",
+        ".",
+        "..",
+    ] {
+        let keys = format!("distance_grid = {{ spacing_m = 0.001, file = {name:?} }}");
+        let said = read(folder, &part_with(&keys)).map(|_| ()).unwrap_err();
+        let said = said.join("; ");
+        assert!(said.contains("distance_grid.file is"), "{name}: {said}");
+        assert!(said.contains("beside the scene's"), "{name}: {said}");
+    }
+    assert!(!Path::new(&root).exists());
+    fs::create_dir(folder.join("parts")).unwrap();
+    let keys = "distance_grid = { spacing_m = 0.001, file = \"./parts/part.grid\" }";
+    read(folder, &part_with(keys)).unwrap();
+    assert!(folder.join("parts/part.grid").exists());
     // Where nothing can be kept, the scene is whole all the same.
     let keys = "distance_grid = { spacing_m = 0.001, file = \"nowhere/part.grid\" }";
     let file = read(folder, &part_with(keys)).unwrap();

@@ -152,6 +152,8 @@ class PointerInWorld(Device):
     def turn_to(self, orientation: ArrayLike | None) -> None:
         """Turns the hand of a device of six axes to `orientation`, a quaternion w, x, y, z; `None`: as the device begins.
 
+        A hand that has let go turns nothing until `move_to` takes hold again, and leads the device to this then.
+
         Raises:
             ValueError: Not four numbers that are finite, or all of them 0.
         """

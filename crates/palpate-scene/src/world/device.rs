@@ -57,9 +57,10 @@ impl Reading {
             }
         };
         let turning = self.turning(place, &mut raw, tremor_torque, tremor.frequency_hz);
+        let name = self.places.take(place, "name", raw.name);
         let tool = Tool {
-            name: self.places.take(place, "name", raw.name),
-            shape: self.shape(place, raw.tool),
+            shape: self.shape(place, &name, raw.tool),
+            name,
             turns: turning.is_some(),
         };
         let position = self.vector("position_m", raw.position_m, [0.0; 3]);

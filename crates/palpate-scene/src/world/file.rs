@@ -414,7 +414,8 @@ impl Reading {
         }
     }
 
-    pub(super) fn shape(&mut self, place: Place, raw: Spanned<RawShape>) -> Shape {
+    /// The shape of what has this name.
+    pub(super) fn shape(&mut self, place: Place, name: &str, raw: Spanned<RawShape>) -> Shape {
         self.places.take(place, "shape", raw.clone());
         for (key, length) in raw.get_ref().lengths() {
             // A tool may be a point, or have points.
@@ -439,7 +440,8 @@ impl Reading {
         let span = raw.span();
         match raw.into_inner().shape(&self.folder) {
             Ok(read) => {
-                self.notes.extend(read.note);
+                let note = read.note.map(|note| format!("{name}, {note}"));
+                self.notes.extend(note);
                 read.shape
             }
             Err(message) => {
@@ -512,9 +514,10 @@ impl Reading {
             let orientation = self.places.take(place, "orientation", orientation);
             unit(orientation)
         });
+        let name = self.places.take(place, "name", raw.name);
         Body {
-            name: self.places.take(place, "name", raw.name),
-            shape: self.shape(place, raw.shape),
+            shape: self.shape(place, &name, raw.shape),
+            name,
             position: self.vector("position_m", raw.position_m, [0.0; 3]),
             orientation,
             motion,

@@ -1,6 +1,6 @@
 //! By what a mesh touches other shapes than spheres: a shell of points, and a grid of distances, which may be kept in a file.
 
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 
 use palpate_files::atomic;
 use palpate_files::bounded::DISTANCE_GRID;
@@ -51,7 +51,7 @@ impl RawDistanceGrid {
         let (grid, whence) = match &self.file {
             None => (make()?, String::new()),
             Some(name) => {
-                let path = folder.join(name);
+                let path = beside(folder, name)?;
                 match kept(&path, &mesh, spacing)? {
                     Kept::Grid(grid) => (*grid, format!(", from {name}")),
                     other => {
@@ -83,6 +83,20 @@ impl RawDistanceGrid {
         );
         let mesh = mesh.with_grid(grid).map_err(|error| error.to_string())?;
         Ok((mesh, words))
+    }
+}
+
+/// A file in a folder or below. A scene may come from somebody else: what it has written stays with it.
+fn beside(folder: &Path, name: &str) -> Result<PathBuf, String> {
+    let is_below = |part| matches!(part, Component::Normal(_) | Component::CurDir);
+    let has_name = Path::new(name).file_name().is_some();
+    if has_name && Path::new(name).components().all(is_below) {
+        Ok(folder.join(name))
+    } else {
+        Err(format!(
+            "distance_grid.file is {name:?}: allowed is a file beside the scene's or in a folder there, by a name without '..' that \
+             does not begin at the root"
+        ))
     }
 }
 

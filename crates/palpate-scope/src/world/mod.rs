@@ -163,7 +163,7 @@ impl Turns for Running {
         };
         let (about, done) = match request {
             ClientRequest::Tool(place) => ("tool", self.lead(client, place)),
-            ClientRequest::Turn(orientation) => ("turn", self.turn(client, orientation)),
+            ClientRequest::Turn(orientation) => ("turn", self.turn(orientation)),
             ClientRequest::Restart => ("restart", self.restart()),
             ClientRequest::Rearm(number) => ("rearm", self.rearm(number)),
             ClientRequest::Hand(_) => (
@@ -289,8 +289,11 @@ impl Running {
         };
         let start = self.setup.scene.devices.first().map(|one| one.position);
         let start = start.unwrap_or_default();
-        match place {
-            None => hand.let_go(),
+        self.holder = match place {
+            None => {
+                hand.let_go();
+                None
+            }
             Some(place) => {
                 let reaches = place
                     .iter()
@@ -302,14 +305,14 @@ impl Running {
                     ));
                 }
                 hand.move_to(place);
+                Some(client)
             }
-        }
-        self.holder = Some(client);
+        };
         Ok(())
     }
 
-    /// Turns the hand, or lets it be turned as it began.
-    fn turn(&mut self, client: ClientId, orientation: Option<[f64; 4]>) -> Result<(), String> {
+    /// Turns the hand, whoever leads it, or turns it back to as it began.
+    fn turn(&mut self, orientation: Option<[f64; 4]>) -> Result<(), String> {
         let Some(hand) = &self.setup.hand else {
             return Err("this device is not led from here; --device pointer is".into());
         };
@@ -334,7 +337,6 @@ impl Running {
                 hand.turn_to(orientation);
             }
         }
-        self.holder = Some(client);
         Ok(())
     }
 

@@ -29,6 +29,113 @@ fn apart(one: [f64; 4], other: [f64; 4]) -> f64 {
     2.0 * cosine.abs().min(1.0).acos()
 }
 
+/// A device of these moments of inertia in a hand of its own, on a clock that a test moves.
+fn turned_by_a_hand(
+    inertia: &str,
+    hand: &SpatialHand,
+) -> (SpatialPointer<SteppedClock>, SteppedClock) {
+    let text = PLATE.replace("[1e-4, 2e-4, 3e-4]", inertia);
+    let scene = WorldFile::parse("plate.toml", &text).unwrap().scene;
+    let clock = SteppedClock::new();
+    let actuator = &scene.timing.actuator;
+    let device = SpatialPointer::new(&scene.devices[0], actuator, hand, clock.clone()).unwrap();
+    (device, clock)
+}
+
+/// Orientations at the ends of so many milliseconds, under a torque.
+fn turns(
+    device: &mut SpatialPointer<SteppedClock>,
+    clock: &SteppedClock,
+    torque: Vector,
+    millis: u32,
+) -> Vec<[f64; 4]> {
+    let wrench = Wrench {
+        torque,
+        ..Wrench::NONE
+    };
+    let tick = |_| {
+        device.write(wrench).unwrap();
+        clock.sleep_until(clock.now() + Duration::from_millis(1));
+        device.read().unwrap().orientation.unwrap()
+    };
+    (0..millis).map(tick).collect()
+}
+
+/// Whoever let go, and comes back, takes hold of the device as it is by then, and leads it to the wish from there.
+#[test]
+fn a_hand_takes_hold_of_a_turned_device_without_a_jolt() {
+    let hand = SpatialHand::at([0.0; 3]);
+    let (mut device, clock) = turned_by_a_hand("[1e-4, 2e-4, 3e-4]", &hand);
+    turns(&mut device, &clock, [0.0; 3], 10);
+    hand.let_go();
+    // It gets going, and comes to rest nearly by the hand's damping.
+    turns(&mut device, &clock, [0.0, 0.03, 0.0], 200);
+    let left = *turns(&mut device, &clock, [0.0; 3], 300).last().unwrap();
+    let wish = [1.0, 0.0, 0.0, 0.0];
+    assert!(apart(left, wish) > 0.3, "{left:?}");
+    hand.move_to([0.0; 3]);
+    let mut from = left;
+    let mut fastest = 0.0_f64;
+    let led = turns(&mut device, &clock, [0.0; 3], 600);
+    for (tick, orientation) in led.iter().enumerate() {
+        let step = apart(*orientation, from);
+        fastest = fastest.max(step);
+        // A spring of 0.3 N m/rad that was relaxed elsewhere would turn it by 0.75 mrad in the first one.
+        assert!(tick > 0 || step < 2e-4, "{step} rad at once");
+        from = *orientation;
+    }
+    assert!(apart(from, wish) < 0.02, "led to the wish: {from:?}");
+    assert!(fastest < 0.03, "{fastest} rad in a millisecond");
+}
+
+/// A pen turns about its length a thousand times more easily than about the others: the hand is softer then, and what it
+/// holds comes to rest.
+#[test]
+fn a_slender_device_comes_to_rest_in_its_hand() {
+    let hand = SpatialHand::at([0.0; 3]);
+    let (mut device, clock) = turned_by_a_hand("[1e-4, 1e-4, 1.4e-7]", &hand);
+    let start = *turns(&mut device, &clock, [0.0; 3], 10).last().unwrap();
+    turns(&mut device, &clock, [0.01, 0.0, 0.002], 50);
+    let rested = turns(&mut device, &clock, [0.0; 3], 2000);
+    let away = apart(*rested.last().unwrap(), start);
+    assert!(away < 1e-3, "{away} rad from where it began");
+}
+
+/// Somebody who stops the program for a minute finds the device at rest, and soon.
+#[test]
+fn a_long_pause_is_caught_up_in_part() {
+    let hand = SpatialHand::at([0.0; 3]);
+    let (mut device, clock) = turned_by_a_hand("[1e-4, 2e-4, 3e-4]", &hand);
+    let aim = [0.2_f64.cos(), 0.0, 0.2_f64.sin(), 0.0];
+    turns(&mut device, &clock, [0.0; 3], 10);
+    hand.turn_to(aim);
+    clock.advance(Duration::from_secs(3600));
+    let after = turns(&mut device, &clock, [0.0; 3], 5);
+    assert!(apart(*after.last().unwrap(), aim) < 1e-3, "{after:?}");
+}
+
+/// A hand that turns its device faster than a loop can follow is refused with the reason.
+#[test]
+fn a_hand_too_stiff_for_its_device_is_refused() {
+    let hand = "inertia_kg_m2 = [1e-4, 1e-4, 1e-9]\nhand_rotational_stiffness_n_m_per_rad = 2.0";
+    let text = PLATE.replace("inertia_kg_m2 = [1e-4, 2e-4, 3e-4]", hand);
+    let scene = WorldFile::parse("plate.toml", &text).unwrap().scene;
+    let actuator = &scene.timing.actuator;
+    let clock = SteppedClock::new();
+    let simulated = SpatialDevice::new(&scene.devices[0], actuator, clock.clone()).unwrap_err();
+    let hand = SpatialHand::at([0.0; 3]);
+    let pointer = SpatialPointer::new(&scene.devices[0], actuator, &hand, clock).unwrap_err();
+    for wrong in [simulated, pointer] {
+        let told = wrong.to_string();
+        assert!(told.contains("at most 32000 rad/s"), "{told}");
+        assert!(
+            (wrong.value - 2e9_f64.sqrt()).abs() < 1.0,
+            "{}",
+            wrong.value
+        );
+    }
+}
+
 /// The hand turns the device, gives way to a torque, and lets it turn on when it lets go; the device takes a torque off
 /// when it is cut.
 #[test]

@@ -268,7 +268,7 @@ pub struct PointerDevice<C> {
 
 /// Nothing moves on for longer than this between two calls: whoever was away for longer finds the
 /// device where it was then.
-const LONGEST: f64 = 10.0;
+pub(super) const LONGEST: f64 = 10.0;
 
 /// Terms of the series over a span of one radian: 1/24! is far below round-off.
 const TERMS: usize = 24;

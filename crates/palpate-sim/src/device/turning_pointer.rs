@@ -16,6 +16,7 @@ use palpate_testbed::InvalidParameter;
 use palpate_testbed::hold::DelayedHold;
 use palpate_testbed::world::{HeldTurning, TurningHand};
 
+use super::pointer::LONGEST;
 use crate::world::judged_turning;
 
 /// An orientation, `[w, x, y, z]`.
@@ -29,6 +30,8 @@ const AIM_RATE: f64 = 50.0;
 const STIFFNESS: f64 = 0.3;
 /// Damping of a hand that the scene gives none, over that of the aperiodic limit.
 const DAMPING: f64 = 0.7;
+/// How fast a hand that the scene gives none is at most, over the fastest that is allowed: a slender tool is held more softly.
+const OWN_RATE: f64 = 0.25;
 
 /// How a pointer's hand wants its device to be turned, set by any thread at any time.
 #[derive(Clone, Debug)]
@@ -78,9 +81,11 @@ pub(super) struct TurningPointer<C> {
     turning: HeldTurning,
     /// As it begins.
     start: Quaternion,
-    hand: TurningHand,
     wish: TurningWish,
+    /// Where the hand aims.
     aim: Quaternion,
+    /// Whether the hand held it at the last call.
+    is_held: bool,
     moved_until: Option<Duration>,
     /// What the motors hold `[N m]`.
     held: Vector,
@@ -110,12 +115,7 @@ impl<C: Clock> TurningPointer<C> {
             ..TurningHand::none()
         };
         if hand.stiffness == 0.0 {
-            let inertia = turning
-                .inertia
-                .iter()
-                .fold(0.0_f64, |most, one| most.max(*one));
-            hand.stiffness = STIFFNESS;
-            hand.damping = DAMPING * 2.0 * (STIFFNESS * inertia).sqrt();
+            (hand.stiffness, hand.damping) = own_hand(turning.inertia);
         }
         let motors = ActuatorParams {
             gain: actuator.gain,
@@ -125,7 +125,7 @@ impl<C: Clock> TurningPointer<C> {
             clock,
             start: turning.orientation,
             aim: turning.orientation,
-            hand: turning.hand.clone(),
+            is_held: false,
             wish: wish.clone(),
             turning: HeldTurning::checked(&turning, motors)?,
             moved_until: None,
@@ -182,25 +182,19 @@ impl<C: Clock> TurningPointer<C> {
         now
     }
 
-    /// The hand aims nearer to its wish.
+    /// The hand aims nearer to its wish. It takes hold of the device as it finds it: without a jolt.
     fn follow(&mut self, passed: f64, is_held: bool) {
-        let wish = self.wish.get().unwrap_or(self.start);
-        let share = 1.0 - (-AIM_RATE * passed).exp();
-        self.aim = between(self.aim, wish, share);
-        let held = TurningHand {
-            rest: self.aim,
-            ..self.hand.clone()
-        };
-        let hand = if is_held {
-            held
-        } else {
-            TurningHand {
-                stiffness: 0.0,
-                ..held
-            }
-        };
-        // A quaternion of length 1 and numbers that were checked before.
-        let _ = self.turning.held_by(hand);
+        if is_held && !self.is_held {
+            self.aim = self.turning.orientation();
+        }
+        self.is_held = is_held;
+        if is_held {
+            let wish = self.wish.get().unwrap_or(self.start);
+            let share = 1.0 - (-AIM_RATE * passed).exp();
+            self.aim = between(self.aim, wish, share);
+            self.turning.aim_at(self.aim);
+        }
+        self.turning.hold(is_held);
     }
 
     fn hold(&mut self, mut from: Duration, until: Duration) {
@@ -216,11 +210,21 @@ impl<C: Clock> TurningPointer<C> {
     }
 
     fn advance(&mut self, duration: Duration) {
-        let duration = duration.as_secs_f64();
+        let duration = duration.as_secs_f64().min(LONGEST);
         if duration > 0.0 {
             let _ = self.turning.advance(self.held, duration);
         }
     }
+}
+
+/// Stiffness `[N m/rad]` and damping `[N m s/rad]` of a hand for a device that the scene gives none.
+fn own_hand(inertia: Vector) -> (f64, f64) {
+    let least = inertia.iter().fold(f64::INFINITY, |a, b| a.min(*b));
+    let most = inertia.iter().fold(0.0_f64, |a, b| a.max(*b));
+    let fastest = OWN_RATE * HeldTurning::FASTEST;
+    let stiffness = STIFFNESS.min(fastest * fastest * least);
+    let aperiodic = 2.0 * (stiffness * most).sqrt();
+    (stiffness, (DAMPING * aperiodic).min(fastest * least))
 }
 
 /// An orientation on the way from one to the other, by the shorter way round.

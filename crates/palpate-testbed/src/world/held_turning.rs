@@ -2,13 +2,15 @@
 
 use super::dormand_prince::Step;
 use super::scene::Vector;
-use super::turning::{Turning, TurningHand, rotation_vector, turned_by};
+use super::turning::{Turning, rotation_vector, turned_by};
 use super::vector::{Rotation, Vec3, quaternion_rate};
 use crate::InvalidParameter;
 use crate::actuator::{Actuator, ActuatorParams};
 
-/// Longest step of the integration \[s\]: the fastest hand of a loop turns a device by a small part of a turn in it.
+/// Longest step of the integration \[s\]: a device turns by a small part of a turn in it.
 const LONGEST_STEP: f64 = 6.25e-5;
+/// Longest step in units of the time in which a device gives way in its hand: the method of order 5 is stable up to 3.3.
+const STEP_IN_RATES: f64 = 2.0;
 /// Longest step in lags of the actuator.
 const STEP_IN_LAGS: f64 = 0.125;
 
@@ -23,24 +25,44 @@ pub struct HeldTurning {
     torque: Vec3,
     time: f64,
     step: Step,
+    /// Stiffness of the hand while it holds the device \[N m/rad\].
+    stiffness: f64,
+    /// Longest step of the integration \[s\].
+    longest: f64,
 }
 
-fn checked(turning: &Turning) -> Result<(), InvalidParameter> {
-    turning.check("turning").map_err(|wrong| InvalidParameter {
-        name: "turning",
-        value: wrong.value,
-        allowed: wrong.allowed,
-    })
+/// Bound of the rates of a device in its hand \[rad/s\].
+fn rate(turning: &Turning) -> f64 {
+    let least = turning.inertia.iter().fold(f64::INFINITY, |a, b| a.min(*b));
+    turning.hand.damping / least + (turning.hand.stiffness / least).sqrt()
 }
 
 impl HeldTurning {
+    /// Fastest rate of a device in its hand that a loop can follow in the time of a tick \[rad/s\]: the hand's damping over the least
+    /// moment of inertia, and the root of its stiffness over that.
+    pub const FASTEST: f64 = STEP_IN_RATES / LONGEST_STEP;
+
     /// A device as it is at the start, with an actuator about each axis that gives no torque yet.
     ///
     /// # Errors
     ///
-    /// A quantity of the device or of the actuator outside its range, by its value and what is allowed.
+    /// A quantity of the device or of the actuator outside its range, by its value and what is allowed; a hand faster than
+    /// [`FASTEST`](Self::FASTEST).
     pub fn checked(turning: &Turning, actuator: ActuatorParams) -> Result<Self, InvalidParameter> {
-        checked(turning)?;
+        turning.check("turning").map_err(|wrong| InvalidParameter {
+            name: "turning",
+            value: wrong.value,
+            allowed: wrong.allowed,
+        })?;
+        let rate = rate(turning);
+        if rate > Self::FASTEST {
+            return Err(InvalidParameter {
+                name: "turning",
+                value: rate,
+                allowed: "at most 32000 rad/s: the damping of the hand over the least moment of inertia, and the root of its \
+                          stiffness over that; a larger inertia or a softer hand",
+            });
+        }
         Actuator::new(actuator)?;
         Ok(Self::new(turning, actuator))
     }
@@ -59,22 +81,23 @@ impl HeldTurning {
             torque: Vec3::ZERO,
             time: 0.0,
             step: Step::of_size(7),
+            stiffness: turning.hand.stiffness,
+            longest: LONGEST_STEP.min(STEP_IN_RATES / rate(turning)),
         }
     }
 
-    /// Another hand holds it from now on.
-    ///
-    /// # Errors
-    ///
-    /// A quantity of the hand outside its range; nothing is changed then.
-    pub fn held_by(&mut self, hand: TurningHand) -> Result<(), InvalidParameter> {
-        let turning = Turning {
-            hand,
-            ..self.turning.clone()
-        };
-        checked(&turning)?;
-        self.turning = turning;
-        Ok(())
+    /// The hand's spring is relaxed at `rest` from now on, a unit quaternion \[w, x, y, z\]. What is none changes nothing.
+    /// Allocates nothing, for a loop's tick.
+    pub fn aim_at(&mut self, rest: [f64; 4]) {
+        let length = rest.iter().map(|part| part * part).sum::<f64>();
+        if (length - 1.0).abs() < 1e-6 {
+            self.turning.hand.rest = rest;
+        }
+    }
+
+    /// The hand's spring acts from now on, or does not; its damping stays.
+    pub fn hold(&mut self, is_held: bool) {
+        self.turning.hand.stiffness = if is_held { self.stiffness } else { 0.0 };
     }
 
     /// Unit quaternion \[w, x, y, z\].
@@ -111,7 +134,7 @@ impl HeldTurning {
     pub fn advance(&mut self, command: Vector, duration: f64) -> Vector {
         let ActuatorParams { gain, lag } = self.actuator;
         let aim = Vec3(command) * gain;
-        let (mut excess, mut longest) = (Vec3::ZERO, LONGEST_STEP);
+        let (mut excess, mut longest) = (Vec3::ZERO, self.longest);
         if lag > 0.0 {
             excess = self.torque - aim;
             longest = longest.min(STEP_IN_LAGS * lag);

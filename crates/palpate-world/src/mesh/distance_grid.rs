@@ -25,9 +25,9 @@ const MARGIN: f64 = 4.0;
 const RIM: f64 = 1.0;
 /// A point in a cell whose first node is this many spacings from the surface, and more, is apart from it.
 const FAR: f64 = 4.0;
-/// By how many spacings the distance of a point may be less than that of its cell's first node: the diagonal of a cell,
-/// and what a spline overshoots.
-const LESS: f64 = 2.0;
+/// By how many spacings the distance of a point may be less than the coefficient of its cell's first node: the diagonal of a
+/// cell, what a spline overshoots, and what its coefficients are off the distances.
+const LESS: f64 = 3.0;
 /// Where the gradient is shorter than this, two parts of the surface are equally near, and the normal is any.
 const NO_GRADIENT: f64 = 1e-6;
 

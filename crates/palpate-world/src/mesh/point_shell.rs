@@ -11,6 +11,8 @@ const CANDIDATES: f64 = 0.25;
 /// Most places of one triangle along an edge, and of all triangles together, about.
 const MOST_ALONG: f64 = 64.0;
 const MOST_CANDIDATES: f64 = 2e5;
+/// The widest gap is told with this surplus at most.
+const SURPLUS: f64 = 1.01;
 /// A point is in the plane of a triangle if it is nearer to it than this share of the mesh's size.
 const IN_PLANE: f64 = 1e-6;
 
@@ -65,7 +67,8 @@ impl PointShell {
         let mut places = Vec::with_capacity(points);
         let middle = corners.iter().sum::<Vector3>() / corners.len() as f64;
         spread(&mut places, &corners, most, &middle);
-        let widest = spread(&mut places, &all, points, &middle);
+        spread(&mut places, &all, points, &middle);
+        let widest = bound_of_gaps(mesh, &places);
         let shared_by = most_in_a_plane(mesh, &places, IN_PLANE * size);
         Ok(Self {
             places,
@@ -104,7 +107,8 @@ impl PointShell {
         self.shared_by
     }
 
-    /// No place of the surface is further than this from a point `[m]`: what is narrower may pass between points.
+    /// No place of the surface is further than this from a point `[m]`: what is narrower may pass between points. It is at most
+    /// a hundredth more than the furthest one's way.
     #[must_use]
     pub fn widest_gap(&self) -> f64 {
         self.widest
@@ -127,8 +131,8 @@ impl PointShell {
 }
 
 /// Adds places until there are `count`: each time the one that is furthest from all that are there; first of all, that
-/// which is furthest from `middle`. Returns how far the furthest place of all is from those then `[m]`.
-fn spread(places: &mut Vec<Vector3>, from: &[Vector3], count: usize, middle: &Vector3) -> f64 {
+/// which is furthest from `middle`.
+fn spread(places: &mut Vec<Vector3>, from: &[Vector3], count: usize, middle: &Vector3) {
     let off = |place: &Vector3, to: &Vector3| (place - to).norm_squared();
     let mut nearest: Vec<f64> = from
         .iter()
@@ -150,11 +154,10 @@ fn spread(places: &mut Vec<Vector3>, from: &[Vector3], count: usize, middle: &Ve
             key(a).total_cmp(&key(b)).then(b.cmp(&a))
         });
         let Some(furthest) = furthest else {
-            return 0.0;
+            return;
         };
-        let way = nearest[furthest];
-        if places.len() >= count || way == 0.0 {
-            return way.sqrt();
+        if places.len() >= count || nearest[furthest] == 0.0 {
+            return;
         }
         let place = from[furthest];
         places.push(place);
@@ -162,6 +165,37 @@ fn spread(places: &mut Vec<Vector3>, from: &[Vector3], count: usize, middle: &Ve
             *nearest = nearest.min(off(other, &place));
         }
     }
+}
+
+/// A bound of the way from any place of the surface to the nearest of some places `[m]`, [`SURPLUS`] above the longest at most.
+///
+/// A way grows by no more than one moves, so no place of a triangle is further than its middle and its furthest corner from there
+/// together. Triangles that could be further than what was found are cut at their longest side.
+fn bound_of_gaps(mesh: &Mesh, places: &[Vector3]) -> f64 {
+    let gap = |from: &Vector3| {
+        let ways = places.iter().map(|place| (place - from).norm_squared());
+        ways.fold(f64::INFINITY, f64::min).sqrt()
+    };
+    let mut longest = mesh.places().iter().map(gap).fold(0.0, f64::max);
+    for number in 0..super::tree::size(mesh.faces.len()) {
+        let mut left = vec![mesh.corners(number).map(|corner| *corner)];
+        while let Some([a, b, c]) = left.pop() {
+            let middle = (a + b + c) / 3.0;
+            let way = gap(&middle);
+            longest = longest.max(way);
+            let reach = [a, b, c].map(|corner| (corner - middle).norm());
+            if way + reach.into_iter().fold(0.0, f64::max) <= SURPLUS * longest {
+                continue;
+            }
+            let length = |[from, to, _]: &[Vector3; 3]| (to - from).norm_squared();
+            let mut sides = [[a, b, c], [b, c, a], [c, a, b]];
+            sides.sort_by(|one, other| length(other).total_cmp(&length(one)));
+            let [[from, to, other], ..] = sides;
+            let half = (from + to) * 0.5;
+            left.extend([[from, half, other], [half, to, other]]);
+        }
+    }
+    SURPLUS * longest
 }
 
 /// Places of the surface among which points are chosen: all corners, and those of a lattice on each triangle.
@@ -300,8 +334,52 @@ mod tests {
         }
         // 2200 mm^2 by 40 points: squares of 7.4 mm.
         assert!(shell.widest_gap() < 7.5e-3, "{}", shell.widest_gap());
+        let furthest = furthest_sample(&mesh, &shell, 60);
+        let said = shell.widest_gap() / furthest;
+        assert!((1.0..1.02).contains(&said), "{said} of {furthest} m");
         let on_largest = shell.points().iter().filter(|p| p[1].abs() < 1e-12).count();
         assert!(shell.sharers() >= on_largest && on_largest > 6);
+    }
+
+    /// The longest way to a point of the shell from places of the surface, so many along a side of each triangle `[m]`.
+    fn furthest_sample(mesh: &Mesh, shell: &PointShell, along: u32) -> f64 {
+        let mut furthest = 0.0_f64;
+        for (number, _) in (0..).zip(mesh.faces()) {
+            let [a, b, c] = mesh.corners(number);
+            for i in 0..=along {
+                for j in 0..=along - i {
+                    let [s, t] = [i, j].map(|k| f64::from(k) / f64::from(along));
+                    let at = a + (b - a) * s + (c - a) * t;
+                    let ways = shell.places().iter().map(|place| (place - at).norm());
+                    furthest = furthest.max(ways.fold(f64::INFINITY, f64::min));
+                }
+            }
+        }
+        furthest
+    }
+
+    #[test]
+    fn the_widest_gap_of_slender_triangles_is_a_bound() {
+        // 200 mm long, 2 mm wide: four corners are all that a shell of four has.
+        let rod = Mesh::new(
+            &[
+                [0.0; 3],
+                [0.2, 0.0, 0.0],
+                [0.1, 2e-3, 0.0],
+                [0.1, 1e-3, 1.5e-3],
+            ],
+            &[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],
+        );
+        let rod = rod.unwrap();
+        for points in [4, 5, 12] {
+            let shell = PointShell::over(&rod, points).unwrap();
+            let furthest = furthest_sample(&rod, &shell, 500);
+            let said = shell.widest_gap() / furthest;
+            assert!(
+                (1.0..1.02).contains(&said),
+                "{points}: {said} of {furthest} m"
+            );
+        }
     }
 
     #[test]

@@ -20,7 +20,8 @@ pub struct CoupledParams {
     /// learned. Infinite where no force moves the device: along an axis that it does not have, or in a recording.
     pub device_mass: Vec<Vector>,
     /// Moments of inertia of each tool's device about its mass centre, along the tool's axes, within a factor of 2
-    /// `[kg m^2]`; infinite about all three where no torque turns the device, as in a recording. Those of a tool that does not turn are not looked at; empty if none turns.
+    /// `[kg m^2]`; infinite about all three where no torque turns the device, as in a recording. Those of a tool that does not
+    /// turn are not looked at; empty if none turns.
     pub device_inertia: Vec<Vector>,
     /// Quantum of the position sensors `[m]`, 0 if they are not known to have one.
     pub encoder_quantum: f64,

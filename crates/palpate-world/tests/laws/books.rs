@@ -6,6 +6,7 @@ use palpate_world::{
     WorldRenderer, WorldState,
 };
 
+use crate::balance::{Balance, of_bodies};
 use crate::common::{ball, plane};
 use crate::ideal::{Ball, Ideal, Law, hold};
 
@@ -79,7 +80,7 @@ fn run(
     let renderer = WorldRenderer::new(&crowd(law), in_loop, method).unwrap();
     let mut state = renderer.start();
     let mut devices = devices(hand);
-    let at_start = of_bodies(state.books());
+    let at_start = of_bodies(&state);
     for _ in 0..150 {
         let positions: Vec<Vector> = devices
             .balls
@@ -92,14 +93,6 @@ fn run(
         hold(&mut devices, &forces, period);
     }
     (at_start, state)
-}
-
-fn of_bodies(books: &Books) -> f64 {
-    books
-        .bodies
-        .iter()
-        .map(|book| book.kinetic + book.potential)
-        .sum()
 }
 
 /// What was turned over: the sum of the sizes of all entries.
@@ -161,12 +154,8 @@ fn every_identity_of_the_books_holds_to_rounding() {
             books.contacts.iter().map(of).sum()
         };
         // (a) What bodies and contacts have is what the avatars gave.
-        let step_errors = sum(|book| book.step_error)
-            + books.bodies.iter().map(|book| book.step_error).sum::<f64>();
-        let world =
-            of_bodies(books) - at_start + sum(|book| book.stored) + sum(|book| book.dissipated);
-        let given = sum(|book| book.observed) - sum(|book| book.work_on_avatar) + step_errors;
-        let a = world - given;
+        let balance = Balance::since(at_start, &state);
+        let (a, step_errors) = (balance.world, balance.steps);
         // (b) A port's work is that of its contacts' mean forces.
         let b = books
             .devices

@@ -5,6 +5,7 @@ use palpate_world::{
     WorldRenderer, WorldState,
 };
 
+use crate::balance::{Balance, of_bodies};
 use crate::common::{FAR, leave_alone, plane, world};
 use crate::tumbling::{conserves, renderer, thrown};
 
@@ -168,12 +169,8 @@ fn the_books_of_a_stack_that_is_knocked_over_balance() {
         .with_friction(0.4);
     let renderer = renderer(&stack(law));
     let mut state = renderer.start();
-    let of_bodies = |state: &WorldState| -> f64 {
-        let books = state.books().bodies.iter();
-        books.map(|book| book.kinetic + book.potential).sum()
-    };
     let start = of_bodies(&state);
-    let (mut handed_on, mut dissipated) = (0.0_f64, 0.0);
+    let mut dissipated = 0.0;
     for sample in 0..700 {
         let x = -0.05 + 0.15 * 0.001 * f64::from(sample);
         renderer.step(&mut state, &Sample::at(&[[x, 0.004, 0.042]]));
@@ -186,38 +183,14 @@ fn the_books_of_a_stack_that_is_knocked_over_balance() {
         assert!(now >= dissipated);
         dissipated = now;
     }
-    let books = state.books();
-    let turned_over: f64 = books.contacts.iter().map(|book| book.work.abs()).sum();
-    let mut worst = 0.0_f64;
-    for (number, book) in books.contacts.iter().enumerate() {
-        let off = book.stored - (book.observed + book.handed + book.step_error)
-            + book.work
-            + book.dissipated;
-        worst = worst.max(off.abs());
-        handed_on += book.handed.abs();
-        assert!(book.dissipated >= 0.0, "{number}");
-    }
-    let handed: f64 = books.contacts.iter().map(|book| book.handed).sum();
-    let sum =
-        |of: fn(&palpate_world::ContactBook) -> f64| -> f64 { books.contacts.iter().map(of).sum() };
-    let steps =
-        sum(|book| book.step_error) + books.bodies.iter().map(|book| book.step_error).sum::<f64>();
-    let all = of_bodies(&state) - start
-        + sum(|book| book.stored)
-        + sum(|book| book.dissipated)
-        + sum(|book| book.work_on_avatar)
-        - sum(|book| book.observed)
-        - steps;
-    println!(
-        "stack: {turned_over:.3} J turned over, {handed_on:.1e} J handed from point to point, their sum {handed:.1e}, steps \
-         {steps:.1e}, books off by {worst:.1e} and {all:.1e}"
-    );
+    let balance = Balance::since(start, &state);
+    println!("stack: {balance}");
+    let (turned_over, handed_on) = (balance.turned_over, balance.handed_on);
     assert!(
         turned_over > 0.02 && handed_on > 1e-6,
         "{turned_over} {handed_on}"
     );
-    assert!(handed.abs() < 1e-13 && worst < 1e-13 && all.abs() < 1e-13);
-    assert!(steps.abs() < 2e-3 * turned_over, "{steps}");
+    balance.holds_to(1e-13, 2e-3);
 }
 
 /// For 10 s. The bristles of friction have no damping, so the boxes sway a little for long: where each box is in the mean, and how

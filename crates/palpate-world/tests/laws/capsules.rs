@@ -1,10 +1,10 @@
 //! Capsules on boxes, capsules, cylinders and hulls: beside a half-space, conservation, books.
 
 use palpate_world::{
-    Body, ContactBook, ContactLaw, CoupledParams, Free, Motion, Sample, Shape, WorldLoop,
-    WorldRenderer, WorldState,
+    Body, ContactLaw, CoupledParams, Free, Motion, Sample, Shape, WorldLoop, WorldRenderer,
 };
 
+use crate::balance::{Balance, of_bodies};
 use crate::common::{leave_alone, plane, world};
 use crate::hulls::{box_of, stone};
 use crate::tumbling::{conserves, part, renderer, thrown, turned};
@@ -109,37 +109,14 @@ fn the_books_of_logs_that_are_pushed_about_balance() {
     ];
     let renderer = renderer(&world(0.005, bodies, law));
     let mut state = renderer.start();
-    let of_bodies = |state: &WorldState| -> f64 {
-        let books = state.books().bodies.iter();
-        books.map(|book| book.kinetic + book.potential).sum()
-    };
     let start = of_bodies(&state);
     for sample in 0..500 {
         let y = -0.06 + 0.2 * 0.001 * f64::from(sample);
         let output = renderer.step(&mut state, &Sample::at(&[[0.002, y, 0.033]]));
         assert_eq!(output.fault, None);
     }
-    let books = state.books();
-    let sum = |of: fn(&ContactBook) -> f64| -> f64 { books.contacts.iter().map(of).sum() };
-    let mut worst = 0.0_f64;
-    for book in &books.contacts {
-        let off = book.stored - book.observed - book.handed - book.step_error;
-        worst = worst.max((off + book.work + book.dissipated).abs());
-        assert!(book.dissipated >= 0.0);
-    }
-    let steps =
-        sum(|book| book.step_error) + books.bodies.iter().map(|book| book.step_error).sum::<f64>();
-    let all = of_bodies(&state) - start
-        + sum(|book| book.stored)
-        + sum(|book| book.dissipated)
-        + sum(|book| book.work_on_avatar)
-        - sum(|book| book.observed)
-        - steps;
-    let turned_over: f64 = books.contacts.iter().map(|book| book.work.abs()).sum();
-    println!(
-        "{turned_over:.3} J turned over, steps {steps:.1e}, books off by {worst:.1e} and {all:.1e}"
-    );
-    assert!(turned_over > 0.01, "{turned_over}");
-    assert!(worst < 1e-13 && all.abs() < 1e-13, "{worst} {all}");
-    assert!(steps.abs() < 2e-3 * turned_over, "{steps}");
+    let balance = Balance::since(start, &state);
+    println!("logs: {balance}");
+    assert!(balance.turned_over > 0.01, "{}", balance.turned_over);
+    balance.holds_to(1e-13, 2e-3);
 }

@@ -5,6 +5,7 @@ use palpate_world::{
     WorldState,
 };
 
+use crate::balance::energy;
 use crate::common::{ball, leave_alone, plane, world};
 
 const MASSES: [f64; 2] = [0.1, 0.3];
@@ -44,15 +45,6 @@ fn angular_momentum(state: &WorldState) -> Vector {
         let [a, b, c] = [y * w - z * v, z * u - x * w, x * v - y * u].map(|part| mass * part);
         [a + own[0], b + own[1], c + own[2]]
     }))
-}
-
-fn energy(state: &WorldState) -> f64 {
-    let books = state.books();
-    let bodies = books
-        .bodies
-        .iter()
-        .map(|book| book.kinetic + book.potential);
-    bodies.sum::<f64>() + books.contacts.iter().map(|book| book.stored).sum::<f64>()
 }
 
 fn distance(one: Vector, other: Vector) -> f64 {

@@ -7,6 +7,7 @@ use palpate_world::{
     World, WorldLoop, WorldRenderer, WorldState,
 };
 
+use crate::balance::energy;
 use crate::common::leave_alone;
 use crate::tumbling::{mass_and_moments, momenta};
 
@@ -46,15 +47,6 @@ fn started(bodies: Vec<Body>, joints: Vec<Joint>) -> (WorldRenderer, WorldState)
     let renderer = WorldRenderer::new(&world, WorldLoop::new(0.001), method).unwrap();
     let state = renderer.start();
     (renderer, state)
-}
-
-fn energy(state: &WorldState) -> f64 {
-    let books = state.books();
-    let bodies = books
-        .bodies
-        .iter()
-        .map(|book| book.kinetic + book.potential);
-    bodies.sum::<f64>() + books.joints.iter().map(|book| book.stored).sum::<f64>()
 }
 
 /// Moments of inertia of a block \[kg m^2\].

@@ -4,6 +4,8 @@
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // numbers of samples
 
 mod adversary;
+#[path = "../balance/mod.rs"]
+mod balance;
 mod books;
 mod boxes;
 mod capsules;

@@ -4,10 +4,11 @@
 use std::sync::Arc;
 
 use palpate_world::{
-    Body, Contact, ContactBook, ContactLaw, CoupledParams, DistanceGrid, Free, Hull, Mesh, Motion,
-    Party, PointShell, Sample, Shape, Tool, Vector, World, WorldLoop, WorldRenderer, WorldState,
+    Body, Contact, ContactLaw, CoupledParams, DistanceGrid, Free, Hull, Mesh, Motion, Party,
+    PointShell, Sample, Shape, Tool, Vector, World, WorldLoop, WorldRenderer,
 };
 
+use super::balance::{Balance, energy, of_bodies};
 use super::common::{block, drawn_out, fixed, plane, world};
 
 const HALF: Vector = [0.03, 0.02, 0.015];
@@ -123,17 +124,6 @@ fn a_shell_of_corners_is_a_box_and_the_grid_of_a_slab_a_floor() {
     }
 }
 
-/// Of all bodies and contacts, without what a device has done `[J]`.
-fn energy(state: &WorldState) -> f64 {
-    let books = state.books();
-    let of_bodies: f64 = books
-        .bodies
-        .iter()
-        .map(|book| book.kinetic + book.potential)
-        .sum();
-    of_bodies + books.contacts.iter().map(|book| book.stored).sum::<f64>()
-}
-
 /// An angle that tumbles in a slot meets flat sides, hollow edges and sharp ones; nothing takes energy, and none comes.
 #[test]
 fn what_tumbles_in_a_slot_keeps_its_energy() {
@@ -194,10 +184,6 @@ fn the_books_of_a_tool_with_a_shell_balance() {
     let method = CoupledParams::new(vec![[0.15; 3]]).with_device_inertia(vec![[4e-5; 3]]);
     let renderer = WorldRenderer::new(&world, WorldLoop::new(0.001), method).unwrap();
     let mut state = renderer.start();
-    let of_bodies = |state: &WorldState| -> f64 {
-        let books = state.books().bodies.iter();
-        books.map(|book| book.kinetic + book.potential).sum()
-    };
     let start = of_bodies(&state);
     let (mut most, mut torque) = (0.0_f64, 0.0_f64);
     for sample in 0..400 {
@@ -216,30 +202,10 @@ fn the_books_of_a_tool_with_a_shell_balance() {
             .iter()
             .fold(torque, |most, x| most.max(x.abs()));
     }
-    let books = state.books();
-    let sum = |of: fn(&ContactBook) -> f64| -> f64 { books.contacts.iter().map(of).sum() };
-    let mut worst = 0.0_f64;
-    for book in &books.contacts {
-        let off = book.stored - book.observed - book.handed - book.step_error;
-        worst = worst.max((off + book.work + book.dissipated).abs());
-        assert!(book.dissipated >= 0.0);
-    }
-    let steps =
-        sum(|book| book.step_error) + books.bodies.iter().map(|book| book.step_error).sum::<f64>();
-    let all = of_bodies(&state) - start
-        + sum(|book| book.stored)
-        + sum(|book| book.dissipated)
-        + sum(|book| book.work_on_avatar)
-        - sum(|book| book.observed)
-        - steps;
-    let turned_over: f64 = books.contacts.iter().map(|book| book.work.abs()).sum();
-    println!(
-        "a tool with a shell in a slot: up to {most:.1} N and {torque:.3} N m, {turned_over:.3} J turned over, steps \
-         {steps:.1e} J, books off by {worst:.1e} and {all:.1e} J"
-    );
+    let balance = Balance::since(start, &state);
+    println!("a tool with a shell in a slot: up to {most:.1} N and {torque:.3} N m, {balance}");
     assert!(most > 1.0 && torque > 1e-3, "{most} {torque}");
-    assert!(worst < 1e-13 && all.abs() < 1e-13, "{worst} {all}");
-    assert!(steps.abs() < 2e-2 * turned_over, "{steps} {turned_over}");
+    balance.holds_to(1e-13, 2e-2);
 }
 
 #[test]

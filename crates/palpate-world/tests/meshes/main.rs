@@ -1,5 +1,7 @@
 //! Laws of contact with triangle meshes, each beside the shape that the mesh is one of.
 
+#[path = "../balance/mod.rs"]
+mod balance;
 mod common;
 mod grids;
 mod moving;

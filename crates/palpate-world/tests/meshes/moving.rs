@@ -4,10 +4,11 @@
 use std::sync::Arc;
 
 use palpate_world::{
-    Body, ContactBook, ContactLaw, CoupledParams, Free, Hull, MassProperties, Mesh, Motion,
-    NOT_TURNED, Sample, Shape, Vector, WorldLoop, WorldRenderer, WorldState,
+    Body, ContactLaw, CoupledParams, Free, Hull, MassProperties, Mesh, Motion, NOT_TURNED, Sample,
+    Shape, Vector, WorldLoop, WorldRenderer,
 };
 
+use super::balance::{Balance, of_bodies};
 use super::common::{block, plane, world};
 
 const HALF: Vector = [0.03, 0.02, 0.015];
@@ -53,7 +54,7 @@ fn free() -> Free {
 }
 
 /// What the tool's force was, where the block was, and the state at the end.
-fn run(falls: Body, friction: f64) -> (Vec<Vector>, Vec<Vector>, WorldState, f64) {
+fn run(falls: Body, friction: f64) -> (Vec<Vector>, Vec<Vector>, Balance) {
     let law = ContactLaw::spring(5000.0)
         .with_damping(4.0)
         .with_friction(friction);
@@ -68,10 +69,6 @@ fn run(falls: Body, friction: f64) -> (Vec<Vector>, Vec<Vector>, WorldState, f64
     let world = world(0.006, bodies, law);
     let renderer = WorldRenderer::new(&world, WorldLoop::new(0.001), method).unwrap();
     let mut state = renderer.start();
-    let of_bodies = |state: &WorldState| -> f64 {
-        let books = state.books().bodies.iter();
-        books.map(|book| book.kinetic + book.potential).sum()
-    };
     let start = of_bodies(&state);
     let (mut forces, mut places) = (Vec::new(), Vec::new());
     for sample in 0..300 {
@@ -81,8 +78,7 @@ fn run(falls: Body, friction: f64) -> (Vec<Vector>, Vec<Vector>, WorldState, f64
         forces.push(output.forces[0]);
         places.push(state.bodies()[2].position);
     }
-    let gained = of_bodies(&state) - start;
-    (forces, places, state, gained)
+    (forces, places, Balance::since(start, &state))
 }
 
 fn apart(a: &[Vector], b: &[Vector]) -> f64 {
@@ -132,36 +128,16 @@ fn the_books_of_a_mesh_that_moves_balance() {
         Shape::Mesh(Arc::new(drawn())),
         Motion::Free(free()),
     );
-    let (_, _, state, gained) = run(
+    let (_, _, balance) = run(
         falls
             .turned(inverse(TURN))
             .balanced()
             .at([0.002, 0.001, 0.035]),
         0.3,
     );
-    let books = state.books();
-    let sum = |of: fn(&ContactBook) -> f64| -> f64 { books.contacts.iter().map(of).sum() };
-    let mut worst = 0.0_f64;
-    for book in &books.contacts {
-        let off = book.stored - book.observed - book.handed - book.step_error;
-        worst = worst.max((off + book.work + book.dissipated).abs());
-        assert!(book.dissipated >= 0.0);
-    }
-    let steps =
-        sum(|book| book.step_error) + books.bodies.iter().map(|book| book.step_error).sum::<f64>();
-    let all = gained
-        + sum(|book| book.stored)
-        + sum(|book| book.dissipated)
-        + sum(|book| book.work_on_avatar)
-        - sum(|book| book.observed)
-        - steps;
-    let turned_over: f64 = books.contacts.iter().map(|book| book.work.abs()).sum();
-    println!(
-        "{turned_over:.3} J turned over, steps {steps:.1e} J, books off by {worst:.1e} and {all:.1e} J"
-    );
-    assert!(turned_over > 0.005, "{turned_over}");
-    assert!(worst < 1e-14 && all.abs() < 1e-14, "{worst} {all}");
-    assert!(steps.abs() < 2e-3 * turned_over, "{steps}");
+    println!("a block that falls: {balance}");
+    assert!(balance.turned_over > 0.005, "{}", balance.turned_over);
+    balance.holds_to(1e-14, 2e-3);
 }
 
 #[test]
