@@ -35,6 +35,7 @@ pub type Situation = (&'static str, fn(&mut Watch));
 pub const STEPPED: [Situation; 17] = [
     ("every method on a simulated device", every_method),
     ("worlds on a device in space", worlds),
+    ("six axes, on a device and in a pointer's hand", six_axes),
     (
         "worlds that take the place of each other",
         worlds_that_change,
@@ -200,7 +201,7 @@ fn six_axes(watch: &mut Watch) {
             let [x, y, z] = own.position;
             turn(&mut control, name, watch, |tick| match tick % 100 {
                 0 => hand.let_go(),
-                10 => hand.move_to([x, y, z - 0.004]),
+                10 => hand.move_to([x, y, z - 0.025]),
                 40 => hand.turn_to([1.0, 0.05, 0.1, 0.0]),
                 80 => hand.turn_back(),
                 _ => {}

@@ -323,7 +323,7 @@ fn stopped_for_a_while_it_comes_back() -> bool {
     assert!(report["guardian"]["cuts"].as_u64() >= Some(1), "{report}");
     assert_eq!(report["guardian"]["gone"], false, "{report}");
     assert_eq!(report["guardian"]["silence_s"], 0.05, "{report}");
-    assert!(!is_held(&port));
+    wait_for("the end of the guardian", || !is_held(&port));
     let (off, lasted) = (number(&report, "motors_off_s"), number(&report, "lasted_s"));
     println!(
         "no force for {off} s of {lasted} s, {}",

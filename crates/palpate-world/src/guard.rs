@@ -117,6 +117,23 @@ impl Account {
         }
     }
 
+    /// Comes to be as `other`, of the same guard and as many tools. It does not allocate.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.there = other.there;
+        self.ports = other.ports;
+        for (own, other) in self.acted.iter_mut().zip(&other.acted) {
+            *own = *other;
+        }
+    }
+
+    /// Begins with the energy that bodies, contacts and joints have now, by books that began before. It does not allocate.
+    pub fn begin_at(&mut self, books: &Books) {
+        let bodies: f64 = books.bodies.iter().map(|book| book.kinetic).sum();
+        let contacts: f64 = books.contacts.iter().map(|book| book.stored).sum();
+        let joints: f64 = books.joints.iter().map(|book| book.stored).sum();
+        self.there = bodies + contacts + joints - had(books);
+    }
+
     /// Energy appeared in the contacts, as a tool was found in them or the world was changed `[J]`.
     pub fn appeared(&mut self, energy: f64) {
         self.there += energy;
@@ -157,14 +174,7 @@ impl Account {
         expected: f64,
         period: f64,
     ) -> f64 {
-        let gone = &books.gone;
-        let bodies = books.bodies.iter().chain([&gone.bodies]);
-        let bodies: f64 = bodies.map(|book| book.outside - book.potential).sum();
-        let contacts = books.contacts.iter().chain([&gone.contacts]);
-        let contacts: f64 = contacts.map(|book| book.dissipated).sum();
-        let joints = books.joints.iter().chain([&gone.joints]);
-        let joints: f64 = joints.map(|book| book.dissipated).sum();
-        let there = self.there + bodies - contacts - joints + params.allowance - expected;
+        let there = self.there + had(books) + params.allowance - expected;
         let mut claimed = 0.0;
         let mut least = f64::INFINITY;
         let late = self.acted.chunks_exact(self.tools.max(1));
@@ -177,6 +187,19 @@ impl Account {
         }
         least.max(0.0)
     }
+}
+
+/// What there was since the books began, besides what was there and what went through the ports `[J]`: work of the bodies'
+/// constant forces and from outside, less what damping and friction took.
+fn had(books: &Books) -> f64 {
+    let gone = &books.gone;
+    let bodies = books.bodies.iter().chain([&gone.bodies]);
+    let bodies: f64 = bodies.map(|book| book.outside - book.potential).sum();
+    let contacts = books.contacts.iter().chain([&gone.contacts]);
+    let contacts: f64 = contacts.map(|book| book.dissipated).sum();
+    let joints = books.joints.iter().chain([&gone.joints]);
+    let joints: f64 = joints.map(|book| book.dissipated).sum();
+    bodies - contacts - joints
 }
 
 /// Work of what acted on the tools over what they moved by `[J]`.

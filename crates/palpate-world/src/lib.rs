@@ -35,7 +35,6 @@ mod sample;
 mod shape;
 mod solid;
 mod state;
-mod takeover;
 mod tracking;
 mod turning;
 mod turning_observer;
@@ -43,6 +42,7 @@ mod world;
 
 pub use body::{Body, Free, Motion, Tool};
 pub use books::{BodyBook, Books, ContactBook, DeviceBook, Gone, JointBook};
+pub use change::Succession;
 pub use contact::{Contact, ContactLaw, Party};
 pub use fault::{Place, WorldError};
 pub use guard::{MOST_LATE, WorldGuard, WorldGuardParams};

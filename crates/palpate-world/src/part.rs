@@ -125,7 +125,6 @@ impl Part {
             mobility,
             drive,
             feels_torque,
-            rigid,
             ..
         } = *self;
         *self = Self {
@@ -136,7 +135,8 @@ impl Part {
         };
         if mobility != before.mobility {
             // The same velocities with another mass, so another momentum.
-            self.rigid.spin = rigid.spin;
+            let turning = before.turning(&before.rigid.spin);
+            self.set_turning(&turning);
         }
     }
 

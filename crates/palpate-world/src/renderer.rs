@@ -297,6 +297,18 @@ impl WorldRenderer {
         Ok((limited, effort))
     }
 
+    /// A method finds the devices at these positions `[m]`, at rest, and makes up its mind about the next interval.
+    pub(crate) fn begin_and_plan(
+        &self,
+        state: &mut Progress,
+        memory: &mut Memory,
+        positions: &[Vector],
+    ) {
+        state.now.forget_sides();
+        self.method.begin(self, state, memory, positions);
+        let _ = self.method.plan(self, state, memory);
+    }
+
     /// The guard takes account of an interval that has ended, with a sample that is believed or not.
     fn account(&self, state: &mut Progress, is_believed: bool) {
         let Some(params) = self.in_loop.guard.params() else {

@@ -3,7 +3,7 @@
 use palpate::Fault;
 
 use crate::rigid::{Rotation, Vector3};
-use crate::{Quaternion, Sample, WorldFault, WorldLoop};
+use crate::{Quaternion, Sample, Vector, WorldFault, WorldLoop};
 
 /// What is known of the devices' positions and orientations.
 #[derive(Clone, Debug)]
@@ -11,12 +11,12 @@ pub(crate) struct Tracking {
     /// Whether an interval is in progress, which the next sample ends.
     pub in_progress: bool,
     /// Positions of the last sample that was used `[m]`, if one was.
-    trusted: Vec<Vector3>,
+    trusted: Vec<Vector>,
     /// Its orientations: not turned, of a tool that does not turn.
     trusted_turn: Vec<Rotation>,
     is_trusted: bool,
     /// Positions of the last sample, if it was not used but finite.
-    seen: Vec<Vector3>,
+    seen: Vec<Vector>,
     pub seen_turn: Vec<Rotation>,
     is_seen: bool,
     turns: Vec<bool>,
@@ -35,10 +35,10 @@ impl Tracking {
         let not_turned = vec![Rotation::identity(); tools];
         Self {
             in_progress: false,
-            trusted: vec![Vector3::zeros(); tools],
+            trusted: vec![[0.0; 3]; tools],
             trusted_turn: not_turned.clone(),
             is_trusted: false,
-            seen: vec![Vector3::zeros(); tools],
+            seen: vec![[0.0; 3]; tools],
             seen_turn: not_turned,
             is_seen: false,
             turns: turns.to_vec(),
@@ -79,10 +79,12 @@ impl Tracking {
             let turned = unit(sample.orientations.get(tool)).filter(|_| self.turns[tool]);
             turned.unwrap_or_else(Rotation::identity)
         };
-        let fast = |from: &[Vector3], turned: &[Rotation], time: f64| {
+        let fast = |from: &[Vector], turned: &[Rotation], time: f64| {
             let mut pairs = from.iter().zip(sample.positions);
             let moved = in_loop.speed_limit.and_then(|limit| {
-                pairs.position(|(from, to)| (Vector3::from(*to) - from).norm() > limit * time)
+                pairs.position(|(from, to)| {
+                    (Vector3::from(*to) - Vector3::from(*from)).norm() > limit * time
+                })
             });
             moved.or_else(|| {
                 let limit = in_loop.turning_limit?;
@@ -102,7 +104,7 @@ impl Tracking {
             *seen = turned.unwrap_or_else(Rotation::identity);
         }
         for (seen, position) in self.seen.iter_mut().zip(sample.positions) {
-            *seen = Vector3::from(*position);
+            *seen = *position;
         }
         self.is_seen = true;
         let elapsed = elapsed.map_err(|fault| WorldFault { fault, tool: None })?;
@@ -115,10 +117,34 @@ impl Tracking {
         }
     }
 
+    /// Comes to be as `other`, of as many tools that turn or do not as these. It does not allocate.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.in_progress = other.in_progress;
+        self.trusted.copy_from_slice(&other.trusted);
+        self.trusted_turn.copy_from_slice(&other.trusted_turn);
+        self.is_trusted = other.is_trusted;
+        self.seen.copy_from_slice(&other.seen);
+        self.seen_turn.copy_from_slice(&other.seen_turn);
+        self.is_seen = other.is_seen;
+        self.since = other.since;
+    }
+
+    /// The positions of the last sample that was used `[m]`, to be [put back](Self::put_trusted).
+    pub fn take_trusted(&mut self) -> Vec<Vector> {
+        std::mem::take(&mut self.trusted)
+    }
+
+    pub fn put_trusted(&mut self, positions: Vec<Vector>) {
+        self.trusted = positions;
+    }
+
     /// By how much a tool went `[m]` and turned `[rad]` from the last sample that was used to the one that is believed.
     pub fn moved(&self, tool: usize) -> [Vector3; 2] {
         let turn = self.seen_turn[tool] * self.trusted_turn[tool].inverse();
-        [self.seen[tool] - self.trusted[tool], turn.scaled_axis()]
+        [
+            Vector3::from(self.seen[tool]) - Vector3::from(self.trusted[tool]),
+            turn.scaled_axis(),
+        ]
     }
 
     /// The last sample is used.

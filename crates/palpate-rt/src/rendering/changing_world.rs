@@ -3,11 +3,12 @@
 use palpate_device::clock::Clock;
 use palpate_device::{Device, Vector, Wrench};
 use palpate_record::recording::{BodyTick, ContactTick, Flags};
-use palpate_world::{Motion, World};
+use palpate_world::{Motion, Succession, World, WorldError};
 
 use super::renders::{Answer, Fresh, Renders};
 use super::world::RenderedWorld;
 use crate::control_loop::ControlLoop;
+use crate::fade::Fade;
 use crate::safety::SafetyParams;
 use crate::setup::SetupError;
 
@@ -21,6 +22,12 @@ pub struct ChangingWorld {
     generation: u32,
     /// What takes its place with the next sample.
     next: Option<Box<Other>>,
+    /// The world before the last change, while the device is held as by that.
+    before: Option<Box<Other>>,
+    /// What is left of what was held before a change.
+    fade: Fade,
+    /// What was answered last.
+    held: [Wrench; 1],
     coming: rtrb::Consumer<Box<Other>>,
     /// Those that have gone, for the other side to free: a tick does not.
     gone: rtrb::Producer<Box<Other>>,
@@ -31,7 +38,8 @@ pub struct ChangingWorld {
 struct Other {
     world: RenderedWorld,
     generation: u32,
-    is_kept: Vec<bool>,
+    /// What goes on in it of the world that was handed over before it.
+    succession: Succession,
 }
 
 /// The other end of the loop's world, for any thread: worlds are handed over without either side ever waiting.
@@ -40,8 +48,8 @@ pub struct Worlds {
     out: rtrb::Producer<Box<Other>>,
     back: rtrb::Consumer<Box<Other>>,
     described: World,
-    /// Of the first world: its period and where the device stands in it.
-    like: RenderedWorld,
+    /// As it was handed over last.
+    last: RenderedWorld,
     generation: u32,
 }
 
@@ -74,6 +82,9 @@ pub enum WorldChangeError {
         "the device must stand in the world as it does, and turn or not as it does, while the loop runs"
     )]
     Device,
+    /// It cannot go on from the world before.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Succession(Vec<WorldError>),
     /// The loop has not taken what came before.
     #[error("{WAITING} worlds wait to be rendered already; the loop takes them with its next tick")]
     Busy,
@@ -83,19 +94,22 @@ pub enum WorldChangeError {
 #[must_use]
 pub fn changing_world(described: World, world: RenderedWorld) -> (Worlds, ChangingWorld) {
     let (out, coming) = rtrb::RingBuffer::new(WAITING);
-    // With room for what waits and for what was taken with it.
-    let (gone, back) = rtrb::RingBuffer::new(2 * WAITING);
+    // With room for what waits, and for what was taken with it and before it.
+    let (gone, back) = rtrb::RingBuffer::new(3 * WAITING);
     let worlds = Worlds {
         out,
         back,
         described,
-        like: world.clone(),
+        last: world.clone(),
         generation: 0,
     };
     let world = ChangingWorld {
         world,
         generation: 0,
         next: None,
+        before: None,
+        fade: Fade::none(1),
+        held: [Wrench::NONE],
         coming,
         gone,
     };
@@ -115,16 +129,18 @@ impl Worlds {
         self.generation
     }
 
-    /// Renders `world` from the next tick on; `described` is what it renders. A body goes on from where it is, as fast as it
-    /// is, where place and motion at the start are described as before; else it is put there. The answer passes over to the
-    /// new one in a tenth of a second. The books of energy begin anew. Its number.
+    /// Renders `world` from the next tick on, as it goes on from the last sample; `described` is what it renders. A body goes on
+    /// from where it is, as fast as it is, where place and motion at the start are described as before; else it is put there.
+    /// What goes on besides, and how it is booked, [`WorldRenderer::changed`](palpate_world::WorldRenderer::changed) says; another
+    /// method knows nothing of the device yet. The device is held as by the world before for three samples, and the difference
+    /// fades in [`CHANGE_DURATION`](crate::CHANGE_DURATION). Its number.
     ///
     /// # Errors
     /// Another period, other devices, bodies or pairs that may touch, or a device that stands elsewhere; too many at once.
     pub fn change(
         &mut self,
         described: World,
-        world: RenderedWorld,
+        mut world: RenderedWorld,
     ) -> Result<u32, WorldChangeError> {
         // What the loop has done with is freed here.
         while self.back.pop().is_ok() {}
@@ -138,20 +154,26 @@ impl Worlds {
             let is_there = (now.position, now.orientation) == (then.position, then.orientation);
             is_there && motion(&now.motion) == motion(&then.motion)
         });
+        let is_kept: Vec<bool> = is_kept.collect();
+        let succession = world
+            .succeed(&self.last, &is_kept)
+            .map_err(WorldChangeError::Succession)?;
         let generation = self.generation.wrapping_add(1);
+        let last = world.clone();
         let other = Box::new(Other {
-            is_kept: is_kept.collect(),
+            succession,
             world,
             generation,
         });
         self.out.push(other).map_err(|_| WorldChangeError::Busy)?;
+        self.last = last;
         self.described = described;
         self.generation = generation;
         Ok(generation)
     }
 
     fn check(&self, described: &World, world: &RenderedWorld) -> Result<(), WorldChangeError> {
-        let (now, then) = (self.like.period(), world.period());
+        let (now, then) = (self.last.period(), world.period());
         if now != then {
             return Err(WorldChangeError::Period { now, then });
         }
@@ -171,9 +193,9 @@ impl Worlds {
             let between = between.map(|contact| format!("{:?}", contact.between));
             between.collect::<Vec<_>>()
         };
-        let (now, then) = (pairs(&self.like), pairs(world));
+        let (now, then) = (pairs(&self.last), pairs(world));
         same("the pairs that may touch", now.join(", "), then.join(", "))?;
-        if self.like.frame() != world.frame() || self.like.turns() != world.turns() {
+        if self.last.frame() != world.frame() || self.last.turns() != world.turns() {
             return Err(WorldChangeError::Device);
         }
         Ok(())
@@ -214,7 +236,7 @@ impl Renders for ChangingWorld {
         let mut taken = None;
         // At most as many as may wait. One for which there is no room among those that have gone waits on.
         for _ in 0..WAITING {
-            if self.gone.slots() < 2 {
+            if self.gone.slots() < 3 {
                 break;
             }
             let Ok(mut other) = self.coming.pop() else {
@@ -223,8 +245,7 @@ impl Renders for ChangingWorld {
             taken = Some(other.generation);
             if let Some(overtaken) = self.next.take() {
                 // Where it would have put a body is where the other one describes it.
-                let kept = other.is_kept.iter_mut().zip(&overtaken.is_kept);
-                kept.for_each(|(kept, was_kept)| *kept &= was_kept);
+                other.succession.skip(&overtaken.succession);
                 self.let_go(overtaken);
             }
             self.next = Some(other);
@@ -238,15 +259,36 @@ impl Renders for ChangingWorld {
     }
 
     fn step(&mut self, sample: &Fresh) -> Answer {
-        let Some(mut other) = self.next.take() else {
-            return self.world.step(sample);
+        if let Some(mut other) = self.next.take() {
+            other.world.go_on(&self.world, &other.succession);
+            std::mem::swap(&mut self.world, &mut other.world);
+            if let Some(before) = self.before.replace(other) {
+                self.let_go(before);
+            }
+            self.fade.begin();
+        }
+        let as_before = match &mut self.before {
+            Some(before) if self.fade.is_settling() => {
+                let answer = before.world.step(sample);
+                answer.fault.is_none().then_some([answer.wrench])
+            }
+            _ => None,
         };
-        let answer = other
-            .world
-            .take_over(&mut self.world, &other.is_kept, sample);
-        std::mem::swap(&mut self.world, &mut other.world);
-        self.let_go(other);
-        answer
+        let answer = self.world.step(sample);
+        if answer.fault.is_some() {
+            self.fade.end();
+        }
+        let elapsed = sample.elapsed.unwrap_or_else(|| self.world.period());
+        let asked = std::iter::once(answer.wrench);
+        let as_before = as_before.as_ref().map(<[Wrench; 1]>::as_slice);
+        self.fade.answer(asked, as_before, elapsed, &mut self.held);
+        if !self.fade.is_settling()
+            && let Some(before) = self.before.take()
+        {
+            self.let_go(before);
+        }
+        let [wrench] = self.held;
+        Answer { wrench, ..answer }
     }
 
     fn report_written(&mut self, held: Wrench, sent: Option<Wrench>) {

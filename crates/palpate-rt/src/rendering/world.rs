@@ -2,9 +2,8 @@
 
 use palpate_device::{Vector, Wrench};
 use palpate_record::recording::{BodyTick, ContactTick, Flags};
-use palpate_world::{Limited, Sample, World, WorldRenderer, WorldState};
+use palpate_world::{Limited, Sample, Succession, World, WorldError, WorldRenderer, WorldState};
 
-use super::CHANGE_DURATION;
 use super::frame::WorldFrame;
 use super::renders::{Answer, Fresh, Renders};
 use super::world_rows::WorldRows;
@@ -29,20 +28,6 @@ pub struct RenderedWorld {
     /// Whether the last sample was refused, or there was none: what a sample then changes is from outside.
     is_new: bool,
     rows: WorldRows,
-    /// What was answered last.
-    answered: Wrench,
-    passing: Passing,
-}
-
-/// How the answers of a world that has taken over from another pass from that one's to its own.
-#[derive(Clone, Copy, Debug)]
-enum Passing {
-    /// They are its own.
-    Over,
-    /// The first is that of the world before.
-    Begins,
-    /// What the world before answered more, of which a part has passed.
-    Under { more: Wrench, part: f64 },
 }
 
 impl RenderedWorld {
@@ -77,8 +62,6 @@ impl RenderedWorld {
             created: 0.0,
             is_new: true,
             rows: WorldRows::new(world, &state),
-            answered: Wrench::NONE,
-            passing: Passing::Over,
             state,
             renderer,
         })
@@ -96,52 +79,24 @@ impl RenderedWorld {
         self.turns
     }
 
-    /// Takes the sample that `before` has been told of in `before`'s place: `before` is stepped a last time, and this world goes
-    /// on from there ([`WorldRenderer::take_over`]). The answer is that of `before`, and comes to be this world's own within a
-    /// tenth of a second.
-    pub(super) fn take_over(
+    /// Makes ready to go on from `before`, with those bodies that are kept ([`WorldRenderer::succeed`]).
+    pub(super) fn succeed(
         &mut self,
-        before: &mut Self,
+        before: &Self,
         is_kept: &[bool],
-        sample: &Fresh,
-    ) -> Answer {
-        let from = (&before.renderer, &before.state);
-        self.renderer.take_commands(&mut self.state, from);
-        let _ = before.step(sample);
-        self.renderer
-            .take_over(&mut self.state, &before.state, is_kept);
-        self.booked = self.state.books().created();
-        self.created = before.created;
-        self.is_new = true;
-        self.answered = before.answered;
-        self.passing = Passing::Begins;
-        self.step(sample)
+    ) -> Result<Succession, Vec<WorldError>> {
+        let succession = self.renderer.succeed(&before.renderer, is_kept)?;
+        self.state = self.renderer.start();
+        Ok(succession)
     }
 
-    /// The answer to a sample, on its way from that of the world before to `own`.
-    fn pass(&mut self, own: Wrench) -> Wrench {
-        let (more, part) = match self.passing {
-            Passing::Over => return own,
-            Passing::Begins => (apart(self.answered, own), 0.0),
-            Passing::Under { more, part } => (more, part + self.period() / CHANGE_DURATION),
-        };
-        self.passing = if part < 1.0 {
-            Passing::Under { more, part }
-        } else {
-            Passing::Over
-        };
-        let left = 1.0 - part.min(1.0);
-        let on_top = |own: Vector, more: Vector| {
-            let mut sum = own;
-            for (sum, more) in sum.iter_mut().zip(more) {
-                *sum += left * more;
-            }
-            sum
-        };
-        Wrench {
-            force: on_top(own.force, more.force),
-            torque: on_top(own.torque, more.torque),
-        }
+    /// Goes on from `before` between two samples ([`WorldRenderer::go_on`]).
+    pub(super) fn go_on(&mut self, before: &Self, succession: &Succession) {
+        let past = (&before.renderer, &before.state);
+        self.renderer.go_on(&mut self.state, past, succession);
+        self.booked = self.state.books().created();
+        self.created = before.created;
+        self.is_new = before.is_new;
     }
 
     /// Tells the renderer what was sent, or held, in the axes of the device.
@@ -157,21 +112,6 @@ impl RenderedWorld {
     #[must_use]
     pub fn state(&self) -> &WorldState {
         &self.state
-    }
-}
-
-/// What `one` is more than `other`.
-fn apart(one: Wrench, other: Wrench) -> Wrench {
-    let less = |one: Vector, other: Vector| {
-        let mut less = one;
-        for (less, other) in less.iter_mut().zip(other) {
-            *less -= other;
-        }
-        less
-    };
-    Wrench {
-        force: less(one.force, other.force),
-        torque: less(one.torque, other.torque),
     }
 }
 
@@ -211,14 +151,11 @@ impl Renders for RenderedWorld {
         }
         self.booked = booked;
         self.is_new = fault.is_some();
-        let own = Wrench {
-            force: self.frame.on_device(force),
-            torque,
-        };
-        // A sample that was refused is answered by nothing.
-        self.answered = if fault.is_some() { own } else { self.pass(own) };
         Answer {
-            wrench: self.answered,
+            wrench: Wrench {
+                force: self.frame.on_device(force),
+                torque,
+            },
             coordinate: 0.0,
             fault,
         }

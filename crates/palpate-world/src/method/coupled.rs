@@ -144,6 +144,12 @@ fn against(avatar: &Rigid, measured: &Vector3, device: &Axes) -> Avatar {
 }
 
 impl CoupledMemory {
+    /// Comes to be as `other`, of as many tools.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.devices.copy_from_slice(&other.devices);
+        self.periods = other.periods;
+    }
+
     pub fn new(coupled: &Coupled, period: f64) -> Self {
         Self {
             devices: coupled.devices().collect(),

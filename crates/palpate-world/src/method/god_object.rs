@@ -135,19 +135,13 @@ impl GodObjectMemory {
         }
     }
 
-    /// The same in a changed world, whose points of contact were so numbered before.
-    pub fn of_points(&self, from: &[Option<usize>]) -> Self {
-        let constraint = |was: &Option<usize>| was.map(|was| self.constraints[was]);
-        let constraints = from.iter().map(constraint);
-        Self {
-            devices: self.devices.clone(),
-            constraints: constraints
-                .map(|kept| kept.unwrap_or_else(Constraint::none))
-                .collect(),
-            anchors: from
-                .iter()
-                .map(|was| was.and_then(|was| self.anchors[was]))
-                .collect(),
+    /// Goes on from another world, whose points of contact were so numbered.
+    pub fn goes_on_from(&mut self, before: &Self, points: &[Option<usize>]) {
+        self.devices.copy_from_slice(&before.devices);
+        let own = self.constraints.iter_mut().zip(&mut self.anchors);
+        for ((constraint, anchor), was) in own.zip(points) {
+            *constraint = was.map_or_else(Constraint::none, |was| before.constraints[was]);
+            *anchor = was.and_then(|was| before.anchors[was]);
         }
     }
 

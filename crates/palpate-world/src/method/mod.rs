@@ -205,11 +205,17 @@ impl Checked {
 }
 
 impl Memory {
-    /// The same in a changed world, whose points of contact were so numbered before.
-    pub fn of_points(&self, from: &[Option<usize>]) -> Self {
-        match self {
-            Self::GodObject(memory) => Self::GodObject(memory.of_points(from)),
-            other => other.clone(),
+    /// Goes on from what the same method knew in another world, whose points of contact were so numbered. It does not allocate.
+    pub fn goes_on_from(&mut self, before: &Self, points: &[Option<usize>]) {
+        match (self, before) {
+            (Self::VirtualCoupling(memory), Self::VirtualCoupling(before)) => {
+                memory.copy_from(before);
+            }
+            (Self::GodObject(memory), Self::GodObject(before)) => {
+                memory.goes_on_from(before, points);
+            }
+            (Self::Coupled(memory), Self::Coupled(before)) => memory.copy_from(before),
+            _ => {}
         }
     }
 

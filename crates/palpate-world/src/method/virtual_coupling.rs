@@ -138,6 +138,11 @@ struct Device {
 }
 
 impl VirtualCouplingMemory {
+    /// Comes to be as `other`, of as many tools.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.devices.copy_from_slice(&other.devices);
+    }
+
     pub fn new(tools: usize) -> Self {
         let device = Device {
             position: Vector3::zeros(),

@@ -1,0 +1,257 @@
+//! How a state goes on in another world, and what a change from outside is booked as.
+
+use super::Succession;
+use crate::WorldRenderer;
+use crate::method::Memory;
+use crate::rigid::Vector3;
+use crate::state::{Progress, WorldState, body_state, show_contacts};
+
+/// What is new to a state after a change.
+pub(super) enum New<'a> {
+    /// What has no origin.
+    Since(&'a Succession),
+    /// What a body has to do with, which has been put elsewhere: its number among tools and bodies.
+    Body(usize),
+}
+
+impl New<'_> {
+    fn is_new(
+        &self,
+        origins: impl Fn(&Succession) -> &[Option<usize>],
+        number: usize,
+        parts: [usize; 2],
+    ) -> bool {
+        match self {
+            Self::Since(from) => origins(from)[number].is_none(),
+            Self::Body(body) => parts.contains(body),
+        }
+    }
+
+    fn has_point(&self, number: usize, parts: [usize; 2]) -> bool {
+        self.is_new(|from| &from.points, number, parts)
+    }
+
+    fn has_surface(&self, number: usize, parts: [usize; 2]) -> bool {
+        self.is_new(|from| &from.surfaces, number, parts)
+    }
+
+    fn has_blocks(&self, number: usize, parts: [usize; 2]) -> bool {
+        self.is_new(|from| &from.blocks, number, parts)
+    }
+
+    fn has_joint(&self, number: usize) -> bool {
+        match self {
+            Self::Since(from) => from.joints[number].is_none(),
+            // A joint answers to where its bodies are, so it may be looked at anew.
+            Self::Body(_) => true,
+        }
+    }
+}
+
+impl WorldRenderer {
+    /// Goes on from `before`, another renderer and its state, between two samples: from now on `state`, which this renderer has
+    /// [started](Self::start), is what that one was. `succession` is what [`succeed`](Self::succeed) has found for the two.
+    ///
+    /// What goes on, and how it is booked, [`changed`](Self::changed) says. Method and loop may be other ones: then the
+    /// method begins with devices that were at rest at the last sample, and a guard with the energy that is there. What is under
+    /// way to the devices stays where both are told the same of the actuators. It allocates nothing.
+    pub fn go_on(
+        &self,
+        state: &mut WorldState,
+        (before, past): (&Self, &WorldState),
+        succession: &Succession,
+    ) {
+        let (old, new) = (&past.progress, &mut state.progress);
+        new.tracking.copy_from(&old.tracking);
+        let (here, there) = (&self.in_loop, &before.in_loop);
+        let is_same_timing = here.actuation == there.actuation && here.period == there.period;
+        let is_same_method = is_same_timing && self.described == before.described;
+        if is_same_timing {
+            new.commands.copy_from(&old.commands);
+            new.torque_commands.copy_from(&old.torque_commands);
+        }
+        new.intended.copy_from_slice(&old.intended);
+        new.intended_torques.copy_from_slice(&old.intended_torques);
+        new.forces.copy_from_slice(&old.forces);
+        new.torques.copy_from_slice(&old.torques);
+        new.tools.copy_from_slice(&old.tools);
+        let is_same_guard = here.guard == there.guard;
+        if is_same_guard {
+            new.guard.copy_from(&old.guard);
+        }
+        let parts = new.now.parts.iter_mut().zip(&succession.parts);
+        for (number, (part, was)) in parts.enumerate() {
+            match was {
+                Some(was) if number >= self.tools => part.goes_on_from(&old.now.parts[*was]),
+                Some(was) if is_same_method => *part = old.now.parts[*was],
+                Some(was) => part.rigid = old.now.parts[*was].rigid,
+                None => {}
+            }
+        }
+        let touches = new.now.touches.iter_mut().zip(&succession.points);
+        for ((touch, was), point) in touches.zip(&self.points) {
+            // Where the method itself says what a contact holds, another method knows nothing of it.
+            if let Some(was) = was
+                && point.is_held == before.points[*was].is_held
+            {
+                *touch = old.now.touches[*was];
+            }
+        }
+        for (surface, was) in new.now.surfaces.iter_mut().zip(&succession.surfaces) {
+            if let Some(was) = was {
+                surface.copy_from(&old.now.surfaces[*was]);
+            }
+        }
+        for (blocks, was) in new.now.blocks.iter_mut().zip(&succession.blocks) {
+            if let Some(was) = was {
+                blocks.copy_from(&old.now.blocks[*was]);
+            }
+        }
+        let books = &mut new.books;
+        books.gone = old.books.gone;
+        books.devices.copy_from_slice(&old.books.devices);
+        carry(&mut books.contacts, &old.books.contacts, &succession.points);
+        // What is new has all that it has from outside.
+        carry(&mut books.joints, &old.books.joints, &succession.joints);
+        carry(&mut books.bodies, &old.books.bodies, &succession.bodies);
+        let stored = books.take_leave(
+            &old.books,
+            &succession.points,
+            &succession.bodies,
+            &succession.joints,
+        );
+        new.guard.appeared(-stored);
+        let befores = |joint: usize| old.now.links.iter().filter(move |link| link.joint == joint);
+        for (joint, was) in succession.joints.iter().enumerate() {
+            let Some(was) = was else {
+                continue;
+            };
+            let links = new.now.links.iter_mut();
+            let links = links.filter(|link| link.joint == joint);
+            for (link, before) in links.zip(befores(*was)) {
+                link.goes_on_from(before);
+            }
+        }
+        self.settle(new, &New::Since(succession));
+        if is_same_method {
+            let points = &succession.points;
+            state.memory.goes_on_from(&past.memory, points);
+        } else if state.progress.tracking.in_progress {
+            self.meet_devices(&mut state.progress, &mut state.memory);
+            // What that changes is from outside: no force that was held has made it.
+            let contacts = state.progress.books.contacts.iter_mut();
+            for (book, was) in contacts.zip(&succession.points) {
+                let before = was.map_or(0.0, |was| past.progress.books.contacts[was].observed);
+                book.outside += book.observed - before;
+                book.observed = before;
+            }
+        }
+        if !is_same_guard {
+            let progress = &mut state.progress;
+            progress.guard.begin_at(&progress.books);
+        }
+    }
+
+    /// A method that knows nothing of the devices yet finds them where the last sample did, at rest.
+    fn meet_devices(&self, progress: &mut Progress, memory: &mut Memory) {
+        let observed = progress.books.observed();
+        let positions = progress.tracking.take_trusted();
+        self.begin_and_plan(progress, memory, &positions);
+        progress.tracking.put_trusted(positions);
+        let appeared = progress.books.observed() - observed;
+        progress.guard.appeared(appeared);
+    }
+
+    /// Looks at what is new after a change from outside, and books what it has changed. What is not new keeps the forces of
+    /// the last look, so that it goes on as it would have.
+    pub(super) fn settle(&self, state: &mut Progress, new: &New<'_>) {
+        let Progress { now, room, .. } = state;
+        now.begin();
+        room.copy_from(now);
+        room.look(&self.points);
+        for (part, seen) in now.parts.iter_mut().zip(&room.parts) {
+            part.force = Vector3::zeros();
+            part.torque = Vector3::zeros();
+            part.twist = seen.twist;
+        }
+        // Before the first sample nobody knows where the tools are, and after a refused one not either.
+        if state.tracking.in_progress {
+            for (number, surface) in now.surfaces.iter_mut().enumerate() {
+                if new.has_surface(number, surface.parts()) {
+                    surface.copy_from(&room.surfaces[number]);
+                }
+            }
+            for (number, blocks) in now.blocks.iter_mut().enumerate() {
+                if new.has_blocks(number, blocks.parts) {
+                    blocks.copy_from(&room.blocks[number]);
+                }
+            }
+            for (number, (touch, point)) in now.touches.iter_mut().zip(&self.points).enumerate() {
+                if new.has_point(number, [point.first, point.second]) && !point.is_held {
+                    *touch = room.touches[number];
+                }
+            }
+        }
+        for (touch, point) in now.touches.iter().zip(&self.points) {
+            if !touch.is_apart() {
+                now.parts[point.first].load(&touch.force, &touch.place);
+                now.parts[point.second].load(&-touch.force, &touch.place);
+            }
+        }
+        for (link, seen) in now.links.iter_mut().zip(&room.links) {
+            if new.has_joint(link.joint) {
+                *link = *seen;
+            }
+            // By the springs that it has now.
+            link.stored = seen.stored;
+            link.load(&mut now.parts);
+        }
+        let mut appeared = 0.0;
+        for (number, (book, point)) in state
+            .books
+            .contacts
+            .iter_mut()
+            .zip(&self.points)
+            .enumerate()
+        {
+            let past = &state.now.touches[number].past;
+            let stored = if point.is_held {
+                0.0
+            } else {
+                state.now.stored(number, point)
+            };
+            let outside = stored - book.stored + past.dissipated - past.handed;
+            book.outside += outside;
+            book.handed += past.handed;
+            book.dissipated += past.dissipated;
+            book.stored = stored;
+            appeared += outside;
+        }
+        for (number, book) in state.books.joints.iter_mut().enumerate() {
+            let links = state.now.links.iter().filter(|link| link.joint == number);
+            let stored: f64 = links.map(|link| link.stored).sum();
+            book.outside += stored - book.stored;
+            appeared += stored - book.stored;
+            book.stored = stored;
+        }
+        let parts = &state.now.parts[self.tools..];
+        for (book, part) in state.books.bodies.iter_mut().zip(parts) {
+            let kinetic = part.mobility.kinetic_energy(&part.rigid);
+            book.outside += kinetic - book.kinetic;
+            book.kinetic = kinetic;
+        }
+        for (part, body) in parts.iter().zip(&mut state.bodies) {
+            *body = body_state(part);
+        }
+        state.guard.appeared(appeared);
+        state.now.begin();
+        show_contacts(&mut state.contacts, &state.now);
+    }
+}
+
+/// The books of what goes on; those of what is new are empty.
+fn carry<Book: Copy + Default>(new: &mut [Book], old: &[Book], from: &[Option<usize>]) {
+    for (book, was) in new.iter_mut().zip(from) {
+        *book = was.map_or_else(Book::default, |was| old[was]);
+    }
+}

@@ -1,0 +1,191 @@
+//! Changes of a world that runs: other bodies, contacts and joints, and bodies that are put elsewhere.
+
+mod going_on;
+mod succession;
+
+use crate::body::rotation;
+use crate::moving::Touch;
+use crate::state::{BodyState, WorldState, body_state};
+use crate::world::{Faults, is_unit};
+use crate::{Motion, Place, World, WorldError, WorldRenderer};
+
+use going_on::New;
+pub use succession::Succession;
+
+impl WorldRenderer {
+    /// The world that is rendered, its bodies as they were at the start or at the last change.
+    #[must_use]
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// Goes on with another world: a renderer and a state for `world`, in which everything moves on that is there by its
+    /// name already. Loop, method and tools stay as they are, but for the shapes of the tools.
+    ///
+    /// - A body of a name that there was goes on from where it is, as it moves; what `world` says of its place and
+    ///   velocity is not looked at. Its shape, mass, force and whether it is fixed are those of `world`. With another mass
+    ///   or inertia it keeps its velocities.
+    /// - A body of a new name begins as `world` says.
+    /// - A pair of which both shapes stay keeps its bristle. Its law is that of `world`.
+    /// - A joint of the same bodies, kind, point, axis and span keeps its coordinate. Another one is new: its point and
+    ///   axis hold as the bodies stand now.
+    ///
+    /// What the devices are known to do and what is sent to them goes on. The energy that a change puts in or takes out is
+    /// booked as outside work, and the books of what is gone are summed up in [`Books::gone`](crate::Books::gone). The
+    /// force may step with the next sample. It allocates, as [`new`](Self::new) does; [`succeed`](Self::succeed) and
+    /// [`go_on`](Self::go_on) do the same in two steps, of which the second does not.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the new world, or another number, order, name or kind of tools.
+    pub fn changed(
+        &self,
+        state: &WorldState,
+        world: &World,
+    ) -> Result<(Self, WorldState), Vec<WorldError>> {
+        self.check_tools(world)?;
+        let now = self.where_it_is(state, world);
+        let mut renderer = Self::new(&now, self.in_loop.clone(), self.described.clone())?;
+        let succession = renderer.succeed(self, &[])?;
+        let mut next = renderer.start();
+        renderer.go_on(&mut next, (self, state), &succession);
+        Ok((renderer, next))
+    }
+
+    /// Puts a body elsewhere, or gives it another velocity, between two samples. The energy of it is booked as outside
+    /// work; the force may step with the next sample. It does not allocate.
+    ///
+    /// # Errors
+    /// There is no such body, a number is not finite, the orientation is no unit quaternion, or a fixed body is to move.
+    pub fn place(
+        &self,
+        state: &mut WorldState,
+        body: usize,
+        to: &BodyState,
+    ) -> Result<(), WorldError> {
+        self.can_place(body, to)?;
+        let number = self.tools + body;
+        let progress = &mut state.progress;
+        let part = &mut progress.now.parts[number];
+        part.rigid.position = to.position.into();
+        part.rigid.orientation = rotation(to.orientation);
+        part.rigid.velocity = to.velocity.into();
+        part.set_turning(&to.angular_velocity.into());
+        let now = &mut progress.now;
+        for (touch, point) in now.touches.iter_mut().zip(&self.points) {
+            if point.first == number || point.second == number {
+                *touch = Touch::apart();
+            }
+        }
+        for surface in &mut now.surfaces {
+            if surface.parts().contains(&number) {
+                surface.forget();
+            }
+        }
+        for blocks in &mut now.blocks {
+            if blocks.parts.contains(&number) {
+                blocks.forget();
+            }
+        }
+        self.settle(progress, &New::Body(number));
+        Ok(())
+    }
+
+    /// Whether a body can be there. Words are only made of what is wrong, since they allocate.
+    fn can_place(&self, body: usize, to: &BodyState) -> Result<(), WorldError> {
+        let place = Place::Body(body);
+        let Some(described) = self.world.bodies.get(body) else {
+            let count = self.world.bodies.len();
+            let message = format!("there is no body {body}; the world has {count}");
+            return Err(WorldError::new(place, "body", "the world", message));
+        };
+        let BodyState {
+            position,
+            orientation,
+            velocity,
+            angular_velocity,
+        } = to;
+        let moves = *velocity != [0.0; 3] || *angular_velocity != [0.0; 3];
+        let is_still = described.motion == Motion::Fixed && moves;
+        let mut numbers = position.iter().chain(velocity).chain(angular_velocity);
+        if numbers.all(|x| x.is_finite()) && is_unit(orientation) && !is_still {
+            return Ok(());
+        }
+        let (mut faults, subject) = (Vec::new(), format!("body {:?}", described.name));
+        let mut checks = Faults::new(&mut faults, place, &subject);
+        checks.finite("position", position);
+        checks.unit("orientation", orientation);
+        checks.finite("velocity", velocity);
+        checks.finite("angular_velocity", angular_velocity);
+        if is_still {
+            let message = "a fixed body has no velocity: give it 0, or make it a body that moves";
+            checks.fault("velocity", message.into());
+        }
+        faults.into_iter().next().map_or(Ok(()), Err)
+    }
+
+    /// The tools are those that there were.
+    fn check_tools(&self, world: &World) -> Result<(), Vec<WorldError>> {
+        let before = &self.world.tools;
+        if world.tools.len() != before.len() {
+            let message = format!(
+                "there are {} tools, and {} before; the tools of a world that runs stay",
+                world.tools.len(),
+                before.len()
+            );
+            return Err(vec![WorldError::new(
+                Place::World,
+                "tools",
+                "the world",
+                message,
+            )]);
+        }
+        let tools = world.tools.iter().zip(before).enumerate();
+        let faults: Vec<_> = tools
+            .filter(|(_, (tool, before))| tool.name != before.name || tool.turns != before.turns)
+            .map(|(number, (tool, before))| {
+                let turns = if before.turns { "" } else { " does not" };
+                WorldError::new(
+                    Place::Tool(number),
+                    "tools",
+                    format!("tool {:?}", tool.name),
+                    format!(
+                        "it was {:?}, which{turns} turn{}; the tools of a world that runs stay, but for their shapes",
+                        before.name,
+                        if before.turns { "s" } else { "" }
+                    ),
+                )
+            })
+            .collect();
+        if faults.is_empty() {
+            Ok(())
+        } else {
+            Err(faults)
+        }
+    }
+
+    /// `world` with the bodies that there were as they are now.
+    fn where_it_is(&self, state: &WorldState, world: &World) -> World {
+        let mut now = world.clone();
+        for body in &mut now.bodies {
+            let place = self
+                .world
+                .bodies
+                .iter()
+                .position(|old| old.name == body.name);
+            let Some(place) = place else {
+                continue;
+            };
+            let is = body_state(&state.progress.now.parts[self.tools + place]);
+            body.position = is.position;
+            body.orientation = is.orientation;
+            let moved = self.world.bodies[place].motion != Motion::Fixed;
+            if let Motion::Free(free) = &mut body.motion
+                && moved
+            {
+                free.velocity = is.velocity;
+                free.angular_velocity = is.angular_velocity;
+            }
+        }
+        now
+    }
+}
