@@ -13,7 +13,7 @@ const here = (path) => fileURLToPath(new URL(`../../${path}`, import.meta.url));
 const WORLDS = here("experiments/worlds");
 const PICTURES = here("docs/figures/gallery");
 const SIZE = { width: 1200, height: 760 };
-/** A picture is taken while the tool touches something, but no later than this [s]: some tools touch only at the start. */
+/** The picture stands still once the tool touches something, and is taken at this time at the latest [s]. */
 const LATEST_S = 1;
 
 const field = (text, pattern) => pattern.exec(text)?.[1];
@@ -36,13 +36,25 @@ for (const file of readdirSync(WORLDS).filter((name) => name.endsWith(".toml")).
   const live = await startLive(`${WORLDS}/${file}`, "--device", "pointer", "--method", "coupled", "--priority", "0", "--stall-after", "50");
   const open = await visit(live.url, { viewport: SIZE });
   // From the start, the tool goes to where the hand of the scene would have it.
+  await open.until("it has begun", () => palpate.model.run !== null);
+  const run = await open.get(() => {
+    const { model, space } = palpate;
+    const [before, take] = [model.run, space.take.bind(space)];
+    space.take = (world) => {
+      if (!space.standsStill) {
+        take(world);
+        space.standsStill = world.run !== before && space.lanes[0].felt.shown > 0;
+      }
+    };
+    return before;
+  });
   await open.page.click("#restart");
-  await open.until("it has begun anew", (latest) => palpate.model.newestS < latest, LATEST_S / 2);
+  await open.until("it has begun anew", (before) => palpate.model.run !== before, run);
   const rest = field(text, /^hand_rest_m = (\[.*\])$/m);
   if (rest) {
     await open.get((to) => palpate.link.say({ type: "tool", position_m: to }), JSON.parse(rest));
   }
-  const isTime = (latest) => palpate.space.lanes[0].arrows.shown > 0 || palpate.model.newestS > latest;
+  const isTime = (latest) => palpate.space.standsStill || palpate.model.newestS > latest;
   await open.until(`${name} touches`, isTime, LATEST_S);
   const canvas = await open.page.$("#space");
   await canvas.screenshot({ path: `${PICTURES}/${name}.webp`, type: "webp", quality: 70 });

@@ -68,8 +68,11 @@ export class Space {
       high.max(at.clone().addScalar(around));
     }
     this.centre.copy(low).add(high).multiplyScalar(0.5);
-    this.reach = Math.max(0.02, 0.5 * high.distanceTo(low));
-    this.distance = 4.2 * this.reach;
+    // Of the sphere around the middle that has all of it.
+    const reaches = places.map(({ position_m, shape }) => this.centre.distanceTo(new Vector3(...position_m)) + extent(shape));
+    this.reach = Math.max(0.02, ...reaches);
+    // With room to move about.
+    this.distance = 5 * this.reach;
     for (const lane of this.lanes) {
       lane.fit(this.centre, this.reach);
     }
