@@ -94,8 +94,9 @@ side:
 palpate live experiments/worlds/paddle.toml --device pointer --method basic,coupled
 \`\`\`
 
-The pictures are of the page that this opens, as the tool touches something or after 2 s: the tool is blue, bodies that move are brown, arrows are
-the forces of contacts. \`npm run gallery --prefix conformance/browser\` draws them, and writes this page.
+The pictures are of the page that this opens, as the tool touches something or after 2 s: the tool is blue, bodies that move
+are brown, arrows are the forces of contacts. \`npm run gallery --prefix conformance/browser\` draws them, and writes this
+page.
 
 | | |
 |---|---|
